@@ -1,0 +1,52 @@
+//! Coulomb friction: a level per direction, whatever the speed.
+
+use super::{Effect, LoadEffect};
+use crate::motion::{Load, Motion};
+use crate::param::{Param, Unit};
+use crate::scalar::Scalar;
+
+/// +pos while omega > 0, -neg while omega < 0; both are magnitudes.
+///
+/// A negative magnitude creates energy: the model then lacks an effect that the friction has absorbed.
+pub struct Coulomb;
+
+impl Effect<2> for Coulomb {
+    const ID: &'static str = "coulomb";
+    const LAW: &'static str = "+pos for omega > 0, -neg for omega < 0";
+    const SOURCE: &'static str = "Coulomb 1785; C_vel of Equation 1 of the haptic-camera paper";
+    const SHOWS: &'static str = "as a step of the torque wherever the direction changes";
+    const PARAMS: [Param; 2] = [
+        Param::linear("neg", Unit::of(1, 0, 0), "dry friction moving backward, a magnitude"),
+        Param::linear("pos", Unit::of(1, 0, 0), "dry friction moving forward, a magnitude"),
+    ];
+}
+
+impl LoadEffect<2> for Coulomb {
+    #[inline(always)]
+    fn load<T: Scalar>([neg, pos]: &[T; 2], _: &Motion<T>) -> Load<T> {
+        Load { resist: [*neg, *pos], ..Load::none() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn torque(omega: f64) -> f64 {
+        let motion = Motion::exact(0.0, 0.0, omega, 0.0);
+        Coulomb::load(&[1.5, 2.0], &motion).sliding(&motion)
+    }
+
+    #[test]
+    fn dry_friction_takes_the_sign_of_the_speed_and_not_its_size() {
+        assert_eq!((torque(1e-9), torque(50.0)), (2.0, 2.0));
+        assert_eq!((torque(-1e-9), torque(-50.0)), (-1.5, -1.5));
+    }
+
+    #[test]
+    fn where_the_sign_of_the_speed_is_not_known_the_expected_friction_is_predicted() {
+        let motion = Motion { forward: 0.25, ..Motion::exact(0.0, 0.0, 1e-6, 0.0) };
+        let tau: f64 = Coulomb::load(&[1.5, 2.0], &motion).sliding(&motion);
+        assert!((tau - (0.25 * 2.0 - 0.75 * 1.5)).abs() < 1e-15);
+    }
+}

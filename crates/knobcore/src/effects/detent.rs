@@ -1,0 +1,44 @@
+//! Detents: evenly spaced valleys that the knob falls into.
+
+use super::{Effect, LoadEffect};
+use crate::motion::{Load, Motion};
+use crate::param::{Param, Unit};
+use crate::scalar::Scalar;
+
+/// A sin(theta / P + S); one detent is 2 pi P.
+pub struct Detent;
+
+impl Effect<3> for Detent {
+    const ID: &'static str = "detent";
+    const LAW: &'static str = "A sin(theta/P + S)";
+    const SOURCE: &'static str = "position part of Equation 1 of the haptic-camera paper";
+    const SHOWS: &'static str = "over position, repeating every 2 pi P";
+    const PARAMS: [Param; 3] = [
+        Param::linear("A", Unit::of(1, 0, 0), "amplitude"),
+        Param::shape("P", Unit::of(0, 1, 0), [1e-9, 1e6], 0.1, "period over 2 pi"),
+        Param::phase("S", 0, "phase"),
+    ];
+}
+
+impl LoadEffect<3> for Detent {
+    #[inline(always)]
+    fn load<T: Scalar>([a, p, s]: &[T; 3], motion: &Motion<T>) -> Load<T> {
+        Load::drive(*a * (motion.theta / *p + *s).sin_cos().0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn the_torque_repeats_at_the_next_detent_and_the_work_over_one_is_nothing() {
+        let torque = |theta: f64| Detent::load(&[1.3, 0.2, 0.9], &Motion::exact(0.0, theta, 1.0, 0.0)).drive;
+        let n = 1000;
+        let pitch = TAU * 0.2;
+        let work: f64 = (0..n).map(|i| torque(pitch * f64::from(i) / f64::from(n))).sum();
+        assert!(work.abs() < 1e-11);
+        assert!((torque(0.37) - torque(0.37 + pitch)).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,51 @@
+//! Stiction: below a speed the knob counts as stuck, and friction answers whatever would move it.
+
+use super::{Effect, LoadEffect};
+use crate::motion::{Load, Motion};
+use crate::param::{Param, Unit};
+use crate::scalar::Scalar;
+
+/// For |omega| <= dv: friction = clamp(tau_other, -D_neg, +D_pos).
+///
+/// While the knob moves faster than dv, stiction is silent; so a prediction from the motion alone, which
+/// has no tau_other, does not change by it. It acts where torque makes motion: simulation and rendering.
+pub struct Karnopp;
+
+impl Effect<3> for Karnopp {
+    const ID: &'static str = "karnopp";
+    const LAW: &'static str = "clamp(tau_other, -D_neg, D_pos) for |omega| <= dv";
+    const SOURCE: &'static str = "Karnopp 1985; Equation 2 of the haptic-camera paper, with D in the stick branch";
+    const SHOWS: &'static str = "while the knob stands still under torque";
+    const PARAMS: [Param; 3] = [
+        Param::shape("D_neg", Unit::of(1, 0, 0), [0.0, 1e9], 0.0, "breakaway friction backward, a magnitude"),
+        Param::shape("D_pos", Unit::of(1, 0, 0), [0.0, 1e9], 0.0, "breakaway friction forward, a magnitude"),
+        Param::shape("dv", Unit::of(0, 1, -1), [0.0, 1e9], 0.0, "speed below which the knob is stuck"),
+    ];
+}
+
+impl LoadEffect<3> for Karnopp {
+    #[inline(always)]
+    fn load<T: Scalar>([d_neg, d_pos, dv]: &[T; 3], _: &Motion<T>) -> Load<T> {
+        Load { hold: [*d_neg, *d_pos], band: *dv, ..Load::none() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stuck_knob_answers_any_torque_up_to_the_breakaway_of_that_direction() {
+        let load = Karnopp::load(&[0.010, 0.012, 0.01], &Motion::exact(0.0, 0.0, 0.0, 0.0));
+        for tau in [-0.010, -0.004, 0.0, 0.003, 0.012] {
+            assert_eq!(load.sticking(tau), tau);
+        }
+        assert_eq!((load.sticking(-1.0), load.sticking(1.0)), (-0.010, 0.012));
+    }
+
+    #[test]
+    fn a_moving_knob_feels_no_stiction() {
+        let motion = Motion::exact(0.0, 0.0, 0.5, 3.0);
+        assert_eq!(Karnopp::load(&[0.010, 0.012, 0.01], &motion).sliding(&motion), 0.0);
+    }
+}

@@ -1,0 +1,41 @@
+//! Return spring: the ramp of the paper, K theta about a rest angle.
+
+use super::{Effect, LoadEffect};
+use crate::motion::{Load, Motion};
+use crate::param::{Param, Unit};
+use crate::scalar::Scalar;
+
+/// k (theta - theta0).
+///
+/// The rest torque k theta0 is a constant, and a constant is also what a difference between `coulomb` neg
+/// and pos makes; so theta0 is determined only where those two are tied.
+pub struct ReturnSpring;
+
+impl Effect<2> for ReturnSpring {
+    const ID: &'static str = "return_spring";
+    const LAW: &'static str = "k (theta - theta0)";
+    const SOURCE: &'static str = "Hooke 1678; the ramp named beside Equation 1 of the haptic-camera paper";
+    const SHOWS: &'static str = "over position, as a straight line";
+    const PARAMS: [Param; 2] = [
+        Param::linear("k", Unit::of(1, -1, 0), "stiffness"),
+        Param::shape("theta0", Unit::of(0, 1, 0), [-1e6, 1e6], 0.0, "rest angle"),
+    ];
+}
+
+impl LoadEffect<2> for ReturnSpring {
+    #[inline(always)]
+    fn load<T: Scalar>([k, theta0]: &[T; 2], motion: &Motion<T>) -> Load<T> {
+        Load::drive(*k * (motion.theta - *theta0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_spring_pulls_back_to_its_rest_angle_from_either_side() {
+        let torque = |theta: f64| ReturnSpring::load(&[2.0, 0.5], &Motion::exact(0.0, theta, 0.0, 0.0)).drive;
+        assert_eq!((torque(0.0), torque(0.5), torque(1.0)), (-1.0, 0.0, 1.0));
+    }
+}

@@ -1,0 +1,183 @@
+//! Normal equations: what one sweep over the data leaves of it.
+//!
+//! A sweep evaluates the model and its derivatives chunk by chunk and keeps only the products of the
+//! columns, so that memory does not grow with the capture.
+
+use crate::filter::Workspace;
+use crate::model::Model;
+use crate::predict::{Columns, Seeds, measured};
+use crate::scalar::{LANES, Pack, Scalar};
+use crate::signals::{Chunk, Signals};
+
+/// Products of the `k` derivative columns with each other and with the residual, over the used samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Moments {
+    /// Number of derivative columns.
+    pub k: usize,
+    /// (k+1) x (k+1) products, row by row, symmetric; the last row and column belong to the residual.
+    products: Vec<f64>,
+    /// Number of samples that count.
+    pub rows: f64,
+}
+
+impl Moments {
+    /// Of no data.
+    pub fn empty(k: usize) -> Self {
+        Self { k, products: vec![0.0; (k + 1) * (k + 1)], rows: 0.0 }
+    }
+
+    /// Columns `i` and `j` multiplied.
+    #[inline(always)]
+    pub fn gram(&self, i: usize, j: usize) -> f64 {
+        self.products[i * (self.k + 1) + j]
+    }
+
+    /// Column `i` times the residual.
+    #[inline(always)]
+    pub fn slope(&self, i: usize) -> f64 {
+        self.gram(i, self.k)
+    }
+
+    /// Sum of the squared residual, (N m)^2.
+    #[inline(always)]
+    pub fn squares(&self) -> f64 {
+        self.gram(self.k, self.k)
+    }
+
+    /// Adds the products of further data.
+    pub fn add(&mut self, other: &Self) {
+        self.add_scaled(other, 1.0);
+    }
+
+    /// Adds `weight` times the products of further data (-1 takes them away again).
+    pub fn add_scaled(&mut self, other: &Self, weight: f64) {
+        for (own, more) in self.products.iter_mut().zip(&other.products) {
+            *own += weight * more;
+        }
+        self.rows += weight * other.rows;
+    }
+
+    /// Sum of squares after the parameters move by `delta`, to first order (exact where they are linear).
+    pub fn squares_after(&self, delta: &[f64]) -> f64 {
+        let mut sum = self.squares();
+        for i in 0..self.k {
+            sum -= 2.0 * delta[i] * self.slope(i);
+            for j in 0..self.k {
+                sum += delta[i] * self.gram(i, j) * delta[j];
+            }
+        }
+        sum
+    }
+
+    /// Adds the products of weighted columns, each of the same length; the last one is the residual.
+    #[inline(always)]
+    pub(super) fn add_columns(&mut self, columns: &[&[f64]]) {
+        let side = self.k + 1;
+        for i in 0..side {
+            for j in 0..=i {
+                let product = dot(columns[i], columns[j]);
+                self.products[i * side + j] += product;
+                if i != j {
+                    self.products[j * side + i] += product;
+                }
+            }
+        }
+    }
+}
+
+/// Sum of products, eight running sums at once.
+#[inline(always)]
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let (mut first, mut second) = (Pack::of(0.0), Pack::of(0.0));
+    let mut pairs = a.chunks_exact(2 * LANES).zip(b.chunks_exact(2 * LANES));
+    for (x, y) in &mut pairs {
+        first = first + Pack::load(x, 0) * Pack::load(y, 0);
+        second = second + Pack::load(x, LANES) * Pack::load(y, LANES);
+    }
+    let done = a.len() - a.len() % (2 * LANES);
+    let tail: f64 = a[done..].iter().zip(&b[done..]).map(|(x, y)| x * y).sum();
+    (first + second).0.iter().sum::<f64>() + tail
+}
+
+/// One chunk of a sweep: the derivative columns and then the residual, zero where a sample does not count.
+pub struct Swept<'a> {
+    /// Which capture.
+    pub capture: usize,
+    /// Its samples.
+    pub signals: &'a Signals,
+    /// Which samples.
+    pub chunk: &'a Chunk,
+    /// k derivative columns and the residual, each as long as the chunk's core.
+    pub columns: &'a [&'a [f64]],
+}
+
+/// Sweeps over all captures: evaluates the model with derivatives and hands over chunk after chunk.
+pub fn sweep(data: &[&Signals], model: &Model, p: &[f64], seeds: &Seeds, mut visit: impl FnMut(&Swept<'_>)) {
+    let (mut columns, mut workspace) = (Columns::default(), Workspace::default());
+    for (capture, signals) in data.iter().enumerate() {
+        for chunk in signals.chunks() {
+            measured(model, p, seeds, signals, &chunk, &mut columns, &mut workspace);
+            let inner = chunk.inner();
+            let (tau, weight) = (&signals.tau[chunk.core.clone()], &signals.weight[chunk.core.clone()]);
+            let (model_torque, derivatives) = columns.split();
+            for ((f, tau), w) in model_torque[inner.clone()].iter_mut().zip(tau).zip(weight) {
+                *f = (tau - *f) * w;
+            }
+            if weight.iter().any(|w| *w < 1.0) {
+                for column in derivatives.iter_mut() {
+                    for (d, w) in column[inner.clone()].iter_mut().zip(weight) {
+                        *d *= w;
+                    }
+                }
+            }
+            let mut views: Vec<&[f64]> = derivatives.iter().map(|column| &column[inner.clone()]).collect();
+            views.push(&model_torque[inner]);
+            visit(&Swept { capture, signals, chunk: &chunk, columns: &views });
+        }
+    }
+}
+
+/// The normal equations at `p`.
+pub fn moments(data: &[&Signals], model: &Model, p: &[f64], seeds: &Seeds) -> Moments {
+    let mut sum = Moments::empty(seeds.columns());
+    let arch = pulp::Arch::new();
+    sweep(data, model, p, seeds, |swept| arch.dispatch(|| sum.add_columns(swept.columns)));
+    sum.rows = data.iter().map(|signals| signals.used() as f64).sum();
+    sum
+}
+
+/// The normal equations at `p`, apart for consecutive blocks of about `samples` used samples each; a block
+/// never spans two captures.
+pub fn block_moments(data: &[&Signals], model: &Model, p: &[f64], seeds: &Seeds, samples: usize) -> Vec<Moments> {
+    let k = seeds.columns();
+    let mut blocks: Vec<Moments> = Vec::new();
+    let mut capture = usize::MAX;
+    let arch = pulp::Arch::new();
+    sweep(data, model, p, seeds, |swept| {
+        if swept.capture != capture {
+            capture = swept.capture;
+            blocks.push(Moments::empty(k));
+        }
+        let weight = &swept.signals.weight[swept.chunk.core.clone()];
+        let mut from = 0;
+        while from < weight.len() {
+            let Some(block) = blocks.last_mut() else { return };
+            let room = samples as f64 - block.rows;
+            let mut counted = 0.0;
+            let take = weight[from..].iter().take_while(|w| {
+                counted += **w;
+                counted <= room
+            });
+            let to = from + take.count();
+            let views: Vec<&[f64]> = swept.columns.iter().map(|column| &column[from..to]).collect();
+            arch.dispatch(|| block.add_columns(&views));
+            block.rows += weight[from..to].iter().sum::<f64>();
+            if to < weight.len() {
+                blocks.push(Moments::empty(k));
+            }
+            from = to;
+        }
+    });
+    blocks.retain(|block| block.rows > 0.0);
+    blocks
+}

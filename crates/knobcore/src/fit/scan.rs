@@ -1,0 +1,179 @@
+//! The detent period, from the data alone: a scan over spatial frequency.
+//!
+//! The least-squares periodogram of Lomb (1976) over position instead of time, with the columns of the rest
+//! of the model projected off. All products that it needs are Fourier transforms over position; samples are
+//! spread over a fine grid of positions (cloud in cell; Hockney & Eastwood 1981), so that one FFT per column
+//! serves every frequency.
+
+use super::moments::sweep;
+use super::solve::{Normal, independent};
+use crate::model::Model;
+use crate::param::Axis;
+use crate::predict::Seeds;
+use crate::signals::Signals;
+use realfft::RealFftPlanner;
+use realfft::num_complex::Complex64;
+use std::f64::consts::TAU;
+
+/// A detent must turn by this many radians of its own phase within the capture to show at all.
+const LEAST_PHASE: f64 = 3.5;
+/// Most detents per turn that are looked for, and per range on a linear axis.
+const MOST: f64 = 300.0;
+/// Frequencies per independent frequency (one cycle over the range).
+const OVERSAMPLING: usize = 16;
+
+/// The scan.
+#[derive(Debug, Clone, Default)]
+pub struct Scan {
+    /// Spatial angular frequencies 1/P, 1/rad.
+    pub inverse_period: Vec<f64>,
+    /// How much a detent of that period takes off the sum of squares, (N m)^2.
+    pub gain: Vec<f64>,
+    /// Sum of squares without detent, (N m)^2.
+    pub without: f64,
+}
+
+impl Scan {
+    /// Local maxima, best first: (P, gain).
+    pub fn peaks(&self) -> Vec<(f64, f64)> {
+        let gain = |i: Option<usize>| i.and_then(|i| self.gain.get(i)).copied().unwrap_or(0.0);
+        let mut peaks: Vec<(f64, f64)> = (0..self.gain.len())
+            .filter(|&i| gain(Some(i)) > 0.0 && gain(Some(i)) >= gain(i.checked_sub(1)) && gain(Some(i)) > gain(Some(i + 1)))
+            .map(|i| (1.0 / self.inverse_period[i], self.gain[i]))
+            .collect();
+        peaks.sort_by(|a, b| b.1.total_cmp(&a.1));
+        peaks
+    }
+
+    /// Median gain over all frequencies: what a frequency without detent takes off.
+    pub fn background(&self) -> f64 {
+        let mut gains = self.gain.clone();
+        gains.sort_by(f64::total_cmp);
+        gains.get(gains.len() / 2).copied().unwrap_or(0.0)
+    }
+}
+
+/// Grid of positions shared by all captures.
+struct Grid {
+    low: f64,
+    width: f64,
+    cells: usize,
+    transform: usize,
+    /// Index of the first and the last frequency of the transform that is looked at.
+    first: usize,
+    last: usize,
+}
+
+impl Grid {
+    fn over(data: &[&Signals]) -> Option<Self> {
+        let used = || data.iter().flat_map(|s| s.theta.iter().zip(&s.weight).filter(|(_, w)| **w > 0.0).map(|(x, _)| *x));
+        let (low, high) = used().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        let range = high - low;
+        if !(range.is_finite() && range > 0.0) {
+            return None;
+        }
+        let highest = match data.first()?.axis {
+            Axis::Rotary => MOST.max(4.0 * TAU / range),
+            Axis::Linear => MOST * TAU / range,
+        };
+        // Eight cells to the shortest period at twice the highest frequency, which the products need.
+        let cells = ((highest * 2.0 * range / TAU * 8.0).ceil() as usize).max(64);
+        let width = range / cells as f64;
+        let transform = (cells * OVERSAMPLING).next_power_of_two();
+        let spacing = TAU / (transform as f64 * width);
+        let first = (LEAST_PHASE / range / spacing).ceil() as usize;
+        let last = ((highest / spacing) as usize).min(transform / 4 - 1);
+        Some(Self { low, width, cells, transform, first, last })
+    }
+
+    fn frequency(&self, index: usize) -> f64 {
+        TAU * index as f64 / (self.transform as f64 * self.width)
+    }
+
+    /// Spreads `values` over the two cells around each position.
+    fn spread(&self, theta: &[f64], values: impl Iterator<Item = f64>, cells: &mut [f64]) {
+        for (x, value) in theta.iter().zip(values) {
+            let at = ((x - self.low) / self.width).clamp(0.0, self.cells as f64);
+            let cell = at as usize;
+            let part = at - cell as f64;
+            if let Some([here, next]) = cells.get_mut(cell..cell + 2) {
+                *here += value * (1.0 - part);
+                *next += value * part;
+            }
+        }
+    }
+
+    /// Sum over the samples of value * exp(-i k theta), up to a common phase, for every frequency k.
+    fn spectra(&self, columns: Vec<Vec<f64>>) -> Option<Vec<Vec<Complex64>>> {
+        let plan = RealFftPlanner::<f64>::new().plan_fft_forward(self.transform);
+        let spectrum = |mut column: Vec<f64>| {
+            column.resize(self.transform, 0.0);
+            let mut out = plan.make_output_vec();
+            plan.process(&mut column, &mut out).ok()?;
+            for (index, value) in out.iter_mut().enumerate() {
+                let half = 0.5 * self.frequency(index) * self.width;
+                let spread = if half > 0.0 { (half.sin() / half).powi(2) } else { 1.0 };
+                *value /= spread.max(0.1);
+            }
+            Some(out)
+        };
+        columns.into_iter().map(spectrum).collect()
+    }
+}
+
+/// Scans for a sinusoid over position beside the linear columns of `model` (which has no detent), evaluated
+/// at `p`. None where there is no motion.
+pub fn scan(data: &[&Signals], model: &Model, p: &[f64], linear: &[usize]) -> Option<Scan> {
+    let grid = Grid::over(data)?;
+    let seeds = Seeds::of(model, linear);
+    let k = linear.len();
+    // The k columns, the residual, and the count of samples.
+    let mut spread = vec![vec![0.0; grid.cells + 2]; k + 2];
+    let mut sum = super::moments::Moments::empty(k);
+    sweep(data, model, p, &seeds, |swept| {
+        sum.add_columns(swept.columns);
+        let core = swept.chunk.core.clone();
+        let (theta, weight) = (&swept.signals.theta[core.clone()], &swept.signals.weight[core]);
+        for (cells, column) in spread.iter_mut().zip(swept.columns) {
+            grid.spread(theta, column.iter().copied(), cells);
+        }
+        if let Some(count) = spread.last_mut() {
+            grid.spread(theta, weight.iter().copied(), count);
+        }
+    });
+    let kept = independent(|i, j| sum.gram(i, j), &(0..k).collect::<Vec<_>>());
+    let normal = Normal::of(|i, j| sum.gram(i, j), &kept)?;
+    let solved = normal.solve(|i| sum.slope(kept[i]));
+    let without = sum.squares() - kept.iter().zip(&solved).map(|(&i, c)| c * sum.slope(i)).sum::<f64>();
+    let inverse = normal.inverse();
+    let spectra = grid.spectra(spread)?;
+    let count = &spectra[k + 1];
+    let gain = |at: usize| -> f64 {
+        // Cosine and sine products with the kept columns, the residual, and each other.
+        let columns: Vec<Complex64> = kept.iter().map(|&i| spectra[i][at].conj()).collect();
+        let residual = spectra[k][at].conj() - columns.iter().zip(&solved).map(|(b, c)| b * c).sum::<Complex64>();
+        let (total, double) = (count[0].re, count[2 * at].conj());
+        let (mut cc, mut cs, mut ss) = (0.5 * (total + double.re), 0.5 * double.im, 0.5 * (total - double.re));
+        for (i, a) in columns.iter().enumerate() {
+            for (j, b) in columns.iter().enumerate() {
+                let g = inverse[(i, j)];
+                cc -= a.re * g * b.re;
+                cs -= a.re * g * b.im;
+                ss -= a.im * g * b.im;
+            }
+        }
+        let (c, s) = (residual.re, residual.im);
+        let determinant = cc * ss - cs * cs;
+        if determinant > 1e-6 * total * total * 0.25 {
+            (ss * c * c - 2.0 * cs * c * s + cc * s * s) / determinant
+        } else {
+            0.0
+        }
+    };
+    let indices = grid.first..=grid.last;
+    Some(Scan {
+        inverse_period: indices.clone().map(|i| grid.frequency(i)).collect(),
+        gain: indices.map(gain).collect(),
+        without,
+    })
+}

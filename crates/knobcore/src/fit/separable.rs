@@ -1,0 +1,313 @@
+//! Levenberg-Marquardt over the parameters that are hard, with the linear ones eliminated in every step.
+//!
+//! Source: Golub & Pereyra 1973 (variable projection), in Kaufman's 1975 form; damping by Nielsen 1999.
+//! One sweep per trial gives everything: with the products of all derivative columns and the residual, the
+//! linear parameters are solved exactly, the cost is that of the solved problem, and the hard columns are
+//! projected off the linear ones. An amplitude and its phase count as linear, in polar form.
+
+use super::moments::{Moments, moments};
+use super::solve::{Normal, independent};
+use crate::model::{Model, Role};
+use crate::param::Kind;
+use crate::predict::Seeds;
+use crate::signals::Signals;
+
+/// Trials before giving up.
+const MAX_EVALUATIONS: usize = 60;
+/// A step that promises less than this share of the sum of squares ends the fit.
+const PROMISE: f64 = 1e-12;
+/// A step below this share of every hard parameter ends the fit.
+const STEP: f64 = 1e-12;
+/// A sum of squares below this share of the measured one is rounding.
+const EXACT: f64 = 1e-26;
+
+/// Why the fit stopped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Status {
+    /// All parameters are linear: solved in one go.
+    Linear,
+    /// No step lowers the error any more.
+    Converged,
+    /// What is left is rounding.
+    Exact,
+    /// The damping grew until no step was left: the surface is rough here.
+    Stalled,
+    /// Out of trials.
+    Limit,
+}
+
+impl Status {
+    /// One word, for programs.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::Converged => "converged",
+            Self::Exact => "exact",
+            Self::Stalled => "stalled",
+            Self::Limit => "limit",
+        }
+    }
+
+    /// A sentence, with what to try.
+    pub fn message(self) -> &'static str {
+        match self {
+            Self::Linear => "All parameters are linear: solved directly.",
+            Self::Converged => "Converged: no step lowers the error any more.",
+            Self::Exact => "Exact: what is left of the error is rounding.",
+            Self::Stalled => {
+                "Stalled: no step lowers the error, though the slope is not zero. Fix a parameter that the \
+                 capture hardly determines, or start from other values."
+            }
+            Self::Limit => {
+                "Stopped after the largest number of trials. Fix a parameter that the capture hardly \
+                 determines, or record a motion that shows it."
+            }
+        }
+    }
+}
+
+/// Which parameters move, and how each enters.
+#[derive(Debug, Clone)]
+pub struct Layout {
+    /// The free parameters, as indices into the slots of the model; columns are in this order.
+    pub free: Vec<usize>,
+    linear: Vec<usize>,
+    hard: Vec<usize>,
+    /// Columns of amplitude and phase.
+    polar: Vec<(usize, usize)>,
+}
+
+impl Layout {
+    /// Of a model.
+    pub fn of(model: &Model) -> Self {
+        let slots = model.slots();
+        let free: Vec<usize> = (0..slots.len()).filter(|&i| slots[i].role == Role::Free).collect();
+        let tied_to = |i: usize| slots.iter().any(|slot| slot.role == Role::Tied(i));
+        let (mut linear, mut hard, mut polar) = (Vec::new(), Vec::new(), Vec::new());
+        for (column, &i) in free.iter().enumerate() {
+            match slots[i].param.kind {
+                Kind::Linear => linear.push(column),
+                Kind::Nonlinear => hard.push(column),
+                Kind::PhaseOf(amplitude) => {
+                    let amplitude = slots[i].base + amplitude;
+                    match free.iter().position(|&f| f == amplitude) {
+                        Some(partner) if !tied_to(i) && !tied_to(amplitude) => {
+                            polar.push((partner, column));
+                            linear.push(column);
+                        }
+                        _ => hard.push(column),
+                    }
+                }
+            }
+        }
+        Self { free, linear, hard, polar }
+    }
+
+    /// Derivative columns for all free parameters.
+    pub fn seeds(&self, model: &Model) -> Seeds {
+        Seeds::of(model, &self.free)
+    }
+
+    /// `p` moved by `step` (a value per column), within the bounds of the hard parameters. Amplitudes and
+    /// phases move as the vector that they are, so that a step in them is exact.
+    fn moved(&self, model: &Model, p: &[f64], step: &[f64]) -> Vec<f64> {
+        let slots = model.slots();
+        let mut next = p.to_vec();
+        for (column, &i) in self.free.iter().enumerate() {
+            next[i] += step[column];
+        }
+        for &column in &self.hard {
+            let i = self.free[column];
+            next[i] = next[i].clamp(slots[i].param.lower, slots[i].param.upper);
+        }
+        for &(amplitude, phase) in &self.polar {
+            let (a, s) = (self.free[amplitude], self.free[phase]);
+            let (along, across) = (p[a] + step[amplitude], p[a] * step[phase]);
+            next[a] = along.hypot(across);
+            next[s] = wrap(p[s] + across.atan2(along));
+        }
+        keep_ties(model, &mut next);
+        next
+    }
+
+    /// Amplitudes that are zero show no phase: give them the scale `unit`.
+    fn awake(&self, p: &mut [f64], unit: f64) {
+        for &(amplitude, _) in &self.polar {
+            let a = self.free[amplitude];
+            if p[a] == 0.0 {
+                p[a] = unit;
+            }
+        }
+    }
+}
+
+/// An angle within (-pi, pi].
+fn wrap(angle: f64) -> f64 {
+    use std::f64::consts::{PI, TAU};
+    let turned = angle.rem_euclid(TAU);
+    if turned > PI { turned - TAU } else { turned }
+}
+
+fn keep_ties(model: &Model, p: &mut [f64]) {
+    for (i, slot) in model.slots().iter().enumerate() {
+        if let Role::Tied(to) = slot.role {
+            p[i] = p[to];
+        }
+    }
+}
+
+/// A trial: the sweep at `p`, and its linear problem solved.
+struct Point {
+    p: Vec<f64>,
+    moments: Moments,
+    /// Step in the linear columns to their optimum at these hard parameters.
+    linear_step: Vec<f64>,
+    kept: Vec<usize>,
+    normal: Option<Normal>,
+    cost: f64,
+}
+
+/// What the search for the best parameters ended with.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// All parameters of the model.
+    pub p: Vec<f64>,
+    /// Sum of squares at `p`, (N m)^2.
+    pub cost: f64,
+    /// Accepted steps.
+    pub iterations: usize,
+    /// Sweeps over the data.
+    pub evaluations: usize,
+    /// Why it stopped.
+    pub status: Status,
+}
+
+struct Problem<'a> {
+    data: &'a [&'a Signals],
+    model: &'a Model,
+    layout: &'a Layout,
+    seeds: Seeds,
+    unit: f64,
+    evaluations: usize,
+}
+
+impl Problem<'_> {
+    fn point(&mut self, mut p: Vec<f64>) -> Point {
+        self.layout.awake(&mut p, self.unit);
+        self.evaluations += 1;
+        let moments = moments(self.data, self.model, &p, &self.seeds);
+        let gram = |i: usize, j: usize| moments.gram(i, j);
+        let kept = independent(gram, &self.layout.linear);
+        let normal = Normal::of(gram, &kept);
+        let mut linear_step = vec![0.0; moments.k];
+        if let Some(normal) = &normal {
+            for (&column, value) in kept.iter().zip(normal.solve(|i| moments.slope(kept[i]))) {
+                linear_step[column] = value;
+            }
+        }
+        let cost = moments.squares_after(&linear_step).max(0.0);
+        Point { p, moments, linear_step, kept, normal, cost }
+    }
+
+    fn solved(&self, point: &Point) -> Vec<f64> {
+        self.layout.moved(self.model, &point.p, &point.linear_step)
+    }
+
+    /// The damped step from `point` in all columns, and the fall of the cost that it promises.
+    fn step(&self, point: &Point, damping: f64) -> Option<(Vec<f64>, f64)> {
+        let m = &point.moments;
+        let normal = point.normal.as_ref()?;
+        let slots = self.model.slots();
+        let hard: Vec<usize> = {
+            let order: Vec<usize> = point.kept.iter().chain(&self.layout.hard).copied().collect();
+            independent(|i, j| m.gram(i, j), &order).split_off(point.kept.len())
+        };
+        // Each hard column written as its part along the linear ones and the rest.
+        let along: Vec<Vec<f64>> = hard.iter().map(|&h| normal.solve(|i| m.gram(point.kept[i], h))).collect();
+        let project = |column: &dyn Fn(usize) -> f64, h: usize| -> f64 {
+            point.kept.iter().zip(&along[h]).map(|(&i, x)| x * column(i)).sum()
+        };
+        let slope: Vec<f64> = (0..hard.len()).map(|h| m.slope(hard[h]) - project(&|i| m.slope(i), h)).collect();
+        let inside = |h: usize| {
+            let i = self.layout.free[hard[h]];
+            let (low, high) = (slots[i].param.lower, slots[i].param.upper);
+            !(point.p[i] <= low && slope[h] < 0.0 || point.p[i] >= high && slope[h] > 0.0)
+        };
+        let active: Vec<usize> = (0..hard.len()).filter(|&h| inside(h)).collect();
+        let curvature = |a: usize, b: usize| {
+            let (a, b) = (active[a], active[b]);
+            let own = m.gram(hard[a], hard[b]) - project(&|i| m.gram(i, hard[b]), a);
+            if a == b { own * (1.0 + damping) } else { own }
+        };
+        let all: Vec<usize> = (0..active.len()).collect();
+        let hard_step = Normal::of(curvature, &all)?.solve(|a| slope[active[a]]);
+        let mut step = point.linear_step.clone();
+        for (a, value) in active.iter().zip(&hard_step) {
+            step[hard[*a]] = *value;
+            for (&column, x) in point.kept.iter().zip(&along[*a]) {
+                step[column] -= x * value;
+            }
+        }
+        let promise = point.cost - m.squares_after(&step);
+        Some((step, promise))
+    }
+}
+
+/// The best parameters that a descent from `start` reaches.
+pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64]) -> Found {
+    let square = |x: &[f64], w: &[f64]| x.iter().zip(w).map(|(x, w)| x * x * w).sum::<f64>();
+    let total: f64 = data.iter().map(|s| square(&s.tau, &s.weight)).sum();
+    let rows: f64 = data.iter().map(|s| s.used() as f64).sum();
+    let unit = (total / rows.max(1.0)).sqrt().max(f64::MIN_POSITIVE);
+    let mut problem = Problem { data, model, layout, seeds: layout.seeds(model), unit, evaluations: 0 };
+    let mut start = start.to_vec();
+    keep_ties(model, &mut start);
+    let mut here = problem.point(start);
+    let mut iterations = 0;
+    let ended = |problem: &Problem<'_>, here: &Point, iterations, status| Found {
+        p: problem.solved(here),
+        cost: here.cost,
+        iterations,
+        evaluations: problem.evaluations,
+        status,
+    };
+    if layout.hard.is_empty() {
+        return ended(&problem, &here, 1, Status::Linear);
+    }
+    // The hard columns depend on the linear parameters, which have just been found.
+    here = problem.point(problem.solved(&here));
+    let (mut damping, mut growth) = (0.0_f64, 2.0);
+    loop {
+        if here.cost <= EXACT * total {
+            return ended(&problem, &here, iterations, Status::Exact);
+        }
+        if problem.evaluations >= MAX_EVALUATIONS {
+            return ended(&problem, &here, iterations, Status::Limit);
+        }
+        let Some((step, promise)) = problem.step(&here, damping) else {
+            return ended(&problem, &here, iterations, Status::Converged);
+        };
+        let small = layout.hard.iter().all(|&h| step[h].abs() <= STEP * here.p[layout.free[h]].abs().max(STEP));
+        if promise <= PROMISE * here.cost || small {
+            let status = if damping > 1e8 { Status::Stalled } else { Status::Converged };
+            return ended(&problem, &here, iterations, status);
+        }
+        let there = problem.point(layout.moved(model, &here.p, &step));
+        let gain = (here.cost - there.cost) / promise;
+        if there.cost < here.cost {
+            here = there;
+            iterations += 1;
+            damping *= (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0);
+            if damping < 1e-9 {
+                damping = 0.0;
+            }
+            growth = 2.0;
+        } else {
+            damping = damping.max(1e-3) * growth;
+            growth *= 2.0;
+            if damping > 1e12 {
+                return ended(&problem, &here, iterations, Status::Stalled);
+            }
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! Small dense systems: which parameters the data determine, and where the equations have their solution.
+
+use super::moments::Moments;
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+
+/// A column counts as a combination of others when less than this share of its squared length is its own.
+///
+/// Products of columns carry a relative rounding error of about 1e-16 times the square root of the number
+/// of samples; what is left of a truly dependent column is far below this.
+const OWN_SHARE: f64 = 1e-10;
+
+/// Splits columns into those that the data determine and those that they do not.
+///
+/// Columns are taken in the order given; one that is zero, or a combination of those kept before it, is
+/// undetermined (a pivot-free Cholesky factorisation of the equilibrated Gram matrix).
+pub fn independent(gram: impl Fn(usize, usize) -> f64, order: &[usize]) -> Vec<usize> {
+    let mut kept: Vec<usize> = Vec::new();
+    let mut factor: Vec<Vec<f64>> = Vec::new();
+    for &column in order {
+        let length = gram(column, column);
+        if !(length.is_finite() && length > 0.0) {
+            continue;
+        }
+        let mut row = Vec::with_capacity(kept.len() + 1);
+        let mut own = 1.0;
+        for (at, &earlier) in kept.iter().enumerate() {
+            let mut value = gram(column, earlier) / (length * gram(earlier, earlier)).sqrt();
+            for (a, b) in row.iter().zip(&factor[at]) {
+                value -= a * b;
+            }
+            value /= factor[at][at];
+            own -= value * value;
+            row.push(value);
+        }
+        if own > OWN_SHARE {
+            row.push(own.sqrt());
+            factor.push(row);
+            kept.push(column);
+        }
+    }
+    kept
+}
+
+/// The Gram matrix of the columns `kept`, each scaled to unit length, factored.
+pub struct Normal {
+    scale: Vec<f64>,
+    factor: faer::linalg::solvers::Llt<f64>,
+}
+
+impl Normal {
+    /// None where the matrix is not positive definite.
+    pub fn of(gram: impl Fn(usize, usize) -> f64, kept: &[usize]) -> Option<Self> {
+        let scale: Vec<f64> = kept.iter().map(|&i| gram(i, i).sqrt().recip()).collect();
+        let matrix = Mat::from_fn(kept.len(), kept.len(), |i, j| gram(kept[i], kept[j]) * scale[i] * scale[j]);
+        let factor = matrix.llt(Side::Lower).ok()?;
+        Some(Self { scale, factor })
+    }
+
+    /// The solution for one right-hand side.
+    pub fn solve(&self, right: impl Fn(usize) -> f64) -> Vec<f64> {
+        let b = Mat::from_fn(self.scale.len(), 1, |i, _| right(i) * self.scale[i]);
+        let x = self.factor.solve(&b);
+        (0..self.scale.len()).map(|i| x[(i, 0)] * self.scale[i]).collect()
+    }
+
+    /// The inverse, row by row.
+    pub fn inverse(&self) -> Mat<f64> {
+        let n = self.scale.len();
+        let inverse = self.factor.solve(&Mat::<f64>::identity(n, n));
+        Mat::from_fn(n, n, |i, j| inverse[(i, j)] * self.scale[i] * self.scale[j])
+    }
+}
+
+/// The step in the columns `kept` that minimises the sum of squares to first order; zero in the others.
+pub fn least_squares(moments: &Moments, kept: &[usize]) -> Option<Vec<f64>> {
+    let solution = Normal::of(|i, j| moments.gram(i, j), kept)?.solve(|i| moments.slope(kept[i]));
+    let mut step = vec![0.0; moments.k];
+    for (&column, value) in kept.iter().zip(solution) {
+        step[column] = value;
+    }
+    Some(step)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_column_that_repeats_others_is_named_undetermined() {
+        let columns = [[1.0, 0.0, 2.0], [0.0, 1.0, 1.0], [1.0, 2.0, 4.0], [0.0, 0.0, 0.0], [1.0, 1.0, -1.0]];
+        let gram = |i: usize, j: usize| columns[i].iter().zip(&columns[j]).map(|(a, b)| a * b).sum::<f64>();
+        assert_eq!(independent(gram, &[0, 1, 2, 3, 4]), vec![0, 1, 4]);
+        assert_eq!(independent(gram, &[2, 4, 0, 1]), vec![2, 4, 0]);
+    }
+}

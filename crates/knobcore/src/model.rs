@@ -1,0 +1,238 @@
+//! A model: effects of the catalogue with their parameter values, and which of those may move.
+
+use crate::effects::{Id, Place};
+use crate::error::{Error, Result};
+use crate::motion::{Load, Motion};
+use crate::param::{Axis, Param};
+use crate::scalar::Scalar;
+use std::ops::Range;
+
+/// What the fitter may do with a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// Fitted.
+    Free,
+    /// Kept as it is.
+    Fixed,
+    /// Equal to the parameter at this index.
+    Tied(usize),
+}
+
+/// One parameter of a model.
+#[derive(Debug, Clone, Copy)]
+pub struct Slot {
+    /// The effect that it belongs to.
+    pub effect: Id,
+    /// Its row in the catalogue.
+    pub param: &'static Param,
+    /// Its value, SI.
+    pub value: f64,
+    /// Whether the fitter may move it.
+    pub role: Role,
+    /// Index in the model of the first parameter of its effect.
+    pub base: usize,
+}
+
+impl Slot {
+    /// `effect.parameter`.
+    pub fn name(&self) -> String {
+        format!("{}.{}", self.effect.info().id, self.param.name)
+    }
+}
+
+/// An ordered chain of effects; at most one of each.
+#[derive(Debug, Clone)]
+pub struct Model {
+    /// What a person calls it.
+    pub name: String,
+    /// Rotary or linear.
+    pub axis: Axis,
+    parts: Vec<(Id, Range<usize>)>,
+    slots: Vec<Slot>,
+}
+
+impl Model {
+    /// A model of these effects at their neutral values, all parameters free.
+    pub fn new(effects: &[Id], axis: Axis) -> Self {
+        let mut model = Self { name: String::new(), axis, parts: Vec::new(), slots: Vec::new() };
+        for &id in Id::ALL {
+            if effects.contains(&id) {
+                model.push(id);
+            }
+        }
+        model
+    }
+
+    /// The paper's Equation 1, without or with detents.
+    pub fn equation_1(axis: Axis, detents: bool) -> Self {
+        let mut effects = vec![Id::Inertia, Id::Coulomb, Id::Viscous];
+        effects.extend(detents.then_some(Id::Detent));
+        Self::new(&effects, axis)
+    }
+
+    fn push(&mut self, id: Id) {
+        let base = self.slots.len();
+        let role = if id == Id::Karnopp { Role::Fixed } else { Role::Free };
+        self.slots.extend(id.info().params.iter().map(|param| Slot { effect: id, param, value: param.neutral, role, base }));
+        self.parts.push((id, base..self.slots.len()));
+    }
+
+    /// The same model with one effect more, at its neutral values.
+    pub fn with(&self, id: Id) -> Result<Self> {
+        if self.has(id) {
+            return Err(Error::invalid(format!("effect '{}'", id.info().id), "is in the model already"));
+        }
+        let effects: Vec<_> = self.effects().chain([id]).collect();
+        let mut richer = Self::new(&effects, self.axis);
+        richer.name.clone_from(&self.name);
+        for slot in &self.slots {
+            richer.set(&slot.name(), slot.value)?;
+            match slot.role {
+                Role::Tied(to) => richer.tie(&slot.name(), &self.slots[to].name())?,
+                role => richer.set_role(&slot.name(), role)?,
+            }
+        }
+        Ok(richer)
+    }
+
+    /// The effects, in the order of the catalogue.
+    pub fn effects(&self) -> impl Iterator<Item = Id> + '_ {
+        self.parts.iter().map(|(id, _)| *id)
+    }
+
+    /// Whether the effect is part of it.
+    pub fn has(&self, id: Id) -> bool {
+        self.effects().any(|own| own == id)
+    }
+
+    /// All parameters, effect by effect.
+    pub fn slots(&self) -> &[Slot] {
+        &self.slots
+    }
+
+    /// The parameter values, in the order of [`Model::slots`].
+    pub fn values(&self) -> Vec<f64> {
+        self.slots.iter().map(|slot| slot.value).collect()
+    }
+
+    /// Index of the parameter `effect.parameter`.
+    pub fn index(&self, name: &str) -> Result<usize> {
+        self.slots.iter().position(|slot| slot.name() == name).ok_or_else(|| {
+            let known: Vec<_> = self.slots.iter().map(Slot::name).collect();
+            Error::invalid(format!("parameter '{name}'"), format!("is not in the model; it has {}", known.join(", ")))
+        })
+    }
+
+    /// Sets one parameter, and those tied to it.
+    pub fn set(&mut self, name: &str, value: f64) -> Result<()> {
+        let at = self.index(name)?;
+        let Param { lower, upper, .. } = *self.slots[at].param;
+        if !(lower..=upper).contains(&value) || !value.is_finite() {
+            let unit = self.slots[at].param.unit.text(self.axis);
+            return Err(Error::invalid(
+                format!("parameter '{name}'"),
+                format!("is {value}, outside of its bounds [{lower}, {upper}] {unit}; change it in the model"),
+            ));
+        }
+        self.slots[at].value = value;
+        self.resolve_ties();
+        Ok(())
+    }
+
+    /// All values at once, in the order of [`Model::slots`]; no bounds are checked, ties are kept.
+    pub fn set_values(&mut self, values: &[f64]) {
+        for (slot, value) in self.slots.iter_mut().zip(values) {
+            slot.value = *value;
+        }
+        self.resolve_ties();
+    }
+
+    /// Frees or fixes one parameter.
+    pub fn set_role(&mut self, name: &str, role: Role) -> Result<()> {
+        let at = self.index(name)?;
+        self.slots[at].role = role;
+        Ok(())
+    }
+
+    /// Makes one parameter equal to another, from now on.
+    pub fn tie(&mut self, name: &str, to: &str) -> Result<()> {
+        let (at, target) = (self.index(name)?, self.index(to)?);
+        let bad = |why: &str| Err(Error::invalid(format!("parameter '{name}'"), format!("cannot be tied to '{to}': {why}")));
+        if at == target {
+            return bad("that is itself");
+        }
+        if matches!(self.slots[target].role, Role::Tied(_)) {
+            return bad("that one is tied too; tie both to the same parameter");
+        }
+        if self.slots[at].param.unit != self.slots[target].param.unit {
+            return bad("their units differ");
+        }
+        if self.slots[at].param.kind != self.slots[target].param.kind {
+            return bad("they enter the torque in different ways");
+        }
+        self.slots[at].role = Role::Tied(target);
+        self.resolve_ties();
+        Ok(())
+    }
+
+    fn resolve_ties(&mut self) {
+        for at in 0..self.slots.len() {
+            if let Role::Tied(to) = self.slots[at].role {
+                self.slots[at].value = self.slots[to].value;
+            }
+        }
+    }
+
+    /// The sum of the loads on the knob.
+    #[inline(always)]
+    pub fn load<T: Scalar>(&self, p: &[T], motion: &Motion<T>) -> Load<T> {
+        let mut sum = Load::none();
+        for (id, range) in &self.parts {
+            sum = sum.plus(id.load(p.get(range.clone()).unwrap_or(&[]), motion));
+        }
+        sum
+    }
+
+    /// What the torque sensor reads while the knob moves so, before any filter, N m.
+    #[inline(always)]
+    pub fn torque<T: Scalar>(&self, p: &[T], motion: &Motion<T>) -> T {
+        self.sense(p, motion, self.load(p, motion).sliding(motion))
+    }
+
+    /// What the sensor makes of the torque `tau`.
+    #[inline(always)]
+    pub fn sense<T: Scalar>(&self, p: &[T], motion: &Motion<T>, tau: T) -> T {
+        self.parts
+            .iter()
+            .fold(tau, |tau, (id, range)| id.sense(p.get(range.clone()).unwrap_or(&[]), motion, tau))
+    }
+
+    /// The effects that act at this place of the chain.
+    pub fn at(&self, place: Place) -> impl Iterator<Item = Id> + '_ {
+        self.effects().filter(move |id| id.info().place == place)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn adding_an_effect_keeps_values_ties_and_the_original() {
+        let mut model = Model::equation_1(Axis::Rotary, true);
+        model.set("detent.P", 0.2).unwrap();
+        model.tie("coulomb.neg", "coulomb.pos").unwrap();
+        model.set("coulomb.pos", 0.5).unwrap();
+        let richer = model.with(Id::Offset).unwrap();
+        assert_eq!(richer.values().len(), model.values().len() + 1);
+        assert_eq!(richer.slots()[richer.index("coulomb.neg").unwrap()].value, 0.5);
+        assert!(!model.has(Id::Offset) && model.with(Id::Detent).is_err());
+    }
+
+    #[test]
+    fn a_value_outside_of_its_bounds_is_refused_by_name() {
+        let mut model = Model::equation_1(Axis::Rotary, true);
+        let error = model.set("detent.P", -0.1).unwrap_err().to_string();
+        assert!(error.contains("detent.P") && error.contains("rad"), "{error}");
+    }
+}

@@ -1,0 +1,124 @@
+//! A parameter of an effect: one row, read by the fitter, the model file, the tables and the reports.
+
+/// How a parameter enters the torque; the fitter eliminates what is linear.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// The torque is proportional to it.
+    Linear,
+    /// The angle of a sinusoid whose amplitude is the parameter at this index of the same effect. The
+    /// two together are linear: A sin(x + S) = (A cos S) sin x + (A sin S) cos x.
+    PhaseOf(usize),
+    /// Anything else.
+    Nonlinear,
+}
+
+/// Powers of torque, angle and time; on a linear axis they read force, length and time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Unit {
+    torque: i8,
+    angle: i8,
+    time: i8,
+}
+
+/// A kind of axis: what one unit of `theta` is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Axis {
+    /// rad and N m.
+    #[default]
+    Rotary,
+    /// m and N.
+    Linear,
+}
+
+impl Unit {
+    /// An angle that is no position (a phase): rad on every axis.
+    pub const PHASE: Self = Self::of(0, 0, 0);
+
+    /// torque^a angle^b s^c
+    pub const fn of(torque: i8, angle: i8, time: i8) -> Self {
+        Self { torque, angle, time }
+    }
+
+    /// As it is printed: `N m s^2/rad`, on a linear axis `N s^2/m`.
+    pub fn text(self, axis: Axis) -> String {
+        if self == Self::PHASE {
+            return "rad".into();
+        }
+        let (torque, angle) = match axis {
+            Axis::Rotary => ("N m", "rad"),
+            Axis::Linear => ("N", "m"),
+        };
+        let side = |sign: i8| -> Vec<String> {
+            [(torque, self.torque), (angle, self.angle), ("s", self.time)]
+                .into_iter()
+                .filter(|(_, power)| power * sign > 0)
+                .map(|(name, power)| if power.abs() == 1 { name.into() } else { format!("{name}^{}", power.abs()) })
+                .collect()
+        };
+        let (above, below) = (side(1).join(" "), side(-1));
+        match (above.is_empty(), below.len()) {
+            (_, 0) => above,
+            (true, _) => format!("1/{}", below.join("/")),
+            (false, _) => format!("{above}/{}", below.join("/")),
+        }
+    }
+}
+
+/// One parameter of an effect.
+#[derive(Debug, Clone, Copy)]
+pub struct Param {
+    /// Name within its effect.
+    pub name: &'static str,
+    /// Powers of torque, angle, time.
+    pub unit: Unit,
+    /// How it enters the torque.
+    pub kind: Kind,
+    /// Smallest value that a model may have.
+    pub lower: f64,
+    /// Largest value that a model may have.
+    pub upper: f64,
+    /// Value at which the effect is silent, or a harmless one for shape parameters.
+    pub neutral: f64,
+    /// What it is, in a few words.
+    pub meaning: &'static str,
+}
+
+impl Param {
+    /// A parameter that the torque is proportional to; silent at zero, unbounded.
+    pub const fn linear(name: &'static str, unit: Unit, meaning: &'static str) -> Self {
+        Self { name, unit, kind: Kind::Linear, lower: f64::NEG_INFINITY, upper: f64::INFINITY, neutral: 0.0, meaning }
+    }
+
+    /// The phase that belongs to the amplitude at index `of`.
+    pub const fn phase(name: &'static str, of: usize, meaning: &'static str) -> Self {
+        let unbounded = Self::linear(name, Unit::PHASE, meaning);
+        Self { kind: Kind::PhaseOf(of), ..unbounded }
+    }
+
+    /// A shape parameter within bounds.
+    pub const fn shape(
+        name: &'static str,
+        unit: Unit,
+        [lower, upper]: [f64; 2],
+        neutral: f64,
+        meaning: &'static str,
+    ) -> Self {
+        Self { name, unit, kind: Kind::Nonlinear, lower, upper, neutral, meaning }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_read_as_the_field_writes_them() {
+        assert_eq!(Unit::of(1, -1, 2).text(Axis::Rotary), "N m s^2/rad");
+        assert_eq!(Unit::of(1, -1, 2).text(Axis::Linear), "N s^2/m");
+        assert_eq!(Unit::of(0, 1, -1).text(Axis::Rotary), "rad/s");
+        assert_eq!(Unit::of(1, -3, 0).text(Axis::Linear), "N/m^3");
+        assert_eq!(Unit::PHASE.text(Axis::Linear), "rad");
+        assert_eq!(Unit::of(0, 0, -1).text(Axis::Rotary), "1/s");
+    }
+}

@@ -1,0 +1,125 @@
+//! Forward-mode automatic differentiation: a value with its derivatives to `L` parameters.
+//!
+//! Source: Wengert, R. E. (1964), "A simple automatic derivative evaluation program", CACM 7(8).
+
+use super::Scalar;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// `v + sum_i d[i] eps_i`, with every `eps_i eps_j = 0`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dual<V, const L: usize> {
+    /// The value.
+    pub v: V,
+    /// Its derivative to each of the `L` seeded parameters.
+    pub d: [V; L],
+}
+
+impl<V: Scalar, const L: usize> Dual<V, L> {
+    /// A constant: no derivative.
+    #[inline(always)]
+    pub fn constant(v: V) -> Self {
+        Self { v, d: [V::of(0.0); L] }
+    }
+
+    /// The parameter that lane `lane` differentiates by.
+    #[inline(always)]
+    pub fn seeded(v: f64, lane: Option<usize>) -> Self {
+        let mut x = Self::constant(V::of(v));
+        if let Some(slot) = lane.and_then(|lane| x.d.get_mut(lane)) {
+            *slot = V::of(1.0);
+        }
+        x
+    }
+
+    /// Chain rule: value `v`, and `slope` times each derivative.
+    #[inline(always)]
+    fn chain(self, v: V, slope: V) -> Self {
+        Self { v, d: self.d.map(|d| d * slope) }
+    }
+
+    #[inline(always)]
+    fn zip(self, o: Self, v: V, f: impl Fn(V, V) -> V) -> Self {
+        let mut d = self.d;
+        for i in 0..L {
+            d[i] = f(self.d[i], o.d[i]);
+        }
+        Self { v, d }
+    }
+}
+
+impl<V: Scalar, const L: usize> Add for Dual<V, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, o: Self) -> Self {
+        self.zip(o, self.v + o.v, |a, b| a + b)
+    }
+}
+impl<V: Scalar, const L: usize> Sub for Dual<V, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, o: Self) -> Self {
+        self.zip(o, self.v - o.v, |a, b| a - b)
+    }
+}
+impl<V: Scalar, const L: usize> Mul for Dual<V, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, o: Self) -> Self {
+        self.zip(o, self.v * o.v, |a, b| a * o.v + self.v * b)
+    }
+}
+impl<V: Scalar, const L: usize> Div for Dual<V, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, o: Self) -> Self {
+        let (q, inverse) = (self.v / o.v, V::of(1.0) / o.v);
+        self.zip(o, q, |a, b| (a - q * b) * inverse)
+    }
+}
+impl<V: Scalar, const L: usize> Neg for Dual<V, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.chain(-self.v, V::of(-1.0))
+    }
+}
+
+impl<V: Scalar, const L: usize> Scalar for Dual<V, L> {
+    #[inline(always)]
+    fn of(x: f64) -> Self {
+        Self::constant(V::of(x))
+    }
+
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        let (s, c) = self.v.sin_cos();
+        (self.chain(s, c), self.chain(c, -s))
+    }
+
+    #[inline(always)]
+    fn where_positive(self, yes: Self, no: Self) -> Self {
+        let v = self.v.where_positive(yes.v, no.v);
+        yes.zip(no, v, |a, b| self.v.where_positive(a, b))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn derivative_of_every_operation_equals_the_finite_difference() {
+        fn law<T: Scalar>(x: T, y: T) -> T {
+            let (s, c) = (x * y).sin_cos();
+            (s / (y + T::of(3.0)) - c * x).abs().max(-x).min(T::of(9.0)) + (-y).where_positive(x, x * y * y)
+        }
+        for (x, y) in [(0.3, 0.7), (-1.2, 0.4), (2.5, -1.1), (-0.6, -2.2)] {
+            let dual = law(Dual::<f64, 2>::seeded(x, Some(0)), Dual::seeded(y, Some(1)));
+            let h = 1e-6;
+            let dx = (law(x + h, y) - law(x - h, y)) / (2.0 * h);
+            let dy = (law(x, y + h) - law(x, y - h)) / (2.0 * h);
+            assert_eq!(dual.v, law(x, y));
+            assert!((dual.d[0] - dx).abs() < 1e-8 && (dual.d[1] - dy).abs() < 1e-8, "{dual:?} {dx} {dy}");
+        }
+    }
+}

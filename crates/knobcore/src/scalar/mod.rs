@@ -1,0 +1,66 @@
+//! The number that physics is written over.
+//!
+//! Every effect is one generic function. Instantiated with `f64` it renders, with [`Pack`] it runs over
+//! eight samples at once, with [`Dual`] it carries exact derivatives, and with a `Dual` of `Pack` both.
+//! No derivative is written by hand and no formula twice.
+
+mod dual;
+mod elementary;
+mod pack;
+
+pub use dual::Dual;
+pub use pack::{LANES, Pack};
+
+use std::fmt::Debug;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A real number, a pack of them, or either with derivatives.
+pub trait Scalar:
+    Copy
+    + Debug
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// The constant `x`, the same in every lane and without derivatives.
+    fn of(x: f64) -> Self;
+    /// (sin, cos), to about one unit in the last place for |x| < 1e6.
+    fn sin_cos(self) -> (Self, Self);
+    /// `yes` in the lanes where `self` is positive, `no` in the others; derivatives follow the branch.
+    fn where_positive(self, yes: Self, no: Self) -> Self;
+
+    /// The magnitude; its derivative at zero is that of the negative branch.
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.where_positive(self, -self)
+    }
+
+    /// The smaller of the two.
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        (self - other).where_positive(other, self)
+    }
+
+    /// The larger of the two.
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        (self - other).where_positive(self, other)
+    }
+}
+
+impl Scalar for f64 {
+    #[inline(always)]
+    fn of(x: f64) -> Self {
+        x
+    }
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        elementary::sin_cos(self)
+    }
+    #[inline(always)]
+    fn where_positive(self, yes: Self, no: Self) -> Self {
+        if self > 0.0 { yes } else { no }
+    }
+}

@@ -1,0 +1,132 @@
+//! Prepared signals: what a fit sees of one capture.
+
+use crate::filter::{Workspace, ZeroPhase};
+use crate::motion::Motion;
+use crate::param::Axis;
+use crate::scalar::{Pack, Scalar};
+use std::ops::Range;
+
+/// Samples that are evaluated and filtered at a time, so that memory does not grow with the capture.
+const CHUNK: usize = 8192;
+
+/// Motion and torque of one capture, ready to be compared with a model.
+///
+/// All columns have the same length and SI units (rad or m by `axis`).
+#[derive(Debug, Clone, Default)]
+pub struct Signals {
+    /// Rotary or linear.
+    pub axis: Axis,
+    /// Nominal sampling rate, Hz.
+    pub rate_hz: f64,
+    /// Time since the first sample, s.
+    pub t: Vec<f64>,
+    /// Angle, rad.
+    pub theta: Vec<f64>,
+    /// Angular velocity, rad/s.
+    pub omega: Vec<f64>,
+    /// Angular acceleration, rad/s^2.
+    pub alpha: Vec<f64>,
+    /// Probability that the motion is forward; see [`Motion::forward`].
+    pub forward: Vec<f64>,
+    /// Standard deviation of `omega`, rad/s.
+    pub omega_sd: Vec<f64>,
+    /// Measured torque after the measurement filter, N m.
+    pub tau: Vec<f64>,
+    /// Measured torque as it came, N m.
+    pub tau_raw: Vec<f64>,
+    /// 1 where a sample counts, 0 where it is masked, trimmed or decimated away.
+    pub weight: Vec<f64>,
+    /// Contiguous stretches of good samples; nothing is filtered across their borders.
+    pub segments: Vec<Range<usize>>,
+    /// The measurement filter; the model's torque passes through it too. None: no filter.
+    pub filter: Option<ZeroPhase>,
+}
+
+/// A stretch of a segment that is evaluated at once: `whole` includes what the filter needs around `core`.
+#[derive(Debug, Clone)]
+pub struct Chunk {
+    /// The samples to evaluate and filter.
+    pub whole: Range<usize>,
+    /// The samples of it whose filtered value is right.
+    pub core: Range<usize>,
+}
+
+impl Chunk {
+    /// The core, counted from the start of the whole.
+    pub fn inner(&self) -> Range<usize> {
+        self.core.start - self.whole.start..self.core.end - self.whole.start
+    }
+}
+
+impl Signals {
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.t.len()
+    }
+
+    /// Whether there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.t.is_empty()
+    }
+
+    /// Number of samples that count.
+    pub fn used(&self) -> usize {
+        self.weight.iter().filter(|w| **w > 0.0).count()
+    }
+
+    /// The motion at eight samples from `at` on.
+    #[inline(always)]
+    pub fn motion_pack(&self, at: usize) -> [Pack; 5] {
+        [&self.t, &self.theta, &self.omega, &self.alpha, &self.forward].map(|x| Pack::load(x, at))
+    }
+
+    /// The motion at sample `at`; past the end, rest.
+    pub fn motion(&self, at: usize) -> Motion<f64> {
+        let [t, theta, omega, alpha, forward] =
+            [&self.t, &self.theta, &self.omega, &self.alpha, &self.forward].map(|x| x.get(at).copied().unwrap_or(0.0));
+        Motion { t, theta, omega, alpha, forward }
+    }
+
+    /// The capture in pieces that fit in the cache, each with the surroundings that the filter needs.
+    pub fn chunks(&self) -> Vec<Chunk> {
+        let halo = self.filter.as_ref().map_or(0, ZeroPhase::settle);
+        let size = CHUNK.max(2 * halo);
+        let mut chunks = Vec::new();
+        for segment in &self.segments {
+            let pieces = segment.len().div_ceil(size).max(1);
+            for piece in 0..pieces {
+                let border = |k: usize| segment.start + k * segment.len() / pieces;
+                let core = border(piece)..border(piece + 1);
+                let whole = core.start.saturating_sub(halo).max(segment.start)..(core.end + halo).min(segment.end);
+                chunks.push(Chunk { whole, core });
+            }
+        }
+        chunks
+    }
+
+    /// Does to columns over `chunk.whole` what the measurement filter did to the measured torque.
+    pub fn measure(&self, columns: &mut [&mut [f64]], workspace: &mut Workspace) {
+        if let Some(filter) = &self.filter {
+            filter.filter_block(columns, workspace);
+        }
+    }
+
+    /// Filters the raw torque into `tau`, by the same route that a model's torque takes.
+    pub fn filter_torque(&mut self) {
+        let mut workspace = Workspace::default();
+        let mut tau = self.tau_raw.clone();
+        for chunk in self.chunks() {
+            let mut column = self.tau_raw[chunk.whole.clone()].to_vec();
+            self.measure(&mut [&mut column], &mut workspace);
+            tau[chunk.core.clone()].copy_from_slice(&column[chunk.inner()]);
+        }
+        self.tau = tau;
+    }
+}
+
+/// The same instants as a motion of dual numbers: a measured motion does not depend on the parameters.
+#[inline(always)]
+pub fn lift<V: Scalar, const L: usize>([t, theta, omega, alpha, forward]: [V; 5]) -> Motion<crate::scalar::Dual<V, L>> {
+    let [t, theta, omega, alpha, forward] = [t, theta, omega, alpha, forward].map(crate::scalar::Dual::constant);
+    Motion { t, theta, omega, alpha, forward }
+}
