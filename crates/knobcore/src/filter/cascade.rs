@@ -1,0 +1,113 @@
+//! The recursion itself: a chain of sections run over four interleaved channels.
+
+use super::interleave::LANES;
+use super::registers::Registers;
+use super::sos::{Section, Sos};
+
+/// One value for each lane.
+type Lanes = [f64; LANES];
+
+/// A section that passes its input on, to complete an odd number of sections.
+const IDENTITY: Section = Section { b: [1.0, 0.0, 0.0], a: [0.0, 0.0] };
+
+/// Two sections and the last two values before, between and after them (newest first).
+///
+/// Two sections in one loop keep the adders busy: while the second works on one sample, the first
+/// is at the next. Their state just fits the sixteen registers.
+struct Pair {
+    sections: [Section; 2],
+    history: [[Lanes; 2]; 3],
+}
+
+/// A chain of sections with its memory of four channels.
+pub(super) struct Cascade(Vec<Pair>);
+
+impl Cascade {
+    /// The chain, at rest at zero.
+    pub(super) fn new(sos: &Sos) -> Self {
+        let pairs = sos.sections().chunks(2).map(|chunk| Pair {
+            sections: [chunk[0], chunk.get(1).copied().unwrap_or(IDENTITY)],
+            history: [[[0.0; LANES]; 2]; 3],
+        });
+        Self(pairs.collect())
+    }
+
+    /// As if the input had been `value` forever.
+    pub(super) fn settle_at(&mut self, mut value: Lanes) {
+        for pair in &mut self.0 {
+            pair.history[0] = [value; 2];
+            for (section, after) in pair.sections.iter().zip(&mut pair.history[1..]) {
+                value = value.map(|v| v * section.dc_gain());
+                *after = [value; 2];
+            }
+        }
+    }
+
+    /// Filters a block of interleaved samples in place, from its first sample to its last.
+    #[inline(always)]
+    pub(super) fn forward<R: Registers>(&mut self, registers: R, block: &mut [f64]) {
+        for pair in &mut self.0 {
+            pair.run(registers, R::as_mut_simd_f64s(block).0.iter_mut());
+        }
+    }
+
+    /// Filters a block of interleaved samples in place, from its last sample to its first.
+    #[inline(always)]
+    pub(super) fn backward<R: Registers>(&mut self, registers: R, block: &mut [f64]) {
+        for pair in &mut self.0 {
+            pair.run(registers, R::as_mut_simd_f64s(block).0.iter_mut().rev());
+        }
+    }
+}
+
+impl Pair {
+    /// Direct form I. Of the five products of a section only `a1 y[n-1]` waits for the sample
+    /// before, so it comes last: one multiply-add of latency per sample.
+    #[inline(always)]
+    fn run<'a, R: Registers>(&mut self, registers: R, samples: impl Iterator<Item = &'a mut R::f64s>)
+    where
+        R::f64s: 'a,
+    {
+        let load = |lanes: &Lanes| R::as_simd_f64s(lanes).0[0];
+        let [mut x, mut u, mut y] = self.history.each_ref().map(|last| last.each_ref().map(load));
+        let [first, second] = self.sections.map(|section| Coefficients::new(registers, section));
+        for sample in samples {
+            let x0 = *sample;
+            let u0 = first.step(registers, x0, x, u);
+            let y0 = second.step(registers, u0, u, y);
+            x = [x0, x[0]];
+            u = [u0, u[0]];
+            y = [y0, y[0]];
+            *sample = y0;
+        }
+        for (last, lanes) in self.history.iter_mut().flatten().zip([x, u, y].iter().flatten()) {
+            R::as_mut_simd_f64s(last).0[0] = *lanes;
+        }
+    }
+}
+
+/// The coefficients of a section, each in all lanes; the denominator with its sign turned.
+struct Coefficients<R: Registers> {
+    b: [R::f64s; 3],
+    minus_a: [R::f64s; 2],
+}
+
+impl<R: Registers> Coefficients<R> {
+    #[inline(always)]
+    fn new(registers: R, section: Section) -> Self {
+        Self {
+            b: section.b.map(|b| registers.splat_f64s(b)),
+            minus_a: section.a.map(|a| registers.splat_f64s(-a)),
+        }
+    }
+
+    /// The next output from the input `x0` and the last two inputs and outputs.
+    #[inline(always)]
+    fn step(&self, registers: R, x0: R::f64s, x: [R::f64s; 2], y: [R::f64s; 2]) -> R::f64s {
+        let sum = registers.mul_f64s(self.b[2], x[1]);
+        let sum = registers.multiply_add(self.b[1], x[0], sum);
+        let sum = registers.multiply_add(self.b[0], x0, sum);
+        let sum = registers.multiply_add(self.minus_a[1], y[1], sum);
+        registers.multiply_add(self.minus_a[0], y[0], sum)
+    }
+}
