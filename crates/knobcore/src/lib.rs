@@ -1,8 +1,26 @@
 //! knobcore: the physics, filters, fitter and diagnosis of knobcam.
+//!
+//! One direction: motion and parameters -> effects -> model -> signals -> prediction -> fit -> diagnosis.
+//! A module imports only from those above it.
 #![cfg_attr(not(feature = "python"), forbid(unsafe_code))]
 
 pub mod error;
+pub mod random;
+pub mod scalar;
+
+pub mod motion;
+pub mod param;
+
+pub mod effects;
+pub mod model;
+
 pub mod filter;
+pub mod signals;
+
+pub mod predict;
+
+pub mod diagnose;
+pub mod fit;
 
 #[cfg(feature = "python")]
 mod python;

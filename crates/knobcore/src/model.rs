@@ -86,13 +86,18 @@ impl Model {
         let mut richer = Self::new(&effects, self.axis);
         richer.name.clone_from(&self.name);
         for slot in &self.slots {
-            richer.set(&slot.name(), slot.value)?;
-            match slot.role {
-                Role::Tied(to) => richer.tie(&slot.name(), &self.slots[to].name())?,
-                role => richer.set_role(&slot.name(), role)?,
-            }
+            richer.copy_slot(self, slot)?;
         }
         Ok(richer)
+    }
+
+    /// Takes over value and role of a slot of another model.
+    pub fn copy_slot(&mut self, from: &Self, slot: &Slot) -> Result<()> {
+        self.set(&slot.name(), slot.value)?;
+        match slot.role {
+            Role::Tied(to) => self.tie(&slot.name(), &from.slots[to].name()),
+            role => self.set_role(&slot.name(), role),
+        }
     }
 
     /// The effects, in the order of the catalogue.

@@ -1,6 +1,5 @@
 //! From the motion to the torque, and to its exact derivatives.
 
-use crate::filter::Workspace;
 use crate::model::{Model, Role};
 use crate::scalar::{Dual, LANES, Pack};
 use crate::signals::{Chunk, Signals, lift};
@@ -68,11 +67,10 @@ pub fn measured(
     signals: &Signals,
     chunk: &Chunk,
     out: &mut Columns,
-    workspace: &mut Workspace,
 ) {
     raw(model, p, seeds, signals, chunk.whole.clone(), out);
     let mut columns: Vec<&mut [f64]> = out.data.iter_mut().map(Vec::as_mut_slice).collect();
-    signals.measure(&mut columns, workspace);
+    signals.measure(&mut columns);
 }
 
 /// Model torque and derivatives over a range of samples, before any filter.
@@ -132,23 +130,23 @@ impl Pass<'_> {
 /// Model torque at every sample of a capture through the measurement filter, N m; samples outside of
 /// every segment are NaN.
 pub fn torque(model: &Model, signals: &Signals) -> Vec<f64> {
-    over_capture(signals, |chunk, columns, workspace| {
-        measured(model, &model.values(), &Seeds::none(model), signals, chunk, columns, workspace);
+    over_capture(signals, |chunk, columns| {
+        measured(model, &model.values(), &Seeds::none(model), signals, chunk, columns);
     })
 }
 
 /// Model torque at every sample without filter, N m; see [`torque`].
 pub fn torque_raw(model: &Model, signals: &Signals) -> Vec<f64> {
-    over_capture(signals, |chunk, columns, _| {
+    over_capture(signals, |chunk, columns| {
         raw(model, &model.values(), &Seeds::none(model), signals, chunk.whole.clone(), columns);
     })
 }
 
-fn over_capture(signals: &Signals, mut fill: impl FnMut(&Chunk, &mut Columns, &mut Workspace)) -> Vec<f64> {
-    let (mut columns, mut workspace) = (Columns::default(), Workspace::default());
+fn over_capture(signals: &Signals, mut fill: impl FnMut(&Chunk, &mut Columns)) -> Vec<f64> {
+    let mut columns = Columns::default();
     let mut tau = vec![f64::NAN; signals.len()];
     for chunk in signals.chunks() {
-        fill(&chunk, &mut columns, &mut workspace);
+        fill(&chunk, &mut columns);
         if let Some(column) = columns.data.first() {
             tau[chunk.core.clone()].copy_from_slice(&column[chunk.inner()]);
         }

@@ -1,6 +1,6 @@
 //! Prepared signals: what a fit sees of one capture.
 
-use crate::filter::{Workspace, ZeroPhase};
+use crate::filter::ZeroPhase;
 use crate::motion::Motion;
 use crate::param::Axis;
 use crate::scalar::{Pack, Scalar};
@@ -89,7 +89,7 @@ impl Signals {
 
     /// The capture in pieces that fit in the cache, each with the surroundings that the filter needs.
     pub fn chunks(&self) -> Vec<Chunk> {
-        let halo = self.filter.as_ref().map_or(0, ZeroPhase::settle);
+        let halo = self.filter.as_ref().map_or(0, |filter| filter.sos().settle());
         let size = CHUNK.max(2 * halo);
         let mut chunks = Vec::new();
         for segment in &self.segments {
@@ -105,19 +105,19 @@ impl Signals {
     }
 
     /// Does to columns over `chunk.whole` what the measurement filter did to the measured torque.
-    pub fn measure(&self, columns: &mut [&mut [f64]], workspace: &mut Workspace) {
+    pub fn measure(&self, columns: &mut [&mut [f64]]) {
         if let Some(filter) = &self.filter {
-            filter.filter_block(columns, workspace);
+            // Segments are longer than the padding, and all columns as long as the chunk: it cannot refuse.
+            let _ = filter.filter_channels(columns);
         }
     }
 
     /// Filters the raw torque into `tau`, by the same route that a model's torque takes.
     pub fn filter_torque(&mut self) {
-        let mut workspace = Workspace::default();
-        let mut tau = self.tau_raw.clone();
+                let mut tau = self.tau_raw.clone();
         for chunk in self.chunks() {
             let mut column = self.tau_raw[chunk.whole.clone()].to_vec();
-            self.measure(&mut [&mut column], &mut workspace);
+            self.measure(&mut [&mut column]);
             tau[chunk.core.clone()].copy_from_slice(&column[chunk.inner()]);
         }
         self.tau = tau;

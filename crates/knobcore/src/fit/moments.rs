@@ -3,7 +3,6 @@
 //! A sweep evaluates the model and its derivatives chunk by chunk and keeps only the products of the
 //! columns, so that memory does not grow with the capture.
 
-use crate::filter::Workspace;
 use crate::model::Model;
 use crate::predict::{Columns, Seeds, measured};
 use crate::scalar::{LANES, Pack, Scalar};
@@ -113,10 +112,10 @@ pub struct Swept<'a> {
 
 /// Sweeps over all captures: evaluates the model with derivatives and hands over chunk after chunk.
 pub fn sweep(data: &[&Signals], model: &Model, p: &[f64], seeds: &Seeds, mut visit: impl FnMut(&Swept<'_>)) {
-    let (mut columns, mut workspace) = (Columns::default(), Workspace::default());
+    let mut columns = Columns::default();
     for (capture, signals) in data.iter().enumerate() {
         for chunk in signals.chunks() {
-            measured(model, p, seeds, signals, &chunk, &mut columns, &mut workspace);
+            measured(model, p, seeds, signals, &chunk, &mut columns);
             let inner = chunk.inner();
             let (tau, weight) = (&signals.tau[chunk.core.clone()], &signals.weight[chunk.core.clone()]);
             let (model_torque, derivatives) = columns.split();

@@ -108,6 +108,11 @@ impl Layout {
         Seeds::of(model, &self.free)
     }
 
+    /// All columns, those that are linear first: where columns depend on each other, the hard one is named.
+    pub fn linear_first(&self) -> Vec<usize> {
+        self.linear.iter().chain(&self.hard).copied().collect()
+    }
+
     /// `p` moved by `step` (a value per column), within the bounds of the hard parameters. Amplitudes and
     /// phases move as the vector that they are, so that a step in them is exact.
     fn moved(&self, model: &Model, p: &[f64], step: &[f64]) -> Vec<f64> {

@@ -1,0 +1,85 @@
+//! The noise floor: what the torque sensor's noise alone would leave of the error.
+//!
+//! Above the bandwidth of the model the raw torque holds noise alone. Its level there, with the gain of the
+//! measurement filter for white noise, is the floor.
+
+use crate::model::Model;
+use crate::predict::torque_raw;
+use crate::signals::Signals;
+use realfft::{RealFftPlanner, RealToComplex};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// Samples of one periodogram.
+const WINDOW: usize = 512;
+/// The band that is taken for noise alone, as shares of the Nyquist frequency.
+const BAND: [f64; 2] = [0.5, 0.95];
+
+/// Variance of the raw torque's white noise, (N m)^2, per capture; NaN where no stretch is long enough.
+///
+/// The model's torque is taken off first, so that steps at reversals do not count as noise; the median over
+/// frequencies keeps a line (mains, a resonance) out.
+pub fn white_variance(signals: &Signals, model: &Model) -> f64 {
+    let torque = torque_raw(model, signals);
+    let rest: Vec<f64> = signals.tau_raw.iter().zip(torque).map(|(measured, model)| measured - model).collect();
+    let periodogram = Periodogram::new(WINDOW);
+    let mut power = vec![0.0; WINDOW / 2 + 1];
+    let mut windows = 0.0;
+    for segment in &signals.segments {
+        for start in segment.clone().step_by(WINDOW / 2) {
+            if start + WINDOW <= segment.end {
+                windows += 1.0;
+                for (sum, p) in power.iter_mut().zip(periodogram.of(&rest[start..start + WINDOW])) {
+                    *sum += p;
+                }
+            }
+        }
+    }
+    let bin = |share: f64| (share * (WINDOW / 2) as f64) as usize;
+    let mut band: Vec<f64> = power[bin(BAND[0])..bin(BAND[1])].iter().map(|p| p / windows).collect();
+    if windows < 4.0 {
+        return f64::NAN;
+    }
+    band.sort_by(f64::total_cmp);
+    // The median of an average of K exponential variables, by Wilson & Hilferty 1931; half-overlapping
+    // windows count as about 0.95 each under a Hann taper (Welch 1967), no matter at this accuracy.
+    let bias = (1.0 - 1.0 / (9.0 * windows)).powi(3);
+    band[band.len() / 2] / bias
+}
+
+/// What white noise of that variance leaves after the measurement filter: root mean square, N m.
+pub fn noise_floor(data: &[&Signals], model: &Model) -> f64 {
+    let (mut squares, mut rows) = (0.0, 0.0);
+    for signals in data {
+        let gain = signals.filter.as_ref().map_or(1.0, |filter| filter.sos().mean_power());
+        let used = signals.used() as f64;
+        squares += white_variance(signals, model) * gain * used;
+        rows += used;
+    }
+    (squares / rows).sqrt()
+}
+
+/// Hann-tapered periodograms of one length.
+struct Periodogram {
+    plan: Arc<dyn RealToComplex<f64>>,
+    taper: Vec<f64>,
+    energy: f64,
+}
+
+impl Periodogram {
+    fn new(n: usize) -> Self {
+        let taper: Vec<f64> = (0..n).map(|i| 0.5 - 0.5 * (2.0 * PI * (i as f64 + 0.5) / n as f64).cos()).collect();
+        let energy = taper.iter().map(|w| w * w).sum();
+        Self { plan: RealFftPlanner::new().plan_fft_forward(n), taper, energy }
+    }
+
+    /// Power per bin; the mean over the bins of white noise is its variance.
+    fn of(&self, x: &[f64]) -> Vec<f64> {
+        let mean = x.iter().sum::<f64>() / x.len() as f64;
+        let mut tapered: Vec<f64> = x.iter().zip(&self.taper).map(|(x, w)| (x - mean) * w).collect();
+        let mut spectrum = self.plan.make_output_vec();
+        // The lengths are those of the plan: it cannot refuse.
+        let _ = self.plan.process(&mut tapered, &mut spectrum);
+        spectrum.iter().map(|c| c.norm_sqr() / self.energy).collect()
+    }
+}

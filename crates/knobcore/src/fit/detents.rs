@@ -1,0 +1,67 @@
+//! Are there detents, and which?
+
+use super::scan::{Scan, scan};
+use super::separable::{Found, Layout, descend};
+use crate::effects::Id;
+use crate::error::Result;
+use crate::model::Model;
+use crate::signals::Signals;
+
+/// A peak of the scan stands out when it takes off this many times what the median frequency does. Noise
+/// alone gives exponential gains, whose largest of a thousand is 10 times their median.
+const STANDS_OUT: f64 = 30.0;
+/// Detents must explain this share of what the model without them leaves above the noise.
+const SHARE: f64 = 0.2;
+/// Peaks of the scan that are followed to their optimum, if they reach this share of the best.
+const CANDIDATES: usize = 3;
+const RIVAL: f64 = 0.8;
+
+/// The best descent over the peaks of the scan. The sweeps of every descent count as evaluations.
+pub fn best_from_scan(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64], scan: &Scan) -> Result<Option<Found>> {
+    let peaks = scan.peaks();
+    let best_gain = peaks.first().map_or(0.0, |peak| peak.1);
+    let period = model.index("detent.P")?;
+    let mut best: Option<Found> = None;
+    let (mut evaluations, mut iterations) = (0, 0);
+    for (p, _) in peaks.iter().take(CANDIDATES).filter(|peak| peak.1 >= RIVAL * best_gain) {
+        let mut start = start.to_vec();
+        start[period] = *p;
+        let found = descend(data, model, layout, &start);
+        evaluations += found.evaluations;
+        if best.as_ref().is_none_or(|b| found.cost < b.cost) {
+            iterations = found.iterations;
+            best = Some(found);
+        }
+    }
+    Ok(best.map(|found| Found { evaluations, iterations, ..found }))
+}
+
+/// The scan beside everything of `model` but its detents, evaluated where `start` has the other parameters.
+pub fn scan_beside(data: &[&Signals], model: &Model) -> Option<(Model, Found, Scan)> {
+    let effects: Vec<Id> = model.effects().filter(|id| *id != Id::Detent).collect();
+    let mut bare = Model::new(&effects, model.axis);
+    for slot in model.slots().iter().filter(|slot| slot.effect != Id::Detent) {
+        bare.copy_slot(model, slot).ok()?;
+    }
+    let layout = Layout::of(&bare);
+    let found = descend(data, &bare, &layout, &bare.values());
+    let scan = scan(data, &bare, &found.p, &layout.free)?;
+    Some((bare, found, scan))
+}
+
+/// Whether the detents that were found are there: they stand out of the scan, explain a share of the error
+/// that a user would care about, and explain it better than a smooth position function does.
+///
+/// `floor` is the sum of squares that noise alone would leave.
+pub fn are_there(data: &[&Signals], bare: &Model, without: &Found, with: &Found, scan: &Scan, floor: f64) -> Result<bool> {
+    let gain = without.cost - with.cost;
+    let excess = (without.cost - floor).max(0.0);
+    if gain < STANDS_OUT * scan.background() || gain < SHARE * excess {
+        return Ok(false);
+    }
+    // A smooth function of position, with as many parameters, would take off as much where there are no
+    // detents but a spring, gravity or a bent shaft.
+    let smooth = bare.with(Id::PositionPolynomial)?;
+    let rival = descend(data, &smooth, &Layout::of(&smooth), &smooth.values());
+    Ok(with.cost < rival.cost)
+}

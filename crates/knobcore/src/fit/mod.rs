@@ -1,0 +1,267 @@
+//! From prepared signals to parameters with intervals.
+
+mod bootstrap;
+mod detents;
+mod moments;
+mod scan;
+mod separable;
+mod serial;
+mod solve;
+
+pub use bootstrap::refits;
+pub use moments::Moments;
+pub use scan::Scan;
+pub use separable::Status;
+
+use crate::diagnose::noise_floor;
+use crate::effects::Id;
+use crate::error::{Error, Result};
+use crate::model::{Model, Role};
+use crate::signals::Signals;
+use detents::{are_there, best_from_scan, scan_beside};
+use faer::Mat;
+use moments::{block_moments, moments, sweep};
+use separable::{Found, Layout, descend};
+use serial::{Meat, Serial};
+use solve::{Normal, independent, least_squares};
+
+/// Blocks of the block bootstrap and of the held-out error.
+const BLOCKS: usize = 200;
+/// Parts that the blocks are held out in.
+const FOLDS: usize = 10;
+/// Two-sided 95 % quantile of the normal distribution; captures have thousands of samples.
+pub const Z95: f64 = 1.959_963_984_540_054;
+
+/// How to find the detents.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Detents {
+    /// Add them to the model where the data show them.
+    Find,
+    /// Take the model as it is; a free detent period is found from the data.
+    #[default]
+    AsModel,
+}
+
+/// A parameter that the capture does not determine.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Undetermined {
+    /// `effect.parameter`.
+    pub name: String,
+    /// Why, and what to record.
+    pub why: String,
+}
+
+/// A fitted model.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    /// The model at its best parameters.
+    pub model: Model,
+    /// The free parameters that the data determine, as indices into the slots of the model.
+    pub free: Vec<usize>,
+    /// Their covariance, with correlated residuals.
+    pub covariance: Mat<f64>,
+    /// What the data say nothing about; those values are not results.
+    pub undetermined: Vec<Undetermined>,
+    /// Root mean square error, N m.
+    pub rmse: f64,
+    /// The same on blocks that the fit did not see.
+    pub rmse_heldout: f64,
+    /// What the torque sensor's noise alone would leave, N m.
+    pub noise_floor: f64,
+    /// Accepted steps.
+    pub iterations: usize,
+    /// Sweeps over the data.
+    pub evaluations: usize,
+    /// Why it stopped.
+    pub status: Status,
+    /// The detent scan, where one was made.
+    pub scan: Option<Scan>,
+    /// Normal equations of consecutive blocks at the optimum.
+    pub blocks: Vec<Moments>,
+    /// Columns of `blocks` that the data determine.
+    kept: Vec<usize>,
+}
+
+/// Fits `model` to one or several captures of the same knob.
+///
+/// # Errors
+/// The captures hold no sample that counts, fewer samples than parameters, or differ in axis.
+pub fn fit(data: &[&Signals], model: &Model, detents: Detents) -> Result<Fit> {
+    check(data, model)?;
+    let wants_scan = detents == Detents::Find || is_free(model, "detent.P");
+    let mut model = model.clone();
+    let mut kept_scan = None;
+    let mut found = None;
+    if wants_scan && let Some((bare, without, scan)) = scan_beside(data, &model) {
+        let full = if model.has(Id::Detent) { model.clone() } else { bare.with(Id::Detent)? };
+        let layout = Layout::of(&full);
+        let with = best_from_scan(data, &full, &layout, &full.values(), &scan)?;
+        let there = match (&with, detents) {
+            (None, _) => false,
+            (Some(_), Detents::AsModel) => true,
+            (Some(with), Detents::Find) => {
+                let rows: f64 = data.iter().map(|s| s.used() as f64).sum();
+                let mut at_best = full.clone();
+                at_best.set_values(&with.p);
+                let floor = noise_floor(data, &at_best).powi(2) * rows;
+                are_there(data, &bare, &without, with, &scan, if floor.is_finite() { floor } else { 0.0 })?
+            }
+        };
+        (model, found) = match (there, with) {
+            (true, Some(with)) => (full, Some(Found { evaluations: with.evaluations + 2, ..with })),
+            _ if detents == Detents::Find => (bare, Some(without)),
+            _ => (model, None),
+        };
+        kept_scan = Some(scan);
+    }
+    let layout = Layout::of(&model);
+    let found = found.unwrap_or_else(|| descend(data, &model, &layout, &model.values()));
+    finish(data, model, &layout, found, kept_scan)
+}
+
+fn is_free(model: &Model, name: &str) -> bool {
+    model.index(name).is_ok_and(|i| model.slots()[i].role == Role::Free)
+}
+
+fn check(data: &[&Signals], model: &Model) -> Result<()> {
+    let used: usize = data.iter().map(|signals| signals.used()).sum();
+    let free = Layout::of(model).free.len();
+    if used <= 2 * free + 10 {
+        return Err(Error::invalid(
+            "capture",
+            format!("has {used} samples that count, too few to fit {free} parameters; record longer, or mask less"),
+        ));
+    }
+    if data.iter().any(|signals| signals.axis != model.axis) {
+        return Err(Error::invalid("model", "is of another kind of axis than the capture; give both as rotary or both as linear"));
+    }
+    let constant = |signals: &&Signals| {
+        let mut used = signals.tau.iter().zip(&signals.weight).filter(|(_, w)| **w > 0.0).map(|(tau, _)| *tau);
+        let first = used.next();
+        used.all(|tau| Some(tau) == first)
+    };
+    if data.iter().all(constant) {
+        return Err(Error::invalid("tau", "is the same in every sample; check that the torque sensor was connected and mapped"));
+    }
+    let still = |signals: &&Signals| signals.theta.iter().all(|x| Some(x) == signals.theta.first());
+    if data.iter().all(still) {
+        return Err(Error::invalid("theta", "never moves; record a motion, or map the column that holds the angle"));
+    }
+    Ok(())
+}
+
+/// Everything that is reported about the optimum.
+fn finish(data: &[&Signals], mut model: Model, layout: &Layout, found: Found, scan: Option<Scan>) -> Result<Fit> {
+    model.set_values(&found.p);
+    let seeds = layout.seeds(&model);
+    let used: usize = data.iter().map(|signals| signals.used()).sum();
+    let at = moments(data, &model, &found.p, &seeds);
+    let order: Vec<usize> = layout.linear_first();
+    let kept = independent(|i, j| at.gram(i, j), &order);
+    let residuals = residuals(data, &model);
+    let serial = Serial::of(&residuals.iter().map(Vec::as_slice).collect::<Vec<_>>());
+    let mut meat = Meat::new(&serial, layout.free.len());
+    sweep(data, &model, &found.p, &seeds, |swept| meat.add(swept));
+    let covariance = match Normal::of(|i, j| at.gram(i, j), &kept) {
+        Some(normal) => {
+            let bread = normal.inverse();
+            let k = layout.free.len();
+            let middle = Mat::from_fn(kept.len(), kept.len(), |i, j| meat.products[kept[i] * k + kept[j]]);
+            let degrees = used as f64 / (used as f64 - kept.len() as f64);
+            Mat::from_fn(kept.len(), kept.len(), |i, j| (&bread * &middle * &bread)[(i, j)] * degrees)
+        }
+        None => Mat::zeros(0, 0),
+    };
+    let blocks = block_moments(data, &model, &found.p, &seeds, (used / BLOCKS).max(1));
+    let undetermined = (0..layout.free.len()).filter(|c| !kept.contains(c)).map(|c| undetermined(&model, layout, &at, &kept, c)).collect();
+    Ok(Fit {
+        free: kept.iter().map(|&column| layout.free[column]).collect(),
+        covariance,
+        undetermined,
+        rmse: (residuals.iter().flatten().map(|r| r * r).sum::<f64>() / used as f64).sqrt(),
+        rmse_heldout: bootstrap::held_out(&blocks, &kept, FOLDS),
+        noise_floor: noise_floor(data, &model),
+        iterations: found.iterations,
+        evaluations: found.evaluations,
+        status: found.status,
+        scan,
+        blocks,
+        kept,
+        model,
+    })
+}
+
+/// Measured minus modelled torque at the samples that count, per capture, N m.
+fn residuals(data: &[&Signals], model: &Model) -> Vec<Vec<f64>> {
+    let of = |signals: &&Signals| {
+        let torque = crate::predict::torque(model, signals);
+        let pairs = signals.tau.iter().zip(torque).zip(&signals.weight);
+        pairs.filter(|(_, w)| **w > 0.0).map(|((tau, model), _)| tau - model).collect()
+    };
+    data.iter().map(of).collect()
+}
+
+/// Says why a column is not determined: it is silent, or a combination of others.
+fn undetermined(model: &Model, layout: &Layout, at: &Moments, kept: &[usize], column: usize) -> Undetermined {
+    let name = |column: usize| model.slots()[layout.free[column]].name();
+    let length = at.gram(column, column);
+    let why = if length > 0.0 {
+        let along = Normal::of(|i, j| at.gram(i, j), kept)
+            .map(|normal| normal.solve(|i| at.gram(kept[i], column)))
+            .unwrap_or_default();
+        let parts = kept.iter().zip(&along).filter(|(i, x)| (*x * *x) * at.gram(**i, **i) > 1e-4 * length);
+        let others: Vec<String> = parts.map(|(&i, _)| name(i)).collect();
+        format!("this capture cannot tell it from {}; record a motion that does, or fix or tie one of them", others.join(", "))
+    } else {
+        "nothing in this capture depends on it; record a motion that does, or fix it".into()
+    };
+    Undetermined { name: name(column), why }
+}
+
+impl Fit {
+    /// Standard error of each determined parameter, in the order of `free`.
+    pub fn standard_errors(&self) -> Vec<f64> {
+        (0..self.free.len()).map(|i| self.covariance[(i, i)].max(0.0).sqrt()).collect()
+    }
+
+    /// Correlation of the estimates, in the order of `free`.
+    pub fn correlation(&self) -> Mat<f64> {
+        let se = self.standard_errors();
+        Mat::from_fn(se.len(), se.len(), |i, j| if i == j { 1.0 } else { self.covariance[(i, j)] / (se[i] * se[j]) })
+    }
+
+    /// Block-bootstrap refits: each a value per determined parameter, in the order of `free`.
+    pub fn bootstrap(&self, draws: usize, seed: u64) -> Vec<Vec<f64>> {
+        let values = self.model.values();
+        let around = |step: Vec<f64>| self.kept.iter().zip(&self.free).map(|(&c, &i)| values[i] + step[c]).collect();
+        refits(&self.blocks, &self.kept, draws, seed).into_iter().map(around).collect()
+    }
+
+    /// Half-width of the 95 % band of the mean prediction at every sample of a capture, N m (Matlab's
+    /// `nlpredci`, with the covariance of correlated residuals); NaN outside of every segment.
+    pub fn band(&self, signals: &Signals) -> Vec<f64> {
+        let seeds = crate::predict::Seeds::of(&self.model, &self.free);
+        let mut band = vec![f64::NAN; signals.len()];
+        let unweighted = Signals { weight: vec![1.0; signals.len()], ..signals.clone() };
+        sweep(&[&unweighted], &self.model, &self.model.values(), &seeds, |swept| {
+            for (row, at) in swept.chunk.core.clone().enumerate() {
+                let j = |c: usize| swept.columns[c][row];
+                let mut variance = 0.0;
+                for a in 0..self.free.len() {
+                    for b in 0..self.free.len() {
+                        variance += j(a) * self.covariance[(a, b)] * j(b);
+                    }
+                }
+                band[at] = Z95 * variance.max(0.0).sqrt();
+            }
+        });
+        band
+    }
+
+    /// The step that would lower the error further, to first order; near zero at an optimum.
+    pub fn remaining_step(&self) -> Option<Vec<f64>> {
+        let mut all = Moments::empty(self.blocks.first()?.k);
+        self.blocks.iter().for_each(|block| all.add(block));
+        least_squares(&all, &self.kept)
+    }
+}

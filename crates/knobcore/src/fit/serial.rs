@@ -1,0 +1,140 @@
+//! Residuals at 5 kHz are not independent: their serial correlation, and what it does to the intervals.
+//!
+//! The residual is modelled as autoregressive, r = e / A(z), of an order chosen by BIC; the covariance of
+//! the parameters is the sandwich (J'J)^-1 J' Sigma J (J'J)^-1 with that model's Sigma. Source: den Haan &
+//! Levin 1997 ("VARHAC"), for one series. J' Sigma J needs no matrix of the length of the capture: it is
+//! the product of the columns after they went through the same recursion 1 / A(z).
+
+use super::moments::Swept;
+
+/// Longest memory that is looked for, samples.
+const MOST: usize = 40;
+
+/// An autoregression e_t = r_t + a_1 r_(t-1) + ... with white e.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Serial {
+    /// a_1, a_2, ...
+    pub coefficients: Vec<f64>,
+    /// Variance of e, (N m)^2.
+    pub innovation: f64,
+}
+
+impl Serial {
+    /// Of residuals, by the Yule-Walker equations (Levinson 1947, Durbin 1960); lags are counted in used
+    /// samples.
+    pub fn of(residuals: &[&[f64]]) -> Self {
+        let n: usize = residuals.iter().map(|r| r.len()).sum();
+        let most = MOST.min(n / 10);
+        let mut covariance = vec![0.0; most + 1];
+        for r in residuals {
+            for (lag, sum) in covariance.iter_mut().enumerate().take(r.len()) {
+                *sum += r[lag..].iter().zip(r.iter()).map(|(a, b)| a * b).sum::<f64>();
+            }
+        }
+        let n = n.max(1) as f64;
+        let (mut a, mut error) = (Vec::<f64>::new(), covariance[0] / n);
+        let mut best = (f64::INFINITY, a.clone(), error);
+        for order in 0..=most {
+            if !(error > 0.0) {
+                break;
+            }
+            let bic = n * error.ln() + order as f64 * n.ln();
+            if bic < best.0 {
+                best = (bic, a.clone(), error);
+            }
+            if order == most {
+                break;
+            }
+            let forecast: f64 = a.iter().enumerate().map(|(i, a)| a * covariance[order - i]).sum();
+            let reflection = -(covariance[order + 1] + forecast) / (error * n);
+            let mirrored: Vec<f64> = a.iter().rev().map(|x| x * reflection).collect();
+            for (own, more) in a.iter_mut().zip(mirrored) {
+                *own += more;
+            }
+            a.push(reflection);
+            error *= 1.0 - reflection * reflection;
+        }
+        Self { coefficients: best.1, innovation: best.2 }
+    }
+}
+
+/// Accumulates J' Sigma J over a sweep.
+pub struct Meat<'a> {
+    serial: &'a Serial,
+    k: usize,
+    /// The last values of each column after the recursion, newest first.
+    past: Vec<Vec<f64>>,
+    capture: usize,
+    /// k x k, row by row.
+    pub products: Vec<f64>,
+}
+
+impl<'a> Meat<'a> {
+    /// Nothing accumulated yet, for `k` columns.
+    pub fn new(serial: &'a Serial, k: usize) -> Self {
+        let past = vec![vec![0.0; serial.coefficients.len()]; k];
+        Self { serial, k, past, capture: usize::MAX, products: vec![0.0; k * k] }
+    }
+
+    /// Takes the derivative columns of one chunk.
+    pub fn add(&mut self, swept: &Swept<'_>) {
+        if swept.capture != self.capture {
+            self.capture = swept.capture;
+            self.past.iter_mut().for_each(|past| past.fill(0.0));
+        }
+        let weight = &swept.signals.weight[swept.chunk.core.clone()];
+        let order = self.serial.coefficients.len();
+        let coloured: Vec<Vec<f64>> = swept.columns[..self.k]
+            .iter()
+            .zip(&mut self.past)
+            .map(|(column, past)| {
+                let mut y: Vec<f64> = past.iter().rev().copied().collect();
+                for (value, w) in column.iter().zip(weight) {
+                    if *w > 0.0 {
+                        let recent = y[y.len() - order..].iter().rev();
+                        let memory: f64 = recent.zip(&self.serial.coefficients).map(|(y, a)| y * a).sum();
+                        y.push(value - memory);
+                    }
+                }
+                past.iter_mut().zip(y.iter().rev()).for_each(|(p, y)| *p = *y);
+                y.split_off(order)
+            })
+            .collect();
+        for i in 0..self.k {
+            for j in 0..=i {
+                let product: f64 = coloured[i].iter().zip(&coloured[j]).map(|(a, b)| a * b).sum();
+                let product = product * self.serial.innovation;
+                self.products[i * self.k + j] += product;
+                if i != j {
+                    self.products[j * self.k + i] += product;
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Noise;
+
+    #[test]
+    fn white_residuals_need_no_memory() {
+        let mut noise = Noise::new(7);
+        let r: Vec<f64> = (0..20_000).map(|_| noise.normal()).collect();
+        let serial = Serial::of(&[&r]);
+        assert!(serial.coefficients.is_empty(), "{serial:?}");
+        assert!((serial.innovation - 1.0).abs() < 0.05);
+    }
+
+    #[test]
+    fn an_autoregression_is_found_with_its_coefficients() {
+        let mut noise = Noise::new(8);
+        let mut r = vec![0.0, 0.0];
+        for t in 2..40_000 {
+            r.push(1.5 * r[t - 1] - 0.8 * r[t - 2] + noise.normal());
+        }
+        let serial = Serial::of(&[&r]);
+        assert!((serial.coefficients[0] + 1.5).abs() < 0.03 && (serial.coefficients[1] - 0.8).abs() < 0.03, "{serial:?}");
+    }
+}
