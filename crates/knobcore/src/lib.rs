@@ -2,6 +2,7 @@
 #![cfg_attr(not(feature = "python"), forbid(unsafe_code))]
 
 pub mod error;
+pub mod smooth;
 
 #[cfg(feature = "python")]
 mod python;

@@ -1,8 +1,11 @@
 //! Bindings: convert, delegate, convert. Nothing is computed here.
+mod smooth;
+
 use pyo3::prelude::*;
 
 #[pymodule]
 fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    m.add_function(wrap_pyfunction!(smooth::smooth, m)?)?;
     Ok(())
 }
