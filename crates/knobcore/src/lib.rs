@@ -13,9 +13,13 @@ pub mod param;
 
 pub mod effects;
 pub mod model;
+pub mod model_file;
 
 pub mod filter;
 pub mod signals;
+pub mod smooth;
+
+pub mod prepare;
 
 pub mod predict;
 

@@ -83,12 +83,17 @@ impl Model {
             return Err(Error::invalid(format!("effect '{}'", id.info().id), "is in the model already"));
         }
         let effects: Vec<_> = self.effects().chain([id]).collect();
-        let mut richer = Self::new(&effects, self.axis);
-        richer.name.clone_from(&self.name);
-        for slot in &self.slots {
-            richer.copy_slot(self, slot)?;
+        self.only(&effects)
+    }
+
+    /// The same parameters, of these effects alone.
+    pub fn only(&self, effects: &[Id]) -> Result<Self> {
+        let mut model = Self::new(effects, self.axis);
+        model.name.clone_from(&self.name);
+        for slot in self.slots.iter().filter(|slot| effects.contains(&slot.effect)) {
+            model.copy_slot(self, slot)?;
         }
-        Ok(richer)
+        Ok(model)
     }
 
     /// Takes over value and role of a slot of another model.

@@ -21,6 +21,6 @@ mod registers;
 mod sos;
 mod zero_phase;
 
-pub use design::{butter, cheby2};
+pub use design::{butter, cheby1, cheby2};
 pub use sos::{Section, Sos};
 pub use zero_phase::ZeroPhase;

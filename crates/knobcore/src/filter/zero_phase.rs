@@ -30,6 +30,11 @@ impl ZeroPhase {
         Self { sos, padding }
     }
 
+    /// The same filter with its ends extended by another number of samples than SciPy's default.
+    pub fn padded_by(self, samples: usize) -> Self {
+        Self { padding: samples, ..self }
+    }
+
     /// The chain of one pass.
     pub fn sos(&self) -> &Sos {
         &self.sos

@@ -39,10 +39,7 @@ pub fn best_from_scan(data: &[&Signals], model: &Model, layout: &Layout, start: 
 /// The scan beside everything of `model` but its detents, evaluated where `start` has the other parameters.
 pub fn scan_beside(data: &[&Signals], model: &Model) -> Option<(Model, Found, Scan)> {
     let effects: Vec<Id> = model.effects().filter(|id| *id != Id::Detent).collect();
-    let mut bare = Model::new(&effects, model.axis);
-    for slot in model.slots().iter().filter(|slot| slot.effect != Id::Detent) {
-        bare.copy_slot(model, slot).ok()?;
-    }
+    let bare = model.only(&effects).ok()?;
     let layout = Layout::of(&bare);
     let found = descend(data, &bare, &layout, &bare.values());
     let scan = scan(data, &bare, &found.p, &layout.free)?;

@@ -4,7 +4,7 @@ use numpy::{
 };
 use pyo3::prelude::*;
 
-use super::value_error;
+use super::convert::input_error as value_error;
 use crate::error::Error;
 use crate::filter::{Section, Sos, ZeroPhase, butter, cheby2};
 

@@ -1,19 +1,22 @@
 //! Bindings: convert, delegate, convert. Nothing is computed here.
-use pyo3::exceptions::PyValueError;
-use pyo3::prelude::*;
-
-use crate::error::Error;
-
+mod convert;
 mod filter;
+mod fit;
+mod model;
+mod signals;
+mod smooth;
+
+use pyo3::prelude::*;
 
 #[pymodule]
 fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add("__version__", env!("CARGO_PKG_VERSION"))?;
     filter::register(m)?;
-    Ok(())
-}
-
-/// A wrong call or input, as Python knows it.
-fn value_error(error: Error) -> PyErr {
-    PyValueError::new_err(error.to_string())
+    m.add_function(wrap_pyfunction!(smooth::smooth, m)?)?;
+    m.add_class::<model::PyModel>()?;
+    m.add_function(wrap_pyfunction!(model::catalogue, m)?)?;
+    m.add_class::<signals::PySignals>()?;
+    m.add_function(wrap_pyfunction!(signals::prepare, m)?)?;
+    m.add_class::<fit::PyFit>()?;
+    m.add_function(wrap_pyfunction!(fit::fit, m)?)
 }

@@ -1,0 +1,166 @@
+//! The model file: TOML that a person can read and edit, exact to the last bit.
+//!
+//! ```toml
+//! schema = "knobcam.model/1"
+//! name = "knob 4"
+//! axis = "rotary"
+//!
+//! [effects.coulomb]
+//! neg = "coulomb.pos" # tied: always equal to that one
+//! pos = { value = 0.02, fixed = true } # not fitted
+//! ```
+
+use crate::effects::{Id, Place};
+use crate::error::{Error, Result};
+use crate::model::{Model, Role};
+use crate::param::Axis;
+use std::fmt::Write;
+use toml::{Table, Value};
+
+/// The version of the file that is written and read.
+pub const SCHEMA: &str = "knobcam.model/1";
+
+/// Reads a model.
+///
+/// # Errors
+/// Names the line, the effect or the parameter that is wrong.
+pub fn parse(text: &str) -> Result<Model> {
+    let bad = |name: &str, why: &str| Error::invalid(name, why);
+    let file: Table = text.parse().map_err(|e: toml::de::Error| {
+        let line = e.span().map_or(1, |span| 1 + text[..span.start.min(text.len())].matches('\n').count());
+        bad(&format!("line {line}"), &format!("is no TOML: {}", e.message().replace('\n', " ")))
+    })?;
+    match file.get("schema").and_then(Value::as_str) {
+        Some(SCHEMA) => {}
+        Some(other) => {
+            return Err(bad("schema", &format!("is '{other}', and this version reads '{SCHEMA}'; update knobcam")));
+        }
+        None => return Err(bad("schema", &format!("is missing, so this is no model file; write schema = \"{SCHEMA}\" on top"))),
+    }
+    if let Some(unknown) = file.keys().find(|key| !["schema", "name", "axis", "effects"].contains(&key.as_str())) {
+        return Err(bad(&format!("'{unknown}'"), "is no key of a model file; it has schema, name, axis and effects"));
+    }
+    let axis = match file.get("axis").map(Value::as_str) {
+        None | Some(Some("rotary")) => Axis::Rotary,
+        Some(Some("linear")) => Axis::Linear,
+        Some(_) => return Err(bad("axis", "must be \"rotary\" or \"linear\"")),
+    };
+    let effects = file.get("effects").and_then(Value::as_table).filter(|table| !table.is_empty());
+    let effects = effects.ok_or_else(|| bad("effects", "are missing; add a table such as [effects.inertia]"))?;
+    let ids = effects.keys().map(|id| Id::parse(id)).collect::<Result<Vec<_>>>()?;
+    let mut model = Model::new(&ids, axis);
+    model.name = file.get("name").and_then(Value::as_str).unwrap_or_default().to_owned();
+    let mut ties = Vec::new();
+    for (id, params) in effects {
+        let params = params.as_table().ok_or_else(|| bad(&format!("effect '{id}'"), "must be a table of parameters"))?;
+        for (param, value) in params {
+            let name = format!("{id}.{param}");
+            model.index(&name)?;
+            if let Some(target) = value.as_str() {
+                ties.push((name, target.to_owned()));
+            } else {
+                read_param(&mut model, &name, value)?;
+            }
+        }
+    }
+    for (name, target) in ties {
+        model.tie(&name, &target)?;
+    }
+    Ok(model)
+}
+
+/// A number, or a table of value and fixed.
+fn read_param(model: &mut Model, name: &str, value: &Value) -> Result<()> {
+    let number = |value: &Value| match value {
+        Value::Float(x) => Some(*x),
+        Value::Integer(x) => Some(*x as f64),
+        _ => None,
+    };
+    let bad = || {
+        let why = "must be a number, the name of another parameter in quotes, or { value = NUMBER, fixed = true }";
+        Error::invalid(format!("parameter '{name}'"), why)
+    };
+    let Some(table) = value.as_table() else { return model.set(name, number(value).ok_or_else(bad)?) };
+    for (key, value) in table {
+        match (key.as_str(), value) {
+            ("value", value) => model.set(name, number(value).ok_or_else(bad)?)?,
+            ("fixed", Value::Boolean(fixed)) => model.set_role(name, if *fixed { Role::Fixed } else { Role::Free })?,
+            _ => return Err(bad()),
+        }
+    }
+    Ok(())
+}
+
+/// Writes a model; [`parse`] gives the same one back.
+pub fn write(model: &Model) -> String {
+    let axis = if model.axis == Axis::Linear { "linear" } else { "rotary" };
+    let mut out = format!("schema = \"{SCHEMA}\"\nname = {}\naxis = \"{axis}\"\n", Value::String(model.name.clone()));
+    for place in [Place::Load, Place::Sensor] {
+        for id in model.at(place) {
+            let info = id.info();
+            // Writing to a String cannot fail.
+            let _ = write!(out, "\n[effects.{}] # {}\n", info.id, info.law);
+            for slot in model.slots().iter().filter(|slot| slot.effect == id) {
+                let value = match slot.role {
+                    Role::Tied(to) => format!("{:?}", model.slots()[to].name()),
+                    // Stiction is never fitted with the rest, so it needs no mark.
+                    Role::Fixed if id != Id::Karnopp => format!("{{ value = {:?}, fixed = true }}", slot.value),
+                    _ => format!("{:?}", slot.value),
+                };
+                let _ = writeln!(out, "{} = {value} # {}, {}", slot.param.name, slot.param.unit.text(model.axis), slot.param.meaning);
+            }
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn example() -> Model {
+        let mut model = Model::new(Id::ALL, Axis::Linear);
+        model.name = "a \"quoted\" name\nof two lines".into();
+        model.set("inertia.M", 0.1 + 0.2).unwrap();
+        model.set("detent.P", 1.0 / 3.0).unwrap();
+        model.set("coulomb.pos", 5e-324).unwrap();
+        model.set_role("detent.P", Role::Fixed).unwrap();
+        model.tie("coulomb.neg", "coulomb.pos").unwrap();
+        model
+    }
+
+    #[test]
+    fn a_model_comes_back_exactly() {
+        let model = example();
+        let back = parse(&write(&model)).unwrap();
+        assert_eq!(back.name, model.name);
+        assert_eq!(back.axis, model.axis);
+        for (a, b) in model.slots().iter().zip(back.slots()) {
+            assert_eq!((a.name(), a.value.to_bits(), a.role), (b.name(), b.value.to_bits(), b.role));
+        }
+        assert_eq!(write(&back), write(&model));
+    }
+
+    #[test]
+    fn every_mistake_is_named_with_the_way_out() {
+        let head = format!("schema = \"{SCHEMA}\"\n");
+        for (text, name, way) in [
+            ("[effects", "line 1", "TOML"),
+            ("name = \"x\"", "schema", "write schema"),
+            ("schema = \"knobcam.model/99\"", "knobcam.model/99", "update"),
+            (&format!("{head}[effects.warp]\nx = 1"), "warp", "inertia"),
+            (&format!("{head}[effects.inertia]\nN = 1"), "inertia.N", "inertia.M"),
+            (&format!("{head}[effects.inertia]\nM = true"), "inertia.M", "number"),
+            (&format!("{head}[effects.detent]\nP = -1"), "detent.P", "bounds"),
+            (&format!("{head}[effects.detent]\nP = nan"), "detent.P", "bounds"),
+            (&format!("{head}[effects.coulomb]\nneg = \"coulomb.up\""), "coulomb.up", "coulomb.pos"),
+            (&format!("{head}[effects.coulomb]\nneg = \"coulomb.neg\""), "coulomb.neg", "itself"),
+            (&format!("{head}speed = 1\n[effects.inertia]"), "speed", "axis"),
+            (&format!("{head}axis = \"round\"\n[effects.inertia]"), "axis", "rotary"),
+            (&head, "effects", "[effects.inertia]"),
+        ] {
+            let error = parse(text).unwrap_err().to_string();
+            assert!(error.contains(name) && error.contains(way) && !error.contains('\n'), "{text} -> {error}");
+        }
+    }
+}

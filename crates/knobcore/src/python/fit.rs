@@ -1,0 +1,102 @@
+//! Bindings of the fit.
+use super::convert::{array, input_error, matrix};
+use super::model::PyModel;
+use super::signals::PySignals;
+use crate::fit::{Detents, Fit, fit as fit_core};
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+
+/// A fitted model.
+#[pyclass(frozen, name = "Fit", module = "knobcam._core")]
+pub struct PyFit(pub Fit);
+
+#[pymethods]
+impl PyFit {
+    #[getter]
+    fn model(&self) -> PyModel {
+        PyModel(self.0.model.clone())
+    }
+
+    /// Names of the determined parameters, the order of `standard_errors`, `correlation` and `bootstrap`.
+    #[getter]
+    fn free(&self) -> Vec<String> {
+        self.0.free.iter().map(|&i| self.0.model.slots()[i].name()).collect()
+    }
+
+    #[getter]
+    fn standard_errors<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        array(py, &self.0.standard_errors())
+    }
+
+    #[getter]
+    fn correlation<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        matrix(py, &self.0.correlation())
+    }
+
+    #[getter]
+    fn undetermined(&self) -> Vec<(String, String)> {
+        self.0.undetermined.iter().map(|u| (u.name.clone(), u.why.clone())).collect()
+    }
+
+    #[getter]
+    fn rmse(&self) -> f64 {
+        self.0.rmse
+    }
+
+    #[getter]
+    fn rmse_heldout(&self) -> f64 {
+        self.0.rmse_heldout
+    }
+
+    #[getter]
+    fn noise_floor(&self) -> f64 {
+        self.0.noise_floor
+    }
+
+    #[getter]
+    fn iterations(&self) -> usize {
+        self.0.iterations
+    }
+
+    #[getter]
+    fn evaluations(&self) -> usize {
+        self.0.evaluations
+    }
+
+    #[getter]
+    fn status(&self) -> &'static str {
+        self.0.status.word()
+    }
+
+    #[getter]
+    fn message(&self) -> &'static str {
+        self.0.status.message()
+    }
+
+    /// The detent scan: (1/P, gain in (N m)^2), where one was made.
+    #[getter]
+    fn scan<'py>(&self, py: Python<'py>) -> Option<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
+        let scan = self.0.scan.as_ref()?;
+        Some((array(py, &scan.inverse_period), array(py, &scan.gain)))
+    }
+
+    /// Block-bootstrap refits, shape (draws, parameters).
+    fn bootstrap<'py>(&self, py: Python<'py>, draws: usize, seed: u64) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let refits = py.detach(|| self.0.bootstrap(draws, seed));
+        Ok(PyArray2::from_vec2(py, &refits)?)
+    }
+
+    /// Half-width of the 95 % band of the mean prediction, N m.
+    fn band<'py>(&self, py: Python<'py>, signals: &PySignals) -> Bound<'py, PyArray1<f64>> {
+        array(py, &py.detach(|| self.0.band(&signals.prepared.signals)))
+    }
+}
+
+/// Fits a model to one or several captures; `find_detents` adds detents where the data show them.
+#[pyfunction]
+pub fn fit(py: Python<'_>, data: Vec<PyRef<'_, PySignals>>, model: &PyModel, find_detents: bool) -> PyResult<PyFit> {
+    let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
+    let detents = if find_detents { Detents::Find } else { Detents::AsModel };
+    let (model, signals) = (&model.0, &signals[..]);
+    py.detach(|| fit_core(signals, model, detents)).map(PyFit).map_err(input_error)
+}

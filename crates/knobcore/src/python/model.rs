@@ -1,0 +1,138 @@
+//! Bindings of models and of the catalogue.
+use super::convert::{array, input_error};
+use super::signals::PySignals;
+use crate::effects::Id;
+use crate::model::{Model, Role};
+use crate::param::Axis;
+use crate::{model_file, predict};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// An immutable model.
+#[pyclass(frozen, name = "Model", module = "knobcam._core")]
+#[derive(Clone)]
+pub struct PyModel(pub Model);
+
+/// Rotary or linear, by name.
+pub fn axis(name: &str) -> Axis {
+    if name == "linear" { Axis::Linear } else { Axis::Rotary }
+}
+
+impl PyModel {
+    fn changed(&self, change: impl FnOnce(&mut Model) -> crate::error::Result<()>) -> PyResult<Self> {
+        let mut model = self.0.clone();
+        change(&mut model).map_err(input_error)?;
+        Ok(Self(model))
+    }
+}
+
+#[pymethods]
+impl PyModel {
+    #[new]
+    #[pyo3(signature = (effects, axis_name="rotary", name=""))]
+    fn new(effects: Vec<String>, axis_name: &str, name: &str) -> PyResult<Self> {
+        let ids = effects.iter().map(|id| Id::parse(id)).collect::<Result<Vec<_>, _>>().map_err(input_error)?;
+        let mut model = Model::new(&ids, axis(axis_name));
+        model.name = name.to_owned();
+        Ok(Self(model))
+    }
+
+    #[staticmethod]
+    fn parse(text: &str) -> PyResult<Self> {
+        model_file::parse(text).map(Self).map_err(input_error)
+    }
+
+    fn text(&self) -> String {
+        model_file::write(&self.0)
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        &self.0.name
+    }
+
+    #[getter]
+    fn axis(&self) -> &'static str {
+        if self.0.axis == Axis::Linear { "linear" } else { "rotary" }
+    }
+
+    #[getter]
+    fn effects(&self) -> Vec<&'static str> {
+        self.0.effects().map(|id| id.info().id).collect()
+    }
+
+    /// Rows of (name, value, unit, role), the role `free`, `fixed` or the name that it is tied to.
+    fn rows(&self) -> Vec<(String, f64, String, String)> {
+        let role = |role: Role| match role {
+            Role::Free => "free".to_owned(),
+            Role::Fixed => "fixed".to_owned(),
+            Role::Tied(to) => self.0.slots()[to].name(),
+        };
+        self.0.slots().iter().map(|s| (s.name(), s.value, s.param.unit.text(self.0.axis), role(s.role))).collect()
+    }
+
+    fn renamed(&self, name: String) -> Self {
+        let mut model = self.0.clone();
+        model.name = name;
+        Self(model)
+    }
+
+    fn with_value(&self, name: &str, value: f64) -> PyResult<Self> {
+        self.changed(|model| model.set(name, value))
+    }
+
+    fn with_fixed(&self, name: &str, fixed: bool) -> PyResult<Self> {
+        self.changed(|model| model.set_role(name, if fixed { Role::Fixed } else { Role::Free }))
+    }
+
+    fn with_tie(&self, name: &str, to: &str) -> PyResult<Self> {
+        self.changed(|model| model.tie(name, to))
+    }
+
+    fn with_effect(&self, id: &str) -> PyResult<Self> {
+        Id::parse(id).and_then(|id| self.0.with(id)).map(Self).map_err(input_error)
+    }
+
+    /// The same parameters, of these effects only.
+    fn only(&self, effects: Vec<String>) -> PyResult<Self> {
+        let ids = effects.iter().map(|id| Id::parse(id)).collect::<Result<Vec<_>, _>>().map_err(input_error)?;
+        self.0.only(&ids).map(Self).map_err(input_error)
+    }
+
+    /// Torque on the motion of prepared signals, through their filter or raw; N m.
+    #[pyo3(signature = (signals, filtered=true))]
+    fn torque<'py>(&self, py: Python<'py>, signals: &PySignals, filtered: bool) -> Bound<'py, PyArray1<f64>> {
+        let of = if filtered { predict::torque } else { predict::torque_raw };
+        array(py, &py.detach(|| of(&self.0, &signals.prepared.signals)))
+    }
+}
+
+/// The catalogue: for each effect a dict of id, place, law, source, shows and params.
+#[pyfunction]
+#[pyo3(signature = (axis_name="rotary"))]
+pub fn catalogue<'py>(py: Python<'py>, axis_name: &str) -> PyResult<Vec<Bound<'py, PyDict>>> {
+    let axis = axis(axis_name);
+    let row = |id: &Id| {
+        let info = id.info();
+        let row = PyDict::new(py);
+        row.set_item("id", info.id)?;
+        row.set_item("place", info.place.text())?;
+        row.set_item("law", info.law)?;
+        row.set_item("source", info.source)?;
+        row.set_item("shows", info.shows)?;
+        let param = |p: &crate::param::Param| {
+            let row = PyDict::new(py);
+            row.set_item("name", p.name)?;
+            row.set_item("unit", p.unit.text(axis))?;
+            row.set_item("lower", p.lower)?;
+            row.set_item("upper", p.upper)?;
+            row.set_item("neutral", p.neutral)?;
+            row.set_item("meaning", p.meaning)?;
+            PyResult::Ok(row)
+        };
+        row.set_item("params", info.params.iter().map(param).collect::<PyResult<Vec<_>>>()?)?;
+        Ok(row)
+    };
+    Id::ALL.iter().map(row).collect()
+}

@@ -1,0 +1,170 @@
+//! Backward: the fixed-interval smoother of Rauch, Tung and Striebel (1965).
+//!
+//! From the last sample to the first, with x filtered, P its covariance and F, Q the step to the next sample:
+//!
+//! ```text
+//! G = P F' (F P F' + Q)^-1
+//! x_smooth[k] = x[k] + G (x_smooth[k+1] - F x[k])
+//! P_smooth[k] = (I - G F) P (I - G F)' + G (Q + P_smooth[k+1]) G'
+//! ```
+//!
+//! The last line is theirs rewritten as a sum of squares, so that rounding cannot make it negative.
+//!
+//! The filter leaves a checkpoint every few thousand samples and runs again from there on the way back, so
+//! that memory beyond the result does not grow with the capture.
+
+use super::kalman::{Filter, Prediction, Prior};
+use super::sensors::{Noise, Sensors};
+use super::staircase::one_reading_per_step;
+use super::state::{Model, coast, transition};
+use crate::error::Result;
+use nalgebra::{Matrix3, Vector3};
+
+/// Samples between two checkpoints.
+const BLOCK: usize = 4096;
+
+/// Smoothed variances that change less than this have converged.
+const SETTLED: f64 = 1e-7;
+
+/// The motion, its standard deviations, and the noise that they rest on. SI units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Smoothed {
+    /// Angle, rad.
+    pub theta: Vec<f64>,
+    /// Velocity, rad/s.
+    pub omega: Vec<f64>,
+    /// Acceleration, rad/s^2.
+    pub alpha: Vec<f64>,
+    /// Standard deviation of `theta`, rad.
+    pub theta_sd: Vec<f64>,
+    /// Standard deviation of `omega`, rad/s.
+    pub omega_sd: Vec<f64>,
+    /// Standard deviation of `alpha`, rad/s^2.
+    pub alpha_sd: Vec<f64>,
+    /// What was taken for the sensors' noise and the jerk.
+    pub noise: Noise,
+}
+
+/// The smoother's gains over one step.
+struct Backward {
+    gain: Matrix3<f64>,
+    /// The part of the covariance that the next sample does not decide.
+    own: Matrix3<f64>,
+}
+
+impl Backward {
+    fn new(model: &Model, step: &Prediction) -> Self {
+        // P F' = before turn after', so G = before turn after^-1: no covariance is inverted. A diagonal
+        // entry of `after` is at least what the jerk adds, hence never zero.
+        let unwound = step.after.transpose().solve_upper_triangular(&(step.before * step.turn).transpose());
+        let gain = unwound.map_or_else(Matrix3::zeros, |gain| gain.transpose());
+        let kept = step.before - gain * (transition(step.r) * step.before);
+        let driven = gain * model.drive(step.r);
+        Self { gain, own: kept * kept.transpose() + driven * driven.transpose() }
+    }
+}
+
+/// The motion that `sensors` saw, given their `noise`. Times need not be even; linear in time and memory.
+///
+/// # Errors
+/// Lengths that differ, times that do not increase, fewer than three finite angles, noise that is no level.
+pub fn smooth(sensors: &Sensors<'_>, noise: &Noise) -> Result<Smoothed> {
+    sensors.check()?;
+    noise.check()?;
+    let readings = one_reading_per_step(sensors.theta);
+    let sensors = Sensors { theta: readings.as_deref().unwrap_or(sensors.theta), ..*sensors };
+    let step = sensors.step();
+    let model = Model::new(noise, step);
+    let n = sensors.len();
+
+    let mut checkpoints = Vec::with_capacity(n / BLOCK + 1);
+    let mut filter = Filter::start(model, &Prior::new(&sensors, step), &sensors.row(0));
+    for k in 0..n {
+        if k > 0 {
+            filter.advance((sensors.t[k] - sensors.t[k - 1]) / step, &sensors.row(k));
+        }
+        if k % BLOCK == 0 {
+            checkpoints.push(filter);
+        }
+    }
+
+    let mut motion = Motion::new(n, &model);
+    motion.set(n - 1, &filter.x, &filter.gains.covariance());
+    let mut x = filter.x;
+    let mut covariance = filter.gains.covariance();
+    let mut settled = false;
+    for (block, checkpoint) in checkpoints.into_iter().enumerate().rev() {
+        let first = block * BLOCK;
+        let last = (first + BLOCK).min(n - 1);
+        let pass = Pass::new(&sensors, &model, checkpoint, first..last);
+        let mut used = usize::MAX;
+        for k in (first..last).rev() {
+            let (filtered, index) = pass.states[k - first];
+            let Backward { gain, own } = &pass.gains[index];
+            let r = (sensors.t[k + 1] - sensors.t[k]) / step;
+            x = filtered + gain * (x - coast(&filtered, r));
+            if !(settled && index == used) {
+                let before = covariance.diagonal();
+                covariance = own + gain * covariance * gain.transpose();
+                let change = (covariance.diagonal() - before).component_div(&before).amax();
+                settled = index == used && change < SETTLED;
+                used = index;
+            }
+            motion.set(k, &x, &covariance);
+        }
+        settled = false;
+    }
+    Ok(motion.finish(*noise))
+}
+
+/// The filter over one block, kept for the way back: the state at each sample, and which gains lead from
+/// it to the next.
+struct Pass {
+    states: Vec<(Vector3<f64>, usize)>,
+    gains: Vec<Backward>,
+}
+
+impl Pass {
+    fn new(sensors: &Sensors<'_>, model: &Model, mut filter: Filter, rows: std::ops::Range<usize>) -> Self {
+        let mut pass = Self { states: Vec::with_capacity(rows.len()), gains: Vec::new() };
+        let mut reusable = false;
+        for k in rows {
+            let x = filter.x;
+            filter.advance((sensors.t[k + 1] - sensors.t[k]) / model.scale[1], &sensors.row(k + 1));
+            if !(reusable && filter.gains.settled()) {
+                pass.gains.push(Backward::new(model, filter.gains.prediction()));
+            }
+            reusable = filter.gains.settled();
+            pass.states.push((x, pass.gains.len() - 1));
+        }
+        pass
+    }
+}
+
+/// The result, while it is filled from the end.
+struct Motion {
+    values: [Vec<f64>; 3],
+    sds: [Vec<f64>; 3],
+    scale: Vector3<f64>,
+}
+
+impl Motion {
+    fn new(n: usize, model: &Model) -> Self {
+        let columns = || [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
+        Self { values: columns(), sds: columns(), scale: model.scale }
+    }
+
+    #[inline]
+    fn set(&mut self, k: usize, x: &Vector3<f64>, covariance: &Matrix3<f64>) {
+        for i in 0..3 {
+            self.values[i][k] = x[i] / self.scale[i];
+            self.sds[i][k] = covariance[(i, i)].sqrt() / self.scale[i];
+        }
+    }
+
+    fn finish(self, noise: Noise) -> Smoothed {
+        let [theta, omega, alpha] = self.values;
+        let [theta_sd, omega_sd, alpha_sd] = self.sds;
+        Smoothed { theta, omega, alpha, theta_sd, omega_sd, alpha_sd, noise }
+    }
+}

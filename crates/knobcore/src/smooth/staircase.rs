@@ -1,0 +1,95 @@
+//! Counts of a slow encoder: a stair held for c samples is one reading, not c.
+//!
+//! When the angle crosses less than one count per sample and the sensor's own noise does not dither it, the
+//! quantisation error is a sawtooth, not white noise: taken at face value, the held samples say "at rest"
+//! and the next one "a jolt". The middle of each stair is where the angle is nearest to its count, so that
+//! sample is kept and the others count as missing. Errors from stair to stair are then nearly independent.
+
+use super::resolution::quantum;
+use std::ops::Range;
+
+/// A dithered angle steps back as often as on; a stair turns only where the motion does. Above this share of
+/// reversals among the single steps the noise dithers, and every sample is a reading of its own.
+const DITHERED: f64 = 0.1;
+
+/// A stair this many times longer than the usual one is a rest; it is read once per usual stair.
+const REST: usize = 3;
+
+/// The angle with one reading per stair, NaN elsewhere; `None` if it is no staircase.
+pub fn one_reading_per_step(theta: &[f64]) -> Option<Vec<f64>> {
+    let step = quantum(theta);
+    let stairs = stairs(theta);
+    if step == 0.0 || !climbs(theta, &stairs, step) {
+        return None;
+    }
+    let mut lengths: Vec<usize> = stairs.iter().map(ExactSizeIterator::len).filter(|&length| length > 1).collect();
+    if lengths.is_empty() {
+        return None;
+    }
+    let middle = lengths.len() / 2;
+    let usual = *lengths.select_nth_unstable(middle).1;
+    let mut readings = vec![f64::NAN; theta.len()];
+    let mut upper = false;
+    for stair in stairs {
+        let pieces = if stair.len() > REST * usual { stair.len().div_ceil(usual) } else { 1 };
+        for piece in 0..pieces {
+            let first = stair.start + stair.len() * piece / pieces;
+            let last = stair.start + stair.len() * (piece + 1) / pieces - 1;
+            // Of two middle samples, take the earlier and the later in turn: no lag on average.
+            let middle = (first + last + usize::from(upper)) / 2;
+            upper = !upper;
+            readings[middle] = theta[middle];
+        }
+    }
+    Some(readings)
+}
+
+/// Runs of equal samples.
+fn stairs(theta: &[f64]) -> Vec<Range<usize>> {
+    let mut stairs = Vec::new();
+    let mut first = 0;
+    for k in 1..=theta.len() {
+        if k == theta.len() || theta[k] != theta[first] {
+            stairs.push(first..k);
+            first = k;
+        }
+    }
+    stairs
+}
+
+/// Whether single steps, up or down, mostly follow one another in the same direction.
+fn climbs(theta: &[f64], stairs: &[Range<usize>], step: f64) -> bool {
+    let single = |height: f64| (height.abs() / step - 1.0).abs() < 0.1;
+    let (mut on, mut back) = (0.0, 0.0);
+    for three in stairs.windows(3) {
+        let [low, middle, high] = [0, 1, 2].map(|i| theta[three[i].start]);
+        if single(middle - low) && single(high - middle) {
+            if (middle - low) * (high - middle) > 0.0 { on += 1.0 } else { back += 1.0 }
+        }
+    }
+    back < DITHERED * (on + back)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slow_ramp_is_read_once_per_count() {
+        let theta: Vec<f64> = (0..1000).map(|k| f64::from(k / 20)).collect();
+        let readings = one_reading_per_step(&theta).unwrap();
+        assert_eq!(readings.iter().filter(|theta| theta.is_finite()).count(), 50);
+        assert!(readings[9].is_finite() && readings[30].is_finite());
+    }
+
+    #[test]
+    fn dither_leaves_every_sample_a_reading() {
+        let theta: Vec<f64> = (0..1000).map(|k| f64::from(k / 20 + (k * 7) % 3)).collect();
+        assert!(one_reading_per_step(&theta).is_none());
+    }
+
+    #[test]
+    fn rest_is_no_staircase() {
+        assert!(one_reading_per_step(&[1.5; 100]).is_none());
+    }
+}

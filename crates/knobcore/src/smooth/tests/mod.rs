@@ -1,0 +1,3 @@
+//! The smoother against motions that are known.
+
+mod simulated;
