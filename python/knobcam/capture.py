@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import math
 import os
 from collections.abc import Mapping
@@ -21,7 +20,7 @@ from .formats.columnmap import ColumnMap
 from .formats.resolve import CONTRACT, resolve
 from .formats.table import BoolArray, FloatArray
 from .formats.units import SI, Axis
-from .quality import Finding, check
+from .quality import Finding, Rows, check
 
 __all__ = ["Capture", "Finding", "load"]
 
@@ -63,7 +62,8 @@ class Capture:
         values = np.array(getattr(self, name), dtype=dtype)  # a copy: the caller's array stays writable
         if values.shape != (np.size(self.t),):
             raise InputError(
-                f"columns of different length: t has {np.size(self.t)} samples, {name} has shape {values.shape}"
+                f"columns of different length: t has {np.size(self.t)} samples, "
+                f"{name} has shape {values.shape}"
             )
         values.flags.writeable = False
         object.__setattr__(self, name, values)
@@ -166,6 +166,8 @@ class Capture:
         return "Capture\n" + "\n".join(f"  {name:<9} {value}" for name, value in self._facts())
 
     def _repr_html_(self) -> str:
+        import html
+
         rows = "".join(
             f"<tr><th style='text-align:left'>{html.escape(name)}</th>"
             f"<td style='text-align:left'>{html.escape(value)}</td></tr>"
@@ -177,7 +179,7 @@ class Capture:
 def load(
     path: str | os.PathLike[str],
     *,
-    map: ColumnMap | None = None,  # noqa: A002 - the public name of the argument, as on the command line
+    map: ColumnMap | None = None,
     axis: Axis | None = None,
     rate: float | None = None,
     start: float | None = None,
@@ -217,14 +219,19 @@ def _restored(capture: Capture, native: Mapping[str, Any], table: Table, keep: s
     """Return `capture` with the mask that was saved, and for a whole native file also its findings."""
     whole = table.mask is not None and len(table.mask) == capture.samples
     length = capture.samples if isinstance(keep, slice) else len(keep)
-    stored = document.stored_mask(native, table, length)[keep]
-    return Capture(
-        **{name: getattr(capture, name) for name in ("t", "theta", "omega", "alpha", "tau", "axis")},
-        mask=stored if whole else stored & capture.mask,
-        rate_hz=float(native["rate_hz"]) if whole else capture.rate_hz,
-        meta=capture.meta,
-        findings=document.stored_findings(native) if whole else capture.findings,
-    )
+    try:
+        stored = document.stored_mask(native, table, length)[keep]
+        return Capture(
+            **{name: getattr(capture, name) for name in ("t", "theta", "omega", "alpha", "tau", "axis")},
+            mask=stored if whole else stored & capture.mask,
+            rate_hz=float(native["rate_hz"]) if whole else capture.rate_hz,
+            meta=capture.meta,
+            findings=document.stored_findings(native) if whole else capture.findings,
+        )
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(
+            f"{table.source}: its description is damaged ({error!r}); export the capture again"
+        ) from error
 
 
 def _between(
@@ -260,7 +267,7 @@ def _checked(
     axis: Axis,
     rate: float | None,
     meta: Mapping[str, Any],
-    rows: np.ndarray[Any, np.dtype[np.int64]],
+    rows: Rows,
     source: str,
 ) -> Capture:
     _between(source, columns, rate, None, None)

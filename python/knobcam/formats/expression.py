@@ -6,6 +6,7 @@ import ast
 import math
 import operator
 import re
+import warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -68,7 +69,9 @@ class _Evaluation:
             raise InputError(f"an expression of the map has more than {MAX_LENGTH} characters; shorten it")
         source = re.sub(r"`([^`]*)`", self._keep_quoted, self.expression).strip()
         try:
-            tree = ast.parse(source, mode="eval")
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # the parser comments on style; the whitelist decides
+                tree = ast.parse(source, mode="eval")
         except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
             raise self._wrong("is not an expression; write it like 35.1507*vir") from error
         with np.errstate(all="ignore"):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
 import zlib
 
 from ..errors import InputError
@@ -22,9 +21,7 @@ def inflate(source: str, raw: bytes, max_bytes: int) -> bytes:
             raise InputError(f"{source}: damaged gzip ({error}); copy the file again") from error
         room -= len(part)
         if room < 0:
-            raise InputError(
-                f"{source}: inflates to more than {max_bytes} bytes; raise max_bytes if that is what it should"
-            )
+            raise InputError(f"{source}: inflates to more than {max_bytes} bytes; raise max_bytes to read it")
         if not member.eof:
             raise InputError(f"{source}: the gzip file ends in the middle; copy the file again")
         parts.append(part)
@@ -34,4 +31,5 @@ def inflate(source: str, raw: bytes, max_bytes: int) -> bytes:
 
 def deflate(content: bytes) -> bytes:
     """Return `content` as gzip without a time stamp, so that equal captures are equal files."""
-    return gzip.compress(content, compresslevel=6, mtime=0)
+    packer = zlib.compressobj(6, wbits=31)
+    return packer.compress(content) + packer.flush()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import json
 import math
-import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import IO, Any
@@ -37,14 +36,14 @@ def read_npz(path: Path, max_bytes: int) -> Table:
     broken: dict[str, str] = {}
     document: Mapping[str, Any] | None = None
     mask: BoolArray | None = None
+    import zipfile
+
     with zipfile.ZipFile(path) as archive:
         members = [info for info in archive.infolist() if info.filename.endswith(".npy")]
         if not members:
             raise InputError(f"{path}: a zip file without arrays; unpack it and give the file inside")
         if sum(info.file_size for info in members) > max_bytes:
-            raise InputError(
-                f"{path}: inflates to more than {max_bytes} bytes; raise max_bytes if that is what it should"
-            )
+            raise InputError(f"{path}: inflates to more than {max_bytes} bytes; raise max_bytes to read it")
         for info in members:
             name = info.filename.removesuffix(".npy")
             with archive.open(info) as file:

@@ -61,7 +61,7 @@ def _respell(unit: str) -> str:
     """Return `unit` as pint spells it: torques without a blank, typographic signs, revolutions a minute."""
     for sign, plain in (("·", "*"), ("⋅", "*"), ("²", "**2"), ("µ", "u"), ("μ", "u"), ("r/min", "rpm")):
         unit = unit.replace(sign, plain)
-    return _TORQUE_SPELLING.sub(r"\1*\2", unit)
+    return _TORQUE_SPELLING.sub(r"\1*\2", re.sub(r"\brev\b", "turn", unit))
 
 
 def _examples(target: str) -> str:

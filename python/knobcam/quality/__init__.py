@@ -14,7 +14,7 @@ from .motion import check_scale, check_stuck, check_wrapped
 from .timing import check_times
 from .torque import check_clipping, check_size
 
-__all__ = ["Checked", "Finding", "check"]
+__all__ = ["Checked", "Finding", "Rows", "check"]
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..formats.table import BoolArray, FloatArray
 from ..formats.units import SI, Axis
@@ -103,7 +104,7 @@ def _ratio(
     """Return the median ratio of `column` to the derivative of `theta`, None when it cannot be judged."""
     dt = np.diff(t)
     broken = ~(usable[1:] & usable[:-1])
-    usual = float(np.median(dt[~broken])) if not broken.all() else 0.0
+    usual = float(np.quantile(dt[~broken], 0.5)) if not broken.all() else 0.0
     if usual <= 0.0:
         return None
     broken |= ~(dt < 3.0 * usual)
@@ -130,7 +131,7 @@ def _ratio(
     return float(best[1]) if best is not None and best[0] <= MAX_SPREAD else None
 
 
-def _difference(values: FloatArray, start: np.ndarray, lag: int, order: int) -> FloatArray:
+def _difference(values: FloatArray, start: NDArray[np.intp], lag: int, order: int) -> FloatArray:
     """Return the first or second difference of `values` over `lag` samples from each `start`."""
     if order == 1:
         return values[start + lag] - values[start]
