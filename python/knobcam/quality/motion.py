@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ..formats.table import BoolArray, FloatArray
 from ..formats.units import SI, Axis
 from .finding import Finding, Rows, first_rows, rows_in_words
+from .order import quantile
 
 AGREEMENT = (0.8, 1.25)
 """Ratio of a derivative's column to the derivative of theta that passes as the same unit."""
@@ -104,7 +105,7 @@ def _ratio(
     """Return the median ratio of `column` to the derivative of `theta`, None when it cannot be judged."""
     dt = np.diff(t)
     broken = ~(usable[1:] & usable[:-1])
-    usual = float(np.quantile(dt[~broken], 0.5)) if not broken.all() else 0.0
+    usual = quantile(dt[~broken], 0.5) if not broken.all() else 0.0
     if usual <= 0.0:
         return None
     broken |= ~(dt < 3.0 * usual)
@@ -122,10 +123,11 @@ def _ratio(
         if len(start) < _MIN_WINDOWS:
             break
         wanted, found = (_difference(values, start, lag, order) for values in (theta, integral))
-        strong = (np.abs(wanted) >= np.quantile(np.abs(wanted), 0.6)) & (wanted != 0.0)
+        strong = (np.abs(wanted) >= quantile(np.abs(wanted), 0.6)) & (wanted != 0.0)
         if strong.sum() < _MIN_WINDOWS // 4:
             continue
-        low, middle, high = np.quantile(found[strong] / wanted[strong], (0.25, 0.5, 0.75))
+        ratios = found[strong] / wanted[strong]
+        low, middle, high = (quantile(ratios, share) for share in (0.25, 0.5, 0.75))
         if middle != 0.0 and (best is None or (high - low) / abs(middle) < best[0]):
             best = ((high - low) / abs(middle), middle)
     return float(best[1]) if best is not None and best[0] <= MAX_SPREAD else None
