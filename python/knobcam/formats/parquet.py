@@ -1,0 +1,47 @@
+"""Parquet through pyarrow."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError
+from .optional import require
+from .table import FloatArray, Table
+
+MAGIC = b"PAR1"
+_DOCUMENT = b"knobcam"
+
+
+def read_parquet(path: Path, max_bytes: int) -> Table:
+    """Return the numeric columns of a Parquet file; a null is NaN."""
+    parquet = require("pyarrow.parquet", "a Parquet file")
+    types = require("pyarrow.types", "a Parquet file")
+    columns: dict[str, FloatArray] = {}
+    broken: dict[str, str] = {}
+    with parquet.ParquetFile(path) as file:
+        groups = [file.metadata.row_group(index) for index in range(file.metadata.num_row_groups)]
+        claimed = max(sum(group.total_byte_size for group in groups), file.metadata.num_rows)
+        if claimed > max_bytes:
+            raise InputError(f"{path}: holds {claimed} bytes, the limit is {max_bytes}; raise max_bytes")
+        table = file.read().flatten()
+    for field in table.schema:
+        column = table.column(field.name)
+        if types.is_integer(field.type) or types.is_floating(field.type):
+            columns[field.name] = column.cast("float64").to_numpy().astype(np.float64, copy=False)
+        else:
+            broken[field.name] = f"column {field.name} holds {field.type}, not numbers; map another column"
+    text = (table.schema.metadata or {}).get(_DOCUMENT)
+    return Table(str(path), "Parquet", columns, broken, None if text is None else json.loads(text))
+
+
+def write_parquet(path: Path, columns: Mapping[str, FloatArray], document: Mapping[str, Any]) -> None:
+    """Write `columns` with the document in the schema's metadata."""
+    arrow = require("pyarrow", "a Parquet file")
+    table = arrow.table({name: arrow.array(values) for name, values in columns.items()})
+    table = table.replace_schema_metadata({_DOCUMENT: json.dumps(document).encode()})
+    require("pyarrow.parquet", "a Parquet file").write_table(table, path)
