@@ -7,6 +7,7 @@
 pub mod error;
 pub mod random;
 pub mod scalar;
+pub mod special;
 
 pub mod motion;
 pub mod param;

@@ -60,21 +60,21 @@ pub fn noise_floor(data: &[&Signals], model: &Model) -> f64 {
 }
 
 /// Hann-tapered periodograms of one length.
-struct Periodogram {
+pub(super) struct Periodogram {
     plan: Arc<dyn RealToComplex<f64>>,
     taper: Vec<f64>,
     energy: f64,
 }
 
 impl Periodogram {
-    fn new(n: usize) -> Self {
+    pub fn new(n: usize) -> Self {
         let taper: Vec<f64> = (0..n).map(|i| 0.5 - 0.5 * (2.0 * PI * (i as f64 + 0.5) / n as f64).cos()).collect();
         let energy = taper.iter().map(|w| w * w).sum();
         Self { plan: RealFftPlanner::new().plan_fft_forward(n), taper, energy }
     }
 
     /// Power per bin; the mean over the bins of white noise is its variance.
-    fn of(&self, x: &[f64]) -> Vec<f64> {
+    pub fn of(&self, x: &[f64]) -> Vec<f64> {
         let mean = x.iter().sum::<f64>() / x.len() as f64;
         let mut tapered: Vec<f64> = x.iter().zip(&self.taper).map(|(x, w)| (x - mean) * w).collect();
         let mut spectrum = self.plan.make_output_vec();

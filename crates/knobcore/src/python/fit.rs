@@ -2,9 +2,11 @@
 use super::convert::{array, input_error, matrix};
 use super::model::PyModel;
 use super::signals::PySignals;
+use crate::diagnose::{Split, locate as locate_core};
 use crate::fit::{Detents, Fit, fit as fit_core};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 /// A fitted model.
 #[pyclass(frozen, name = "Fit", module = "knobcam._core")]
@@ -90,6 +92,41 @@ impl PyFit {
     fn band<'py>(&self, py: Python<'py>, signals: &PySignals) -> Bound<'py, PyArray1<f64>> {
         array(py, &py.detach(|| self.0.band(&signals.prepared.signals)))
     }
+}
+
+/// Splits the error of a model over every axis: dicts with the fields of `Split`.
+#[pyfunction]
+pub fn locate<'py>(
+    py: Python<'py>,
+    data: Vec<PyRef<'py, PySignals>>,
+    model: &PyModel,
+) -> PyResult<Vec<Bound<'py, PyDict>>> {
+    let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
+    let (model, signals) = (&model.0, &signals[..]);
+    let splits = py.detach(|| locate_core(signals, model));
+    splits.iter().map(|split| split_dict(py, split)).collect()
+}
+
+fn split_dict<'py>(py: Python<'py>, split: &Split) -> PyResult<Bound<'py, PyDict>> {
+    let row = PyDict::new(py);
+    row.set_item("axis", split.axis)?;
+    let columns = [
+        ("low", &split.low),
+        ("high", &split.high),
+        ("count", &split.count),
+        ("mean", &split.mean),
+        ("rms", &split.rms),
+        ("band", &split.band),
+    ];
+    for (name, column) in columns {
+        row.set_item(name, array(py, column))?;
+    }
+    row.set_item("direction", PyArray1::from_slice(py, &split.direction))?;
+    row.set_item("share", split.share)?;
+    row.set_item("chance", split.chance)?;
+    let regions: Vec<_> = split.regions.iter().map(|r| (r.from, r.to, r.direction, r.mean, r.share)).collect();
+    row.set_item("regions", regions)?;
+    Ok(row)
 }
 
 /// Fits a model to one or several captures; `find_detents` adds detents where the data show them.

@@ -18,5 +18,6 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<signals::PySignals>()?;
     m.add_function(wrap_pyfunction!(signals::prepare, m)?)?;
     m.add_class::<fit::PyFit>()?;
+    m.add_function(wrap_pyfunction!(fit::locate, m)?)?;
     m.add_function(wrap_pyfunction!(fit::fit, m)?)
 }

@@ -1,0 +1,219 @@
+//! Where the error sits: split over position, velocity, acceleration, time, load and history.
+//!
+//! Along each axis the residual is averaged in bins. What chance gives is not looked up but made: white
+//! noise of the sensor's level goes through the same measurement filter and into the same bins.
+
+use super::bins::{Bins, all_axes};
+use super::floor::white_variance;
+use super::spectrum::split_frequency;
+use crate::model::Model;
+use crate::predict::torque;
+use crate::random::Noise;
+use crate::signals::Signals;
+use crate::special::normal_quantile;
+
+/// Noise captures that stand for chance; a multiple of four, which the filter takes at a time.
+const DRAWS: usize = 64;
+/// Chance of any false region on an axis.
+const ALARM: f64 = 0.05;
+
+/// A stretch of an axis in which the model fails beyond chance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Region {
+    /// Where it begins and ends, in the unit of the axis.
+    pub from: f64,
+    /// See `from`.
+    pub to: f64,
+    /// Direction of motion: 1 forward, -1 backward, 0 both.
+    pub direction: i8,
+    /// Mean residual in it, N m (along frequency: root mean square).
+    pub mean: f64,
+    /// Its share of the squared error beyond the noise.
+    pub share: f64,
+}
+
+/// The error along one axis, bin by bin.
+#[derive(Debug, Clone)]
+pub struct Split {
+    /// position, velocity, acceleration, time, frequency, load or history.
+    pub axis: &'static str,
+    /// Lower border of each bin.
+    pub low: Vec<f64>,
+    /// Upper border of each bin.
+    pub high: Vec<f64>,
+    /// Direction of motion of each bin: 1 forward, -1 backward, 0 both.
+    pub direction: Vec<i8>,
+    /// Samples in each bin.
+    pub count: Vec<f64>,
+    /// Mean residual, N m (along frequency: root mean square).
+    pub mean: Vec<f64>,
+    /// Root mean square residual, N m.
+    pub rms: Vec<f64>,
+    /// Half-width of the 95 % band of the mean by chance, N m (along frequency: the level that chance
+    /// stays below).
+    pub band: Vec<f64>,
+    /// Share of the squared error beyond the noise that the bin means hold.
+    pub share: f64,
+    /// The share that chance stays below in 95 % of captures.
+    pub chance: f64,
+    /// Where the model fails beyond chance, worst first.
+    pub regions: Vec<Region>,
+}
+
+/// The residual of a model, its noise level, and what it is compared with.
+pub(super) struct Rest<'a> {
+    pub data: &'a [&'a Signals],
+    /// Residual of every sample; zero where it does not count.
+    pub residual: Vec<Vec<f64>>,
+    /// Torque of the model at every sample.
+    pub torque: Vec<Vec<f64>>,
+    /// Variance of the white noise of each raw torque.
+    pub white: Vec<f64>,
+    /// Sum of squares beyond what noise leaves.
+    pub excess: f64,
+}
+
+impl<'a> Rest<'a> {
+    fn of(data: &'a [&'a Signals], model: &Model) -> Self {
+        let torque: Vec<Vec<f64>> = data.iter().map(|signals| torque(model, signals)).collect();
+        let rest = |(signals, torque): (&&Signals, &Vec<f64>)| -> Vec<f64> {
+            let triples = signals.tau.iter().zip(torque).zip(&signals.weight);
+            triples.map(|((tau, f), w)| if *w > 0.0 { tau - f } else { 0.0 }).collect()
+        };
+        let residual: Vec<Vec<f64>> = data.iter().zip(&torque).map(rest).collect();
+        let white: Vec<f64> = data.iter().map(|s| white_variance(s, model)).map(|v| if v > 0.0 { v } else { 0.0 }).collect();
+        let gain = |s: &Signals| s.filter.as_ref().map_or(1.0, |f| f.sos().mean_power());
+        let noise: f64 = data.iter().zip(&white).map(|(s, white)| white * gain(s) * s.used() as f64).sum();
+        let squares: f64 = residual.iter().flatten().map(|r| r * r).sum();
+        Self { data, residual, torque, white, excess: squares - noise }
+    }
+
+    /// `share` of the excess, as a number between 0 and 1 even where noise alone explains everything.
+    pub fn share(&self, squares: f64) -> f64 {
+        if self.excess > 0.0 { (squares / self.excess).clamp(0.0, 1.0) } else { 0.0 }
+    }
+}
+
+/// Splits the error of a model over every axis.
+pub fn locate(data: &[&Signals], model: &Model) -> Vec<Split> {
+    let rest = Rest::of(data, model);
+    let axes = all_axes(&rest, model);
+    let measured: Vec<Vec<f64>> = axes.iter().map(|bins| bins.sums(&rest.residual, |r| r)).collect();
+    let mut chance: Vec<Chance> = axes.iter().map(Chance::new).collect();
+    for draw in noise_captures(&rest) {
+        for (bins, chance) in axes.iter().zip(&mut chance) {
+            chance.add(bins, &bins.sums(&draw, |r| r));
+        }
+    }
+    let mut splits: Vec<Split> = axes
+        .iter()
+        .zip(measured)
+        .zip(chance)
+        .map(|((bins, sums), chance)| split(&rest, bins, &sums, &chance))
+        .collect();
+    splits.push(split_frequency(&rest));
+    splits
+}
+
+/// What noise does to the bins of one axis.
+struct Chance {
+    /// Sum over the draws of the squared mean of each bin.
+    squares: Vec<f64>,
+    /// For each draw the sum of squares that the bin means hold.
+    held: Vec<f64>,
+}
+
+impl Chance {
+    fn new(bins: &Bins) -> Self {
+        Self { squares: vec![0.0; bins.len()], held: Vec::with_capacity(DRAWS) }
+    }
+
+    fn add(&mut self, bins: &Bins, sums: &[f64]) {
+        for ((square, sum), count) in self.squares.iter_mut().zip(sums).zip(&bins.count) {
+            *square += (sum / count.max(1.0)).powi(2);
+        }
+        self.held.push(held(bins, sums));
+    }
+
+    fn sd(&self, bin: usize) -> f64 {
+        (self.squares[bin] / self.held.len().max(1) as f64).sqrt()
+    }
+}
+
+/// Sum of squares that the bin means hold.
+fn held(bins: &Bins, sums: &[f64]) -> f64 {
+    sums.iter().zip(&bins.count).map(|(sum, count)| sum * sum / count.max(1.0)).sum()
+}
+
+fn split(rest: &Rest<'_>, bins: &Bins, sums: &[f64], chance: &Chance) -> Split {
+    let mut by_chance = chance.held.clone();
+    by_chance.sort_by(f64::total_cmp);
+    let expected = by_chance.iter().sum::<f64>() / by_chance.len().max(1) as f64;
+    let upper = by_chance.get(by_chance.len() * 95 / 100).copied().unwrap_or(0.0);
+    let mean: Vec<f64> = sums.iter().zip(&bins.count).map(|(sum, count)| sum / count.max(1.0)).collect();
+    let squares = bins.sums(&rest.residual, |r| r * r);
+    let limit = normal_quantile(1.0 - 0.5 * ALARM / bins.len().max(1) as f64);
+    let fails = |bin: usize| bins.count[bin] > 0.0 && mean[bin].abs() > limit * chance.sd(bin);
+    Split {
+        axis: bins.axis,
+        direction: bins.direction.clone(),
+        rms: squares.iter().zip(&bins.count).map(|(s, count)| (s / count.max(1.0)).sqrt()).collect(),
+        band: (0..bins.len()).map(|bin| crate::fit::Z95 * chance.sd(bin)).collect(),
+        share: rest.share(held(bins, sums) - expected),
+        chance: rest.share(upper - expected),
+        regions: regions(rest, bins, sums, fails),
+        mean,
+        low: bins.low.clone(),
+        high: bins.high.clone(),
+        count: bins.count.clone(),
+    }
+}
+
+/// Neighbouring bins that fail, joined; worst first.
+fn regions(rest: &Rest<'_>, bins: &Bins, sums: &[f64], fails: impl Fn(usize) -> bool) -> Vec<Region> {
+    let mut regions = Vec::new();
+    let mut bin = 0;
+    while bin < bins.len() {
+        let start = bin;
+        let joins = |bin: usize| bin < bins.len() && fails(bin) && bins.direction[bin] == bins.direction[start];
+        while joins(bin) && sums[bin] * sums[start] > 0.0 {
+            bin += 1;
+        }
+        if bin > start {
+            let part = start..bin;
+            let count: f64 = bins.count[part.clone()].iter().sum();
+            let squares: f64 = part.clone().map(|b| sums[b] * sums[b] / bins.count[b]).sum();
+            regions.push(Region {
+                from: bins.low[start],
+                to: bins.high[bin - 1],
+                direction: bins.direction[start],
+                mean: sums[part].iter().sum::<f64>() / count,
+                share: rest.share(squares),
+            });
+        } else {
+            bin += 1;
+        }
+    }
+    regions.sort_by(|a, b| b.share.total_cmp(&a.share));
+    regions
+}
+
+/// Captures of noise alone, through the measurement filter. Uniform noise does: a filtered sum of many
+/// samples is as good as normal, and it costs a tenth.
+fn noise_captures(rest: &Rest<'_>) -> Vec<Vec<Vec<f64>>> {
+    let mut noise = Noise::new(0x6b6e_6f62);
+    let mut draws = vec![Vec::with_capacity(rest.data.len()); DRAWS];
+    for (signals, white) in rest.data.iter().zip(&rest.white) {
+        let scale = (12.0 * white).sqrt();
+        let mut raw: Vec<Vec<f64>> =
+            (0..DRAWS).map(|_| (0..signals.len()).map(|_| scale * (noise.uniform() - 0.5)).collect()).collect();
+        for segment in &signals.segments {
+            let mut columns: Vec<&mut [f64]> = raw.iter_mut().map(|draw| &mut draw[segment.clone()]).collect();
+            signals.measure(&mut columns);
+        }
+        for (draw, raw) in draws.iter_mut().zip(raw) {
+            draw.push(raw);
+        }
+    }
+    draws
+}

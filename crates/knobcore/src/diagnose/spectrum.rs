@@ -1,0 +1,86 @@
+//! The error along frequency: periodograms of the residual beside those of noise alone.
+
+use super::floor::Periodogram;
+use super::locate::{Region, Rest, Split};
+use crate::signals::Signals;
+use crate::special::normal_quantile;
+
+/// Longest window, samples: resolves a line to about a hertz at 5 kHz.
+const LONGEST: usize = 8192;
+/// Shortest window that is worth a spectrum.
+const SHORTEST: usize = 256;
+/// Chance of a false line anywhere.
+const ALARM: f64 = 0.05;
+
+/// Splits the error over frequency.
+pub fn split_frequency(rest: &Rest<'_>) -> Split {
+    let longest = rest.data.iter().flat_map(|s| s.segments.iter().map(ExactSizeIterator::len)).max().unwrap_or(0);
+    let mut window = SHORTEST;
+    while 2 * window <= LONGEST && 8 * window <= longest {
+        window *= 2;
+    }
+    let periodogram = Periodogram::new(window);
+    let cells = window / 2 + 1;
+    let (mut power, mut noise, mut windows) = (vec![0.0; cells], vec![0.0; cells], 0.0);
+    let rate = rest.data.first().map_or(1.0, |s| s.rate_hz);
+    for ((signals, residual), white) in rest.data.iter().zip(&rest.residual).zip(&rest.white) {
+        for segment in &signals.segments {
+            for start in segment.clone().step_by(window / 2).filter(|start| start + window <= segment.end) {
+                windows += 1.0;
+                for (sum, p) in power.iter_mut().zip(periodogram.of(&residual[start..start + window])) {
+                    *sum += p;
+                }
+                for (cell, sum) in noise.iter_mut().enumerate() {
+                    *sum += white * gain(signals, cell as f64 / window as f64);
+                }
+            }
+        }
+    }
+    let windows = f64::max(windows, 1.0);
+    // A mean of K overlapping periodograms is chi-square with about 1.9 K / 1.05 degrees of freedom (Welch
+    // 1967), here in the cube-root approximation of Wilson & Hilferty 1931.
+    let degrees = 1.8 * windows;
+    let quantile = |z: f64| (1.0 - 2.0 / (9.0 * degrees) + z * (2.0 / (9.0 * degrees)).sqrt()).powi(3);
+    let (usual, limit) = (quantile(normal_quantile(0.95)), quantile(normal_quantile(1.0 - ALARM / cells as f64)));
+    // Power per bin is scaled so that its mean over both halves of the spectrum is the variance.
+    let used: f64 = rest.data.iter().map(|s| s.used() as f64).sum();
+    let scale = 2.0 / window as f64 / windows;
+    let (power, noise): (Vec<f64>, Vec<f64>) = power.iter().zip(&noise).map(|(p, n)| (p * scale, n * scale)).unzip();
+    let hz = |cell: f64| (cell * rate / window as f64).max(0.0);
+    let fails = |cell: usize| power[cell] > limit * noise[cell] && power[cell] > 0.0;
+    let beyond: f64 = (0..cells).filter(|&c| fails(c)).map(|c| power[c] - noise[c]).sum();
+    let mut regions = Vec::new();
+    let mut cell = 0;
+    while cell < cells {
+        let start = cell;
+        while cell < cells && fails(cell) {
+            cell += 1;
+        }
+        if cell > start {
+            let squares: f64 = (start..cell).map(|c| power[c] - noise[c]).sum();
+            let (from, to) = (hz(start as f64 - 0.5), hz(cell as f64 - 0.5));
+            regions.push(Region { from, to, direction: 0, mean: squares.sqrt(), share: rest.share(squares * used) });
+        } else {
+            cell += 1;
+        }
+    }
+    regions.sort_by(|a, b| b.share.total_cmp(&a.share));
+    Split {
+        axis: "frequency",
+        low: (0..cells).map(|c| hz(c as f64 - 0.5)).collect(),
+        high: (0..cells).map(|c| hz(c as f64 + 0.5)).collect(),
+        direction: vec![0; cells],
+        count: vec![windows; cells],
+        mean: power.iter().map(|p| p.sqrt()).collect(),
+        rms: power.iter().map(|p| p.sqrt()).collect(),
+        band: noise.iter().map(|n| (n * usual).sqrt()).collect(),
+        share: rest.share(beyond * used),
+        chance: 0.0,
+        regions,
+    }
+}
+
+/// What the forward-backward filter does to the power of noise at this share of the sampling rate.
+fn gain(signals: &Signals, share: f64) -> f64 {
+    signals.filter.as_ref().map_or(1.0, |f| f.sos().power_gain(share * f.sos().rate_hz()).powi(2))
+}

@@ -1,0 +1,237 @@
+"""The fit: parameters with units and intervals, and what they leave unexplained."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from . import _core
+from .capture import Capture
+from .errors import InputError
+from .model import Model
+from .prepare import Prepared
+from .prepare import prepare as prepare_signals
+from .tables import html_table, text_table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from .compare import Comparison
+    from .formats.table import FloatArray
+
+_Z95 = 1.959963984540054
+
+
+class Estimate(NamedTuple):
+    """A fitted parameter in SI with its 95 % interval; NaN limits where the capture does not determine it."""
+
+    value: float
+    ci95: tuple[float, float]
+    unit: str
+    se: float
+
+    @property
+    def determined(self) -> bool:
+        """Whether the capture says anything about it."""
+        return math.isfinite(self.se)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Fit:
+    """A model fitted to one or several captures of a knob; immutable."""
+
+    prepared: tuple[Prepared, ...]
+    core: _core.Fit
+
+    @cached_property
+    def model(self) -> Model:
+        """The model at its best parameters."""
+        return Model(self.core.model)
+
+    @cached_property
+    def params(self) -> Mapping[str, Estimate]:
+        """All parameters of the model by `effect.parameter`."""
+        se = dict(zip(self.core.free, self.core.standard_errors.tolist(), strict=True))
+        estimates = {}
+        for name, value, unit, role in self.core.model.rows():
+            error = 0.0 if role == "fixed" else se.get(name if role == "free" else role, math.nan)
+            interval = (value - _Z95 * error, value + _Z95 * error)
+            estimates[name] = Estimate(value, interval, unit, error)
+        return MappingProxyType(estimates)
+
+    @property
+    def rmse(self) -> float:
+        """Root mean square error over the samples that count, N m."""
+        return self.core.rmse
+
+    @property
+    def rmse_heldout(self) -> float:
+        """The same on blocks that the fit did not see, N m."""
+        return self.core.rmse_heldout
+
+    @property
+    def noise_floor(self) -> float:
+        """What the torque sensor's noise alone would leave, N m."""
+        return self.core.noise_floor
+
+    @property
+    def undetermined(self) -> Mapping[str, str]:
+        """Parameters that the captures do not determine, and why."""
+        return dict(self.core.undetermined)
+
+    @cached_property
+    def correlation(self) -> Mapping[str, Mapping[str, float]]:
+        """Correlation of the estimates, by parameter and parameter."""
+        names, matrix = self.core.free, self.core.correlation
+        return {a: {b: float(matrix[i, j]) for j, b in enumerate(names)} for i, a in enumerate(names)}
+
+    @cached_property
+    def residuals(self) -> tuple[FloatArray, ...]:
+        """Measured minus modelled torque on each capture, N m; NaN at samples that do not count."""
+        parts = []
+        for signals in self.prepared:
+            rest = np.where(signals.used, signals.tau - self.model.core.torque(signals.core), np.nan)
+            parts.append(signals.on_capture(rest))
+        return tuple(parts)
+
+    @property
+    def residual(self) -> FloatArray:
+        """Measured minus modelled torque, N m, the captures one after the other; see `residuals`."""
+        return np.concatenate(self.residuals)
+
+    @property
+    def signals(self) -> Prepared:
+        """The prepared signals of the first capture."""
+        return self.prepared[0]
+
+    def predict(self, capture: Capture) -> FloatArray:
+        """Return the model's torque on the motion of a capture, through the measurement filter, N m.
+
+        Shape (samples,); NaN at samples that are masked.
+        """
+        signals = prepare_signals(capture, self.signals.method)
+        return signals.on_capture(self.model.core.torque(signals.core))
+
+    def band(self, signals: Prepared | None = None) -> FloatArray:
+        """Return the half-width of the 95 % band of the mean prediction at each kept sample, N m.
+
+        Matlab's `nlpredci`, with the covariance of correlated residuals.
+        """
+        return self.core.band((signals or self.signals).core)
+
+    def bootstrap(self, draws: int = 1000, seed: int = 0) -> Mapping[str, FloatArray]:
+        """Return block-bootstrap refits (Kuensch 1989) of each determined parameter, shape (draws,)."""
+        if draws < 1:
+            raise InputError(f"draws={draws} must be at least 1")
+        refits = self.core.bootstrap(draws, seed)
+        return {name: refits[:, i] for i, name in enumerate(self.core.free)}
+
+    def compare(self) -> Comparison:
+        """Return where the model fails."""
+        from .compare import compare
+
+        return compare(self)
+
+    def plot(self) -> Figure:
+        """Measured and modelled torque over position and over velocity, whole and isolated."""
+        from . import plot
+
+        return plot.fit(self)
+
+    def document(self) -> dict[str, Any]:
+        """Return the JSON document of `knobcam fit --json`."""
+        return {
+            "schema": "knobcam.fit/1",
+            "captures": [_describe(signals) for signals in self.prepared],
+            "rmse": self.rmse,
+            "rmse_heldout": self.rmse_heldout,
+            "noise_floor": self.noise_floor,
+            "iterations": self.core.iterations,
+            "evaluations": self.core.evaluations,
+            "status": self.core.status,
+            "message": self.core.message,
+            "effects": list(self.model.effects),
+            "params": {
+                name: {"value": e.value, "ci95": list(e.ci95) if e.determined else None, "unit": e.unit}
+                for name, e in self.params.items()
+            },
+            "undetermined": dict(self.undetermined),
+            "correlation": {a: dict(row) for a, row in self.correlation.items()},
+            "notes": [note for signals in self.prepared for note in signals.notes],
+        }
+
+    def _rows(self) -> list[tuple[str, str, str, str]]:
+        rows = []
+        for name, e in self.params.items():
+            interval = f"{e.ci95[0]:.5g} to {e.ci95[1]:.5g}" if e.determined else "not determined"
+            rows.append((name, f"{e.value:.6g}" if e.determined else "-", interval, e.unit))
+        return rows
+
+    _HEAD = ("parameter", "value", "95 % interval", "unit")
+
+    @property
+    def _summary(self) -> str:
+        unit = "N m" if self.model.axis == "rotary" else "N"
+        return (
+            f"RMS error {self.rmse:.4g} {unit} ({self.rmse_heldout:.4g} on unseen blocks, "
+            f"{self.noise_floor:.4g} by sensor noise alone)"
+        )
+
+    def __repr__(self) -> str:
+        lines = ["Fit: " + self._summary, text_table(self._HEAD, self._rows()), self.core.message]
+        lines += [f"{name}: {why}" for name, why in self.undetermined.items()]
+        lines += [
+            f"{name} is negative: it creates energy, so an effect is probably missing"
+            for name, e in self.params.items()
+            if name.startswith(("coulomb.", "viscous.", "inertia.")) and e.determined and e.ci95[1] < 0.0
+        ]
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        return html_table("Fit: " + self._summary, self._HEAD, self._rows())
+
+
+def fit(
+    captures: Capture | Sequence[Capture],
+    model: Model | None = None,
+    *,
+    prepare: str = "smooth",
+    detents: str = "auto",
+    **options: float,
+) -> Fit:
+    """Fit a model to one capture, or jointly to several of the same knob.
+
+    Without a model: the paper's Equation 1; detents are part of it if the data show them (`detents="auto"`),
+    always (`"yes"`) or never (`"no"`). A model is fitted as it is: its fixed and tied parameters stay so, and
+    a free detent period is found from the data whatever its value. `prepare` and `options` as in `prepare`.
+
+    Raises InputError for captures that cannot be fitted, with what to do.
+    """
+    several = [captures] if isinstance(captures, Capture) else list(captures)
+    if not several:
+        raise InputError("captures is empty; give at least one")
+    if detents not in ("auto", "yes", "no"):
+        raise InputError(f"detents={detents!r}: choose auto, yes or no")
+    signals = tuple(prepare_signals(capture, prepare, **options) for capture in several)
+    base = ["inertia", "coulomb", "viscous"] + (["detent"] if detents == "yes" else [])
+    start = model or Model.of(base, several[0].axis)
+    core = _core.fit([s.core for s in signals], start.core, model is None and detents == "auto")
+    return Fit(signals, core)
+
+
+def _describe(signals: Prepared) -> dict[str, Any]:
+    capture = signals.capture
+    return {
+        "path": str(capture.meta.get("source", "")),
+        "samples": capture.samples,
+        "duration_s": capture.duration_s,
+        "sample_rate_hz": capture.rate_hz,
+        "masked": int(np.sum(~capture.mask)),
+        "used": signals.core.used,
+    }
