@@ -86,9 +86,10 @@ impl Pair {
     ) where
         R::f64s: 'a,
     {
-        let load = |lanes: &Lanes| R::as_simd_f64s(lanes).0[0];
-        let [mut x, mut u, mut y] = self.history.each_ref().map(|last| last.each_ref().map(load));
-        let [first, second] = self.sections.map(|section| Coefficients::new(registers, section));
+        let [x, u, y] = &self.history;
+        let (mut x, mut u, mut y) = (load::<R>(x), load::<R>(u), load::<R>(y));
+        let first = Coefficients::new(registers, self.sections[0]);
+        let second = Coefficients::new(registers, self.sections[1]);
         for sample in samples {
             let x0 = *sample;
             let u0 = first.step::<FIRST>(registers, x0, x, u);
@@ -98,10 +99,21 @@ impl Pair {
             y = [y0, y[0]];
             *sample = y0;
         }
-        for (last, lanes) in self.history.iter_mut().flatten().zip([x, u, y].iter().flatten()) {
-            R::as_mut_simd_f64s(last).0[0] = *lanes;
-        }
+        self.history = [store::<R>(x), store::<R>(u), store::<R>(y)];
     }
+}
+
+#[inline(always)]
+fn load<R: Registers>([newer, older]: &[Lanes; 2]) -> [R::f64s; 2] {
+    [R::as_simd_f64s(newer).0[0], R::as_simd_f64s(older).0[0]]
+}
+
+#[inline(always)]
+fn store<R: Registers>([newer, older]: [R::f64s; 2]) -> [Lanes; 2] {
+    let mut lanes = [[0.0; LANES]; 2];
+    R::as_mut_simd_f64s(&mut lanes[0]).0[0] = newer;
+    R::as_mut_simd_f64s(&mut lanes[1]).0[0] = older;
+    lanes
 }
 
 /// The coefficients of a section, each in all lanes; the denominator with its sign turned.
@@ -113,10 +125,9 @@ struct Coefficients<R: Registers> {
 impl<R: Registers> Coefficients<R> {
     #[inline(always)]
     fn new(registers: R, section: Section) -> Self {
-        Self {
-            b: section.b.map(|b| registers.splat_f64s(b)),
-            minus_a: section.a.map(|a| registers.splat_f64s(-a)),
-        }
+        let Section { b: [b0, b1, b2], a: [a1, a2] } = section;
+        let all = |c| registers.splat_f64s(c);
+        Self { b: [all(b0), all(b1), all(b2)], minus_a: [all(-a1), all(-a2)] }
     }
 
     /// The next output of a section of order `ORDER` from the input `x0` and the last two inputs and outputs.

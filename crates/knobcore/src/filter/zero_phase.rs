@@ -119,7 +119,7 @@ fn equal_lengths(mut lengths: impl Iterator<Item = usize>) -> Result<Option<usiz
         None => Ok(Some(first)),
         Some((index, length)) => Err(Error::invalid(
             "channels",
-            format!("channel {} has {length} samples, the first has {first}; all need one length", index + 1),
+            format!("channel {} has {length} samples, the first has {first}; all need one length", index + 2),
         )),
     }
 }
