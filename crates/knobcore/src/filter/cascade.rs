@@ -26,7 +26,10 @@ impl Cascade {
     /// The chain, at rest at zero.
     pub(super) fn new(sos: &Sos) -> Self {
         let pairs = sos.sections().chunks(2).map(|chunk| Pair {
-            sections: [chunk[0], chunk.get(1).copied().unwrap_or(IDENTITY)],
+            sections: match *chunk {
+                [first, second] => [first, second],
+                _ => [IDENTITY, chunk[0]],
+            },
             history: [[[0.0; LANES]; 2]; 3],
         });
         Self(pairs.collect())
@@ -47,7 +50,7 @@ impl Cascade {
     #[inline(always)]
     pub(super) fn forward<R: Registers>(&mut self, registers: R, block: &mut [f64]) {
         for pair in &mut self.0 {
-            pair.run(registers, R::as_mut_simd_f64s(block).0.iter_mut());
+            pair.filter(registers, R::as_mut_simd_f64s(block).0.iter_mut());
         }
     }
 
@@ -55,35 +58,62 @@ impl Cascade {
     #[inline(always)]
     pub(super) fn backward<R: Registers>(&mut self, registers: R, block: &mut [f64]) {
         for pair in &mut self.0 {
-            pair.run(registers, R::as_mut_simd_f64s(block).0.iter_mut().rev());
+            pair.filter(registers, R::as_mut_simd_f64s(block).0.iter_mut().rev());
         }
     }
 }
 
 impl Pair {
-    /// Direct form I. Of the five products of a section only `a1 y[n-1]` waits for the sample
-    /// before, so it comes last: one multiply-add of latency per sample.
+    /// Designs of odd order have a section of order one, and it comes first: two products less.
     #[inline(always)]
-    fn run<'a, R: Registers>(&mut self, registers: R, samples: impl Iterator<Item = &'a mut R::f64s>)
+    fn filter<'a, R: Registers>(&mut self, registers: R, samples: impl Iterator<Item = &'a mut R::f64s>)
     where
         R::f64s: 'a,
     {
-        let load = |lanes: &Lanes| R::as_simd_f64s(lanes).0[0];
-        let [mut x, mut u, mut y] = self.history.each_ref().map(|last| last.each_ref().map(load));
-        let [first, second] = self.sections.map(|section| Coefficients::new(registers, section));
+        match self.sections[0] {
+            Section { b: [.., 0.0], a: [.., 0.0] } => self.run::<1, R>(registers, samples),
+            _ => self.run::<2, R>(registers, samples),
+        }
+    }
+
+    /// Direct form I. Of the five products of a section only `a1 y[n-1]` waits for the sample
+    /// before, so it comes last: one multiply-add of latency per sample.
+    #[inline(always)]
+    fn run<'a, const FIRST: usize, R: Registers>(
+        &mut self,
+        registers: R,
+        samples: impl Iterator<Item = &'a mut R::f64s>,
+    ) where
+        R::f64s: 'a,
+    {
+        let [x, u, y] = &self.history;
+        let (mut x, mut u, mut y) = (load::<R>(x), load::<R>(u), load::<R>(y));
+        let first = Coefficients::new(registers, self.sections[0]);
+        let second = Coefficients::new(registers, self.sections[1]);
         for sample in samples {
             let x0 = *sample;
-            let u0 = first.step(registers, x0, x, u);
-            let y0 = second.step(registers, u0, u, y);
+            let u0 = first.step::<FIRST>(registers, x0, x, u);
+            let y0 = second.step::<2>(registers, u0, u, y);
             x = [x0, x[0]];
             u = [u0, u[0]];
             y = [y0, y[0]];
             *sample = y0;
         }
-        for (last, lanes) in self.history.iter_mut().flatten().zip([x, u, y].iter().flatten()) {
-            R::as_mut_simd_f64s(last).0[0] = *lanes;
-        }
+        self.history = [store::<R>(x), store::<R>(u), store::<R>(y)];
     }
+}
+
+#[inline(always)]
+fn load<R: Registers>([newer, older]: &[Lanes; 2]) -> [R::f64s; 2] {
+    [R::as_simd_f64s(newer).0[0], R::as_simd_f64s(older).0[0]]
+}
+
+#[inline(always)]
+fn store<R: Registers>([newer, older]: [R::f64s; 2]) -> [Lanes; 2] {
+    let mut lanes = [[0.0; LANES]; 2];
+    R::as_mut_simd_f64s(&mut lanes[0]).0[0] = newer;
+    R::as_mut_simd_f64s(&mut lanes[1]).0[0] = older;
+    lanes
 }
 
 /// The coefficients of a section, each in all lanes; the denominator with its sign turned.
@@ -95,19 +125,26 @@ struct Coefficients<R: Registers> {
 impl<R: Registers> Coefficients<R> {
     #[inline(always)]
     fn new(registers: R, section: Section) -> Self {
-        Self {
-            b: section.b.map(|b| registers.splat_f64s(b)),
-            minus_a: section.a.map(|a| registers.splat_f64s(-a)),
-        }
+        let Section { b: [b0, b1, b2], a: [a1, a2] } = section;
+        let all = |c| registers.splat_f64s(c);
+        Self { b: [all(b0), all(b1), all(b2)], minus_a: [all(-a1), all(-a2)] }
     }
 
-    /// The next output from the input `x0` and the last two inputs and outputs.
+    /// The next output of a section of order `ORDER` from the input `x0` and the last two inputs and outputs.
     #[inline(always)]
-    fn step(&self, registers: R, x0: R::f64s, x: [R::f64s; 2], y: [R::f64s; 2]) -> R::f64s {
-        let sum = registers.mul_f64s(self.b[2], x[1]);
-        let sum = registers.multiply_add(self.b[1], x[0], sum);
-        let sum = registers.multiply_add(self.b[0], x0, sum);
-        let sum = registers.multiply_add(self.minus_a[1], y[1], sum);
+    fn step<const ORDER: usize>(
+        &self,
+        registers: R,
+        x0: R::f64s,
+        x: [R::f64s; 2],
+        y: [R::f64s; 2],
+    ) -> R::f64s {
+        let sum = registers.mul_f64s(self.b[0], x0);
+        let mut sum = registers.multiply_add(self.b[1], x[0], sum);
+        if ORDER == 2 {
+            sum = registers.multiply_add(self.b[2], x[1], sum);
+            sum = registers.multiply_add(self.minus_a[1], y[1], sum);
+        }
         registers.multiply_add(self.minus_a[0], y[0], sum)
     }
 }

@@ -5,8 +5,8 @@ use std::ops::Range;
 /// Channels that one pass filters: the lanes of one AVX2 register.
 pub(super) const LANES: usize = 4;
 
-/// Samples of a block: 4 KiB, so that interleaving, filtering and writing back stay in the cache.
-pub(super) const BLOCK: usize = 128;
+/// Samples of a block: 8 KiB, so that interleaving, filtering and writing back stay in the cache.
+pub(super) const BLOCK: usize = 256;
 
 /// The samples `range` of up to four channels into a block. Lanes without a channel keep what they
 /// have; lanes do not mix.

@@ -32,19 +32,30 @@ pub(super) trait Work {
     fn run<R: Registers>(self, registers: R);
 }
 
-/// Does `work` with AVX2 and FMA where the machine that runs this has them.
+/// Does `work` with AVX2 and FMA where the machine that runs this has them; with AVX-512 it has
+/// twice as many registers of the same width.
 pub(super) fn with_best_registers(work: impl Work) {
     #[cfg(target_arch = "x86_64")]
-    if let Some(avx2) = pulp::x86::V3::try_new() {
-        struct OnAvx2<W>(pulp::x86::V3, W);
-        impl<W: Work> pulp::NullaryFnOnce for OnAvx2<W> {
-            type Output = ();
-            #[inline(always)]
-            fn call(self) {
-                self.1.run(self.0);
-            }
+    {
+        if let Some(avx512) = pulp::x86::V4::try_new() {
+            return avx512.vectorize(OnAvx2(*avx512, work));
         }
-        return avx2.vectorize(OnAvx2(avx2, work));
+        if let Some(avx2) = pulp::x86::V3::try_new() {
+            return avx2.vectorize(OnAvx2(avx2, work));
+        }
     }
     work.run(Scalar256b);
+}
+
+#[cfg(target_arch = "x86_64")]
+struct OnAvx2<W>(pulp::x86::V3, W);
+
+#[cfg(target_arch = "x86_64")]
+impl<W: Work> pulp::NullaryFnOnce for OnAvx2<W> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.1.run(self.0);
+    }
 }
