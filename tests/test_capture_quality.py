@@ -6,9 +6,10 @@ import math
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
+
 from knobcam.capture import Capture, Finding
 from knobcam.errors import InputError
-from numpy.typing import NDArray
 
 RATE = 1000.0
 N = 3000
