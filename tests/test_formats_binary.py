@@ -111,7 +111,7 @@ def test_nested_matlab_structs_have_dotted_names(tmp_path: Path, compressed: boo
 def test_an_array_of_structs_is_explained(tmp_path: Path) -> None:
     runs = np.zeros((1, 2), dtype=[("q", object)])
     scipy.io.savemat(tmp_path / "run.mat", {"runs": runs})
-    with pytest.raises(InputError, match="runs is an array of 2 structs"):
+    with pytest.raises(InputError, match="runs holds an array of 2 structs"):
         load(tmp_path / "run.mat", map="t=runs, theta=runs, tau=runs")
 
 
