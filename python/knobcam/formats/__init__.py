@@ -74,7 +74,7 @@ def _put(path: Path, content: bytes) -> None:
 
 
 def _read(path: Path, head: bytes, max_bytes: int) -> Table:
-    from . import matlab, numpy_files, parquet
+    from . import hdf5, matlab, numpy_files, parquet
 
     if head.startswith(inflate.MAGIC):
         raw = inflate.inflate(str(path), path.read_bytes(), max_bytes)
@@ -83,10 +83,10 @@ def _read(path: Path, head: bytes, max_bytes: int) -> Table:
         return numpy_files.read_npy(path, max_bytes)
     if head.startswith(numpy_files.ZIP_MAGIC):
         return numpy_files.read_npz(path, max_bytes)
-    if head.startswith(matlab.MAT5_MAGIC):
+    if head.startswith(matlab.MAGIC):
         return matlab.read_mat5(path, max_bytes)
-    if head.startswith((matlab.MAT73_MAGIC, matlab.HDF5_MAGIC)):
-        return matlab.read_hdf5(path, max_bytes)
+    if head.startswith((hdf5.MAT73_MAGIC, hdf5.HDF5_MAGIC)):
+        return hdf5.read_hdf5(path, max_bytes)
     if head.startswith(parquet.MAGIC):
         return parquet.read_parquet(path, max_bytes)
     return read_text(str(path), "CSV", path.read_bytes())

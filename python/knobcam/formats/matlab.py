@@ -1,73 +1,140 @@
-"""MATLAB .mat: version 5 through SciPy, version 7.3 (HDF5) through h5py. Structs become dotted names."""
+"""MATLAB .mat version 5. Structs become dotted names.
+
+The reader follows "MAT-File Format" (MathWorks 2024), chapter 1, section and table names as there. It is
+written here because scipy.io.loadmat ends the process on some damaged files, which an importer may not.
+"""
 
 from __future__ import annotations
 
 import json
+import math
 import struct
 import zlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import InputError
 from .optional import require
 from .table import FloatArray, Table, add_array
 
-MAT5_MAGIC = b"MATLAB 5.0 MAT-file"
-HDF5_MAGIC = b"\x89HDF\r\n\x1a\n"
-MAT73_MAGIC = b"MATLAB 7.3 MAT-file"
+MAGIC = b"MATLAB 5.0 MAT-file"
 
 _DOCUMENT = "knobcam"
-_COMPRESSED = 15  # miCOMPRESSED, MAT-File Format (MathWorks 2024), Table 1-1
-_MAX_DEFLATE = 1032  # zlib cannot shrink by more, so a larger claim is false (Deutsch & Gailly, RFC 1951)
+_INT32, _MATRIX, _COMPRESSED = 5, 14, 15  # data types, Table 1-1
+_CELL, _STRUCT, _OBJECT, _CHAR, _SPARSE = range(1, 6)  # array types, Table 1-3; numbers are 6 to 15
+_NUMBERS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
+_TEXTS = {4: "utf-16", 17: "utf-16", 18: "utf-32"}  # data types of characters; the others hold bytes
+_KINDS = {_CHAR: "text", _CELL: "cells", _SPARSE: "a sparse matrix"}
+
+
+class Element(NamedTuple):
+    """A tag's data type and the bytes behind it."""
+
+    kind: int
+    data: memoryview
+
+
+class _Reader:
+    def __init__(self, source: str, order: str, max_bytes: int) -> None:
+        self.source = source
+        self.order = order
+        self.max_bytes = max_bytes
+        self.room = max_bytes
+        self.columns: dict[str, FloatArray] = {}
+        self.broken: dict[str, str] = {}
+        self.document: Mapping[str, Any] | None = None
+
+    def read(self, data: memoryview) -> None:
+        """Read every variable in `data`, which follows the header."""
+        for element in self.elements(data):
+            if element.kind == _COMPRESSED:
+                self.read(memoryview(self.inflate(element.data)))
+            elif element.kind == _MATRIX:
+                self.matrix(element.data, "")
+
+    def inflate(self, data: memoryview) -> bytes:
+        content = zlib.decompressobj().decompress(data, self.room + 1)
+        self.room -= len(content)
+        if self.room < 0:
+            raise InputError(f"{self.source}: inflates to more than {self.max_bytes} bytes; raise max_bytes")
+        return content
+
+    def elements(self, data: memoryview) -> Iterator[Element]:
+        """Split `data` at its tags (Data Element Format), refusing a tag that claims more than there is."""
+        while len(data) >= 8:
+            kind, size = struct.unpack(f"{self.order}II", data[:8])
+            if kind >> 16:  # Small Data Element Format: size and type share the first word
+                kind, size, start, end = kind & 0xFFFF, kind >> 16, 4, 8
+            else:
+                start, end = 8, 8 + size
+                end += 0 if kind == _COMPRESSED else -size % 8
+            if size > len(data) - start:
+                raise InputError(
+                    f"{self.source}: an array claims {size} bytes, the file holds {len(data) - start}; "
+                    f"it is cut short, copy it again"
+                )
+            yield Element(kind, data[start : start + size])
+            data = data[end:]
+
+    def matrix(self, data: memoryview, parent: str) -> None:
+        """Read one array (miMATRIX): flags, dimensions, name, then what its type says."""
+        parts = self.elements(data)
+        flags = int(self.numbers(next(parts))[0])
+        kind, is_complex = flags & 0xFF, bool(flags & 0x0800)
+        dimensions = next(parts)
+        label = parent
+        if dimensions.kind != _INT32:
+            self.refuse(label or "(unnamed)", "an object")
+            return
+        shape = [int(n) for n in self.numbers(dimensions)]
+        label = label or bytes(next(parts).data).decode("utf-8", "replace")
+        if parent:
+            next(parts)
+        count = math.prod(shape)
+        if kind == _STRUCT and count == 1:
+            width = int(self.numbers(next(parts))[0])
+            names = bytes(next(parts).data)
+            for start in range(0, len(names), max(width, 1)):
+                field = names[start : start + width].partition(b"\0")[0].decode("utf-8", "replace")
+                self.matrix(next(parts).data, f"{label}.{field}")
+        elif kind == _CELL and count == 1:  # how some exporters wrap a signal
+            self.matrix(next(parts).data, label)
+        elif kind == _CHAR and label == _DOCUMENT:
+            self.document = self.description(next(parts))
+        elif kind > _SPARSE and kind < 16 and not is_complex:
+            values = self.numbers(next(parts))
+            add_array(self.columns, self.broken, label, values.reshape(shape, order="F"))
+        elif kind == _STRUCT:
+            self.refuse(label, f"an array of {count} structs")
+        else:
+            self.refuse(label, "complex numbers" if is_complex else _KINDS.get(kind, "an object"))
+
+    def numbers(self, element: Element) -> np.ndarray[Any, np.dtype[Any]]:
+        dtype = np.dtype(_NUMBERS[element.kind]).newbyteorder(self.order)  # type: ignore[arg-type]
+        return np.frombuffer(element.data, dtype=dtype)
+
+    def description(self, element: Element) -> Mapping[str, Any] | None:
+        suffix = {"<": "-le", ">": "-be"}[self.order]
+        encoding = _TEXTS[element.kind] + suffix if element.kind in _TEXTS else "utf-8"
+        document = json.loads(bytes(element.data).decode(encoding))
+        return document if isinstance(document, dict) else None
+
+    def refuse(self, label: str, what: str) -> None:
+        self.broken[label] = f"column {label} holds {what}, not an array of numbers; map another column"
 
 
 def read_mat5(path: Path, max_bytes: int) -> Table:
     """Return the table of a version 5 .mat; nested structs are addressable as `data.qm`."""
-    _check_claims(path, max_bytes)
-    content = require("scipy.io", "a MATLAB file").loadmat(path, appendmat=False)
-    columns: dict[str, FloatArray] = {}
-    broken: dict[str, str] = {}
-    document = None
-    for name, value in content.items():
-        if name == _DOCUMENT and isinstance(value, np.ndarray) and value.dtype.kind == "U":
-            document = _document(str(value.item()))
-        elif not name.startswith("__"):
-            _add_mat5(columns, broken, name, value)
-    return Table(str(path), "MATLAB 5 .mat", columns, broken, document)
-
-
-def read_hdf5(path: Path, max_bytes: int) -> Table:
-    """Return the table of a version 7.3 .mat, or of any HDF5 file with arrays at its root or in groups."""
-    h5py = require("h5py", "a MATLAB 7.3 file")
-    columns: dict[str, FloatArray] = {}
-    broken: dict[str, str] = {}
-    room = max_bytes
-
-    def visit(name: str, item: Any) -> None:
-        nonlocal room
-        if not isinstance(item, h5py.Dataset) or name.startswith("#"):
-            return
-        label = name.replace("/", ".")
-        held = item.id.get_storage_size()
-        if item.nbytes > held * (_MAX_DEFLATE if item.chunks else 1) and item.nbytes > 1 << 16:
-            raise InputError(
-                f"{path}: {label} claims {item.nbytes} bytes and holds {held}; it is cut short, copy it again"
-            )
-        room -= item.nbytes
-        if room < 0:
-            raise InputError(f"{path}: inflates to more than {max_bytes} bytes; raise max_bytes")
-        if item.attrs.get("MATLAB_class", b"double") in (b"char", b"cell"):
-            broken[label] = f"column {label} holds text or cells, not numbers; map another column"
-        else:
-            add_array(columns, broken, label, np.asarray(item[()]))
-
-    with h5py.File(path, "r") as file:
-        file.visititems(visit)
-    return Table(str(path), "MATLAB 7.3 .mat", columns, broken)
+    raw = memoryview(path.read_bytes())
+    order = {b"IM": "<", b"MI": ">"}.get(bytes(raw[126:128]))
+    if order is None:
+        raise InputError(f"{path}: the MATLAB header is cut short; copy the file again")
+    reader = _Reader(str(path), order, max_bytes)
+    reader.read(raw[128:])
+    return Table(str(path), "MATLAB 5 .mat", reader.columns, reader.broken, reader.document)
 
 
 def write_mat5(path: Path, columns: Mapping[str, FloatArray], document: Mapping[str, Any]) -> None:
@@ -76,59 +143,3 @@ def write_mat5(path: Path, columns: Mapping[str, FloatArray], document: Mapping[
     content[_DOCUMENT] = json.dumps(document)
     with path.open("wb") as file:
         require("scipy.io", "a MATLAB file").savemat(file, content)
-
-
-def _document(text: str) -> Mapping[str, Any] | None:
-    document = json.loads(text)
-    return document if isinstance(document, dict) else None
-
-
-def _add_mat5(columns: dict[str, FloatArray], broken: dict[str, str], name: str, value: Any) -> None:
-    if not isinstance(value, np.ndarray):
-        broken[name] = f"column {name} is sparse or an object, not an array; save it with full() or double()"
-    elif value.dtype.names is None:
-        add_array(columns, broken, name, _unwrapped(value))
-    elif value.size == 1:
-        record = value.reshape(-1)[0]
-        for part in value.dtype.names:
-            _add_mat5(columns, broken, f"{name}.{part}", record[part])
-    else:
-        broken[name] = f"column {name} is an array of {value.size} structs; save the one you mean on its own"
-
-
-def _unwrapped(value: NDArray[Any]) -> NDArray[Any]:
-    """Return the array inside a one-element cell, which is how some exporters wrap a signal."""
-    inner = value.reshape(-1)[0] if value.dtype == object and value.size == 1 else value
-    return inner if isinstance(inner, np.ndarray) and inner.dtype != object else value
-
-
-def _check_claims(path: Path, max_bytes: int) -> None:
-    """Walk the file's top-level elements and refuse sizes that the file cannot hold, before any allocation.
-
-    Each element is a tag (type, bytes) and its data; a compressed one hides another tag inside (MAT-File
-    Format, MathWorks 2024, chapter 1).
-    """
-    size = path.stat().st_size
-    total = 0
-    with path.open("rb") as file:
-        order = {b"IM": "<", b"MI": ">"}.get(file.read(128)[126:128])
-        if order is None:
-            raise InputError(f"{path}: the MATLAB header is cut short; copy the file again")
-        while len(tag := file.read(8)) == 8:
-            kind, claimed = struct.unpack(f"{order}II", tag)
-            start = file.tell()
-            possible = size - start
-            inner = claimed
-            if kind == _COMPRESSED:
-                opening = zlib.decompressobj().decompress(file.read(min(possible, 256)), 8)
-                if len(opening) == 8:
-                    inner = struct.unpack(f"{order}II", opening)[1]
-            if claimed > possible or inner > claimed * (_MAX_DEFLATE if kind == _COMPRESSED else 1):
-                raise InputError(
-                    f"{path}: an array claims {max(claimed, inner)} bytes, the file holds {possible}; "
-                    f"it is cut short, copy it again"
-                )
-            total += inner
-            if total > max_bytes:
-                raise InputError(f"{path}: inflates to more than {max_bytes} bytes; raise max_bytes")
-            file.seek(start + claimed)

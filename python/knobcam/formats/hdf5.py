@@ -1,0 +1,47 @@
+"""MATLAB .mat version 7.3, which is HDF5, through h5py. Structs (groups) become dotted names."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError
+from .optional import require
+from .table import FloatArray, Table, add_array
+
+HDF5_MAGIC = b"\x89HDF\r\n\x1a\n"
+MAT73_MAGIC = b"MATLAB 7.3 MAT-file"
+
+_MAX_DEFLATE = 1032  # zlib cannot shrink by more, so a larger claim is false (Deutsch & Gailly, RFC 1951)
+
+
+def read_hdf5(path: Path, max_bytes: int) -> Table:
+    """Return the table of a version 7.3 .mat, or of any HDF5 file with arrays at its root or in groups."""
+    h5py = require("h5py", "a MATLAB 7.3 file")
+    columns: dict[str, FloatArray] = {}
+    broken: dict[str, str] = {}
+    room = max_bytes
+
+    def visit(name: str, item: Any) -> None:
+        nonlocal room
+        if not isinstance(item, h5py.Dataset) or name.startswith("#"):
+            return
+        label = name.replace("/", ".")
+        held = item.id.get_storage_size()
+        if item.nbytes > held * (_MAX_DEFLATE if item.chunks else 1) and item.nbytes > 1 << 16:
+            raise InputError(
+                f"{path}: {label} claims {item.nbytes} bytes and holds {held}; it is cut short, copy it again"
+            )
+        room -= item.nbytes
+        if room < 0:
+            raise InputError(f"{path}: inflates to more than {max_bytes} bytes; raise max_bytes")
+        if item.attrs.get("MATLAB_class", b"double") in (b"char", b"cell"):
+            broken[label] = f"column {label} holds text or cells, not numbers; map another column"
+        else:
+            add_array(columns, broken, label, np.asarray(item[()]))
+
+    with h5py.File(path, "r") as file:
+        file.visititems(visit)
+    return Table(str(path), "MATLAB 7.3 .mat", columns, broken)

@@ -1,0 +1,258 @@
+"""What is wrong with a capture is found, said and masked; never repaired."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from knobcam.capture import Capture, Finding
+from knobcam.errors import InputError
+
+RATE = 1000.0
+N = 3000
+
+
+def recording(**changes: object) -> Capture:
+    """A noisy swing of a knob at 1 kHz with all five columns."""
+    rng = np.random.default_rng(7)
+    t = np.arange(N) / RATE
+    phase = 2.0 * np.pi * 1.5 * t
+    columns: dict[str, object] = {
+        "t": t,
+        "theta": np.sin(phase) + 1e-5 * rng.standard_normal(N),
+        "omega": 3.0 * np.pi * np.cos(phase) + 5e-3 * rng.standard_normal(N),
+        "alpha": -9.0 * np.pi**2 * np.sin(phase) + 0.4 * rng.standard_normal(N),
+        "tau": 0.05 * np.cos(phase) + 1.8e-3 * rng.standard_normal(N),
+    }
+    return Capture.from_arrays(**(columns | changes))  # type: ignore[arg-type]
+
+
+def only(capture: Capture) -> Finding:
+    assert len(capture.findings) == 1, capture.findings
+    return capture.findings[0]
+
+
+def masked(capture: Capture) -> list[int]:
+    """The masked data rows, from 1."""
+    return (np.flatnonzero(~capture.mask) + 1).tolist()
+
+
+def times() -> NDArray[np.float64]:
+    return np.arange(N) / RATE
+
+
+def test_a_sample_that_is_not_finite_is_masked_in_every_column_and_kept_as_it_is() -> None:
+    good = recording()
+    for name in ("theta", "omega", "alpha", "tau", "t"):
+        values = good.columns[name].copy()
+        values[[9, 10, 700]] = np.nan, np.inf, -np.inf
+        capture = recording(**{name: values})
+        assert only(capture).kind == "non-finite"
+        assert only(capture).column == name
+        assert "rows 10-11, 701" in only(capture).message
+        assert masked(capture) == [10, 11, 701]
+        assert np.array_equal(capture.columns[name], values, equal_nan=True)
+
+
+def test_a_repeated_time_stamp_is_masked() -> None:
+    t = times()
+    t[100] = t[99]
+    finding = only(recording(t=t))
+    assert (finding.kind, finding.rows, finding.severity) == ("duplicate", (101,), "masked")
+    assert masked(recording(t=t)) == [101]
+
+
+def test_one_stamp_that_leaps_ahead_costs_one_sample() -> None:
+    t = times()
+    t[50] = 1e6
+    assert only(recording(t=t)).kind == "backward"
+    assert masked(recording(t=t)) == [51]
+
+
+def test_one_stamp_that_falls_back_costs_one_sample() -> None:
+    t = times()
+    t[50] = 0.0123
+    assert masked(recording(t=t)) == [51]
+
+
+def test_a_clock_that_restarts_keeps_its_longer_part() -> None:
+    t = times()
+    t[2000:] -= 2.0
+    capture = recording(t=t)
+    assert masked(capture) == list(range(2001, 3001))
+    assert capture.rate_hz == RATE
+
+
+def test_the_stamps_in_use_always_rise() -> None:
+    rng = np.random.default_rng(3)
+    t = times() + rng.normal(0.0, 2e-3, N)
+    t[rng.integers(0, N, 20)] = np.nan
+    capture = recording(t=t)
+    assert np.all(np.diff(capture.t[capture.mask]) > 0.0)
+
+
+def test_missing_samples_are_counted_and_not_filled_in() -> None:
+    keep = np.ones(N, dtype=bool)
+    keep[500:510] = False
+    good = recording()
+    capture = Capture.from_arrays(**{name: values[keep] for name, values in good.columns.items()})
+    finding = only(capture)
+    assert (finding.kind, finding.count, finding.rows) == ("gap", 10, (500,))
+    assert capture.samples == N - 10
+    assert capture.rate_hz == RATE
+
+
+def test_a_masked_stamp_is_not_counted_as_a_gap() -> None:
+    t = times()
+    t[40:45] = np.nan
+    assert only(recording(t=t)).kind == "non-finite"
+
+
+def test_an_uneven_clock_is_noted_and_used_as_it_is() -> None:
+    rng = np.random.default_rng(5)
+    t = np.cumsum(rng.uniform(0.6e-3, 1.4e-3, N))
+    capture = Capture.from_arrays(t=t, theta=np.sin(t), tau=np.cos(t) + rng.standard_normal(N))
+    assert (only(capture).kind, only(capture).severity) == ("uneven", "note")
+    assert capture.mask.all()
+    assert np.array_equal(capture.t, t)
+    assert capture.rate_hz == pytest.approx(RATE, rel=0.02)
+
+
+def test_times_rounded_to_a_twentieth_of_the_interval_pass_as_even() -> None:
+    assert recording(t=np.round(times() + 0.12345, 5)).findings == ()
+
+
+@pytest.mark.parametrize(("factor", "word"), [(1e3, "ms"), (1e6, "us"), (1e-4, "clock")])
+def test_times_in_another_unit_make_an_unusual_rate(factor: float, word: str) -> None:
+    t = times() * factor
+    finding = only(Capture.from_arrays(t=t, theta=np.sin(times()), tau=np.cos(times())))
+    assert (finding.kind, finding.severity) == ("rate", "note")
+    assert word in finding.message
+
+
+@pytest.mark.parametrize("low", [-0.04, -1.0])
+@pytest.mark.parametrize("high", [0.04, 1.0])
+def test_a_saturated_torque_is_masked_on_each_side_on_its_own(low: float, high: float) -> None:
+    free = recording().tau
+    tau = np.clip(free, low, high)
+    capture = recording(tau=tau)
+    assert masked(capture) == (np.flatnonzero(tau != free) + 1).tolist()
+    assert [finding.kind for finding in capture.findings] == ["clipped"] * ((low == -0.04) + (high == 0.04))
+
+
+@pytest.mark.parametrize("step", [1e-5, 1e-3, 4e-3])
+def test_a_quantised_torque_is_not_called_clipped(step: float) -> None:
+    assert recording(tau=np.round(recording().tau / step) * step).findings == ()
+
+
+@pytest.mark.parametrize("step", [1e-3, 2e-3, 3e-3])
+def test_a_quantised_noise_free_sine_is_not_called_clipped(step: float) -> None:
+    tau = 0.05 * np.cos(2.0 * np.pi * 1.5 * times())
+    assert recording(tau=np.round(tau / step) * step).findings == ()
+
+
+def test_a_quantised_and_saturated_torque_is_called_clipped() -> None:
+    tau = np.clip(np.round(recording().tau / 1e-4) * 1e-4, -1.0, 0.045)
+    assert only(recording(tau=tau)).kind == "clipped"
+
+
+def test_a_motor_that_is_off_is_not_called_clipped() -> None:
+    assert recording(tau=np.maximum(recording().tau, 0.0)).findings == ()
+
+
+def test_dry_friction_alone_is_not_called_clipped() -> None:
+    assert recording(tau=0.02 * np.sign(np.cos(2.0 * np.pi * 1.5 * times()))).findings == ()
+
+
+@pytest.mark.parametrize("name", ["theta", "omega", "alpha", "tau"])
+def test_a_column_that_never_changes_is_warned_about(name: str) -> None:
+    findings = recording(**{name: np.full(N, 0.25)}).findings
+    stuck = [finding for finding in findings if finding.kind == "stuck"]
+    assert [(finding.column, finding.severity) for finding in stuck] == [(name, "warning")]
+
+
+UNITS = [
+    (1e3, "thousandths"),
+    (1e-3, "theta may be in thousandths"),
+    (180.0 / math.pi, "degrees"),
+    (math.pi / 180.0, "theta may be in degrees"),
+    (60.0 / (2.0 * math.pi), "rpm"),
+    (1.0 / (2.0 * math.pi), "turns"),
+    (-1.0, "sign"),
+    (3.3, "check the units"),
+]
+
+
+@pytest.mark.parametrize("name", ["omega", "alpha"])
+@pytest.mark.parametrize(("factor", "word"), UNITS)
+def test_a_derivative_in_another_unit_is_named_with_its_factor(name: str, factor: float, word: str) -> None:
+    finding = only(recording(**{name: recording().columns[name] * factor}))
+    assert (finding.kind, finding.column, finding.severity) == ("scale", name, "warning")
+    assert word in finding.message
+
+
+def test_an_angle_in_degrees_is_seen_by_both_derivatives() -> None:
+    findings = recording(theta=np.rad2deg(recording().theta)).findings
+    scale = [finding for finding in findings if finding.kind == "scale"]
+    assert [finding.column for finding in scale] == ["omega", "alpha"]
+    assert all("theta may be in degrees" in finding.message for finding in scale)
+
+
+def test_a_derivative_of_pure_noise_is_not_judged() -> None:
+    rng = np.random.default_rng(11)
+    assert recording(omega=rng.standard_normal(N), alpha=rng.standard_normal(N)).findings == ()
+
+
+def test_a_torque_beyond_any_hand_is_noted() -> None:
+    finding = only(recording(tau=1000.0 * recording().tau))
+    assert (finding.column, finding.severity) == ("tau", "note")
+    assert "mNm" in finding.message
+    assert recording(tau=1000.0 * recording().tau, axis="linear").findings == ()
+
+
+def test_an_angle_that_wraps_is_warned_about() -> None:
+    t = times()
+    wrapped = np.mod(10.0 * t, 2.0 * np.pi)
+    capture = Capture.from_arrays(t=t, theta=wrapped, tau=np.cos(t))
+    assert only(capture).kind == "wrapped"
+    assert "unwrap" in only(capture).message
+
+
+@pytest.mark.parametrize("name", ["omega", "alpha"])
+def test_an_optional_column_without_a_number_counts_as_absent(name: str) -> None:
+    capture = recording(**{name: np.full(N, np.nan)})
+    assert getattr(capture, name) is None
+    assert only(capture).kind == "empty"
+    assert capture.mask.all()
+
+
+@pytest.mark.parametrize("name", ["t", "theta", "tau"])
+def test_a_needed_column_without_a_number_is_refused(name: str) -> None:
+    with pytest.raises(InputError, match=f"column {name} has no number"):
+        recording(**{name: np.full(N, np.nan)})
+
+
+def test_time_that_stands_still_is_refused() -> None:
+    with pytest.raises(InputError, match="t does not advance"):
+        recording(t=np.zeros(N))
+    with pytest.raises(InputError, match="more than a float64"):
+        Capture.from_arrays(t=[-1.7e308, 1.7e308], theta=[0, 1], tau=[0, 1])
+
+
+def test_one_row_is_refused() -> None:
+    with pytest.raises(InputError, match="1 rows of data"):
+        Capture.from_arrays(t=[0.0], theta=[0.0], tau=[0.0])
+
+
+def test_columns_that_are_never_finite_together_are_refused() -> None:
+    with pytest.raises(InputError, match="fewer than 2 usable samples"):
+        Capture.from_arrays(t=[0, 1, 2, 3], theta=[0, 1, np.nan, np.nan], tau=[np.nan, np.nan, 0, 1])
+
+
+def test_findings_print_their_severity_first() -> None:
+    t = times()
+    t[100] = t[99]
+    assert str(only(recording(t=t))).startswith("masked: t: 1 samples repeat")

@@ -1,0 +1,70 @@
+"""Real measurements, where they are there: a test whose file is absent skips, and says so."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from knobcam.capture import load
+
+ROOT = Path(__file__).resolve().parents[1]
+SHARED = Path(os.environ.get("KNOBCAM_SHARED_DATA", ROOT.parent / "shared" / "data"))
+
+
+def real(path: Path) -> Path:
+    if not path.exists():
+        pytest.skip(f"{path} is absent; set KNOBCAM_SHARED_DATA to the folder of real measurements")
+    return path
+
+
+def test_the_emps_axis_reads_from_its_matlab_file() -> None:
+    path = real(SHARED / "emps" / "DATA_EMPS.mat")
+    capture = load(path, map="t=t, theta=qm, tau=35.1507*vir", axis="linear")
+    assert capture.samples == 24841
+    assert capture.rate_hz == 1000.0
+    assert capture.axis == "linear"
+    assert capture.findings == ()
+    by_name = load(path, map="t=t, theta=qm [m], tau=gtau*vir [N]")
+    np.testing.assert_allclose(by_name.tau, capture.tau, rtol=1e-5)  # the file has 35.15065
+
+
+def test_the_odrive_motor_reads_from_its_array_and_its_uneven_clock_is_noted() -> None:
+    path = real(SHARED / "odrive_cogging" / "slow2_slower_nocomp_0.npy")
+    capture = load(path, map="t=c0, theta=c1/8192 [turn], tau=0.0551*c2", start=1.0)
+    assert capture.t[0] >= 1.0
+    assert [finding.kind for finding in capture.findings] == ["uneven"]
+    speed = np.polyfit(capture.t, capture.theta, 1)[0]
+    assert speed == pytest.approx(0.19, rel=0.03)
+    assert capture.mask.all()
+
+
+@pytest.mark.parametrize("number", range(26))
+def test_every_practice_capture_reads_at_its_rate(number: int) -> None:
+    capture = load(real(SHARED.parent / "practice" / f"knob-{number:02d}.csv.gz"))
+    assert capture.samples == 30_000
+    assert capture.rate_hz == 5000.0
+    assert {finding.kind for finding in capture.findings} <= {"clipped"}
+
+
+def test_importing_and_reading_csv_imports_nothing_heavy(tmp_path: Path) -> None:
+    script = (
+        "import sys, pathlib, knobcam.capture as c\n"
+        "p = pathlib.Path(sys.argv[1]); p.write_text('t_s,theta_rad,tau_Nm\\n0,0,0\\n1,1,2\\n2,3,1\\n')\n"
+        "c.load(p)\n"
+        "print(sorted({m.partition('.')[0] for m in sys.modules}"
+        " & {'scipy', 'h5py', 'pyarrow', 'pint', 'matplotlib'}), 'numpy.ma' in sys.modules)\n"
+    )
+    environment = os.environ | {"PYTHONPATH": str(ROOT / "python")}
+    result = subprocess.run(
+        [sys.executable, "-c", script, str(tmp_path / "run.csv")],
+        capture_output=True,
+        text=True,
+        env=environment,
+        check=True,
+    )
+    assert result.stdout.strip() == "[] False"
