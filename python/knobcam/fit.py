@@ -115,7 +115,7 @@ class Fit:
 
         Shape (samples,); NaN at samples that are masked.
         """
-        signals = prepare_signals(capture, self.signals.method)
+        signals = prepare_signals(capture, self.signals.method, **self.signals.options)
         return signals.on_capture(self.model.core.torque(signals.core))
 
     def band(self, signals: Prepared | None = None) -> FloatArray:

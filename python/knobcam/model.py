@@ -74,8 +74,11 @@ class Model:
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the model file; it appears whole or not at all."""
         target = Path(path)
-        write_atomically(target, lambda stream: stream.write(self.text().encode("utf-8")))
+        write_atomically(target, self._write)
         return target
+
+    def _write(self, path: Path) -> None:
+        path.write_text(self.text(), "utf-8")
 
     @property
     def name(self) -> str:

@@ -39,6 +39,7 @@ class Prepared:
     capture: Capture
     method: str
     rows: np.ndarray[Any, np.dtype[np.intp]]
+    options: Mapping[str, float]
     notes: tuple[str, ...]
     core: _core.Signals
 
@@ -142,7 +143,7 @@ def prepare(capture: Capture, method: str = "smooth", **options: float) -> Prepa
         method,
         options,
     )
-    return Prepared(capture, method, rows, _notes(capture, method, options), core)
+    return Prepared(capture, method, rows, dict(options), _notes(capture, method, options), core)
 
 
 def _gaps(capture: Capture, rows: np.ndarray[Any, np.dtype[np.intp]]) -> BoolArray:

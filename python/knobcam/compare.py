@@ -1,0 +1,200 @@
+"""Where a model fails: the error split over every axis, beside what noise alone would give."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from . import _core
+from .tables import html_table, text_table
+
+if TYPE_CHECKING:
+    import numpy as np
+    from matplotlib.figure import Figure
+
+    from .fit import Fit
+    from .formats.table import FloatArray
+
+_UNITS = {
+    "position": ("rad", "m"),
+    "velocity": ("rad/s", "m/s"),
+    "acceleration": ("rad/s^2", "m/s^2"),
+    "time": ("s", "s"),
+    "frequency": ("Hz", "Hz"),
+    "load": ("N m", "N"),
+    "history": ("rad", "m"),
+}
+_DIRECTIONS = {1: "forward", -1: "backward", 0: ""}
+# An error this close to the noise floor cannot be told from it: the floor itself is known to a percent or two.
+_AT_FLOOR = 1.02
+
+
+class Region(NamedTuple):
+    """A stretch of an axis in which the model fails beyond chance.
+
+    `mean` is the mean residual there, N m (along frequency the RMS of the excess); `share` its part of the
+    squared error beyond the noise; `direction` 1 forward, -1 backward, 0 both.
+    """
+
+    start: float
+    end: float
+    direction: int
+    mean: float
+    share: float
+
+
+@dataclass(frozen=True, eq=False)
+class Split:
+    """The error along one axis; arrays of shape (bins,).
+
+    `low` and `high` are the borders of the bins and `direction` whose motion they hold (1 forward, -1
+    backward, 0 both); `mean` and `rms` of the residual in N m; `band` the half-width of the 95 % band that
+    chance gives the mean. Along frequency `mean` is the RMS per bin and `band` what chance stays below.
+    `share` is the part of the squared error beyond the noise that the bin means hold, `chance` what noise
+    alone would hold in one capture of twenty.
+    """
+
+    axis: str
+    unit: str
+    low: FloatArray
+    high: FloatArray
+    direction: np.ndarray[Any, np.dtype[np.int8]]
+    count: FloatArray
+    mean: FloatArray
+    rms: FloatArray
+    band: FloatArray
+    share: float
+    chance: float
+    regions: tuple[Region, ...]
+
+    @property
+    def fails(self) -> bool:
+        """Whether the model fails along this axis beyond chance."""
+        return bool(self.regions) and self.share > self.chance
+
+    def where(self) -> str:
+        """The worst region in words."""
+        if not self.regions:
+            return "nowhere beyond chance"
+        worst = self.regions[0]
+        side = f" {_DIRECTIONS[worst.direction]}" if worst.direction else ""
+        return f"{worst.start:.4g} to {worst.end:.4g} {self.unit}{side}"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison:
+    """A fit held against its captures, axis by axis."""
+
+    fit: Fit
+    splits: tuple[Split, ...]
+
+    def __getitem__(self, axis: str) -> Split:
+        """The split along one axis."""
+        return {split.axis: split for split in self.splits}[axis]
+
+    @cached_property
+    def worst(self) -> Split | None:
+        """The axis that holds the largest share of the error beyond noise; None where chance explains all."""
+        failing = [split for split in self.splits if split.fails]
+        return max(failing, key=lambda split: split.share, default=None)
+
+    @property
+    def complete(self) -> bool:
+        """Whether the error is what noise alone leaves, on every axis."""
+        return self.fit.rmse <= _AT_FLOOR * self.fit.noise_floor and self.worst is None
+
+    @property
+    def summary(self) -> str:
+        """One sentence."""
+        fit = self.fit
+        explained = 1.0 - (fit.rmse / self.torque_rms) ** 2
+        head = f"The model explains {100 * explained:.1f} % of the torque's variance"
+        times = fit.rmse / fit.noise_floor
+        if self.complete:
+            return f"{head}; what is left is {times:.3f} times the noise floor, and chance explains it."
+        if self.worst is None:
+            return f"{head}; what is left is {times:.3f} times the noise floor, and no axis shows where."
+        worst = self.worst
+        return (
+            f"{head}; what is left is {times:.2f} times the noise floor. It shows most along {worst.axis} "
+            f"({100 * worst.share:.0f} % of the excess), worst at {worst.where()}."
+        )
+
+    @cached_property
+    def torque_rms(self) -> float:
+        """RMS of the measured torque about its mean over the samples that count, N m."""
+        import numpy as np
+
+        tau = np.concatenate([signals.tau[signals.used] for signals in self.fit.prepared])
+        return float(np.std(tau))
+
+    def plot(self) -> Figure:
+        """The residual along every axis, with the band of chance and the regions that leave it."""
+        from . import plot
+
+        return plot.comparison(self)
+
+    def document(self) -> dict[str, Any]:
+        """Return the JSON document of `knobcam compare --json`."""
+        fit = self.fit
+        return {
+            "schema": "knobcam.compare/1",
+            "captures": fit.document()["captures"],
+            "effects": list(fit.model.effects),
+            "rmse": fit.rmse,
+            "noise_floor": fit.noise_floor,
+            "torque_rms": self.torque_rms,
+            "complete": self.complete,
+            "summary": self.summary,
+            "axes": [_split_document(split) for split in self.splits],
+        }
+
+    _HEAD = ("axis", "share of the excess", "by chance below", "where it is worst")
+
+    def _rows(self) -> list[tuple[str, ...]]:
+        ranked = sorted(self.splits, key=lambda split: (not split.fails, -split.share))
+        return [
+            (split.axis, f"{100 * split.share:.1f} %", f"{100 * split.chance:.1f} %", split.where())
+            for split in ranked
+        ]
+
+    def __repr__(self) -> str:
+        return self.summary + "\n" + text_table(self._HEAD, self._rows())
+
+    def _repr_html_(self) -> str:
+        return html_table(self.summary, self._HEAD, self._rows())
+
+
+def compare(fit: Fit) -> Comparison:
+    """Return where a fit fails: the error split over position, velocity, acceleration, time, load and history
+    (distance since the last reversal) and over frequency.
+
+    Chance is made, not looked up: white noise of the sensor's level goes through the same filter into the
+    same bins.
+    """
+    rotary = fit.model.axis == "rotary"
+    splits = []
+    for row in _core.locate([signals.core for signals in fit.prepared], fit.core.model):
+        regions = tuple(Region(*region) for region in row.pop("regions"))
+        unit = _UNITS[row["axis"]][0 if rotary else 1]
+        splits.append(Split(unit=unit, regions=regions, **row))
+    return Comparison(fit, tuple(splits))
+
+
+def _split_document(split: Split) -> dict[str, Any]:
+    return {
+        "axis": split.axis,
+        "unit": split.unit,
+        "share": split.share,
+        "share_by_chance": split.chance,
+        "fails": split.fails,
+        "regions": [
+            {"from": r.start, "to": r.end, "direction": r.direction, "mean": r.mean, "share": r.share}
+            for r in split.regions[:20]
+        ],
+        "bins": {
+            name: getattr(split, name).tolist()
+            for name in ("low", "high", "direction", "count", "mean", "rms", "band")
+        },
+    }

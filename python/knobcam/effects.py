@@ -1,0 +1,86 @@
+"""The catalogue of physical effects."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, NamedTuple
+
+from . import _core
+from .errors import InputError
+from .tables import html_table, text_table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+class ParameterInfo(NamedTuple):
+    """A parameter as the catalogue has it; bounds and neutral value in SI."""
+
+    name: str
+    unit: str
+    lower: float
+    upper: float
+    neutral: float
+    meaning: str
+
+
+@dataclass(frozen=True, repr=False)
+class Effect:
+    """An effect: where in the chain it acts, its law, its source, and where it shows."""
+
+    id: str
+    place: str
+    law: str
+    source: str
+    shows: str
+    params: tuple[ParameterInfo, ...]
+
+    _HEAD = ("parameter", "unit", "bounds", "neutral", "meaning")
+
+    def _rows(self) -> list[tuple[str, ...]]:
+        return [
+            (f"{self.id}.{p.name}", p.unit, f"{p.lower:g} to {p.upper:g}", f"{p.neutral:g}", p.meaning)
+            for p in self.params
+        ]
+
+    def plot(self) -> Figure:
+        """Its signature: the torque that it adds, over position and over velocity."""
+        from . import plot
+
+        return plot.effect(self)
+
+    def __repr__(self) -> str:
+        head = f"{self.id} ({self.place})\n  law     {self.law}\n  shows   {self.shows}\n  source  {self.source}\n"
+        return head + text_table(self._HEAD, self._rows())
+
+    def _repr_html_(self) -> str:
+        return html_table(f"{self.id}: {self.law}. Shows {self.shows}. {self.source}", self._HEAD, self._rows())
+
+
+@cache
+def effects(axis: str = "rotary") -> dict[str, Effect]:
+    """Return the catalogue by id, units for a rotary or a linear axis."""
+    rows = _core.catalogue(axis)
+    return {
+        row["id"]: Effect(
+            row["id"],
+            row["place"],
+            row["law"],
+            row["source"],
+            row["shows"],
+            tuple(ParameterInfo(**param) for param in row["params"]),
+        )
+        for row in rows
+    }
+
+
+def effect(name: str) -> Effect:
+    """Return one effect by id.
+
+    Raises InputError for an unknown id, with those that exist.
+    """
+    catalogue = effects()
+    if name not in catalogue:
+        raise InputError(f"effect '{name}' is not in the catalogue; it has {', '.join(catalogue)}")
+    return catalogue[name]
