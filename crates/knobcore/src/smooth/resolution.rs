@@ -12,7 +12,7 @@ pub fn quantum(column: &[f64]) -> f64 {
     let finite: Vec<f64> = column.iter().copied().filter(|value| value.is_finite()).collect();
     let changes = || finite.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|&change| change > 0.0);
     let step = changes().fold(f64::INFINITY, f64::min);
-    if !(step.is_finite() && step > 16.0 * rounding(&finite)) {
+    if !(step.is_finite() && step > 4.0 * rounding(&finite)) {
         return 0.0;
     }
     let (mut whole, mut all) = (0.0, 0.0);
@@ -34,7 +34,7 @@ pub fn least_noise(column: &[f64]) -> f64 {
 
 fn rounding(column: &[f64]) -> f64 {
     let largest = column.iter().filter(|value| value.is_finite()).fold(0.0_f64, |most, value| most.max(value.abs()));
-    f64::EPSILON * largest
+    4.0 * f64::EPSILON * largest
 }
 
 #[cfg(test)]

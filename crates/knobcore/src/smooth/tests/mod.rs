@@ -1,3 +1,4 @@
 //! The smoother against motions that are known.
 
+pub mod normal;
 mod simulated;
