@@ -6,19 +6,10 @@ use std::ops::Range;
 /// Number of stretches.
 const STRETCHES: usize = 4;
 
-/// Readings of theta in one stretch.
-const READINGS: usize = 1024;
-
-/// Longest stretch, where most readings of theta are missing.
-const LONGEST: usize = 8192;
-
-/// Stretches of the capture from the calmest to the liveliest, evenly spaced in rank. A capture that rests
-/// for an hour and moves for a second is thus seen moving.
-pub fn stretches<'a>(sensors: &Sensors<'a>) -> Vec<Sensors<'a>> {
-    let n = sensors.len();
-    let readings = sensors.theta.iter().filter(|theta| theta.is_finite()).count().max(1);
-    let length = (READINGS * n / readings).min(LONGEST);
-    let parts = n / length;
+/// Stretches of `length` samples, from the calmest to the liveliest, evenly spaced in rank: a capture that rests
+/// for an hour and moves for a second is thus seen moving. All of a short capture.
+pub fn stretches<'a>(sensors: &Sensors<'a>, length: usize) -> Vec<Sensors<'a>> {
+    let parts = sensors.len() / length;
     if parts <= STRETCHES {
         return vec![*sensors];
     }

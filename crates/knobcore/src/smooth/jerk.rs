@@ -17,42 +17,68 @@ use super::rts::smooth_rows;
 use super::sensors::{Noise, Sensors};
 use super::state::Model;
 
-/// Memories of the smoother, in samples, among which the best is looked for: 0.05, 0.15, ... 10^4.
+/// Shortest memory that is tried, in samples: the smoother then passes through every sample.
 const SHORTEST_MEMORY: f64 = 0.05;
+
+/// Longest memory that is tried.
+const LONGEST_MEMORY: f64 = 1e4;
+
+/// The next memory that is tried is this many times longer.
 const LONGER: f64 = 3.0;
-const MEMORIES: i32 = 12;
+
+/// Samples in a stretch, at first.
+const LENGTH: usize = 1024;
+
+/// A stretch must be this many memories long to tell them apart; if the best is longer, longer stretches
+/// are taken.
+const SPAN: f64 = 16.0;
 
 /// Longer memories are not tried once the error is this many times the least.
 const HOPELESS: f64 = 10.0;
 
-/// The jerk is found to within this part of its logarithm; its error hardly matters below.
-const ENOUGH: f64 = 0.3;
+/// The memory is found to within this part of itself; less hardly matters.
+const ENOUGH: f64 = 0.1;
 
 /// Least share of a sample's variance that others must decide for it to say something about the jerk.
 const TOO_FREE: f64 = 1e-9;
 
 /// `noise` with the jerk that predicts each sample best from the others.
-pub fn jerk_by_cross_validation(sensors: &Sensors<'_>, noise: Noise) -> Noise {
+pub fn jerk_by_cross_validation(sensors: &Sensors<'_>, noise: Noise, spacing: f64) -> Noise {
     let step = sensors.step();
-    let parts = stretches(sensors);
-    let with = |log_jerk: f64| Noise { jerk: log_jerk.exp(), ..noise };
-    let cost = |log_jerk: f64| {
-        let model = Model::new(&with(log_jerk), step);
-        parts.iter().map(|part| prediction_error(part, &model, &noise)).sum::<f64>()
-    };
-    let (mut best, mut least) = (0.0, f64::INFINITY);
-    for i in 0..MEMORIES {
-        let memory = SHORTEST_MEMORY * LONGER.powi(i);
-        let log_jerk = (noise.theta / (memory.powi(3) * step.powf(2.5))).ln();
-        let error = cost(log_jerk);
+    // Memory L is reached when jerk h^(5/2) = theta noise / L^3.
+    let with = |memory: f64| Noise { jerk: noise.theta / (memory.powi(3) * step.powf(2.5)), ..noise };
+    let shortest = if spacing > 1.0 { spacing } else { SHORTEST_MEMORY };
+    let mut length = ((LENGTH as f64 * spacing) as usize).min(sensors.len());
+    loop {
+        let parts = stretches(sensors, length);
+        let whole = parts.len() == 1;
+        let longest = if whole { LONGEST_MEMORY } else { length as f64 / SPAN };
+        let memory = best_memory(shortest, longest, |memory| {
+            let model = Model::new(&with(memory), step);
+            parts.iter().map(|part| prediction_error(part, &model, &noise)).sum()
+        });
+        if whole || memory < longest / LONGER {
+            return with(memory);
+        }
+        length = (4 * length).min(sensors.len());
+    }
+}
+
+/// The memory of least `cost`: a coarse scan from the shortest, then a golden section around the best.
+fn best_memory(shortest: f64, longest: f64, cost: impl Fn(f64) -> f64) -> f64 {
+    let (mut best, mut least) = (shortest, f64::INFINITY);
+    let mut memory = shortest;
+    while memory <= longest {
+        let error = cost(memory);
         if error < least {
-            (best, least) = (log_jerk, error);
+            (best, least) = (memory, error);
         } else if error > HOPELESS * least {
             break;
         }
+        memory *= LONGER;
     }
-    let width = 3.0 * LONGER.ln();
-    with(golden_section(cost, best - width, best + width))
+    let (low, high) = ((best / LONGER).max(shortest), (best * LONGER).min(longest));
+    golden_section(|log| cost(log.exp()), low.ln(), high.ln()).exp()
 }
 
 /// Sum of the squared errors of predicting each sample from all others, in units of the sensor's noise.
