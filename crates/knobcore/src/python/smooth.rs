@@ -9,14 +9,13 @@ type Column<'py> = PyReadonlyArray1<'py, f64>;
 
 /// Smooth theta, omega, alpha of a capture; a dict of arrays (SI) and of the noise found.
 #[pyfunction]
-#[pyo3(signature = (t, theta, omega=None, alpha=None, noise=None))]
+#[pyo3(signature = (t, theta, omega=None, alpha=None))]
 pub fn smooth<'py>(
     py: Python<'py>,
     t: Column<'py>,
     theta: Column<'py>,
     omega: Option<Column<'py>>,
     alpha: Option<Column<'py>>,
-    noise: Option<[f64; 4]>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let sensors = Sensors {
         t: t.as_slice()?,
@@ -25,7 +24,7 @@ pub fn smooth<'py>(
         alpha: alpha.as_ref().map(|column| column.as_slice()).transpose()?,
     };
     let motion = py
-        .detach(|| { let nz = match noise { Some([theta, omega, alpha, jerk]) => Noise { theta, omega, alpha, jerk }, None => noise_from_capture(&sensors)? }; smooth_motion(&sensors, &nz) })
+        .detach(|| smooth_motion(&sensors, &noise_from_capture(&sensors)?))
         .map_err(|error| PyValueError::new_err(error.to_string()))?;
     let result = PyDict::new(py);
     let columns = [

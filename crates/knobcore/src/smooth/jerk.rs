@@ -42,6 +42,10 @@ const ENOUGH: f64 = 0.1;
 /// Least share of a sample's variance that others must decide for it to say something about the jerk.
 const TOO_FREE: f64 = 1e-9;
 
+/// Samples at either end of a stretch that are smoothed but not counted. An end lacks neighbours; a stretch
+/// has many more ends per sample than a capture, and would ask for too lively a jerk.
+const MARGIN: usize = 20;
+
 /// `noise` with the jerk that predicts each sample best from the others.
 pub fn jerk_by_cross_validation(sensors: &Sensors<'_>, noise: Noise, spacing: f64) -> Noise {
     let step = sensors.step();
@@ -86,7 +90,8 @@ fn prediction_error(sensors: &Sensors<'_>, model: &Model, noise: &Noise) -> f64 
     let level = [noise.theta, noise.omega, noise.alpha];
     let motion = smooth_rows(sensors, model);
     let mut sum = 0.0;
-    for k in 0..sensors.len() {
+    let margin = MARGIN.min(sensors.len() / 8);
+    for k in margin..sensors.len() - margin {
         let z = sensors.row(k);
         for i in (0..3).filter(|&i| z[i].is_finite() && level[i].is_finite()) {
             let kept = (motion.sds[i][k] * model.scale[i]).powi(2) / model.variance[i];

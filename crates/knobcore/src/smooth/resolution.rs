@@ -33,7 +33,8 @@ pub fn least_noise(column: &[f64]) -> f64 {
 }
 
 fn rounding(column: &[f64]) -> f64 {
-    let largest = column.iter().filter(|value| value.is_finite()).fold(0.0_f64, |most, value| most.max(value.abs()));
+    let largest =
+        column.iter().filter(|value| value.is_finite()).fold(0.0_f64, |most, value| most.max(value.abs()));
     4.0 * f64::EPSILON * largest
 }
 

@@ -24,7 +24,8 @@ pub fn one_reading_per_step(theta: &[f64]) -> Option<Vec<f64>> {
     if step == 0.0 || share_on_stairs(theta, &stairs, step) < MOSTLY {
         return None;
     }
-    let mut lengths: Vec<usize> = stairs.iter().map(ExactSizeIterator::len).filter(|&length| length > 1).collect();
+    let mut lengths: Vec<usize> =
+        stairs.iter().map(ExactSizeIterator::len).filter(|&length| length > 1).collect();
     if lengths.is_empty() {
         return None;
     }

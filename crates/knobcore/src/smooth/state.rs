@@ -39,7 +39,8 @@ impl Model {
     /// Model of a capture whose usual sampling step is `step` (s).
     pub fn new(noise: &Noise, step: f64) -> Self {
         let scale = Vector3::new(1.0, step, step * step / 2.0);
-        let jerk = (noise.jerk * step.powf(2.5)).max(noise.theta / MEMORY.powi(3)).max(f64::MIN_POSITIVE.sqrt());
+        let jerk =
+            (noise.jerk * step.powf(2.5)).max(noise.theta / MEMORY.powi(3)).max(f64::MIN_POSITIVE.sqrt());
         let sd = Vector3::new(noise.theta, noise.omega, noise.alpha).component_mul(&scale);
         Self { scale, variance: sd.map(|sd| sd.max(FINEST * jerk).powi(2)), jerk }
     }

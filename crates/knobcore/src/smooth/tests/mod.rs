@@ -1,4 +1,7 @@
 //! The smoother against motions that are known.
 
+mod degenerate;
+mod laws;
+mod motion;
+mod noisy;
 pub mod normal;
-mod simulated;
