@@ -51,7 +51,7 @@ pub fn jerk_by_cross_validation(sensors: &Sensors<'_>, noise: Noise, spacing: f6
     let step = sensors.step();
     // Memory L is reached when jerk h^(5/2) = theta noise / L^3.
     let with = |memory: f64| Noise { jerk: noise.theta / (memory.powi(3) * step.powf(2.5)), ..noise };
-    let shortest = if spacing > 1.0 { spacing } else { SHORTEST_MEMORY };
+    let mut shortest = if spacing > 1.0 { spacing } else { SHORTEST_MEMORY };
     let mut length = ((LENGTH as f64 * spacing) as usize).min(sensors.len());
     loop {
         let parts = stretches(sensors, length);
@@ -64,6 +64,7 @@ pub fn jerk_by_cross_validation(sensors: &Sensors<'_>, noise: Noise, spacing: f6
         if whole || memory < longest / LONGER {
             return with(memory);
         }
+        shortest = (memory / LONGER).max(shortest);
         length = (4 * length).min(sensors.len());
     }
 }

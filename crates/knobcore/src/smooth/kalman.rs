@@ -11,7 +11,7 @@
 
 use super::sensors::Sensors;
 use super::state::{Model, coast, transition};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector3, Vector6};
 
 /// Steps within this part of the usual one count as equal for the gains (never for the motion itself).
 const SAME_STEP: f64 = 1e-3;
@@ -161,19 +161,15 @@ impl Gains {
         let (top, bottom) = ((transition(r) * before).transpose(), self.model.drive(r).transpose());
         let mut columns = [0, 1, 2].map(|j| {
             let (a, b) = (top.column(j), bottom.column(j));
-            [a[0], a[1], a[2], b[0], b[1], b[2]]
+            Vector6::new(a[0], a[1], a[2], b[0], b[1], b[2])
         });
         let mut after = Matrix3::zeros();
         for j in 0..3 {
-            let norm = dot(&columns[j], &columns[j]).sqrt();
-            after[(j, j)] = norm;
-            columns[j] = columns[j].map(|entry| entry / norm);
+            after[(j, j)] = columns[j].norm();
+            columns[j] /= after[(j, j)];
             for k in j + 1..3 {
-                let along = dot(&columns[j], &columns[k]);
-                after[(k, j)] = along;
-                for i in 0..6 {
-                    columns[k][i] -= along * columns[j][i];
-                }
+                after[(k, j)] = columns[j].dot(&columns[k]);
+                columns[k] -= columns[j] * after[(k, j)];
             }
         }
         let turn = Matrix3::from_fn(|i, j| columns[j][i]);
@@ -197,8 +193,4 @@ impl Gains {
 
 fn variances(root: &Matrix3<f64>) -> Vector3<f64> {
     Vector3::from_fn(|i, _| root.row(i).norm_squared())
-}
-
-fn dot(a: &[f64; 6], b: &[f64; 6]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
