@@ -13,9 +13,12 @@ pub fn stretches<'a>(sensors: &Sensors<'a>, length: usize) -> Vec<Sensors<'a>> {
     if parts <= STRETCHES {
         return vec![*sensors];
     }
-    let mut ranked: Vec<Range<usize>> = (0..parts).map(|part| part * length..(part + 1) * length).collect();
-    ranked.sort_by_cached_key(|range| Rank(liveliness(&sensors.theta[range.clone()])));
-    (0..STRETCHES).map(|i| sensors.rows(ranked[(parts - 1) * (i + 1) / STRETCHES].clone())).collect()
+    let mut ranked: Vec<(f64, Range<usize>)> = (0..parts)
+        .map(|part| part * length..(part + 1) * length)
+        .map(|rows| (liveliness(&sensors.theta[rows.clone()]), rows))
+        .collect();
+    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    (0..STRETCHES).map(|i| sensors.rows(ranked[(parts - 1) * (i + 1) / STRETCHES].1.clone())).collect()
 }
 
 /// The third difference of theta across the stretch: its jerk, at the scale of the stretch.
@@ -26,27 +29,4 @@ fn liveliness(theta: &[f64]) -> f64 {
     }
     let at = |quarter: usize| readings[quarter * (readings.len() - 1) / 3];
     (at(3) - 3.0 * at(2) + 3.0 * at(1) - at(0)).abs()
-}
-
-/// A number with a total order.
-struct Rank(f64);
-
-impl PartialEq for Rank {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl Eq for Rank {}
-
-impl PartialOrd for Rank {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Rank {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.0.total_cmp(&other.0)
-    }
 }

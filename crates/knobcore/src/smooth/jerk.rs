@@ -3,12 +3,12 @@
 //! Each sample is predicted from all others; the best jerk predicts best. No sample need be left out for
 //! it: with residual e = z - x_smooth and p the share of the sensor's variance that the smoother keeps,
 //! the error of that prediction is e / (1 - p) (G. Wahba, "Spline Models for Observational Data", SIAM 1990,
-//! theorem 4.2.1).
+//! section 4.2).
 //!
 //! Why not the likelihood of the filter's innovations: it is right when the jerk truly is white. Hand and motor
 //! motion is smoother than that, and then the likelihood follows the noise too closely (G. Wahba, "A comparison
 //! of GCV and GML for choosing the smoothing parameter in the generalized spline smoothing problem", Annals of
-//! Statistics 13(4), 1985): on simulated knobs, velocity errors 1.1 to 2.5 times those of cross-validation. The
+//! Statistics 13(4), 1985): on simulated knobs, velocity errors 1.2 to 2.3 times those of cross-validation. The
 //! standard deviations that go with a cross-validated smoother cover the truth on average over the capture
 //! (G. Wahba, Journal of the Royal Statistical Society B 45(1), 1983).
 
@@ -46,12 +46,17 @@ const TOO_FREE: f64 = 1e-9;
 /// has many more ends per sample than a capture, and would ask for too lively a jerk.
 const MARGIN: usize = 20;
 
-/// `noise` with the jerk that predicts each sample best from the others.
-pub fn jerk_by_cross_validation(sensors: &Sensors<'_>, noise: Noise, spacing: f64) -> Noise {
+/// `noise` with the jerk that predicts each sample best from the others. `stairs`: theta is one reading per
+/// stair of a slow encoder. The errors of neighbouring stairs are alike, so that they predict one another, and
+/// unless another sensor speaks, a memory shorter than a stair would be believed.
+pub fn jerk_by_cross_validation(sensors: &Sensors<'_>, noise: Noise, stairs: bool) -> Noise {
     let step = sensors.step();
     // Memory L is reached when jerk h^(5/2) = theta noise / L^3.
     let with = |memory: f64| Noise { jerk: noise.theta / (memory.powi(3) * step.powf(2.5)), ..noise };
-    let mut shortest = if spacing > 1.0 { spacing } else { SHORTEST_MEMORY };
+    let readings = sensors.theta.iter().filter(|theta| theta.is_finite()).count();
+    let spacing = sensors.len() as f64 / readings as f64;
+    let alone = noise.omega.is_infinite() && noise.alpha.is_infinite();
+    let mut shortest = if stairs && alone { spacing } else { SHORTEST_MEMORY };
     let mut length = ((LENGTH as f64 * spacing) as usize).min(sensors.len());
     loop {
         let parts = stretches(sensors, length);

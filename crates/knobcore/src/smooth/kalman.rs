@@ -3,7 +3,7 @@
 //! A covariance is kept as S with P = S S'. Prediction: modified Gram-Schmidt on [S'F'; drive'].
 //! Measurement, one sensor after the other: Potter's update (R. H. Battin, "Astronautical Guidance",
 //! McGraw-Hill 1964; G. J. Bierman, "Factorization Methods for Discrete Sequential Estimation", Academic
-//! Press 1977, section II.4). Neither can lose symmetry or positivity, even after a gap when the theta
+//! Press 1977, chapter V). Neither can lose symmetry or positivity, even after a gap when the theta
 //! variance falls by 20 decades in one sample.
 //!
 //! Covariances do not depend on what was measured. While the step and the set of sensors stay the same they
@@ -62,14 +62,17 @@ pub struct Prior {
 }
 
 impl Prior {
-    /// From the largest change of theta in `step` seconds, and how late its first reading is.
+    /// From the largest change of theta in `step` seconds, seen by theta or omega, and how late the first
+    /// reading of theta is.
     pub fn new(sensors: &Sensors<'_>, step: f64) -> Self {
         let readings = || sensors.t.iter().zip(sensors.theta).filter(|(_, theta)| theta.is_finite());
         let later = readings().skip(1);
         let rate = |((t, theta), (after, next)): ((&f64, &f64), (&f64, &f64))| {
             (next - theta).abs() / ((after - t) / step).max(1.0)
         };
-        let change = readings().zip(later).map(rate).fold(0.0, f64::max);
+        let speeds = sensors.omega.unwrap_or_default().iter().filter(|omega| omega.is_finite());
+        let fastest = speeds.fold(0.0_f64, |most, omega| most.max(omega.abs()));
+        let change = readings().zip(later).map(rate).fold(fastest * step, f64::max);
         let first = readings().next();
         let late = first.map_or(0.0, |(t, _)| (t - sensors.t[0]) / step);
         let theta = first.map_or(0.0, |(_, theta)| *theta);

@@ -31,13 +31,7 @@ pub fn noise_from_capture(sensors: &Sensors<'_>) -> Result<Noise> {
     let [theta, omega, alpha] = [Some(sensors.theta), sensors.omega, sensors.alpha]
         .map(|column| column.map_or(f64::INFINITY, |column| level(sensors.t, column)));
     let noise = Noise { theta, omega, alpha, jerk: 0.0 };
-    Ok(jerk_by_cross_validation(&sensors, noise, spacing(&sensors)))
-}
-
-/// Samples from one reading of theta to the next.
-fn spacing(sensors: &Sensors<'_>) -> f64 {
-    let readings = sensors.theta.iter().filter(|theta| theta.is_finite()).count();
-    sensors.len() as f64 / readings.max(1) as f64
+    Ok(jerk_by_cross_validation(&sensors, noise, readings.is_some()))
 }
 
 /// Standard deviation of the white noise in `column`; infinite if nothing in it is finite.

@@ -27,7 +27,7 @@ pub fn quantum(column: &[f64]) -> f64 {
 }
 
 /// The least noise that `column` can have: uniform over a quantisation step (variance step^2 / 12, Widrow
-/// and Kollar, "Quantization Noise", Cambridge 2008, section 4.2), or the rounding of the numbers.
+/// and Kollar, "Quantization Noise", Cambridge 2008), or the rounding of the numbers.
 pub fn least_noise(column: &[f64]) -> f64 {
     (quantum(column) / 12.0_f64.sqrt()).max(rounding(column)).max(f64::EPSILON.powi(2))
 }

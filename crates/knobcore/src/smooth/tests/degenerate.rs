@@ -25,6 +25,20 @@ fn exact_motion_passes_unharmed() {
 }
 
 #[test]
+fn exact_motion_with_lost_samples_and_late_angles_passes_unharmed() {
+    let truth = Motion::of(even(10_000), motion::chirp);
+    let mut seen = Motion::of(even(10_000), motion::chirp);
+    seen.theta[..40].fill(f64::NAN);
+    for k in (100..9900).step_by(97) {
+        seen.theta[k] = f64::NAN;
+    }
+    for (seen, edge) in [(seen.sensors(), 0), (seen.theta_alone(), 100)] {
+        let motion = smooth(&seen, &noise_from_capture(&seen).unwrap()).unwrap();
+        assert!(worst(&motion.omega, &truth.omega, edge) < 1e-7);
+    }
+}
+
+#[test]
 fn a_knob_at_rest_is_at_rest() {
     for angle in [0.0, 1.5, -300.0] {
         let t = even(3000);
