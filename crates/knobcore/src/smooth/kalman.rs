@@ -3,7 +3,7 @@
 //! A covariance is kept as S with P = S S'. Prediction: modified Gram-Schmidt on [S'F'; drive'].
 //! Measurement, one sensor after the other: Potter's update (R. H. Battin, "Astronautical Guidance",
 //! McGraw-Hill 1964; G. J. Bierman, "Factorization Methods for Discrete Sequential Estimation", Academic
-//! Press 1977, section II.4). Neither can lose symmetry or positivity, even after a gap when the theta
+//! Press 1977, chapter V). Neither can lose symmetry or positivity, even after a gap when the theta
 //! variance falls by 20 decades in one sample.
 //!
 //! Covariances do not depend on what was measured. While the step and the set of sensors stay the same they
@@ -11,23 +11,13 @@
 
 use super::sensors::Sensors;
 use super::state::{Model, coast, transition};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector3, Vector6};
 
 /// Steps within this part of the usual one count as equal for the gains (never for the motion itself).
 const SAME_STEP: f64 = 1e-3;
 
 /// Variances that change less than this from sample to sample have converged.
-const SETTLED: f64 = 1e-7;
-
-/// One sensor's part in one sample.
-#[derive(Debug, Clone, Copy)]
-struct Weight {
-    gain: Vector3<f64>,
-    /// 1 / variance of the innovation, rad^-2.
-    precision: f64,
-    /// Logarithm of that variance.
-    log_variance: f64,
-}
+const SETTLED: f64 = 1e-6;
 
 /// Square roots before and after a prediction; the smoother's gain follows from them.
 #[derive(Debug, Clone, Copy)]
@@ -47,7 +37,8 @@ pub struct Prediction {
 pub struct Gains {
     model: Model,
     root: Matrix3<f64>,
-    weights: [Weight; 3],
+    /// What one radian of innovation of each sensor, one after the other, does to the state.
+    weights: [Vector3<f64>; 3],
     seen: [bool; 3],
     prediction: Prediction,
     settled: bool,
@@ -62,7 +53,7 @@ pub struct Filter {
     pub gains: Gains,
 }
 
-/// What is known before the first sample: next to nothing. Ten times the widest motion of the capture is
+/// What is known before the first sample: next to nothing. Ten times the largest change of the capture is
 /// loose enough not to be felt and tight enough for double precision.
 #[derive(Debug, Clone, Copy)]
 pub struct Prior {
@@ -71,32 +62,32 @@ pub struct Prior {
 }
 
 impl Prior {
-    /// From the extent of theta and its largest change in `step` seconds.
+    /// From the largest change of theta in `step` seconds, seen by theta or omega, and how late the first
+    /// reading of theta is.
     pub fn new(sensors: &Sensors<'_>, step: f64) -> Self {
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        let mut change = 0.0_f64;
-        let mut last: Option<(f64, f64)> = None;
-        for (&t, &theta) in sensors.t.iter().zip(sensors.theta).filter(|(_, theta)| theta.is_finite()) {
-            (low, high) = (low.min(theta), high.max(theta));
-            if let Some((before, from)) = last {
-                change = change.max((theta - from).abs() / ((t - before) / step).max(1.0));
-            }
-            last = Some((t, theta));
-        }
-        let theta = sensors.theta.iter().copied().find(|theta| theta.is_finite()).unwrap_or(0.0);
-        Self { theta, widest: Vector3::new(high - low, change, change) }
+        let readings = || sensors.t.iter().zip(sensors.theta).filter(|(_, theta)| theta.is_finite());
+        let later = readings().skip(1);
+        let rate = |((t, theta), (after, next)): ((&f64, &f64), (&f64, &f64))| {
+            (next - theta).abs() / ((after - t) / step).max(1.0)
+        };
+        let speeds = sensors.omega.unwrap_or_default().iter().filter(|omega| omega.is_finite());
+        let fastest = speeds.fold(0.0_f64, |most, omega| most.max(omega.abs()));
+        let change = readings().zip(later).map(rate).fold(fastest * step, f64::max);
+        let first = readings().next();
+        let late = first.map_or(0.0, |(t, _)| (t - sensors.t[0]) / step);
+        let theta = first.map_or(0.0, |(_, theta)| *theta);
+        Self { theta, widest: Vector3::new(change * (1.0 + late), change, change) }
     }
 
-    /// The state before the first sample `z`.
-    pub fn state(&self, z: &Vector3<f64>) -> Vector3<f64> {
-        Vector3::new(if z[0].is_finite() { z[0] } else { self.theta }, 0.0, 0.0)
+    fn state(&self) -> Vector3<f64> {
+        Vector3::new(self.theta, 0.0, 0.0)
     }
 }
 
 impl Filter {
     /// At the first sample, `z` = (theta, omega, alpha) in SI.
     pub fn start(model: Model, prior: &Prior, z: &Vector3<f64>) -> Self {
-        let mut filter = Self { x: prior.state(z), gains: Gains::start(model, prior, z) };
+        let mut filter = Self { x: prior.state(), gains: Gains::start(model, prior, z) };
         filter.gains.update(&mut filter.x, z);
         filter
     }
@@ -112,10 +103,10 @@ impl Filter {
 
 impl Gains {
     /// At the first sample.
-    pub fn start(model: Model, prior: &Prior, z: &Vector3<f64>) -> Self {
+    fn start(model: Model, prior: &Prior, z: &Vector3<f64>) -> Self {
         let least = model.variance[0].sqrt() + model.jerk;
         let root = Matrix3::from_diagonal(&prior.widest.map(|widest| 10.0 * (widest + least)));
-        let weights = [Weight { gain: Vector3::zeros(), precision: 0.0, log_variance: 0.0 }; 3];
+        let weights = [Vector3::zeros(); 3];
         let prediction = Prediction { r: 0.0, before: root, after: root, turn: Matrix3::identity() };
         let mut gains = Self { model, root, weights, seen: [false; 3], prediction, settled: false };
         gains.weigh(gains.sees(z));
@@ -124,8 +115,8 @@ impl Gains {
 
     /// To the next sample `z`, `r` steps later; of `z`, only what is missing matters here.
     #[inline]
-    pub fn advance(&mut self, r: f64, z: &Vector3<f64>) {
-        let r = nominal(r);
+    fn advance(&mut self, r: f64, z: &Vector3<f64>) {
+        let r = if (r - 1.0).abs() < SAME_STEP { 1.0 } else { r };
         let seen = self.sees(z);
         let same = r == self.prediction.r && seen == self.seen;
         if !(same && self.settled) {
@@ -137,20 +128,14 @@ impl Gains {
         }
     }
 
-    /// Corrects the predicted state `x` by the sample `z`. Returns -2 log likelihood of the sample, less a
-    /// constant.
+    /// Corrects the predicted state `x` by the sample `z`.
     #[inline]
-    pub fn update(&self, x: &mut Vector3<f64>, z: &Vector3<f64>) -> f64 {
-        let mut surprise = 0.0;
+    fn update(&self, x: &mut Vector3<f64>, z: &Vector3<f64>) {
         for i in 0..3 {
             if self.seen[i] {
-                let weight = &self.weights[i];
-                let innovation = z[i] * self.model.scale[i] - x[i];
-                *x += weight.gain * innovation;
-                surprise += innovation * innovation * weight.precision + weight.log_variance;
+                *x += self.weights[i] * (z[i] * self.model.scale[i] - x[i]);
             }
         }
-        surprise
     }
 
     /// Whether the next sample like this one will have the same gains.
@@ -179,19 +164,15 @@ impl Gains {
         let (top, bottom) = ((transition(r) * before).transpose(), self.model.drive(r).transpose());
         let mut columns = [0, 1, 2].map(|j| {
             let (a, b) = (top.column(j), bottom.column(j));
-            [a[0], a[1], a[2], b[0], b[1], b[2]]
+            Vector6::new(a[0], a[1], a[2], b[0], b[1], b[2])
         });
         let mut after = Matrix3::zeros();
         for j in 0..3 {
-            let norm = dot(&columns[j], &columns[j]).sqrt();
-            after[(j, j)] = norm;
-            columns[j] = columns[j].map(|entry| entry / norm);
+            after[(j, j)] = columns[j].norm();
+            columns[j] /= after[(j, j)];
             for k in j + 1..3 {
-                let along = dot(&columns[j], &columns[k]);
-                after[(k, j)] = along;
-                for i in 0..6 {
-                    columns[k][i] -= along * columns[j][i];
-                }
+                after[(k, j)] = columns[j].dot(&columns[k]);
+                columns[k] -= columns[j] * after[(k, j)];
             }
         }
         let turn = Matrix3::from_fn(|i, j| columns[j][i]);
@@ -208,21 +189,11 @@ impl Gains {
             let gain = self.root * row / variance;
             let shrink = 1.0 / (1.0 + (self.model.variance[i] / variance).sqrt());
             self.root -= gain * row.transpose() * shrink;
-            self.weights[i] = Weight { gain, precision: 1.0 / variance, log_variance: variance.ln() };
+            self.weights[i] = gain;
         }
     }
 }
 
-/// The step that the gains take `r` for.
-#[inline]
-pub fn nominal(r: f64) -> f64 {
-    if (r - 1.0).abs() < SAME_STEP { 1.0 } else { r }
-}
-
 fn variances(root: &Matrix3<f64>) -> Vector3<f64> {
     Vector3::from_fn(|i, _| root.row(i).norm_squared())
-}
-
-fn dot(a: &[f64; 6], b: &[f64; 6]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

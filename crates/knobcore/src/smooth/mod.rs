@@ -19,9 +19,9 @@
 //! ```
 
 mod activity;
+mod jerk;
 mod kalman;
-mod likelihood;
-mod minimise;
+mod levels;
 mod resolution;
 mod rts;
 mod sensors;
@@ -30,6 +30,6 @@ mod state;
 #[cfg(test)]
 mod tests;
 
-pub use likelihood::noise_from_capture;
+pub use levels::noise_from_capture;
 pub use rts::{Smoothed, smooth};
 pub use sensors::{Noise, Sensors};

@@ -12,7 +12,7 @@ pub fn quantum(column: &[f64]) -> f64 {
     let finite: Vec<f64> = column.iter().copied().filter(|value| value.is_finite()).collect();
     let changes = || finite.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|&change| change > 0.0);
     let step = changes().fold(f64::INFINITY, f64::min);
-    if !(step.is_finite() && step > 16.0 * rounding(&finite)) {
+    if !(step.is_finite() && step > 4.0 * rounding(&finite)) {
         return 0.0;
     }
     let (mut whole, mut all) = (0.0, 0.0);
@@ -27,14 +27,15 @@ pub fn quantum(column: &[f64]) -> f64 {
 }
 
 /// The least noise that `column` can have: uniform over a quantisation step (variance step^2 / 12, Widrow
-/// and Kollar, "Quantization Noise", Cambridge 2008, section 4.2), or the rounding of the numbers.
+/// and Kollar, "Quantization Noise", Cambridge 2008), or the rounding of the numbers.
 pub fn least_noise(column: &[f64]) -> f64 {
     (quantum(column) / 12.0_f64.sqrt()).max(rounding(column)).max(f64::EPSILON.powi(2))
 }
 
 fn rounding(column: &[f64]) -> f64 {
-    let largest = column.iter().filter(|value| value.is_finite()).fold(0.0_f64, |most, value| most.max(value.abs()));
-    f64::EPSILON * largest
+    let largest =
+        column.iter().filter(|value| value.is_finite()).fold(0.0_f64, |most, value| most.max(value.abs()));
+    4.0 * f64::EPSILON * largest
 }
 
 #[cfg(test)]

@@ -24,7 +24,7 @@ use nalgebra::{Matrix3, Vector3};
 const BLOCK: usize = 4096;
 
 /// Smoothed variances that change less than this have converged.
-const SETTLED: f64 = 1e-7;
+const SETTLED: f64 = 1e-6;
 
 /// The motion, its standard deviations, and the noise that they rest on. SI units.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,30 +73,35 @@ pub fn smooth(sensors: &Sensors<'_>, noise: &Noise) -> Result<Smoothed> {
     noise.check()?;
     let readings = one_reading_per_step(sensors.theta);
     let sensors = Sensors { theta: readings.as_deref().unwrap_or(sensors.theta), ..*sensors };
-    let step = sensors.step();
-    let model = Model::new(noise, step);
-    let n = sensors.len();
+    let model = Model::new(noise, sensors.step());
+    Ok(smooth_rows(&sensors, &model).finish(*noise))
+}
 
-    let mut checkpoints = Vec::with_capacity(n / BLOCK + 1);
-    let mut filter = Filter::start(model, &Prior::new(&sensors, step), &sensors.row(0));
-    for k in 0..n {
-        if k > 0 {
-            filter.advance((sensors.t[k] - sensors.t[k - 1]) / step, &sensors.row(k));
-        }
+/// The smoother itself, on sensors that were checked.
+pub fn smooth_rows(sensors: &Sensors<'_>, model: &Model) -> Motion {
+    let (n, step) = (sensors.len(), model.scale[1]);
+
+    let mut filter = Filter::start(*model, &Prior::new(sensors, step), &sensors.row(0));
+    let mut checkpoints = vec![filter];
+    let final_block = (n - 1) / BLOCK * BLOCK;
+    for k in 1..=final_block {
+        filter.advance((sensors.t[k] - sensors.t[k - 1]) / step, &sensors.row(k));
         if k % BLOCK == 0 {
             checkpoints.push(filter);
         }
     }
 
-    let mut motion = Motion::new(n, &model);
-    motion.set(n - 1, &filter.x, &filter.gains.covariance());
-    let mut x = filter.x;
-    let mut covariance = filter.gains.covariance();
+    let mut motion = Motion::new(n, model);
+    let (mut x, mut covariance) = (Vector3::zeros(), Matrix3::zeros());
     let mut settled = false;
     for (block, checkpoint) in checkpoints.into_iter().enumerate().rev() {
         let first = block * BLOCK;
         let last = (first + BLOCK).min(n - 1);
-        let pass = Pass::new(&sensors, &model, checkpoint, first..last);
+        let pass = Pass::new(sensors, model, checkpoint, first..last);
+        if last == n - 1 {
+            (x, covariance) = (pass.end.x, pass.end.gains.covariance());
+            motion.set(last, &x, &covariance);
+        }
         let mut used = usize::MAX;
         for k in (first..last).rev() {
             let (filtered, index) = pass.states[k - first];
@@ -114,7 +119,7 @@ pub fn smooth(sensors: &Sensors<'_>, noise: &Noise) -> Result<Smoothed> {
         }
         settled = false;
     }
-    Ok(motion.finish(*noise))
+    motion
 }
 
 /// The filter over one block, kept for the way back: the state at each sample, and which gains lead from
@@ -122,19 +127,22 @@ pub fn smooth(sensors: &Sensors<'_>, noise: &Noise) -> Result<Smoothed> {
 struct Pass {
     states: Vec<(Vector3<f64>, usize)>,
     gains: Vec<Backward>,
+    /// The filter after the last row of the block.
+    end: Filter,
 }
 
 impl Pass {
-    fn new(sensors: &Sensors<'_>, model: &Model, mut filter: Filter, rows: std::ops::Range<usize>) -> Self {
-        let mut pass = Self { states: Vec::with_capacity(rows.len()), gains: Vec::new() };
+    fn new(sensors: &Sensors<'_>, model: &Model, start: Filter, rows: std::ops::Range<usize>) -> Self {
+        let mut pass = Self { states: Vec::with_capacity(rows.len()), gains: Vec::new(), end: start };
         let mut reusable = false;
         for k in rows {
-            let x = filter.x;
-            filter.advance((sensors.t[k + 1] - sensors.t[k]) / model.scale[1], &sensors.row(k + 1));
-            if !(reusable && filter.gains.settled()) {
-                pass.gains.push(Backward::new(model, filter.gains.prediction()));
+            let x = pass.end.x;
+            pass.end.advance((sensors.t[k + 1] - sensors.t[k]) / model.scale[1], &sensors.row(k + 1));
+            let settled = pass.end.gains.settled();
+            if !(reusable && settled) {
+                pass.gains.push(Backward::new(model, pass.end.gains.prediction()));
             }
-            reusable = filter.gains.settled();
+            reusable = settled;
             pass.states.push((x, pass.gains.len() - 1));
         }
         pass
@@ -142,9 +150,11 @@ impl Pass {
 }
 
 /// The result, while it is filled from the end.
-struct Motion {
-    values: [Vec<f64>; 3],
-    sds: [Vec<f64>; 3],
+pub struct Motion {
+    /// Theta, omega, alpha, SI.
+    pub values: [Vec<f64>; 3],
+    /// Their standard deviations.
+    pub sds: [Vec<f64>; 3],
     scale: Vector3<f64>,
 }
 

@@ -92,6 +92,12 @@ impl<'a> Sensors<'a> {
         Vector3::new(self.theta[k], at(self.omega), at(self.alpha))
     }
 
+    /// Some of the rows.
+    pub(super) fn rows(&self, rows: std::ops::Range<usize>) -> Self {
+        let of = |column: &'a [f64]| &column[rows.clone()];
+        Self { t: of(self.t), theta: of(self.theta), omega: self.omega.map(of), alpha: self.alpha.map(of) }
+    }
+
     /// The usual time between samples, s: the median.
     pub(super) fn step(&self) -> f64 {
         let mut steps: Vec<f64> = self.t.windows(2).map(|pair| pair[1] - pair[0]).collect();

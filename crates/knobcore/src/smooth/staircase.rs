@@ -8,9 +8,11 @@
 use super::resolution::quantum;
 use std::ops::Range;
 
-/// A dithered angle steps back as often as on; a stair turns only where the motion does. Above this share of
-/// reversals among the single steps the noise dithers, and every sample is a reading of its own.
-const DITHERED: f64 = 0.1;
+/// Samples in a stair that is worth the name: dither breaks it up before.
+const HELD: usize = 4;
+
+/// Where less than this share of the samples lies on stairs, every sample is a reading of its own.
+const MOSTLY: f64 = 0.2;
 
 /// A stair this many times longer than the usual one is a rest; it is read once per usual stair.
 const REST: usize = 3;
@@ -19,10 +21,11 @@ const REST: usize = 3;
 pub fn one_reading_per_step(theta: &[f64]) -> Option<Vec<f64>> {
     let step = quantum(theta);
     let stairs = stairs(theta);
-    if step == 0.0 || !climbs(theta, &stairs, step) {
+    if step == 0.0 || share_on_stairs(theta, &stairs, step) < MOSTLY {
         return None;
     }
-    let mut lengths: Vec<usize> = stairs.iter().map(ExactSizeIterator::len).filter(|&length| length > 1).collect();
+    let mut lengths: Vec<usize> =
+        stairs.iter().map(ExactSizeIterator::len).filter(|&length| length > 1).collect();
     if lengths.is_empty() {
         return None;
     }
@@ -57,17 +60,18 @@ fn stairs(theta: &[f64]) -> Vec<Range<usize>> {
     stairs
 }
 
-/// Whether single steps, up or down, mostly follow one another in the same direction.
-fn climbs(theta: &[f64], stairs: &[Range<usize>], step: f64) -> bool {
-    let single = |height: f64| (height.abs() / step - 1.0).abs() < 0.1;
-    let (mut on, mut back) = (0.0, 0.0);
-    for three in stairs.windows(3) {
-        let [low, middle, high] = [0, 1, 2].map(|i| theta[three[i].start]);
-        if single(middle - low) && single(high - middle) {
-            if (middle - low) * (high - middle) > 0.0 { on += 1.0 } else { back += 1.0 }
-        }
-    }
-    back < DITHERED * (on + back)
+/// Share of the samples on stairs with a single step at either end.
+fn share_on_stairs(theta: &[f64], stairs: &[Range<usize>], step: f64) -> f64 {
+    let single = |from: f64, to: f64| ((to - from).abs() / step - 1.0).abs() < 0.1;
+    let held: usize = stairs
+        .windows(3)
+        .filter(|three| {
+            let [before, here, after] = [0, 1, 2].map(|i| theta[three[i].start]);
+            three[1].len() >= HELD && single(before, here) && single(here, after)
+        })
+        .map(|three| three[1].len())
+        .sum();
+    held as f64 / theta.len() as f64
 }
 
 #[cfg(test)]

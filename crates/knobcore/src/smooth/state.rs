@@ -8,7 +8,7 @@ use super::sensors::Noise;
 use nalgebra::{Matrix3, Vector3};
 
 /// Lower Cholesky factor of the driving noise of one step, for jerk^2 h^5 = 1: the covariance is
-/// [1/20 1/8 1/12; 1/8 1/3 1/4; 1/12 1/4 1/4] (Bar-Shalom et al. 2001, Eq. 6.2.3-9, in the scaled state).
+/// [1/20 1/8 1/12; 1/8 1/3 1/4; 1/12 1/4 1/4] (Bar-Shalom et al. 2001, section 6.2.3, in the scaled state).
 const DRIVE: [[f64; 3]; 3] = [
     [0.223_606_797_749_978_97, 0.0, 0.0],
     [0.559_016_994_374_947_4, 0.144_337_567_297_406_43, 0.0],
@@ -39,7 +39,8 @@ impl Model {
     /// Model of a capture whose usual sampling step is `step` (s).
     pub fn new(noise: &Noise, step: f64) -> Self {
         let scale = Vector3::new(1.0, step, step * step / 2.0);
-        let jerk = (noise.jerk * step.powf(2.5)).max(noise.theta / MEMORY.powi(3)).max(f64::MIN_POSITIVE.sqrt());
+        let jerk =
+            (noise.jerk * step.powf(2.5)).max(noise.theta / MEMORY.powi(3)).max(f64::MIN_POSITIVE.sqrt());
         let sd = Vector3::new(noise.theta, noise.omega, noise.alpha).component_mul(&scale);
         Self { scale, variance: sd.map(|sd| sd.max(FINEST * jerk).powi(2)), jerk }
     }

@@ -1,3 +1,7 @@
 //! The smoother against motions that are known.
 
-mod simulated;
+mod degenerate;
+mod laws;
+mod motion;
+mod noisy;
+pub mod normal;

@@ -1,0 +1,80 @@
+//! Noise levels from the capture itself, sensor by sensor.
+//!
+//! The motion of a knob is smooth from sample to sample and noise is not: over seven samples the sixth
+//! divided difference of a motion at 10 Hz, sampled at 5 kHz, is 10^-11 of its amplitude, and that of white
+//! noise is all there. Unlike a joint likelihood of noise and jerk, this does not trade one sensor's noise
+//! for a livelier motion when the motion is not the white jerk of the model.
+
+use super::jerk::jerk_by_cross_validation;
+use super::resolution::least_noise;
+use super::sensors::{Noise, Sensors};
+use super::staircase::one_reading_per_step;
+use crate::error::Result;
+
+/// Samples in one difference.
+const SAMPLES: usize = 7;
+
+/// Differences taken at most, spread over the capture: the level is then known to about 2 %.
+const DIFFERENCES: usize = 8192;
+
+/// Median of |x| of a normal x, in standard deviations.
+const MEDIAN: f64 = 0.674_489_750_196_081_7;
+
+/// The noise of each sensor and the strength of the jerk, from the capture alone.
+///
+/// # Errors
+/// Lengths that differ, times that do not increase, fewer than three finite angles.
+pub fn noise_from_capture(sensors: &Sensors<'_>) -> Result<Noise> {
+    sensors.check()?;
+    let readings = one_reading_per_step(sensors.theta);
+    let sensors = Sensors { theta: readings.as_deref().unwrap_or(sensors.theta), ..*sensors };
+    let [theta, omega, alpha] = [Some(sensors.theta), sensors.omega, sensors.alpha]
+        .map(|column| column.map_or(f64::INFINITY, |column| level(sensors.t, column)));
+    let noise = Noise { theta, omega, alpha, jerk: 0.0 };
+    Ok(jerk_by_cross_validation(&sensors, noise, readings.is_some()))
+}
+
+/// Standard deviation of the white noise in `column`; infinite if nothing in it is finite.
+fn level(t: &[f64], column: &[f64]) -> f64 {
+    let seen: Vec<usize> = (0..t.len()).filter(|&k| column[k].is_finite()).collect();
+    if seen.is_empty() {
+        return f64::INFINITY;
+    }
+    let stride = (seen.len() / DIFFERENCES).max(1);
+    let mut sizes: Vec<f64> =
+        seen.windows(SAMPLES).step_by(stride).map(|rows| difference(t, column, rows).abs()).collect();
+    let least = least_noise(column);
+    if sizes.is_empty() {
+        return least;
+    }
+    let middle = sizes.len() / 2;
+    least.max(*sizes.select_nth_unstable_by(middle, f64::total_cmp).1 / MEDIAN)
+}
+
+/// The divided difference of `rows`, at whatever times, scaled so that white noise keeps its variance.
+fn difference(t: &[f64], column: &[f64], rows: &[usize]) -> f64 {
+    let span = t[rows[SAMPLES - 1]] - t[rows[0]];
+    let (mut sum, mut gain) = (0.0, 0.0);
+    for &i in rows {
+        let others = rows.iter().filter(|&&j| j != i);
+        let weight: f64 = others.map(|&j| (t[i] - t[j]) / span).product::<f64>().recip();
+        sum += weight * (column[i] - column[rows[0]]);
+        gain += weight * weight;
+    }
+    sum / gain.sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::smooth::tests::normal::Normal;
+
+    #[test]
+    fn noise_is_told_from_motion_at_uneven_times() {
+        let mut normal = Normal::new(3);
+        let t: Vec<f64> =
+            (0..20_000).map(|k| (f64::from(k) + 0.4 * (f64::from(k) * 1.7).sin()) * 2e-4).collect();
+        let theta: Vec<f64> = t.iter().map(|t| (12.0 * t).sin() + 1e-5 * normal.draw()).collect();
+        assert!((level(&t, &theta) / 1e-5 - 1.0).abs() < 0.05);
+    }
+}
