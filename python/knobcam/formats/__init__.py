@@ -85,7 +85,7 @@ def _read(path: Path, head: bytes, max_bytes: int) -> Table:
         return numpy_files.read_npz(path, max_bytes)
     if head.startswith(matlab.MAGIC):
         return matlab.read_mat5(path, max_bytes)
-    if head.startswith((hdf5.MAT73_MAGIC, hdf5.HDF5_MAGIC)):
+    if hdf5.MAGIC in (head[:8], head[hdf5.USER_BLOCK : hdf5.USER_BLOCK + 8]):
         return hdf5.read_hdf5(path, max_bytes)
     if head.startswith(parquet.MAGIC):
         return parquet.read_parquet(path, max_bytes)
