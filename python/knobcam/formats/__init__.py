@@ -18,17 +18,14 @@ __all__ = ["DEFAULT_MAX_BYTES", "Table", "read_table", "write_table"]
 def read_table(path: Path, max_bytes: int = DEFAULT_MAX_BYTES) -> Table:
     """Return the columns of any importable file; InputError says what is wrong with it."""
     try:
-        size = path.stat().st_size
-        if path.is_dir():
-            raise InputError(f"{path}: a folder, not a file; name the file inside")
-        if size > max_bytes:
-            raise InputError(f"{path}: {size} bytes, the limit is {max_bytes}; raise max_bytes to read it")
-        with path.open("rb") as file:
-            head = file.read(1024)
+        is_folder, size = path.is_dir(), path.stat().st_size
+        head = b"" if is_folder or size > max_bytes else _head(path)
     except (OSError, ValueError) as error:
-        if isinstance(error, InputError):
-            raise
         raise InputError(f"{path}: cannot be read ({getattr(error, 'strerror', None) or error})") from error
+    if is_folder:
+        raise InputError(f"{path}: a folder, not a file; name the file inside")
+    if size > max_bytes:
+        raise InputError(f"{path}: {size} bytes, the limit is {max_bytes}; raise max_bytes to read it")
     if size == 0:
         raise InputError(f"{path}: the file is empty; a capture has columns of samples")
     try:
@@ -71,6 +68,11 @@ def write_table(
 
 def _put(path: Path, content: bytes) -> None:
     path.write_bytes(content)
+
+
+def _head(path: Path) -> bytes:
+    with path.open("rb") as file:
+        return file.read(1024)
 
 
 def _read(path: Path, head: bytes, max_bytes: int) -> Table:
