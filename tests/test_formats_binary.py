@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import struct
 import sys
+import warnings
 import zipfile
 import zlib
 from pathlib import Path
@@ -106,6 +107,30 @@ def test_nested_matlab_structs_have_dotted_names(tmp_path: Path, compressed: boo
         load(path, map="t=t, theta=data.q, tau=data.motor.vir")
     with pytest.raises(InputError, match=r"data\.motor\.unit holds text"):
         load(path, map="t=t, theta=data.motor.unit, tau=data.motor.vir")
+
+
+MATLAB_FILES = sorted((Path(scipy.io.__file__).parent / "matlab" / "tests" / "data").glob("test*_*.mat"))
+
+
+@pytest.mark.skipif(not MATLAB_FILES, reason="this SciPy was installed without its MATLAB files")
+def test_files_that_matlab_wrote_hold_what_scipy_reads() -> None:
+    compared = 0
+    for path in MATLAB_FILES:
+        if not path.read_bytes().startswith(b"MATLAB 5.0"):
+            continue
+        table = read_table(path)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            peer = scipy.io.loadmat(path)
+        for name, values in peer.items():
+            if name in table.columns:
+                np.testing.assert_array_equal(table.columns[name].ravel(), values.ravel())
+                compared += 1
+            elif f"{name}.c0" in table.columns:
+                longer = values if values.shape[0] >= values.shape[1] else values.T
+                np.testing.assert_array_equal(table.columns[f"{name}.c0"], longer[:, 0])
+                compared += 1
+    assert compared >= 10
 
 
 def test_an_array_of_structs_is_explained(tmp_path: Path) -> None:

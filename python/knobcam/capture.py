@@ -221,12 +221,14 @@ def _restored(capture: Capture, native: Mapping[str, Any], table: Table, keep: s
     length = capture.samples if isinstance(keep, slice) else len(keep)
     try:
         stored = document.stored_mask(native, table, length)[keep]
+        said = document.stored_findings(native)
+        dropped = tuple(finding for finding in said if finding.column not in capture.columns)
         return Capture(
             **{name: getattr(capture, name) for name in ("t", "theta", "omega", "alpha", "tau", "axis")},
             mask=stored if whole else stored & capture.mask,
             rate_hz=float(native["rate_hz"]) if whole else capture.rate_hz,
             meta=capture.meta,
-            findings=document.stored_findings(native) if whole else capture.findings,
+            findings=said if whole else dropped + capture.findings,
         )
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(

@@ -18,17 +18,14 @@ __all__ = ["DEFAULT_MAX_BYTES", "Table", "read_table", "write_table"]
 def read_table(path: Path, max_bytes: int = DEFAULT_MAX_BYTES) -> Table:
     """Return the columns of any importable file; InputError says what is wrong with it."""
     try:
-        size = path.stat().st_size
-        if path.is_dir():
-            raise InputError(f"{path}: a folder, not a file; name the file inside")
-        if size > max_bytes:
-            raise InputError(f"{path}: {size} bytes, the limit is {max_bytes}; raise max_bytes to read it")
-        with path.open("rb") as file:
-            head = file.read(1024)
+        is_folder, size = path.is_dir(), path.stat().st_size
+        head = b"" if is_folder or size > max_bytes else _head(path)
     except (OSError, ValueError) as error:
-        if isinstance(error, InputError):
-            raise
         raise InputError(f"{path}: cannot be read ({getattr(error, 'strerror', None) or error})") from error
+    if is_folder:
+        raise InputError(f"{path}: a folder, not a file; name the file inside")
+    if size > max_bytes:
+        raise InputError(f"{path}: {size} bytes, the limit is {max_bytes}; raise max_bytes to read it")
     if size == 0:
         raise InputError(f"{path}: the file is empty; a capture has columns of samples")
     try:
@@ -73,6 +70,11 @@ def _put(path: Path, content: bytes) -> None:
     path.write_bytes(content)
 
 
+def _head(path: Path) -> bytes:
+    with path.open("rb") as file:
+        return file.read(1024)
+
+
 def _read(path: Path, head: bytes, max_bytes: int) -> Table:
     from . import hdf5, matlab, numpy_files, parquet
 
@@ -85,7 +87,7 @@ def _read(path: Path, head: bytes, max_bytes: int) -> Table:
         return numpy_files.read_npz(path, max_bytes)
     if head.startswith(matlab.MAGIC):
         return matlab.read_mat5(path, max_bytes)
-    if head.startswith((hdf5.MAT73_MAGIC, hdf5.HDF5_MAGIC)):
+    if hdf5.MAGIC in (head[:8], head[hdf5.USER_BLOCK : hdf5.USER_BLOCK + 8]):
         return hdf5.read_hdf5(path, max_bytes)
     if head.startswith(parquet.MAGIC):
         return parquet.read_parquet(path, max_bytes)

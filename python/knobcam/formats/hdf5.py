@@ -11,8 +11,9 @@ from ..errors import InputError
 from .optional import require
 from .table import FloatArray, Table, add_array
 
-HDF5_MAGIC = b"\x89HDF\r\n\x1a\n"
-MAT73_MAGIC = b"MATLAB 7.3 MAT-file"
+MAGIC = b"\x89HDF\r\n\x1a\n"
+USER_BLOCK = 512
+"""Bytes of text that MATLAB puts before the HDF5 content."""
 
 _MAX_DEFLATE = 1032  # zlib cannot shrink by more, so a larger claim is false (Deutsch & Gailly, RFC 1951)
 

@@ -23,7 +23,7 @@ from .table import FloatArray, Table, add_array
 MAGIC = b"MATLAB 5.0 MAT-file"
 
 _DOCUMENT = "knobcam"
-_INT32, _MATRIX, _COMPRESSED = 5, 14, 15  # data types, Table 1-1
+_INT32, _UINT32, _MATRIX, _COMPRESSED = 5, 6, 14, 15  # data types, Table 1-1
 _CELL, _STRUCT, _OBJECT, _CHAR, _SPARSE = range(1, 6)  # array types, Table 1-3; numbers are 6 to 15
 _NUMBERS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
 _TEXTS = {4: "utf-16", 17: "utf-16", 18: "utf-32"}  # data types of characters; the others hold bytes
@@ -86,7 +86,7 @@ class _Reader:
         kind, is_complex = flags & 0xFF, bool(flags & 0x0800)
         dimensions = next(parts)
         label = parent
-        if dimensions.kind != _INT32:
+        if dimensions.kind not in (_INT32, _UINT32):  # some writers take the unsigned
             self.refuse(label or "(unnamed)", "an object")
             return
         shape = [int(n) for n in self.numbers(dimensions)]
