@@ -52,7 +52,9 @@ def prepared(prepared: Prepared) -> Picture:
         _line(axes, t, smooth, color=BLUE, lw=0.9, label="as prepared")
         _limits(axes, smooth[np.isfinite(smooth)])
         _mark(axes, t, ~capture.mask)
-        legend_above(axes)
+        if name not in capture.columns:
+            axes.set_title("not recorded: derived from the position", fontsize="small")
+    legend_above(rows[0])
     return figure
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, ParamSpec, TypeVar
 
 from matplotlib.figure import Figure
 from matplotlib.font_manager import findfont, get_font
+from matplotlib.lines import Line2D
 from matplotlib.style import context
 
 if TYPE_CHECKING:
@@ -139,7 +140,11 @@ def plain(text: object) -> str:
     `$` starts no formula, line breaks and characters without a glyph become `?`, and it is cut to one line.
     """
     known = "".join(c if c.isprintable() and ord(c) in _glyphs() else "?" for c in str(text))
-    cut = known if len(known) <= _LONGEST_NAME else known[: _LONGEST_NAME // 2 - 1] + "…" + known[-_LONGEST_NAME // 2 :]
+    cut = (
+        known
+        if len(known) <= _LONGEST_NAME
+        else known[: _LONGEST_NAME // 2 - 1] + "…" + known[-_LONGEST_NAME // 2 :]
+    )
     return cut.replace("$", r"\$")
 
 
@@ -158,5 +163,5 @@ def legend_above(axes: Axes, **options: Any) -> None:
         **options,
     )
     for handle in legend.legend_handles:
-        if handle is not None:
-            handle.set_alpha(1.0)
+        if isinstance(handle, Line2D) and handle.get_marker() != "None":
+            handle.set(alpha=1.0, markersize=7.0)  # the dots of a cloud are too small to name a colour

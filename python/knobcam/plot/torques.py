@@ -54,7 +54,7 @@ def velocity(fit: Fit, *, zoom: Window | None = None, zoom_y: Window | None = No
 
 @styled
 def fit(fit: Fit) -> Picture:
-    """Torque over position and over velocity, whole (top) and isolated (middle), and the residual over time."""
+    """Torque over position and over velocity, whole and isolated, and the residual over time."""
     figure = Picture(11.0, 8.2, headline(fit))
     grid = figure.add_gridspec(3, 2, height_ratios=[1.0, 1.0, 0.5])
     for column, over in enumerate(_COORDINATES):
@@ -67,13 +67,14 @@ def fit(fit: Fit) -> Picture:
 
 @styled
 def zoom(fit: Fit, *, position: Window | None = None, velocity: Window | None = None) -> Picture:
-    """Close views of the isolated parts over position and velocity (Figures 8, 13, 16, 19 and 23 of the paper).
+    """Close views of the isolated parts over position and velocity (Figures 8, 13, 16, 19 and 23).
 
     Windows in rad and rad/s (m and m/s); by default two detents, and the reversal with its step of friction.
     A part that the model does not have is left out unless its window is given.
     """
     windows: dict[Coordinate, Window | None] = {"position": position, "velocity": velocity}
-    shown = [over for over in _COORDINATES if windows[over] or effects_of(fit.model, over)] or list(_COORDINATES)
+    shown = [over for over in _COORDINATES if windows[over] or effects_of(fit.model, over)]
+    shown = shown or list(_COORDINATES)
     figure = Picture(8.5, 0.8 + 3.1 * len(shown), headline(fit))
     for i, over in enumerate(shown):
         view = _View.of(fit, over, windows[over] or _busiest(fit, over))
@@ -152,7 +153,7 @@ def _whole(axes: Axes, view: _View) -> None:
     x, size = view.x[rows], _dot(len(rows))
     fitted = view.samples.modelled[rows] * scale.factor
     band = view.samples.band[rows] * scale.factor
-    _dots(axes, x, view.samples.tau[rows] * scale.factor, RAW, size, "Raw τ")
+    _dots(axes, x, view.samples.tau[rows] * scale.factor, RAW, 1.4 * size, "Raw τ")
     _dots(axes, np.concatenate([x, x]), np.concatenate([fitted - band, fitted + band]), BAND, size, "95 % CI")
     _dots(axes, x, fitted, FITTED, size, "Fit τ")
     _finish(axes, view, f"Torque over {view.over}", f"torque τ ({scale.unit})")
@@ -165,12 +166,12 @@ def _isolated(axes: Axes, view: _View) -> None:
     rows = some((view.x >= view.window[0]) & (view.x <= view.window[1]))
     name = f"$\\tau_\\mathrm{{{SHORT[part]}}}$"
     raw = view.samples.isolated(part)[rows] * scale.factor
-    _dots(axes, view.x[rows], raw, RAW, _dot(len(rows)), f"Raw {name}")
+    _dots(axes, view.x[rows], raw, RAW, 1.4 * _dot(len(rows)), f"Raw {name}")
     at = _grid(view)
     line = curve(fit.model, part, at) * scale.factor
     band = curve_band(fit, part, at) * scale.factor
-    axes.fill_between(at, line - band, line + band, color=BAND, alpha=0.6, lw=0, zorder=2.5, label="95 % CI")
-    axes.plot(at, line, color=VERMILLION, lw=1.4, zorder=3, label=f"Fit {name}")
+    axes.fill_between(at, line - band, line + band, color=BAND, lw=0, zorder=2.5, label="95 % CI")
+    axes.plot(at, line, color=VERMILLION, lw=0.9 if view.close else 1.4, zorder=3, label=f"Fit {name}")
     _finish(axes, view, f"{part.capitalize()} part isolated", f"{name} ({scale.unit})")
 
 

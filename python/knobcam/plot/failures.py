@@ -1,0 +1,142 @@
+"""Where a model fails, at a glance: the residual along every axis beside what chance gives."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .style import (
+    BACKWARD,
+    BAND,
+    BLACK,
+    FORWARD,
+    GREY,
+    PALE,
+    WRONG,
+    Picture,
+    Scale,
+    plain,
+    styled,
+    torque_scale,
+)
+from .torques import headline
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from ..compare import Comparison, Split
+
+_WORDS = {
+    "load": "modelled torque",
+    "history": "distance since reversal",
+}
+_SIDES = {1: ("forward", FORWARD), -1: ("backward", BACKWARD), 0: ("mean residual", BLACK)}
+
+
+@styled
+def comparison(comparison: Comparison) -> Picture:
+    """The residual along every axis: bin means, the band of chance, and the regions that leave it.
+
+    Titles carry each axis's share of the squared error beyond noise; the worst axis is framed.
+    """
+    fit = comparison.fit
+    figure = Picture(11.5, 9.6, headline(fit))
+    peak = max(float(np.max(np.abs(split.mean), initial=0.0)) for split in comparison.splits)
+    scale = torque_scale(fit.model.axis, peak)
+    _overview(figure.add_subplot(4, 2, 1), comparison)
+    for i, split in enumerate(comparison.splits):
+        axes = figure.add_subplot(4, 2, i + 2)
+        if split.axis == "frequency":
+            _spectrum(axes, split, scale)
+        else:
+            _means(axes, split, scale)
+        _head(axes, split, comparison.worst is split)
+    return figure
+
+
+def _overview(axes: Axes, comparison: Comparison) -> None:
+    """Shares of all axes as bars, with the share that chance stays below."""
+    splits = comparison.splits[::-1]
+    rows = range(len(splits))
+    colors = [WRONG if s is comparison.worst else BACKWARD if s.fails else PALE for s in splits]
+    axes.barh(rows, [100.0 * s.share for s in splits], height=0.62, color=colors)
+    for row, split in zip(rows, splits, strict=True):
+        chance = 100.0 * split.chance
+        axes.plot([chance, chance], [row - 0.4, row + 0.4], color=BLACK, lw=1.2)
+        axes.text(
+            100.0 * max(split.share, split.chance) + 1.5, row, f"{100.0 * split.share:.0f} %", va="center"
+        )
+    axes.set_yticks(rows, [s.axis for s in splits])
+    axes.set_xlim(0.0, 112.0)
+    axes.set_xticks([0, 25, 50, 75, 100])
+    axes.grid(visible=False, axis="y")
+    axes.set_xlabel("share of the error beyond noise (%); black: chance stays below")
+    axes.set_title(plain(_verdict(comparison)), fontweight="bold")
+
+
+def _verdict(comparison: Comparison) -> str:
+    times = comparison.fit.rmse / comparison.fit.noise_floor
+    if comparison.complete:
+        return f"Chance explains the rest ({times:.2f} × noise)"
+    if comparison.worst is None:
+        return f"{times:.2f} × noise, and no axis shows where"
+    return f"{times:.2f} × noise, most along {comparison.worst.axis}"
+
+
+def _means(axes: Axes, split: Split, scale: Scale) -> None:
+    """Bin means as steps for each direction of motion, on the band that chance gives them."""
+    directions = sorted(set(split.direction.tolist()), reverse=True)
+    for direction in directions:
+        mine = (split.direction == direction) & (split.count > 0.0)
+        name, color = _SIDES[direction]
+        borders = np.stack([split.low[mine], split.high[mine]], axis=1).ravel()
+        band = np.repeat(split.band[mine], 2) * scale.factor
+        axes.fill_between(borders, -band, band, color=BAND, alpha=0.45 / len(directions), lw=0)
+        mean = np.repeat(split.mean[mine], 2) * scale.factor
+        axes.plot(borders, mean, color=color, lw=1.1, label=name)
+    if split.fails:
+        for region in split.regions:
+            axes.axvspan(region.start, region.end, color=WRONG, alpha=0.13, lw=0, zorder=0.4)
+    axes.axhline(0.0, color=GREY, lw=0.6, zorder=0.9)
+    peak = scale.factor * 1.15 * float(np.max(np.maximum(np.abs(split.mean), split.band), initial=0.0))
+    axes.set_ylim(-peak or -1.0, peak or 1.0)
+    axes.set_ylabel(f"residual ({scale.unit})")
+    if split.axis == "history":
+        inner = split.high[split.low == 0.0]
+        axes.set_xscale("log")
+        axes.set_xlim(0.5 * float(inner.min(initial=np.inf)) if inner.size else None, float(split.high.max()))
+    if len(directions) > 1:
+        axes.legend(loc="upper right", ncols=2, bbox_to_anchor=(1.0, 1.02), borderaxespad=0.0, fontsize=7.5)
+
+
+def _spectrum(axes: Axes, split: Split, scale: Scale) -> None:
+    """RMS residual per frequency bin and the level that chance stays below."""
+    middle = 0.5 * (split.low + split.high)
+    shown = (middle > 0.0) & (split.band > 1e-3 * float(np.max(split.band, initial=0.0)))
+    floor = 0.02 * float(np.median(split.band[shown])) if shown.any() else 0.0
+    level = np.maximum(split.mean[shown], floor) * scale.factor
+    axes.fill_between(
+        middle[shown], floor * scale.factor, split.band[shown] * scale.factor, color=BAND, alpha=0.45, lw=0
+    )
+    axes.plot(middle[shown], level, color=BLACK, lw=0.7)
+    if split.fails:
+        for region in split.regions:
+            axes.axvspan(
+                max(region.start, middle[1] / 2), region.end, color=WRONG, alpha=0.3, lw=0, zorder=0.4
+            )
+    axes.set(xscale="log", yscale="log")
+    axes.set_ylabel(f"RMS per bin ({scale.unit})")
+    if shown.any():
+        axes.set_xlim(float(middle[shown][0]), float(middle[shown][-1]))
+
+
+def _head(axes: Axes, split: Split, worst: bool) -> None:
+    share = f"{100.0 * split.share:.0f} % of the excess" if split.fails else "no more than chance"
+    axes.set_title(f"{split.axis}: {share}", color=WRONG if split.fails else BLACK)
+    axes.set_xlabel(f"{_WORDS.get(split.axis, split.axis)} ({split.unit.replace('^2', '²')})")
+    if worst:
+        axes.title.set_fontweight("bold")
+        axes.patch.set_facecolor("#FFF6F0")
+        for side in ("left", "right", "top", "bottom"):
+            axes.spines[side].set(visible=True, color=WRONG, linewidth=1.8)

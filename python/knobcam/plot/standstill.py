@@ -1,0 +1,114 @@
+"""Static friction: where the torque of a knob that hardly moves piles up (Figure 24)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from matplotlib.colors import LinearSegmentedColormap, LogNorm
+
+from .components import Samples
+from .style import GREEN, PURPLE, Picture, legend_above, motion_units, styled, torque_scale
+from .torques import headline
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ..fit import Fit
+
+_CELLS = 120
+# From a grey that a single sample shows in, to black.
+_INK = LinearSegmentedColormap.from_list("ink", ["#C8D8E4", "#0072B2", "#000000"])
+
+
+class Interval(Protocol):
+    """A value with its 95 % interval, SI."""
+
+    @property
+    def value(self) -> float:
+        """Best value."""
+
+    @property
+    def ci95(self) -> tuple[float, float]:
+        """Interval, NaN where unknown."""
+
+
+class Stiction(Protocol):
+    """Breakaway torques (magnitudes, N m) and the speed below which the knob is stuck (rad/s)."""
+
+    @property
+    def d_neg(self) -> Interval:
+        """Breakaway backward."""
+
+    @property
+    def d_pos(self) -> Interval:
+        """Breakaway forward."""
+
+    @property
+    def dv(self) -> Interval:
+        """Half-width of the stick band."""
+
+
+@styled
+def stiction(fit: Fit, estimate: Stiction | None = None) -> Picture:
+    """Density of the isolated friction torque over velocities near zero (Figure 24 of the paper).
+
+    Lines mark +-dv, -D_neg and D_pos: from `estimate` with their intervals, else from the model's Karnopp
+    parameters, where there are any.
+    """
+    samples = Samples(fit)
+    friction = samples.isolated("velocity")
+    borders = _borders(fit, estimate)
+    reach = 5.0 * borders["dv"].value if borders else 0.05 * float(np.max(np.abs(samples.omega)))
+    near = np.abs(samples.omega) <= reach
+    heights = [abs(border.value) for name, border in borders.items() if name != "dv"]
+    peak = max([float(np.max(np.abs(friction[near]), initial=0.0)), *heights])
+    scale = torque_scale(fit.model.axis, peak)
+    speed = motion_units(fit.model.axis)["omega"]
+    top = 1.15 * peak * scale.factor or 1.0
+    figure = Picture(8.5, 5.6, headline(fit))
+    axes = figure.add_subplot()
+    window = [[-reach, reach], [-top, top]]
+    counts, x, y = np.histogram2d(samples.omega[near], friction[near] * scale.factor, _CELLS, window)
+    density = np.where(counts > 0.0, counts, np.nan).T  # empty cells stay white
+    image = axes.pcolormesh(x, y, density, norm=LogNorm(), cmap=_INK, rasterized=True)
+    if near.any():
+        figure.colorbar(image, label="samples per cell", pad=0.01)
+    for name, border in borders.items():
+        if name == "dv":
+            _mark(axes.axvline, axes.axvspan, border, 1.0, GREEN, f"±Δv = {border.value:.3g} {speed}")
+            _mark(axes.axvline, axes.axvspan, border, -1.0, GREEN, None)
+        else:
+            factor = scale.factor if name == "D_pos" else -scale.factor
+            label = f"{'−D−' if name == 'D_neg' else 'D+'} = {border.value * factor:.3g} {scale.unit}"
+            _mark(axes.axhline, axes.axhspan, border, factor, PURPLE, label)
+    axes.set(xlim=(-reach, reach), ylim=(-top, top))
+    axes.set_title("Friction near standstill")
+    axes.set_xlabel(f"velocity ({speed})")
+    axes.set_ylabel(f"isolated friction ({scale.unit})")
+    legend_above(axes)
+    return figure
+
+
+def _borders(fit: Fit, estimate: Stiction | None) -> dict[str, Interval]:
+    """Return dv, D_neg and D_pos where they are known."""
+    if estimate is not None:
+        return {"dv": estimate.dv, "D_neg": estimate.d_neg, "D_pos": estimate.d_pos}
+    names = ("dv", "D_neg", "D_pos")
+    known = {name: fit.params[f"karnopp.{name}"] for name in names if f"karnopp.{name}" in fit.params}
+    return dict(known) if known and known["dv"].value > 0.0 else {}
+
+
+def _mark(
+    line: Callable[..., Any],
+    span: Callable[..., Any],
+    border: Interval,
+    factor: float,
+    color: str,
+    label: str | None,
+) -> None:
+    """Draw a border, and its interval where one is known."""
+    line(border.value * factor, color=color, ls="--", lw=1.3, label=label)
+    low, high = (factor * limit for limit in border.ci95)
+    if np.isfinite([low, high]).all() and low != high:
+        span(min(low, high), max(low, high), color=color, alpha=0.2, lw=0)
