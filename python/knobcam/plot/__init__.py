@@ -1,4 +1,4 @@
-"""Pictures of captures, models and fits; each call returns a matplotlib figure and touches no global state."""
+"""Pictures of captures, models and fits: each call returns a matplotlib figure and leaves no global state."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ def comparison(comparison: Comparison) -> Picture:
             _spectrum(axes, split, scale)
         else:
             _means(axes, split, scale)
-        _head(axes, split, comparison.worst is split)
+        _head(axes, split, scale, comparison.worst is split)
     return figure
 
 
@@ -86,28 +86,32 @@ def _verdict(comparison: Comparison) -> str:
 
 def _means(axes: Axes, split: Split, scale: Scale) -> None:
     """Bin means as steps for each direction of motion, on the band that chance gives them."""
+    # The load axis is itself a torque and is shown in the unit of torque.
+    along = scale.factor if split.axis == "load" else 1.0
     directions = sorted(set(split.direction.tolist()), reverse=True)
     for direction in directions:
-        mine = (split.direction == direction) & (split.count > 0.0)
         name, color = _SIDES[direction]
-        borders = np.stack([split.low[mine], split.high[mine]], axis=1).ravel()
-        band = np.repeat(split.band[mine], 2) * scale.factor
+        mine = split.direction == direction
+        empty = split.count[mine] == 0.0
+        borders = along * np.stack([split.low[mine], split.high[mine]], axis=1).ravel()
+        band = np.repeat(np.where(empty, np.nan, scale.factor * split.band[mine]), 2)
+        mean = np.repeat(np.where(empty, np.nan, scale.factor * split.mean[mine]), 2)
         axes.fill_between(borders, -band, band, color=BAND, alpha=0.45 / len(directions), lw=0)
-        mean = np.repeat(split.mean[mine], 2) * scale.factor
         axes.plot(borders, mean, color=color, lw=1.1, label=name)
     if split.fails:
         for region in split.regions:
-            axes.axvspan(region.start, region.end, color=WRONG, alpha=0.13, lw=0, zorder=0.4)
+            span = along * region.start, along * region.end
+            axes.axvspan(*span, color=WRONG, alpha=0.13, lw=0, zorder=0.4)
     axes.axhline(0.0, color=GREY, lw=0.6, zorder=0.9)
     peak = scale.factor * 1.15 * float(np.max(np.maximum(np.abs(split.mean), split.band), initial=0.0))
     axes.set_ylim(-peak or -1.0, peak or 1.0)
     axes.set_ylabel(f"residual ({scale.unit})")
     if split.axis == "history":
-        inner = split.high[split.low == 0.0]
-        axes.set_xscale("log")
-        axes.set_xlim(0.5 * float(inner.min(initial=np.inf)) if inner.size else None, float(split.high.max()))
+        # The first bin begins at zero, which a logarithmic axis does not have.
+        first = float(split.high[split.low == 0.0].min(initial=np.inf))
+        axes.set(xscale="log", xlim=(0.5 * first, float(split.high.max())))
     if len(directions) > 1:
-        axes.legend(loc="upper right", ncols=2, bbox_to_anchor=(1.0, 1.02), borderaxespad=0.0, fontsize=7.5)
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1, ncols=2)
 
 
 def _spectrum(axes: Axes, split: Split, scale: Scale) -> None:
@@ -116,9 +120,8 @@ def _spectrum(axes: Axes, split: Split, scale: Scale) -> None:
     shown = (middle > 0.0) & (split.band > 1e-3 * float(np.max(split.band, initial=0.0)))
     floor = 0.02 * float(np.median(split.band[shown])) if shown.any() else 0.0
     level = np.maximum(split.mean[shown], floor) * scale.factor
-    axes.fill_between(
-        middle[shown], floor * scale.factor, split.band[shown] * scale.factor, color=BAND, alpha=0.45, lw=0
-    )
+    band = split.band[shown] * scale.factor
+    axes.fill_between(middle[shown], floor * scale.factor, band, color=BAND, alpha=0.45, lw=0)
     axes.plot(middle[shown], level, color=BLACK, lw=0.7)
     if split.fails:
         for region in split.regions:
@@ -131,10 +134,11 @@ def _spectrum(axes: Axes, split: Split, scale: Scale) -> None:
         axes.set_xlim(float(middle[shown][0]), float(middle[shown][-1]))
 
 
-def _head(axes: Axes, split: Split, worst: bool) -> None:
+def _head(axes: Axes, split: Split, scale: Scale, worst: bool) -> None:
     share = f"{100.0 * split.share:.0f} % of the excess" if split.fails else "no more than chance"
     axes.set_title(f"{split.axis}: {share}", color=WRONG if split.fails else BLACK)
-    axes.set_xlabel(f"{_WORDS.get(split.axis, split.axis)} ({split.unit.replace('^2', '²')})")
+    unit = scale.unit if split.axis == "load" else split.unit.replace("^2", "²")
+    axes.set_xlabel(f"{_WORDS.get(split.axis, split.axis)} ({unit})")
     if worst:
         axes.title.set_fontweight("bold")
         axes.patch.set_facecolor("#FFF6F0")

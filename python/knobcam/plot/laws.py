@@ -18,6 +18,7 @@ from .style import (
     Picture,
     Scale,
     motion_units,
+    number,
     plain,
     styled,
     torque_scale,
@@ -36,7 +37,7 @@ _FARTHEST = {"rotary": 1.0, "linear": 0.2}
 
 @styled
 def model(model: Model) -> Picture:
-    """Friction over velocity with C, B, D and dv (Figure 2), torque over position with A, P and S (Figure 3)."""
+    """Friction over velocity (Figure 2) and torque over position (Figure 3), with the parameters marked."""
     shown = [part for part in ("velocity", "position") if effects_of(model, part)]
     figure = Picture(5.6 * max(1, len(shown)), 4.4, _title(model))
     for i, part in enumerate(shown):
@@ -69,30 +70,24 @@ def friction(axes: Axes, model: Model) -> None:
 
 
 def _name_friction(axes: Axes, model: Model, values: dict[str, float], scale: Scale) -> None:
-    """Write C at the step and B at the slope of each direction."""
+    """Mark C at the step and B at the slope of each direction; their values stand in the empty corner."""
     fastest = _FASTEST[model.axis]
     slope_unit = f"{scale.unit} s/{motion_units(model.axis)['theta']}"
-    lines = []
-    for sign, side, mark in ((1.0, "pos", "+"), (-1.0, "neg", "−")):
-        for effect, letter, unit, color in (
-            ("coulomb", "C", scale.unit, ORANGE),
-            ("viscous", "B", slope_unit, GREEN),
-        ):
-            name = f"{effect}.{side}"
-            if name in values:
-                lines.append((f"{letter}{mark} = {values[name] * scale.factor:.3g} {unit}", color))
-        outside, inside = ("bottom", "top") if sign > 0.0 else ("top", "bottom")
+    omega, friction = (np.asarray(values) for values in axes.lines[0].get_data())
+    texts = []
+    for sign, side, mark in ((1.0, "pos", "₊"), (-1.0, "neg", "₋")):
         if f"coulomb.{side}" in values:
             height = sign * values[f"coulomb.{side}"] * scale.factor
             axes.plot([0.0, sign * fastest], [height, height], "--", color=ORANGE, lw=1.0)
             axes.plot([0.0], [height], "o", color=ORANGE, ms=5)
-            axes.text(sign * 0.93 * fastest, height, f"C{mark}\n", color=ORANGE, ha="center", va=inside)
+            _beside(axes, f"C{mark}", (sign * 0.93 * fastest, height), -sign, ORANGE)
+            texts.append((f"C{mark} = {number(abs(height))} {scale.unit}", ORANGE))
         if f"viscous.{side}" in values:
             at = sign * 0.6 * fastest
-            height = float(np.interp(at, *axes.lines[0].get_data()))
-            axes.text(at, height, f"B{mark}\n", color=GREEN, ha="center", va=outside)
-    for i, (text, color) in enumerate(lines):
-        axes.text(0.02, 0.98 - 0.065 * i, text, transform=axes.transAxes, va="top", color=color)
+            _beside(axes, f"B{mark}", (at, float(np.interp(at, omega, friction))), sign, GREEN)
+            slope = values[f"viscous.{side}"] * scale.factor
+            texts.append((f"B{mark} = {number(slope)} {slope_unit}", GREEN))
+    _listed(axes, texts)
 
 
 def _stick_band(axes: Axes, values: dict[str, float], scale: Scale, unit: str) -> None:
@@ -112,12 +107,12 @@ def _stick_band(axes: Axes, values: dict[str, float], scale: Scale, unit: str) -
         inset.plot([-dv, dv], [height, height], color=PURPLE, lw=1.4)
     reach = 1.25 * max(abs(low), abs(high), 1e-30)
     inset.set(xlim=(-2.5 * dv, 2.5 * dv), ylim=(-reach, reach))
-    inset.set_xticks([-dv, 0.0, dv], [f"−{dv:g}", "0", f"{dv:g}"])
-    inset.set_yticks([low, 0.0, high], [f"{low:.3g}".replace("-", "−"), "0", f"{high:.3g}"])
+    inset.set_xticks([-dv, 0.0, dv], [number(-dv), "0", number(dv)])
+    inset.set_yticks([low, 0.0, high], [number(low), "0", number(high)])
     inset.tick_params(labelsize=7)
-    inset.set_title(f"stuck within ±dv = {dv:g} {unit}", fontsize=7.5, color="#444444")
-    inset.text(1.1 * dv, high, "D+", color=PURPLE, va="center", fontsize=8)
-    inset.text(-1.1 * dv, low, "D−", color=PURPLE, va="center", ha="right", fontsize=8)
+    inset.set_title(f"stuck within ±Δv = {number(dv)} {unit}", fontsize=7.5, color="#444444")
+    inset.text(1.1 * dv, high, "D₊", color=PURPLE, va="center", fontsize=8)
+    inset.text(-1.1 * dv, low, "D₋", color=PURPLE, va="center", ha="right", fontsize=8)
 
 
 def detents(axes: Axes, model: Model) -> None:
@@ -129,7 +124,7 @@ def detents(axes: Axes, model: Model) -> None:
     tau = curve(model, "position", theta)
     peak = float(np.max(np.abs(tau)))
     scale = torque_scale(model.axis, peak)
-    top = 1.75 * peak * scale.factor or 1.0
+    top = 2.2 * peak * scale.factor or 1.0
     axes.plot(theta, tau * scale.factor, color=BLUE, lw=1.8)
     _origin(axes)
     axes.set(xlim=(-reach, reach), ylim=(-top, top))
@@ -137,42 +132,54 @@ def detents(axes: Axes, model: Model) -> None:
     axes.set_xlabel(f"position ({motion_units(model.axis)['theta']})")
     axes.set_ylabel(f"torque ({scale.unit})" if model.axis == "rotary" else f"force ({scale.unit})")
     if length:
-        _name_detent(axes, model, values, scale, theta, tau)
+        _name_detent(axes, model, values, scale, peak)
 
 
-def _name_detent(
-    axes: Axes, model: Model, values: dict[str, float], scale: Scale, theta: FloatArray, tau: FloatArray
-) -> None:
-    """Mark A at a crest, one detent between two crests, and S by where the sine starts."""
+def _name_detent(axes: Axes, model: Model, values: dict[str, float], scale: Scale, peak: float) -> None:
+    """Mark A at a crest, one detent between two crests, and S by how far it shifts the start of the sine."""
     amplitude, p, s = values["detent.A"], values["detent.P"], values["detent.S"]
     length, unit = 2.0 * np.pi * abs(p), motion_units(model.axis)["theta"]
-    height = abs(amplitude) * scale.factor
-    level = 1.25 * float(np.max(np.abs(tau))) * scale.factor
-    # Crests: theta / P + S = pi/2 for a positive amplitude, -pi/2 for a negative one, and every turn from there.
+    height, level = abs(amplitude) * scale.factor, 1.25 * peak * scale.factor
+    # A crest lies where theta / P + S is pi/2, or -pi/2 for a negative A.
     crest = p * (np.copysign(0.5 * np.pi, amplitude) - s)
     left = crest - length * np.ceil((crest + 0.5 * length) / length)
     right = left + length
-    arrow = {"arrowstyle": "<->", "lw": 1.2, "shrinkA": 0, "shrinkB": 0}
-    axes.annotate("", (left, level), (right, level), arrowprops=arrow | {"color": GREEN})
-    each = f", {1.0 / abs(p):.3g} a turn" if model.axis == "rotary" else ""
-    text = f"one detent: 2πP = {length:.3g} {unit}{each}"
-    axes.text(0.5 * (left + right), 1.06 * level, text, color=GREEN, ha="center", va="bottom")
     for x in (left, right):
         axes.plot([x, x], [height, level], ":", color=GREEN, lw=0.9)
-    axes.annotate("", (right, 0.0), (right, height), arrowprops=arrow | {"color": ORANGE})
-    text = f" A = {amplitude * scale.factor:.3g} {scale.unit}"
-    axes.text(right, 0.35 * height, text, color=ORANGE, va="center", bbox=_BEHIND)
-    start = -s * p
-    start -= length * np.round(start / length)
-    floor = -level
-    axes.plot([start, start], [0.0, floor], ":", color=VERMILLION, lw=0.9)
-    axes.plot([0.0, 0.0], [0.0, floor], ":", color=VERMILLION, lw=0.9)
-    axes.annotate("", (0.0, floor), (start, floor), arrowprops=arrow | {"color": VERMILLION})
-    text = f"S = {s:.3g} rad of phase shifts it by −S·P = {-s * p:.3g} {unit}"
-    axes.text(0.0, 1.06 * floor, text, color=VERMILLION, ha="center", va="top")
+    _arrow(axes, (left, level), (right, level), GREEN)
+    _beside(axes, "2πP", (0.5 * (left + right), level), 1.0, GREEN)
+    _arrow(axes, (right, 0.0), (right, height), ORANGE)
+    axes.annotate("A", (right, 0.5 * height), (4, 0), textcoords="offset points", color=ORANGE, va="center")
+    start = -s * p - length * np.round(-s * p / length)
+    for x in (0.0, start):
+        axes.plot([x, x], [0.0, -level], ":", color=VERMILLION, lw=0.9)
+    _arrow(axes, (0.0, -level), (start, -level), VERMILLION)
+    _beside(axes, "−S·P", (0.5 * start, -level), -1.0, VERMILLION)
+    each = f": {number(1.0 / abs(p), 4)} detents a turn" if model.axis == "rotary" else ""
+    _listed(
+        axes,
+        [
+            (f"A = {number(amplitude * scale.factor)} {scale.unit}", ORANGE),
+            (f"2πP = {number(length)} {unit}{each}", GREEN),
+            (f"S = {number(s)} rad", VERMILLION),
+        ],
+    )
 
 
-_BEHIND = {"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8}
+def _arrow(axes: Axes, start: tuple[float, float], end: tuple[float, float], color: str) -> None:
+    style = {"arrowstyle": "<->", "lw": 1.2, "shrinkA": 0, "shrinkB": 0, "color": color}
+    axes.annotate("", start, end, arrowprops=style)
+
+
+def _beside(axes: Axes, text: str, at: tuple[float, float], side: float, color: str) -> None:
+    """Write above a point (`side` positive) or below it."""
+    va = "bottom" if side > 0.0 else "top"
+    axes.annotate(text, at, (0, 4 * side), textcoords="offset points", color=color, ha="center", va=va)
+
+
+def _listed(axes: Axes, texts: list[tuple[str, str]]) -> None:
+    for i, (text, color) in enumerate(texts):
+        axes.text(0.02, 0.98 - 0.065 * i, text, transform=axes.transAxes, va="top", color=color)
 
 
 def _origin(axes: Axes) -> None:
@@ -189,5 +196,5 @@ def _both_sides(fastest: float) -> FloatArray:
 def _title(model: Model) -> str:
     drawn = {*effects_of(model, "velocity"), *effects_of(model, "position")}
     rest = [p for name, p in model.params.items() if name.split(".")[0] not in drawn]
-    more = ", ".join(f"{p.name} = {p.value:.3g} {p.unit}" for p in rest)
-    return plain(model.name or "model") + (f"\nalso {plain(more)}" if more else "")
+    more = ", ".join(f"{p.name} = {number(p.value)} {p.unit}" for p in rest).replace("^2", "²")
+    return plain(model.name or "Model") + (f"\nbeside what is drawn: {plain(more)}" if more else "")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import InputError
-from .style import BLUE, PALE, WRONG, Picture, legend_above, motion_units, plain, styled, torque_scale
+from .style import BLUE, PALE, WRONG, Picture, legend_above, motion_units, source_of, styled, torque_scale
 from .thin import envelope
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ _LINEAR = {"theta": "position x", "omega": "velocity v", "alpha": "acceleration 
 def capture(capture: Capture) -> Picture:
     """Motion and torque of a capture over time (Figures 4 and 5 of the paper); masked samples stand out."""
     columns = [name for name in _NAMES if name in capture.columns]
-    figure, rows = _stack(capture, columns, _source(capture))
+    figure, rows = _stack(capture, columns, source_of(capture))
     t = _times(capture)
     for name, axes in zip(columns, rows, strict=True):
         values = capture.columns[name] * _factor(capture, name)
@@ -41,7 +41,7 @@ def capture(capture: Capture) -> Picture:
 def prepared(prepared: Prepared) -> Picture:
     """A capture as recorded (wide, grey) and as prepared (thin, blue) over time."""
     capture = prepared.capture
-    figure, rows = _stack(capture, list(_NAMES), f"{_source(capture)}, prepared by '{prepared.method}'")
+    figure, rows = _stack(capture, list(_NAMES), f"{source_of(capture)}, prepared by '{prepared.method}'")
     t = _times(capture)
     for name, axes in zip(_NAMES, rows, strict=True):
         factor = _factor(capture, name)
@@ -75,7 +75,7 @@ def overlay(commanded: MotionTrack, capture: Capture, torque: FloatArray | None 
             )
         expected["tau"] = torque
     columns = [name for name in expected if name in capture.columns]
-    figure, rows = _stack(capture, columns, f"{_source(capture)}, commanded and measured")
+    figure, rows = _stack(capture, columns, f"{source_of(capture)}, commanded and measured")
     t = _times(capture)
     start = float(commanded.t[0])
     for name, axes in zip(columns, rows, strict=True):
@@ -87,10 +87,6 @@ def overlay(commanded: MotionTrack, capture: Capture, torque: FloatArray | None 
         _mark(axes, t, ~capture.mask)
     legend_above(rows[0])
     return figure
-
-
-def _source(capture: Capture) -> str:
-    return plain(capture.meta.get("source", "capture"))
 
 
 def _factor(capture: Capture, name: str) -> float:
@@ -118,12 +114,13 @@ def _stack(capture: Capture, columns: list[str], title: str) -> tuple[Picture, l
 
 
 def _times(capture: Capture) -> FloatArray:
-    """Return time since the first usable sample; masked samples, whose stamps may be wrong, between others."""
+    """Return time since the start; a masked sample, whose stamp may be wrong, lies between its neighbours."""
     if not capture.mask.any():
         return np.arange(capture.samples) / capture.rate_hz
     rows = np.flatnonzero(capture.mask)
     t: FloatArray = np.interp(np.arange(capture.samples), rows, capture.t[rows])
-    return t - t[0]
+    since: FloatArray = t - t[0]
+    return since
 
 
 def _line(axes: Axes, t: FloatArray, values: FloatArray, **options: object) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..fit import Fit
 from .components import Samples
-from .style import GREY, Picture, motion_units, plain, styled, torque_scale
+from .style import GREY, Picture, motion_units, source_of, styled, torque_scale
 from .thin import some
 from .torques import headline
 
@@ -33,7 +33,7 @@ def haptic_profile(source: Fit | Capture) -> Picture:
         used = signals.used
         theta, omega, axis = signals.theta[used], signals.omega[used], source.axis
         panels = {"Measured": signals.tau[used]}
-        title = plain(source.meta.get("source", "capture"))
+        title = source_of(source)
     return _profile(theta, omega, panels, axis, title)
 
 

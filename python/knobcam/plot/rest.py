@@ -25,19 +25,14 @@ def residual(fit: Fit) -> Picture:
     left, right = figure.add_subplot(grid[1, 0]), figure.add_subplot(grid[1, 1])
     reach = 1.1 * float(np.max(np.abs(rest), initial=0.0)) or 1.0
     reach = min(reach, 6.0 * fit.rmse) if fit.rmse > 0.0 else reach
-    left.hist(
-        rest * scale.factor,
-        bins=100,
-        range=(-reach * scale.factor, reach * scale.factor),
-        color=RAW,
-        density=True,
-    )
+    window = (-reach * scale.factor, reach * scale.factor)
+    left.hist(rest * scale.factor, bins=100, range=window, color=RAW, density=True)
     if fit.noise_floor > 0.0:
         sd = fit.noise_floor * scale.factor
         x = np.linspace(-reach, reach, 400) * scale.factor
         normal = np.exp(-0.5 * (x / sd) ** 2) / (np.sqrt(2.0 * np.pi) * sd)
         left.plot(x, normal, color=BLUE, lw=1.5, label="sensor noise alone")
-    left.set(xlim=(-reach * scale.factor, reach * scale.factor))
+    left.set_xlim(*window)
     left.set_title("Distribution")
     left.set_xlabel(f"residual ({scale.unit})")
     left.set_ylabel(f"density (1/{scale.unit})" if " " not in scale.unit else f"density (1/({scale.unit}))")
@@ -63,9 +58,7 @@ def scan(fit: Fit) -> Picture:
     Raises InputError where the fit made no scan.
     """
     if fit.core.scan is None:
-        raise InputError(
-            "this fit looked for no detents; fit with detents='auto' or 'yes', or a free detent.P"
-        )
+        raise InputError("this fit looked for no detents; fit with detents='auto' or 'yes'")
     inverse_period, gain = fit.core.scan
     used = sum(signals.core.used for signals in fit.prepared)
     # A sine of amplitude A takes n A^2 / 2 off the sum of squares.

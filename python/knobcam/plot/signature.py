@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ..effects import Effect, ParameterInfo
     from ..formats.table import FloatArray
 
-# What a parameter that is neutral at zero is set to, by unit: about what a small knob has (Table 7 of the paper).
+# What a parameter that is neutral at zero is set to, by unit: about what a small knob has (Table 7).
 _TYPICAL = {
     "N m": 0.01,
     "N": 10.0,
@@ -61,7 +61,7 @@ def _example(parameter: ParameterInfo) -> float:
 
 @styled
 def effect(effect: Effect) -> Picture:
-    """The torque that an effect of the catalogue adds, over position and over velocity, for example values."""
+    """The torque that an effect of the catalogue adds for example values, by position and by velocity."""
     values = example(effect)
     carrier = {name: value for name, value in _CARRIER.items() if not name.startswith(f"{effect.id}.")}
     full = _model({**carrier, **values})
@@ -103,9 +103,8 @@ def _cloud(axes: Axes, x: FloatArray, omega: FloatArray, added: FloatArray, name
     scale = torque_scale("rotary", float(np.max(np.abs(added), initial=0.0)))
     for forward, color, label in ((True, FORWARD, "moving forward"), (False, BACKWARD, "moving backward")):
         rows = some((omega >= 0.0) == forward)
-        axes.plot(
-            x[rows], added[rows] * scale.factor, ".", ms=2.2, mew=0, color=color, rasterized=True, label=label
-        )
+        tau = added[rows] * scale.factor
+        axes.plot(x[rows], tau, ".", ms=2.2, mew=0, color=color, rasterized=True, label=label)
     axes.axhline(0.0, color=BLACK, lw=0.6, zorder=1)
     axes.set_title(f"Over {name}")
     axes.set_xlabel(f"{name} ({unit})")

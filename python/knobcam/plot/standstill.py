@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
-from matplotlib.colors import LinearSegmentedColormap, LogNorm
+from matplotlib.colors import LinearSegmentedColormap, PowerNorm
 
 from .components import Samples
-from .style import GREEN, PURPLE, Picture, legend_above, motion_units, styled, torque_scale
+from .style import GREEN, PURPLE, Picture, legend_above, motion_units, number, styled, torque_scale
 from .torques import headline
 
 if TYPE_CHECKING:
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
     from ..fit import Fit
 
-_CELLS = 120
 # From a grey that a single sample shows in, to black.
 _INK = LinearSegmentedColormap.from_list("ink", ["#C8D8E4", "#0072B2", "#000000"])
 
@@ -69,18 +68,19 @@ def stiction(fit: Fit, estimate: Stiction | None = None) -> Picture:
     figure = Picture(8.5, 5.6, headline(fit))
     axes = figure.add_subplot()
     window = [[-reach, reach], [-top, top]]
-    counts, x, y = np.histogram2d(samples.omega[near], friction[near] * scale.factor, _CELLS, window)
+    cells = int(np.clip(np.sqrt(near.sum()), 30, 120))
+    counts, x, y = np.histogram2d(samples.omega[near], friction[near] * scale.factor, cells, window)
     density = np.where(counts > 0.0, counts, np.nan).T  # empty cells stay white
-    image = axes.pcolormesh(x, y, density, norm=LogNorm(), cmap=_INK, rasterized=True)
+    image = axes.pcolormesh(x, y, density, norm=PowerNorm(0.5, vmin=0.0), cmap=_INK, rasterized=True)
     if near.any():
         figure.colorbar(image, label="samples per cell", pad=0.01)
     for name, border in borders.items():
         if name == "dv":
-            _mark(axes.axvline, axes.axvspan, border, 1.0, GREEN, f"±Δv = {border.value:.3g} {speed}")
+            _mark(axes.axvline, axes.axvspan, border, 1.0, GREEN, f"±Δv = {number(border.value)} {speed}")
             _mark(axes.axvline, axes.axvspan, border, -1.0, GREEN, None)
         else:
             factor = scale.factor if name == "D_pos" else -scale.factor
-            label = f"{'−D−' if name == 'D_neg' else 'D+'} = {border.value * factor:.3g} {scale.unit}"
+            label = f"{'−D₋' if name == 'D_neg' else 'D₊'} = {number(border.value * factor)} {scale.unit}"
             _mark(axes.axhline, axes.axhspan, border, factor, PURPLE, label)
     axes.set(xlim=(-reach, reach), ylim=(-top, top))
     axes.set_title("Friction near standstill")

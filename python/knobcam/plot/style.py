@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Callable
 from functools import cache, wraps
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, ParamSpec, TypeVar
 
 from matplotlib.figure import Figure
@@ -15,6 +16,8 @@ from matplotlib.style import context
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.backend_bases import RendererBase
+
+    from ..capture import Capture
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -114,7 +117,7 @@ class Scale(NamedTuple):
 
 
 def torque_scale(axis: str, peak: float = 0.0) -> Scale:
-    """Return the unit of torque: mNm as in the paper, N m where a mechanism goes far beyond knobs, N if linear."""
+    """Return the unit of torque: mNm as in the paper, N m far beyond knobs, N on a linear axis."""
     if axis == "linear":
         return Scale(1.0, "N")
     return Scale(1.0, "N m") if peak > _STRONG_N_M else Scale(1000.0, "mNm")
@@ -140,12 +143,21 @@ def plain(text: object) -> str:
     `$` starts no formula, line breaks and characters without a glyph become `?`, and it is cut to one line.
     """
     known = "".join(c if c.isprintable() and ord(c) in _glyphs() else "?" for c in str(text))
-    cut = (
-        known
-        if len(known) <= _LONGEST_NAME
-        else known[: _LONGEST_NAME // 2 - 1] + "…" + known[-_LONGEST_NAME // 2 :]
-    )
-    return cut.replace("$", r"\$")
+    if len(known) > _LONGEST_NAME:
+        half = _LONGEST_NAME // 2
+        known = known[: half - 1] + "…" + known[-half:]
+    return known.replace("$", r"\$")
+
+
+def number(value: float, digits: int = 3) -> str:
+    """Return a number for a label, with a true minus."""
+    return f"{value:.{digits}g}".replace("-", "−")
+
+
+def source_of(capture: Capture) -> str:
+    """Return what a capture came from: the name of its file, or what made it."""
+    source = str(capture.meta.get("source", "")) or "capture"
+    return plain(Path(source).name if "format" in capture.meta else source)
 
 
 def legend_above(axes: Axes, **options: Any) -> None:

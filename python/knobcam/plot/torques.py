@@ -17,7 +17,7 @@ from .style import (
     Picture,
     legend_above,
     motion_units,
-    plain,
+    source_of,
     styled,
     torque_scale,
 )
@@ -89,10 +89,9 @@ def headline(fit: Fit) -> str:
     """Return what was fitted and how well, for the top of a picture."""
     first = fit.prepared[0].capture
     scale = torque_scale(fit.model.axis, _peak(fit))
-    name = plain(first.meta.get("source", "")) or "capture"
     more = f" and {len(fit.prepared) - 1} more" if len(fit.prepared) > 1 else ""
     rmse, floor = fit.rmse * scale.factor, fit.noise_floor * scale.factor
-    return f"{name}{more}\nRMS error {rmse:.3g} {scale.unit}, sensor noise alone {floor:.3g} {scale.unit}"
+    return f"{source_of(first)}{more}\nRMS error {rmse:.3g} {scale.unit}, sensor noise alone {floor:.3g} {scale.unit}"
 
 
 def residual_over_time(axes: Axes, fit: Fit) -> None:
@@ -170,7 +169,7 @@ def _isolated(axes: Axes, view: _View) -> None:
     at = _grid(view)
     line = curve(fit.model, part, at) * scale.factor
     band = curve_band(fit, part, at) * scale.factor
-    axes.fill_between(at, line - band, line + band, color=BAND, lw=0, zorder=2.5, label="95 % CI")
+    axes.fill_between(at, line - band, line + band, color=BAND, alpha=0.55, lw=0, zorder=2.5, label="95 % CI")
     axes.plot(at, line, color=VERMILLION, lw=0.9 if view.close else 1.4, zorder=3, label=f"Fit {name}")
     _finish(axes, view, f"{part.capitalize()} part isolated", f"{name} ({scale.unit})")
 
