@@ -102,6 +102,10 @@ def _means(axes: Axes, split: Split, scale: Scale) -> None:
         for region in split.regions:
             span = along * region.start, along * region.end
             axes.axvspan(*span, color=WRONG, alpha=0.13, lw=0, zorder=0.4)
+            if region.direction:
+                # Both directions share the panel: a strip at its edge tells which of them fails.
+                low, high = (0.96, 1.0) if region.direction > 0 else (0.0, 0.04)
+                axes.axvspan(*span, low, high, color=_SIDES[region.direction][1], lw=0)
     axes.axhline(0.0, color=GREY, lw=0.6, zorder=0.9)
     peak = scale.factor * 1.15 * float(np.max(np.maximum(np.abs(split.mean), split.band), initial=0.0))
     axes.set_ylim(-peak or -1.0, peak or 1.0)
@@ -136,11 +140,11 @@ def _spectrum(axes: Axes, split: Split, scale: Scale) -> None:
 
 def _head(axes: Axes, split: Split, scale: Scale, worst: bool) -> None:
     share = f"{100.0 * split.share:.0f} % of the excess" if split.fails else "no more than chance"
-    axes.set_title(f"{split.axis}: {share}", color=WRONG if split.fails else BLACK)
+    weight = "bold" if worst else "normal"
+    axes.set_title(f"{split.axis}: {share}", color=WRONG if split.fails else BLACK, fontweight=weight)
     unit = scale.unit if split.axis == "load" else split.unit.replace("^2", "²")
     axes.set_xlabel(f"{_WORDS.get(split.axis, split.axis)} ({unit})")
     if worst:
-        axes.title.set_fontweight("bold")
         axes.patch.set_facecolor("#FFF6F0")
         for side in ("left", "right", "top", "bottom"):
             axes.spines[side].set(visible=True, color=WRONG, linewidth=1.8)

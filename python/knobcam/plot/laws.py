@@ -22,6 +22,7 @@ from .style import (
     plain,
     styled,
     torque_scale,
+    torque_word,
 )
 
 if TYPE_CHECKING:
@@ -52,10 +53,10 @@ def friction(axes: Axes, model: Model) -> None:
     omega = _both_sides(fastest)
     tau = curve(model, "velocity", omega)
     values = {name: p.value for name, p in model.params.items()}
-    sticking = [abs(values.get(f"karnopp.{name}", 0.0)) for name in ("D_neg", "D_pos")]
     scale = torque_scale(model.axis, float(np.max(np.abs(tau))))
     unit = motion_units(model.axis)["omega"]
-    top = 1.15 * scale.factor * max(float(np.max(np.abs(tau))), *sticking) or 1.0
+    # Breakaway can be far above sliding friction: it runs out of the panel, and the inset shows where it ends.
+    top = 1.3 * scale.factor * float(np.max(np.abs(tau))) or 1.0
     axes.plot(omega, tau * scale.factor, color=BLUE, lw=1.8)
     _origin(axes)
     axes.set(xlim=(-1.05 * fastest, 1.05 * fastest), ylim=(-top, top))
@@ -87,6 +88,9 @@ def _name_friction(axes: Axes, model: Model, values: dict[str, float], scale: Sc
             _beside(axes, f"B{mark}", (at, float(np.interp(at, omega, friction))), sign, GREEN)
             slope = values[f"viscous.{side}"] * scale.factor
             texts.append((f"B{mark} = {number(slope)} {slope_unit}", GREEN))
+        if f"karnopp.D_{side}" in values:
+            breakaway = values[f"karnopp.D_{side}"] * scale.factor
+            texts.append((f"D{mark} = {number(breakaway)} {scale.unit}", PURPLE))
     _listed(axes, texts)
 
 
@@ -95,7 +99,7 @@ def _stick_band(axes: Axes, values: dict[str, float], scale: Scale, unit: str) -
     dv = values["karnopp.dv"]
     low, high = -values["karnopp.D_neg"] * scale.factor, values["karnopp.D_pos"] * scale.factor
     axes.plot([0.0, 0.0], [low, high], color=PURPLE, lw=1.8)
-    inset = axes.inset_axes((0.62, 0.12, 0.37, 0.32))
+    inset = axes.inset_axes((0.64, 0.09, 0.35, 0.28))
     for line in axes.lines[:1]:
         x, y = np.asarray(line.get_xdata()), np.asarray(line.get_ydata())
         moving = np.where(np.abs(x) < dv, np.nan, y)
@@ -128,9 +132,9 @@ def detents(axes: Axes, model: Model) -> None:
     axes.plot(theta, tau * scale.factor, color=BLUE, lw=1.8)
     _origin(axes)
     axes.set(xlim=(-reach, reach), ylim=(-top, top))
-    axes.set_title("Torque over position")
+    axes.set_title(f"{torque_word(model.axis).capitalize()} over position")
     axes.set_xlabel(f"position ({motion_units(model.axis)['theta']})")
-    axes.set_ylabel(f"torque ({scale.unit})" if model.axis == "rotary" else f"force ({scale.unit})")
+    axes.set_ylabel(f"{torque_word(model.axis)} ({scale.unit})")
     if length:
         _name_detent(axes, model, values, scale, peak)
 

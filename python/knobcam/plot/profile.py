@@ -8,7 +8,7 @@ import numpy as np
 
 from ..fit import Fit
 from .components import Samples
-from .style import GREY, Picture, motion_units, source_of, styled, torque_scale
+from .style import GREY, Picture, motion_units, source_of, styled, torque_scale, torque_word
 from .thin import some
 from .torques import headline
 
@@ -66,6 +66,7 @@ def _profile(
         axes.set_title(name)
         axes.set_xlabel(f"position ({units['theta']})")
         axes.set_ylabel(f"velocity ({units['omega']})")
-    label = "torque" if axis == "rotary" else "force"
-    figure.colorbar(dots, ax=figure.axes, label=f"{label} ({scale.unit})", extend="both", pad=0.01)
+    figure.colorbar(
+        dots, ax=figure.axes, label=f"{torque_word(axis)} ({scale.unit})", extend="both", pad=0.01
+    )
     return figure

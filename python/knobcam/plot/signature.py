@@ -10,7 +10,7 @@ from ..model import Model
 from ..motions import motion
 from .components import torque_at
 from .laws import friction
-from .style import BACKWARD, BLACK, FORWARD, Picture, motion_units, plain, styled, torque_scale
+from .style import BACKWARD, BLACK, FORWARD, Picture, legend_above, motion_units, plain, styled, torque_scale
 from .thin import some
 
 if TYPE_CHECKING:
@@ -101,13 +101,16 @@ def _title(effect: Effect, values: dict[str, float]) -> str:
 def _cloud(axes: Axes, x: FloatArray, omega: FloatArray, added: FloatArray, name: str, unit: str) -> None:
     """Draw the added torque in the colour of the direction of motion."""
     scale = torque_scale("rotary", float(np.max(np.abs(added), initial=0.0)))
-    for forward, color, label in ((True, FORWARD, "moving forward"), (False, BACKWARD, "moving backward")):
+    # Where both directions feel the same, the thin one lies within the wide one.
+    for forward, color, size, label in (
+        (True, FORWARD, 5.0, "moving forward"),
+        (False, BACKWARD, 1.8, "moving backward"),
+    ):
         rows = some((omega >= 0.0) == forward)
         tau = added[rows] * scale.factor
-        axes.plot(x[rows], tau, ".", ms=2.2, mew=0, color=color, rasterized=True, label=label)
+        axes.plot(x[rows], tau, ".", ms=size, mew=0, color=color, rasterized=True, label=label)
     axes.axhline(0.0, color=BLACK, lw=0.6, zorder=1)
     axes.set_title(f"Over {name}")
     axes.set_xlabel(f"{name} ({unit})")
     axes.set_ylabel(f"added torque ({scale.unit})")
-    if name == "velocity":
-        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1, ncols=2, markerscale=4.0)
+    legend_above(axes)

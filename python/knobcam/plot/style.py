@@ -126,6 +126,16 @@ def torque_scale(axis: str, peak: float = 0.0) -> Scale:
 _STRONG_N_M = 2.0  # ten times what the rig of the paper measures
 
 
+def torque_symbol(axis: str) -> str:
+    """Return the symbol of torque, or of force on a linear axis, for the inside of a formula."""
+    return "F" if axis == "linear" else "\\tau"
+
+
+def torque_word(axis: str) -> str:
+    """Return what the axis measures."""
+    return "force" if axis == "linear" else "torque"
+
+
 def motion_units(axis: str) -> dict[str, str]:
     """Return the units of theta, omega and alpha as they are printed."""
     length = "m" if axis == "linear" else "rad"
@@ -160,7 +170,7 @@ def source_of(capture: Capture) -> str:
     return plain(Path(source).name if "format" in capture.meta else source)
 
 
-def legend_above(axes: Axes, **options: Any) -> None:
+def legend_above(axes: Axes) -> None:
     """Put the legend in one row above the axes on the right, where it hides nothing."""
     handles, labels = axes.get_legend_handles_labels()
     if not handles:
@@ -172,7 +182,6 @@ def legend_above(axes: Axes, **options: Any) -> None:
         bbox_to_anchor=(1.0, 1.0),
         borderaxespad=0.1,
         ncols=len(labels),
-        **options,
     )
     for handle in legend.legend_handles:
         if isinstance(handle, Line2D) and handle.get_marker() != "None":

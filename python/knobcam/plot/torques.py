@@ -20,6 +20,8 @@ from .style import (
     source_of,
     styled,
     torque_scale,
+    torque_symbol,
+    torque_word,
 )
 from .thin import envelope, some
 
@@ -91,7 +93,8 @@ def headline(fit: Fit) -> str:
     scale = torque_scale(fit.model.axis, _peak(fit))
     more = f" and {len(fit.prepared) - 1} more" if len(fit.prepared) > 1 else ""
     rmse, floor = fit.rmse * scale.factor, fit.noise_floor * scale.factor
-    return f"{source_of(first)}{more}\nRMS error {rmse:.3g} {scale.unit}, sensor noise alone {floor:.3g} {scale.unit}"
+    error = f"RMS error {rmse:.3g} {scale.unit}, sensor noise alone {floor:.3g} {scale.unit}"
+    return f"{source_of(first)}{more}\n{error}"
 
 
 def residual_over_time(axes: Axes, fit: Fit) -> None:
@@ -147,15 +150,18 @@ def _two_rows(fit: Fit, over: Coordinate, window: Window | None, y: Window | Non
 
 def _whole(axes: Axes, view: _View) -> None:
     """Raw and fitted torque, every sample a dot: over one coordinate they are many-valued."""
-    scale = torque_scale(view.samples.fit.model.axis, _peak(view.samples.fit))
+    axis = view.samples.fit.model.axis
+    scale = torque_scale(axis, _peak(view.samples.fit))
+    symbol = f"${torque_symbol(axis)}$"
     rows = some((view.x >= view.window[0]) & (view.x <= view.window[1]))
     x, size = view.x[rows], _dot(len(rows))
     fitted = view.samples.modelled[rows] * scale.factor
     band = view.samples.band[rows] * scale.factor
-    _dots(axes, x, view.samples.tau[rows] * scale.factor, RAW, 1.4 * size, "Raw τ")
+    _dots(axes, x, view.samples.tau[rows] * scale.factor, RAW, 1.4 * size, f"Raw {symbol}")
     _dots(axes, np.concatenate([x, x]), np.concatenate([fitted - band, fitted + band]), BAND, size, "95 % CI")
-    _dots(axes, x, fitted, FITTED, size, "Fit τ")
-    _finish(axes, view, f"Torque over {view.over}", f"torque τ ({scale.unit})")
+    _dots(axes, x, fitted, FITTED, size, f"Fit {symbol}")
+    word = torque_word(axis)
+    _finish(axes, view, f"{word.capitalize()} over {view.over}", f"{word} {symbol} ({scale.unit})")
 
 
 def _isolated(axes: Axes, view: _View) -> None:
@@ -163,7 +169,7 @@ def _isolated(axes: Axes, view: _View) -> None:
     fit, part = view.samples.fit, view.over
     scale = torque_scale(fit.model.axis, _peak(fit))
     rows = some((view.x >= view.window[0]) & (view.x <= view.window[1]))
-    name = f"$\\tau_\\mathrm{{{SHORT[part]}}}$"
+    name = f"${torque_symbol(fit.model.axis)}_\\mathrm{{{SHORT[part]}}}$"
     raw = view.samples.isolated(part)[rows] * scale.factor
     _dots(axes, view.x[rows], raw, RAW, 1.4 * _dot(len(rows)), f"Raw {name}")
     at = _grid(view)
@@ -171,7 +177,8 @@ def _isolated(axes: Axes, view: _View) -> None:
     band = curve_band(fit, part, at) * scale.factor
     axes.fill_between(at, line - band, line + band, color=BAND, alpha=0.55, lw=0, zorder=2.5, label="95 % CI")
     axes.plot(at, line, color=VERMILLION, lw=0.9 if view.close else 1.4, zorder=3, label=f"Fit {name}")
-    _finish(axes, view, f"{part.capitalize()} part isolated", f"{name} ({scale.unit})")
+    none = "" if effects_of(fit.model, part) else ": the model has none"
+    _finish(axes, view, f"{part.capitalize()} part isolated{none}", f"{name} ({scale.unit})")
 
 
 def _grid(view: _View) -> FloatArray:
