@@ -55,16 +55,14 @@ def friction(axes: Axes, model: Model) -> None:
     values = {name: p.value for name, p in model.params.items()}
     scale = torque_scale(model.axis, float(np.max(np.abs(tau))))
     unit = motion_units(model.axis)["omega"]
-    # Breakaway can be far above sliding friction: it runs out of the panel, and the inset shows where it ends.
+    # Breakaway can be far above sliding friction: it leaves the panel, and the inset shows where it ends.
     top = 1.3 * scale.factor * float(np.max(np.abs(tau))) or 1.0
     axes.plot(omega, tau * scale.factor, color=BLUE, lw=1.8)
     _origin(axes)
     axes.set(xlim=(-1.05 * fastest, 1.05 * fastest), ylim=(-top, top))
     axes.set_title("Friction over velocity")
     axes.set_xlabel(f"velocity ({unit})")
-    axes.set_ylabel(
-        f"friction torque ({scale.unit})" if model.axis == "rotary" else f"friction ({scale.unit})"
-    )
+    axes.set_ylabel(f"friction ({scale.unit})")
     _name_friction(axes, model, values, scale)
     if values.get("karnopp.dv", 0.0) > 0.0:
         _stick_band(axes, values, scale, unit)

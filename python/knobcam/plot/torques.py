@@ -177,8 +177,8 @@ def _isolated(axes: Axes, view: _View) -> None:
     band = curve_band(fit, part, at) * scale.factor
     axes.fill_between(at, line - band, line + band, color=BAND, alpha=0.55, lw=0, zorder=2.5, label="95 % CI")
     axes.plot(at, line, color=VERMILLION, lw=0.9 if view.close else 1.4, zorder=3, label=f"Fit {name}")
-    none = "" if effects_of(fit.model, part) else ": the model has none"
-    _finish(axes, view, f"{part.capitalize()} part isolated{none}", f"{name} ({scale.unit})")
+    title = f"{part.capitalize()} part isolated" if effects_of(fit.model, part) else f"No {part} part"
+    _finish(axes, view, title, f"{name} ({scale.unit})")
 
 
 def _grid(view: _View) -> FloatArray:
