@@ -40,7 +40,7 @@ _FARTHEST = {"rotary": 1.0, "linear": 0.2}
 def model(model: Model) -> Picture:
     """Friction over velocity (Figure 2) and torque over position (Figure 3), with the parameters marked."""
     shown = [part for part in ("velocity", "position") if effects_of(model, part)]
-    figure = Picture(5.6 * max(1, len(shown)), 4.4, _title(model))
+    figure = Picture(11.2 if len(shown) > 1 else 6.6, 4.4, _title(model))
     for i, part in enumerate(shown):
         axes = figure.add_subplot(1, len(shown), i + 1)
         (friction if part == "velocity" else detents)(axes, model)
@@ -199,4 +199,4 @@ def _title(model: Model) -> str:
     drawn = {*effects_of(model, "velocity"), *effects_of(model, "position")}
     rest = [p for name, p in model.params.items() if name.split(".")[0] not in drawn]
     more = ", ".join(f"{p.name} = {number(p.value)} {p.unit}" for p in rest).replace("^2", "²")
-    return plain(model.name or "Model") + (f"\nbeside what is drawn: {plain(more)}" if more else "")
+    return plain(model.name or "Model") + (f"\nbeside what is drawn: {plain(more, 200)}" if more else "")

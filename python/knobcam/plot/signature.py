@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..effects import effects
 from ..model import Model
 from ..motions import motion
 from .components import torque_at
@@ -22,17 +23,11 @@ if TYPE_CHECKING:
 # What a parameter that is neutral at zero is set to, by unit: about what a small knob has (Table 7).
 _TYPICAL = {
     "N m": 0.01,
-    "N": 10.0,
     "N m s/rad": 0.001,
-    "N s/m": 50.0,
     "N m s^2/rad": 5e-5,
-    "N s^2/m": 5.0,
     "N m/rad": 0.01,
-    "N/m": 100.0,
     "rad": 0.05,
-    "m": 0.005,
     "rad/s": 0.5,
-    "m/s": 0.02,
     "s": 0.005,
     "": 0.5,
 }
@@ -50,8 +45,9 @@ _CARRIER = {
 
 
 def example(effect: Effect) -> dict[str, float]:
-    """Return a telling value of each parameter, SI: its neutral one, or one typical of its unit for zero."""
-    return {f"{effect.id}.{p.name}": _example(p) for p in effect.params}
+    """Return a telling value of each parameter on a knob: its neutral one, or for zero one typical of its unit."""
+    entry = effects("rotary").get(effect.id, effect)
+    return {f"{effect.id}.{p.name}": _example(p) for p in entry.params}
 
 
 def _example(parameter: ParameterInfo) -> float:
@@ -61,7 +57,7 @@ def _example(parameter: ParameterInfo) -> float:
 
 @styled
 def effect(effect: Effect) -> Picture:
-    """The torque that an effect of the catalogue adds for example values, by position and by velocity."""
+    """The torque that an effect adds to a small knob for example values, over position and over velocity."""
     values = example(effect)
     carrier = {name: value for name, value in _CARRIER.items() if not name.startswith(f"{effect.id}.")}
     full = _model({**carrier, **values})
@@ -95,7 +91,9 @@ def _standing(effect: Effect, model: Model) -> Picture:
 def _title(effect: Effect, values: dict[str, float]) -> str:
     short = ", ".join(f"{name.split('.')[1]} = {value:g}" for name, value in values.items())
     lines = [f"{effect.id}: {effect.law}", f"shows {effect.shows}"]
-    return "\n".join(plain(line) for line in lines) + (f"\nhere with {plain(short)}" if short else "")
+    return "\n".join(plain(line, 200) for line in lines) + (
+        f"\nhere with {plain(short, 200)}" if short else ""
+    )
 
 
 def _cloud(axes: Axes, x: FloatArray, omega: FloatArray, added: FloatArray, name: str, unit: str) -> None:

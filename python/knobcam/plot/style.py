@@ -6,6 +6,7 @@ import io
 from collections.abc import Callable
 from functools import cache, wraps
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING, Any, NamedTuple, ParamSpec, TypeVar
 
 from matplotlib.figure import Figure
@@ -32,7 +33,8 @@ RAW, FITTED, BAND, WRONG = GREY, BLUE, SKY, VERMILLION
 FORWARD, BACKWARD = BLUE, ORANGE
 
 _FONT = "DejaVu Sans"  # comes with matplotlib, so pictures look alike on every machine
-_LONGEST_NAME = 90
+_LONGEST_NAME = 60
+_LETTERS_PER_INCH = 10.0  # of a title
 _RC: dict[str, Any] = {
     "font.family": _FONT,
     "font.size": 9.0,
@@ -88,10 +90,13 @@ class Picture(Figure):
     It belongs to no window and no `pyplot` state; a notebook shows it, and `savefig` writes it.
     """
 
-    def __init__(self, width: float, height: float, title: str = "") -> None:
+    def __init__(self, width: float, height: float, title: str) -> None:
         super().__init__(figsize=(width, height), layout="constrained")
-        if title:
-            self.suptitle(title, x=0.01, ha="left")
+        # Lines that are longer than the picture is wide break between words.
+        lines = [
+            fill(line, int(_LETTERS_PER_INCH * width), break_long_words=False) for line in title.split("\n")
+        ]
+        self.suptitle("\n".join(lines), x=0.01, ha="left")
 
     @styled
     def draw(self, renderer: RendererBase) -> None:
@@ -147,14 +152,14 @@ def _glyphs() -> frozenset[int]:
     return frozenset(get_font(findfont(_FONT)).get_charmap())
 
 
-def plain(text: object) -> str:
+def plain(text: object, longest: int = _LONGEST_NAME) -> str:
     """Return foreign text (a file or model name) so that it prints as it is.
 
-    `$` starts no formula, line breaks and characters without a glyph become `?`, and it is cut to one line.
+    `$` starts no formula, line breaks and characters without a glyph become `?`, and it is cut to `longest` characters.
     """
     known = "".join(c if c.isprintable() and ord(c) in _glyphs() else "?" for c in str(text))
-    if len(known) > _LONGEST_NAME:
-        half = _LONGEST_NAME // 2
+    if len(known) > longest:
+        half = longest // 2
         known = known[: half - 1] + "…" + known[-half:]
     return known.replace("$", r"\$")
 

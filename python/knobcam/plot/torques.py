@@ -208,7 +208,7 @@ def _dots(axes: Axes, x: FloatArray, y: FloatArray, color: str, size: float, lab
 
 def _dot(count: int) -> float:
     """Return a marker size, in points, that keeps dots apart as far as possible."""
-    return float(np.clip(200.0 / np.sqrt(max(count, 1)), 1.8, 5.0))
+    return float(np.clip(200.0 / np.sqrt(max(count, 1)), 1.8, 3.5))
 
 
 def _busiest(fit: Fit, over: Coordinate) -> Window:
