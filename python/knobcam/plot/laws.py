@@ -40,7 +40,7 @@ _FARTHEST = {"rotary": 1.0, "linear": 0.2}
 def model(model: Model) -> Picture:
     """Friction over velocity (Figure 2) and torque over position (Figure 3), with the parameters marked."""
     shown = [part for part in ("velocity", "position") if effects_of(model, part)]
-    figure = Picture(11.2 if len(shown) > 1 else 6.6, 4.4, _title(model))
+    figure = Picture(11.2 if len(shown) > 1 else 8.0, 4.8, _title(model))
     for i, part in enumerate(shown):
         axes = figure.add_subplot(1, len(shown), i + 1)
         (friction if part == "velocity" else detents)(axes, model)
@@ -54,18 +54,17 @@ def friction(axes: Axes, model: Model) -> None:
     tau = curve(model, "velocity", omega)
     values = {name: p.value for name, p in model.params.items()}
     scale = torque_scale(model.axis, float(np.max(np.abs(tau))))
-    unit = motion_units(model.axis)["omega"]
     # Breakaway can be far above sliding friction: it leaves the panel, and the inset shows where it ends.
     top = 1.3 * scale.factor * float(np.max(np.abs(tau))) or 1.0
     axes.plot(omega, tau * scale.factor, color=BLUE, lw=1.8)
     _origin(axes)
     axes.set(xlim=(-1.05 * fastest, 1.05 * fastest), ylim=(-top, top))
     axes.set_title("Friction over velocity")
-    axes.set_xlabel(f"velocity ({unit})")
+    axes.set_xlabel(f"velocity ({motion_units(model.axis)['omega']})")
     axes.set_ylabel(f"friction ({scale.unit})")
     _name_friction(axes, model, values, scale)
     if values.get("karnopp.dv", 0.0) > 0.0:
-        _stick_band(axes, values, scale, unit)
+        _stick_band(axes, model, values, scale)
 
 
 def _name_friction(axes: Axes, model: Model, values: dict[str, float], scale: Scale) -> None:
@@ -92,16 +91,15 @@ def _name_friction(axes: Axes, model: Model, values: dict[str, float], scale: Sc
     _listed(axes, texts)
 
 
-def _stick_band(axes: Axes, values: dict[str, float], scale: Scale, unit: str) -> None:
+def _stick_band(axes: Axes, model: Model, values: dict[str, float], scale: Scale) -> None:
     """Draw what happens within dv, where the knob is stuck: any torque from -D_neg to D_pos is answered."""
-    dv = values["karnopp.dv"]
+    dv, unit = values["karnopp.dv"], motion_units(model.axis)["omega"]
     low, high = -values["karnopp.D_neg"] * scale.factor, values["karnopp.D_pos"] * scale.factor
     axes.plot([0.0, 0.0], [low, high], color=PURPLE, lw=1.8)
     inset = axes.inset_axes((0.64, 0.09, 0.35, 0.28))
-    for line in axes.lines[:1]:
-        x, y = np.asarray(line.get_xdata()), np.asarray(line.get_ydata())
-        moving = np.where(np.abs(x) < dv, np.nan, y)
-        inset.plot(x, moving, color=BLUE, lw=1.6)
+    moving = np.linspace(dv, 2.5 * dv, 50)
+    for side in (moving, -moving):
+        inset.plot(side, curve(model, "velocity", side) * scale.factor, color=BLUE, lw=1.6)
     inset.fill_between([-dv, dv], low, high, color=PURPLE, alpha=0.25, lw=0)
     for border in (-dv, dv):
         inset.axvline(border, color=GREY, ls=":", lw=1.0)
@@ -126,7 +124,7 @@ def detents(axes: Axes, model: Model) -> None:
     tau = curve(model, "position", theta)
     peak = float(np.max(np.abs(tau)))
     scale = torque_scale(model.axis, peak)
-    top = 2.2 * peak * scale.factor or 1.0
+    top = 2.5 * peak * scale.factor or 1.0
     axes.plot(theta, tau * scale.factor, color=BLUE, lw=1.8)
     _origin(axes)
     axes.set(xlim=(-reach, reach), ylim=(-top, top))
@@ -156,7 +154,8 @@ def _name_detent(axes: Axes, model: Model, values: dict[str, float], scale: Scal
     for x in (0.0, start):
         axes.plot([x, x], [0.0, -level], ":", color=VERMILLION, lw=0.9)
     _arrow(axes, (0.0, -level), (start, -level), VERMILLION)
-    _beside(axes, "−S·P", (0.5 * start, -level), -1.0, VERMILLION)
+    right_end = (max(0.0, start), -level)
+    axes.annotate("−S·P", right_end, (5, 0), textcoords="offset points", color=VERMILLION, va="center")
     each = f": {number(1.0 / abs(p), 4)} detents a turn" if model.axis == "rotary" else ""
     _listed(
         axes,

@@ -45,7 +45,7 @@ _CARRIER = {
 
 
 def example(effect: Effect) -> dict[str, float]:
-    """Return a telling value of each parameter on a knob: its neutral one, or for zero one typical of its unit."""
+    """Return a telling value of each parameter on a knob: its neutral one, or a typical one for zero."""
     entry = effects("rotary").get(effect.id, effect)
     return {f"{effect.id}.{p.name}": _example(p) for p in entry.params}
 
@@ -83,7 +83,7 @@ def _model(values: dict[str, float]) -> Model:
 
 def _standing(effect: Effect, model: Model) -> Picture:
     """Stiction adds nothing while the knob moves: its signature is the stick band beside sliding friction."""
-    figure = Picture(6.5, 4.6, _title(effect, {}))
+    figure = Picture(8.0, 4.8, _title(effect, {}))
     friction(figure.add_subplot(), model)
     return figure
 

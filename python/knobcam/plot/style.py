@@ -33,7 +33,7 @@ RAW, FITTED, BAND, WRONG = GREY, BLUE, SKY, VERMILLION
 FORWARD, BACKWARD = BLUE, ORANGE
 
 _FONT = "DejaVu Sans"  # comes with matplotlib, so pictures look alike on every machine
-_LONGEST_NAME = 60
+_LONGEST_NAME = 80
 _LETTERS_PER_INCH = 10.0  # of a title
 _RC: dict[str, Any] = {
     "font.family": _FONT,
@@ -155,7 +155,8 @@ def _glyphs() -> frozenset[int]:
 def plain(text: object, longest: int = _LONGEST_NAME) -> str:
     """Return foreign text (a file or model name) so that it prints as it is.
 
-    `$` starts no formula, line breaks and characters without a glyph become `?`, and it is cut to `longest` characters.
+    `$` starts no formula, line breaks and characters without a glyph become `?`, and what is longer than
+    `longest` characters loses its middle.
     """
     known = "".join(c if c.isprintable() and ord(c) in _glyphs() else "?" for c in str(text))
     if len(known) > longest:
