@@ -134,7 +134,8 @@ class _View(NamedTuple):
                 raise InputError(f"{name}={limits} is no window; give (low, high)")
         samples = Samples(fit)
         x = samples.theta if over == "position" else samples.omega
-        pad = 0.01 * float(np.ptp(x))
+        # A speed that never changes still has a width that ticks can be written along.
+        pad = max(0.01 * float(np.ptp(x)), 0.01 * float(np.max(np.abs(x))), 1e-9)
         whole = (float(x.min()) - pad, float(x.max()) + pad)
         return cls(samples, over, x, window or whole, y, window is not None)
 
