@@ -1,6 +1,6 @@
 //! A model: effects of the catalogue with their parameter values, and which of those may move.
 
-use crate::effects::{Id, Place};
+use crate::effects::{Id, Place, Sweep};
 use crate::error::{Error, Result};
 use crate::motion::{Load, Motion};
 use crate::param::{Axis, Param};
@@ -73,7 +73,13 @@ impl Model {
     fn push(&mut self, id: Id) {
         let base = self.slots.len();
         let role = if id == Id::Karnopp { Role::Fixed } else { Role::Free };
-        self.slots.extend(id.info().params.iter().map(|param| Slot { effect: id, param, value: param.neutral, role, base }));
+        self.slots.extend(id.info().params.iter().map(|param| Slot {
+            effect: id,
+            param,
+            value: param.neutral,
+            role,
+            base,
+        }));
         self.parts.push((id, base..self.slots.len()));
     }
 
@@ -129,7 +135,10 @@ impl Model {
     pub fn index(&self, name: &str) -> Result<usize> {
         self.slots.iter().position(|slot| slot.name() == name).ok_or_else(|| {
             let known: Vec<_> = self.slots.iter().map(Slot::name).collect();
-            Error::invalid(format!("parameter '{name}'"), format!("is not in the model; it has {}", known.join(", ")))
+            Error::invalid(
+                format!("parameter '{name}'"),
+                format!("is not in the model; it has {}", known.join(", ")),
+            )
         })
     }
 
@@ -141,7 +150,9 @@ impl Model {
             let unit = self.slots[at].param.unit.text(self.axis);
             return Err(Error::invalid(
                 format!("parameter '{name}'"),
-                format!("is {value}, outside of its bounds [{lower}, {upper}] {unit}; change it in the model"),
+                format!(
+                    "is {value}, outside of its bounds [{lower}, {upper}] {unit}; change it in the model"
+                ),
             ));
         }
         self.slots[at].value = value;
@@ -167,7 +178,9 @@ impl Model {
     /// Makes one parameter equal to another, from now on.
     pub fn tie(&mut self, name: &str, to: &str) -> Result<()> {
         let (at, target) = (self.index(name)?, self.index(to)?);
-        let bad = |why: &str| Err(Error::invalid(format!("parameter '{name}'"), format!("cannot be tied to '{to}': {why}")));
+        let bad = |why: &str| {
+            Err(Error::invalid(format!("parameter '{name}'"), format!("cannot be tied to '{to}': {why}")))
+        };
         if at == target {
             return bad("that is itself");
         }
@@ -215,6 +228,18 @@ impl Model {
         self.parts
             .iter()
             .fold(tau, |tau, (id, range)| id.sense(p.get(range.clone()).unwrap_or(&[]), motion, tau))
+    }
+
+    /// Torque and derivatives over a whole motion, added to what `over` holds; `columns` says which column
+    /// each parameter has.
+    #[inline(always)]
+    pub fn sweep(&self, p: &[f64], columns: &[Option<usize>], over: &mut Sweep<'_>) {
+        for (id, range) in &self.parts {
+            let own = (p.get(range.clone()), columns.get(range.clone()));
+            if let (Some(p), Some(columns)) = own {
+                id.sweep(p, columns, over);
+            }
+        }
     }
 
     /// The effects that act at this place of the chain.
