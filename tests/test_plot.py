@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import SimpleNamespace
 
 import matplotlib as mpl
 import numpy as np
@@ -206,19 +205,14 @@ def test_stiction_lines_stand_at_the_models_karnopp_parameters(sticky: kc.Fit) -
     assert any(label.startswith("D₊ = ") for label in labels)
 
 
-def test_a_stiction_estimate_comes_with_its_intervals(fit: kc.Fit) -> None:
-    def interval(value: float, low: float, high: float) -> SimpleNamespace:
-        return SimpleNamespace(value=value, ci95=(low, high))
-
-    estimate = SimpleNamespace(
-        dv=interval(0.01, 0.009, 0.011),
-        d_neg=interval(0.003, np.nan, np.nan),
-        d_pos=interval(0.003, 0.002, 0.004),
-    )
-    axes = panel(plot.stiction(fit, estimate), "Friction near standstill")
+def test_a_stiction_estimate_comes_with_its_intervals_and_without_what_it_does_not_know(fit: kc.Fit) -> None:
+    dv = kc.Estimate(0.01, (0.009, 0.011), "rad/s", 0.0005)
+    d_pos = kc.Estimate(0.003, (0.002, 0.004), "N m", 0.0005)
+    axes = panel(plot.stiction(fit, kc.Stiction(fit, None, d_pos, dv, (0, 5))), "Friction near standstill")
     assert axes.get_xlim() == pytest.approx((-0.05, 0.05))
-    assert len(axes.lines) == 4
-    assert len(axes.patches) == 3  # +dv, -dv and D_pos; D_neg has no interval
+    assert len(axes.lines) == 3  # +dv, -dv and D_pos
+    assert [patch.get_height() for patch in axes.patches][-1] == pytest.approx(2.0)
+    assert len(axes.patches) == 3
 
 
 def test_without_known_stiction_the_density_is_drawn_alone(fit: kc.Fit) -> None:

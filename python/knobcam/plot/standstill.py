@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.colors import LinearSegmentedColormap, PowerNorm
@@ -14,38 +14,11 @@ from .torques import headline
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from ..fit import Fit
+    from ..fit import Estimate, Fit
+    from ..stiction import Stiction
 
 # From a grey that a single sample shows in, to black.
 _INK = LinearSegmentedColormap.from_list("ink", ["#C8D8E4", "#0072B2", "#000000"])
-
-
-class Interval(Protocol):
-    """A value with its 95 % interval, SI."""
-
-    @property
-    def value(self) -> float:
-        """Best value."""
-
-    @property
-    def ci95(self) -> tuple[float, float]:
-        """Interval, NaN where unknown."""
-
-
-class Stiction(Protocol):
-    """Breakaway torques (magnitudes, N m) and the speed below which the knob is stuck (rad/s)."""
-
-    @property
-    def d_neg(self) -> Interval:
-        """Breakaway backward."""
-
-    @property
-    def d_pos(self) -> Interval:
-        """Breakaway forward."""
-
-    @property
-    def dv(self) -> Interval:
-        """Half-width of the stick band."""
 
 
 @styled
@@ -58,7 +31,8 @@ def stiction(fit: Fit, estimate: Stiction | None = None) -> Picture:
     samples = Samples(fit)
     friction = samples.isolated("velocity")
     borders = _borders(fit, estimate)
-    reach = 5.0 * borders["dv"].value if borders else 0.05 * float(np.max(np.abs(samples.omega)))
+    slow = 0.05 * float(np.max(np.abs(samples.omega)))
+    reach = 5.0 * borders["dv"].value if "dv" in borders else slow
     near = np.abs(samples.omega) <= reach
     heights = [abs(border.value) for name, border in borders.items() if name != "dv"]
     peak = max([float(np.max(np.abs(friction[near]), initial=0.0)), *heights])
@@ -90,19 +64,19 @@ def stiction(fit: Fit, estimate: Stiction | None = None) -> Picture:
     return figure
 
 
-def _borders(fit: Fit, estimate: Stiction | None) -> dict[str, Interval]:
-    """Return dv, D_neg and D_pos where they are known."""
+def _borders(fit: Fit, estimate: Stiction | None) -> dict[str, Estimate]:
+    """Return those of dv, D_neg and D_pos that are known."""
     if estimate is not None:
-        return {"dv": estimate.dv, "D_neg": estimate.d_neg, "D_pos": estimate.d_pos}
-    names = ("dv", "D_neg", "D_pos")
-    known = {name: fit.params[f"karnopp.{name}"] for name in names if f"karnopp.{name}" in fit.params}
-    return dict(known) if known and known["dv"].value > 0.0 else {}
+        found = {"dv": estimate.dv, "D_neg": estimate.d_neg, "D_pos": estimate.d_pos}
+    else:
+        found = {name: fit.params.get(f"karnopp.{name}") for name in ("dv", "D_neg", "D_pos")}
+    return {name: border for name, border in found.items() if border is not None and border.value > 0.0}
 
 
 def _mark(
     line: Callable[..., Any],
     span: Callable[..., Any],
-    border: Interval,
+    border: Estimate,
     factor: float,
     color: str,
     label: str | None,
