@@ -205,6 +205,15 @@ def test_stiction_lines_stand_at_the_models_karnopp_parameters(sticky: kc.Fit) -
     assert any(label.startswith("D₊ = ") for label in labels)
 
 
+def test_the_density_near_standstill_holds_the_samples_that_stick() -> None:
+    pushed = kc.fit(kc.simulate(kc.Model.load("knob3"), "push"))
+    (density,) = panel(plot.stiction(pushed), "Friction near standstill").collections
+    drawn = np.nansum(np.asarray(density.get_array(), dtype=float))
+    reach = 0.05 * np.max(np.abs(pushed.signals.omega))
+    assert drawn == np.sum(np.abs(pushed.signals.omega) <= reach)
+    assert drawn > 2.0 * np.sum(np.abs(pushed.signals.omega[pushed.signals.used]) <= reach)
+
+
 def test_a_stiction_estimate_comes_with_its_intervals_and_without_what_it_does_not_know(fit: kc.Fit) -> None:
     dv = kc.Estimate(0.01, (0.009, 0.011), "rad/s", 0.0005)
     d_pos = kc.Estimate(0.003, (0.002, 0.004), "N m", 0.0005)

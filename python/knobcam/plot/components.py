@@ -11,9 +11,12 @@ import numpy as np
 from .. import _core
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from ..fit import Fit
     from ..formats.table import FloatArray
     from ..model import Model
+    from ..prepare import Prepared
 
 Part = Literal["position", "velocity", "acceleration", "sensor", "other"]
 
@@ -92,38 +95,42 @@ def curve_band(fit: Fit, part: Part, at: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """The samples that count in a fit, all captures one after the other; SI, shape (samples,) each."""
+    """The samples that count in a fit, all captures one after the other; SI, shape (samples,) each.
+
+    `every` takes those along that do not count, as while the knob sticks.
+    """
 
     fit: Fit
+    every: bool = False
 
-    def _gather(self, name: str) -> FloatArray:
-        return np.concatenate([getattr(s, name)[s.used] for s in self.fit.prepared])
+    def _gather(self, of: Callable[[Prepared], FloatArray]) -> FloatArray:
+        return np.concatenate([of(s)[s.used | self.every] for s in self.fit.prepared])
 
     @cached_property
     def theta(self) -> FloatArray:
         """Position."""
-        return self._gather("theta")
+        return self._gather(lambda s: s.theta)
 
     @cached_property
     def omega(self) -> FloatArray:
         """Velocity."""
-        return self._gather("omega")
+        return self._gather(lambda s: s.omega)
 
     @cached_property
     def tau(self) -> FloatArray:
         """Measured torque after the measurement filter."""
-        return self._gather("tau")
+        return self._gather(lambda s: s.tau)
 
     @cached_property
     def modelled(self) -> FloatArray:
         """Torque of the whole model, through the same filter."""
         model = self.fit.model.core
-        return np.concatenate([model.torque(s.core)[s.used] for s in self.fit.prepared])
+        return self._gather(lambda s: model.torque(s.core))
 
     @cached_property
     def band(self) -> FloatArray:
         """Half-width of the 95 % band of the whole model's torque."""
-        return np.concatenate([self.fit.band(s)[s.used] for s in self.fit.prepared])
+        return self._gather(self.fit.band)
 
     def modelled_part(self, part: Part) -> FloatArray:
         """Torque of a part of the model, through the measurement filter."""
@@ -131,7 +138,7 @@ class Samples:
         if not effects:
             return np.zeros(len(self.theta))
         model = self.fit.model.core.only(effects)
-        return np.concatenate([model.torque(s.core)[s.used] for s in self.fit.prepared])
+        return self._gather(lambda s: model.torque(s.core))
 
     def isolated(self, part: Part) -> FloatArray:
         """Measured torque minus everything of the model that does not belong to the part."""

@@ -28,7 +28,7 @@ def stiction(fit: Fit, estimate: Stiction | None = None) -> Picture:
     Lines mark +-dv, -D_neg and D_pos: from `estimate` with their intervals, else from the model's Karnopp
     parameters, where there are any.
     """
-    samples = Samples(fit)
+    samples = Samples(fit, every=True)  # while it sticks, a sample says nothing about sliding friction
     friction = samples.isolated("velocity")
     borders = _borders(fit, estimate)
     slow = 0.05 * float(np.max(np.abs(samples.omega)))
@@ -85,4 +85,4 @@ def _mark(
     line(border.value * factor, color=color, ls="--", lw=1.3, label=label)
     low, high = (factor * limit for limit in border.ci95)
     if np.isfinite([low, high]).all() and low != high:
-        span(min(low, high), max(low, high), color=color, alpha=0.2, lw=0)
+        span(min(low, high), max(low, high), color=color, alpha=0.2, lw=0, zorder=0.5)
