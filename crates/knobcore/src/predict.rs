@@ -74,7 +74,14 @@ pub fn measured(
 }
 
 /// Model torque and derivatives over a range of samples, before any filter.
-pub fn raw(model: &Model, p: &[f64], seeds: &Seeds, signals: &Signals, range: Range<usize>, out: &mut Columns) {
+pub fn raw(
+    model: &Model,
+    p: &[f64],
+    seeds: &Seeds,
+    signals: &Signals,
+    range: Range<usize>,
+    out: &mut Columns,
+) {
     out.shape(1 + seeds.columns, range.len());
     let arch = pulp::Arch::new();
     let mut first = 0;

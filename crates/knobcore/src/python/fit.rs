@@ -83,7 +83,12 @@ impl PyFit {
     }
 
     /// Block-bootstrap refits, shape (draws, parameters).
-    fn bootstrap<'py>(&self, py: Python<'py>, draws: usize, seed: u64) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn bootstrap<'py>(
+        &self,
+        py: Python<'py>,
+        draws: usize,
+        seed: u64,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let refits = py.detach(|| self.0.bootstrap(draws, seed));
         Ok(PyArray2::from_vec2(py, &refits)?)
     }
@@ -124,14 +129,20 @@ fn split_dict<'py>(py: Python<'py>, split: &Split) -> PyResult<Bound<'py, PyDict
     row.set_item("direction", PyArray1::from_slice(py, &split.direction))?;
     row.set_item("share", split.share)?;
     row.set_item("chance", split.chance)?;
-    let regions: Vec<_> = split.regions.iter().map(|r| (r.from, r.to, r.direction, r.mean, r.share)).collect();
+    let regions: Vec<_> =
+        split.regions.iter().map(|r| (r.from, r.to, r.direction, r.mean, r.share)).collect();
     row.set_item("regions", regions)?;
     Ok(row)
 }
 
 /// Fits a model to one or several captures; `find_detents` adds detents where the data show them.
 #[pyfunction]
-pub fn fit(py: Python<'_>, data: Vec<PyRef<'_, PySignals>>, model: &PyModel, find_detents: bool) -> PyResult<PyFit> {
+pub fn fit(
+    py: Python<'_>,
+    data: Vec<PyRef<'_, PySignals>>,
+    model: &PyModel,
+    find_detents: bool,
+) -> PyResult<PyFit> {
     let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
     let detents = if find_detents { Detents::Find } else { Detents::AsModel };
     let (model, signals) = (&model.0, &signals[..]);

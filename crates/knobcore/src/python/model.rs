@@ -32,7 +32,8 @@ impl PyModel {
     #[new]
     #[pyo3(signature = (effects, axis_name="rotary", name=""))]
     fn new(effects: Vec<String>, axis_name: &str, name: &str) -> PyResult<Self> {
-        let ids = effects.iter().map(|id| Id::parse(id)).collect::<Result<Vec<_>, _>>().map_err(input_error)?;
+        let ids =
+            effects.iter().map(|id| Id::parse(id)).collect::<Result<Vec<_>, _>>().map_err(input_error)?;
         let mut model = Model::new(&ids, axis(axis_name));
         model.name = name.to_owned();
         Ok(Self(model))
@@ -69,7 +70,11 @@ impl PyModel {
             Role::Fixed => "fixed".to_owned(),
             Role::Tied(to) => self.0.slots()[to].name(),
         };
-        self.0.slots().iter().map(|s| (s.name(), s.value, s.param.unit.text(self.0.axis), role(s.role))).collect()
+        self.0
+            .slots()
+            .iter()
+            .map(|s| (s.name(), s.value, s.param.unit.text(self.0.axis), role(s.role)))
+            .collect()
     }
 
     fn renamed(&self, name: String) -> Self {
@@ -96,7 +101,8 @@ impl PyModel {
 
     /// The same parameters, of these effects only.
     fn only(&self, effects: Vec<String>) -> PyResult<Self> {
-        let ids = effects.iter().map(|id| Id::parse(id)).collect::<Result<Vec<_>, _>>().map_err(input_error)?;
+        let ids =
+            effects.iter().map(|id| Id::parse(id)).collect::<Result<Vec<_>, _>>().map_err(input_error)?;
         self.0.only(&ids).map(Self).map_err(input_error)
     }
 
