@@ -1,11 +1,10 @@
 //! Bindings of models and of the catalogue.
-use super::convert::{array, input_error};
+use super::convert::{Floats, array, input_error};
 use super::signals::PySignals;
 use crate::effects::Id;
 use crate::model::{Model, Role};
 use crate::param::Axis;
 use crate::{model_file, predict};
-use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -108,7 +107,7 @@ impl PyModel {
 
     /// Torque on the motion of prepared signals, through their filter or raw; N m.
     #[pyo3(signature = (signals, filtered=true))]
-    fn torque<'py>(&self, py: Python<'py>, signals: &PySignals, filtered: bool) -> Bound<'py, PyArray1<f64>> {
+    fn torque<'py>(&self, py: Python<'py>, signals: &PySignals, filtered: bool) -> Floats<'py> {
         let of = if filtered { predict::torque } else { predict::torque_raw };
         array(py, &py.detach(|| of(&self.0, &signals.prepared.signals)))
     }
