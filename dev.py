@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 """The project's own commands. Needs Python >= 3.11 and a Rust toolchain; sets up everything else itself.
 
-    python3 dev.py demo [OPTION...]   build, then run `knobcam demo`
-    python3 dev.py test [OPTION...]   build, then the Rust tests and pytest (OPTION: for pytest)
-    python3 dev.py lint               formatting, clippy, ruff, types
-    python3 dev.py check              lint, then test
-    python3 dev.py bench [OPTION...]  the benchmarks against their peers
-    python3 dev.py setup              only the set-up: .venv, pinned dependencies, the extension
-    python3 dev.py wheel              a release wheel in dist/
-    python3 dev.py lock               remake the requirements-*.lock files from pyproject.toml
+python3 dev.py demo [OPTION...]   build, then run `knobcam demo`
+python3 dev.py test [OPTION...]   build, then the Rust tests and pytest (OPTION: for pytest)
+python3 dev.py lint               formatting, clippy, ruff, types
+python3 dev.py check              lint, then test
+python3 dev.py bench [OPTION...]  the benchmarks against their peers
+python3 dev.py setup              only the set-up: .venv, pinned dependencies, the extension
+python3 dev.py wheel              a release wheel in dist/
+python3 dev.py lock               remake the requirements-*.lock files from pyproject.toml
 """
 
 from __future__ import annotations
@@ -141,17 +141,15 @@ def lock(_: list[str]) -> None:
     run(PYTHON, "-m", "pip", "install", LOCKER)
     options = ["--universal", "--generate-hashes", "--upgrade", "--quiet"]
     for extra, pins in (("dev", []), ("bench", ["--constraints", "requirements-dev.lock"])):
-        run(
-            *(BIN / "uv", "pip", "compile", "pyproject.toml", "--extra", extra, *pins, *options),
-            *("--custom-compile-command", "python3 dev.py lock", "-o", f"requirements-{extra}.lock"),
-        )
+        made = ["--custom-compile-command", "python3 dev.py lock", "-o", f"requirements-{extra}.lock"]
+        run(BIN / "uv", "pip", "compile", "pyproject.toml", "--extra", extra, *pins, *options, *made)
 
 
 def main() -> None:
     """Dispatch on the first word."""
     commands = {"demo": demo, "test": test, "lint": lint, "check": check, "bench": bench}
     commands |= {"setup": lambda _: setup(), "wheel": wheel, "lock": lock}
-    if sys.version_info < (3, 11):
+    if sys.version_info < (3, 11):  # noqa: UP036 - an older one can start this script
         sys.exit("dev.py: needs Python 3.11 or newer; this is " + sys.version.split()[0])
     if len(sys.argv) < 2 or sys.argv[1] not in commands:
         sys.exit(__doc__)

@@ -10,7 +10,8 @@ from . import _core
 from .capture import Capture
 from .errors import InputError
 from .model import Model
-from .motions import MotionTrack, motion as make_motion
+from .motions import MotionTrack
+from .motions import motion as make_motion
 
 
 class SensorNoise(NamedTuple):
@@ -56,9 +57,7 @@ def simulate(
     track = make_motion(motion, duration_s, rate_hz) if isinstance(motion, str) else motion
     n = len(track.t)
     rate = rate_hz if isinstance(motion, str) else (n - 1) / float(track.t[-1] - track.t[0])
-    exact = _core.prepare(
-        model.axis, rate, *track, np.zeros(n), [False] * n, "none", {}
-    )
+    exact = _core.prepare(model.axis, rate, *track, np.zeros(n), [False] * n, "none", {})
     tau = model.core.torque(exact, filtered=False)
     rng = np.random.default_rng(seed)
 
@@ -78,7 +77,7 @@ def simulate(
         meta={
             "source": f"simulated {model.name}".strip(),
             "motion": motion if isinstance(motion, str) else "given",
-            "noise": sensors._asdict() if sensors.tau_limit < np.inf else sensors._asdict() | {"tau_limit": None},
+            "noise": {name: value if value < np.inf else None for name, value in sensors._asdict().items()},
             "seed": seed,
             "model": model.text(),
         },
