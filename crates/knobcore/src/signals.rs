@@ -3,7 +3,6 @@
 use crate::filter::ZeroPhase;
 use crate::motion::Motion;
 use crate::param::Axis;
-use crate::scalar::{Pack, Scalar};
 use std::ops::Range;
 
 /// Samples that are evaluated and filtered at a time, so that memory does not grow with the capture.
@@ -74,17 +73,15 @@ impl Signals {
         self.weight.iter().filter(|w| **w > 0.0).count()
     }
 
-    /// The motion at eight samples from `at` on.
-    #[inline(always)]
-    pub fn motion_pack(&self, at: usize) -> [Pack; 5] {
-        [&self.t, &self.theta, &self.omega, &self.alpha, &self.forward].map(|x| Pack::load(x, at))
+    /// t, theta, omega, alpha and forward over a range of samples.
+    pub fn motion_columns(&self, range: Range<usize>) -> [&[f64]; 5] {
+        [&self.t, &self.theta, &self.omega, &self.alpha, &self.forward].map(|x| &x[range.clone()])
     }
 
     /// The motion at sample `at`; past the end, rest.
     pub fn motion(&self, at: usize) -> Motion<f64> {
         let [t, theta, omega, alpha, forward] =
-            [&self.t, &self.theta, &self.omega, &self.alpha, &self.forward]
-                .map(|x| x.get(at).copied().unwrap_or(0.0));
+            [&self.t, &self.theta, &self.omega, &self.alpha, &self.forward].map(|x| x.get(at).copied().unwrap_or(0.0));
         Motion { t, theta, omega, alpha, forward }
     }
 
@@ -98,8 +95,7 @@ impl Signals {
             for piece in 0..pieces {
                 let border = |k: usize| segment.start + k * segment.len() / pieces;
                 let core = border(piece)..border(piece + 1);
-                let whole =
-                    core.start.saturating_sub(halo).max(segment.start)..(core.end + halo).min(segment.end);
+                let whole = core.start.saturating_sub(halo).max(segment.start)..(core.end + halo).min(segment.end);
                 chunks.push(Chunk { whole, core });
             }
         }
@@ -116,7 +112,7 @@ impl Signals {
 
     /// Filters the raw torque into `tau`, by the same route that a model's torque takes.
     pub fn filter_torque(&mut self) {
-        let mut tau = self.tau_raw.clone();
+                let mut tau = self.tau_raw.clone();
         for chunk in self.chunks() {
             let mut column = self.tau_raw[chunk.whole.clone()].to_vec();
             self.measure(&mut [&mut column]);
@@ -124,14 +120,4 @@ impl Signals {
         }
         self.tau = tau;
     }
-}
-
-/// The same instants as a motion of dual numbers: a measured motion does not depend on the parameters.
-#[inline(always)]
-pub fn lift<V: Scalar, const L: usize>(
-    [t, theta, omega, alpha, forward]: [V; 5],
-) -> Motion<crate::scalar::Dual<V, L>> {
-    let [t, theta, omega, alpha, forward] =
-        [t, theta, omega, alpha, forward].map(crate::scalar::Dual::constant);
-    Motion { t, theta, omega, alpha, forward }
 }
