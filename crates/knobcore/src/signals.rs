@@ -81,7 +81,8 @@ impl Signals {
     /// The motion at sample `at`; past the end, rest.
     pub fn motion(&self, at: usize) -> Motion<f64> {
         let [t, theta, omega, alpha, forward] =
-            [&self.t, &self.theta, &self.omega, &self.alpha, &self.forward].map(|x| x.get(at).copied().unwrap_or(0.0));
+            [&self.t, &self.theta, &self.omega, &self.alpha, &self.forward]
+                .map(|x| x.get(at).copied().unwrap_or(0.0));
         Motion { t, theta, omega, alpha, forward }
     }
 
@@ -95,7 +96,8 @@ impl Signals {
             for piece in 0..pieces {
                 let border = |k: usize| segment.start + k * segment.len() / pieces;
                 let core = border(piece)..border(piece + 1);
-                let whole = core.start.saturating_sub(halo).max(segment.start)..(core.end + halo).min(segment.end);
+                let whole =
+                    core.start.saturating_sub(halo).max(segment.start)..(core.end + halo).min(segment.end);
                 chunks.push(Chunk { whole, core });
             }
         }
@@ -112,7 +114,7 @@ impl Signals {
 
     /// Filters the raw torque into `tau`, by the same route that a model's torque takes.
     pub fn filter_torque(&mut self) {
-                let mut tau = self.tau_raw.clone();
+        let mut tau = self.tau_raw.clone();
         for chunk in self.chunks() {
             let mut column = self.tau_raw[chunk.whole.clone()].to_vec();
             self.measure(&mut [&mut column]);
