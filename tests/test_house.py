@@ -16,13 +16,24 @@ PYTHON = ROOT / "python" / "knobcam"
 
 RUST_ORDER = [
     *("error", "random", "special", "scalar", "motion", "param", "effects", "model", "model_file"),
-    *("filter", "signals", "smooth", "prepare", "predict", "fit", "diagnose", "python"),
+    *(
+        "filter",
+        "signals",
+        "smooth",
+        "prepare",
+        "predict",
+        "simulate",
+        "fit",
+        "diagnose",
+        "stiction",
+        "python",
+    ),
 ]
 # The fit reports the noise floor beside its error.
 RUST_BACKWARD = {("fit", "diagnose")}
 PYTHON_ORDER = [
     *("_core", "errors", "tables", "formats", "quality", "capture", "motions", "effects", "models", "model"),
-    *("prepare", "simulate", "fit", "compare", "plot", "cli", "__init__"),
+    *("prepare", "simulate", "fit", "compare", "stiction", "plot", "cli", "__init__"),
 ]
 # A capture file keeps what the quality check found.
 PYTHON_BACKWARD = {("formats", "quality")}

@@ -37,6 +37,8 @@ pub struct Signals {
     pub weight: Vec<f64>,
     /// Contiguous stretches of good samples; nothing is filtered across their borders.
     pub segments: Vec<Range<usize>>,
+    /// Stretches in which the knob stands still; they say nothing about sliding and do not count.
+    pub stuck: Vec<Range<usize>>,
     /// The measurement filter; the model's torque passes through it too. None: no filter.
     pub filter: Option<ZeroPhase>,
 }

@@ -4,6 +4,7 @@ use super::model::PyModel;
 use super::signals::PySignals;
 use crate::diagnose::{Split, locate as locate_core};
 use crate::fit::{Detents, Fit, fit as fit_core};
+use crate::stiction::{Estimate, stiction as stiction_core};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -97,6 +98,20 @@ impl PyFit {
     fn band<'py>(&self, py: Python<'py>, signals: &PySignals) -> Floats<'py> {
         array(py, &py.detach(|| self.0.band(&signals.prepared.signals)))
     }
+}
+
+/// Static friction that a capture shows beside a fitted model: (d_neg, d_pos, dv, breakaways), each estimate
+/// None or (value, low, high).
+#[pyfunction]
+#[allow(clippy::type_complexity)]
+pub fn stiction(
+    py: Python<'_>,
+    signals: &PySignals,
+    model: &PyModel,
+) -> (Option<(f64, f64, f64)>, Option<(f64, f64, f64)>, Option<(f64, f64, f64)>, [usize; 2]) {
+    let found = py.detach(|| stiction_core(&signals.prepared.signals, &model.0));
+    let row = |e: Option<Estimate>| e.map(|e| (e.value, e.ci95[0], e.ci95[1]));
+    (row(found.d_neg), row(found.d_pos), row(found.dv), found.breakaways)
 }
 
 /// Splits the error of a model over every axis: dicts with the fields of `Split`.

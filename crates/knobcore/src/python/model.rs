@@ -1,9 +1,10 @@
 //! Bindings of models and of the catalogue.
-use super::convert::{Floats, array, input_error};
+use super::convert::{Column, Floats, array, input_error};
 use super::signals::PySignals;
 use crate::effects::Id;
 use crate::model::{Model, Role};
 use crate::param::Axis;
+use crate::simulate::{self, Hand};
 use crate::{model_file, predict};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -111,6 +112,23 @@ impl PyModel {
         let of = if filtered { predict::torque } else { predict::torque_raw };
         array(py, &py.detach(|| of(&self.0, &signals.prepared.signals)))
     }
+}
+
+/// A knob that a hand pushes through a spring and a damper: theta, omega, alpha and the hand's torque.
+#[pyfunction]
+pub fn push<'py>(
+    py: Python<'py>,
+    model: &PyModel,
+    reference: Column<'py>,
+    dt: f64,
+    stiffness: f64,
+    damping: f64,
+) -> PyResult<[Floats<'py>; 4]> {
+    let reference = reference.as_slice()?;
+    let pushed = py
+        .detach(|| simulate::push(&model.0, reference, dt, Hand { stiffness, damping }))
+        .map_err(input_error)?;
+    Ok([&pushed.theta, &pushed.omega, &pushed.alpha, &pushed.tau].map(|x| array(py, x)))
 }
 
 /// The catalogue: for each effect a dict of id, place, law, source, shows and params.
