@@ -26,7 +26,7 @@ _UNITS = {
     "history": ("rad", "m"),
 }
 _DIRECTIONS = {1: "forward", -1: "backward", 0: ""}
-# An error this close to the noise floor cannot be told from it: the floor itself is known to a percent or two.
+# An error this close to the noise floor is no different: the floor itself is known to a percent or two.
 _AT_FLOOR = 1.02
 
 

@@ -76,7 +76,9 @@ def micro(t: FloatArray, amplitude: float = 0.02, frequency_hz: float = 1.0) -> 
     return _sines(t, w, np.zeros(1), np.ones(1), amplitude)
 
 
-def _sines(t: FloatArray, w: FloatArray, phases: FloatArray, weights: FloatArray, amplitude: float) -> MotionTrack:
+def _sines(
+    t: FloatArray, w: FloatArray, phases: FloatArray, weights: FloatArray, amplitude: float
+) -> MotionTrack:
     """Sum of sines, scaled so that the farthest excursion is `amplitude`."""
     theta, omega, alpha = np.zeros_like(t), np.zeros_like(t), np.zeros_like(t)
     for rate, phase, weight in zip(w, phases, weights, strict=True):

@@ -89,7 +89,7 @@ class Prepared:
 
     @property
     def noise(self) -> Mapping[str, float] | None:
-        """Noise level of each motion sensor (standard deviation, SI) and the jerk that drives the smoother."""
+        """Noise level of each motion sensor (standard deviation, SI) and the smoother's driving jerk."""
         return self.core.noise
 
     def on_capture(self, values: FloatArray) -> FloatArray:
@@ -163,7 +163,7 @@ def _notes(capture: Capture, method: str, options: Mapping[str, float]) -> tuple
     slower = capture.rate_hz / _PAPER_RATE_HZ
     if method in ("smooth", "paper") and slower < 1.0 and "torque_edge_hz" not in options:
         notes.append(
-            f"sampled at {capture.rate_hz:.6g} Hz: the paper's torque filter edge of 500 Hz belongs to 5000 Hz "
+            f"sampled at {capture.rate_hz:.6g} Hz: the paper's torque filter edge of 500 Hz is for 5000 Hz "
             f"and is lowered to {500.0 * slower:.6g} Hz (torque_edge_hz= sets another)"
         )
     if method != "none":
