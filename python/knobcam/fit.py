@@ -41,6 +41,11 @@ class Estimate(NamedTuple):
         """Whether the capture says anything about it."""
         return math.isfinite(self.se)
 
+    @property
+    def interval(self) -> str:
+        """The interval in words."""
+        return f"{self.ci95[0]:.5g} to {self.ci95[1]:.5g}" if self.determined else "not determined"
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Fit:
@@ -169,8 +174,7 @@ class Fit:
     def _rows(self) -> list[tuple[str, str, str, str]]:
         rows = []
         for name, e in self.params.items():
-            interval = f"{e.ci95[0]:.5g} to {e.ci95[1]:.5g}" if e.determined else "not determined"
-            rows.append((name, f"{e.value:.6g}" if e.determined else "-", interval, e.unit))
+            rows.append((name, f"{e.value:.6g}" if e.determined else "-", e.interval, e.unit))
         return rows
 
     _HEAD = ("parameter", "value", "95 % interval", "unit")
