@@ -142,13 +142,16 @@ def prepare(capture: Capture, method: str = "smooth", **options: float) -> Prepa
 
 
 def check_options(method: str, options: Mapping[str, float]) -> None:
-    """Raise InputError for an unknown method, or an option that it does not have."""
+    """Raise InputError for an unknown method, an option that it does not have, or a broken number of samples."""
     if method not in METHODS:
         raise InputError(f"prepare={method!r} is no method; choose {', '.join(METHODS)}")
     unknown = sorted(set(options) - _OPTIONS[method])
     if unknown:
         known = ", ".join(sorted(_OPTIONS[method])) or "no options"
         raise InputError(f"prepare={method!r} has no option {unknown[0]!r}; it takes {known}")
+    every = options.get("decimate", 1.0)
+    if not (every >= 1.0 and float(every).is_integer()):
+        raise InputError(f"decimate={every} must be a whole number of samples from 1")
 
 
 def _gaps(capture: Capture, rows: np.ndarray[Any, np.dtype[np.intp]]) -> BoolArray:

@@ -35,5 +35,4 @@ def run(args: Namespace) -> Answer:
     fitted = shown.fit
     text = f"{shown!r}\nfiles in {folder.absolute()}"
     document = fitted.document() | {"summary": shown.comparison.summary, "files": shown.files}
-    captures = [signals.capture for signals in fitted.prepared]
-    return Answer(text, document, findings(captures, fitted.prepared))
+    return Answer(text, document, findings(shown.files["capture"], fitted.signals.capture, fitted.signals))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import TYPE_CHECKING
 
 from . import arguments
@@ -66,7 +67,8 @@ def run_fit(args: Namespace) -> Answer:
     if args.plots is not None:
         files["pictures"] = draw(fitted, args.plots)
     text = "\n".join([repr(fitted), *_said(files)])
-    return Answer(text, fitted.document() | {"files": files}, findings(captures, fitted.prepared))
+    said = [findings(*each) for each in zip(args.captures, captures, fitted.prepared, strict=True)]
+    return Answer(text, fitted.document() | {"files": files}, tuple(chain.from_iterable(said)))
 
 
 def run_compare(args: Namespace) -> Answer:
@@ -90,7 +92,7 @@ def run_compare(args: Namespace) -> Answer:
         files["pictures"] = draw(held, args.plots, comparison)
     document = comparison.document() | {"model": args.model, "refitted": args.refit, "files": files}
     text = "\n".join([repr(comparison), *_said(files)])
-    return Answer(text, document, findings([capture], held.prepared))
+    return Answer(text, document, findings(args.capture, capture, held.signals))
 
 
 def draw(fitted: Fit, folder: Path, comparison: Comparison | None = None) -> list[str]:

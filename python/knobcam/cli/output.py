@@ -51,11 +51,10 @@ def status(text: str | None) -> None:
         sys.stderr.flush()
 
 
-def findings(captures: Iterable[Capture], signals: Iterable[Prepared] = ()) -> tuple[str, ...]:
-    """Return what was found in captures and how they were prepared, as lines that name the capture."""
-    lines = [f"{c.meta.get('source', 'capture')}: {finding}" for c in captures for finding in c.findings]
-    lines += [f"{s.capture.meta.get('source', 'capture')}: note: {note}" for s in signals for note in s.notes]
-    return tuple(lines)
+def findings(path: str | Path, capture: Capture, signals: Prepared | None = None) -> tuple[str, ...]:
+    """Return what was found in a capture and how it was prepared, as lines that name its file."""
+    notes = () if signals is None else signals.notes
+    return (*(f"{path}: {one}" for one in capture.findings), *(f"{path}: note: {note}" for note in notes))
 
 
 def check_file(output: Path | None, inputs: Iterable[str | Path] = ()) -> None:

@@ -84,4 +84,4 @@ def _written(capture: Capture, path: Path, schema: str) -> Answer:
         f"{path}: {capture.samples} samples ({masked} masked) of {', '.join(capture.columns)}, "
         f"{capture.duration_s:.4g} s at {capture.rate_hz:.6g} Hz, {capture.axis} axis"
     )
-    return Answer(text, document, findings([capture]))
+    return Answer(text, document, findings(path, capture))

@@ -1,0 +1,50 @@
+"""The `knobcam` command as a test calls it."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from knobcam.cli import main
+
+
+class Ended(NamedTuple):
+    """How a command ended: exit code and what was on the two streams."""
+
+    code: int
+    out: str
+    err: str
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """Standard output, which must be one strict JSON document."""
+
+        def refuse(constant: str) -> float:
+            raise ValueError(f"{constant} is not JSON")
+
+        document = json.loads(self.out, parse_constant=refuse)
+        assert isinstance(document, dict)
+        return document
+
+
+def knobcam(*argv: str | Path) -> Ended:
+    """Run the command in this process."""
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        code = main([str(word) for word in argv])
+    return Ended(code, out.getvalue(), err.getvalue())
+
+
+def process(*argv: str | Path, cwd: Path | None = None, **variables: str) -> Ended:
+    """Run the command in a process of its own, with warnings as errors."""
+    words = [sys.executable, "-W", "error", "-m", "knobcam", *map(str, argv)]
+    ended = subprocess.run(
+        words, capture_output=True, text=True, cwd=cwd, env={**os.environ, **variables}, check=False
+    )
+    return Ended(ended.returncode, ended.stdout, ended.stderr)
