@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from knobcam.cli import main
+from knobcam import cli
 
 
 class Ended(NamedTuple):
@@ -37,14 +37,14 @@ def knobcam(*argv: str | Path) -> Ended:
     """Run the command in this process."""
     out, err = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-        code = main([str(word) for word in argv])
+        code = cli.main([str(word) for word in argv])
     return Ended(code, out.getvalue(), err.getvalue())
 
 
 def process(*argv: str | Path, cwd: Path | None = None, **variables: str) -> Ended:
     """Run the command in a process of its own, with warnings as errors."""
     words = [sys.executable, "-W", "error", "-m", "knobcam", *map(str, argv)]
-    ended = subprocess.run(
-        words, capture_output=True, text=True, cwd=cwd, env={**os.environ, **variables}, check=False
-    )
+    here = {"PYTHONPATH": str(Path(cli.__file__).parents[2])}  # the package that this process tests
+    env = {**os.environ, **here, **variables}
+    ended = subprocess.run(words, capture_output=True, text=True, cwd=cwd, env=env, check=False)
     return Ended(ended.returncode, ended.stdout, ended.stderr)
