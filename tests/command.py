@@ -48,3 +48,14 @@ def process(*argv: str | Path, cwd: Path | None = None, **variables: str) -> End
     env = {**os.environ, **here, **variables}
     ended = subprocess.run(words, capture_output=True, text=True, cwd=cwd, env=env, check=False)
     return Ended(ended.returncode, ended.stdout, ended.stderr)
+
+
+def refused(ended: Ended, *words: str) -> None:
+    """Assert exit code 2, one line on standard error that holds the words, nothing on standard output."""
+    assert ended.code == 2, ended
+    assert ended.out == ""
+    assert ended.err.startswith("knobcam: ") and ended.err.count("\n") == 1 and ended.err.endswith("\n"), (
+        ended.err
+    )
+    for word in words:
+        assert word in ended.err, f"{word!r} is not in {ended.err!r}"

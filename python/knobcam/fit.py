@@ -182,10 +182,10 @@ class Fit:
     @property
     def _summary(self) -> str:
         unit = "N m" if self.model.axis == "rotary" else "N"
-        return (
-            f"RMS error {self.rmse:.4g} {unit} ({self.rmse_heldout:.4g} on unseen blocks, "
-            f"{self.noise_floor:.4g} by sensor noise alone)"
-        )
+        noise = f"{self.noise_floor:.4g} by sensor noise alone"
+        if math.isnan(self.noise_floor):
+            noise = "the capture is too short to tell the sensor's noise"
+        return f"RMS error {self.rmse:.4g} {unit} ({self.rmse_heldout:.4g} on unseen blocks, {noise})"
 
     def __repr__(self) -> str:
         lines = ["Fit: " + self._summary, text_table(self._HEAD, self._rows()), self.core.message]
