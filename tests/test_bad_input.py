@@ -227,13 +227,18 @@ few = settings(max_examples=100, deadline=None, suppress_health_check=[HealthChe
     pattern=PATTERNS,
     rows=st.sampled_from([1, 3, 140, 400]),
     method=st.sampled_from(["smooth", "paper", "none", "differences"]),
+    command=st.sampled_from(["fit", "compare"]),
 )
-@example(pattern=[("1e-320", "1e-320"), ("0", "0"), ("1e-320", "0")], rows=400, method="smooth")
+@example(
+    pattern=[("1e-320", "1e-320"), ("0", "0"), ("1e-320", "0")], rows=400, method="smooth", command="compare"
+)
 def test_no_table_of_numbers_makes_the_program_fail(
-    pattern: list[tuple[str, str]], rows: int, method: str, tmp_path: Path
+    pattern: list[tuple[str, str]], rows: int, method: str, command: str, tmp_path: Path
 ) -> None:
     lines = [f"{row / 1000},{','.join(pattern[row % len(pattern)])}" for row in range(rows)]
-    ended = knobcam("fit", written(tmp_path, "\n".join([HEAD, *lines])), "--prepare", method, "--json")
+    path = written(tmp_path, "\n".join([HEAD, *lines]))
+    call = ["fit", path] if command == "fit" else ["compare", path, "knob3"]
+    ended = knobcam(*call, "--prepare", method, "--json")
     if ended.code == 0:
         assert ended.document["rmse"] is not None
     else:

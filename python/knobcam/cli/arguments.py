@@ -36,7 +36,8 @@ class VersionAction(argparse.Action):
         """Print and end, as --help does."""
         from .._core import __version__
 
-        parser.exit(message=f"knobcam {__version__}\n")
+        print(f"knobcam {__version__}")
+        parser.exit()
 
 
 def add_command(
