@@ -220,14 +220,25 @@ def test_an_interrupt_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     assert knobcam("effects") == (130, "", "knobcam: interrupted\n")
 
 
-def test_a_reader_that_has_seen_enough_is_no_failure() -> None:
-    words = [sys.executable, "-m", "knobcam", "effects", "--json"]
+@pytest.mark.parametrize("argv", [["effects", "--json"], ["--help"]])
+def test_a_reader_that_has_seen_enough_is_no_failure(argv: list[str]) -> None:
+    words = [sys.executable, "-m", "knobcam", *argv]
     where = {"PYTHONPATH": str(Path(cli.__file__).parents[2])}
     with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=where) as running:
         assert running.stdout is not None and running.stderr is not None
         running.stdout.close()
         assert running.stderr.read() == b""
     assert running.returncode == 0
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no device that is always full")
+def test_a_full_disk_behind_standard_output_is_one_line() -> None:
+    words = [sys.executable, "-m", "knobcam", "effects"]
+    where = {"PYTHONPATH": str(Path(cli.__file__).parents[2])}
+    with Path("/dev/full").open("w") as full:
+        ended = subprocess.run(words, stdout=full, stderr=subprocess.PIPE, text=True, env=where, check=False)
+    assert ended.returncode == 2
+    assert ended.stderr.startswith("knobcam: standard output: ") and ended.stderr.count("\n") == 1
 
 
 def test_progress_is_shown_on_a_terminal_and_gone_in_the_end(

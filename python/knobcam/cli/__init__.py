@@ -19,8 +19,6 @@ from .output import as_json, status
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from .output import Answer
-
 _GROUPS = (recording, fitting, catalogue, demonstrate)
 _INTERRUPTED = 130  # what a shell reports for a program that Ctrl-C ended
 
@@ -35,18 +33,25 @@ def main(argv: Sequence[str] | None = None) -> int:
         _be_a_process()
     words = list(sys.argv[1:] if argv is None else argv)
     try:
+        code = _run(words)
+        sys.stdout.flush()
+    except OSError as error:  # of standard output: a file that cannot be written is an InputError
+        # What is still in the buffer would fail once more when Python flushes it at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if isinstance(error, BrokenPipeError):  # the reader has seen enough
+            return 0
+        return _end(f"standard output: cannot be written ({error.strerror or error}); free some space", 2)
+    return code
+
+
+def _run(words: list[str]) -> int:
+    try:
         args = _parser().parse_args(words)
         answer = args.run(args)
-        status(None)
-        _print(answer, args.json)
+    except SystemExit:  # --help and --version
+        return 0
     except KeyboardInterrupt:
         return _end("interrupted", _INTERRUPTED)
-    except BrokenPipeError:
-        # The reader has seen enough. Python would complain about it once more when it flushes at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
-    except SystemExit as done:  # --help and --version
-        return done.code if isinstance(done.code, int) else 0
     except BaseException as error:  # a panic of the core is no Exception
         if "--traceback" in words:
             import traceback
@@ -57,6 +62,10 @@ def main(argv: Sequence[str] | None = None) -> int:
             return _end(str(error), error.exit_code)
         what = " ".join(f"{type(error).__name__}: {error}".split())
         return _end(f"the program failed ({what}); --traceback shows where, please report it", 1)
+    status(None)
+    for message in answer.messages:
+        print(message, file=sys.stderr)
+    print(as_json(answer.document) if args.json else answer.text)
     return 0
 
 
@@ -71,13 +80,6 @@ def _parser() -> Parser:
     for group in _GROUPS:
         group.register(commands)
     return parser
-
-
-def _print(answer: Answer, json: bool) -> None:
-    for message in answer.messages:
-        print(message, file=sys.stderr)
-    print(as_json(answer.document) if json else answer.text)
-    sys.stdout.flush()
 
 
 def _end(message: str, code: int) -> int:
