@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from .motions import MOTIONS, MotionTrack, motion
     from .prepare import Prepared, prepare
     from .simulate import SensorNoise, simulate
+    from .stiction import Stiction, stiction
 
 __all__ = [
     "KNOBS",
@@ -41,6 +42,7 @@ __all__ = [
     "Parameter",
     "Prepared",
     "SensorNoise",
+    "Stiction",
     "__version__",
     "compare",
     "effects",
@@ -49,6 +51,7 @@ __all__ = [
     "motion",
     "prepare",
     "simulate",
+    "stiction",
 ]
 
 # Where each name lives. A name is imported when it is first used (PEP 562), so `knobcam --help` waits for
@@ -68,6 +71,7 @@ _HOME = {
     "Parameter": "model",
     "Prepared": "prepare",
     "SensorNoise": "simulate",
+    "Stiction": "stiction",
     "__version__": "_core",
     "compare": "compare",
     "effects": "effects",
@@ -76,6 +80,7 @@ _HOME = {
     "motion": "motions",
     "prepare": "prepare",
     "simulate": "simulate",
+    "stiction": "stiction",
 }
 
 

@@ -81,7 +81,8 @@ impl<'a> Rest<'a> {
             triples.map(|((tau, f), w)| if *w > 0.0 { tau - f } else { 0.0 }).collect()
         };
         let residual: Vec<Vec<f64>> = data.iter().zip(&torque).map(rest).collect();
-        let white: Vec<f64> = data.iter().map(|s| white_variance(s, model)).map(|v| if v > 0.0 { v } else { 0.0 }).collect();
+        let white: Vec<f64> =
+            data.iter().map(|s| white_variance(s, model)).map(|v| if v > 0.0 { v } else { 0.0 }).collect();
         let gain = |s: &Signals| s.filter.as_ref().map_or(1.0, |f| f.sos().mean_power());
         let noise: f64 = data.iter().zip(&white).map(|(s, white)| white * gain(s) * s.used() as f64).sum();
         let squares: f64 = residual.iter().flatten().map(|r| r * r).sum();
@@ -175,7 +176,8 @@ fn regions(rest: &Rest<'_>, bins: &Bins, sums: &[f64], fails: impl Fn(usize) -> 
     let mut bin = 0;
     while bin < bins.len() {
         let start = bin;
-        let joins = |bin: usize| bin < bins.len() && fails(bin) && bins.direction[bin] == bins.direction[start];
+        let joins =
+            |bin: usize| bin < bins.len() && fails(bin) && bins.direction[bin] == bins.direction[start];
         while joins(bin) && sums[bin] * sums[start] > 0.0 {
             bin += 1;
         }
@@ -205,10 +207,12 @@ fn noise_captures(rest: &Rest<'_>) -> Vec<Vec<Vec<f64>>> {
     let mut draws = vec![Vec::with_capacity(rest.data.len()); DRAWS];
     for (signals, white) in rest.data.iter().zip(&rest.white) {
         let scale = (12.0 * white).sqrt();
-        let mut raw: Vec<Vec<f64>> =
-            (0..DRAWS).map(|_| (0..signals.len()).map(|_| scale * (noise.uniform() - 0.5)).collect()).collect();
+        let mut raw: Vec<Vec<f64>> = (0..DRAWS)
+            .map(|_| (0..signals.len()).map(|_| scale * (noise.uniform() - 0.5)).collect())
+            .collect();
         for segment in &signals.segments {
-            let mut columns: Vec<&mut [f64]> = raw.iter_mut().map(|draw| &mut draw[segment.clone()]).collect();
+            let mut columns: Vec<&mut [f64]> =
+                raw.iter_mut().map(|draw| &mut draw[segment.clone()]).collect();
             signals.measure(&mut columns);
         }
         for (draw, raw) in draws.iter_mut().zip(raw) {

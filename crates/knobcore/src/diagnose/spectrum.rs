@@ -14,7 +14,8 @@ const ALARM: f64 = 0.05;
 
 /// Splits the error over frequency.
 pub fn split_frequency(rest: &Rest<'_>) -> Split {
-    let longest = rest.data.iter().flat_map(|s| s.segments.iter().map(ExactSizeIterator::len)).max().unwrap_or(0);
+    let longest =
+        rest.data.iter().flat_map(|s| s.segments.iter().map(ExactSizeIterator::len)).max().unwrap_or(0);
     let mut window = SHORTEST;
     while 2 * window <= LONGEST && 8 * window <= longest {
         window *= 2;
@@ -41,11 +42,13 @@ pub fn split_frequency(rest: &Rest<'_>) -> Split {
     // 1967), here in the cube-root approximation of Wilson & Hilferty 1931.
     let degrees = 1.8 * windows;
     let quantile = |z: f64| (1.0 - 2.0 / (9.0 * degrees) + z * (2.0 / (9.0 * degrees)).sqrt()).powi(3);
-    let (usual, limit) = (quantile(normal_quantile(0.95)), quantile(normal_quantile(1.0 - ALARM / cells as f64)));
+    let (usual, limit) =
+        (quantile(normal_quantile(0.95)), quantile(normal_quantile(1.0 - ALARM / cells as f64)));
     // Power per bin is scaled so that its mean over both halves of the spectrum is the variance.
     let used: f64 = rest.data.iter().map(|s| s.used() as f64).sum();
     let scale = 2.0 / window as f64 / windows;
-    let (power, noise): (Vec<f64>, Vec<f64>) = power.iter().zip(&noise).map(|(p, n)| (p * scale, n * scale)).unzip();
+    let (power, noise): (Vec<f64>, Vec<f64>) =
+        power.iter().zip(&noise).map(|(p, n)| (p * scale, n * scale)).unzip();
     let hz = |cell: f64| (cell * rate / window as f64).max(0.0);
     let fails = |cell: usize| power[cell] > limit * noise[cell] && power[cell] > 0.0;
     let beyond: f64 = (0..cells).filter(|&c| fails(c)).map(|c| power[c] - noise[c]).sum();
@@ -59,7 +62,13 @@ pub fn split_frequency(rest: &Rest<'_>) -> Split {
         if cell > start {
             let squares: f64 = (start..cell).map(|c| power[c] - noise[c]).sum();
             let (from, to) = (hz(start as f64 - 0.5), hz(cell as f64 - 0.5));
-            regions.push(Region { from, to, direction: 0, mean: squares.sqrt(), share: rest.share(squares * used) });
+            regions.push(Region {
+                from,
+                to,
+                direction: 0,
+                mean: squares.sqrt(),
+                share: rest.share(squares * used),
+            });
         } else {
             cell += 1;
         }
