@@ -28,7 +28,7 @@ def register(commands: arguments.Commands) -> None:
     )
     parser.add_argument("model", metavar="MODEL", help="model file, or knob1 to knob5")
     parser.add_argument(
-        "--motion", default="sweep", metavar="NAME", help="sweep, multisine, turns, hand, micro"
+        "--motion", default="sweep", metavar="NAME", help="sweep, multisine, turns, hand, micro or push"
     )
     parser.add_argument("--noise", default="rig", metavar="NAME", help="of the sensors: rig, paper or none")
     parser.add_argument("--seed", type=arguments.whole, default=0, metavar="N", help="of the noise")

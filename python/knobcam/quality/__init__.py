@@ -37,7 +37,7 @@ def check(columns: dict[str, FloatArray], axis: Axis, rows: Rows, source: str) -
     than two samples, a needed column without a number, time that stands still.
     """
     if len(rows) < 2:
-        raise InputError(f"{source}: rows of data: {len(rows)}; a capture needs at least 2, better thousands")
+        raise InputError(f"{source}: {len(rows)} rows of data; a capture needs at least 2, better thousands")
     with np.errstate(all="ignore"):
         return _check(columns, axis, rows, source)
 
@@ -50,8 +50,8 @@ def _check(columns: dict[str, FloatArray], axis: Axis, rows: Rows, source: str) 
             continue
         if name not in ("omega", "alpha"):
             raise InputError(
-                f"{source}: column {name} has no finite number up to {LARGEST:g} in any of its {len(rows)} "
-                f"rows; map another, or check its unit"
+                f"{source}: column {name} has no number in any of its {len(rows)} rows ({LARGEST:g} and more "
+                f"is none); map another"
             )
         del present[name]
         message = f"{name}: no number in any row; it is derived from theta as if the column were absent"
