@@ -12,7 +12,12 @@ const SHORTEST: usize = 256;
 /// Chance of a false line anywhere.
 const ALARM: f64 = 0.05;
 
-/// Splits the error over frequency.
+/// A line stands this many times above the power around it.
+const LINE: f64 = 8.0;
+/// Bins to either side that count as around.
+const AROUND: usize = 20;
+
+/// Splits the error over frequency: what stands out as lines.
 pub fn split_frequency(rest: &Rest<'_>) -> Split {
     let longest =
         rest.data.iter().flat_map(|s| s.segments.iter().map(ExactSizeIterator::len)).max().unwrap_or(0);
@@ -51,16 +56,21 @@ pub fn split_frequency(rest: &Rest<'_>) -> Split {
         power.iter().zip(&noise).map(|(p, n)| (p * scale, n * scale)).unzip();
     let hz = |cell: f64| (cell * rate / window as f64).max(0.0);
     let fails = |cell: usize| power[cell] > limit * noise[cell] && power[cell] > 0.0;
-    let beyond: f64 = (0..cells).filter(|&c| fails(c)).map(|c| power[c] - noise[c]).sum();
+    // Only lines count: a residual that lies over position or velocity fills the spectrum broadly as well, and
+    // frequency says nothing about it.
+    let floor = surroundings(&power);
+    let line = |cell: usize| fails(cell) && power[cell] > LINE * floor[cell];
+    let mut beyond = 0.0;
     let mut regions = Vec::new();
     let mut cell = 0;
     while cell < cells {
         let start = cell;
-        while cell < cells && fails(cell) {
+        while cell < cells && line(cell) {
             cell += 1;
         }
         if cell > start {
-            let squares: f64 = (start..cell).map(|c| power[c] - noise[c]).sum();
+            let squares: f64 = (start..cell).map(|c| power[c] - floor[c]).sum();
+            beyond += squares;
             let (from, to) = (hz(start as f64 - 0.5), hz(cell as f64 - 0.5));
             regions.push(Region {
                 from,
@@ -87,6 +97,16 @@ pub fn split_frequency(rest: &Rest<'_>) -> Split {
         chance: 0.0,
         regions,
     }
+}
+
+/// Median power around each bin.
+fn surroundings(power: &[f64]) -> Vec<f64> {
+    let around = |cell: usize| {
+        let mut near = power[cell.saturating_sub(AROUND)..(cell + AROUND + 1).min(power.len())].to_vec();
+        near.sort_by(f64::total_cmp);
+        near[near.len() / 2]
+    };
+    (0..power.len()).map(around).collect()
 }
 
 /// What the forward-backward filter does to the power of noise at this share of the sampling rate.
