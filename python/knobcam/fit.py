@@ -245,4 +245,5 @@ def _describe(signals: Prepared) -> dict[str, Any]:
         "sample_rate_hz": capture.rate_hz,
         "masked": int(np.sum(~capture.mask)),
         "used": signals.core.used,
+        "findings": [vars(finding) for finding in capture.findings],
     }
