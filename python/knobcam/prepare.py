@@ -142,7 +142,7 @@ def prepare(capture: Capture, method: str = "smooth", **options: float) -> Prepa
 
 
 def check_options(method: str, options: Mapping[str, float]) -> None:
-    """Raise InputError for an unknown method, an option that it does not have, or a broken number of samples."""
+    """Raise InputError for an unknown method, an option it does not have, or a broken `decimate`."""
     if method not in METHODS:
         raise InputError(f"prepare={method!r} is no method; choose {', '.join(METHODS)}")
     unknown = sorted(set(options) - _OPTIONS[method])

@@ -64,7 +64,8 @@ def _check(columns: dict[str, FloatArray], axis: Axis, rows: Rows, source: str) 
         if not measured.all():
             at = rows[~measured]
             message = (
-                f"{name}: {len(at)} samples are not finite or beyond {LARGEST:g} ({rows_in_words(at)}); masked"
+                f"{name}: {len(at)} samples are not finite or beyond {LARGEST:g} "
+                f"({rows_in_words(at)}); masked"
             )
             findings.append(Finding("non-finite", name, len(at), first_rows(at), message, "masked"))
 
