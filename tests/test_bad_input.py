@@ -212,6 +212,13 @@ def test_a_capture_with_some_bad_samples_is_fitted_and_they_are_said(tmp_path: P
     assert "20 samples are not finite" in ended.err and "rows 701-720" in ended.err
 
 
+@pytest.mark.parametrize("size", [1e9, 1e15])
+def test_an_angle_in_counts_is_fitted_within_memory(size: float, tmp_path: Path) -> None:
+    ended = process("fit", column(tmp_path, theta=size * theta), "--json")
+    assert ended.code == 0, ended.err
+    assert ended.document["rmse"] is not None
+
+
 NUMBERS = st.one_of(
     st.floats(-1e3, 1e3).map(repr),
     st.floats(width=64).filter(lambda x: not 1e3 < abs(x) < 1e30).map(repr),
