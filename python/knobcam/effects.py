@@ -78,12 +78,12 @@ def effects(axis: str = "rotary") -> dict[str, Effect]:
     }
 
 
-def effect(name: str) -> Effect:
-    """Return one effect by id.
+def effect(name: str, axis: str = "rotary") -> Effect:
+    """Return one effect by id, units for a rotary or a linear axis.
 
     Raises InputError for an unknown id, with those that exist.
     """
-    catalogue = effects()
+    catalogue = effects(axis)
     if name not in catalogue:
         raise InputError(f"effect '{name}' is not in the catalogue; it has {', '.join(catalogue)}")
     return catalogue[name]

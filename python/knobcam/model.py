@@ -110,6 +110,13 @@ class Model:
         """Return the model with one parameter kept from being fitted, or freed."""
         return Model(self.core.with_fixed(name, fixed))
 
+    def frozen(self) -> Model:
+        """Return the model with every parameter kept as it is: fitting it only measures its error."""
+        model = self
+        for name in self.params:
+            model = model.with_fixed(name)
+        return model
+
     def with_tie(self, name: str, to: str) -> Model:
         """Return the model with one parameter always equal to another."""
         return Model(self.core.with_tie(name, to))
