@@ -23,20 +23,29 @@ RUST_ORDER = [
         "prepare",
         "predict",
         "simulate",
+        "floor",
         "fit",
         "diagnose",
         "stiction",
         "python",
     ),
 ]
-# The fit reports the noise floor beside its error.
-RUST_BACKWARD = {("fit", "diagnose")}
 PYTHON_ORDER = [
-    *("_core", "errors", "tables", "formats", "quality", "capture", "motions", "effects", "models", "model"),
-    *("prepare", "simulate", "fit", "compare", "stiction", "plot", "cli", "__init__"),
+    *(
+        "_core",
+        "errors",
+        "tables",
+        "finding",
+        "formats",
+        "quality",
+        "capture",
+        "motions",
+        "effects",
+        "models",
+        "model",
+    ),
+    *("prepare", "simulate", "fit", "compare", "stiction", "plot", "demo", "cli", "__init__"),
 ]
-# A capture file keeps what the quality check found.
-PYTHON_BACKWARD = {("formats", "quality")}
 LONGEST = 400
 
 
@@ -95,7 +104,7 @@ def test_rust_modules_use_only_those_before_them():
         if user != "lib":
             used = imported_by_rust(rust_code(path)) - {user}
             backward |= {(user, name) for name in used if place[name] > place[user]}
-    assert backward == RUST_BACKWARD
+    assert backward == set()
 
 
 def test_python_modules_load_only_those_before_them():
@@ -104,7 +113,7 @@ def test_python_modules_load_only_those_before_them():
     for path in PYTHON.rglob("*.py"):
         user = module(path, PYTHON)
         backward |= {(user, name) for name in imported_by_python(path) - {user} if place[name] > place[user]}
-    assert backward == PYTHON_BACKWARD
+    assert backward == set()
 
 
 def test_no_file_is_too_long_to_be_read_at_once():

@@ -15,12 +15,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .errors import InputError
+from .finding import Finding, Rows
 from .formats import DEFAULT_MAX_BYTES, Table, document, read_table, write_table
 from .formats.columnmap import ColumnMap
 from .formats.resolve import CONTRACT, resolve
 from .formats.table import BoolArray, FloatArray
 from .formats.units import SI, Axis
-from .quality import Finding, Rows, check
+from .quality import check
 
 __all__ = ["Capture", "Finding", "load"]
 

@@ -77,7 +77,7 @@ class Split:
 
     def where(self) -> str:
         """The worst region in words."""
-        if not self.regions:
+        if not self.fails:
             return "nowhere beyond chance"
         worst = self.regions[0]
         side = f" {_DIRECTIONS[worst.direction]}" if worst.direction else ""

@@ -56,7 +56,10 @@ pub fn parse(text: &str) -> Result<Model> {
     let axis = match file.get("axis").map(Value::as_str) {
         None | Some(Some("rotary")) => Axis::Rotary,
         Some(Some("linear")) => Axis::Linear,
-        Some(_) => return Err(bad("axis", "must be \"rotary\" or \"linear\"")),
+        Some(other) => {
+            let other = other.unwrap_or("no text");
+            return Err(bad("axis", &format!("is '{other}'; it must be \"rotary\" or \"linear\"")));
+        }
     };
     let effects = file.get("effects").and_then(Value::as_table).filter(|table| !table.is_empty());
     let effects =
@@ -80,6 +83,12 @@ pub fn parse(text: &str) -> Result<Model> {
         }
     }
     for (name, target) in ties {
+        if model.index(&target).is_err() {
+            let why = format!(
+                "is tied to '{target}', which is no parameter of this model; write a number or one of its names"
+            );
+            return Err(bad(&format!("parameter '{name}'"), &why));
+        }
         model.tie(&name, &target)?;
     }
     Ok(model)
@@ -181,7 +190,7 @@ mod tests {
             (&format!("{head}[effects.inertia]\nM = true"), "inertia.M", "number"),
             (&format!("{head}[effects.detent]\nP = -1"), "detent.P", "bounds"),
             (&format!("{head}[effects.detent]\nP = nan"), "detent.P", "bounds"),
-            (&format!("{head}[effects.coulomb]\nneg = \"coulomb.up\""), "coulomb.up", "coulomb.pos"),
+            (&format!("{head}[effects.coulomb]\nneg = \"coulomb.up\""), "coulomb.neg", "coulomb.up"),
             (&format!("{head}[effects.coulomb]\nneg = \"coulomb.neg\""), "coulomb.neg", "itself"),
             (&format!("{head}speed = 1\n[effects.inertia]"), "speed", "axis"),
             (&format!("{head}axis = \"round\"\n[effects.inertia]"), "axis", "rotary"),

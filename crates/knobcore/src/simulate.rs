@@ -40,7 +40,7 @@ pub fn push(model: &Model, reference: &[f64], dt: f64, hand: Hand) -> Result<Pus
     let p = model.values();
     let h = dt / SUBSTEPS as f64;
     let inertia = model.load(&p, &Motion::exact(0.0, 0.0, 0.0, 0.0)).inertia;
-    if !(inertia > 0.0) {
+    if inertia.is_nan() || inertia <= 0.0 {
         return Err(Error::invalid(
             "inertia.M",
             "must be positive where torque makes motion; add the effect inertia",

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
-from ..quality import Finding
+from ..finding import Finding
 from .table import BoolArray, Table
 
 SCHEMA = "knobcam.capture/1"

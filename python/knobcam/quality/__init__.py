@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import InputError
+from ..finding import Finding, Rows, first_rows, rows_in_words
 from ..formats.table import BoolArray, FloatArray
 from ..formats.units import Axis
-from .finding import Finding, Rows, first_rows, rows_in_words
 from .motion import check_scale, check_stuck, check_wrapped
 from .timing import check_times
 from .torque import check_clipping, check_size

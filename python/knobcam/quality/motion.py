@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from ..finding import Finding, Rows, first_rows, rows_in_words
 from ..formats.table import BoolArray, FloatArray
 from ..formats.units import SI, Axis
-from .finding import Finding, Rows, first_rows, rows_in_words
 from .order import quantile
 
 AGREEMENT = (0.8, 1.25)

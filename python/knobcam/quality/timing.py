@@ -8,8 +8,8 @@ from bisect import bisect_left
 import numpy as np
 
 from ..errors import InputError
+from ..finding import Finding, Rows, first_rows, rows_in_words
 from ..formats.table import BoolArray, FloatArray
-from .finding import Finding, Rows, first_rows, rows_in_words
 from .order import quantile
 
 JITTER_TOLERANCE = 0.05

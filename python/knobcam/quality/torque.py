@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..finding import Finding, Rows, first_rows, rows_in_words
 from ..formats.table import BoolArray, FloatArray
 from ..formats.units import Axis
-from .finding import Finding, Rows, first_rows, rows_in_words
 
 MIN_RUN = 4
 """Identical extreme samples in a row, below which a limit is not suspected."""

@@ -208,7 +208,7 @@ fn regions(rest: &Rest<'_>, bins: &Bins, sums: &[f64], fails: impl Fn(usize) -> 
 /// A few captures of noise alone, through the measurement filter. Uniform noise does: a filtered sum of many
 /// samples is as good as normal, and it costs a tenth.
 fn noise_captures(rest: &Rest<'_>, noise: &mut Noise) -> Vec<Vec<Vec<f64>>> {
-    let mut draws = vec![Vec::with_capacity(rest.data.len()); AT_ONCE];
+    let mut draws = vec![Vec::new(); AT_ONCE];
     for (signals, white) in rest.data.iter().zip(&rest.white) {
         let scale = (12.0 * white).sqrt();
         let mut raw: Vec<Vec<f64>> = (0..AT_ONCE)

@@ -1,8 +1,8 @@
 //! The contract of a physical effect, and the registry: one line each.
 //!
-//! An effect is one file: equation, source, units, parameters with bounds, starting guess. Simulating,
-//! fitting, comparing, plotting and rendering all call its one function. To add an effect, write its file
-//! and name it in the [`registry!`] call at the end of this one.
+//! An effect is one file: equation, source, units, parameters with bounds. Simulating, fitting, comparing,
+//! plotting and rendering all call its one function. To add an effect, write its file and name it in the
+//! `registry!` call at the end of this one.
 //!
 //! ```
 //! use knobcore::effects::{Effect, LoadEffect};

@@ -24,7 +24,7 @@ use faer::Mat;
 use moments::{block_moments, moments, sweep};
 use separable::{Found, Layout, descend};
 use serial::{Meat, Serial};
-use solve::{Normal, independent, least_squares};
+use solve::{Normal, independent, least_squares, solvable};
 
 /// Blocks of the block bootstrap and of the held-out error.
 const BLOCKS: usize = 200;
@@ -143,16 +143,6 @@ fn is_free(model: &Model, name: &str) -> bool {
 }
 
 fn check(data: &[&Signals], model: &Model) -> Result<()> {
-    let used: usize = data.iter().map(|signals| signals.used()).sum();
-    let free = Layout::of(model).free.len();
-    if used <= 2 * free + 10 {
-        return Err(Error::invalid(
-            "capture",
-            format!(
-                "has {used} samples that count, too few to fit {free} parameters; record longer, or mask less"
-            ),
-        ));
-    }
     if data.iter().any(|signals| signals.axis != model.axis) {
         return Err(Error::invalid(
             "model",
@@ -163,7 +153,7 @@ fn check(data: &[&Signals], model: &Model) -> Result<()> {
         let mut used =
             signals.tau.iter().zip(&signals.weight).filter(|(_, w)| **w > 0.0).map(|(tau, _)| *tau);
         let first = used.next();
-        used.all(|tau| Some(tau) == first)
+        first.is_some() && used.all(|tau| Some(tau) == first)
     };
     if data.iter().all(constant) {
         return Err(Error::invalid(
@@ -176,6 +166,16 @@ fn check(data: &[&Signals], model: &Model) -> Result<()> {
         return Err(Error::invalid(
             "theta",
             "never moves; record a motion, or map the column that holds the angle",
+        ));
+    }
+    let used: usize = data.iter().map(|signals| signals.used()).sum();
+    let free = Layout::of(model).free.len();
+    if used <= 2 * free + 10 {
+        return Err(Error::invalid(
+            "capture",
+            format!(
+                "has {used} samples that count, too few to fit {free} parameters; record longer, or mask less"
+            ),
         ));
     }
     Ok(())
@@ -194,7 +194,7 @@ fn finish(
     let used: usize = data.iter().map(|signals| signals.used()).sum();
     let at = moments(data, &model, &found.p, &seeds);
     let order: Vec<usize> = layout.linear_first();
-    let kept = independent(|i, j| at.gram(i, j), &order);
+    let kept = solvable(|i, j| at.gram(i, j), independent(|i, j| at.gram(i, j), &order));
     let residuals = residuals(data, &model);
     let serial = Serial::of(&residuals.iter().map(Vec::as_slice).collect::<Vec<_>>());
     let mut meat = Meat::new(&serial, layout.free.len());

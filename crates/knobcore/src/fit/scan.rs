@@ -19,6 +19,8 @@ use std::f64::consts::TAU;
 const LEAST_PHASE: f64 = 3.5;
 /// Most detents per turn that are looked for, and per range on a linear axis.
 const MOST: f64 = 300.0;
+/// Most cells of the grid of positions: a million points to transform, whatever the range.
+const MOST_CELLS: f64 = 131_072.0;
 /// Frequencies per independent frequency (one cycle over the range).
 const OVERSAMPLING: usize = 8;
 
@@ -84,13 +86,15 @@ impl Grid {
             Axis::Linear => MOST * TAU / range,
         };
         // Eight cells to the shortest period at twice the highest frequency, which the products need.
-        let cells = ((highest * 2.0 * range / TAU * 8.0).ceil() as usize).max(64);
+        let cells = (highest * 2.0 * range / TAU * 8.0).ceil().clamp(64.0, MOST_CELLS) as usize;
         let width = range / cells as f64;
         let transform = (cells * OVERSAMPLING).next_power_of_two();
         let spacing = TAU / (transform as f64 * width);
         let first = (LEAST_PHASE / range / spacing).ceil() as usize;
+        // Over very long ranges the cells run out before the frequencies do.
+        let highest = highest.min(cells as f64 * TAU / (16.0 * range));
         let last = ((highest / spacing) as usize).min(transform / 4 - 1);
-        Some(Self { low, width, cells, transform, first, last })
+        (first <= last).then_some(Self { low, width, cells, transform, first, last })
     }
 
     fn frequency(&self, index: usize) -> f64 {

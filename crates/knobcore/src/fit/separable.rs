@@ -24,6 +24,8 @@ const EXACT: f64 = 1e-26;
 /// Why the fit stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Status {
+    /// No parameter is free.
+    Fixed,
     /// All parameters are linear: solved in one go.
     Linear,
     /// No step lowers the error any more.
@@ -40,6 +42,7 @@ impl Status {
     /// One word, for programs.
     pub fn word(self) -> &'static str {
         match self {
+            Self::Fixed => "fixed",
             Self::Linear => "linear",
             Self::Converged => "converged",
             Self::Exact => "exact",
@@ -51,6 +54,7 @@ impl Status {
     /// A sentence, with what to try.
     pub fn message(self) -> &'static str {
         match self {
+            Self::Fixed => "No parameter is free: nothing was fitted.",
             Self::Linear => "All parameters are linear: solved directly.",
             Self::Converged => "Converged: no step lowers the error any more.",
             Self::Exact => "Exact: what is left of the error is rounding.",
@@ -277,6 +281,9 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64])
         evaluations: problem.evaluations,
         status,
     };
+    if layout.free.is_empty() {
+        return ended(&problem, &here, 0, Status::Fixed);
+    }
     if layout.hard.is_empty() {
         return ended(&problem, &here, 1, Status::Linear);
     }

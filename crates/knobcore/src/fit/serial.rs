@@ -36,7 +36,7 @@ impl Serial {
         let (mut a, mut error) = (Vec::<f64>::new(), covariance[0] / n);
         let mut best = (f64::INFINITY, a.clone(), error);
         for order in 0..=most {
-            if !(error > 0.0) {
+            if error.is_nan() || error <= 0.0 {
                 break;
             }
             let bic = n * error.ln() + order as f64 * n.ln();

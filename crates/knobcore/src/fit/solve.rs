@@ -73,6 +73,15 @@ impl Normal {
     }
 }
 
+/// The columns that stay when the last are given up until the rest can be solved: rounding may leave a matrix
+/// that [`independent`] passes and a factorisation does not.
+pub fn solvable(gram: impl Fn(usize, usize) -> f64, mut kept: Vec<usize>) -> Vec<usize> {
+    while !kept.is_empty() && Normal::of(&gram, &kept).is_none() {
+        kept.pop();
+    }
+    kept
+}
+
 /// The step in the columns `kept` that minimises the sum of squares to first order; zero in the others.
 pub fn least_squares(moments: &Moments, kept: &[usize]) -> Option<Vec<f64>> {
     let solution = Normal::of(|i, j| moments.gram(i, j), kept)?.solve(|i| moments.slope(kept[i]));
