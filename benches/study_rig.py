@@ -1,0 +1,98 @@
+"""Random knobs on a rig with the paper's sensors: is the fit down at the noise, and do its intervals hold?
+
+Every knob is the base model and nothing else, so what a fit leaves beyond the torque sensor's noise, and
+every interval that misses the truth, is the program's own doing.
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from knobs import model_of, phase_error, rig_like
+
+import knobcam as kc
+from knobcam import _core
+
+# The sensors of the paper's rig (Tables 1 and 4), with the velocity at its resolution after decoding.
+SENSORS = kc.SensorNoise(omega_sd=5e-3, alpha_sd=0.41, tau_sd=1.8e-3, theta_step=9.8e-6, tau_step=1.8e-4)
+MOTIONS = ("multisine", "turns", "hand", "sweep")
+SOS = _core.cheby2_sos(3, 20.0, 500.0, 5000.0)
+
+
+def _track(name: str, rng: np.random.Generator) -> kc.MotionTrack:
+    options: dict[str, float] = {}
+    if name in ("multisine", "hand"):
+        options = {"seed": int(rng.integers(1 << 30))}
+    if name == "turns":
+        options = {"speed": rng.uniform(3.0, 8.0)}
+    return kc.motion(name, **options)
+
+
+def one(name: str, seed: int) -> dict[str, Any]:
+    """Fit one random knob and hold the result against the truth; every second knob has detents."""
+    rng = np.random.default_rng([MOTIONS.index(name), seed])
+    detents = seed % 2 == 0
+    truth = rig_like(rng, detents)
+    model, track = model_of(truth), _track(name, rng)
+    capture = kc.simulate(model, track, noise=SENSORS, seed=seed)
+    clean = kc.simulate(model, track, noise="none")
+    fit = kc.fit(capture)
+    used = fit.signals.used
+    noise = _core.zero_phase((capture.tau - clean.tau)[None, :], SOS)[0]
+    floor = float(np.sqrt(np.mean(noise[used] ** 2)))
+    z = {}
+    for parameter, estimate in fit.params.items():
+        error = estimate.value - truth[parameter]
+        if parameter == "detent.S":
+            error = phase_error(estimate.value, truth[parameter])
+        if detents or not parameter.startswith("detent"):
+            z[parameter] = error / estimate.se
+    return {
+        "motion": name,
+        "seed": seed,
+        "detents": detents,
+        "found": "detent" in fit.model.effects,
+        "error": fit.rmse / floor,
+        "floor": fit.noise_floor / floor,
+        "heldout": fit.rmse_heldout / floor,
+        "z": z,
+        "status": fit.core.status,
+        "undetermined": list(fit.undetermined),
+        "truth": truth,
+        "P": fit.params["detent.P"].value if "detent" in fit.model.effects else None,
+    }
+
+
+def run(knobs: int) -> list[dict[str, Any]]:
+    """Fit `knobs` knobs under each motion."""
+    return [one(name, seed) for name in MOTIONS for seed in range(knobs)]
+
+
+def _quantiles(values: list[float]) -> str:
+    low, middle, high = np.quantile(values, [0.0, 0.5, 1.0])
+    return f"{low:.3f} {middle:.3f} {high:.3f}"
+
+
+def report(rows: list[dict[str, Any]]) -> Iterator[str]:
+    """Tables of what came out."""
+    yield "motion     | error/floor min med max | known floor min med max | detents missed, invented | not at the floor"
+    for name in MOTIONS:
+        own = [row for row in rows if row["motion"] == name]
+        limit = 1.03 if name == "hand" else 1.02
+        yield (
+            f"{name:10} | {_quantiles([row['error'] for row in own]):23} "
+            f"| {_quantiles([row['floor'] for row in own]):23} "
+            f"| {sum(row['detents'] and not row['found'] for row in own)} of {sum(row['detents'] for row in own)}, "
+            f"{sum(row['found'] and not row['detents'] for row in own)} of {sum(not row['detents'] for row in own)} "
+            f"| {sum(row['error'] > limit for row in own)} of {len(own)}"
+        )
+    yield "coverage of the 95 % intervals, % (root mean square of error / standard error)"
+    names = list(rig_like(np.random.default_rng(0), True))
+    yield "motion     " + " ".join(f"{name:>14}" for name in names)
+    for name in (*MOTIONS, "all"):
+        own = [row for row in rows if name in ("all", row["motion"]) and row["found"] == row["detents"]]
+        cells = []
+        for parameter in names:
+            z = np.array([row["z"][parameter] for row in own if parameter in row["z"]])
+            cells.append(f"{100 * np.mean(np.abs(z) < 1.96):5.1f} ({np.sqrt(np.mean(z**2)):.2f})".rjust(14))
+        yield f"{name:10} " + " ".join(cells)
