@@ -1,6 +1,6 @@
 //! A model: effects of the catalogue with their parameter values, and which of those may move.
 
-use crate::effects::{Id, Place};
+use crate::effects::{Id, Place, Sweep};
 use crate::error::{Error, Result};
 use crate::motion::{Load, Motion};
 use crate::param::{Axis, Param};
@@ -215,6 +215,18 @@ impl Model {
         self.parts
             .iter()
             .fold(tau, |tau, (id, range)| id.sense(p.get(range.clone()).unwrap_or(&[]), motion, tau))
+    }
+
+    /// Torque and derivatives over a whole motion, added to what `over` holds; `columns` says which column
+    /// each parameter has.
+    #[inline(always)]
+    pub fn sweep(&self, p: &[f64], columns: &[Option<usize>], over: &mut Sweep<'_>) {
+        for (id, range) in &self.parts {
+            let own = (p.get(range.clone()), columns.get(range.clone()));
+            if let (Some(p), Some(columns)) = own {
+                id.sweep(p, columns, over);
+            }
+        }
     }
 
     /// The effects that act at this place of the chain.

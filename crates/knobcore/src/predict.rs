@@ -1,8 +1,8 @@
 //! From the motion to the torque, and to its exact derivatives.
 
+use crate::effects::Sweep;
 use crate::model::{Model, Role};
-use crate::scalar::{Dual, LANES, Pack};
-use crate::signals::{Chunk, Signals, lift};
+use crate::signals::{Chunk, Signals};
 use std::ops::Range;
 
 /// Which parameters are differentiated by, and which column each derivative goes to.
@@ -51,9 +51,10 @@ impl Columns {
         }
     }
 
-    fn shape(&mut self, columns: usize, rows: usize) {
+    fn clear(&mut self, columns: usize, rows: usize) {
         self.data.resize_with(columns, Vec::new);
         for column in &mut self.data {
+            column.clear();
             column.resize(rows, 0.0);
         }
     }
@@ -75,55 +76,27 @@ pub fn measured(
 
 /// Model torque and derivatives over a range of samples, before any filter.
 pub fn raw(model: &Model, p: &[f64], seeds: &Seeds, signals: &Signals, range: Range<usize>, out: &mut Columns) {
-    out.shape(1 + seeds.columns, range.len());
-    let arch = pulp::Arch::new();
-    let mut first = 0;
-    loop {
-        let lanes = (seeds.columns - first).min(8);
-        let pass = Pass { model, p, seeds, signals, range: range.clone(), first };
-        match lanes {
-            0 => arch.dispatch(|| pass.run::<0>(out)),
-            1 => arch.dispatch(|| pass.run::<1>(out)),
-            2 => arch.dispatch(|| pass.run::<2>(out)),
-            3 | 4 => arch.dispatch(|| pass.run::<4>(out)),
-            _ => arch.dispatch(|| pass.run::<8>(out)),
-        }
-        first += lanes;
-        if first >= seeds.columns {
-            return;
-        }
-    }
+    out.clear(1 + seeds.columns, range.len());
+    let (torque, slopes) = out.split();
+    let over = Sweep { motion: signals.motion_columns(range), torque, slopes };
+    pulp::Arch::new().dispatch(Evaluation { model, p, columns: &seeds.column, over });
 }
 
-/// One sweep over the samples with up to `L` derivatives, from column `first` on.
-struct Pass<'a> {
+/// An evaluation as a value: its body, unlike a closure's, is sure to be compiled into the function that has
+/// the machine's instruction set.
+struct Evaluation<'a> {
     model: &'a Model,
     p: &'a [f64],
-    seeds: &'a Seeds,
-    signals: &'a Signals,
-    range: Range<usize>,
-    first: usize,
+    columns: &'a [Option<usize>],
+    over: Sweep<'a>,
 }
 
-impl Pass<'_> {
+impl pulp::NullaryFnOnce for Evaluation<'_> {
+    type Output = ();
+
     #[inline(always)]
-    fn run<const L: usize>(&self, out: &mut Columns) {
-        let p: Vec<Dual<Pack, L>> = self
-            .p
-            .iter()
-            .zip(&self.seeds.column)
-            .map(|(value, column)| Dual::seeded(*value, column.and_then(|c| c.checked_sub(self.first))))
-            .collect();
-        let Some((torque, derivatives)) = out.data.split_first_mut() else { return };
-        let derivatives = derivatives.get_mut(self.first..).unwrap_or_default();
-        for at in (0..self.range.len()).step_by(LANES) {
-            let motion = lift::<Pack, L>(self.signals.motion_pack(self.range.start + at));
-            let tau = self.model.torque(&p, &motion);
-            tau.v.store(torque, at);
-            for (column, d) in derivatives.iter_mut().zip(tau.d) {
-                d.store(column, at);
-            }
-        }
+    fn call(mut self) {
+        self.model.sweep(self.p, self.columns, &mut self.over);
     }
 }
 

@@ -3,7 +3,6 @@
 use crate::filter::ZeroPhase;
 use crate::motion::Motion;
 use crate::param::Axis;
-use crate::scalar::{Pack, Scalar};
 use std::ops::Range;
 
 /// Samples that are evaluated and filtered at a time, so that memory does not grow with the capture.
@@ -74,10 +73,9 @@ impl Signals {
         self.weight.iter().filter(|w| **w > 0.0).count()
     }
 
-    /// The motion at eight samples from `at` on.
-    #[inline(always)]
-    pub fn motion_pack(&self, at: usize) -> [Pack; 5] {
-        [&self.t, &self.theta, &self.omega, &self.alpha, &self.forward].map(|x| Pack::load(x, at))
+    /// t, theta, omega, alpha and forward over a range of samples.
+    pub fn motion_columns(&self, range: Range<usize>) -> [&[f64]; 5] {
+        [&self.t, &self.theta, &self.omega, &self.alpha, &self.forward].map(|x| &x[range.clone()])
     }
 
     /// The motion at sample `at`; past the end, rest.
@@ -122,11 +120,4 @@ impl Signals {
         }
         self.tau = tau;
     }
-}
-
-/// The same instants as a motion of dual numbers: a measured motion does not depend on the parameters.
-#[inline(always)]
-pub fn lift<V: Scalar, const L: usize>([t, theta, omega, alpha, forward]: [V; 5]) -> Motion<crate::scalar::Dual<V, L>> {
-    let [t, theta, omega, alpha, forward] = [t, theta, omega, alpha, forward].map(crate::scalar::Dual::constant);
-    Motion { t, theta, omega, alpha, forward }
 }

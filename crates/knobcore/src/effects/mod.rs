@@ -43,7 +43,7 @@ mod viscous;
 use crate::error::{Error, Result};
 use crate::motion::{Load, Motion};
 use crate::param::Param;
-use crate::scalar::Scalar;
+use crate::scalar::{Dual, LANES, Pack, Scalar};
 
 /// Where in the chain from the motion to the measured torque an effect acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -117,6 +117,76 @@ const fn info<const N: usize, E: Effect<N>>(place: Place, params: &'static [Para
     Info { id: E::ID, place, law: E::LAW, source: E::SOURCE, shows: E::SHOWS, params }
 }
 
+/// Columns of a motion, and what an effect adds to the torque and its derivatives over them.
+///
+/// All columns have the length of the torque. A parameter with a column has its derivative added there.
+pub struct Sweep<'a> {
+    /// t, theta, omega, alpha, forward: the fields of [`Motion`].
+    pub motion: [&'a [f64]; 5],
+    /// Torque, N m.
+    pub torque: &'a mut [f64],
+    /// Derivatives of the torque, N m per unit of their parameter.
+    pub slopes: &'a mut [Vec<f64>],
+}
+
+impl Sweep<'_> {
+    #[inline(always)]
+    fn motion<const L: usize>(&self, at: usize) -> Motion<Dual<Pack, L>> {
+        let column = |i: usize| Dual::constant(Pack::load(self.motion[i], at));
+        Motion { t: column(0), theta: column(1), omega: column(2), alpha: column(3), forward: column(4) }
+    }
+
+    #[inline(always)]
+    fn add(column: &mut [f64], at: usize, more: Pack) {
+        (Pack::load(column, at) + more).store(column, at);
+    }
+
+    /// Adds a load on the moving knob, with its derivatives.
+    #[inline(always)]
+    fn load<const N: usize, E: LoadEffect<N>>(&mut self, p: &[f64], columns: &[Option<usize>]) {
+        let p: [Dual<Pack, N>; N] = seeded(p);
+        for at in (0..self.torque.len()).step_by(LANES) {
+            let motion = self.motion(at);
+            let tau = E::load(&p, &motion).sliding(&motion);
+            Self::add(self.torque, at, tau.v);
+            for (column, slope) in columns.iter().zip(tau.d) {
+                if let Some(column) = column.and_then(|c| self.slopes.get_mut(c)) {
+                    Self::add(column, at, slope);
+                }
+            }
+        }
+    }
+
+    /// Passes torque and derivatives through a sensor: the chain rule by its own derivative to the torque.
+    #[inline(always)]
+    fn sense<const N: usize, E: SensorEffect<N>>(&mut self, p: &[f64], columns: &[Option<usize>]) {
+        let p: [Dual<Pack, SENSOR_LANES>; N] = seeded(p);
+        for at in (0..self.torque.len()).step_by(LANES) {
+            let mut tau = Dual::constant(Pack::load(self.torque, at));
+            tau.d[SENSOR_LANES - 1] = Pack::of(1.0);
+            let sensed = E::sense(&p, &self.motion(at), tau);
+            sensed.v.store(self.torque, at);
+            for column in self.slopes.iter_mut() {
+                (Pack::load(column, at) * sensed.d[SENSOR_LANES - 1]).store(column, at);
+            }
+            for (column, slope) in columns.iter().zip(sensed.d) {
+                if let Some(column) = column.and_then(|c| self.slopes.get_mut(c)) {
+                    Self::add(column, at, slope);
+                }
+            }
+        }
+    }
+}
+
+/// Derivatives of a sensor: its parameters (fewer than this), and last the torque that it senses.
+const SENSOR_LANES: usize = 4;
+
+/// Parameters that are differentiated by, one lane each.
+#[inline(always)]
+fn seeded<const N: usize, const L: usize>(p: &[f64]) -> [Dual<Pack, L>; N] {
+    std::array::from_fn(|i| Dual::seeded(p.get(i).copied().unwrap_or(0.0), Some(i)))
+}
+
 /// Generates [`Id`] and its dispatch from one line per effect: `Name(number of parameters) in module`.
 macro_rules! registry {
     (loads { $($load:ident($ln:literal) in $lmod:ident),* $(,)? } sensors { $($sensor:ident($sn:literal) in $smod:ident),* $(,)? }) => {
@@ -146,6 +216,16 @@ macro_rules! registry {
                 match self {
                     $(Self::$load => $load::load(&take::<T, $ln>(p), motion),)*
                     $(Self::$sensor => Load::none(),)*
+                }
+            }
+
+            /// Adds the effect's torque and derivatives over a whole motion; `columns` says which column each
+            /// of its parameters has.
+            #[inline(always)]
+            pub fn sweep(self, p: &[f64], columns: &[Option<usize>], over: &mut Sweep<'_>) {
+                match self {
+                    $(Self::$load => over.load::<$ln, $load>(p, columns),)*
+                    $(Self::$sensor => over.sense::<$sn, $sensor>(p, columns),)*
                 }
             }
 

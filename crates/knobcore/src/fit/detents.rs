@@ -46,16 +46,14 @@ pub fn scan_beside(data: &[&Signals], model: &Model) -> Option<(Model, Found, Sc
     Some((bare, found, scan))
 }
 
-/// Whether the detents that were found are there: they stand out of the scan, explain a share of the error
-/// that a user would care about, and explain it better than a smooth position function does.
-///
-/// `floor` is the sum of squares that noise alone would leave.
-pub fn are_there(data: &[&Signals], bare: &Model, without: &Found, with: &Found, scan: &Scan, floor: f64) -> Result<bool> {
-    let gain = without.cost - with.cost;
-    let excess = (without.cost - floor).max(0.0);
-    if gain < STANDS_OUT * scan.background() || gain < SHARE * excess {
-        return Ok(false);
-    }
+/// Whether a detent that takes `gain` off the sum of squares stands out of the scan and explains a share of
+/// the error that a user would care about. `floor` is the sum of squares that noise alone would leave.
+pub fn worth_it(gain: f64, without: &Found, scan: &Scan, floor: f64) -> bool {
+    gain >= STANDS_OUT * scan.background() && gain >= SHARE * (without.cost - floor).max(0.0)
+}
+
+/// Whether the detents that were found explain the error better than a smooth position function does.
+pub fn beat_smooth(data: &[&Signals], bare: &Model, with: &Found) -> Result<bool> {
     // A smooth function of position, with as many parameters, would take off as much where there are no
     // detents but a spring, gravity or a bent shaft.
     let smooth = bare.with(Id::PositionPolynomial)?;

@@ -18,7 +18,7 @@ use crate::effects::Id;
 use crate::error::{Error, Result};
 use crate::model::{Model, Role};
 use crate::signals::Signals;
-use detents::{are_there, best_from_scan, scan_beside};
+use detents::{beat_smooth, best_from_scan, scan_beside, worth_it};
 use faer::Mat;
 use moments::{block_moments, moments, sweep};
 use separable::{Found, Layout, descend};
@@ -88,35 +88,58 @@ pub struct Fit {
 /// The captures hold no sample that counts, fewer samples than parameters, or differ in axis.
 pub fn fit(data: &[&Signals], model: &Model, detents: Detents) -> Result<Fit> {
     check(data, model)?;
-    let wants_scan = detents == Detents::Find || is_free(model, "detent.P");
-    let mut model = model.clone();
-    let mut kept_scan = None;
-    let mut found = None;
-    if wants_scan && let Some((bare, without, scan)) = scan_beside(data, &model) {
-        let full = if model.has(Id::Detent) { model.clone() } else { bare.with(Id::Detent)? };
-        let layout = Layout::of(&full);
-        let with = best_from_scan(data, &full, &layout, &full.values(), &scan)?;
-        let there = match (&with, detents) {
-            (None, _) => false,
-            (Some(_), Detents::AsModel) => true,
-            (Some(with), Detents::Find) => {
-                let rows: f64 = data.iter().map(|s| s.used() as f64).sum();
-                let mut at_best = full.clone();
-                at_best.set_values(&with.p);
-                let floor = noise_floor(data, &at_best).powi(2) * rows;
-                are_there(data, &bare, &without, with, &scan, if floor.is_finite() { floor } else { 0.0 })?
-            }
-        };
-        (model, found) = match (there, with) {
-            (true, Some(with)) => (full, Some(Found { evaluations: with.evaluations + 2, ..with })),
-            _ if detents == Detents::Find => (bare, Some(without)),
-            _ => (model, None),
-        };
-        kept_scan = Some(scan);
+    let mut start = Start { model: model.clone(), found: None, scan: None };
+    if detents == Detents::Find || is_free(model, "detent.P") {
+        start = scanned(data, model, detents)?.unwrap_or(start);
     }
+    let Start { model, found, scan } = start;
     let layout = Layout::of(&model);
     let found = found.unwrap_or_else(|| descend(data, &model, &layout, &model.values()));
-    finish(data, model, &layout, found, kept_scan)
+    finish(data, model, &layout, found, scan)
+}
+
+/// A model to finish with, and what is known of its optimum.
+struct Start {
+    model: Model,
+    found: Option<Found>,
+    scan: Option<Scan>,
+}
+
+/// Looks for detents; None where there is no motion to scan over.
+fn scanned(data: &[&Signals], model: &Model, detents: Detents) -> Result<Option<Start>> {
+    let Some((bare, without, scan)) = scan_beside(data, model) else { return Ok(None) };
+    let full = if model.has(Id::Detent) { model.clone() } else { bare.with(Id::Detent)? };
+    let floor = || {
+        let rows: f64 = data.iter().map(|s| s.used() as f64).sum();
+        let floor = noise_floor(data, &at(&bare, &without)).powi(2) * rows;
+        if floor.is_finite() { floor } else { 0.0 }
+    };
+    // The scan sees detents through a filter that it does not know, so its gain is a little off.
+    let promising = || scan.peaks().first().is_some_and(|peak| worth_it(1.5 * peak.1, &without, &scan, floor()));
+    let with = if detents == Detents::AsModel || promising() {
+        best_from_scan(data, &full, &Layout::of(&full), &full.values(), &scan)?
+    } else {
+        None
+    };
+    let there = |with: &Found| -> Result<bool> {
+        let gain = without.cost - with.cost;
+        Ok(worth_it(gain, &without, &scan, floor()) && beat_smooth(data, &bare, with)?)
+    };
+    Ok(Some(match with {
+        Some(with) if detents == Detents::AsModel || there(&with)? => {
+            let evaluations = with.evaluations + without.evaluations + 1;
+            Start { model: full, found: Some(Found { evaluations, ..with }), scan: Some(scan) }
+        }
+        _ if detents == Detents::Find => Start { model: bare, found: Some(without), scan: Some(scan) },
+        _ => Start { model: full, found: None, scan: Some(scan) },
+    }))
+}
+
+/// The model where the search ended.
+fn at(model: &Model, found: &Found) -> Model {
+    let mut model = model.clone();
+    model.set_values(&found.p);
+    model
 }
 
 fn is_free(model: &Model, name: &str) -> bool {

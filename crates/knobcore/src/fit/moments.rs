@@ -69,7 +69,6 @@ impl Moments {
     }
 
     /// Adds the products of weighted columns, each of the same length; the last one is the residual.
-    #[inline(always)]
     pub(super) fn add_columns(&mut self, columns: &[&[f64]]) {
         let side = self.k + 1;
         for i in 0..side {
@@ -84,18 +83,30 @@ impl Moments {
     }
 }
 
-/// Sum of products, eight running sums at once.
-#[inline(always)]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let (mut first, mut second) = (Pack::of(0.0), Pack::of(0.0));
-    let mut pairs = a.chunks_exact(2 * LANES).zip(b.chunks_exact(2 * LANES));
-    for (x, y) in &mut pairs {
-        first = first + Pack::load(x, 0) * Pack::load(y, 0);
-        second = second + Pack::load(x, LANES) * Pack::load(y, LANES);
+/// Sum of products of two columns of one length.
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    pulp::Arch::new().dispatch(Dot { a, b })
+}
+
+struct Dot<'a> {
+    a: &'a [f64],
+    b: &'a [f64],
+}
+
+impl pulp::NullaryFnOnce for Dot<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn call(self) -> f64 {
+        let (mut first, mut second) = (Pack::of(0.0), Pack::of(0.0));
+        for (x, y) in self.a.chunks_exact(2 * LANES).zip(self.b.chunks_exact(2 * LANES)) {
+            first = first + Pack::load(x, 0) * Pack::load(y, 0);
+            second = second + Pack::load(x, LANES) * Pack::load(y, LANES);
+        }
+        let done = self.a.len() - self.a.len() % (2 * LANES);
+        let tail: f64 = self.a[done..].iter().zip(&self.b[done..]).map(|(x, y)| x * y).sum();
+        (first + second).0.iter().sum::<f64>() + tail
     }
-    let done = a.len() - a.len() % (2 * LANES);
-    let tail: f64 = a[done..].iter().zip(&b[done..]).map(|(x, y)| x * y).sum();
-    (first + second).0.iter().sum::<f64>() + tail
 }
 
 /// One chunk of a sweep: the derivative columns and then the residual, zero where a sample does not count.
@@ -139,8 +150,7 @@ pub fn sweep(data: &[&Signals], model: &Model, p: &[f64], seeds: &Seeds, mut vis
 /// The normal equations at `p`.
 pub fn moments(data: &[&Signals], model: &Model, p: &[f64], seeds: &Seeds) -> Moments {
     let mut sum = Moments::empty(seeds.columns());
-    let arch = pulp::Arch::new();
-    sweep(data, model, p, seeds, |swept| arch.dispatch(|| sum.add_columns(swept.columns)));
+    sweep(data, model, p, seeds, |swept| sum.add_columns(swept.columns));
     sum.rows = data.iter().map(|signals| signals.used() as f64).sum();
     sum
 }
@@ -151,7 +161,6 @@ pub fn block_moments(data: &[&Signals], model: &Model, p: &[f64], seeds: &Seeds,
     let k = seeds.columns();
     let mut blocks: Vec<Moments> = Vec::new();
     let mut capture = usize::MAX;
-    let arch = pulp::Arch::new();
     sweep(data, model, p, seeds, |swept| {
         if swept.capture != capture {
             capture = swept.capture;
@@ -169,7 +178,7 @@ pub fn block_moments(data: &[&Signals], model: &Model, p: &[f64], seeds: &Seeds,
             });
             let to = from + take.count();
             let views: Vec<&[f64]> = swept.columns.iter().map(|column| &column[from..to]).collect();
-            arch.dispatch(|| block.add_columns(&views));
+            block.add_columns(&views);
             block.rows += weight[from..to].iter().sum::<f64>();
             if to < weight.len() {
                 blocks.push(Moments::empty(k));

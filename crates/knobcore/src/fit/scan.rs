@@ -20,7 +20,7 @@ const LEAST_PHASE: f64 = 3.5;
 /// Most detents per turn that are looked for, and per range on a linear axis.
 const MOST: f64 = 300.0;
 /// Frequencies per independent frequency (one cycle over the range).
-const OVERSAMPLING: usize = 16;
+const OVERSAMPLING: usize = 8;
 
 /// The scan.
 #[derive(Debug, Clone, Default)]
@@ -106,15 +106,18 @@ impl Grid {
     /// Sum over the samples of value * exp(-i k theta), up to a common phase, for every frequency k.
     fn spectra(&self, columns: Vec<Vec<f64>>) -> Option<Vec<Vec<Complex64>>> {
         let plan = RealFftPlanner::<f64>::new().plan_fft_forward(self.transform);
+        // What the spreading takes off each frequency.
+        let spread = |index: usize| {
+            let half = 0.5 * self.frequency(index) * self.width;
+            if half > 0.0 { (half.sin() / half).powi(2) } else { 1.0 }
+        };
+        let restore: Vec<f64> = (0..=2 * self.last).map(|index| 1.0 / spread(index)).collect();
         let spectrum = |mut column: Vec<f64>| {
             column.resize(self.transform, 0.0);
             let mut out = plan.make_output_vec();
             plan.process(&mut column, &mut out).ok()?;
-            for (index, value) in out.iter_mut().enumerate() {
-                let half = 0.5 * self.frequency(index) * self.width;
-                let spread = if half > 0.0 { (half.sin() / half).powi(2) } else { 1.0 };
-                *value /= spread.max(0.1);
-            }
+            out.truncate(restore.len());
+            out.iter_mut().zip(&restore).for_each(|(value, restore)| *value *= restore);
             Some(out)
         };
         columns.into_iter().map(spectrum).collect()

@@ -5,7 +5,8 @@
 //! Levin 1997 ("VARHAC"), for one series. J' Sigma J needs no matrix of the length of the capture: it is
 //! the product of the columns after they went through the same recursion 1 / A(z).
 
-use super::moments::Swept;
+use super::moments::{Swept, dot};
+use crate::scalar::{LANES, Pack, Scalar};
 
 /// Longest memory that is looked for, samples.
 const MOST: usize = 40;
@@ -28,7 +29,7 @@ impl Serial {
         let mut covariance = vec![0.0; most + 1];
         for r in residuals {
             for (lag, sum) in covariance.iter_mut().enumerate().take(r.len()) {
-                *sum += r[lag..].iter().zip(r.iter()).map(|(a, b)| a * b).sum::<f64>();
+                *sum += dot(&r[lag..], &r[..r.len() - lag]);
             }
         }
         let n = n.max(1) as f64;
@@ -62,8 +63,8 @@ impl Serial {
 pub struct Meat<'a> {
     serial: &'a Serial,
     k: usize,
-    /// The last values of each column after the recursion, newest first.
-    past: Vec<Vec<f64>>,
+    /// For every eight columns their last values after the recursion, oldest first.
+    past: Vec<Vec<Pack>>,
     capture: usize,
     /// k x k, row by row.
     pub products: Vec<f64>,
@@ -72,7 +73,7 @@ pub struct Meat<'a> {
 impl<'a> Meat<'a> {
     /// Nothing accumulated yet, for `k` columns.
     pub fn new(serial: &'a Serial, k: usize) -> Self {
-        let past = vec![vec![0.0; serial.coefficients.len()]; k];
+        let past = vec![vec![Pack::of(0.0); serial.coefficients.len()]; k.div_ceil(LANES)];
         Self { serial, k, past, capture: usize::MAX, products: vec![0.0; k * k] }
     }
 
@@ -80,29 +81,21 @@ impl<'a> Meat<'a> {
     pub fn add(&mut self, swept: &Swept<'_>) {
         if swept.capture != self.capture {
             self.capture = swept.capture;
-            self.past.iter_mut().for_each(|past| past.fill(0.0));
+            self.past.iter_mut().for_each(|past| past.fill(Pack::of(0.0)));
         }
         let weight = &swept.signals.weight[swept.chunk.core.clone()];
         let order = self.serial.coefficients.len();
-        let coloured: Vec<Vec<f64>> = swept.columns[..self.k]
-            .iter()
-            .zip(&mut self.past)
-            .map(|(column, past)| {
-                let mut y: Vec<f64> = past.iter().rev().copied().collect();
-                for (value, w) in column.iter().zip(weight) {
-                    if *w > 0.0 {
-                        let recent = y[y.len() - order..].iter().rev();
-                        let memory: f64 = recent.zip(&self.serial.coefficients).map(|(y, a)| y * a).sum();
-                        y.push(value - memory);
-                    }
-                }
-                past.iter_mut().zip(y.iter().rev()).for_each(|(p, y)| *p = *y);
-                y.split_off(order)
-            })
-            .collect();
+        let mut coloured: Vec<Vec<Pack>> = Vec::with_capacity(self.past.len());
+        for (eight, past) in swept.columns[..self.k].chunks(LANES).zip(&mut self.past) {
+            let recursion = Recursion { coefficients: &self.serial.coefficients, columns: eight, weight, past };
+            let series = pulp::Arch::new().dispatch(recursion);
+            past.copy_from_slice(&series[series.len() - order..]);
+            coloured.push(series);
+        }
+        let column = |c: usize| coloured[c / LANES][order..].iter().map(move |pack| pack.0[c % LANES]);
         for i in 0..self.k {
             for j in 0..=i {
-                let product: f64 = coloured[i].iter().zip(&coloured[j]).map(|(a, b)| a * b).sum();
+                let product: f64 = column(i).zip(column(j)).map(|(a, b)| a * b).sum();
                 let product = product * self.serial.innovation;
                 self.products[i * self.k + j] += product;
                 if i != j {
@@ -110,6 +103,46 @@ impl<'a> Meat<'a> {
                 }
             }
         }
+    }
+}
+
+/// y_t = x_t - a_1 y_(t-1) - a_2 y_(t-2) - ... of up to eight columns at once, over the used samples.
+struct Recursion<'a> {
+    coefficients: &'a [f64],
+    columns: &'a [&'a [f64]],
+    weight: &'a [f64],
+    past: &'a [Pack],
+}
+
+impl pulp::NullaryFnOnce for Recursion<'_> {
+    type Output = Vec<Pack>;
+
+    #[inline(always)]
+    fn call(self) -> Vec<Pack> {
+        let order = self.coefficients.len();
+        let mut y = self.past.to_vec();
+        y.reserve(self.weight.len());
+        for (row, w) in self.weight.iter().enumerate() {
+            if *w > 0.0 {
+                let mut x = [0.0; LANES];
+                for (lane, column) in x.iter_mut().zip(self.columns) {
+                    *lane = column[row];
+                }
+                // Two sums side by side: each addition waits for the one before it.
+                let recent = &y[y.len() - order..];
+                let (mut even, mut odd) = (Pack(x), Pack::of(0.0));
+                for (pair, a) in recent.rchunks(2).zip(self.coefficients.chunks(2)) {
+                    if let ([second, first], [a, b]) = (pair, a) {
+                        even = even - *first * Pack::of(*a);
+                        odd = odd - *second * Pack::of(*b);
+                    } else if let ([first], [a]) = (pair, a) {
+                        even = even - *first * Pack::of(*a);
+                    }
+                }
+                y.push(even + odd);
+            }
+        }
+        y
     }
 }
 

@@ -34,7 +34,7 @@ impl<V: Scalar, const L: usize> Dual<V, L> {
     /// Chain rule: value `v`, and `slope` times each derivative.
     #[inline(always)]
     fn chain(self, v: V, slope: V) -> Self {
-        Self { v, d: self.d.map(|d| d * slope) }
+        self.zip(self, v, |d, _| d * slope)
     }
 
     #[inline(always)]
