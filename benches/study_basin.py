@@ -118,13 +118,13 @@ def one(seed: int, peers: bool) -> dict[str, Any]:
             period = fit.params["detent.P"].value if found else float("nan")
             p = np.array([fit.params[name].value if name in fit.params else 0.0 for name in NAMES])
             low = prepare != "none" or (found and cost(p) <= cost(exact))
-            row[f"{detents}, {prepare}"] = {"right": bool(right(period) and low), "P": period, "status": fit.core.status}
+            row[f"{detents}, {prepare}"] = {"right": bool(right(period) and low), "P": period}
     for name, peer in PEERS.items() if peers else ():
         reached = []
         for factor in START_FACTORS:
             try:
                 with warnings.catch_warnings():
-                    warnings.simplefilter("ignore")  # a covariance that cannot be estimated is part of the study
+                    warnings.simplefilter("ignore")  # peers warn where their covariance fails
                     p = peer(capture, good_start(capture, factor * exact[PERIOD]))
             except RuntimeError:  # out of evaluations
                 reached.append(False)
@@ -145,7 +145,8 @@ def report(rows: list[dict[str, Any]]) -> Iterator[str]:
         for prepare in ("none", "smooth"):
             key = f"{detents}, {prepare}"
             wrong = [row["seed"] for row in rows if not row[key]["right"]]
-            yield f'detents="{detents}", prepare="{prepare}": {len(rows) - len(wrong)} of {len(rows)}, wrong: {wrong}'
+            count = f"{len(rows) - len(wrong)} of {len(rows)}"
+            yield f'detents="{detents}", prepare="{prepare}": {count} right, wrong: seeds {wrong}'
     subset = [row for row in rows if "lmfit" in row]
     yield f"peers, {len(subset)} knobs, by the period that they start from, times the true one:"
     yield f"{'':30}" + "".join(f"{factor:>7}" for factor in START_FACTORS)
