@@ -8,14 +8,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from numba import njit
+from ratio import ratio
 from scipy import signal
 
 from knobcam import _core
-
-try:
-    from ratio import ratio
-except ModuleNotFoundError:
-    from benches.ratio import ratio
 
 RATE_HZ, EDGE_HZ, ORDER, STOPBAND_DB = 5000.0, 500.0, 3, 20.0
 B, A = signal.cheby2(ORDER, STOPBAND_DB, EDGE_HZ, fs=RATE_HZ)

@@ -10,88 +10,28 @@ import warnings
 from collections.abc import Callable, Iterator
 from typing import Any
 
-import lmfit
 import numpy as np
 from knobs import model_of, paper_like
-from scipy.optimize import curve_fit, least_squares
+from peers import (
+    NAMES,
+    PERIOD,
+    Floats,
+    equation_1,
+    good_start,
+    jacobian,
+    lmfit_minimize,
+    scipy_curve_fit,
+    scipy_least_squares,
+)
 
 import knobcam as kc
 
-START_FACTORS = (0.3, 0.5, 0.8, 1.0, 1.25, 2.0, 3.0)
-NAMES = list(paper_like(np.random.default_rng(0)))
-PERIOD = NAMES.index("detent.P")
-Floats = np.ndarray[Any, np.dtype[np.float64]]
-
-
-def equation_1(motion: tuple[Floats, Floats, Floats], *p: float) -> Floats:
-    """Torque of the paper's Equation 1; parameters in the order of NAMES."""
-    theta, omega, alpha = motion
-    m, c_neg, c_pos, b_neg, b_pos, a, period, shift = p
-    forward = omega > 0.0
-    friction = np.where(forward, c_pos + b_pos * omega, b_neg * omega - c_neg)
-    return m * alpha + friction + a * np.sin(theta / period + shift)
-
-
-def jacobian(motion: tuple[Floats, Floats, Floats], *p: float) -> Floats:
-    """Derivatives of `equation_1`, shape (samples, parameters)."""
-    theta, omega, alpha = motion
-    a, period, shift = p[5:]
-    forward = omega > 0.0
-    phase = theta / period + shift
-    sin, cos = np.sin(phase), np.cos(phase)
-    return np.stack(
-        [
-            alpha,
-            np.where(forward, 0.0, -1.0),
-            np.where(forward, 1.0, 0.0),
-            np.where(forward, 0.0, omega),
-            np.where(forward, omega, 0.0),
-            sin,
-            -a * cos * theta / period**2,
-            a * cos,
-        ],
-        axis=1,
-    )
-
-
-def good_start(capture: kc.Capture, period: float) -> Floats:
-    """What a careful user would hand to a peer: the linear part solved, the rest as the amplitude."""
-    theta, omega, alpha = capture.theta, capture.omega, capture.alpha
-    columns = jacobian((theta, omega, alpha), *np.ones(8))[:, :5]
-    linear, *_ = np.linalg.lstsq(columns, capture.tau, rcond=None)
-    rest = capture.tau - columns @ linear
-    return np.array([*linear, np.sqrt(2.0) * np.std(rest), period, 0.0])
-
-
-def _least_squares(capture: kc.Capture, start: Floats) -> Floats:
-    motion = capture.theta, capture.omega, capture.alpha
-    # Without `x_scale` it creeps: thousands of evaluations even from the true period.
-    work = least_squares(lambda p: equation_1(motion, *p) - capture.tau, start, x_scale="jac", max_nfev=200)
-    return work.x
-
-
-def _curve_fit(capture: kc.Capture, start: Floats) -> Floats:
-    motion = capture.theta, capture.omega, capture.alpha
-    return curve_fit(equation_1, motion, capture.tau, start)[0]
-
-
-def _lmfit(capture: kc.Capture, start: Floats) -> Floats:
-    motion = capture.theta, capture.omega, capture.alpha
-    names = [name.replace(".", "_") for name in NAMES]
-    parameters = lmfit.create_params(**dict(zip(names, start.tolist(), strict=True)))
-
-    def residual(p: lmfit.Parameters) -> Floats:
-        return equation_1(motion, *p.valuesdict().values()) - capture.tau
-
-    result = lmfit.minimize(residual, parameters, calc_covar=False)
-    return np.array(list(result.params.valuesdict().values()))
-
-
 PEERS: dict[str, Callable[[kc.Capture, Floats], Floats]] = {
-    "scipy.optimize.least_squares": _least_squares,
-    "scipy.optimize.curve_fit": _curve_fit,
-    "lmfit": _lmfit,
+    "scipy.optimize.least_squares": scipy_least_squares,
+    "scipy.optimize.curve_fit": lambda capture, start: scipy_curve_fit(capture, start)[0],
+    "lmfit": lambda capture, start: lmfit_minimize(capture, start, uncertainties=False)[0],
 }
+START_FACTORS = (0.3, 0.5, 0.8, 1.0, 1.25, 2.0, 3.0)
 
 
 def one(seed: int, peers: bool) -> dict[str, Any]:

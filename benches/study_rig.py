@@ -77,7 +77,8 @@ def _quantiles(values: list[float]) -> str:
 
 def report(rows: list[dict[str, Any]]) -> Iterator[str]:
     """Tables of what came out."""
-    yield "motion     | error/floor min med max | estimated floor/floor   | detents missed, invented | off the floor"
+    yield "motion     | error / floor           | estimated / true floor  | detents missed, invented | above"
+    yield "           | least, median, most     | least, median, most     |                          |"
     for name in MOTIONS:
         own = [row for row in rows if row["motion"] == name]
         with_detents = [row for row in own if row["detents"]]

@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 from knobs import PAPER_KNOB, model_of, phase_error
-
-from study_basin import NAMES, jacobian
+from peers import NAMES, jacobian
 
 import knobcam as kc
 
