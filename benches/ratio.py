@@ -21,7 +21,7 @@ class Row(NamedTuple):
 
 
 def ratio(ours: Callable[[], object], peer: Callable[[], object], rounds: int) -> tuple[float, float]:
-    """Time `ours` and `peer` in turn, so that both meet the same disturbances; the least of each in seconds."""
+    """Least time of each in seconds, measured in turn, so that both meet the same disturbances."""
     best = {ours: float("inf"), peer: float("inf")}
     for work in best:
         work()  # caches, and a peer that compiles itself at the first call
