@@ -7,15 +7,6 @@ import lmfit
 import numpy as np
 
 NAMES = ["M", "coulomb.neg", "coulomb.pos", "viscous.neg", "viscous.pos", "A", "P", "S"]
-    "inertia.M",
-    "coulomb.neg",
-    "coulomb.pos",
-    "viscous.neg",
-    "viscous.pos",
-    "detent.A",
-    "detent.P",
-    "detent.S",
-]
 
 
 def torque(motion, m=0.4, c_neg=1.5, c_pos=2.0, b_neg=1.0, b_pos=1.5, a=1.0, p=0.204, s=0.9):

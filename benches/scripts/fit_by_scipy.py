@@ -7,15 +7,6 @@ import numpy as np
 from scipy.optimize import curve_fit
 
 NAMES = ["M", "coulomb.neg", "coulomb.pos", "viscous.neg", "viscous.pos", "A", "P", "S"]
-    "inertia.M",
-    "coulomb.neg",
-    "coulomb.pos",
-    "viscous.neg",
-    "viscous.pos",
-    "detent.A",
-    "detent.P",
-    "detent.S",
-]
 START = [0.4, 1.5, 2.0, 1.0, 1.5, 1.0, 0.204, 0.9]
 
 
