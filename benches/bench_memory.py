@@ -33,6 +33,21 @@ class Growth(NamedTuple):
     seconds: float
     peak_bytes: int
 
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """What a table shows of it, in the order of HEAD."""
+        return (
+            self.method,
+            f"{self.samples:,}",
+            f"{self.seconds:.2f} s",
+            f"{1e9 * self.seconds / self.samples:.0f} ns",
+            f"{self.peak_bytes / 2**20:.0f} MB",
+            f"{self.peak_bytes / self.samples:.0f} bytes",
+        )
+
+
+HEAD = ("prepare", "samples", "time", "time a sample", "peak beside the capture", "a sample")
+
 
 def capture_of(samples: int) -> kc.Capture:
     """Table 2 of the paper, its motion repeated."""
@@ -71,9 +86,4 @@ if __name__ == "__main__":
         child(sys.argv[1], int(sys.argv[2]))
     else:
         for g in growth():
-            print(
-                f"{g.method:7} {g.samples:>9} samples: {g.seconds:7.3f} s, {1e9 * g.seconds / g.samples:6.0f} "
-                f"ns a sample, {g.peak_bytes / 2**20:6.0f} MB beside the capture, "
-                f"{g.peak_bytes / g.samples:4.0f} bytes a sample",
-                flush=True,
-            )
+            print(*g.cells, sep="  ", flush=True)

@@ -50,7 +50,7 @@ def one(seed: int, peers: bool) -> dict[str, Any]:
     def right(period: float) -> bool:
         return abs(period - exact[PERIOD]) < max(0.02 * exact[PERIOD], 5.0 * period_sd)
 
-    row: dict[str, Any] = {"seed": seed, "truth": truth, "period_sd": period_sd}
+    row: dict[str, Any] = {"seed": seed, "P": truth["detent.P"], "P_sd": period_sd}
     for detents in ("yes", "auto"):
         for prepare in ("none", "smooth"):
             fit = kc.fit(capture, detents=detents, prepare=prepare)

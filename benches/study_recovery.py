@@ -33,8 +33,8 @@ def main() -> None:
     ):
         text = list(lines)
         print(*text, "", sep="\n")
-        document = {"report": text, "result": result}
-        (RESULTS / f"{name}.json").write_text(json.dumps(document, indent=None) + "\n", "utf-8")
+        document = json.dumps({"report": text, "result": result}, indent=0)
+        (RESULTS / f"{name}.json").write_text(document + "\n", "utf-8")
 
 
 if __name__ == "__main__":

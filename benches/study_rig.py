@@ -48,20 +48,15 @@ def one(name: str, seed: int) -> dict[str, Any]:
         if parameter == "detent.S":
             error = phase_error(estimate.value, truth[parameter])
         if detents or not parameter.startswith("detent"):
-            z[parameter] = error / estimate.se
+            z[parameter] = round(error / estimate.se, 3)
     return {
         "motion": name,
         "seed": seed,
         "detents": detents,
         "found": "detent" in fit.model.effects,
-        "error": fit.rmse / floor,
-        "floor": fit.noise_floor / floor,
-        "heldout": fit.rmse_heldout / floor,
+        "error": round(fit.rmse / floor, 4),
+        "floor": round(fit.noise_floor / floor, 4),
         "z": z,
-        "status": fit.core.status,
-        "undetermined": list(fit.undetermined),
-        "truth": truth,
-        "P": fit.params["detent.P"].value if "detent" in fit.model.effects else None,
     }
 
 
