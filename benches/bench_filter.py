@@ -128,7 +128,7 @@ def rows() -> Iterator[Row]:
         x = channels(samples)
         check_answers(x)
         for name, peer in PEERS.items():
-            times = ratio(lambda: ours(x), lambda: peer(x), 3_000_000 // samples + 3)  # noqa: B023
+            times = ratio(lambda: ours(x), lambda: peer(x), 3_000_000 // samples + 12)  # noqa: B023
             yield Row(f"zero-phase filter, 4 x {size}", name, *times, REACH.get((size, name)))
 
 
