@@ -19,6 +19,7 @@ from .model import KNOBS, Model, Parameter
 from .motions import MOTIONS, MotionTrack, motion
 from .prepare import Prepared, prepare
 from .simulate import SensorNoise, simulate
+from .stiction import Stiction, stiction
 
 __all__ = [
     "KNOBS",
@@ -35,6 +36,7 @@ __all__ = [
     "Parameter",
     "Prepared",
     "SensorNoise",
+    "Stiction",
     "__version__",
     "compare",
     "effects",
@@ -43,4 +45,5 @@ __all__ = [
     "motion",
     "prepare",
     "simulate",
+    "stiction",
 ]

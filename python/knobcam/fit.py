@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
     from .compare import Comparison
     from .formats.table import FloatArray
+    from .stiction import Stiction
 
 _Z95 = 1.959963984540054
 
@@ -137,6 +138,12 @@ class Fit:
         from .compare import compare
 
         return compare(self)
+
+    def stiction(self) -> Stiction:
+        """Return the static friction that the first capture shows."""
+        from .stiction import stiction
+
+        return stiction(self)
 
     def plot(self) -> Figure:
         """Measured and modelled torque over position and over velocity, whole and isolated."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -10,7 +10,11 @@ from . import _core
 from .capture import Capture
 from .errors import InputError
 from .model import Model
-from .motions import MotionTrack, motion as make_motion
+from .motions import MotionTrack
+from .motions import motion as make_motion
+
+if TYPE_CHECKING:
+    from .formats.table import FloatArray
 
 
 class SensorNoise(NamedTuple):
@@ -48,18 +52,18 @@ def simulate(
     """Return the capture of a model on a motion, with the noise of the rig's sensors.
 
     `motion` is a name (sweep, multisine, turns, hand, micro) or a track; `noise` is `rig` (Tables 1 and 4 of
-    the paper), `paper` (Equation 6), `none`, or a SensorNoise. The same seed gives the same capture.
+    the paper), `paper` (Equation 6), `none`, or a SensorNoise. The same seed gives the same capture. With
+    the motion `push` a hand pushes the knob through a spring, and the knob sticks and slips as `karnopp` has it.
     """
     if isinstance(noise, str) and noise not in NOISES:
         raise InputError(f"noise={noise!r} is unknown; choose {', '.join(NOISES)}")
     sensors = NOISES[noise] if isinstance(noise, str) else noise
-    track = make_motion(motion, duration_s, rate_hz) if isinstance(motion, str) else motion
+    if motion == "push":
+        track, tau = _pushed(model, duration_s, rate_hz)
+    else:
+        track = make_motion(motion, duration_s, rate_hz) if isinstance(motion, str) else motion
+        tau = _torque(model, track)
     n = len(track.t)
-    rate = rate_hz if isinstance(motion, str) else (n - 1) / float(track.t[-1] - track.t[0])
-    exact = _core.prepare(
-        model.axis, rate, *track, np.zeros(n), [False] * n, "none", {}
-    )
-    tau = model.core.torque(exact, filtered=False)
     rng = np.random.default_rng(seed)
 
     def measured(values: np.ndarray, sd: float, step: float) -> np.ndarray:
@@ -83,3 +87,26 @@ def simulate(
             "model": model.text(),
         },
     )
+
+
+def _torque(model: Model, track: MotionTrack) -> FloatArray:
+    """The torque that moves the knob so: inverse dynamics, N m."""
+    n = len(track.t)
+    if n < 2:
+        raise InputError("motion: a track of fewer than two samples is no motion")
+    rate = (n - 1) / float(track.t[-1] - track.t[0])
+    exact = _core.prepare(model.axis, rate, *track, np.zeros(n), [False] * n, "none", {})
+    return model.core.torque(exact, filtered=False)
+
+
+def _pushed(model: Model, duration_s: float, rate_hz: float) -> tuple[MotionTrack, FloatArray]:
+    """A hand that goes slowly forth and back, resting at each end, and the knob that follows it by jerks."""
+    still = make_motion("turns", duration_s, rate_hz, speed=0.5, span=0.5, ramp_s=0.5)
+    values = {name: parameter.value for name, parameter in model.params.items()}
+    inertia = values.get("inertia.M", 0.0)
+    holds = max(values.get("karnopp.D_neg", 0.0), values.get("karnopp.D_pos", 0.0))
+    # Stiff enough that the hand is a quarter of a radian ahead at breakaway, and damped like a wrist.
+    stiffness = 4.0 * holds if holds > 0.0 else 1e3 * inertia
+    damping = np.sqrt(stiffness * max(inertia, 0.0))
+    theta, omega, alpha, tau = _core.push(model.core, still.theta, 1.0 / rate_hz, stiffness, damping)
+    return MotionTrack(still.t, theta, omega, alpha), tau

@@ -23,9 +23,11 @@ pub mod smooth;
 pub mod prepare;
 
 pub mod predict;
+pub mod simulate;
 
 pub mod diagnose;
 pub mod fit;
+pub mod stiction;
 
 #[cfg(feature = "python")]
 mod python;

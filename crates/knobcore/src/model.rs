@@ -73,7 +73,13 @@ impl Model {
     fn push(&mut self, id: Id) {
         let base = self.slots.len();
         let role = if id == Id::Karnopp { Role::Fixed } else { Role::Free };
-        self.slots.extend(id.info().params.iter().map(|param| Slot { effect: id, param, value: param.neutral, role, base }));
+        self.slots.extend(id.info().params.iter().map(|param| Slot {
+            effect: id,
+            param,
+            value: param.neutral,
+            role,
+            base,
+        }));
         self.parts.push((id, base..self.slots.len()));
     }
 
@@ -129,7 +135,10 @@ impl Model {
     pub fn index(&self, name: &str) -> Result<usize> {
         self.slots.iter().position(|slot| slot.name() == name).ok_or_else(|| {
             let known: Vec<_> = self.slots.iter().map(Slot::name).collect();
-            Error::invalid(format!("parameter '{name}'"), format!("is not in the model; it has {}", known.join(", ")))
+            Error::invalid(
+                format!("parameter '{name}'"),
+                format!("is not in the model; it has {}", known.join(", ")),
+            )
         })
     }
 
@@ -141,7 +150,9 @@ impl Model {
             let unit = self.slots[at].param.unit.text(self.axis);
             return Err(Error::invalid(
                 format!("parameter '{name}'"),
-                format!("is {value}, outside of its bounds [{lower}, {upper}] {unit}; change it in the model"),
+                format!(
+                    "is {value}, outside of its bounds [{lower}, {upper}] {unit}; change it in the model"
+                ),
             ));
         }
         self.slots[at].value = value;
@@ -167,7 +178,9 @@ impl Model {
     /// Makes one parameter equal to another, from now on.
     pub fn tie(&mut self, name: &str, to: &str) -> Result<()> {
         let (at, target) = (self.index(name)?, self.index(to)?);
-        let bad = |why: &str| Err(Error::invalid(format!("parameter '{name}'"), format!("cannot be tied to '{to}': {why}")));
+        let bad = |why: &str| {
+            Err(Error::invalid(format!("parameter '{name}'"), format!("cannot be tied to '{to}': {why}")))
+        };
         if at == target {
             return bad("that is itself");
         }

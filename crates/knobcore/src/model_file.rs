@@ -33,12 +33,25 @@ pub fn parse(text: &str) -> Result<Model> {
     match file.get("schema").and_then(Value::as_str) {
         Some(SCHEMA) => {}
         Some(other) => {
-            return Err(bad("schema", &format!("is '{other}', and this version reads '{SCHEMA}'; update knobcam")));
+            return Err(bad(
+                "schema",
+                &format!("is '{other}', and this version reads '{SCHEMA}'; update knobcam"),
+            ));
         }
-        None => return Err(bad("schema", &format!("is missing, so this is no model file; write schema = \"{SCHEMA}\" on top"))),
+        None => {
+            return Err(bad(
+                "schema",
+                &format!("is missing, so this is no model file; write schema = \"{SCHEMA}\" on top"),
+            ));
+        }
     }
-    if let Some(unknown) = file.keys().find(|key| !["schema", "name", "axis", "effects"].contains(&key.as_str())) {
-        return Err(bad(&format!("'{unknown}'"), "is no key of a model file; it has schema, name, axis and effects"));
+    if let Some(unknown) =
+        file.keys().find(|key| !["schema", "name", "axis", "effects"].contains(&key.as_str()))
+    {
+        return Err(bad(
+            &format!("'{unknown}'"),
+            "is no key of a model file; it has schema, name, axis and effects",
+        ));
     }
     let axis = match file.get("axis").map(Value::as_str) {
         None | Some(Some("rotary")) => Axis::Rotary,
@@ -46,13 +59,16 @@ pub fn parse(text: &str) -> Result<Model> {
         Some(_) => return Err(bad("axis", "must be \"rotary\" or \"linear\"")),
     };
     let effects = file.get("effects").and_then(Value::as_table).filter(|table| !table.is_empty());
-    let effects = effects.ok_or_else(|| bad("effects", "are missing; add a table such as [effects.inertia]"))?;
+    let effects =
+        effects.ok_or_else(|| bad("effects", "are missing; add a table such as [effects.inertia]"))?;
     let ids = effects.keys().map(|id| Id::parse(id)).collect::<Result<Vec<_>>>()?;
     let mut model = Model::new(&ids, axis);
     model.name = file.get("name").and_then(Value::as_str).unwrap_or_default().to_owned();
     let mut ties = Vec::new();
     for (id, params) in effects {
-        let params = params.as_table().ok_or_else(|| bad(&format!("effect '{id}'"), "must be a table of parameters"))?;
+        let params = params
+            .as_table()
+            .ok_or_else(|| bad(&format!("effect '{id}'"), "must be a table of parameters"))?;
         for (param, value) in params {
             let name = format!("{id}.{param}");
             model.index(&name)?;
@@ -77,14 +93,17 @@ fn read_param(model: &mut Model, name: &str, value: &Value) -> Result<()> {
         _ => None,
     };
     let bad = || {
-        let why = "must be a number, the name of another parameter in quotes, or { value = NUMBER, fixed = true }";
+        let why =
+            "must be a number, the name of another parameter in quotes, or { value = NUMBER, fixed = true }";
         Error::invalid(format!("parameter '{name}'"), why)
     };
     let Some(table) = value.as_table() else { return model.set(name, number(value).ok_or_else(bad)?) };
     for (key, value) in table {
         match (key.as_str(), value) {
             ("value", value) => model.set(name, number(value).ok_or_else(bad)?)?,
-            ("fixed", Value::Boolean(fixed)) => model.set_role(name, if *fixed { Role::Fixed } else { Role::Free })?,
+            ("fixed", Value::Boolean(fixed)) => {
+                model.set_role(name, if *fixed { Role::Fixed } else { Role::Free })?
+            }
             _ => return Err(bad()),
         }
     }
@@ -94,7 +113,8 @@ fn read_param(model: &mut Model, name: &str, value: &Value) -> Result<()> {
 /// Writes a model; [`parse`] gives the same one back.
 pub fn write(model: &Model) -> String {
     let axis = if model.axis == Axis::Linear { "linear" } else { "rotary" };
-    let mut out = format!("schema = \"{SCHEMA}\"\nname = {}\naxis = \"{axis}\"\n", Value::String(model.name.clone()));
+    let mut out =
+        format!("schema = \"{SCHEMA}\"\nname = {}\naxis = \"{axis}\"\n", Value::String(model.name.clone()));
     for place in [Place::Load, Place::Sensor] {
         for id in model.at(place) {
             let info = id.info();
@@ -104,10 +124,18 @@ pub fn write(model: &Model) -> String {
                 let value = match slot.role {
                     Role::Tied(to) => format!("{:?}", model.slots()[to].name()),
                     // Stiction is never fitted with the rest, so it needs no mark.
-                    Role::Fixed if id != Id::Karnopp => format!("{{ value = {:?}, fixed = true }}", slot.value),
+                    Role::Fixed if id != Id::Karnopp => {
+                        format!("{{ value = {:?}, fixed = true }}", slot.value)
+                    }
                     _ => format!("{:?}", slot.value),
                 };
-                let _ = writeln!(out, "{} = {value} # {}, {}", slot.param.name, slot.param.unit.text(model.axis), slot.param.meaning);
+                let _ = writeln!(
+                    out,
+                    "{} = {value} # {}, {}",
+                    slot.param.name,
+                    slot.param.unit.text(model.axis),
+                    slot.param.meaning
+                );
             }
         }
     }
@@ -160,7 +188,10 @@ mod tests {
             (&head, "effects", "[effects.inertia]"),
         ] {
             let error = parse(text).unwrap_err().to_string();
-            assert!(error.contains(name) && error.contains(way) && !error.contains('\n'), "{text} -> {error}");
+            assert!(
+                error.contains(name) && error.contains(way) && !error.contains('\n'),
+                "{text} -> {error}"
+            );
         }
     }
 }

@@ -53,7 +53,11 @@ impl Unit {
             [(torque, self.torque), (angle, self.angle), ("s", self.time)]
                 .into_iter()
                 .filter(|(_, power)| power * sign > 0)
-                .map(|(name, power)| if power.abs() == 1 { name.into() } else { format!("{name}^{}", power.abs()) })
+                .map(
+                    |(name, power)| {
+                        if power.abs() == 1 { name.into() } else { format!("{name}^{}", power.abs()) }
+                    },
+                )
                 .collect()
         };
         let (above, below) = (side(1).join(" "), side(-1));
@@ -87,7 +91,15 @@ pub struct Param {
 impl Param {
     /// A parameter that the torque is proportional to; silent at zero, unbounded.
     pub const fn linear(name: &'static str, unit: Unit, meaning: &'static str) -> Self {
-        Self { name, unit, kind: Kind::Linear, lower: f64::NEG_INFINITY, upper: f64::INFINITY, neutral: 0.0, meaning }
+        Self {
+            name,
+            unit,
+            kind: Kind::Linear,
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+            neutral: 0.0,
+            meaning,
+        }
     }
 
     /// The phase that belongs to the amplitude at index `of`.

@@ -75,7 +75,14 @@ pub fn measured(
 }
 
 /// Model torque and derivatives over a range of samples, before any filter.
-pub fn raw(model: &Model, p: &[f64], seeds: &Seeds, signals: &Signals, range: Range<usize>, out: &mut Columns) {
+pub fn raw(
+    model: &Model,
+    p: &[f64],
+    seeds: &Seeds,
+    signals: &Signals,
+    range: Range<usize>,
+    out: &mut Columns,
+) {
     out.clear(1 + seeds.columns, range.len());
     let (torque, slopes) = out.split();
     let over = Sweep { motion: signals.motion_columns(range), torque, slopes };

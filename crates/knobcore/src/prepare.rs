@@ -13,6 +13,13 @@ const PAPER_RATE_HZ: f64 = 5000.0;
 /// Shortest stretch that is worth fitting, samples.
 const SHORTEST: usize = 32;
 
+/// A knob stands still when its speed stays below this many standard deviations of it for this long.
+const STILL_SD: f64 = 4.0;
+/// See [`STILL_SD`].
+const STILL_S: f64 = 0.02;
+/// Samples at each end where the smoother knows the acceleration badly.
+const SMOOTHER_ENDS: usize = 50;
+
 /// A low-pass filter by its design; it runs forward and backward.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LowPass {
@@ -29,7 +36,9 @@ impl LowPass {
     fn design(self, rate_hz: f64) -> Result<ZeroPhase> {
         match self {
             Self::Paper(edge) => Ok(ZeroPhase::new(cheby2(3, 20.0, edge, rate_hz)?)),
-            Self::Butterworth(order, edge) => Ok(ZeroPhase::new(butter(order, edge, rate_hz)?).padded_by(3 * order)),
+            Self::Butterworth(order, edge) => {
+                Ok(ZeroPhase::new(butter(order, edge, rate_hz)?).padded_by(3 * order))
+            }
             Self::Decimation(factor) => {
                 let edge = 0.8 * 0.5 * rate_hz / factor as f64;
                 Ok(ZeroPhase::new(cheby1(8, 0.05, edge, rate_hz)?).padded_by(24))
@@ -76,7 +85,13 @@ impl Preparation {
     /// The default: the motion from the smoother, the torque through the paper's filter. Edges of Table 6
     /// belong to 5 kHz; at a lower rate they keep their share of it.
     pub fn smooth(rate_hz: f64) -> Self {
-        Self { source: Source::Smoother, torque: Some(LowPass::Paper(500.0 * slower(rate_hz))), skip: 0, trim: None, every: 1 }
+        Self {
+            source: Source::Smoother,
+            torque: Some(LowPass::Paper(500.0 * slower(rate_hz))),
+            skip: 0,
+            trim: None,
+            every: 1,
+        }
     }
 
     /// The paper's own: a filter per channel, the edges of Table 6.
@@ -154,7 +169,8 @@ struct Moving {
 pub fn prepare(recording: &Recording<'_>, how: &Preparation) -> Result<Prepared> {
     let filter = how.torque.map(|design| design.design(recording.rate_hz)).transpose()?;
     let settle = filter.as_ref().map_or(0, |filter| filter.sos().settle() / 4);
-    let trim = how.trim.unwrap_or(settle);
+    let ends = if how.source == Source::Smoother { SMOOTHER_ENDS } else { 0 };
+    let trim = how.trim.unwrap_or(settle.max(ends));
     let shortest = SHORTEST.max(2 * trim + 1).max(filter.as_ref().map_or(0, ZeroPhase::padding) + 1);
     let stretches = stretches(recording);
     let segments: Vec<Range<usize>> =
@@ -163,7 +179,9 @@ pub fn prepare(recording: &Recording<'_>, how: &Preparation) -> Result<Prepared>
         let longest = stretches.iter().map(ExactSizeIterator::len).max().unwrap_or(0);
         return Err(Error::invalid(
             "capture",
-            format!("its longest stretch without gap has {longest} good samples, and {shortest} are needed; record longer"),
+            format!(
+                "its longest stretch without gap has {longest} good samples, and {shortest} are needed; record longer"
+            ),
         ));
     }
     let moving = match how.source {
@@ -182,6 +200,10 @@ pub fn prepare(recording: &Recording<'_>, how: &Preparation) -> Result<Prepared>
             weight[at] = if (last - at).is_multiple_of(how.every) { 1.0 } else { 0.0 };
         }
     }
+    let stuck = standing_still(&moving, &segments, recording.rate_hz);
+    for at in stuck.iter().flat_map(Clone::clone) {
+        weight[at] = 0.0;
+    }
     let start = recording.t.first().copied().unwrap_or(0.0);
     let mut signals = Signals {
         axis: recording.axis,
@@ -196,10 +218,33 @@ pub fn prepare(recording: &Recording<'_>, how: &Preparation) -> Result<Prepared>
         tau_raw: recording.tau.to_vec(),
         weight,
         segments,
+        stuck,
         filter,
     };
     signals.filter_torque();
     Ok(Prepared { signals, uncertainty: moving.uncertainty, noise: moving.noise })
+}
+
+/// Stretches within the segments in which the velocity cannot be told from zero for longer than a reversal
+/// takes.
+fn standing_still(moving: &Moving, segments: &[Range<usize>], rate_hz: f64) -> Vec<Range<usize>> {
+    let least = (STILL_S * rate_hz) as usize;
+    let mut stuck = Vec::new();
+    for segment in segments {
+        let still = |at: usize| moving.omega[at].abs() <= STILL_SD * moving.omega_sd[at];
+        let mut at = segment.start;
+        while at < segment.end {
+            let start = at;
+            while at < segment.end && still(at) {
+                at += 1;
+            }
+            if at - start > least {
+                stuck.push(start..at);
+            }
+            at += 1;
+        }
+    }
+    stuck
 }
 
 /// Runs of rows without gap.
@@ -212,7 +257,8 @@ fn stretches(recording: &Recording<'_>) -> Vec<Range<usize>> {
 }
 
 fn smoothed(recording: &Recording<'_>) -> Result<Moving> {
-    let sensors = Sensors { t: recording.t, theta: recording.theta, omega: recording.omega, alpha: recording.alpha };
+    let sensors =
+        Sensors { t: recording.t, theta: recording.theta, omega: recording.omega, alpha: recording.alpha };
     let noise = noise_from_capture(&sensors)?;
     let motion = smooth(&sensors, &noise)?;
     Ok(Moving {
@@ -226,7 +272,11 @@ fn smoothed(recording: &Recording<'_>) -> Result<Moving> {
 }
 
 /// Column by column, each filtered; absent ones by central differences.
-fn columns(recording: &Recording<'_>, stretches: &[Range<usize>], filters: [Option<ZeroPhase>; 3]) -> Result<Moving> {
+fn columns(
+    recording: &Recording<'_>,
+    stretches: &[Range<usize>],
+    filters: [Option<ZeroPhase>; 3],
+) -> Result<Moving> {
     let filtered = |column: &[f64], filter: &Option<ZeroPhase>| -> Result<Vec<f64>> {
         let mut column = column.to_vec();
         if let Some(filter) = filter {

@@ -37,6 +37,8 @@ pub struct Signals {
     pub weight: Vec<f64>,
     /// Contiguous stretches of good samples; nothing is filtered across their borders.
     pub segments: Vec<Range<usize>>,
+    /// Stretches in which the knob stands still; they say nothing about sliding and do not count.
+    pub stuck: Vec<Range<usize>>,
     /// The measurement filter; the model's torque passes through it too. None: no filter.
     pub filter: Option<ZeroPhase>,
 }
@@ -81,7 +83,8 @@ impl Signals {
     /// The motion at sample `at`; past the end, rest.
     pub fn motion(&self, at: usize) -> Motion<f64> {
         let [t, theta, omega, alpha, forward] =
-            [&self.t, &self.theta, &self.omega, &self.alpha, &self.forward].map(|x| x.get(at).copied().unwrap_or(0.0));
+            [&self.t, &self.theta, &self.omega, &self.alpha, &self.forward]
+                .map(|x| x.get(at).copied().unwrap_or(0.0));
         Motion { t, theta, omega, alpha, forward }
     }
 
@@ -95,7 +98,8 @@ impl Signals {
             for piece in 0..pieces {
                 let border = |k: usize| segment.start + k * segment.len() / pieces;
                 let core = border(piece)..border(piece + 1);
-                let whole = core.start.saturating_sub(halo).max(segment.start)..(core.end + halo).min(segment.end);
+                let whole =
+                    core.start.saturating_sub(halo).max(segment.start)..(core.end + halo).min(segment.end);
                 chunks.push(Chunk { whole, core });
             }
         }
@@ -112,7 +116,7 @@ impl Signals {
 
     /// Filters the raw torque into `tau`, by the same route that a model's torque takes.
     pub fn filter_torque(&mut self) {
-                let mut tau = self.tau_raw.clone();
+        let mut tau = self.tau_raw.clone();
         for chunk in self.chunks() {
             let mut column = self.tau_raw[chunk.whole.clone()].to_vec();
             self.measure(&mut [&mut column]);

@@ -68,7 +68,9 @@ impl Bins {
         let member: Vec<Vec<u32>> = data
             .iter()
             .zip(&coordinate.values)
-            .map(|(signals, values)| values.iter().enumerate().map(|(at, value)| bin(signals, at, *value)).collect())
+            .map(|(signals, values)| {
+                values.iter().enumerate().map(|(at, value)| bin(signals, at, *value)).collect()
+            })
             .collect();
         let mut bins = Self {
             axis: coordinate.axis,

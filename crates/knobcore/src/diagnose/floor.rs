@@ -21,7 +21,8 @@ const BAND: [f64; 2] = [0.5, 0.95];
 /// frequencies keeps a line (mains, a resonance) out.
 pub fn white_variance(signals: &Signals, model: &Model) -> f64 {
     let torque = torque_raw(model, signals);
-    let rest: Vec<f64> = signals.tau_raw.iter().zip(torque).map(|(measured, model)| measured - model).collect();
+    let rest: Vec<f64> =
+        signals.tau_raw.iter().zip(torque).map(|(measured, model)| measured - model).collect();
     let periodogram = Periodogram::new(WINDOW);
     let mut power = vec![0.0; WINDOW / 2 + 1];
     let mut windows = 0.0;
@@ -68,7 +69,8 @@ pub(super) struct Periodogram {
 
 impl Periodogram {
     pub fn new(n: usize) -> Self {
-        let taper: Vec<f64> = (0..n).map(|i| 0.5 - 0.5 * (2.0 * PI * (i as f64 + 0.5) / n as f64).cos()).collect();
+        let taper: Vec<f64> =
+            (0..n).map(|i| 0.5 - 0.5 * (2.0 * PI * (i as f64 + 0.5) / n as f64).cos()).collect();
         let energy = taper.iter().map(|w| w * w).sum();
         Self { plan: RealFftPlanner::new().plan_fft_forward(n), taper, energy }
     }

@@ -12,8 +12,10 @@ use crate::random::Noise;
 use crate::signals::Signals;
 use crate::special::normal_quantile;
 
-/// Noise captures that stand for chance; a multiple of four, which the filter takes at a time.
+/// Noise captures that stand for chance.
 const DRAWS: usize = 64;
+/// Of which so many are held at once: the filter takes four at a time.
+const AT_ONCE: usize = 4;
 /// Chance of any false region on an axis.
 const ALARM: f64 = 0.05;
 
@@ -81,7 +83,8 @@ impl<'a> Rest<'a> {
             triples.map(|((tau, f), w)| if *w > 0.0 { tau - f } else { 0.0 }).collect()
         };
         let residual: Vec<Vec<f64>> = data.iter().zip(&torque).map(rest).collect();
-        let white: Vec<f64> = data.iter().map(|s| white_variance(s, model)).map(|v| if v > 0.0 { v } else { 0.0 }).collect();
+        let white: Vec<f64> =
+            data.iter().map(|s| white_variance(s, model)).map(|v| if v > 0.0 { v } else { 0.0 }).collect();
         let gain = |s: &Signals| s.filter.as_ref().map_or(1.0, |f| f.sos().mean_power());
         let noise: f64 = data.iter().zip(&white).map(|(s, white)| white * gain(s) * s.used() as f64).sum();
         let squares: f64 = residual.iter().flatten().map(|r| r * r).sum();
@@ -100,9 +103,12 @@ pub fn locate(data: &[&Signals], model: &Model) -> Vec<Split> {
     let axes = all_axes(&rest, model);
     let measured: Vec<Vec<f64>> = axes.iter().map(|bins| bins.sums(&rest.residual, |r| r)).collect();
     let mut chance: Vec<Chance> = axes.iter().map(Chance::new).collect();
-    for draw in noise_captures(&rest) {
-        for (bins, chance) in axes.iter().zip(&mut chance) {
-            chance.add(bins, &bins.sums(&draw, |r| r));
+    let mut noise = Noise::new(0x6b6e_6f62);
+    for _ in 0..DRAWS / AT_ONCE {
+        for draw in noise_captures(&rest, &mut noise) {
+            for (bins, chance) in axes.iter().zip(&mut chance) {
+                chance.add(bins, &bins.sums(&draw, |r| r));
+            }
         }
     }
     let mut splits: Vec<Split> = axes
@@ -175,7 +181,8 @@ fn regions(rest: &Rest<'_>, bins: &Bins, sums: &[f64], fails: impl Fn(usize) -> 
     let mut bin = 0;
     while bin < bins.len() {
         let start = bin;
-        let joins = |bin: usize| bin < bins.len() && fails(bin) && bins.direction[bin] == bins.direction[start];
+        let joins =
+            |bin: usize| bin < bins.len() && fails(bin) && bins.direction[bin] == bins.direction[start];
         while joins(bin) && sums[bin] * sums[start] > 0.0 {
             bin += 1;
         }
@@ -198,15 +205,15 @@ fn regions(rest: &Rest<'_>, bins: &Bins, sums: &[f64], fails: impl Fn(usize) -> 
     regions
 }
 
-/// Captures of noise alone, through the measurement filter. Uniform noise does: a filtered sum of many
+/// A few captures of noise alone, through the measurement filter. Uniform noise does: a filtered sum of many
 /// samples is as good as normal, and it costs a tenth.
-fn noise_captures(rest: &Rest<'_>) -> Vec<Vec<Vec<f64>>> {
-    let mut noise = Noise::new(0x6b6e_6f62);
-    let mut draws = vec![Vec::with_capacity(rest.data.len()); DRAWS];
+fn noise_captures(rest: &Rest<'_>, noise: &mut Noise) -> Vec<Vec<Vec<f64>>> {
+    let mut draws = vec![Vec::with_capacity(rest.data.len()); AT_ONCE];
     for (signals, white) in rest.data.iter().zip(&rest.white) {
         let scale = (12.0 * white).sqrt();
-        let mut raw: Vec<Vec<f64>> =
-            (0..DRAWS).map(|_| (0..signals.len()).map(|_| scale * (noise.uniform() - 0.5)).collect()).collect();
+        let mut raw: Vec<Vec<f64>> = (0..AT_ONCE)
+            .map(|_| (0..signals.len()).map(|_| scale * (noise.uniform() - 0.5)).collect())
+            .collect();
         for segment in &signals.segments {
             let mut columns: Vec<&mut [f64]> = raw.iter_mut().map(|draw| &mut draw[segment.clone()]).collect();
             signals.measure(&mut columns);

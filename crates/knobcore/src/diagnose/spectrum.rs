@@ -12,9 +12,15 @@ const SHORTEST: usize = 256;
 /// Chance of a false line anywhere.
 const ALARM: f64 = 0.05;
 
-/// Splits the error over frequency.
+/// A line stands this many times above the power around it.
+const LINE: f64 = 8.0;
+/// Bins to either side that count as around.
+const AROUND: usize = 20;
+
+/// Splits the error over frequency: what stands out as lines.
 pub fn split_frequency(rest: &Rest<'_>) -> Split {
-    let longest = rest.data.iter().flat_map(|s| s.segments.iter().map(ExactSizeIterator::len)).max().unwrap_or(0);
+    let longest =
+        rest.data.iter().flat_map(|s| s.segments.iter().map(ExactSizeIterator::len)).max().unwrap_or(0);
     let mut window = SHORTEST;
     while 2 * window <= LONGEST && 8 * window <= longest {
         window *= 2;
@@ -41,25 +47,38 @@ pub fn split_frequency(rest: &Rest<'_>) -> Split {
     // 1967), here in the cube-root approximation of Wilson & Hilferty 1931.
     let degrees = 1.8 * windows;
     let quantile = |z: f64| (1.0 - 2.0 / (9.0 * degrees) + z * (2.0 / (9.0 * degrees)).sqrt()).powi(3);
-    let (usual, limit) = (quantile(normal_quantile(0.95)), quantile(normal_quantile(1.0 - ALARM / cells as f64)));
+    let (usual, limit) =
+        (quantile(normal_quantile(0.95)), quantile(normal_quantile(1.0 - ALARM / cells as f64)));
     // Power per bin is scaled so that its mean over both halves of the spectrum is the variance.
     let used: f64 = rest.data.iter().map(|s| s.used() as f64).sum();
     let scale = 2.0 / window as f64 / windows;
-    let (power, noise): (Vec<f64>, Vec<f64>) = power.iter().zip(&noise).map(|(p, n)| (p * scale, n * scale)).unzip();
+    let (power, noise): (Vec<f64>, Vec<f64>) =
+        power.iter().zip(&noise).map(|(p, n)| (p * scale, n * scale)).unzip();
     let hz = |cell: f64| (cell * rate / window as f64).max(0.0);
     let fails = |cell: usize| power[cell] > limit * noise[cell] && power[cell] > 0.0;
-    let beyond: f64 = (0..cells).filter(|&c| fails(c)).map(|c| power[c] - noise[c]).sum();
+    // Only lines count: a residual that lies over position or velocity fills the spectrum broadly as well, and
+    // frequency says nothing about it.
+    let floor = surroundings(&power);
+    let line = |cell: usize| fails(cell) && power[cell] > LINE * floor[cell];
+    let mut beyond = 0.0;
     let mut regions = Vec::new();
     let mut cell = 0;
     while cell < cells {
         let start = cell;
-        while cell < cells && fails(cell) {
+        while cell < cells && line(cell) {
             cell += 1;
         }
         if cell > start {
-            let squares: f64 = (start..cell).map(|c| power[c] - noise[c]).sum();
+            let squares: f64 = (start..cell).map(|c| power[c] - floor[c]).sum();
+            beyond += squares;
             let (from, to) = (hz(start as f64 - 0.5), hz(cell as f64 - 0.5));
-            regions.push(Region { from, to, direction: 0, mean: squares.sqrt(), share: rest.share(squares * used) });
+            regions.push(Region {
+                from,
+                to,
+                direction: 0,
+                mean: squares.sqrt(),
+                share: rest.share(squares * used),
+            });
         } else {
             cell += 1;
         }
@@ -78,6 +97,16 @@ pub fn split_frequency(rest: &Rest<'_>) -> Split {
         chance: 0.0,
         regions,
     }
+}
+
+/// Median power around each bin.
+fn surroundings(power: &[f64]) -> Vec<f64> {
+    let around = |cell: usize| {
+        let mut near = power[cell.saturating_sub(AROUND)..(cell + AROUND + 1).min(power.len())].to_vec();
+        near.sort_by(f64::total_cmp);
+        near[near.len() / 2]
+    };
+    (0..power.len()).map(around).collect()
 }
 
 /// What the forward-backward filter does to the power of noise at this share of the sampling rate.

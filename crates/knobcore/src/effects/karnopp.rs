@@ -14,7 +14,8 @@ pub struct Karnopp;
 impl Effect<3> for Karnopp {
     const ID: &'static str = "karnopp";
     const LAW: &'static str = "clamp(tau_other, -D_neg, D_pos) for |omega| <= dv";
-    const SOURCE: &'static str = "Karnopp 1985; Equation 2 of the haptic-camera paper, with D in the stick branch";
+    const SOURCE: &'static str =
+        "Karnopp 1985; Equation 2 of the haptic-camera paper, with D in the stick branch";
     const SHOWS: &'static str = "while the knob stands still under torque";
     const PARAMS: [Param; 3] = [
         Param::shape("D_neg", Unit::of(1, 0, 0), [0.0, 1e9], 0.0, "breakaway friction backward, a magnitude"),

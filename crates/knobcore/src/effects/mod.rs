@@ -261,7 +261,10 @@ impl Id {
     pub fn parse(id: &str) -> Result<Self> {
         Self::ALL.iter().copied().find(|effect| effect.info().id == id).ok_or_else(|| {
             let known: Vec<_> = Self::ALL.iter().map(|effect| effect.info().id).collect();
-            Error::invalid(format!("effect '{id}'"), format!("is not in the catalogue; it has {}", known.join(", ")))
+            Error::invalid(
+                format!("effect '{id}'"),
+                format!("is not in the catalogue; it has {}", known.join(", ")),
+            )
         })
     }
 }

@@ -36,7 +36,9 @@ mod tests {
 
     #[test]
     fn the_polynomial_has_its_values_by_hand() {
-        let torque = |theta: f64| PositionPolynomial::load(&[1.0, -2.0, 0.5], &Motion::exact(0.0, theta, 0.0, 0.0)).drive;
+        let torque = |theta: f64| {
+            PositionPolynomial::load(&[1.0, -2.0, 0.5], &Motion::exact(0.0, theta, 0.0, 0.0)).drive
+        };
         assert_eq!((torque(0.0), torque(2.0), torque(-1.0)), (0.0, -2.0, -3.5));
     }
 }

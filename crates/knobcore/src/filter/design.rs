@@ -56,15 +56,19 @@ pub fn cheby2(order: usize, stopband_db: f64, edge_hz: f64, rate_hz: f64) -> Res
 pub fn cheby1(order: usize, ripple_db: f64, edge_hz: f64, rate_hz: f64) -> Result<Sos> {
     let warped = warped_edge("edge_hz", order, edge_hz, rate_hz)?;
     if !(ripple_db.is_finite() && ripple_db > 0.0) {
-        return Err(Error::invalid("ripple_db", format!("{ripple_db} dB must be a positive ripple, for example 0.05")));
+        return Err(Error::invalid(
+            "ripple_db",
+            format!("{ripple_db} dB must be a positive ripple, for example 0.05"),
+        ));
     }
     let ripple = (10f64.powf(0.1 * ripple_db) - 1.0).sqrt();
     let mu = (1.0 / ripple).asinh() / order as f64;
-    let poles = angles(order)
-        .map(|theta| Complex::new(-mu.sinh() * theta.cos(), -mu.cosh() * theta.sin()))
-        .collect();
+    let poles =
+        angles(order).map(|theta| Complex::new(-mu.sinh() * theta.cos(), -mu.cosh() * theta.sin())).collect();
     let mut sections = digital_sections(Vec::new(), poles, warped);
-    if order.is_multiple_of(2) && let Some(first) = sections.first_mut() {
+    if order.is_multiple_of(2)
+        && let Some(first) = sections.first_mut()
+    {
         first.b = first.b.map(|b| b / (1.0 + ripple * ripple).sqrt());
     }
     Sos::new(sections, rate_hz)

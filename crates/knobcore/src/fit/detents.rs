@@ -17,7 +17,13 @@ const CANDIDATES: usize = 3;
 const RIVAL: f64 = 0.8;
 
 /// The best descent over the peaks of the scan. The sweeps of every descent count as evaluations.
-pub fn best_from_scan(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64], scan: &Scan) -> Result<Option<Found>> {
+pub fn best_from_scan(
+    data: &[&Signals],
+    model: &Model,
+    layout: &Layout,
+    start: &[f64],
+    scan: &Scan,
+) -> Result<Option<Found>> {
     let peaks = scan.peaks();
     let best_gain = peaks.first().map_or(0.0, |peak| peak.1);
     let period = model.index("detent.P")?;

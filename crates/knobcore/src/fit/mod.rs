@@ -115,7 +115,8 @@ fn scanned(data: &[&Signals], model: &Model, detents: Detents) -> Result<Option<
         if floor.is_finite() { floor } else { 0.0 }
     };
     // The scan sees detents through a filter that it does not know, so its gain is a little off.
-    let promising = || scan.peaks().first().is_some_and(|peak| worth_it(1.5 * peak.1, &without, &scan, floor()));
+    let promising =
+        || scan.peaks().first().is_some_and(|peak| worth_it(1.5 * peak.1, &without, &scan, floor()));
     let with = if detents == Detents::AsModel || promising() {
         best_from_scan(data, &full, &Layout::of(&full), &full.values(), &scan)?
     } else {
@@ -152,29 +153,47 @@ fn check(data: &[&Signals], model: &Model) -> Result<()> {
     if used <= 2 * free + 10 {
         return Err(Error::invalid(
             "capture",
-            format!("has {used} samples that count, too few to fit {free} parameters; record longer, or mask less"),
+            format!(
+                "has {used} samples that count, too few to fit {free} parameters; record longer, or mask less"
+            ),
         ));
     }
     if data.iter().any(|signals| signals.axis != model.axis) {
-        return Err(Error::invalid("model", "is of another kind of axis than the capture; give both as rotary or both as linear"));
+        return Err(Error::invalid(
+            "model",
+            "is of another kind of axis than the capture; give both as rotary or both as linear",
+        ));
     }
     let constant = |signals: &&Signals| {
-        let mut used = signals.tau.iter().zip(&signals.weight).filter(|(_, w)| **w > 0.0).map(|(tau, _)| *tau);
+        let mut used =
+            signals.tau.iter().zip(&signals.weight).filter(|(_, w)| **w > 0.0).map(|(tau, _)| *tau);
         let first = used.next();
         used.all(|tau| Some(tau) == first)
     };
     if data.iter().all(constant) {
-        return Err(Error::invalid("tau", "is the same in every sample; check that the torque sensor was connected and mapped"));
+        return Err(Error::invalid(
+            "tau",
+            "is the same in every sample; check that the torque sensor was connected and mapped",
+        ));
     }
     let still = |signals: &&Signals| signals.theta.iter().all(|x| Some(x) == signals.theta.first());
     if data.iter().all(still) {
-        return Err(Error::invalid("theta", "never moves; record a motion, or map the column that holds the angle"));
+        return Err(Error::invalid(
+            "theta",
+            "never moves; record a motion, or map the column that holds the angle",
+        ));
     }
     Ok(())
 }
 
 /// Everything that is reported about the optimum.
-fn finish(data: &[&Signals], mut model: Model, layout: &Layout, found: Found, scan: Option<Scan>) -> Result<Fit> {
+fn finish(
+    data: &[&Signals],
+    mut model: Model,
+    layout: &Layout,
+    found: Found,
+    scan: Option<Scan>,
+) -> Result<Fit> {
     model.set_values(&found.p);
     let seeds = layout.seeds(&model);
     let used: usize = data.iter().map(|signals| signals.used()).sum();
@@ -196,7 +215,10 @@ fn finish(data: &[&Signals], mut model: Model, layout: &Layout, found: Found, sc
         None => Mat::zeros(0, 0),
     };
     let blocks = block_moments(data, &model, &found.p, &seeds, (used / BLOCKS).max(1));
-    let undetermined = (0..layout.free.len()).filter(|c| !kept.contains(c)).map(|c| undetermined(&model, layout, &at, &kept, c)).collect();
+    let undetermined = (0..layout.free.len())
+        .filter(|c| !kept.contains(c))
+        .map(|c| undetermined(&model, layout, &at, &kept, c))
+        .collect();
     Ok(Fit {
         free: kept.iter().map(|&column| layout.free[column]).collect(),
         covariance,
@@ -234,7 +256,10 @@ fn undetermined(model: &Model, layout: &Layout, at: &Moments, kept: &[usize], co
             .unwrap_or_default();
         let parts = kept.iter().zip(&along).filter(|(i, x)| (*x * *x) * at.gram(**i, **i) > 1e-4 * length);
         let others: Vec<String> = parts.map(|(&i, _)| name(i)).collect();
-        format!("this capture cannot tell it from {}; record a motion that does, or fix or tie one of them", others.join(", "))
+        format!(
+            "this capture cannot tell it from {}; record a motion that does, or fix or tie one of them",
+            others.join(", ")
+        )
     } else {
         "nothing in this capture depends on it; record a motion that does, or fix it".into()
     };
@@ -250,13 +275,18 @@ impl Fit {
     /// Correlation of the estimates, in the order of `free`.
     pub fn correlation(&self) -> Mat<f64> {
         let se = self.standard_errors();
-        Mat::from_fn(se.len(), se.len(), |i, j| if i == j { 1.0 } else { self.covariance[(i, j)] / (se[i] * se[j]) })
+        Mat::from_fn(
+            se.len(),
+            se.len(),
+            |i, j| if i == j { 1.0 } else { self.covariance[(i, j)] / (se[i] * se[j]) },
+        )
     }
 
     /// Block-bootstrap refits: each a value per determined parameter, in the order of `free`.
     pub fn bootstrap(&self, draws: usize, seed: u64) -> Vec<Vec<f64>> {
         let values = self.model.values();
-        let around = |step: Vec<f64>| self.kept.iter().zip(&self.free).map(|(&c, &i)| values[i] + step[c]).collect();
+        let around =
+            |step: Vec<f64>| self.kept.iter().zip(&self.free).map(|(&c, &i)| values[i] + step[c]).collect();
         refits(&self.blocks, &self.kept, draws, seed).into_iter().map(around).collect()
     }
 

@@ -157,7 +157,13 @@ pub fn moments(data: &[&Signals], model: &Model, p: &[f64], seeds: &Seeds) -> Mo
 
 /// The normal equations at `p`, apart for consecutive blocks of about `samples` used samples each; a block
 /// never spans two captures.
-pub fn block_moments(data: &[&Signals], model: &Model, p: &[f64], seeds: &Seeds, samples: usize) -> Vec<Moments> {
+pub fn block_moments(
+    data: &[&Signals],
+    model: &Model,
+    p: &[f64],
+    seeds: &Seeds,
+    samples: usize,
+) -> Vec<Moments> {
     let k = seeds.columns();
     let mut blocks: Vec<Moments> = Vec::new();
     let mut capture = usize::MAX;

@@ -38,7 +38,11 @@ impl Scan {
     pub fn peaks(&self) -> Vec<(f64, f64)> {
         let gain = |i: Option<usize>| i.and_then(|i| self.gain.get(i)).copied().unwrap_or(0.0);
         let mut peaks: Vec<(f64, f64)> = (0..self.gain.len())
-            .filter(|&i| gain(Some(i)) > 0.0 && gain(Some(i)) >= gain(i.checked_sub(1)) && gain(Some(i)) > gain(Some(i + 1)))
+            .filter(|&i| {
+                gain(Some(i)) > 0.0
+                    && gain(Some(i)) >= gain(i.checked_sub(1))
+                    && gain(Some(i)) > gain(Some(i + 1))
+            })
             .map(|i| (1.0 / self.inverse_period[i], self.gain[i]))
             .collect();
         peaks.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -66,7 +70,10 @@ struct Grid {
 
 impl Grid {
     fn over(data: &[&Signals]) -> Option<Self> {
-        let used = || data.iter().flat_map(|s| s.theta.iter().zip(&s.weight).filter(|(_, w)| **w > 0.0).map(|(x, _)| *x));
+        let used = || {
+            data.iter()
+                .flat_map(|s| s.theta.iter().zip(&s.weight).filter(|(_, w)| **w > 0.0).map(|(x, _)| *x))
+        };
         let (low, high) = used().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
         let range = high - low;
         if !(range.is_finite() && range > 0.0) {
@@ -154,9 +161,11 @@ pub fn scan(data: &[&Signals], model: &Model, p: &[f64], linear: &[usize]) -> Op
     let gain = |at: usize| -> f64 {
         // Cosine and sine products with the kept columns, the residual, and each other.
         let columns: Vec<Complex64> = kept.iter().map(|&i| spectra[i][at].conj()).collect();
-        let residual = spectra[k][at].conj() - columns.iter().zip(&solved).map(|(b, c)| b * c).sum::<Complex64>();
+        let residual =
+            spectra[k][at].conj() - columns.iter().zip(&solved).map(|(b, c)| b * c).sum::<Complex64>();
         let (total, double) = (count[0].re, count[2 * at].conj());
-        let (mut cc, mut cs, mut ss) = (0.5 * (total + double.re), 0.5 * double.im, 0.5 * (total - double.re));
+        let (mut cc, mut cs, mut ss) =
+            (0.5 * (total + double.re), 0.5 * double.im, 0.5 * (total - double.re));
         for (i, a) in columns.iter().enumerate() {
             for (j, b) in columns.iter().enumerate() {
                 let g = inverse[(i, j)];

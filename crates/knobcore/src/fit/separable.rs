@@ -232,7 +232,8 @@ impl Problem<'_> {
         let project = |column: &dyn Fn(usize) -> f64, h: usize| -> f64 {
             point.kept.iter().zip(&along[h]).map(|(&i, x)| x * column(i)).sum()
         };
-        let slope: Vec<f64> = (0..hard.len()).map(|h| m.slope(hard[h]) - project(&|i| m.slope(i), h)).collect();
+        let slope: Vec<f64> =
+            (0..hard.len()).map(|h| m.slope(hard[h]) - project(&|i| m.slope(i), h)).collect();
         let inside = |h: usize| {
             let i = self.layout.free[hard[h]];
             let (low, high) = (slots[i].param.lower, slots[i].param.upper);
@@ -292,7 +293,8 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64])
         let Some((step, promise)) = problem.step(&here, damping) else {
             return ended(&problem, &here, iterations, Status::Converged);
         };
-        let small = layout.hard.iter().all(|&h| step[h].abs() <= STEP * here.p[layout.free[h]].abs().max(STEP));
+        let small =
+            layout.hard.iter().all(|&h| step[h].abs() <= STEP * here.p[layout.free[h]].abs().max(STEP));
         if promise <= PROMISE * here.cost || small {
             let status = if damping > 1e8 { Status::Stalled } else { Status::Converged };
             return ended(&problem, &here, iterations, status);

@@ -87,7 +87,8 @@ impl<'a> Meat<'a> {
         let order = self.serial.coefficients.len();
         let mut coloured: Vec<Vec<Pack>> = Vec::with_capacity(self.past.len());
         for (eight, past) in swept.columns[..self.k].chunks(LANES).zip(&mut self.past) {
-            let recursion = Recursion { coefficients: &self.serial.coefficients, columns: eight, weight, past };
+            let recursion =
+                Recursion { coefficients: &self.serial.coefficients, columns: eight, weight, past };
             let series = pulp::Arch::new().dispatch(recursion);
             past.copy_from_slice(&series[series.len() - order..]);
             coloured.push(series);
@@ -168,6 +169,9 @@ mod tests {
             r.push(1.5 * r[t - 1] - 0.8 * r[t - 2] + noise.normal());
         }
         let serial = Serial::of(&[&r]);
-        assert!((serial.coefficients[0] + 1.5).abs() < 0.03 && (serial.coefficients[1] - 0.8).abs() < 0.03, "{serial:?}");
+        assert!(
+            (serial.coefficients[0] + 1.5).abs() < 0.03 && (serial.coefficients[1] - 0.8).abs() < 0.03,
+            "{serial:?}"
+        );
     }
 }

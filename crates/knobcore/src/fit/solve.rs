@@ -52,7 +52,8 @@ impl Normal {
     /// None where the matrix is not positive definite.
     pub fn of(gram: impl Fn(usize, usize) -> f64, kept: &[usize]) -> Option<Self> {
         let scale: Vec<f64> = kept.iter().map(|&i| gram(i, i).sqrt().recip()).collect();
-        let matrix = Mat::from_fn(kept.len(), kept.len(), |i, j| gram(kept[i], kept[j]) * scale[i] * scale[j]);
+        let matrix =
+            Mat::from_fn(kept.len(), kept.len(), |i, j| gram(kept[i], kept[j]) * scale[i] * scale[j]);
         let factor = matrix.llt(Side::Lower).ok()?;
         Some(Self { scale, factor })
     }

@@ -4,6 +4,7 @@ use super::model::PyModel;
 use super::signals::PySignals;
 use crate::diagnose::{Split, locate as locate_core};
 use crate::fit::{Detents, Fit, fit as fit_core};
+use crate::stiction::{Estimate, stiction as stiction_core};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -83,7 +84,12 @@ impl PyFit {
     }
 
     /// Block-bootstrap refits, shape (draws, parameters).
-    fn bootstrap<'py>(&self, py: Python<'py>, draws: usize, seed: u64) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn bootstrap<'py>(
+        &self,
+        py: Python<'py>,
+        draws: usize,
+        seed: u64,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let refits = py.detach(|| self.0.bootstrap(draws, seed));
         Ok(PyArray2::from_vec2(py, &refits)?)
     }
@@ -92,6 +98,20 @@ impl PyFit {
     fn band<'py>(&self, py: Python<'py>, signals: &PySignals) -> Bound<'py, PyArray1<f64>> {
         array(py, &py.detach(|| self.0.band(&signals.prepared.signals)))
     }
+}
+
+/// Static friction that a capture shows beside a fitted model: (d_neg, d_pos, dv, breakaways), each estimate
+/// None or (value, low, high).
+#[pyfunction]
+#[allow(clippy::type_complexity)]
+pub fn stiction(
+    py: Python<'_>,
+    signals: &PySignals,
+    model: &PyModel,
+) -> (Option<(f64, f64, f64)>, Option<(f64, f64, f64)>, Option<(f64, f64, f64)>, [usize; 2]) {
+    let found = py.detach(|| stiction_core(&signals.prepared.signals, &model.0));
+    let row = |e: Option<Estimate>| e.map(|e| (e.value, e.ci95[0], e.ci95[1]));
+    (row(found.d_neg), row(found.d_pos), row(found.dv), found.breakaways)
 }
 
 /// Splits the error of a model over every axis: dicts with the fields of `Split`.
@@ -124,14 +144,20 @@ fn split_dict<'py>(py: Python<'py>, split: &Split) -> PyResult<Bound<'py, PyDict
     row.set_item("direction", PyArray1::from_slice(py, &split.direction))?;
     row.set_item("share", split.share)?;
     row.set_item("chance", split.chance)?;
-    let regions: Vec<_> = split.regions.iter().map(|r| (r.from, r.to, r.direction, r.mean, r.share)).collect();
+    let regions: Vec<_> =
+        split.regions.iter().map(|r| (r.from, r.to, r.direction, r.mean, r.share)).collect();
     row.set_item("regions", regions)?;
     Ok(row)
 }
 
 /// Fits a model to one or several captures; `find_detents` adds detents where the data show them.
 #[pyfunction]
-pub fn fit(py: Python<'_>, data: Vec<PyRef<'_, PySignals>>, model: &PyModel, find_detents: bool) -> PyResult<PyFit> {
+pub fn fit(
+    py: Python<'_>,
+    data: Vec<PyRef<'_, PySignals>>,
+    model: &PyModel,
+    find_detents: bool,
+) -> PyResult<PyFit> {
     let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
     let detents = if find_detents { Detents::Find } else { Detents::AsModel };
     let (model, signals) = (&model.0, &signals[..]);

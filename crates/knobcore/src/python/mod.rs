@@ -15,9 +15,11 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(smooth::smooth, m)?)?;
     m.add_class::<model::PyModel>()?;
     m.add_function(wrap_pyfunction!(model::catalogue, m)?)?;
+    m.add_function(wrap_pyfunction!(model::push, m)?)?;
     m.add_class::<signals::PySignals>()?;
     m.add_function(wrap_pyfunction!(signals::prepare, m)?)?;
     m.add_class::<fit::PyFit>()?;
     m.add_function(wrap_pyfunction!(fit::locate, m)?)?;
+    m.add_function(wrap_pyfunction!(fit::stiction, m)?)?;
     m.add_function(wrap_pyfunction!(fit::fit, m)?)
 }

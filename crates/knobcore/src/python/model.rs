@@ -1,9 +1,10 @@
 //! Bindings of models and of the catalogue.
-use super::convert::{array, input_error};
+use super::convert::{Column, array, input_error};
 use super::signals::PySignals;
 use crate::effects::Id;
 use crate::model::{Model, Role};
 use crate::param::Axis;
+use crate::simulate::{self, Hand};
 use crate::{model_file, predict};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -32,7 +33,8 @@ impl PyModel {
     #[new]
     #[pyo3(signature = (effects, axis_name="rotary", name=""))]
     fn new(effects: Vec<String>, axis_name: &str, name: &str) -> PyResult<Self> {
-        let ids = effects.iter().map(|id| Id::parse(id)).collect::<Result<Vec<_>, _>>().map_err(input_error)?;
+        let ids =
+            effects.iter().map(|id| Id::parse(id)).collect::<Result<Vec<_>, _>>().map_err(input_error)?;
         let mut model = Model::new(&ids, axis(axis_name));
         model.name = name.to_owned();
         Ok(Self(model))
@@ -69,7 +71,11 @@ impl PyModel {
             Role::Fixed => "fixed".to_owned(),
             Role::Tied(to) => self.0.slots()[to].name(),
         };
-        self.0.slots().iter().map(|s| (s.name(), s.value, s.param.unit.text(self.0.axis), role(s.role))).collect()
+        self.0
+            .slots()
+            .iter()
+            .map(|s| (s.name(), s.value, s.param.unit.text(self.0.axis), role(s.role)))
+            .collect()
     }
 
     fn renamed(&self, name: String) -> Self {
@@ -96,7 +102,8 @@ impl PyModel {
 
     /// The same parameters, of these effects only.
     fn only(&self, effects: Vec<String>) -> PyResult<Self> {
-        let ids = effects.iter().map(|id| Id::parse(id)).collect::<Result<Vec<_>, _>>().map_err(input_error)?;
+        let ids =
+            effects.iter().map(|id| Id::parse(id)).collect::<Result<Vec<_>, _>>().map_err(input_error)?;
         self.0.only(&ids).map(Self).map_err(input_error)
     }
 
@@ -106,6 +113,23 @@ impl PyModel {
         let of = if filtered { predict::torque } else { predict::torque_raw };
         array(py, &py.detach(|| of(&self.0, &signals.prepared.signals)))
     }
+}
+
+/// A knob that a hand pushes through a spring and a damper: theta, omega, alpha and the hand's torque.
+#[pyfunction]
+pub fn push<'py>(
+    py: Python<'py>,
+    model: &PyModel,
+    reference: Column<'py>,
+    dt: f64,
+    stiffness: f64,
+    damping: f64,
+) -> PyResult<[Bound<'py, PyArray1<f64>>; 4]> {
+    let reference = reference.as_slice()?;
+    let pushed = py
+        .detach(|| simulate::push(&model.0, reference, dt, Hand { stiffness, damping }))
+        .map_err(input_error)?;
+    Ok([&pushed.theta, &pushed.omega, &pushed.alpha, &pushed.tau].map(|x| array(py, x)))
 }
 
 /// The catalogue: for each effect a dict of id, place, law, source, shows and params.

@@ -33,7 +33,13 @@ impl PySignals {
             "weight" => &s.weight,
             "omega_sd" if sd.is_some() => &s.omega_sd,
             "theta_sd" | "alpha_sd" | "omega_sd" => match sd {
-                Some([theta, alpha]) => if name == "theta_sd" { theta } else { alpha },
+                Some([theta, alpha]) => {
+                    if name == "theta_sd" {
+                        theta
+                    } else {
+                        alpha
+                    }
+                }
                 None => return Ok(None),
             },
             _ => return Err(input_error(Error::invalid(format!("column '{name}'"), "does not exist"))),
@@ -60,7 +66,12 @@ impl PySignals {
     #[getter]
     fn noise(&self) -> Option<HashMap<&'static str, f64>> {
         let noise = self.prepared.noise.as_ref()?;
-        Some(HashMap::from([("theta", noise.theta), ("omega", noise.omega), ("alpha", noise.alpha), ("jerk", noise.jerk)]))
+        Some(HashMap::from([
+            ("theta", noise.theta),
+            ("omega", noise.omega),
+            ("alpha", noise.alpha),
+            ("jerk", noise.jerk),
+        ]))
     }
 }
 
@@ -104,7 +115,9 @@ pub fn prepare(
     if let Some(edge) = positive(options, "torque_edge_hz")? {
         how.torque = Some(LowPass::Paper(edge));
     }
-    if let (Some(edge), Source::Filtered { theta, omega, alpha }) = (positive(options, "motion_edge_hz")?, &mut how.source) {
+    if let (Some(edge), Source::Filtered { theta, omega, alpha }) =
+        (positive(options, "motion_edge_hz")?, &mut how.source)
+    {
         (*theta, *omega, *alpha) = (LowPass::Paper(edge), LowPass::Paper(edge), LowPass::Paper(0.5 * edge));
     }
     let recording = Recording {

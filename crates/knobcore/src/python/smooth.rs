@@ -1,6 +1,6 @@
 //! `smooth`: the motion from its sensors.
-use crate::smooth::{Noise, Sensors, noise_from_capture, smooth as smooth_motion};
 use super::convert::input_error;
+use crate::smooth::{Noise, Sensors, noise_from_capture, smooth as smooth_motion};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -23,9 +23,8 @@ pub fn smooth<'py>(
         omega: omega.as_ref().map(|column| column.as_slice()).transpose()?,
         alpha: alpha.as_ref().map(|column| column.as_slice()).transpose()?,
     };
-    let motion = py
-        .detach(|| smooth_motion(&sensors, &noise_from_capture(&sensors)?))
-        .map_err(input_error)?;
+    let motion =
+        py.detach(|| smooth_motion(&sensors, &noise_from_capture(&sensors)?)).map_err(input_error)?;
     let result = PyDict::new(py);
     let columns = [
         ("theta", motion.theta),

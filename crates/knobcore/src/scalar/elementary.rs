@@ -7,7 +7,8 @@ use std::f64::consts::FRAC_2_PI;
 
 /// pi/2 in three parts, the first two with trailing zero bits, so that `k` times each is exact for
 /// |k| < 2^20 (Cody & Waite 1980, "Software Manual for the Elementary Functions").
-const PIO2: [f64; 3] = [1.570_796_326_734_125_614_17, 6.077_100_506_303_965_976_60e-11, 2.022_266_248_795_950_631_54e-21];
+const PIO2: [f64; 3] =
+    [1.570_796_326_734_125_614_17, 6.077_100_506_303_965_976_60e-11, 2.022_266_248_795_950_631_54e-21];
 
 /// Adding and taking away 1.5 * 2^52 rounds to the nearest integer, which is then in the low bits.
 const ROUND: f64 = 6_755_399_441_055_744.0;
@@ -20,13 +21,13 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
     let quadrant = shifted.to_bits();
     let r = ((x - k * PIO2[0]) - k * PIO2[1]) - k * PIO2[2];
     let z = r * r;
-    let sin = r
-        + r * z
-            * (-1.666_666_666_666_663_24e-1
-                + z * (8.333_333_333_322_489_46e-3
-                    + z * (-1.984_126_982_985_794_93e-4
-                        + z * (2.755_731_370_707_006_77e-6
-                            + z * (-2.505_076_025_340_686_34e-8 + z * 1.589_690_995_211_550_10e-10)))));
+    let sin = r + r
+        * z
+        * (-1.666_666_666_666_663_24e-1
+            + z * (8.333_333_333_322_489_46e-3
+                + z * (-1.984_126_982_985_794_93e-4
+                    + z * (2.755_731_370_707_006_77e-6
+                        + z * (-2.505_076_025_340_686_34e-8 + z * 1.589_690_995_211_550_10e-10)))));
     let cos = 1.0 - 0.5 * z
         + z * z
             * (4.166_666_666_666_660_19e-2

@@ -1,0 +1,127 @@
+"""Static friction: breakaway torques and the stick band, from a capture in which the knob sticks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from . import _core
+from .errors import InputError
+from .fit import Estimate
+from .model import Model
+from .tables import html_table, text_table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from .fit import Fit
+
+_Z95 = 1.959963984540054
+_NAMES = ("D_neg", "D_pos", "dv")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Stiction:
+    """What a capture says about sticking; None for what it does not say.
+
+    `d_neg`, `d_pos`: breakaway friction backward and forward (N m, magnitudes); `dv`: half-width of the stick
+    band (rad/s); `breakaways`: how many slips were seen backward and forward.
+    """
+
+    fit: Fit
+    d_neg: Estimate | None
+    d_pos: Estimate | None
+    dv: Estimate | None
+    breakaways: tuple[int, int]
+
+    @property
+    def determined(self) -> bool:
+        """Whether all three are known."""
+        return None not in (self.d_neg, self.d_pos, self.dv)
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """What the capture does not show, and what to record, a sentence each."""
+        advice = []
+        for value, side, count in (
+            (self.d_neg, "backward", self.breakaways[0]),
+            (self.d_pos, "forward", self.breakaways[1]),
+        ):
+            if value is None:
+                advice.append(
+                    f"{count} breakaways {side}, and 3 are needed: push the knob from rest, {side}, slowly, "
+                    "until it slips, several times"
+                )
+        if self.dv is None:
+            advice.append("the knob never stands still long enough to show its stick band: let it rest in between")
+        return tuple(advice)
+
+    @property
+    def model(self) -> Model:
+        """The fitted model with the `karnopp` effect at these values.
+
+        Raises InputError where the capture does not determine all of them.
+        """
+        if self.d_neg is None or self.d_pos is None or self.dv is None:
+            raise InputError(f"stiction: {self.missing[0]}")
+        model = self.fit.model if "karnopp" in self.fit.model.effects else self.fit.model.with_effect("karnopp")
+        for name, estimate in zip(_NAMES, (self.d_neg, self.d_pos, self.dv), strict=True):
+            model = model.with_value(f"karnopp.{name}", estimate.value)
+        return model
+
+    def plot(self) -> Figure:
+        """Density of the isolated friction torque over slow velocities, as Figure 24 of the paper."""
+        from . import plot
+
+        return plot.stiction(self.fit, self)
+
+    def document(self) -> dict[str, Any]:
+        """Return it as it stands in the JSON document of `knobcam fit --json`."""
+        rows = zip(_NAMES, (self.d_neg, self.d_pos, self.dv), strict=True)
+        return {
+            "params": {
+                f"karnopp.{name}": {"value": e.value, "ci95": list(e.ci95), "unit": e.unit}
+                for name, e in rows
+                if e is not None
+            },
+            "breakaways": {"backward": self.breakaways[0], "forward": self.breakaways[1]},
+            "missing": list(self.missing),
+        }
+
+    def _rows(self) -> list[tuple[str, ...]]:
+        rows = []
+        for name, e in zip(_NAMES, (self.d_neg, self.d_pos, self.dv), strict=True):
+            if e is not None:
+                rows.append((f"karnopp.{name}", f"{e.value:.6g}", f"{e.ci95[0]:.5g} to {e.ci95[1]:.5g}", e.unit))
+        return rows
+
+    _HEAD = ("parameter", "value", "95 % interval", "unit")
+
+    def __repr__(self) -> str:
+        table = [text_table(self._HEAD, self._rows())] if self._rows() else []
+        return "\n".join([f"Stiction from {sum(self.breakaways)} breakaways", *table, *self.missing])
+
+    def _repr_html_(self) -> str:
+        return html_table(f"Stiction from {sum(self.breakaways)} breakaways", self._HEAD, self._rows())
+
+
+def stiction(fit: Fit) -> Stiction:
+    """Return the static friction that the first capture of a fit shows.
+
+    The density argument of the haptic-camera paper (Figure 24) as an estimator: dv is the edge in the density
+    of speeds (interval by block bootstrap), D the friction that held the knob just before each slip (interval
+    over the slips).
+    """
+    signals = fit.signals
+    d_neg, d_pos, dv, breakaways = _core.stiction(signals.core, fit.core.model)
+    torque, speed = ("N m", "rad/s") if fit.model.axis == "rotary" else ("N", "m/s")
+    return Stiction(
+        fit, _estimate(d_neg, torque), _estimate(d_pos, torque), _estimate(dv, speed), (breakaways[0], breakaways[1])
+    )
+
+
+def _estimate(row: tuple[float, float, float] | None, unit: str) -> Estimate | None:
+    if row is None:
+        return None
+    value, low, high = row
+    return Estimate(value, (low, high), unit, (high - low) / (2.0 * _Z95))
