@@ -21,10 +21,11 @@ def main() -> None:
     parser.add_argument("--knobs", type=int, default=200, help="knobs fitted from no starting values")
     parser.add_argument("--peers", type=int, default=30, help="of these, knobs that the peers fit too")
     parser.add_argument("--rig", type=int, default=300, help="knobs per motion on the rig")
+    parser.add_argument("--springs", type=int, default=30, help="knobs with a spring per motion")
     counts = parser.parse_args()
     table2 = study_table2.run(counts.draws)
     basin = study_basin.run(counts.knobs, counts.peers)
-    rig = study_rig.run(counts.rig)
+    rig = study_rig.run(counts.rig, counts.springs)
     RESULTS.mkdir(exist_ok=True)
     for name, result, lines in (
         ("table2", table2, study_table2.report(table2)),

@@ -60,9 +60,24 @@ def one(name: str, seed: int) -> dict[str, Any]:
     }
 
 
-def run(knobs: int) -> list[dict[str, Any]]:
-    """Fit `knobs` knobs under each motion."""
-    return [one(name, seed) for name in MOTIONS for seed in range(knobs)]
+def detents_of_a_spring(name: str, seed: int) -> dict[str, Any]:
+    """Fit a knob with a return spring and no detents: a stretch of a long sine would fit it too."""
+    rng = np.random.default_rng([len(MOTIONS) + MOTIONS.index(name), seed])
+    stiffness = float(np.exp(rng.uniform(np.log(2e-4), np.log(2e-2))))
+    model = model_of(rig_like(rng, False)).with_effect("return_spring")
+    model = model.with_value("return_spring.k", stiffness)
+    fit = kc.fit(kc.simulate(model, _track(name, rng), noise=SENSORS, seed=seed))
+    found = "detent" in fit.model.effects
+    phase = float(np.ptp(fit.signals.theta)) / fit.params["detent.P"].value if found else None
+    return {"motion": name, "seed": seed, "found": found, "phase": phase}
+
+
+def run(knobs: int, springs: int) -> dict[str, list[dict[str, Any]]]:
+    """Fit `knobs` knobs of the base model and `springs` with a spring under each motion."""
+    return {
+        "base": [one(name, seed) for name in MOTIONS for seed in range(knobs)],
+        "spring": [detents_of_a_spring(name, seed) for name in MOTIONS for seed in range(springs)],
+    }
 
 
 def _quantiles(values: list[float]) -> str:
@@ -70,8 +85,9 @@ def _quantiles(values: list[float]) -> str:
     return f"{low:.3f} {middle:.3f} {high:.3f}"
 
 
-def report(rows: list[dict[str, Any]]) -> Iterator[str]:
+def report(result: dict[str, list[dict[str, Any]]]) -> Iterator[str]:
     """Tables of what came out."""
+    rows = result["base"]
     yield "motion     | error / floor           | estimated / true floor  | detents missed, invented | above"
     yield "           | least, median, most     | least, median, most     |                          |"
     for name in MOTIONS:
@@ -95,3 +111,9 @@ def report(rows: list[dict[str, Any]]) -> Iterator[str]:
             z = np.array([row["z"][parameter] for row in own if parameter in row["z"]])
             cells.append(f"{100 * np.mean(np.abs(z) < 1.96):5.1f} ({np.sqrt(np.mean(z**2)):.2f})".rjust(14))
         yield f"{name:10} " + " ".join(cells)
+    yield "detents invented for a return spring, and the largest phase that they turn by within the capture, rad"
+    for name in MOTIONS:
+        own = [row for row in result["spring"] if row["motion"] == name]
+        phases = [row["phase"] for row in own if row["found"]]
+        largest = f", {max(phases):.2f}" if phases else ""
+        yield f"{name:10} {len(phases)} of {len(own)}{largest}"
