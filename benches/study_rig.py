@@ -111,7 +111,7 @@ def report(result: dict[str, list[dict[str, Any]]]) -> Iterator[str]:
             z = np.array([row["z"][parameter] for row in own if parameter in row["z"]])
             cells.append(f"{100 * np.mean(np.abs(z) < 1.96):5.1f} ({np.sqrt(np.mean(z**2)):.2f})".rjust(14))
         yield f"{name:10} " + " ".join(cells)
-    yield "detents invented for a return spring, and the largest phase that they turn by within the capture, rad"
+    yield "detents invented for a return spring, and the most that they turn by in the capture, rad of phase"
     for name in MOTIONS:
         own = [row for row in result["spring"] if row["motion"] == name]
         phases = [row["phase"] for row in own if row["found"]]
