@@ -9,17 +9,23 @@
 
 from __future__ import annotations
 
-from ._core import __version__
-from .capture import Capture, load
-from .compare import Comparison, compare
-from .effects import Effect, effects
-from .errors import InputError, KnobcamError
-from .fit import Estimate, Fit, fit
-from .model import KNOBS, Model, Parameter
-from .motions import MOTIONS, MotionTrack, motion
-from .prepare import Prepared, prepare
-from .simulate import SensorNoise, simulate
-from .stiction import Stiction, stiction
+import sys
+from importlib import import_module
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ._core import __version__
+    from .capture import Capture, load
+    from .compare import Comparison, compare
+    from .effects import Effect, effects
+    from .errors import InputError, KnobcamError
+    from .fit import Estimate, Fit, fit
+    from .model import KNOBS, Model, Parameter
+    from .motions import MOTIONS, MotionTrack, motion
+    from .prepare import Prepared, prepare
+    from .simulate import SensorNoise, simulate
+    from .stiction import Stiction, stiction
 
 __all__ = [
     "KNOBS",
@@ -47,3 +53,56 @@ __all__ = [
     "simulate",
     "stiction",
 ]
+
+# Where each name lives. A name is imported when it is first used (PEP 562), so `knobcam --help` waits for
+# neither NumPy nor the core.
+_HOME = {
+    "KNOBS": "model",
+    "MOTIONS": "motions",
+    "Capture": "capture",
+    "Comparison": "compare",
+    "Effect": "effects",
+    "Estimate": "fit",
+    "Fit": "fit",
+    "InputError": "errors",
+    "KnobcamError": "errors",
+    "Model": "model",
+    "MotionTrack": "motions",
+    "Parameter": "model",
+    "Prepared": "prepare",
+    "SensorNoise": "simulate",
+    "Stiction": "stiction",
+    "__version__": "_core",
+    "compare": "compare",
+    "effects": "effects",
+    "fit": "fit",
+    "load": "capture",
+    "motion": "motions",
+    "prepare": "prepare",
+    "simulate": "simulate",
+    "stiction": "stiction",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(f".{_HOME[name]}", __name__), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
+
+
+class _Package(ModuleType):
+    """Keeps `knobcam.fit` the function: the import system binds the module of that name over it."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if _HOME.get(name) == name and isinstance(value, ModuleType):
+            value = getattr(value, name)
+        super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -26,7 +27,7 @@ _UNITS = {
     "history": ("rad", "m"),
 }
 _DIRECTIONS = {1: "forward", -1: "backward", 0: ""}
-# An error this close to the noise floor cannot be told from it: the floor itself is known to a percent or two.
+# An error this close to the noise floor is no different: the floor itself is known to a percent or two.
 _AT_FLOOR = 1.02
 
 
@@ -109,8 +110,10 @@ class Comparison:
     def summary(self) -> str:
         """One sentence."""
         fit = self.fit
-        explained = 1.0 - (fit.rmse / self.torque_rms) ** 2
+        explained = 1.0 - (fit.rmse / self.torque_rms) ** 2 if self.torque_rms > 0.0 else math.nan
         head = f"The model explains {100 * explained:.1f} % of the torque's variance"
+        if math.isnan(fit.noise_floor):
+            return f"{head}; the capture is too short to tell noise from what is left."
         times = fit.rmse / fit.noise_floor
         if self.complete:
             return f"{head}; what is left is {times:.3f} times the noise floor, and chance explains it."

@@ -51,11 +51,14 @@ class Effect:
         return plot.effect(self)
 
     def __repr__(self) -> str:
-        head = f"{self.id} ({self.place})\n  law     {self.law}\n  shows   {self.shows}\n  source  {self.source}\n"
+        head = f"{self.id} ({self.place})\n  law     {self.law}\n"
+        head += f"  shows   {self.shows}\n  source  {self.source}\n"
         return head + text_table(self._HEAD, self._rows())
 
     def _repr_html_(self) -> str:
-        return html_table(f"{self.id}: {self.law}. Shows {self.shows}. {self.source}", self._HEAD, self._rows())
+        return html_table(
+            f"{self.id}: {self.law}. Shows {self.shows}. {self.source}", self._HEAD, self._rows()
+        )
 
 
 @cache
@@ -75,12 +78,12 @@ def effects(axis: str = "rotary") -> dict[str, Effect]:
     }
 
 
-def effect(name: str) -> Effect:
-    """Return one effect by id.
+def effect(name: str, axis: str = "rotary") -> Effect:
+    """Return one effect by id, units for a rotary or a linear axis.
 
     Raises InputError for an unknown id, with those that exist.
     """
-    catalogue = effects()
+    catalogue = effects(axis)
     if name not in catalogue:
         raise InputError(f"effect '{name}' is not in the catalogue; it has {', '.join(catalogue)}")
     return catalogue[name]

@@ -42,6 +42,11 @@ class Estimate(NamedTuple):
         """Whether the capture says anything about it."""
         return math.isfinite(self.se)
 
+    @property
+    def interval(self) -> str:
+        """The interval in words."""
+        return f"{self.ci95[0]:.5g} to {self.ci95[1]:.5g}" if self.determined else "not determined"
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Fit:
@@ -176,8 +181,7 @@ class Fit:
     def _rows(self) -> list[tuple[str, str, str, str]]:
         rows = []
         for name, e in self.params.items():
-            interval = f"{e.ci95[0]:.5g} to {e.ci95[1]:.5g}" if e.determined else "not determined"
-            rows.append((name, f"{e.value:.6g}" if e.determined else "-", interval, e.unit))
+            rows.append((name, f"{e.value:.6g}" if e.determined else "-", e.interval, e.unit))
         return rows
 
     _HEAD = ("parameter", "value", "95 % interval", "unit")
@@ -185,10 +189,10 @@ class Fit:
     @property
     def _summary(self) -> str:
         unit = "N m" if self.model.axis == "rotary" else "N"
-        return (
-            f"RMS error {self.rmse:.4g} {unit} ({self.rmse_heldout:.4g} on unseen blocks, "
-            f"{self.noise_floor:.4g} by sensor noise alone)"
-        )
+        noise = f"{self.noise_floor:.4g} by sensor noise alone"
+        if math.isnan(self.noise_floor):
+            noise = "the capture is too short to tell the sensor's noise"
+        return f"RMS error {self.rmse:.4g} {unit} ({self.rmse_heldout:.4g} on unseen blocks, {noise})"
 
     def __repr__(self) -> str:
         lines = ["Fit: " + self._summary, text_table(self._HEAD, self._rows()), self.core.message]
@@ -241,4 +245,5 @@ def _describe(signals: Prepared) -> dict[str, Any]:
         "sample_rate_hz": capture.rate_hz,
         "masked": int(np.sum(~capture.mask)),
         "used": signals.core.used,
+        "findings": [vars(finding) for finding in capture.findings],
     }

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
+    from .formats.units import Axis
+
 KNOBS = ("knob1", "knob2", "knob3", "knob4", "knob5")
 
 
@@ -38,7 +40,7 @@ class Model:
 
     @classmethod
     def of(cls, effects: Iterable[str], axis: str = "rotary", **values: float) -> Model:
-        """Return a model of these effects; values by `effect__parameter=1.0`, others at their neutral ones."""
+        """Return a model of these effects; values by `effect__parameter=1.0`, others are neutral."""
         model = cls(_core.Model(list(effects), axis))
         for name, value in values.items():
             model = model.with_value(name.replace("__", "."), value)
@@ -86,7 +88,7 @@ class Model:
         return self.core.name
 
     @property
-    def axis(self) -> str:
+    def axis(self) -> Axis:
         """Rotary or linear."""
         return self.core.axis
 
@@ -107,6 +109,13 @@ class Model:
     def with_fixed(self, name: str, fixed: bool = True) -> Model:
         """Return the model with one parameter kept from being fitted, or freed."""
         return Model(self.core.with_fixed(name, fixed))
+
+    def frozen(self) -> Model:
+        """Return the model with every parameter kept as it is: fitting it only measures its error."""
+        model = self
+        for name in self.params:
+            model = model.with_fixed(name)
+        return model
 
     def with_tie(self, name: str, to: str) -> Model:
         """Return the model with one parameter always equal to another."""

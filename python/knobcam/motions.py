@@ -76,7 +76,9 @@ def micro(t: FloatArray, amplitude: float = 0.02, frequency_hz: float = 1.0) -> 
     return _sines(t, w, np.zeros(1), np.ones(1), amplitude)
 
 
-def _sines(t: FloatArray, w: FloatArray, phases: FloatArray, weights: FloatArray, amplitude: float) -> MotionTrack:
+def _sines(
+    t: FloatArray, w: FloatArray, phases: FloatArray, weights: FloatArray, amplitude: float
+) -> MotionTrack:
     """Sum of sines, scaled so that the farthest excursion is `amplitude`."""
     theta, omega, alpha = np.zeros_like(t), np.zeros_like(t), np.zeros_like(t)
     for rate, phase, weight in zip(w, phases, weights, strict=True):
@@ -104,10 +106,12 @@ def motion(name: str, duration_s: float = 6.0, rate_hz: float = 5000.0, **option
     """
     if name not in MOTIONS:
         raise InputError(f"motion={name!r} is unknown; choose {', '.join(MOTIONS)}")
-    samples = round(duration_s * rate_hz)
-    if not 3 <= samples <= 100_000_000:
-        raise InputError(f"duration={duration_s} s at {rate_hz} Hz is {samples} samples; choose 3 to 1e8")
-    t = np.arange(1, samples + 1) / rate_hz
+    if not 1.0 <= rate_hz <= 1e7:
+        raise InputError(f"rate={rate_hz} Hz is no sampling rate of a rig; choose 1 to 1e7")
+    samples = duration_s * rate_hz
+    if not 3.0 <= samples <= 1e8:
+        raise InputError(f"duration={duration_s} s at {rate_hz} Hz is {samples:g} samples; choose 3 to 1e8")
+    t = np.arange(1, round(samples) + 1) / rate_hz
     try:
         return MOTIONS[name](t, **options)
     except TypeError as error:

@@ -89,7 +89,7 @@ class Prepared:
 
     @property
     def noise(self) -> Mapping[str, float] | None:
-        """Noise level of each motion sensor (standard deviation, SI) and the jerk that drives the smoother."""
+        """Noise level of each motion sensor (standard deviation, SI) and the smoother's driving jerk."""
         return self.core.noise
 
     def on_capture(self, values: FloatArray) -> FloatArray:
@@ -122,12 +122,7 @@ def prepare(capture: Capture, method: str = "smooth", **options: float) -> Prepa
     Raises InputError for an unknown method or option, a filter edge at or above the Nyquist frequency, and a
     capture with no stretch that is long enough.
     """
-    if method not in METHODS:
-        raise InputError(f"prepare={method!r} is no method; choose {', '.join(METHODS)}")
-    unknown = sorted(set(options) - _OPTIONS[method])
-    if unknown:
-        known = ", ".join(sorted(_OPTIONS[method])) or "no options"
-        raise InputError(f"prepare={method!r} has no option {unknown[0]!r}; it takes {known}")
+    check_options(method, options)
     rows = np.flatnonzero(capture.mask)
     gap = _gaps(capture, rows)
     kept = {name: np.ascontiguousarray(values[rows]) for name, values in capture.columns.items()}
@@ -144,6 +139,19 @@ def prepare(capture: Capture, method: str = "smooth", **options: float) -> Prepa
         options,
     )
     return Prepared(capture, method, rows, dict(options), _notes(capture, method, options), core)
+
+
+def check_options(method: str, options: Mapping[str, float]) -> None:
+    """Raise InputError for an unknown method, an option it does not have, or a broken `decimate`."""
+    if method not in METHODS:
+        raise InputError(f"prepare={method!r} is no method; choose {', '.join(METHODS)}")
+    unknown = sorted(set(options) - _OPTIONS[method])
+    if unknown:
+        known = ", ".join(sorted(_OPTIONS[method])) or "no options"
+        raise InputError(f"prepare={method!r} has no option {unknown[0]!r}; it takes {known}")
+    every = options.get("decimate", 1.0)
+    if not (every >= 1.0 and float(every).is_integer()):
+        raise InputError(f"decimate={every} must be a whole number of samples from 1")
 
 
 def _gaps(capture: Capture, rows: np.ndarray[Any, np.dtype[np.intp]]) -> BoolArray:
@@ -163,7 +171,7 @@ def _notes(capture: Capture, method: str, options: Mapping[str, float]) -> tuple
     slower = capture.rate_hz / _PAPER_RATE_HZ
     if method in ("smooth", "paper") and slower < 1.0 and "torque_edge_hz" not in options:
         notes.append(
-            f"sampled at {capture.rate_hz:.6g} Hz: the paper's torque filter edge of 500 Hz belongs to 5000 Hz "
+            f"sampled at {capture.rate_hz:.6g} Hz: the paper's torque filter edge of 500 Hz is for 5000 Hz "
             f"and is lowered to {500.0 * slower:.6g} Hz (torque_edge_hz= sets another)"
         )
     if method != "none":

@@ -82,7 +82,7 @@ def simulate(
         meta={
             "source": f"simulated {model.name}".strip(),
             "motion": motion if isinstance(motion, str) else "given",
-            "noise": sensors._asdict() if sensors.tau_limit < np.inf else sensors._asdict() | {"tau_limit": None},
+            "noise": {name: value if value < np.inf else None for name, value in sensors._asdict().items()},
             "seed": seed,
             "model": model.text(),
         },

@@ -53,7 +53,9 @@ class Stiction:
                     "until it slips, several times"
                 )
         if self.dv is None:
-            advice.append("the knob never stands still long enough to show its stick band: let it rest in between")
+            advice.append(
+                "the knob never stands still long enough to show its stick band: let it rest in between"
+            )
         return tuple(advice)
 
     @property
@@ -64,7 +66,8 @@ class Stiction:
         """
         if self.d_neg is None or self.d_pos is None or self.dv is None:
             raise InputError(f"stiction: {self.missing[0]}")
-        model = self.fit.model if "karnopp" in self.fit.model.effects else self.fit.model.with_effect("karnopp")
+        fitted = self.fit.model
+        model = fitted if "karnopp" in fitted.effects else fitted.with_effect("karnopp")
         for name, estimate in zip(_NAMES, (self.d_neg, self.d_pos, self.dv), strict=True):
             model = model.with_value(f"karnopp.{name}", estimate.value)
         return model
@@ -89,10 +92,10 @@ class Stiction:
         }
 
     def _rows(self) -> list[tuple[str, ...]]:
-        rows = []
+        rows: list[tuple[str, ...]] = []
         for name, e in zip(_NAMES, (self.d_neg, self.d_pos, self.dv), strict=True):
             if e is not None:
-                rows.append((f"karnopp.{name}", f"{e.value:.6g}", f"{e.ci95[0]:.5g} to {e.ci95[1]:.5g}", e.unit))
+                rows.append((f"karnopp.{name}", f"{e.value:.6g}", e.interval, e.unit))
         return rows
 
     _HEAD = ("parameter", "value", "95 % interval", "unit")
@@ -115,9 +118,8 @@ def stiction(fit: Fit) -> Stiction:
     signals = fit.signals
     d_neg, d_pos, dv, breakaways = _core.stiction(signals.core, fit.core.model)
     torque, speed = ("N m", "rad/s") if fit.model.axis == "rotary" else ("N", "m/s")
-    return Stiction(
-        fit, _estimate(d_neg, torque), _estimate(d_pos, torque), _estimate(dv, speed), (breakaways[0], breakaways[1])
-    )
+    backward, forward = _estimate(d_neg, torque), _estimate(d_pos, torque)
+    return Stiction(fit, backward, forward, _estimate(dv, speed), (breakaways[0], breakaways[1]))
 
 
 def _estimate(row: tuple[float, float, float] | None, unit: str) -> Estimate | None:

@@ -25,6 +25,8 @@ pub mod prepare;
 pub mod predict;
 pub mod simulate;
 
+pub mod floor;
+
 pub mod diagnose;
 pub mod fit;
 pub mod stiction;

@@ -2,6 +2,9 @@
 
 use std::f64::consts::SQRT_2;
 
+/// Two-sided 95 % quantile of the normal distribution.
+pub const Z95: f64 = 1.959_963_984_540_054;
+
 /// The error function, to 1.2e-7 (the rational approximation of erfc in Press et al. 1992, Numerical
 /// Recipes, 2nd ed., section 6.2).
 pub fn erf(x: f64) -> f64 {

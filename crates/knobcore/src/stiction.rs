@@ -7,11 +7,11 @@
 //! D, and there the knob breaks away.
 
 use crate::effects::Id;
-use crate::fit::Z95;
 use crate::model::Model;
 use crate::predict::torque;
 use crate::random::Noise;
 use crate::signals::Signals;
+use crate::special::Z95;
 use std::ops::Range;
 
 /// Breakaways that an interval needs.

@@ -21,7 +21,8 @@ def read_table(path: Path, max_bytes: int = DEFAULT_MAX_BYTES) -> Table:
         is_folder, size = path.is_dir(), path.stat().st_size
         head = b"" if is_folder or size > max_bytes else _head(path)
     except (OSError, ValueError) as error:
-        raise InputError(f"{path}: cannot be read ({getattr(error, 'strerror', None) or error})") from error
+        why = getattr(error, "strerror", None) or error
+        raise InputError(f"{path}: cannot be read ({why}); check the name") from error
     if is_folder:
         raise InputError(f"{path}: a folder, not a file; name the file inside")
     if size > max_bytes:

@@ -16,6 +16,9 @@ from .torque import check_clipping, check_size
 
 __all__ = ["Checked", "Finding", "Rows", "check"]
 
+LARGEST = 1e30
+"""A sample beyond (SI) is no measurement: its fourth power, which a covariance holds, must fit a float64."""
+
 
 @dataclass(frozen=True)
 class Checked:
@@ -43,11 +46,12 @@ def _check(columns: dict[str, FloatArray], axis: Axis, rows: Rows, source: str) 
     findings: list[Finding] = []
     present = dict(columns)
     for name, values in columns.items():
-        if np.isfinite(values).any():
+        if _measured(values).any():
             continue
         if name not in ("omega", "alpha"):
             raise InputError(
-                f"{source}: column {name} has no number in any of its {len(rows)} rows; map another"
+                f"{source}: column {name} has no number in any of its {len(rows)} rows ({LARGEST:g} and more "
+                f"is none); map another"
             )
         del present[name]
         message = f"{name}: no number in any row; it is derived from theta as if the column were absent"
@@ -55,11 +59,14 @@ def _check(columns: dict[str, FloatArray], axis: Axis, rows: Rows, source: str) 
 
     mask = np.ones(len(rows), dtype=np.bool_)
     for name, values in present.items():
-        finite = np.isfinite(values)
-        mask &= finite
-        if not finite.all():
-            at = rows[~finite]
-            message = f"{name}: {len(at)} samples are not finite ({rows_in_words(at)}); masked"
+        measured = _measured(values)
+        mask &= measured
+        if not measured.all():
+            at = rows[~measured]
+            message = (
+                f"{name}: {len(at)} samples are not finite or beyond {LARGEST:g} "
+                f"({rows_in_words(at)}); masked"
+            )
             findings.append(Finding("non-finite", name, len(at), first_rows(at), message, "masked"))
 
     rising, found, rate = check_times(present["t"], rows, source)
@@ -81,3 +88,8 @@ def _check(columns: dict[str, FloatArray], axis: Axis, rows: Rows, source: str) 
         if name in present:
             findings += check_scale(present["t"], present["theta"], present[name], order, mask, axis)
     return Checked(mask & ~clipped, tuple(findings), rate, frozenset(present))
+
+
+def _measured(values: FloatArray) -> BoolArray:
+    """Return which values can have come from a sensor; NaN cannot."""
+    return np.abs(values) <= LARGEST

@@ -4,8 +4,8 @@
 //! noise of the sensor's level goes through the same measurement filter and into the same bins.
 
 use super::bins::{Bins, all_axes};
-use super::floor::white_variance;
 use super::spectrum::split_frequency;
+use crate::floor::white_variance;
 use crate::model::Model;
 use crate::predict::torque;
 use crate::random::Noise;
@@ -164,7 +164,7 @@ fn split(rest: &Rest<'_>, bins: &Bins, sums: &[f64], chance: &Chance) -> Split {
         axis: bins.axis,
         direction: bins.direction.clone(),
         rms: squares.iter().zip(&bins.count).map(|(s, count)| (s / count.max(1.0)).sqrt()).collect(),
-        band: (0..bins.len()).map(|bin| crate::fit::Z95 * chance.sd(bin)).collect(),
+        band: (0..bins.len()).map(|bin| crate::special::Z95 * chance.sd(bin)).collect(),
         share: rest.share(held(bins, sums) - expected),
         chance: rest.share(upper - expected),
         regions: regions(rest, bins, sums, fails),
@@ -215,7 +215,8 @@ fn noise_captures(rest: &Rest<'_>, noise: &mut Noise) -> Vec<Vec<Vec<f64>>> {
             .map(|_| (0..signals.len()).map(|_| scale * (noise.uniform() - 0.5)).collect())
             .collect();
         for segment in &signals.segments {
-            let mut columns: Vec<&mut [f64]> = raw.iter_mut().map(|draw| &mut draw[segment.clone()]).collect();
+            let mut columns: Vec<&mut [f64]> =
+                raw.iter_mut().map(|draw| &mut draw[segment.clone()]).collect();
             signals.measure(&mut columns);
         }
         for (draw, raw) in draws.iter_mut().zip(raw) {

@@ -1,7 +1,7 @@
 //! The error along frequency: periodograms of the residual beside those of noise alone.
 
-use super::floor::Periodogram;
 use super::locate::{Region, Rest, Split};
+use crate::floor::Periodogram;
 use crate::signals::Signals;
 use crate::special::normal_quantile;
 

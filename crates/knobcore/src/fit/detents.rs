@@ -4,12 +4,15 @@ use super::scan::{Scan, scan};
 use super::separable::{Found, Layout, descend};
 use crate::effects::Id;
 use crate::error::Result;
+use crate::floor::Floor;
 use crate::model::Model;
 use crate::signals::Signals;
 
-/// A peak of the scan stands out when it takes off this many times what the median frequency does. Noise
-/// alone gives exponential gains, whose largest of a thousand is 10 times their median.
+/// A peak of the scan stands out when it takes off this many times what the median frequency does: a missing
+/// effect fills the scan broadly, detents are a line.
 const STANDS_OUT: f64 = 30.0;
+/// Chance of detents where there is noise alone.
+const CHANCE: f64 = 1e-4;
 /// Detents must explain this share of what the model without them leaves above the noise.
 const SHARE: f64 = 0.2;
 /// Peaks of the scan that are followed to their optimum, if they reach this share of the best.
@@ -53,9 +56,14 @@ pub fn scan_beside(data: &[&Signals], model: &Model) -> Option<(Model, Found, Sc
 }
 
 /// Whether a detent that takes `gain` off the sum of squares stands out of the scan and explains a share of
-/// the error that a user would care about. `floor` is the sum of squares that noise alone would leave.
-pub fn worth_it(gain: f64, without: &Found, scan: &Scan, floor: f64) -> bool {
-    gain >= STANDS_OUT * scan.background() && gain >= SHARE * (without.cost - floor).max(0.0)
+/// the error that a user would care about.
+///
+/// In noise alone each gain is the noise's variance times a chi-square number of two degrees of freedom, so
+/// that the largest of n stays below twice the variance times ln(n / chance).
+pub fn worth_it(gain: f64, without: &Found, scan: &Scan, floor: &Floor) -> bool {
+    let (white, squares) = if floor.white.is_finite() { (floor.white, floor.squares) } else { (0.0, 0.0) };
+    let by_chance = 2.0 * white * (scan.gain.len() as f64 / CHANCE).ln();
+    gain >= by_chance.max(STANDS_OUT * scan.background()) && gain >= SHARE * (without.cost - squares).max(0.0)
 }
 
 /// Whether the detents that were found explain the error better than a smooth position function does.

@@ -13,11 +13,12 @@ pub use moments::Moments;
 pub use scan::Scan;
 pub use separable::Status;
 
-use crate::diagnose::noise_floor;
 use crate::effects::Id;
 use crate::error::{Error, Result};
+use crate::floor::Floor;
 use crate::model::{Model, Role};
 use crate::signals::Signals;
+use crate::special::Z95;
 use detents::{beat_smooth, best_from_scan, scan_beside, worth_it};
 use faer::Mat;
 use moments::{block_moments, moments, sweep};
@@ -29,8 +30,6 @@ use solve::{Normal, independent, least_squares};
 const BLOCKS: usize = 200;
 /// Parts that the blocks are held out in.
 const FOLDS: usize = 10;
-/// Two-sided 95 % quantile of the normal distribution; captures have thousands of samples.
-pub const Z95: f64 = 1.959_963_984_540_054;
 
 /// How to find the detents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -109,14 +108,10 @@ struct Start {
 fn scanned(data: &[&Signals], model: &Model, detents: Detents) -> Result<Option<Start>> {
     let Some((bare, without, scan)) = scan_beside(data, model) else { return Ok(None) };
     let full = if model.has(Id::Detent) { model.clone() } else { bare.with(Id::Detent)? };
-    let floor = || {
-        let rows: f64 = data.iter().map(|s| s.used() as f64).sum();
-        let floor = noise_floor(data, &at(&bare, &without)).powi(2) * rows;
-        if floor.is_finite() { floor } else { 0.0 }
-    };
+    let floor = Floor::of(data, &at(&bare, &without));
     // The scan sees detents through a filter that it does not know, so its gain is a little off.
     let promising =
-        || scan.peaks().first().is_some_and(|peak| worth_it(1.5 * peak.1, &without, &scan, floor()));
+        || scan.peaks().first().is_some_and(|peak| worth_it(1.5 * peak.1, &without, &scan, &floor));
     let with = if detents == Detents::AsModel || promising() {
         best_from_scan(data, &full, &Layout::of(&full), &full.values(), &scan)?
     } else {
@@ -124,7 +119,7 @@ fn scanned(data: &[&Signals], model: &Model, detents: Detents) -> Result<Option<
     };
     let there = |with: &Found| -> Result<bool> {
         let gain = without.cost - with.cost;
-        Ok(worth_it(gain, &without, &scan, floor()) && beat_smooth(data, &bare, with)?)
+        Ok(worth_it(gain, &without, &scan, &floor) && beat_smooth(data, &bare, with)?)
     };
     Ok(Some(match with {
         Some(with) if detents == Detents::AsModel || there(&with)? => {
@@ -225,7 +220,7 @@ fn finish(
         undetermined,
         rmse: (residuals.iter().flatten().map(|r| r * r).sum::<f64>() / used as f64).sqrt(),
         rmse_heldout: bootstrap::held_out(&blocks, &kept, FOLDS),
-        noise_floor: noise_floor(data, &model),
+        noise_floor: Floor::of(data, &model).rms(),
         iterations: found.iterations,
         evaluations: found.evaluations,
         status: found.status,

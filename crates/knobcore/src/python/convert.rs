@@ -7,6 +7,9 @@ use pyo3::prelude::*;
 /// A column as it comes in: float64, contiguous.
 pub type Column<'py> = PyReadonlyArray1<'py, f64>;
 
+/// A column as it goes out.
+pub type Floats<'py> = Bound<'py, PyArray1<f64>>;
+
 /// A wrong call or input, as Python knows it: `knobcam.errors.InputError`, a `ValueError`.
 pub fn input_error(error: Error) -> PyErr {
     let message = error.to_string();
@@ -19,8 +22,8 @@ pub fn input_error(error: Error) -> PyErr {
     })
 }
 
-/// A column as it goes out.
-pub fn array<'py>(py: Python<'py>, column: &[f64]) -> Bound<'py, PyArray1<f64>> {
+/// A copy that Python owns.
+pub fn array<'py>(py: Python<'py>, column: &[f64]) -> Floats<'py> {
     PyArray1::from_slice(py, column)
 }
 

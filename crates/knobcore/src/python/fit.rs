@@ -1,5 +1,5 @@
 //! Bindings of the fit.
-use super::convert::{array, input_error, matrix};
+use super::convert::{Floats, array, input_error, matrix};
 use super::model::PyModel;
 use super::signals::PySignals;
 use crate::diagnose::{Split, locate as locate_core};
@@ -27,7 +27,7 @@ impl PyFit {
     }
 
     #[getter]
-    fn standard_errors<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+    fn standard_errors<'py>(&self, py: Python<'py>) -> Floats<'py> {
         array(py, &self.0.standard_errors())
     }
 
@@ -78,7 +78,7 @@ impl PyFit {
 
     /// The detent scan: (1/P, gain in (N m)^2), where one was made.
     #[getter]
-    fn scan<'py>(&self, py: Python<'py>) -> Option<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
+    fn scan<'py>(&self, py: Python<'py>) -> Option<(Floats<'py>, Floats<'py>)> {
         let scan = self.0.scan.as_ref()?;
         Some((array(py, &scan.inverse_period), array(py, &scan.gain)))
     }
@@ -95,7 +95,7 @@ impl PyFit {
     }
 
     /// Half-width of the 95 % band of the mean prediction, N m.
-    fn band<'py>(&self, py: Python<'py>, signals: &PySignals) -> Bound<'py, PyArray1<f64>> {
+    fn band<'py>(&self, py: Python<'py>, signals: &PySignals) -> Floats<'py> {
         array(py, &py.detach(|| self.0.band(&signals.prepared.signals)))
     }
 }

@@ -1,12 +1,11 @@
 //! Bindings of models and of the catalogue.
-use super::convert::{Column, array, input_error};
+use super::convert::{Column, Floats, array, input_error};
 use super::signals::PySignals;
 use crate::effects::Id;
 use crate::model::{Model, Role};
 use crate::param::Axis;
 use crate::simulate::{self, Hand};
 use crate::{model_file, predict};
-use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -109,7 +108,7 @@ impl PyModel {
 
     /// Torque on the motion of prepared signals, through their filter or raw; N m.
     #[pyo3(signature = (signals, filtered=true))]
-    fn torque<'py>(&self, py: Python<'py>, signals: &PySignals, filtered: bool) -> Bound<'py, PyArray1<f64>> {
+    fn torque<'py>(&self, py: Python<'py>, signals: &PySignals, filtered: bool) -> Floats<'py> {
         let of = if filtered { predict::torque } else { predict::torque_raw };
         array(py, &py.detach(|| of(&self.0, &signals.prepared.signals)))
     }
@@ -124,7 +123,7 @@ pub fn push<'py>(
     dt: f64,
     stiffness: f64,
     damping: f64,
-) -> PyResult<[Bound<'py, PyArray1<f64>>; 4]> {
+) -> PyResult<[Floats<'py>; 4]> {
     let reference = reference.as_slice()?;
     let pushed = py
         .detach(|| simulate::push(&model.0, reference, dt, Hand { stiffness, damping }))

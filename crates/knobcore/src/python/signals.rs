@@ -1,10 +1,9 @@
 //! Bindings of preparation.
-use super::convert::{Column, array, input_error};
+use super::convert::{Column, Floats, array, input_error};
 use super::model::axis;
 use crate::error::Error;
 use crate::param::Axis;
 use crate::prepare::{LowPass, Preparation, Prepared, Recording, Source, prepare as prepare_core};
-use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::collections::HashMap;
@@ -19,7 +18,7 @@ pub struct PySignals {
 impl PySignals {
     /// One column by name: t, theta, omega, alpha, forward, tau, tau_raw, weight, or a standard deviation
     /// omega_sd, theta_sd, alpha_sd (None where it is not known).
-    fn column<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
+    fn column<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Floats<'py>>> {
         let s = &self.prepared.signals;
         let sd = self.prepared.uncertainty.as_ref();
         let column = match name {

@@ -40,8 +40,8 @@ impl<V: Scalar, const L: usize> Dual<V, L> {
     #[inline(always)]
     fn zip(self, o: Self, v: V, f: impl Fn(V, V) -> V) -> Self {
         let mut d = self.d;
-        for i in 0..L {
-            d[i] = f(self.d[i], o.d[i]);
+        for (d, other) in d.iter_mut().zip(o.d) {
+            *d = f(*d, other);
         }
         Self { v, d }
     }
@@ -64,6 +64,7 @@ impl<V: Scalar, const L: usize> Sub for Dual<V, L> {
 impl<V: Scalar, const L: usize> Mul for Dual<V, L> {
     type Output = Self;
     #[inline(always)]
+    #[expect(clippy::suspicious_arithmetic_impl, reason = "the product rule is a sum")]
     fn mul(self, o: Self) -> Self {
         self.zip(o, self.v * o.v, |a, b| a * o.v + self.v * b)
     }

@@ -2,6 +2,7 @@
 //!
 //! One formula serves `f64` and `Pack`, so that a render step and a fit agree to the last bit. No fused
 //! multiply-add: its rounding would differ between machines that have it and machines that do not.
+#![expect(clippy::excessive_precision, reason = "constants keep the digits that their sources print")]
 
 use std::f64::consts::FRAC_2_PI;
 

@@ -1,4 +1,5 @@
 //! Eight samples side by side, so that a memoryless effect runs on whole vector registers.
+#![expect(clippy::needless_range_loop, reason = "a count known to the compiler becomes vector instructions")]
 
 use super::{Scalar, elementary};
 use std::ops::{Add, Div, Mul, Neg, Sub};

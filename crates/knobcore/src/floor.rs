@@ -48,20 +48,39 @@ pub fn white_variance(signals: &Signals, model: &Model) -> f64 {
     band[band.len() / 2] / bias
 }
 
-/// What white noise of that variance leaves after the measurement filter: root mean square, N m.
-pub fn noise_floor(data: &[&Signals], model: &Model) -> f64 {
-    let (mut squares, mut rows) = (0.0, 0.0);
-    for signals in data {
-        let gain = signals.filter.as_ref().map_or(1.0, |filter| filter.sos().mean_power());
-        let used = signals.used() as f64;
-        squares += white_variance(signals, model) * gain * used;
-        rows += used;
+/// What noise alone would leave of a fit.
+#[derive(Debug, Clone, Copy)]
+pub struct Floor {
+    /// Variance of the raw torque's white noise, (N m)^2, the mean over the captures.
+    pub white: f64,
+    /// Sum of squares over the samples that count, after the measurement filter, (N m)^2.
+    pub squares: f64,
+    /// Samples that count.
+    pub rows: f64,
+}
+
+impl Floor {
+    /// Of captures beside a model; NaN where no stretch is long enough to know the noise.
+    pub fn of(data: &[&Signals], model: &Model) -> Self {
+        let mut floor = Self { white: 0.0, squares: 0.0, rows: 0.0 };
+        for signals in data {
+            let gain = signals.filter.as_ref().map_or(1.0, |filter| filter.sos().mean_power());
+            let (white, used) = (white_variance(signals, model), signals.used() as f64);
+            floor.white += white * used;
+            floor.squares += white * gain * used;
+            floor.rows += used;
+        }
+        Self { white: floor.white / floor.rows, ..floor }
     }
-    (squares / rows).sqrt()
+
+    /// Root mean square, N m.
+    pub fn rms(&self) -> f64 {
+        (self.squares / self.rows).sqrt()
+    }
 }
 
 /// Hann-tapered periodograms of one length.
-pub(super) struct Periodogram {
+pub(crate) struct Periodogram {
     plan: Arc<dyn RealToComplex<f64>>,
     taper: Vec<f64>,
     energy: f64,

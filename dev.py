@@ -1,0 +1,160 @@
+#!/usr/bin/env python3
+"""The project's own commands. Needs Python >= 3.11 and a Rust toolchain; sets up everything else itself.
+
+python3 dev.py demo [OPTION...]   build, then run `knobcam demo`
+python3 dev.py test [OPTION...]   build, then the Rust tests and pytest (OPTION: for pytest)
+python3 dev.py lint               formatting, clippy, ruff, types
+python3 dev.py check              lint, then test
+python3 dev.py bench [OPTION...]  the benchmarks against their peers
+python3 dev.py setup              only the set-up: .venv, pinned dependencies, the extension
+python3 dev.py wheel              a release wheel in dist/
+python3 dev.py lock               remake the requirements-*.lock files from pyproject.toml
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent
+VENV = ROOT / ".venv"
+BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
+PYTHON = BIN / ("python.exe" if os.name == "nt" else "python")
+LOCKER = "uv==0.13.8"  # remakes the lock files; nothing else uses it
+
+
+def run(*command: str | Path) -> None:
+    """Run in the checkout and inside .venv; a command that fails ends this one with its exit code."""
+    words = [str(word) for word in command]
+    print("+", shlex.join(word.replace(f"{ROOT}{os.sep}", "") for word in words), flush=True)
+    environment = os.environ | {"VIRTUAL_ENV": str(VENV), "PATH": f"{BIN}{os.pathsep}{os.environ['PATH']}"}
+    environment |= {"PIP_QUIET": "1", "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
+    # A conda environment that happens to be active would compete with .venv for the extension.
+    environment.pop("CONDA_PREFIX", None)
+    code = subprocess.run(words, cwd=ROOT, env=environment, check=False).returncode
+    if code:
+        sys.exit(code if code > 0 else 1)
+
+
+def digest(*paths: Path) -> str:
+    """One fingerprint of files, their names and this Python."""
+    total = hashlib.sha256(sys.version.encode())
+    for path in sorted(paths):
+        total.update(f"\n{path.relative_to(ROOT)}\n".encode() + path.read_bytes())
+    return total.hexdigest()
+
+
+def changed(name: str, now: str) -> bool:
+    """Whether `name` was not yet set up in the state `now`."""
+    stamp = VENV / f".{name}-stamp"
+    return not stamp.is_file() or stamp.read_text() != now
+
+
+def done(name: str, now: str) -> None:
+    """Remember that `name` is set up in the state `now`."""
+    (VENV / f".{name}-stamp").write_text(now)
+
+
+def install(lock: str) -> None:
+    """Make .venv hold what the lock file pins, every archive checked against its hash."""
+    now = digest(ROOT / lock)
+    if not changed(lock, now):
+        return
+    if not PYTHON.is_file() or changed("python", sys.version):
+        run(sys.executable, "-m", "venv", "--clear", VENV)
+        done("python", sys.version)
+    run(PYTHON, "-m", "pip", "install", "--require-hashes", "-r", lock)
+    done(lock, now)
+
+
+def setup() -> None:
+    """Dependencies, then the extension in release mode; Python sources are used where they are."""
+    if shutil.which("cargo") is None:
+        sys.exit("dev.py: cargo is not on the PATH; install Rust from https://rustup.rs and try again")
+    install("requirements-dev.lock")
+    develop = (BIN / "maturin", "develop", "--release", "--locked")
+    metadata = digest(ROOT / "pyproject.toml", ROOT / "Cargo.toml", ROOT / "requirements-dev.lock")
+    sources = [ROOT / "Cargo.lock", *(ROOT / "crates").rglob("Cargo.toml"), *(ROOT / "crates").rglob("*.rs")]
+    rust = digest(*sources) + metadata
+    compiled = any((ROOT / "python" / "knobcam").glob("_core*.so")) or os.name == "nt"
+    if changed("metadata", metadata):
+        run(*develop)
+        done("metadata", metadata)
+    elif changed("rust", rust) or not compiled:
+        run(*develop, "--skip-install")
+    done("rust", rust)
+
+
+def demo(options: list[str]) -> None:
+    """Build, then run the demo."""
+    setup()
+    run(BIN / "knobcam", "demo", *options)
+
+
+def test(options: list[str]) -> None:
+    """Rust first: it is the foundation. Its tests run without the bindings, which need a Python to link."""
+    setup()
+    run("cargo", "test", "--release", "--locked", "--package", "knobcore")
+    run(PYTHON, "-m", "pytest", *options)
+
+
+def lint(_: list[str]) -> None:
+    """Formatting, lints and types; warnings are errors."""
+    setup()
+    run("cargo", "fmt", "--all", "--check")
+    for features in ([], ["--features", "python"]):
+        run("cargo", "clippy", "--locked", "--all-targets", *features, "--", "--deny", "warnings")
+    run(BIN / "ruff", "check")
+    run(BIN / "ruff", "format", "--check")
+    run(BIN / "mypy")
+
+
+def check(options: list[str]) -> None:
+    """Everything that a change has to pass."""
+    lint([])
+    test(options)
+
+
+def bench(options: list[str]) -> None:
+    """The benchmarks; their peers are installed for them alone."""
+    setup()
+    install("requirements-bench.lock")
+    run(PYTHON, "-m", "pytest", "benches", "--benchmark-only", *options)
+
+
+def wheel(_: list[str]) -> None:
+    """One wheel for every Python from 3.11 on."""
+    setup()
+    shutil.rmtree(ROOT / "dist", ignore_errors=True)
+    run(BIN / "maturin", "build", "--release", "--locked", "--out", "dist")
+
+
+def lock(_: list[str]) -> None:
+    """Pin every dependency with its hash, for all platforms; the benches keep the pins of the tests."""
+    if not PYTHON.is_file():
+        run(sys.executable, "-m", "venv", VENV)
+    run(PYTHON, "-m", "pip", "install", LOCKER)
+    options = ["--universal", "--generate-hashes", "--upgrade", "--quiet"]
+    for extra, pins in (("dev", []), ("bench", ["--constraints", "requirements-dev.lock"])):
+        made = ["--custom-compile-command", "python3 dev.py lock", "-o", f"requirements-{extra}.lock"]
+        run(BIN / "uv", "pip", "compile", "pyproject.toml", "--extra", extra, *pins, *options, *made)
+
+
+def main() -> None:
+    """Dispatch on the first word."""
+    commands = {"demo": demo, "test": test, "lint": lint, "check": check, "bench": bench}
+    commands |= {"setup": lambda _: setup(), "wheel": wheel, "lock": lock}
+    if sys.version_info < (3, 11):  # noqa: UP036 - an older one can start this script
+        sys.exit("dev.py: needs Python 3.11 or newer; this is " + sys.version.split()[0])
+    if len(sys.argv) < 2 or sys.argv[1] not in commands:
+        sys.exit(__doc__)
+    commands[sys.argv[1]](sys.argv[2:])
+
+
+if __name__ == "__main__":
+    main()

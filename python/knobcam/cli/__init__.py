@@ -1,0 +1,96 @@
+"""The `knobcam` command: what a command answers, how the program ends.
+
+Nothing heavy is imported here: a command imports what it needs when it runs.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import sys
+import warnings
+from typing import TYPE_CHECKING
+
+from ..errors import InputError
+from . import catalogue, demonstrate, fitting, recording
+from .arguments import Parser, VersionAction
+from .output import as_json, status
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+_GROUPS = (recording, fitting, catalogue, demonstrate)
+_INTERRUPTED = 130  # what a shell reports for a program that Ctrl-C ended
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command in `argv` (by default the process's own) and return its exit code.
+
+    0: done. 2: the call or its input is wrong; one line on standard error says what, where and what to do,
+    and nothing is written. 1: the program failed.
+    """
+    if argv is None:
+        _be_a_process()
+    words = list(sys.argv[1:] if argv is None else argv)
+    try:
+        code = _run(words)
+        sys.stdout.flush()
+    except OSError as error:  # of standard output: a file that cannot be written is an InputError
+        # What is still in the buffer would fail once more when Python flushes it at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if isinstance(error, BrokenPipeError):  # the reader has seen enough
+            return 0
+        return _end(f"standard output: cannot be written ({error.strerror or error}); free some space", 2)
+    return code
+
+
+def _run(words: list[str]) -> int:
+    try:
+        args = _parser().parse_args(words)
+        answer = args.run(args)
+    except SystemExit:  # --help and --version
+        return 0
+    except KeyboardInterrupt:
+        return _end("interrupted", _INTERRUPTED)
+    except BaseException as error:  # a panic of the core is no Exception
+        if "--traceback" in words:
+            import traceback
+
+            status(None)
+            traceback.print_exc()
+        if isinstance(error, InputError):
+            return _end(str(error), error.exit_code)
+        what = " ".join(f"{type(error).__name__}: {error}".split())
+        return _end(f"the program failed ({what}); --traceback shows where, please report it", 1)
+    status(None)
+    for message in answer.messages:
+        print(message, file=sys.stderr)
+    print(as_json(answer.document) if args.json else answer.text)
+    return 0
+
+
+def _parser() -> Parser:
+    parser = Parser(
+        prog="knobcam",
+        description="A haptic camera: measure a knob, fit its physics, see where the model fails.",
+        epilog="Every command takes --help and --json.",
+    )
+    parser.add_argument("--version", action=VersionAction, nargs=0, help="print the version")
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    for group in _GROUPS:
+        group.register(commands)
+    return parser
+
+
+def _end(message: str, code: int) -> int:
+    status(None)
+    print(f"knobcam: {message}", file=sys.stderr)
+    return code
+
+
+def _be_a_process() -> None:
+    """Print what the terminal cannot show as escapes, and warnings of libraries only when asked for."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
+    if not sys.warnoptions:
+        warnings.simplefilter("ignore")

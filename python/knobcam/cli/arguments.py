@@ -1,0 +1,145 @@
+"""Options that several commands share, and a parser whose complaints are one line."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from ..errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ..capture import Capture
+    from .output import Answer
+
+    Commands = argparse._SubParsersAction[Any]  # argparse has no public name for it
+
+
+class Parser(argparse.ArgumentParser):
+    """An argument parser that raises what is wrong with the call as InputError."""
+
+    def __init__(self, **settings: Any) -> None:
+        # Abbreviations would tie scripts to the options of today.
+        super().__init__(allow_abbrev=False, **settings)
+
+    def error(self, message: str) -> NoReturn:
+        """Raise `message` with the place to look."""
+        raise InputError(f"{message}; see {self.prog} --help")
+
+
+class VersionAction(argparse.Action):
+    """Prints the version; reads it only then, because it is the core's."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
+        """Print and end, as --help does."""
+        from .._core import __version__
+
+        print(f"knobcam {__version__}")
+        parser.exit()
+
+
+def add_command(
+    commands: Commands, name: str, run: Callable[[argparse.Namespace], Answer], about: str
+) -> argparse.ArgumentParser:
+    """Return the parser of a new command, with what every command takes."""
+    parser: argparse.ArgumentParser = commands.add_parser(
+        name, help=about.replace("%", "%%"), description=about
+    )
+    parser.set_defaults(run=run)
+    parser.add_argument("--json", action="store_true", help="print one JSON document")
+    parser.add_argument("--traceback", action="store_true", help="show where an error arose")
+    return parser
+
+
+def add_reading(parser: argparse.ArgumentParser) -> None:
+    """Add the options that say how a foreign file becomes a capture."""
+    group = parser.add_argument_group("reading")
+    group.add_argument(
+        "--map",
+        nargs="+",
+        action="extend",
+        type=assignment,
+        metavar="COLUMN=EXPRESSION",
+        help="t, theta, omega, alpha, tau from columns of the file: t=c0 'theta=enc/8192 [turn]' tau=35*i",
+    )
+    group.add_argument("--coordinate", choices=("rotary", "linear"), help="kind of axis")
+    group.add_argument("--rate", type=number, metavar="HZ", help="sampling rate, for a file without times")
+    group.add_argument("--start", type=number, metavar="S", help="leave out what is before this time")
+    group.add_argument("--end", type=number, metavar="S", help="leave out what is after this time")
+
+
+def read(path: str, args: argparse.Namespace) -> Capture:
+    """Return the capture in a file, read as the options say."""
+    from ..capture import load
+
+    return load(path, map=args.map, axis=args.coordinate, rate=args.rate, start=args.start, end=args.end)
+
+
+def add_preparation(parser: argparse.ArgumentParser) -> None:
+    """Add the options that say how signals are prepared."""
+    group = parser.add_argument_group("preparation")
+    group.add_argument(
+        "--prepare", default="smooth", metavar="METHOD", help="smooth, paper, none or differences"
+    )
+    group.add_argument(
+        "--option",
+        nargs="+",
+        action="extend",
+        type=assignment,
+        default=[],
+        metavar="NAME=VALUE",
+        help="of the method: torque_edge_hz, motion_edge_hz, cutoff_hz, decimate",
+    )
+
+
+def preparation(args: argparse.Namespace) -> dict[str, Any]:
+    """Return the options of the preparation, checked before a file is read."""
+    options: dict[str, float] = {}
+    for text in args.option:
+        name, value = (part.strip() for part in text.split("=", 1))
+        if name in options:
+            raise InputError(f"--option {name} is given twice; leave one out")
+        try:
+            options[name] = float(value)
+        except ValueError:
+            raise InputError(f"--option {name}: {value!r} is no number; give one in SI") from None
+    from ..prepare import check_options
+
+    check_options(args.prepare, options)
+    return options
+
+
+def add_output(parser: argparse.ArgumentParser, what: str, required: bool = False) -> None:
+    """Add `-o`, the file that the command writes."""
+    parser.add_argument(
+        "-o", "--output", type=Path, required=required, metavar=what.upper(), help=f"{what} to write"
+    )
+
+
+def add_plots(parser: argparse.ArgumentParser) -> None:
+    """Add `--plots`, the folder for pictures."""
+    parser.add_argument("--plots", type=Path, metavar="FOLDER", help="folder for pictures, made if need be")
+
+
+def number(text: str) -> float:
+    """Return a number for argparse, which names the option when there is none."""
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is no number") from None
+
+
+def whole(text: str) -> int:
+    """Return a whole number from 0 for argparse."""
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"{text!r} is no whole number from 0")
+    return int(text)
+
+
+def assignment(text: str) -> str:
+    """Return `text` if it assigns something: a file name behind a list of assignments would join it."""
+    if "=" not in text:
+        raise argparse.ArgumentTypeError(f"{text!r} assigns nothing; write NAME=..., and files in front")
+    return text

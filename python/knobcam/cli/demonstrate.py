@@ -1,0 +1,38 @@
+"""`knobcam demo`: the whole job without hardware."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from . import arguments
+from .output import Answer, check_folder, findings, status, writing
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
+
+def register(commands: arguments.Commands) -> None:
+    """Add the command of this file."""
+    parser = arguments.add_command(
+        commands, "demo", run, "Simulate a knob on the rig, fit it, compare, and draw: no hardware needed."
+    )
+    parser.add_argument("--knob", default="3", metavar="1..5|NAME", help="one of the five knobs; default 3")
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="FOLDER", help="for all files; default ./knobcam-demo-knobN"
+    )
+
+
+def run(args: Namespace) -> Answer:
+    """Run the demonstration and print where its files are."""
+    from .. import demo
+
+    knob = demo.knob_name(args.knob)
+    folder = args.output or Path(f"knobcam-demo-{knob}")
+    check_folder(folder)
+    with writing(folder):
+        shown = demo.run(knob, folder, status)
+    fitted = shown.fit
+    text = f"{shown!r}\nfiles in {folder.absolute()}"
+    document = fitted.document() | {"summary": shown.comparison.summary, "files": shown.files}
+    return Answer(text, document, findings(shown.files["capture"], fitted.signals.capture, fitted.signals))

@@ -1,0 +1,256 @@
+"""The command does its job: each subcommand, its document, its two streams, its end."""
+
+from __future__ import annotations
+
+import importlib
+import io
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from command import knobcam, process
+
+import knobcam as kc
+from knobcam import cli
+
+COMMANDS = ["import", "simulate", "fit", "compare", "effects", "demo"]
+
+
+@pytest.fixture(scope="module")
+def capture(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("captures") / "knob3.npz"
+    assert knobcam("simulate", "knob3", "-o", path).code == 0
+    return path
+
+
+@pytest.fixture
+def pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pictures that cost nothing: what is drawn is the business of other tests."""
+
+    def save_all(fit: kc.Fit, folder: Path, comparison: kc.Comparison | None = None) -> list[Path]:
+        name = "fit.png" if comparison is None else "comparison.png"
+        (folder / name).write_bytes(b"picture")
+        return [folder / name]
+
+    def effect(effect: kc.Effect) -> Any:
+        return SimpleNamespace(savefig=lambda path: Path(path).write_text(effect.id))
+
+    plot = SimpleNamespace(save_all=save_all, effect=effect)
+    monkeypatch.setitem(sys.modules, "knobcam.plot", plot)
+    monkeypatch.setattr(kc, "plot", plot, raising=False)
+
+
+def test_the_command_loads_neither_numpy_nor_the_core_before_it_needs_them() -> None:
+    heavy = ["numpy", "matplotlib", "scipy", "pint", "asyncio", "knobcam._core"]
+    code = f"import sys, knobcam.cli; print(*set({heavy}) & set(sys.modules))"
+    where = str(Path(kc.__file__).parents[1])
+    ended = subprocess.run(
+        [sys.executable, "-c", code], env={"PYTHONPATH": where}, capture_output=True, text=True, check=False
+    )
+    assert (ended.returncode, ended.stdout, ended.stderr) == (0, "\n", "")
+
+
+@pytest.mark.parametrize("name", kc.__all__)
+def test_every_public_name_is_found_when_it_is_asked_for(name: str) -> None:
+    assert getattr(kc, name) is not None
+    assert name in dir(kc)
+
+
+@pytest.mark.parametrize("name", ["compare", "effects", "fit", "prepare", "simulate"])
+def test_a_function_keeps_its_name_though_its_module_has_the_same(name: str) -> None:
+    code = f"import knobcam.{name}, knobcam as kc, sys; sys.exit(not callable(kc.{name}))"
+    where = str(Path(kc.__file__).parents[1])
+    assert (
+        subprocess.run([sys.executable, "-c", code], env={"PYTHONPATH": where}, check=False).returncode == 0
+    )
+    assert importlib.import_module(f"knobcam.{name}").__name__ == f"knobcam.{name}"
+
+
+def test_an_unknown_name_of_the_package_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="module 'knobcam' has no attribute 'fitt'"):
+        kc.fitt  # noqa: B018
+
+
+@pytest.mark.parametrize("argv", [["--help"], *[[command, "--help"] for command in COMMANDS]])
+def test_help_names_every_command_and_option_and_ends_well(argv: list[str]) -> None:
+    ended = knobcam(*argv)
+    assert (ended.code, ended.err) == (0, "")
+    for word in COMMANDS if argv == ["--help"] else ["--json", "--traceback"]:
+        assert word in ended.out
+
+
+def test_the_version_is_that_of_the_core() -> None:
+    assert knobcam("--version") == (0, f"knobcam {kc.__version__}\n", "")
+
+
+def test_import_writes_the_capture_that_load_reads(tmp_path: Path) -> None:
+    source, target = tmp_path / "log.csv", tmp_path / "run.npz"
+    n = np.arange(500)
+    np.savetxt(source, np.column_stack([n / 1000.0, 8192 * np.sin(n / 50), np.cos(n / 50)]), delimiter=";")
+    column_map = ["t=c0", "theta=c1/8192 [turn]", "tau=c2 [mNm]"]
+    ended = knobcam("import", source, "-o", target, "--map", *column_map, "--start", "0.1", "--json")
+    assert ended.code == 0
+    expected, written = kc.load(source, map=column_map, start=0.1), kc.load(target)
+    np.testing.assert_array_equal(written.theta, expected.theta)
+    np.testing.assert_array_equal(written.tau, expected.tau)
+    assert ended.document["schema"] == "knobcam.import/1"
+    assert ended.document["capture"]["samples"] == expected.samples == 400
+    assert ended.document["files"] == {"capture": str(target)}
+    assert len(ended.document["findings"]) == len(expected.findings) == ended.err.count("\n")
+
+
+def test_simulate_gives_the_same_capture_for_the_same_seed(tmp_path: Path) -> None:
+    runs = {name: tmp_path / f"{name}.npz" for name in ("first", "again", "other")}
+    for (name, path), seed in zip(runs.items(), (4, 4, 5), strict=True):
+        call = ["simulate", "knob1", "--motion", "turns", "--seed", str(seed), "--duration", "0.5"]
+        assert knobcam(*call, "--rate", "2000", "-o", path).code == 0, name
+    first, again, other = (kc.load(path) for path in runs.values())
+    assert (first.samples, first.rate_hz) == (1000, 2000.0)
+    np.testing.assert_array_equal(first.tau, again.tau)
+    assert not np.array_equal(first.tau, other.tau)
+
+
+def test_fit_prints_the_document_of_the_contract_and_writes_the_model(capture: Path, tmp_path: Path) -> None:
+    target = tmp_path / "model.toml"
+    document = knobcam("fit", capture, "-o", target, "--json").document
+    assert document["schema"] == "knobcam.fit/1"
+    for name in ("rmse", "rmse_heldout", "noise_floor", "iterations", "evaluations", "correlation"):
+        assert document[name], name
+    assert {"status", "message", "notes", "undetermined"} <= document.keys()
+    period = document["params"]["detent.P"]
+    assert period["ci95"][0] < 0.034 < period["ci95"][1] and period["unit"] == "rad"
+    assert document["files"] == {"model": str(target)}
+    values = {name: param.value for name, param in kc.Model.load(target).params.items()}
+    assert values == {name: param["value"] for name, param in document["params"].items()}
+
+
+def test_fit_takes_several_captures_and_a_model(capture: Path, tmp_path: Path) -> None:
+    model = tmp_path / "model.toml"
+    kc.Model.of(["inertia", "coulomb"]).save(model)
+    ended = knobcam("fit", capture, capture, "--model", model, "--prepare", "paper", "--json")
+    assert len(ended.document["captures"]) == 2
+    assert ended.document["effects"] == ["inertia", "coulomb"]
+
+
+def test_fit_prints_a_table_with_units_and_says_what_was_found_apart(tmp_path: Path) -> None:
+    path = tmp_path / "slow.csv"
+    assert knobcam("simulate", "knob2", "--rate", "1000", "-o", path).code == 0
+    ended = knobcam("fit", path)
+    assert ended.code == 0
+    assert "coulomb.pos" in ended.out and "N m" in ended.out and "95 % interval" in ended.out
+    assert f"{path}: note: sampled at 1000 Hz" in ended.err
+
+
+def test_compare_holds_the_model_as_it_is_and_fits_it_only_when_asked(capture: Path, tmp_path: Path) -> None:
+    path = tmp_path / "model.toml"
+    model = kc.fit(kc.load(capture)).model.with_value("coulomb.pos", 0.004)
+    model.save(path)
+    as_it_is = knobcam("compare", capture, path, "--json").document
+    refitted = knobcam("compare", capture, path, "--refit", "--json").document
+    assert as_it_is["schema"] == "knobcam.compare/1"
+    assert not as_it_is["complete"] and refitted["complete"]
+    assert as_it_is["rmse"] > 1.3 * refitted["rmse"]
+    assert kc.Model.load(path).text() == model.text()
+
+
+def test_effects_lists_the_catalogue_and_shows_one(tmp_path: Path) -> None:
+    every = knobcam("effects")
+    assert all(name in every.out for name in kc.effects())
+    one = knobcam("effects", "coulomb", "--coordinate", "linear")
+    assert "Coulomb 1785" in one.out and "coulomb.pos" in one.out and "N m" not in one.out
+    document = knobcam("effects", "detent", "--json").document
+    assert [effect["id"] for effect in document["effects"]] == ["detent"]
+    assert document["effects"][0]["params"][0]["upper"] is None  # infinity, which JSON does not have
+
+
+@pytest.mark.usefixtures("pictures")
+def test_pictures_go_where_the_call_says(capture: Path, tmp_path: Path) -> None:
+    plots, one = tmp_path / "plots", tmp_path / "one.svg"
+    fitted = knobcam("fit", capture, "--plots", plots, "--json").document
+    compared = knobcam("compare", capture, "knob3", "--plots", plots, "--json").document
+    shown = knobcam("effects", "coulomb", "--plots", plots, "-o", one, "--json").document
+    assert fitted["files"]["pictures"] == [str(plots / "fit.png")]
+    assert compared["files"]["pictures"] == [str(plots / "comparison.png")]
+    assert shown["files"]["pictures"] == [str(plots / "coulomb.png"), str(one)]
+    assert one.read_text() == "coulomb"
+
+
+@pytest.mark.usefixtures("pictures")
+@pytest.mark.parametrize("knob", ["1", "knob2", "3", "4", "5"])
+def test_demo_leaves_capture_model_and_pictures_in_a_folder_that_it_names(
+    knob: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    name = knob if knob.startswith("knob") else f"knob{knob}"
+    folder = tmp_path / f"knobcam-demo-{name}"
+    ended = knobcam("demo", "--knob", knob)
+    assert ended.code == 0 and str(folder) in ended.out and "noise floor" in ended.out
+    assert sorted(path.name for path in folder.iterdir()) == ["capture.npz", "comparison.png", "model.toml"]
+    document = knobcam("demo", "--knob", knob, "-o", "other", "--json").document
+    assert document["schema"] == "knobcam.fit/1"
+    assert document["files"]["folder"] == str(tmp_path / "other")
+    assert all(Path(document["files"][kind]).is_file() for kind in ("capture", "model"))
+
+
+def test_a_process_answers_like_the_function(capture: Path, tmp_path: Path) -> None:
+    assert process("fit", capture, "--json") == knobcam("fit", capture, "--json")
+
+
+def test_a_failure_of_the_program_is_one_line_and_how_to_see_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(axis: str) -> None:
+        raise ZeroDivisionError("first\nsecond")
+
+    monkeypatch.setattr(importlib.import_module("knobcam.effects"), "effects", broken)
+    ended = knobcam("effects")
+    assert (ended.code, ended.out, ended.err.count("\n")) == (1, "", 1)
+    assert "ZeroDivisionError: first second" in ended.err and "--traceback" in ended.err
+    traced = knobcam("effects", "--traceback")
+    assert traced.code == 1 and "Traceback" in traced.err and "in broken" in traced.err
+
+
+def test_an_interrupt_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(axis: str) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(importlib.import_module("knobcam.effects"), "effects", interrupted)
+    assert knobcam("effects") == (130, "", "knobcam: interrupted\n")
+
+
+@pytest.mark.parametrize("argv", [["effects", "--json"], ["--help"]])
+def test_a_reader_that_has_seen_enough_is_no_failure(argv: list[str]) -> None:
+    words = [sys.executable, "-m", "knobcam", *argv]
+    where = {"PYTHONPATH": str(Path(cli.__file__).parents[2])}
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=where) as running:
+        assert running.stdout is not None and running.stderr is not None
+        running.stdout.close()
+        assert running.stderr.read() == b""
+    assert running.returncode == 0
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no device that is always full")
+def test_a_full_disk_behind_standard_output_is_one_line() -> None:
+    words = [sys.executable, "-m", "knobcam", "effects"]
+    where = {"PYTHONPATH": str(Path(cli.__file__).parents[2])}
+    with Path("/dev/full").open("w") as full:
+        ended = subprocess.run(words, stdout=full, stderr=subprocess.PIPE, text=True, env=where, check=False)
+    assert ended.returncode == 2
+    assert ended.stderr.startswith("knobcam: standard output: ") and ended.stderr.count("\n") == 1
+
+
+def test_progress_is_shown_on_a_terminal_and_gone_in_the_end(
+    capture: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    shown = Terminal()
+    monkeypatch.setattr(sys, "stderr", shown)
+    monkeypatch.setattr(sys, "stdout", io.StringIO())
+    assert cli.main(["fit", str(capture)]) == 0
+    assert "fitting ..." in shown.getvalue()
+    assert shown.getvalue().endswith("\r\x1b[K")

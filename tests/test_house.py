@@ -1,0 +1,165 @@
+"""The order of the house: what the sources of the project promise about themselves."""
+
+from __future__ import annotations
+
+import ast
+import re
+from importlib.metadata import version
+from pathlib import Path
+
+import knobcam
+from knobcam import _core
+
+ROOT = Path(__file__).parents[1]
+RUST = ROOT / "crates" / "knobcore" / "src"
+PYTHON = ROOT / "python" / "knobcam"
+
+RUST_ORDER = [
+    *("error", "random", "special", "scalar", "motion", "param", "effects", "model", "model_file"),
+    *(
+        "filter",
+        "signals",
+        "smooth",
+        "prepare",
+        "predict",
+        "simulate",
+        "fit",
+        "diagnose",
+        "stiction",
+        "python",
+    ),
+]
+# The fit reports the noise floor beside its error.
+RUST_BACKWARD = {("fit", "diagnose")}
+PYTHON_ORDER = [
+    *("_core", "errors", "tables", "formats", "quality", "capture", "motions", "effects", "models", "model"),
+    *("prepare", "simulate", "fit", "compare", "stiction", "plot", "cli", "__init__"),
+]
+# A capture file keeps what the quality check found.
+PYTHON_BACKWARD = {("formats", "quality")}
+LONGEST = 400
+
+
+def rust_code(path: Path) -> str:
+    """The code of a Rust file without comments and without its tests, which come last."""
+    text = re.sub(r"#\[cfg\(test\)\]\s*mod \w+;", "", path.read_text())
+    code, _, tests = text.partition("#[cfg(test)]")
+    assert not tests or re.fullmatch(r"\nmod tests \{\n(?:(?:[ #].*)?\n)*\}\n", tests), (
+        f"{path}: tests come last"
+    )
+    return re.sub(r"//.*", "", code)
+
+
+def rust_files() -> list[Path]:
+    return [path for path in sorted(RUST.rglob("*.rs")) if "tests" not in path.relative_to(RUST).parts]
+
+
+def written_files() -> list[Path]:
+    folders = ("crates", "python", "tests", "benches", "docs", "examples", ".ci")
+    found = [path for folder in folders for path in (ROOT / folder).rglob("*") if path.is_file()]
+    texts = {".rs", ".py", ".pyi", ".toml", ".md", ".js", ".css", ".html", ""}
+    return [*ROOT.glob("*.py"), *ROOT.glob("*.md"), *(path for path in found if path.suffix in texts)]
+
+
+def imported_by_rust(code: str) -> set[str]:
+    """The top modules of the crate that some code names."""
+    grouped = " ".join(re.findall(r"crate::\{([^;]*)\};", code))
+    while re.search(r"::\{[^{}]*\}", grouped):
+        grouped = re.sub(r"::\{[^{}]*\}", "", grouped)
+    return {*re.findall(r"crate::(\w+)", code), *re.findall(r"(?:^|,)\s*(\w+)", grouped)}
+
+
+def imported_by_python(path: Path) -> set[str]:
+    """The top modules of the package that a file imports when it is loaded."""
+    up = len(path.relative_to(PYTHON).parts)
+    names = set()
+    for line in ast.parse(path.read_text()).body:
+        if isinstance(line, ast.ImportFrom) and line.level == up:
+            names |= {line.module.split(".")[0]} if line.module else {alias.name for alias in line.names}
+    return names
+
+
+def module(path: Path, root: Path) -> str:
+    return path.relative_to(root).parts[0].removesuffix(path.suffix)
+
+
+def test_the_python_crates_are_named_in_the_bindings_alone():
+    outside = [path for path in rust_files() if path.relative_to(RUST).parts[0] != "python"]
+    assert [path for path in outside if re.search(r"\b(pyo3|numpy)\b", rust_code(path))] == []
+
+
+def test_rust_modules_use_only_those_before_them():
+    backward, place = set(), {name: at for at, name in enumerate(RUST_ORDER)}
+    for path in rust_files():
+        user = module(path, RUST)
+        if user != "lib":
+            used = imported_by_rust(rust_code(path)) - {user}
+            backward |= {(user, name) for name in used if place[name] > place[user]}
+    assert backward == RUST_BACKWARD
+
+
+def test_python_modules_load_only_those_before_them():
+    """A method may still import a later stage when it is called: a fit that compares or plots itself."""
+    backward, place = set(), {name: at for at, name in enumerate(PYTHON_ORDER)}
+    for path in PYTHON.rglob("*.py"):
+        user = module(path, PYTHON)
+        backward |= {(user, name) for name in imported_by_python(path) - {user} if place[name] > place[user]}
+    assert backward == PYTHON_BACKWARD
+
+
+def test_no_file_is_too_long_to_be_read_at_once():
+    lengths = {path: len(path.read_text().splitlines()) for path in written_files()}
+    assert {path: lines for path, lines in lengths.items() if lines > LONGEST} == {}
+
+
+def test_nothing_is_left_for_later():
+    later = re.compile(r"\b(TO[D]O|FIX[M]E|XX[X]|HAC[K])\b")
+    assert [path for path in written_files() if later.search(path.read_text())] == []
+
+
+def test_the_core_never_panics_on_purpose():
+    panics = re.compile(r"\.unwrap\(\)|\.expect\(|\b(panic|unreachable|todo|unimplemented|assert(_eq|_ne)?)!")
+    found = {path: match.group() for path in rust_files() if (match := panics.search(rust_code(path)))}
+    assert found == {}
+
+
+def test_every_effect_is_a_file_of_its_own_with_its_tests_in_it():
+    ids = set(knobcam.effects())
+    files = {path.stem: path.read_text() for path in (RUST / "effects").glob("*.rs") if path.stem != "mod"}
+    assert ids <= files.keys()
+    for name in ids:
+        assert f'const ID: &\'static str = "{name}";' in files[name]
+        assert "#[test]" in files[name], f"effects/{name}.rs has no test"
+
+
+def test_the_package_has_the_version_of_the_crate():
+    cargo = (ROOT / "Cargo.toml").read_text()
+    assert f'version = "{knobcam.__version__}"' in cargo
+    assert version("knobcam") == knobcam.__version__
+
+
+def public(names: list[str]) -> set[str]:
+    return {name for name in names if not name.startswith("_")}
+
+
+def declared(body: list[ast.stmt]) -> dict[str, list[ast.stmt]]:
+    """What a stub declares, and what is inside of it; type aliases are none of the module's names."""
+    kinds = (ast.FunctionDef, ast.ClassDef)
+    return {node.name: node.body for node in body if isinstance(node, kinds) and node.name[0] != "_"}
+
+
+def test_the_stub_declares_what_the_compiled_module_exports():
+    stub = declared(ast.parse((PYTHON / "_core.pyi").read_text()).body)
+    assert public(dir(_core)) == stub.keys()
+    for name, body in stub.items():
+        if isinstance(getattr(_core, name), type):
+            assert public(dir(getattr(_core, name))) == declared(body).keys(), f"members of {name}"
+
+
+def test_the_guide_to_a_new_effect_shows_the_tested_example():
+    contract = (RUST / "effects" / "mod.rs").read_text()
+    tested = re.search(r"//! ```\n((?://!.*\n)*?)//! ```", contract)
+    shown = re.search(r"```rust\n(.*?)```", (ROOT / "docs" / "add-an-effect.md").read_text(), re.DOTALL)
+    assert tested is not None
+    assert shown is not None
+    assert shown.group(1) == re.sub(r"(?m)^//! ?", "", tested.group(1))
