@@ -86,7 +86,7 @@ def test_emps_prepared_by_the_smoother_agrees_with_the_published_preparation() -
     fit, published = kc.fit(emps(), detents="no"), kc.fit(emps(), detents="no", **AS_PUBLISHED)
     for name, estimate in fit.params.items():
         assert estimate.ci95[0] < published.params[name].value < estimate.ci95[1], name
-    assert any("500 Hz belongs to 5000 Hz" in note for note in fit.signals.notes)
+    assert any("of 500 Hz" in note and "lowered to 100 Hz" in note for note in fit.signals.notes)
 
 
 def test_the_base_model_without_detents_explains_almost_nothing_of_the_motor_and_position_is_why() -> None:
