@@ -1,0 +1,100 @@
+"""Writes BENCHMARKS.md from what this machine measures: `python benches/report.py`.
+
+The statistical part comes from `benches/results`, which `python benches/study_recovery.py` writes.
+"""
+
+import json
+import os
+import platform
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+# One thread each: NumPy's matrix products of this size are faster so, and our fit has one thread.
+THREADS = "OPENBLAS_NUM_THREADS"
+
+ROOT = Path(__file__).resolve().parents[1]
+STUDIES = {
+    "table2": "The paper's Table 2",
+    "basin": "No starting values",
+    "rig": "Random knobs under the rig's sensors",
+}
+
+
+def machine() -> str:
+    """Processor, cores, versions."""
+    import lmfit
+    import numba
+    import numpy
+    import scipy
+
+    lines = Path("/proc/cpuinfo").read_text("utf-8").splitlines()
+    name = next((line.split(":")[1].strip() for line in lines if line.startswith("model name")), "unknown")
+    versions = ", ".join(f"{m.__name__} {m.__version__}" for m in (numpy, scipy, lmfit, numba))
+    return (
+        f"{name}, {os.cpu_count()} cores, {platform.system()} {platform.machine()}, "
+        f"Python {platform.python_version()}, {versions}. Load when measured: {os.getloadavg()[0]:.1f}."
+    )
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
+    yield "| " + " | ".join(head) + " |"
+    yield "|" + "---|" * len(head)
+    for row in rows:
+        yield "| " + " | ".join(row) + " |"
+
+
+def ratios() -> list[tuple[str, ...]]:
+    import bench_bootstrap
+    import bench_filter
+    import bench_fit
+    import bench_process
+
+    cells = []
+    for bench in (bench_filter, bench_fit, bench_bootstrap, bench_process):
+        for row in bench.rows():
+            print(row, file=sys.stderr)
+            reach = "" if row.reach is None else f"{row.reach:g}"
+            verdict = "" if row.reach is None else "yes" if row.times >= row.reach else "**no**"
+            ours, peer = (f"{1e3 * seconds:.4g} ms" for seconds in (row.ours_s, row.peer_s))
+            cells.append((row.work, row.peer, ours, peer, f"{row.times:.3g}", reach, verdict))
+    return cells
+
+
+def lines() -> Iterator[str]:
+    import bench_memory
+
+    yield "# Measured"
+    yield ""
+    yield "Made by `python benches/study_recovery.py && python benches/report.py`. " + machine()
+    yield ""
+    yield "## Speed"
+    yield ""
+    yield "Least times over interleaved rounds in one run, answers checked first. `times` is how many times"
+    yield "longer the peer takes, `to reach` the least that was aimed at. One BLAS thread each."
+    yield ""
+    yield from table(("work", "peer", "knobcam", "peer's", "times", "to reach", "reached"), ratios())
+    yield ""
+    yield "## Length"
+    yield ""
+    yield "Fits of longer captures, each in a process of its own: time and memory grow as the length does."
+    yield ""
+    yield from table(bench_memory.HEAD, [g.cells for g in bench_memory.growth()])
+    for name, title in STUDIES.items():
+        yield ""
+        yield f"## {title}"
+        yield ""
+        yield "```"
+        yield from json.loads((ROOT / "benches" / "results" / f"{name}.json").read_text("utf-8"))["report"]
+        yield "```"
+
+
+def main() -> None:
+    if os.environ.get(THREADS) != "1":
+        os.environ[THREADS] = "1"
+        os.execv(sys.executable, [sys.executable, *sys.argv])  # NumPy reads it when it is loaded
+    (ROOT / "BENCHMARKS.md").write_text("\n".join(lines()) + "\n", "utf-8")
+
+
+if __name__ == "__main__":
+    main()
