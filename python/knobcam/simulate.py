@@ -53,7 +53,7 @@ def simulate(
 
     `motion` is a name (sweep, multisine, turns, hand, micro) or a track; `noise` is `rig` (Tables 1 and 4 of
     the paper), `paper` (Equation 6), `none`, or a SensorNoise. The same seed gives the same capture. With
-    the motion `push` a hand pushes the knob through a spring, and the knob sticks and slips as `karnopp` has it.
+    the motion `push` a hand pushes the knob through a spring, and the knob sticks and slips (`karnopp`).
     """
     if isinstance(noise, str) and noise not in NOISES:
         raise InputError(f"noise={noise!r} is unknown; choose {', '.join(NOISES)}")

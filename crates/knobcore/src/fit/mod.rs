@@ -150,10 +150,9 @@ fn check(data: &[&Signals], model: &Model) -> Result<()> {
         ));
     }
     let constant = |signals: &&Signals| {
-        let mut used =
-            signals.tau.iter().zip(&signals.weight).filter(|(_, w)| **w > 0.0).map(|(tau, _)| *tau);
-        let first = used.next();
-        first.is_some() && used.all(|tau| Some(tau) == first)
+        let mut tau = signals.segments.iter().flat_map(|segment| &signals.tau_raw[segment.clone()]);
+        let first = tau.next();
+        tau.all(|tau| Some(tau) == first)
     };
     if data.iter().all(constant) {
         return Err(Error::invalid(
