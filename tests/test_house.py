@@ -15,36 +15,14 @@ RUST = ROOT / "crates" / "knobcore" / "src"
 PYTHON = ROOT / "python" / "knobcam"
 
 RUST_ORDER = [
-    *("error", "random", "special", "scalar", "motion", "param", "effects", "model", "model_file"),
-    *(
-        "filter",
-        "signals",
-        "smooth",
-        "prepare",
-        "predict",
-        "simulate",
-        "floor",
-        "fit",
-        "diagnose",
-        "stiction",
-        "python",
-    ),
+    *("error", "random", "special", "fourier", "scalar", "motion", "param", "effects", "model", "model_file"),
+    *("filter", "signals", "smooth", "prepare", "predict", "simulate", "floor", "fit", "diagnose"),
+    *("stiction", "python"),
 ]
 PYTHON_ORDER = [
-    *(
-        "_core",
-        "errors",
-        "tables",
-        "finding",
-        "formats",
-        "quality",
-        "capture",
-        "motions",
-        "effects",
-        "models",
-        "model",
-    ),
-    *("prepare", "simulate", "fit", "compare", "stiction", "plot", "demo", "cli", "__init__"),
+    *("_core", "errors", "tables", "finding", "formats", "quality", "capture", "motions", "effects"),
+    *("models", "model", "prepare", "simulate", "fit", "compare", "stiction", "plot", "demo", "cli"),
+    *("__main__", "__init__"),
 ]
 LONGEST = 400
 

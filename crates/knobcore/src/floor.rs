@@ -3,10 +3,11 @@
 //! Above the bandwidth of the model the raw torque holds noise alone. Its level there, with the gain of the
 //! measurement filter for white noise, is the floor.
 
+use crate::fourier;
 use crate::model::Model;
 use crate::predict::torque_raw;
 use crate::signals::Signals;
-use realfft::{RealFftPlanner, RealToComplex};
+use realfft::RealToComplex;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -91,7 +92,7 @@ impl Periodogram {
         let taper: Vec<f64> =
             (0..n).map(|i| 0.5 - 0.5 * (2.0 * PI * (i as f64 + 0.5) / n as f64).cos()).collect();
         let energy = taper.iter().map(|w| w * w).sum();
-        Self { plan: RealFftPlanner::new().plan_fft_forward(n), taper, energy }
+        Self { plan: fourier::forward(n), taper, energy }
     }
 
     /// Power per bin; the mean over the bins of white noise is its variance.

@@ -5,6 +5,7 @@
 #![cfg_attr(not(feature = "python"), forbid(unsafe_code))]
 
 pub mod error;
+mod fourier;
 pub mod random;
 pub mod scalar;
 pub mod special;

@@ -1,12 +1,14 @@
 //! Are there detents, and which?
 
-use super::scan::{Scan, scan};
+use super::scan::{LEAST_PHASE, Scan, range, scan};
 use super::separable::{Found, Layout, descend};
 use crate::effects::Id;
 use crate::error::Result;
 use crate::floor::Floor;
 use crate::model::Model;
+use crate::param::Axis;
 use crate::signals::Signals;
+use std::f64::consts::PI;
 
 /// A peak of the scan stands out when it takes off this many times what the median frequency does: a missing
 /// effect fills the scan broadly, detents are a line.
@@ -15,6 +17,13 @@ const STANDS_OUT: f64 = 30.0;
 const CHANCE: f64 = 1e-4;
 /// Detents must explain this share of what the model without them leaves above the noise.
 const SHARE: f64 = 0.2;
+/// Widest period over 2 pi of what counts as detents on a rotary axis, rad: nearly two to the turn. What comes
+/// once a turn is gravity or a bent shaft.
+const WIDEST: f64 = 0.6;
+/// From this phase on (1.5 detents within the range) no cubic looks like detents.
+const UNMISTAKABLE: f64 = 3.0 * PI;
+/// Two parameters more must take off this many times the noise's variance.
+const CLEARLY: f64 = 10.0;
 /// Peaks of the scan that are followed to their optimum, if they reach this share of the best.
 const CANDIDATES: usize = 3;
 const RIVAL: f64 = 0.8;
@@ -55,22 +64,65 @@ pub fn scan_beside(data: &[&Signals], model: &Model) -> Option<(Model, Found, Sc
     Some((bare, found, scan))
 }
 
-/// Whether a detent that takes `gain` off the sum of squares stands out of the scan and explains a share of
-/// the error that a user would care about.
-///
-/// In noise alone each gain is the noise's variance times a chi-square number of two degrees of freedom, so
-/// that the largest of n stays below twice the variance times ln(n / chance).
-pub fn worth_it(gain: f64, without: &Found, scan: &Scan, floor: &Floor) -> bool {
-    let (white, squares) = if floor.white.is_finite() { (floor.white, floor.squares) } else { (0.0, 0.0) };
-    let by_chance = 2.0 * white * (scan.gain.len() as f64 / CHANCE).ln();
-    gain >= by_chance.max(STANDS_OUT * scan.background()) && gain >= SHARE * (without.cost - squares).max(0.0)
+/// What decides whether there are detents.
+pub struct Judge<'a> {
+    /// The captures.
+    pub data: &'a [&'a Signals],
+    /// The model without detents.
+    pub bare: &'a Model,
+    /// Its optimum.
+    pub without: &'a Found,
+    /// The scan beside it.
+    pub scan: &'a Scan,
+    /// What noise would leave.
+    pub floor: Floor,
 }
 
-/// Whether the detents that were found explain the error better than a smooth position function does.
-pub fn beat_smooth(data: &[&Signals], bare: &Model, with: &Found) -> Result<bool> {
-    // A smooth function of position, with as many parameters, would take off as much where there are no
-    // detents but a spring, gravity or a bent shaft.
-    let smooth = bare.with(Id::PositionPolynomial)?;
-    let rival = descend(data, &smooth, &Layout::of(&smooth), &smooth.values());
-    Ok(with.cost < rival.cost)
+impl Judge<'_> {
+    /// Whether the best peak of the scan is worth a descent. The scan sees detents through a filter that it
+    /// does not know, so its gain is a little off.
+    pub fn promising(&self) -> bool {
+        self.scan.peaks().first().is_some_and(|peak| self.worth_it(1.5 * peak.1))
+    }
+
+    /// Whether the detents that were found are there: worth it, repeating within the range that was turned
+    /// through and within a turn, and no smooth function of position that only looks like them.
+    pub fn are_there(&self, full: &Model, with: &Found) -> Result<bool> {
+        let period = with.p[full.index("detent.P")?];
+        let phase = range(self.data) / period;
+        let within_a_turn = full.axis == Axis::Linear || period <= WIDEST;
+        let detents = self.worth_it(self.without.cost - with.cost) && phase >= LEAST_PHASE && within_a_turn;
+        Ok(detents && (phase > UNMISTAKABLE || self.beat_smooth(with)?))
+    }
+
+    /// Whether a detent that takes `gain` off the sum of squares stands out of the scan and explains a share
+    /// of the error that a user would care about.
+    ///
+    /// In noise alone each gain is the noise's variance times a chi-square number of two degrees of freedom,
+    /// so that the largest of n stays below twice the variance times ln(n / chance).
+    fn worth_it(&self, gain: f64) -> bool {
+        let by_chance = 2.0 * self.white() * (self.scan.gain.len() as f64 / CHANCE).ln();
+        let noise = if self.floor.squares.is_finite() { self.floor.squares } else { 0.0 };
+        let excess = (self.without.cost - noise).max(0.0);
+        gain >= by_chance.max(STANDS_OUT * self.scan.background()) && gain >= SHARE * excess
+    }
+
+    /// Whether detents explain the error better than a cubic over position, which has as many parameters, and
+    /// clearly better than a spring, which has fewer.
+    fn beat_smooth(&self, with: &Found) -> Result<bool> {
+        let cost = |rival: Id, data: &[&Signals]| -> Result<f64> {
+            if self.bare.has(rival) {
+                return Ok(self.without.cost);
+            }
+            let model = self.bare.with(rival)?;
+            Ok(descend(data, &model, &Layout::of(&model), &model.values()).cost)
+        };
+        let clearly = CLEARLY * self.white();
+        Ok(with.cost < cost(Id::PositionPolynomial, self.data)?
+            && with.cost + clearly < cost(Id::ReturnSpring, self.data)?)
+    }
+
+    fn white(&self) -> f64 {
+        if self.floor.white.is_finite() { self.floor.white } else { 0.0 }
+    }
 }

@@ -19,15 +19,15 @@ use crate::floor::Floor;
 use crate::model::{Model, Role};
 use crate::signals::Signals;
 use crate::special::Z95;
-use detents::{beat_smooth, best_from_scan, scan_beside, worth_it};
+use detents::{Judge, best_from_scan, scan_beside};
 use faer::Mat;
-use moments::{block_moments, moments, sweep};
+use moments::{Blocks, sweep, used};
 use separable::{Found, Layout, descend};
 use serial::{Meat, Serial};
 use solve::{Normal, independent, least_squares, solvable};
 
 /// Blocks of the block bootstrap and of the held-out error.
-const BLOCKS: usize = 200;
+const BLOCKS: f64 = 200.0;
 /// Parts that the blocks are held out in.
 const FOLDS: usize = 10;
 
@@ -108,27 +108,26 @@ struct Start {
 fn scanned(data: &[&Signals], model: &Model, detents: Detents) -> Result<Option<Start>> {
     let Some((bare, without, scan)) = scan_beside(data, model) else { return Ok(None) };
     let full = if model.has(Id::Detent) { model.clone() } else { bare.with(Id::Detent)? };
-    let floor = Floor::of(data, &at(&bare, &without));
-    // The scan sees detents through a filter that it does not know, so its gain is a little off.
-    let promising =
-        || scan.peaks().first().is_some_and(|peak| worth_it(1.5 * peak.1, &without, &scan, &floor));
-    let with = if detents == Detents::AsModel || promising() {
-        best_from_scan(data, &full, &Layout::of(&full), &full.values(), &scan)?
+    let best = || best_from_scan(data, &full, &Layout::of(&full), &full.values(), &scan);
+    let with = if detents == Detents::AsModel {
+        best()?
     } else {
-        None
-    };
-    let there = |with: &Found| -> Result<bool> {
-        let gain = without.cost - with.cost;
-        Ok(worth_it(gain, &without, &scan, &floor) && beat_smooth(data, &bare, with)?)
-    };
-    Ok(Some(match with {
-        Some(with) if detents == Detents::AsModel || there(&with)? => {
-            let evaluations = with.evaluations + without.evaluations + 1;
-            Start { model: full, found: Some(Found { evaluations, ..with }), scan: Some(scan) }
+        let judge = Judge {
+            data,
+            bare: &bare,
+            without: &without,
+            scan: &scan,
+            floor: Floor::of(data, &at(&bare, &without)),
+        };
+        let found = if judge.promising() { best()? } else { None };
+        match found {
+            Some(with) if judge.are_there(&full, &with)? => Some(with),
+            _ => return Ok(Some(Start { model: bare, found: Some(without), scan: Some(scan) })),
         }
-        _ if detents == Detents::Find => Start { model: bare, found: Some(without), scan: Some(scan) },
-        _ => Start { model: full, found: None, scan: Some(scan) },
-    }))
+    };
+    let evaluations = without.evaluations + 1;
+    let found = with.map(|with| Found { evaluations: with.evaluations + evaluations, ..with });
+    Ok(Some(Start { model: full, found, scan: Some(scan) }))
 }
 
 /// The model where the search ended.
@@ -190,25 +189,38 @@ fn finish(
 ) -> Result<Fit> {
     model.set_values(&found.p);
     let seeds = layout.seeds(&model);
-    let used: usize = data.iter().map(|signals| signals.used()).sum();
-    let at = moments(data, &model, &found.p, &seeds);
-    let order: Vec<usize> = layout.linear_first();
-    let kept = solvable(|i, j| at.gram(i, j), independent(|i, j| at.gram(i, j), &order));
-    let residuals = residuals(data, &model);
+    let k = layout.free.len();
+    let used = used(data);
+    let mut blocks = Blocks::of(used / BLOCKS);
+    let mut residuals: Vec<Vec<f64>> = vec![Vec::new(); data.len()];
+    sweep(data, &model, &found.p, &seeds, |swept| {
+        blocks.add(swept);
+        let weight = &swept.signals.weight[swept.chunk.core.clone()];
+        let rest = swept.columns[k].iter().zip(weight).filter(|(_, w)| **w > 0.0).map(|(r, _)| *r);
+        residuals[swept.capture].extend(rest);
+    });
+    let blocks = blocks.done();
+    let mut at = Moments::empty(k);
+    blocks.iter().for_each(|block| at.add(block));
+    let gram = |i: usize, j: usize| at.gram(i, j);
+    let kept = solvable(gram, independent(gram, &layout.linear_first()));
     let serial = Serial::of(&residuals.iter().map(Vec::as_slice).collect::<Vec<_>>());
-    let mut meat = Meat::new(&serial, layout.free.len());
-    sweep(data, &model, &found.p, &seeds, |swept| meat.add(swept));
-    let covariance = match Normal::of(|i, j| at.gram(i, j), &kept) {
+    let mut meat = Meat::new(&serial, k);
+    if serial.coefficients.is_empty() {
+        meat.of_white(gram);
+    } else {
+        sweep(data, &model, &found.p, &seeds, |swept| meat.add(swept));
+    }
+    let covariance = match Normal::of(gram, &kept) {
         Some(normal) => {
             let bread = normal.inverse();
-            let k = layout.free.len();
             let middle = Mat::from_fn(kept.len(), kept.len(), |i, j| meat.products[kept[i] * k + kept[j]]);
-            let degrees = used as f64 / (used as f64 - kept.len() as f64);
-            Mat::from_fn(kept.len(), kept.len(), |i, j| (&bread * &middle * &bread)[(i, j)] * degrees)
+            let degrees = used / (used - kept.len() as f64);
+            let sandwich = &bread * &middle * &bread;
+            Mat::from_fn(kept.len(), kept.len(), |i, j| sandwich[(i, j)] * degrees)
         }
         None => Mat::zeros(0, 0),
     };
-    let blocks = block_moments(data, &model, &found.p, &seeds, (used / BLOCKS).max(1));
     let undetermined = (0..layout.free.len())
         .filter(|c| !kept.contains(c))
         .map(|c| undetermined(&model, layout, &at, &kept, c))
@@ -217,7 +229,7 @@ fn finish(
         free: kept.iter().map(|&column| layout.free[column]).collect(),
         covariance,
         undetermined,
-        rmse: (residuals.iter().flatten().map(|r| r * r).sum::<f64>() / used as f64).sqrt(),
+        rmse: (residuals.iter().flatten().map(|r| r * r).sum::<f64>() / used).sqrt(),
         rmse_heldout: bootstrap::held_out(&blocks, &kept, FOLDS),
         noise_floor: Floor::of(data, &model).rms(),
         iterations: found.iterations,
@@ -228,16 +240,6 @@ fn finish(
         kept,
         model,
     })
-}
-
-/// Measured minus modelled torque at the samples that count, per capture, N m.
-fn residuals(data: &[&Signals], model: &Model) -> Vec<Vec<f64>> {
-    let of = |signals: &&Signals| {
-        let torque = crate::predict::torque(model, signals);
-        let pairs = signals.tau.iter().zip(torque).zip(&signals.weight);
-        pairs.filter(|(_, w)| **w > 0.0).map(|((tau, model), _)| tau - model).collect()
-    };
-    data.iter().map(of).collect()
 }
 
 /// Says why a column is not determined: it is silent, or a combination of others.

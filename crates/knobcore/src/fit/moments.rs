@@ -70,14 +70,37 @@ impl Moments {
 
     /// Adds the products of weighted columns, each of the same length; the last one is the residual.
     pub(super) fn add_columns(&mut self, columns: &[&[f64]]) {
-        let side = self.k + 1;
-        for i in 0..side {
-            for j in 0..=i {
-                let product = dot(columns[i], columns[j]);
-                self.products[i * side + j] += product;
-                if i != j {
-                    self.products[j * side + i] += product;
+        pulp::Arch::new().dispatch(Products { columns, products: &mut self.products });
+    }
+}
+
+/// Rows that are multiplied at a time: ten columns of them stay in the first cache.
+const ROWS: usize = 256;
+
+struct Products<'a> {
+    columns: &'a [&'a [f64]],
+    products: &'a mut [f64],
+}
+
+impl pulp::NullaryFnOnce for Products<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let side = self.columns.len();
+        let rows = self.columns.first().map_or(0, |column| column.len());
+        for start in (0..rows).step_by(ROWS) {
+            let end = (start + ROWS).min(rows);
+            for i in 0..side {
+                for j in 0..=i {
+                    self.products[i * side + j] +=
+                        inner(&self.columns[i][start..end], &self.columns[j][start..end]);
                 }
+            }
+        }
+        for i in 0..side {
+            for j in 0..i {
+                self.products[j * side + i] = self.products[i * side + j];
             }
         }
     }
@@ -98,15 +121,20 @@ impl pulp::NullaryFnOnce for Dot<'_> {
 
     #[inline(always)]
     fn call(self) -> f64 {
-        let (mut first, mut second) = (Pack::of(0.0), Pack::of(0.0));
-        for (x, y) in self.a.chunks_exact(2 * LANES).zip(self.b.chunks_exact(2 * LANES)) {
-            first = first + Pack::load(x, 0) * Pack::load(y, 0);
-            second = second + Pack::load(x, LANES) * Pack::load(y, LANES);
-        }
-        let done = self.a.len() - self.a.len() % (2 * LANES);
-        let tail: f64 = self.a[done..].iter().zip(&self.b[done..]).map(|(x, y)| x * y).sum();
-        (first + second).0.iter().sum::<f64>() + tail
+        inner(self.a, self.b)
     }
+}
+
+#[inline(always)]
+fn inner(a: &[f64], b: &[f64]) -> f64 {
+    let (mut first, mut second) = (Pack::of(0.0), Pack::of(0.0));
+    for (x, y) in a.chunks_exact(2 * LANES).zip(b.chunks_exact(2 * LANES)) {
+        first = first + Pack::load(x, 0) * Pack::load(y, 0);
+        second = second + Pack::load(x, LANES) * Pack::load(y, LANES);
+    }
+    let done = a.len() - a.len() % (2 * LANES);
+    let tail: f64 = a[done..].iter().zip(&b[done..]).map(|(x, y)| x * y).sum();
+    (first + second).0.iter().sum::<f64>() + tail
 }
 
 /// One chunk of a sweep: the derivative columns and then the residual, zero where a sample does not count.
@@ -151,32 +179,41 @@ pub fn sweep(data: &[&Signals], model: &Model, p: &[f64], seeds: &Seeds, mut vis
 pub fn moments(data: &[&Signals], model: &Model, p: &[f64], seeds: &Seeds) -> Moments {
     let mut sum = Moments::empty(seeds.columns());
     sweep(data, model, p, seeds, |swept| sum.add_columns(swept.columns));
-    sum.rows = data.iter().map(|signals| signals.used() as f64).sum();
+    sum.rows = used(data);
     sum
 }
 
-/// The normal equations at `p`, apart for consecutive blocks of about `samples` used samples each; a block
-/// never spans two captures.
-pub fn block_moments(
-    data: &[&Signals],
-    model: &Model,
-    p: &[f64],
-    seeds: &Seeds,
-    samples: usize,
-) -> Vec<Moments> {
-    let k = seeds.columns();
-    let mut blocks: Vec<Moments> = Vec::new();
-    let mut capture = usize::MAX;
-    sweep(data, model, p, seeds, |swept| {
-        if swept.capture != capture {
-            capture = swept.capture;
-            blocks.push(Moments::empty(k));
+/// Samples that count.
+pub fn used(data: &[&Signals]) -> f64 {
+    data.iter().map(|signals| signals.used() as f64).sum()
+}
+
+/// The normal equations apart for consecutive blocks of about so many used samples; a block never spans two
+/// captures.
+pub struct Blocks {
+    samples: f64,
+    capture: usize,
+    blocks: Vec<Moments>,
+}
+
+impl Blocks {
+    /// None yet.
+    pub fn of(samples: f64) -> Self {
+        Self { samples: samples.max(1.0), capture: usize::MAX, blocks: Vec::new() }
+    }
+
+    /// Takes one chunk of a sweep.
+    pub fn add(&mut self, swept: &Swept<'_>) {
+        let k = swept.columns.len() - 1;
+        if swept.capture != self.capture {
+            self.capture = swept.capture;
+            self.blocks.push(Moments::empty(k));
         }
         let weight = &swept.signals.weight[swept.chunk.core.clone()];
         let mut from = 0;
         while from < weight.len() {
-            let Some(block) = blocks.last_mut() else { return };
-            let room = samples as f64 - block.rows;
+            let Some(block) = self.blocks.last_mut() else { return };
+            let room = self.samples - block.rows;
             let mut counted = 0.0;
             let take = weight[from..].iter().take_while(|w| {
                 counted += **w;
@@ -187,11 +224,15 @@ pub fn block_moments(
             block.add_columns(&views);
             block.rows += weight[from..to].iter().sum::<f64>();
             if to < weight.len() {
-                blocks.push(Moments::empty(k));
+                self.blocks.push(Moments::empty(k));
             }
             from = to;
         }
-    });
-    blocks.retain(|block| block.rows > 0.0);
-    blocks
+    }
+
+    /// Those that hold samples.
+    pub fn done(mut self) -> Vec<Moments> {
+        self.blocks.retain(|block| block.rows > 0.0);
+        self.blocks
+    }
 }

@@ -7,22 +7,23 @@
 
 use super::moments::sweep;
 use super::solve::{Normal, independent};
+use crate::fourier;
 use crate::model::Model;
 use crate::param::Axis;
 use crate::predict::Seeds;
+use crate::scalar::{LANES, Pack, Scalar};
 use crate::signals::Signals;
-use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
 use std::f64::consts::TAU;
 
 /// A detent must turn by this many radians of its own phase within the capture to show at all.
-const LEAST_PHASE: f64 = 3.5;
+pub const LEAST_PHASE: f64 = 3.5;
 /// Most detents per turn that are looked for, and per range on a linear axis.
 const MOST: f64 = 300.0;
 /// Most cells of the grid of positions: a million points to transform, whatever the range.
 const MOST_CELLS: f64 = 131_072.0;
 /// Frequencies per independent frequency (one cycle over the range).
-const OVERSAMPLING: usize = 8;
+const OVERSAMPLING: usize = 4;
 
 /// The scan.
 #[derive(Debug, Clone, Default)]
@@ -36,17 +37,21 @@ pub struct Scan {
 }
 
 impl Scan {
-    /// Local maxima, best first: (P, gain).
+    /// Local maxima, best first: (P, gain), each at the top of the parabola through its three points.
     pub fn peaks(&self) -> Vec<(f64, f64)> {
-        let gain = |i: Option<usize>| i.and_then(|i| self.gain.get(i)).copied().unwrap_or(0.0);
-        let mut peaks: Vec<(f64, f64)> = (0..self.gain.len())
-            .filter(|&i| {
-                gain(Some(i)) > 0.0
-                    && gain(Some(i)) >= gain(i.checked_sub(1))
-                    && gain(Some(i)) > gain(Some(i + 1))
-            })
-            .map(|i| (1.0 / self.inverse_period[i], self.gain[i]))
-            .collect();
+        let mut peaks: Vec<(f64, f64)> = Vec::new();
+        for (gains, k) in self.gain.windows(3).zip(self.inverse_period.windows(3)) {
+            let &[before, top, after] = gains else { continue };
+            if top > 0.0 && top >= before && top > after {
+                let shift = 0.5 * (before - after) / (before - 2.0 * top + after);
+                peaks.push((1.0 / (k[1] + shift * (k[2] - k[1])), top));
+            }
+        }
+        if let (Some(first), Some(k)) = (self.gain.first(), self.inverse_period.first())
+            && self.gain.get(1).is_none_or(|next| next < first)
+        {
+            peaks.push((1.0 / k, *first));
+        }
         peaks.sort_by(|a, b| b.1.total_cmp(&a.1));
         peaks
     }
@@ -57,6 +62,25 @@ impl Scan {
         gains.sort_by(f64::total_cmp);
         gains.get(gains.len() / 2).copied().unwrap_or(0.0)
     }
+}
+
+/// Lowest and highest position that counts.
+fn extremes(data: &[&Signals]) -> (f64, f64) {
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for signals in data {
+        for (x, w) in signals.theta.iter().zip(&signals.weight) {
+            if *w > 0.0 {
+                (low, high) = (low.min(*x), high.max(*x));
+            }
+        }
+    }
+    (low, high)
+}
+
+/// Range of positions that count.
+pub fn range(data: &[&Signals]) -> f64 {
+    let (low, high) = extremes(data);
+    high - low
 }
 
 /// Grid of positions shared by all captures.
@@ -72,11 +96,7 @@ struct Grid {
 
 impl Grid {
     fn over(data: &[&Signals]) -> Option<Self> {
-        let used = || {
-            data.iter()
-                .flat_map(|s| s.theta.iter().zip(&s.weight).filter(|(_, w)| **w > 0.0).map(|(x, _)| *x))
-        };
-        let (low, high) = used().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        let (low, high) = extremes(data);
         let range = high - low;
         if !(range.is_finite() && range > 0.0) {
             return None;
@@ -101,29 +121,36 @@ impl Grid {
         TAU * index as f64 / (self.transform as f64 * self.width)
     }
 
-    /// Spreads `values` over the two cells around each position.
-    fn spread(&self, theta: &[f64], values: impl Iterator<Item = f64>, cells: &mut [f64]) {
-        for (x, value) in theta.iter().zip(values) {
-            let at = ((x - self.low) / self.width).clamp(0.0, self.cells as f64);
+    /// Spreads a row of up to eight columns over the two cells around each position.
+    fn spread(&self, theta: &[f64], columns: &[&[f64]], cells: &mut [Pack]) {
+        let per_cell = 1.0 / self.width;
+        for (row, x) in theta.iter().enumerate() {
+            let at = ((x - self.low) * per_cell).clamp(0.0, self.cells as f64);
             let cell = at as usize;
-            let part = at - cell as f64;
+            let mut values = [0.0; LANES];
+            for (value, column) in values.iter_mut().zip(columns) {
+                *value = column[row];
+            }
             if let Some([here, next]) = cells.get_mut(cell..cell + 2) {
-                *here += value * (1.0 - part);
-                *next += value * part;
+                let far = Pack(values) * Pack::of(at - cell as f64);
+                *here = *here + (Pack(values) - far);
+                *next = *next + far;
             }
         }
     }
 
     /// Sum over the samples of value * exp(-i k theta), up to a common phase, for every frequency k.
-    fn spectra(&self, columns: Vec<Vec<f64>>) -> Option<Vec<Vec<Complex64>>> {
-        let plan = RealFftPlanner::<f64>::new().plan_fft_forward(self.transform);
+    fn spectra(&self, cells: &[Vec<Pack>], columns: usize) -> Option<Vec<Vec<Complex64>>> {
+        let plan = fourier::forward(self.transform);
         // What the spreading takes off each frequency.
         let spread = |index: usize| {
             let half = 0.5 * self.frequency(index) * self.width;
             if half > 0.0 { (half.sin() / half).powi(2) } else { 1.0 }
         };
         let restore: Vec<f64> = (0..=2 * self.last).map(|index| 1.0 / spread(index)).collect();
-        let spectrum = |mut column: Vec<f64>| {
+        let spectrum = |column: usize| {
+            let mut column: Vec<f64> =
+                cells[column / LANES].iter().map(|cell| cell.0[column % LANES]).collect();
             column.resize(self.transform, 0.0);
             let mut out = plan.make_output_vec();
             plan.process(&mut column, &mut out).ok()?;
@@ -131,7 +158,7 @@ impl Grid {
             out.iter_mut().zip(&restore).for_each(|(value, restore)| *value *= restore);
             Some(out)
         };
-        columns.into_iter().map(spectrum).collect()
+        (0..columns).map(spectrum).collect()
     }
 }
 
@@ -141,18 +168,16 @@ pub fn scan(data: &[&Signals], model: &Model, p: &[f64], linear: &[usize]) -> Op
     let grid = Grid::over(data)?;
     let seeds = Seeds::of(model, linear);
     let k = linear.len();
-    // The k columns, the residual, and the count of samples.
-    let mut spread = vec![vec![0.0; grid.cells + 2]; k + 2];
+    // The k columns, the residual, and the count of samples; eight to a pack.
+    let mut spread = vec![vec![Pack::of(0.0); grid.cells + 2]; (k + 2).div_ceil(LANES)];
     let mut sum = super::moments::Moments::empty(k);
     sweep(data, model, p, &seeds, |swept| {
         sum.add_columns(swept.columns);
         let core = swept.chunk.core.clone();
-        let (theta, weight) = (&swept.signals.theta[core.clone()], &swept.signals.weight[core]);
-        for (cells, column) in spread.iter_mut().zip(swept.columns) {
-            grid.spread(theta, column.iter().copied(), cells);
-        }
-        if let Some(count) = spread.last_mut() {
-            grid.spread(theta, weight.iter().copied(), count);
+        let mut columns = swept.columns.to_vec();
+        columns.push(&swept.signals.weight[core.clone()]);
+        for (cells, eight) in spread.iter_mut().zip(columns.chunks(LANES)) {
+            grid.spread(&swept.signals.theta[core.clone()], eight, cells);
         }
     });
     let kept = independent(|i, j| sum.gram(i, j), &(0..k).collect::<Vec<_>>());
@@ -160,7 +185,7 @@ pub fn scan(data: &[&Signals], model: &Model, p: &[f64], linear: &[usize]) -> Op
     let solved = normal.solve(|i| sum.slope(kept[i]));
     let without = sum.squares() - kept.iter().zip(&solved).map(|(&i, c)| c * sum.slope(i)).sum::<f64>();
     let inverse = normal.inverse();
-    let spectra = grid.spectra(spread)?;
+    let spectra = grid.spectra(&spread, k + 2)?;
     let count = &spectra[k + 1];
     let gain = |at: usize| -> f64 {
         // Cosine and sine products with the kept columns, the residual, and each other.

@@ -14,8 +14,9 @@ use crate::signals::Signals;
 
 /// Trials before giving up.
 const MAX_EVALUATIONS: usize = 60;
-/// A step that promises less than this share of the sum of squares ends the fit.
-const PROMISE: f64 = 1e-12;
+/// A step that promises less than this share of the mean square error is taken and ends the fit: it moves no
+/// parameter by more than a thirtieth of its standard error, and what is left after it is its square.
+const PROMISE: f64 = 1e-3;
 /// A step below this share of every hard parameter ends the fit.
 const STEP: f64 = 1e-12;
 /// A sum of squares below this share of the measured one is rounding.
@@ -302,9 +303,17 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64])
         };
         let small =
             layout.hard.iter().all(|&h| step[h].abs() <= STEP * here.p[layout.free[h]].abs().max(STEP));
-        if promise <= PROMISE * here.cost || small {
+        if promise <= PROMISE * here.cost / rows || small {
             let status = if damping > 1e8 { Status::Stalled } else { Status::Converged };
-            return ended(&problem, &here, iterations, status);
+            let last = Found {
+                p: layout.moved(model, &here.p, &step),
+                ..ended(&problem, &here, iterations, status)
+            };
+            return if status == Status::Converged {
+                last
+            } else {
+                ended(&problem, &here, iterations, status)
+            };
         }
         let there = problem.point(layout.moved(model, &here.p, &step));
         let gain = (here.cost - there.cost) / promise;

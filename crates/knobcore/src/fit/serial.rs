@@ -77,6 +77,14 @@ impl<'a> Meat<'a> {
         Self { serial, k, past, capture: usize::MAX, products: vec![0.0; k * k] }
     }
 
+    /// J' Sigma J of white residuals: no sweep is needed.
+    pub fn of_white(&mut self, gram: impl Fn(usize, usize) -> f64) {
+        let k = self.k;
+        for (at, product) in self.products.iter_mut().enumerate() {
+            *product = self.serial.innovation * gram(at / k, at % k);
+        }
+    }
+
     /// Takes the derivative columns of one chunk.
     pub fn add(&mut self, swept: &Swept<'_>) {
         if swept.capture != self.capture {
