@@ -2,8 +2,8 @@
 //!
 //! A knob that slips, hits its end stop or takes up backlash changes its acceleration within a sample. At the
 //! jerk of the rest of the capture the smoother rounds that off over its whole memory, before and after. The
-//! angles then lie off the smoothed motion by far more than their noise; windows where they do are found by
-//! chi-square, and the smoother runs again with more jerk in them.
+//! sensors then lie off the smoothed motion by far more than their noise; windows where they do are found by
+//! chi-square, and the smoother runs again with more jerk in them. Without such a window the first run stands.
 //!
 //! How much: what the last run spent there, with a margin. A run spreads an impact over all windows that were
 //! raised, but most of it lies where it happened, so that from run to run the raised windows close in on it
@@ -15,6 +15,7 @@ use super::lifts::{Lifts, WINDOW};
 use super::rts::{Motion, smooth_rows};
 use super::sensors::Sensors;
 use super::state::Model;
+use std::ops::{Range, RangeInclusive};
 
 /// Runs of the smoother at most.
 const RUNS: usize = 6;
@@ -38,9 +39,7 @@ pub fn smooth_with_impacts(sensors: &Sensors<'_>, model: &Model) -> Motion {
     let mut motion = smooth_rows(sensors, model, &lifts);
     // The least that each window is raised; none where the motion is smooth.
     let mut least: Vec<Option<f64>> = Vec::new();
-    let runs: usize = std::env::var("RUNS").map_or(RUNS,|x|x.parse().unwrap());
-    let esc: f64 = std::env::var("ESC").map_or(STUBBORN,|x|x.parse().unwrap());
-    for _ in 1..runs {
+    for _ in 1..RUNS {
         let out_of_line = out_of_line(sensors, model, &motion);
         if !out_of_line.contains(&true) {
             break;
@@ -48,23 +47,23 @@ pub fn smooth_with_impacts(sensors: &Sensors<'_>, model: &Model) -> Motion {
         least.resize(out_of_line.len(), None);
         let flagged = || (0..out_of_line.len()).filter(|&i| out_of_line[i]);
         for i in flagged() {
-            least[i] = Some(least[i].map_or(1.0, |_| esc * lifts.windows[i]));
+            least[i] = Some(least[i].map_or(1.0, |_| STUBBORN * lifts.windows[i]));
         }
         for near in flagged().flat_map(|i| neighbours(sensors, i)) {
             least[near].get_or_insert(1.0);
         }
-        let spent = |(i, least): (usize, &Option<f64>)| {
+        let raised = |(i, least): (usize, &Option<f64>)| {
             least.map_or(1.0, |least| spent(sensors, model, &motion, i).max(least).min(most(model)))
         };
-        lifts = Lifts { windows: least.iter().enumerate().map(spent).collect() };
-        if let Ok(w)=std::env::var("DBG"){let w:usize=w.parse().unwrap(); eprintln!("{:?} {:?} rough {} oo {}",lifts.windows[w-6..w+7].iter().map(|x|(x*10.0).round()/10.0).collect::<Vec<_>>(),&out_of_line[w-6..w+7].iter().map(|x|u8::from(*x)).collect::<Vec<_>>(),least.iter().filter(|x|x.is_some()).count(),out_of_line.iter().filter(|x|**x).count());}
+        let raised: Vec<f64> = least.iter().enumerate().map(raised).collect();
+        lifts = Lifts { windows: (0..raised.len()).map(|i| highest_around(&raised, i)).collect() };
         motion = smooth_rows(sensors, model, &lifts);
     }
     motion
 }
 
 /// The windows before and after window `i`, as far as the next that has a reading of the angle.
-fn neighbours(sensors: &Sensors<'_>, i: usize) -> std::ops::RangeInclusive<usize> {
+fn neighbours(sensors: &Sensors<'_>, i: usize) -> RangeInclusive<usize> {
     let read = |rows: &[f64]| rows.iter().any(|theta| theta.is_finite());
     let windows = sensors.theta.chunks(WINDOW);
     let after = windows.clone().skip(i + 1).position(read).map_or(i, |gap| i + 1 + gap);
@@ -72,29 +71,66 @@ fn neighbours(sensors: &Sensors<'_>, i: usize) -> std::ops::RangeInclusive<usize
     before..=after
 }
 
+/// The highest of window `i` and those beside it: when in a sample an impact falls is not known, and sensors
+/// do not all see it at once.
+fn highest_around(raised: &[f64], i: usize) -> f64 {
+    raised[i.saturating_sub(1)..(i + 2).min(raised.len())].iter().copied().fold(1.0, f64::max)
+}
+
 /// The most that jerk is raised.
 fn most(model: &Model) -> f64 {
     (MOST * model.variance[0].sqrt() / model.jerk).max(1.0)
 }
 
-/// Windows whose angles lie off the motion by more than chance: the sum of squares of
-/// the residuals, in units of the noise, has the tail of a chi-square with the degrees of freedom that the
-/// smoother leaves to them, or less (B. Laurent and P. Massart, Annals of Statistics 28(5), 2000, lemma 1).
+/// Windows whose readings lie off the motion by more than chance.
 fn out_of_line(sensors: &Sensors<'_>, model: &Model, motion: &Motion) -> Vec<bool> {
-    let unl: f64 = std::env::var("UNL").map_or(UNLIKELY,|x|x.parse().unwrap());
-    let rows = sensors.theta.chunks(WINDOW);
-    let (values, sds) = (motion.values[0].chunks(WINDOW), motion.sds[0].chunks(WINDOW));
-    let windows = rows.zip(values).zip(sds);
-    windows
-        .map(|((theta, value), sd)| {
-            let (mut squares, mut freedom) = (0.0, 0.0);
-            for k in (0..theta.len()).filter(|&k| theta[k].is_finite()) {
-                squares += (theta[k] - value[k]).powi(2) / model.variance[0];
-                freedom += (1.0 - sd[k] * sd[k] / model.variance[0]).max(0.0);
-            }
-            squares > freedom + 2.0 * (freedom * unl).sqrt() + 2.0 * unl
+    let rates = [(1, sensors.omega), (2, sensors.alpha)];
+    (0..sensors.len())
+        .step_by(WINDOW)
+        .map(|first| {
+            let rows = first..(first + WINDOW).min(sensors.len());
+            let jumps = |(i, column): (usize, Option<&[f64]>)| {
+                column.is_some_and(|column| {
+                    let noise = model.variance[i] / model.scale[i].powi(2);
+                    jumps_off(column, &motion.values[i], noise, rows.clone())
+                })
+            };
+            angles_lie_off(sensors.theta, motion, model.variance[0], rows.clone())
+                || rates.into_iter().any(jumps)
         })
         .collect()
+}
+
+/// Residuals of the angle: their squares in units of the noise sum up like a chi-square with the degrees of
+/// freedom that the smoother leaves to them.
+fn angles_lie_off(theta: &[f64], motion: &Motion, noise: f64, rows: Range<usize>) -> bool {
+    let (mut squares, mut freedom) = (0.0, 0.0);
+    for k in rows.filter(|&k| theta[k].is_finite()) {
+        squares += (theta[k] - motion.values[0][k]).powi(2) / noise;
+        freedom += (1.0 - motion.sds[0][k].powi(2) / noise).max(0.0);
+    }
+    squares > chance(freedom)
+}
+
+/// Residuals of a rate: only what changes from sample to sample counts, so that a sensor with a wrong gain, a
+/// lag or a drift does not pass for an impact. As (a - b)^2 / 4 <= (a^2 + b^2) / 2, chance does no more to
+/// these than to the residuals.
+fn jumps_off(rate: &[f64], motion: &[f64], noise: f64, rows: Range<usize>) -> bool {
+    let (mut squares, mut freedom) = (0.0, 1.0);
+    for k in rows.start.max(1)..rows.end {
+        let change = (rate[k] - motion[k]) - (rate[k - 1] - motion[k - 1]);
+        if change.is_finite() {
+            squares += change * change / (4.0 * noise);
+            freedom += 1.0;
+        }
+    }
+    squares > chance(freedom)
+}
+
+/// What a chi-square exceeds once in exp(UNLIKELY) at most (B. Laurent and P. Massart, Annals of Statistics
+/// 28(5), 2000, lemma 1).
+fn chance(freedom: f64) -> f64 {
+    freedom + 2.0 * (freedom * UNLIKELY).sqrt() + 2.0 * UNLIKELY
 }
 
 /// The jerk that the motion spent in window `i`, with a margin, in units of the usual.
@@ -105,5 +141,5 @@ fn spent(sensors: &Sensors<'_>, model: &Model, motion: &Motion, i: usize) -> f64
     let jumps: f64 = alpha.windows(2).map(|pair| ((pair[1] - pair[0]) * model.scale[2]).powi(2)).sum();
     // Over one step, jerk adds a quarter of its square to the variance of alpha h^2 / 2.
     let steps = (sensors.t[last] - sensors.t[first]) / model.scale[1];
-    (std::env::var("MARGIN").map_or(MARGIN,|x|x.parse().unwrap()) * 4.0 * jumps / steps).sqrt() / model.jerk
+    (MARGIN * 4.0 * jumps / steps).sqrt() / model.jerk
 }

@@ -109,7 +109,8 @@ impl Gains {
         let least = model.variance[0].sqrt() + model.jerk;
         let root = Matrix3::from_diagonal(&prior.widest.map(|widest| 10.0 * (widest + least)));
         let weights = [Vector3::zeros(); 3];
-        let prediction = Prediction { r: 0.0, lift: 1.0, before: root, after: root, turn: Matrix3::identity() };
+        let prediction =
+            Prediction { r: 0.0, lift: 1.0, before: root, after: root, turn: Matrix3::identity() };
         let mut gains = Self { model, root, weights, seen: [false; 3], prediction, settled: false };
         gains.weigh(gains.sees(z));
         gains

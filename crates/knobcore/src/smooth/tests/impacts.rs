@@ -15,7 +15,10 @@ fn pieces(all: &[(f64, Option<(f64, f64)>)]) -> Motion {
     let mut starts: Vec<(f64, [f64; 4])> = Vec::new();
     for &(start, driven) in all {
         let [theta, omega, _] = starts.last().map_or([0.0; 3], |(before, piece)| at(piece, start - before));
-        starts.push((start, driven.map_or([theta, 0.0, 0.0, 0.0], |(alpha, jerk)| [theta, omega, alpha, jerk])));
+        starts.push((
+            start,
+            driven.map_or([theta, 0.0, 0.0, 0.0], |(alpha, jerk)| [theta, omega, alpha, jerk]),
+        ));
     }
     Motion::of(even(SAMPLES), |t| {
         let here = starts.partition_point(|(start, _)| *start <= t + 1e-9) - 1;
