@@ -20,8 +20,8 @@ use std::ops::{Range, RangeInclusive};
 /// Runs of the smoother at most.
 const RUNS: usize = 6;
 
-/// A window is out of line if chance alone does that once in exp(30).
-const UNLIKELY: f64 = 30.0;
+/// A window is out of line if chance alone does that once in exp(16), ten million,.
+const UNLIKELY: f64 = 16.0;
 
 /// The jerk variance of a window is taken this many times what the last run spent there.
 const MARGIN: f64 = 4.0;
