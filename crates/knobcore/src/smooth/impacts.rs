@@ -23,6 +23,9 @@ const RUNS: usize = 6;
 /// A window is out of line if chance alone does that once in exp(16), ten million,.
 const UNLIKELY: f64 = 16.0;
 
+/// What the chi-square of a window of white noise, 8 degrees of freedom, exceeds one time in ten, per degree.
+const UPPER_TENTH: f64 = 1.67;
+
 /// The jerk variance of a window is taken this many times what the last run spent there.
 const MARGIN: f64 = 4.0;
 
@@ -84,38 +87,33 @@ fn most(model: &Model) -> f64 {
 
 /// Windows whose readings lie off the motion by more than chance.
 fn out_of_line(sensors: &Sensors<'_>, model: &Model, motion: &Motion) -> Vec<bool> {
-    let rates = [(1, sensors.omega), (2, sensors.alpha)];
-    (0..sensors.len())
-        .step_by(WINDOW)
-        .map(|first| {
-            let rows = first..(first + WINDOW).min(sensors.len());
-            let jumps = |(i, column): (usize, Option<&[f64]>)| {
-                column.is_some_and(|column| {
-                    let noise = model.variance[i] / model.scale[i].powi(2);
-                    jumps_off(column, &motion.values[i], noise, rows.clone())
-                })
-            };
-            angles_lie_off(sensors.theta, motion, model.variance[0], rows.clone())
-                || rates.into_iter().any(jumps)
-        })
-        .collect()
+    let windows = || (0..sensors.len()).step_by(WINDOW).map(|k| k..(k + WINDOW).min(sensors.len()));
+    let theta = |rows| angles_off(sensors.theta, motion, model.variance[0], rows);
+    let mut found = beyond_chance(windows().map(theta).collect());
+    for (i, column) in [(1, sensors.omega), (2, sensors.alpha)] {
+        let Some(column) = column.filter(|_| model.variance[i].is_finite()) else { continue };
+        let noise = model.variance[i] / model.scale[i].powi(2);
+        let jumps = windows().map(|rows| jumps_off(column, &motion.values[i], noise, rows)).collect();
+        found.iter_mut().zip(beyond_chance(jumps)).for_each(|(found, jump)| *found |= jump);
+    }
+    found
 }
 
-/// Residuals of the angle: their squares in units of the noise sum up like a chi-square with the degrees of
-/// freedom that the smoother leaves to them.
-fn angles_lie_off(theta: &[f64], motion: &Motion, noise: f64, rows: Range<usize>) -> bool {
+/// Residuals of the angle: sum of their squares in units of the noise, and the degrees of freedom that the
+/// smoother leaves to them.
+fn angles_off(theta: &[f64], motion: &Motion, noise: f64, rows: Range<usize>) -> (f64, f64) {
     let (mut squares, mut freedom) = (0.0, 0.0);
     for k in rows.filter(|&k| theta[k].is_finite()) {
         squares += (theta[k] - motion.values[0][k]).powi(2) / noise;
         freedom += (1.0 - motion.sds[0][k].powi(2) / noise).max(0.0);
     }
-    squares > chance(freedom)
+    (squares, freedom)
 }
 
 /// Residuals of a rate: only what changes from sample to sample counts, so that a sensor with a wrong gain, a
 /// lag or a drift does not pass for an impact. As (a - b)^2 / 4 <= (a^2 + b^2) / 2, chance does no more to
 /// these than to the residuals.
-fn jumps_off(rate: &[f64], motion: &[f64], noise: f64, rows: Range<usize>) -> bool {
+fn jumps_off(rate: &[f64], motion: &[f64], noise: f64, rows: Range<usize>) -> (f64, f64) {
     let (mut squares, mut freedom) = (0.0, 1.0);
     for k in rows.start.max(1)..rows.end {
         let change = (rate[k] - motion[k]) - (rate[k - 1] - motion[k - 1]);
@@ -124,7 +122,23 @@ fn jumps_off(rate: &[f64], motion: &[f64], noise: f64, rows: Range<usize>) -> bo
             freedom += 1.0;
         }
     }
-    squares > chance(freedom)
+    (squares, freedom)
+}
+
+/// Which of the sums of squares, each with its degrees of freedom, are too large for chance. Noise that is
+/// not white has larger sums everywhere: if a tenth of them are larger than white noise has them, all are
+/// measured by that (overdispersion: P. McCullagh and J. A. Nelder, "Generalized Linear Models", Chapman and
+/// Hall 1989, section 4.5; by a quantile, as the impacts must not count).
+fn beyond_chance(sums: Vec<(f64, f64)>) -> Vec<bool> {
+    let mut ratios: Vec<f64> =
+        sums.iter().filter(|sum| sum.1 > 0.5).map(|(squares, freedom)| squares / freedom).collect();
+    let tenth = ratios.len() * 9 / 10;
+    let spread = if ratios.is_empty() {
+        1.0
+    } else {
+        (*ratios.select_nth_unstable_by(tenth, f64::total_cmp).1 / UPPER_TENTH).max(1.0)
+    };
+    sums.into_iter().map(|(squares, freedom)| squares > spread * chance(freedom)).collect()
 }
 
 /// What a chi-square exceeds once in exp(UNLIKELY) at most (B. Laurent and P. Massart, Annals of Statistics
