@@ -9,7 +9,10 @@
 //! raised, but most of it lies where it happened, so that from run to run the raised windows close in on it
 //! and the others fall back to the usual jerk (the re-weighting of I. F. Gorodnitsky and B. D. Rao, "Sparse
 //! signal reconstruction from limited data using FOCUSS", IEEE Transactions on Signal Processing 45(3), 1997;
-//! here window by window and never below the usual jerk).
+//! here window by window and never below the usual jerk). A window that stays out of line is raised further.
+//!
+//! A wild reading of a single sensor looks like an impact and is followed as one; sensors that contradict each
+//! other for several samples are smoothed with a standard deviation that may be too small.
 
 use super::lifts::{Lifts, WINDOW};
 use super::rts::{Motion, smooth_rows};
@@ -20,7 +23,7 @@ use std::ops::{Range, RangeInclusive};
 /// Runs of the smoother at most.
 const RUNS: usize = 6;
 
-/// A window is out of line if chance alone does that once in exp(16), ten million,.
+/// A window is out of line if white noise alone does that less than once in exp(16) windows, nine million.
 const UNLIKELY: f64 = 16.0;
 
 /// What the chi-square of a window of white noise, 8 degrees of freedom, exceeds one time in ten, per degree.
