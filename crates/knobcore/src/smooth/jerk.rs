@@ -8,11 +8,12 @@
 //! Why not the likelihood of the filter's innovations: it is right when the jerk truly is white. Hand and motor
 //! motion is smoother than that, and then the likelihood follows the noise too closely (G. Wahba, "A comparison
 //! of GCV and GML for choosing the smoothing parameter in the generalized spline smoothing problem", Annals of
-//! Statistics 13(4), 1985): on simulated knobs, velocity errors 1.2 to 2.3 times those of cross-validation. The
+//! Statistics 13(4), 1985): its velocities are then noisier than those of cross-validation. The
 //! standard deviations that go with a cross-validated smoother cover the truth on average over the capture
 //! (G. Wahba, Journal of the Royal Statistical Society B 45(1), 1983).
 
 use super::activity::stretches;
+use super::lifts::Lifts;
 use super::rts::smooth_rows;
 use super::sensors::{Noise, Sensors};
 use super::state::Model;
@@ -94,7 +95,7 @@ fn best_memory(shortest: f64, longest: f64, cost: impl Fn(f64) -> f64) -> f64 {
 /// Sum of the squared errors of predicting each sample from all others, in units of the sensor's noise.
 fn prediction_error(sensors: &Sensors<'_>, model: &Model, noise: &Noise) -> f64 {
     let level = [noise.theta, noise.omega, noise.alpha];
-    let motion = smooth_rows(sensors, model);
+    let motion = smooth_rows(sensors, model, &Lifts::default());
     let mut sum = 0.0;
     let margin = MARGIN.min(sensors.len() / 8);
     for k in margin..sensors.len() - margin {

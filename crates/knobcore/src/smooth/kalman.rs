@@ -24,6 +24,8 @@ const SETTLED: f64 = 1e-6;
 pub struct Prediction {
     /// Length, in usual steps.
     pub r: f64,
+    /// Jerk over this step, in units of the usual.
+    pub lift: f64,
     /// Before: filtered at the sample before.
     pub before: Matrix3<f64>,
     /// After: lower triangular.
@@ -92,10 +94,10 @@ impl Filter {
         filter
     }
 
-    /// The next sample, `r` steps later.
+    /// The next sample, `r` steps later, with `lift` times the usual jerk in between.
     #[inline]
-    pub fn advance(&mut self, r: f64, z: &Vector3<f64>) {
-        self.gains.advance(r, z);
+    pub fn advance(&mut self, r: f64, lift: f64, z: &Vector3<f64>) {
+        self.gains.advance(r, lift, z);
         self.x = coast(&self.x, r);
         self.gains.update(&mut self.x, z);
     }
@@ -107,7 +109,8 @@ impl Gains {
         let least = model.variance[0].sqrt() + model.jerk;
         let root = Matrix3::from_diagonal(&prior.widest.map(|widest| 10.0 * (widest + least)));
         let weights = [Vector3::zeros(); 3];
-        let prediction = Prediction { r: 0.0, before: root, after: root, turn: Matrix3::identity() };
+        let prediction =
+            Prediction { r: 0.0, lift: 1.0, before: root, after: root, turn: Matrix3::identity() };
         let mut gains = Self { model, root, weights, seen: [false; 3], prediction, settled: false };
         gains.weigh(gains.sees(z));
         gains
@@ -115,13 +118,13 @@ impl Gains {
 
     /// To the next sample `z`, `r` steps later; of `z`, only what is missing matters here.
     #[inline]
-    fn advance(&mut self, r: f64, z: &Vector3<f64>) {
+    fn advance(&mut self, r: f64, lift: f64, z: &Vector3<f64>) {
         let r = if (r - 1.0).abs() < SAME_STEP { 1.0 } else { r };
         let seen = self.sees(z);
-        let same = r == self.prediction.r && seen == self.seen;
+        let same = r == self.prediction.r && lift == self.prediction.lift && seen == self.seen;
         if !(same && self.settled) {
             let before = variances(&self.root);
-            self.predict(r);
+            self.predict(r, lift);
             self.weigh(seen);
             let change = (variances(&self.root) - before).component_div(&before).amax();
             self.settled = same && change < SETTLED;
@@ -159,9 +162,9 @@ impl Gains {
         [0, 1, 2].map(|i| z[i].is_finite() && self.model.variance[i].is_finite())
     }
 
-    fn predict(&mut self, r: f64) {
+    fn predict(&mut self, r: f64, lift: f64) {
         let before = self.root;
-        let (top, bottom) = ((transition(r) * before).transpose(), self.model.drive(r).transpose());
+        let (top, bottom) = ((transition(r) * before).transpose(), self.model.drive(r, lift).transpose());
         let mut columns = [0, 1, 2].map(|j| {
             let (a, b) = (top.column(j), bottom.column(j));
             Vector6::new(a[0], a[1], a[2], b[0], b[1], b[2])
@@ -176,7 +179,7 @@ impl Gains {
             }
         }
         let turn = Matrix3::from_fn(|i, j| columns[j][i]);
-        self.prediction = Prediction { r, before, after, turn };
+        self.prediction = Prediction { r, lift, before, after, turn };
         self.root = after;
     }
 

@@ -19,9 +19,11 @@
 //! ```
 
 mod activity;
+mod impacts;
 mod jerk;
 mod kalman;
 mod levels;
+mod lifts;
 mod resolution;
 mod rts;
 mod sensors;

@@ -13,7 +13,9 @@
 //! The filter leaves a checkpoint every few thousand samples and runs again from there on the way back, so
 //! that memory beyond the result does not grow with the capture.
 
+use super::impacts::smooth_with_impacts;
 use super::kalman::{Filter, Prediction, Prior};
+use super::lifts::Lifts;
 use super::sensors::{Noise, Sensors};
 use super::staircase::one_reading_per_step;
 use super::state::{Model, coast, transition};
@@ -59,7 +61,7 @@ impl Backward {
         let unwound = step.after.transpose().solve_upper_triangular(&(step.before * step.turn).transpose());
         let gain = unwound.map_or_else(Matrix3::zeros, |gain| gain.transpose());
         let kept = step.before - gain * (transition(step.r) * step.before);
-        let driven = gain * model.drive(step.r);
+        let driven = gain * model.drive(step.r, step.lift);
         Self { gain, own: kept * kept.transpose() + driven * driven.transpose() }
     }
 }
@@ -74,18 +76,18 @@ pub fn smooth(sensors: &Sensors<'_>, noise: &Noise) -> Result<Smoothed> {
     let readings = one_reading_per_step(sensors.theta);
     let sensors = Sensors { theta: readings.as_deref().unwrap_or(sensors.theta), ..*sensors };
     let model = Model::new(noise, sensors.step());
-    Ok(smooth_rows(&sensors, &model).finish(*noise))
+    Ok(smooth_with_impacts(&sensors, &model).finish(*noise))
 }
 
 /// The smoother itself, on sensors that were checked.
-pub fn smooth_rows(sensors: &Sensors<'_>, model: &Model) -> Motion {
+pub fn smooth_rows(sensors: &Sensors<'_>, model: &Model, lifts: &Lifts) -> Motion {
     let (n, step) = (sensors.len(), model.scale[1]);
 
     let mut filter = Filter::start(*model, &Prior::new(sensors, step), &sensors.row(0));
     let mut checkpoints = vec![filter];
     let final_block = (n - 1) / BLOCK * BLOCK;
     for k in 1..=final_block {
-        filter.advance((sensors.t[k] - sensors.t[k - 1]) / step, &sensors.row(k));
+        filter.advance((sensors.t[k] - sensors.t[k - 1]) / step, lifts.at(k), &sensors.row(k));
         if k % BLOCK == 0 {
             checkpoints.push(filter);
         }
@@ -97,7 +99,7 @@ pub fn smooth_rows(sensors: &Sensors<'_>, model: &Model) -> Motion {
     for (block, checkpoint) in checkpoints.into_iter().enumerate().rev() {
         let first = block * BLOCK;
         let last = (first + BLOCK).min(n - 1);
-        let pass = Pass::new(sensors, model, checkpoint, first..last);
+        let pass = Pass::new(sensors, model, lifts, checkpoint, first..last);
         if last == n - 1 {
             (x, covariance) = (pass.end.x, pass.end.gains.covariance());
             motion.set(last, &x, &covariance);
@@ -132,12 +134,19 @@ struct Pass {
 }
 
 impl Pass {
-    fn new(sensors: &Sensors<'_>, model: &Model, start: Filter, rows: std::ops::Range<usize>) -> Self {
+    fn new(
+        sensors: &Sensors<'_>,
+        model: &Model,
+        lifts: &Lifts,
+        start: Filter,
+        rows: std::ops::Range<usize>,
+    ) -> Self {
         let mut pass = Self { states: Vec::with_capacity(rows.len()), gains: Vec::new(), end: start };
         let mut reusable = false;
         for k in rows {
             let x = pass.end.x;
-            pass.end.advance((sensors.t[k + 1] - sensors.t[k]) / model.scale[1], &sensors.row(k + 1));
+            let r = (sensors.t[k + 1] - sensors.t[k]) / model.scale[1];
+            pass.end.advance(r, lifts.at(k + 1), &sensors.row(k + 1));
             let settled = pass.end.gains.settled();
             if !(reusable && settled) {
                 pass.gains.push(Backward::new(model, pass.end.gains.prediction()));

@@ -11,6 +11,10 @@ use std::ops::Range;
 /// Samples in a stair that is worth the name: dither breaks it up before.
 const HELD: usize = 4;
 
+/// A stair counts as this many samples at most when stairs are weighed against the rest: a knob that sticks for
+/// seconds and slips at many counts per sample is no slow encoder.
+const WORTH: usize = 16;
+
 /// Where less than this share of the samples lies on stairs, every sample is a reading of its own.
 const MOSTLY: f64 = 0.2;
 
@@ -63,15 +67,16 @@ fn stairs(theta: &[f64]) -> Vec<Range<usize>> {
 /// Share of the samples on stairs with a single step at either end.
 fn share_on_stairs(theta: &[f64], stairs: &[Range<usize>], step: f64) -> f64 {
     let single = |from: f64, to: f64| ((to - from).abs() / step - 1.0).abs() < 0.1;
+    let worth = |stair: &Range<usize>| stair.len().min(WORTH);
     let held: usize = stairs
         .windows(3)
         .filter(|three| {
             let [before, here, after] = [0, 1, 2].map(|i| theta[three[i].start]);
             three[1].len() >= HELD && single(before, here) && single(here, after)
         })
-        .map(|three| three[1].len())
+        .map(|three| worth(&three[1]))
         .sum();
-    held as f64 / theta.len() as f64
+    held as f64 / stairs.iter().map(worth).sum::<usize>() as f64
 }
 
 #[cfg(test)]
@@ -89,6 +94,14 @@ mod tests {
     #[test]
     fn dither_leaves_every_sample_a_reading() {
         let theta: Vec<f64> = (0..1000).map(|k| f64::from(k / 20 + (k * 7) % 3)).collect();
+        assert!(one_reading_per_step(&theta).is_none());
+    }
+
+    #[test]
+    fn a_knob_that_sticks_between_fast_slips_is_no_staircase() {
+        // Each slip starts and ends by a single count and runs at three counts per sample between.
+        let slip = |k: i32| (3 * k - 2).clamp(0, 301) + i32::from(k > 102);
+        let theta: Vec<f64> = (0..9000).map(|k| f64::from(302 * (k / 3000) + slip(k % 3000))).collect();
         assert!(one_reading_per_step(&theta).is_none());
     }
 

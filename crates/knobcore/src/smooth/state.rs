@@ -45,9 +45,9 @@ impl Model {
         Self { scale, variance: sd.map(|sd| sd.max(FINEST * jerk).powi(2)), jerk }
     }
 
-    /// Square root of the covariance that the jerk adds over `r` steps.
-    pub fn drive(&self, r: f64) -> Matrix3<f64> {
-        let size = self.jerk * r.sqrt();
+    /// Square root of the covariance that `lift` times the usual jerk adds over `r` steps.
+    pub fn drive(&self, r: f64, lift: f64) -> Matrix3<f64> {
+        let size = lift * self.jerk * r.sqrt();
         let rows = [size * r * r, size * r, size];
         Matrix3::from_fn(|i, j| rows[i] * DRIVE[i][j])
     }

@@ -1,6 +1,7 @@
 //! The smoother against motions that are known.
 
 mod degenerate;
+mod impacts;
 mod laws;
 mod motion;
 mod noisy;
