@@ -55,6 +55,8 @@ pub fn push(model: &Model, reference: &[f64], dt: f64, hand: Hand) -> Result<Pus
     let mut out = Pushed::default();
     let first = reference.first().copied().unwrap_or(0.0);
     let (mut theta, mut omega) = (first, 0.0);
+    // A knob that broke away sticks again when its speed falls back into the band, not while it leaves it.
+    let mut slipping = false;
     for (sample, target) in reference.iter().enumerate() {
         let before = reference.get(sample.wrapping_sub(1)).copied().unwrap_or(*target);
         let speed = (target - before) / dt;
@@ -65,18 +67,21 @@ pub fn push(model: &Model, reference: &[f64], dt: f64, hand: Hand) -> Result<Pus
             let motion = Motion::exact(sample as f64 * dt, theta, omega, 0.0);
             let load = model.load(&p, &motion);
             let other = tau - load.drive;
-            alpha = if omega.abs() <= load.band && load.sticking(other) == other {
+            let held = load.sticking(other) == other;
+            let slow = omega.abs() <= load.band;
+            alpha = if slow && held && !slipping {
                 omega = 0.0;
                 0.0
             } else {
-                // In the band friction opposes what moves the knob; outside of it, the motion.
-                let direction = if omega.abs() <= load.band { other } else { omega };
+                // At rest friction opposes what moves the knob; otherwise the motion.
+                let direction = if omega == 0.0 { other } else { omega };
                 let friction = if direction > 0.0 { load.resist[1] } else { -load.resist[0] };
                 (other - friction) / load.inertia
             };
             let next = omega + h * alpha;
+            slipping = next != 0.0 && slow && (slipping || !held) && next.abs() >= omega.abs();
             // Friction stops a motion; it does not turn it round.
-            omega = if next * omega < 0.0 && load.sticking(other) == other { 0.0 } else { next };
+            omega = if next * omega < 0.0 && held { 0.0 } else { next };
             theta += h * omega;
         }
         out.theta.push(theta);

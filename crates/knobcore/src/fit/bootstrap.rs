@@ -8,27 +8,105 @@
 use super::moments::Moments;
 use super::solve::least_squares;
 use crate::random::Noise;
+use crate::scalar::{LANES, Pack, Scalar};
 
-/// Steps away from the optimum of `draws` refits, each with a value per column; undetermined columns are 0.
+/// Steps away from the optimum of `draws` refits, each with a value per kept column; a draw whose equations
+/// have no solution is left out.
 pub fn refits(blocks: &[Moments], kept: &[usize], draws: usize, seed: u64) -> Vec<Vec<f64>> {
-    let Some(first) = blocks.first() else { return Vec::new() };
+    let Some(first) = blocks.first().filter(|_| !kept.is_empty()) else { return Vec::new() };
+    let scale: Vec<f64> =
+        kept.iter().map(|&i| blocks.iter().map(|b| b.gram(i, i)).sum::<f64>().sqrt().recip()).collect();
+    // The lower triangle of the normal equations, the right-hand side as its last row; the residual's own
+    // column is not needed.
+    let mut order = kept.to_vec();
+    order.push(first.k);
+    let scaled = |i: usize| scale.get(i).copied().unwrap_or(1.0);
+    let row = |i: usize| (0..=i.min(kept.len() - 1)).map(move |j| (i, j));
+    let pack = |block: &Moments| {
+        let entries = (0..order.len()).flat_map(row);
+        let products: Vec<f64> =
+            entries.map(|(i, j)| block.gram(order[i], order[j]) * scaled(i) * scaled(j)).collect();
+        products.chunks(LANES).map(|eight| Pack::load(eight, 0)).collect::<Vec<Pack>>()
+    };
+    let packed: Vec<Vec<Pack>> = blocks.iter().map(pack).collect();
     let mut noise = Noise::new(seed);
-    (0..draws)
-        .filter_map(|_| {
-            let mut counts = vec![0.0; blocks.len()];
-            for _ in 0..blocks.len() {
-                let block = (noise.uniform() * blocks.len() as f64) as usize;
-                counts[block.min(blocks.len() - 1)] += 1.0;
-            }
-            let mut drawn = Moments::empty(first.k);
-            for (block, count) in blocks.iter().zip(counts) {
-                if count > 0.0 {
-                    drawn.add_scaled(block, count);
+    let mut steps = Vec::with_capacity(draws);
+    for _ in 0..draws {
+        let counts = counts(&mut noise, blocks.len());
+        let sum = pulp::Arch::new().dispatch(Drawn { packed: &packed, counts: &counts });
+        let mut equations: Vec<f64> = sum.iter().flat_map(|pack| pack.0).collect();
+        if let Some(step) = solve(&mut equations, kept.len()) {
+            steps.push(step.iter().zip(&scale).map(|(x, scale)| x * scale).collect());
+        }
+    }
+    steps
+}
+
+/// The equations of the blocks that were drawn, summed.
+struct Drawn<'a> {
+    packed: &'a [Vec<Pack>],
+    counts: &'a [f64],
+}
+
+impl pulp::NullaryFnOnce for Drawn<'_> {
+    type Output = Vec<Pack>;
+
+    #[inline(always)]
+    fn call(self) -> Vec<Pack> {
+        let mut sum = vec![Pack::of(0.0); self.packed.first().map_or(0, Vec::len)];
+        for (block, count) in self.packed.iter().zip(self.counts) {
+            if *count > 0.0 {
+                for (sum, product) in sum.iter_mut().zip(block) {
+                    *sum = *sum + *product * Pack::of(*count);
                 }
             }
-            least_squares(&drawn, kept)
-        })
-        .collect()
+        }
+        sum
+    }
+}
+
+/// How often each of `n` blocks is drawn in `n` draws with replacement. A random number gives four indices:
+/// 16 bits each are uneven by less than n / 65536.
+fn counts(noise: &mut Noise, n: usize) -> Vec<f64> {
+    let mut counts = vec![0.0; n];
+    for draw in 0..n.div_ceil(4) {
+        let bits = noise.bits();
+        for part in 0..4.min(n - 4 * draw) {
+            let index = ((bits >> (16 * part)) & 0xffff) as usize * n >> 16;
+            counts[index] += 1.0;
+        }
+    }
+    counts
+}
+
+/// Solves packed normal equations in place by Cholesky's method: `k` rows of a lower triangle and the
+/// right-hand side as one more row. None where they are not positive definite.
+fn solve(a: &mut [f64], k: usize) -> Option<Vec<f64>> {
+    let row = |i: usize| i * (i + 1) / 2;
+    for i in 0..=k {
+        for j in 0..=i.min(k - 1) {
+            let mut value = a[row(i) + j];
+            for l in 0..j {
+                value -= a[row(i) + l] * a[row(j) + l];
+            }
+            a[row(i) + j] = if i == j {
+                if value.is_nan() || value <= 1e-14 {
+                    return None;
+                }
+                value.sqrt()
+            } else {
+                value / a[row(j) + j]
+            };
+        }
+    }
+    let mut x = a[row(k)..row(k) + k].to_vec();
+    for i in (0..k).rev() {
+        for l in i + 1..k {
+            x[i] -= a[row(l) + i] * x[l];
+        }
+        x[i] /= a[row(i) + i];
+    }
+    Some(x)
 }
 
 /// Root mean square error on blocks that a fit did not see: each of `folds` parts of the blocks, taken in
@@ -47,4 +125,31 @@ pub fn held_out(blocks: &[Moments], kept: &[usize], folds: usize) -> f64 {
         rows += own.iter().map(|block| block.rows).sum::<f64>();
     }
     (squares / rows).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packed_equations_are_solved() {
+        // [4 2; 2 3] x = [2; 5]
+        let x = solve(&mut [4.0, 2.0, 3.0, 2.0, 5.0], 2).unwrap();
+        assert!((x[0] + 0.5).abs() < 1e-15 && (x[1] - 2.0).abs() < 1e-15, "{x:?}");
+        assert_eq!(solve(&mut [1.0, 1.0, 1.0, 0.0, 0.0], 2), None);
+    }
+
+    #[test]
+    fn every_resample_has_as_many_blocks_as_there_are() {
+        let mut noise = Noise::new(1);
+        for n in [1, 7, 200] {
+            let drawn = (0..300).fold(vec![0.0; n], |mut sum, _| {
+                let counts = counts(&mut noise, n);
+                assert_eq!(counts.iter().sum::<f64>(), n as f64);
+                sum.iter_mut().zip(counts).for_each(|(s, c)| *s += c);
+                sum
+            });
+            assert!(drawn.iter().all(|d| (d - 300.0_f64).abs() < 90.0), "{drawn:?}");
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! Are there detents, and which?
 
 use super::scan::{LEAST_PHASE, Scan, range, scan};
-use super::separable::{Found, Layout, descend};
+use super::separable::{Found, Layout, Status, descend};
 use crate::effects::Id;
 use crate::error::Result;
 use crate::floor::Floor;
@@ -59,8 +59,21 @@ pub fn scan_beside(data: &[&Signals], model: &Model) -> Option<(Model, Found, Sc
     let effects: Vec<Id> = model.effects().filter(|id| *id != Id::Detent).collect();
     let bare = model.only(&effects).ok()?;
     let layout = Layout::of(&bare);
+    if layout.is_linear() {
+        // The scan's own sweep solves it.
+        let start = bare.values();
+        let (scan, step) = scan(data, &bare, &start, &layout.free)?;
+        let found = Found {
+            p: layout.moved(&bare, &start, &step),
+            cost: scan.without,
+            iterations: 1,
+            evaluations: 1,
+            status: Status::Linear,
+        };
+        return Some((bare, found, scan));
+    }
     let found = descend(data, &bare, &layout, &bare.values());
-    let scan = scan(data, &bare, &found.p, &layout.free)?;
+    let (scan, _) = scan(data, &bare, &found.p, &layout.free)?;
     Some((bare, found, scan))
 }
 

@@ -125,7 +125,7 @@ fn scanned(data: &[&Signals], model: &Model, detents: Detents) -> Result<Option<
             _ => return Ok(Some(Start { model: bare, found: Some(without), scan: Some(scan) })),
         }
     };
-    let evaluations = without.evaluations + 1;
+    let evaluations = without.evaluations;
     let found = with.map(|with| Found { evaluations: with.evaluations + evaluations, ..with });
     Ok(Some(Start { model: full, found, scan: Some(scan) }))
 }
@@ -281,8 +281,7 @@ impl Fit {
     /// Block-bootstrap refits: each a value per determined parameter, in the order of `free`.
     pub fn bootstrap(&self, draws: usize, seed: u64) -> Vec<Vec<f64>> {
         let values = self.model.values();
-        let around =
-            |step: Vec<f64>| self.kept.iter().zip(&self.free).map(|(&c, &i)| values[i] + step[c]).collect();
+        let around = |step: Vec<f64>| self.free.iter().zip(step).map(|(&i, step)| values[i] + step).collect();
         refits(&self.blocks, &self.kept, draws, seed).into_iter().map(around).collect()
     }
 

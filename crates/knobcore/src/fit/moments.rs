@@ -92,9 +92,14 @@ impl pulp::NullaryFnOnce for Products<'_> {
         for start in (0..rows).step_by(ROWS) {
             let end = (start + ROWS).min(rows);
             for i in 0..side {
-                for j in 0..=i {
-                    self.products[i * side + j] +=
-                        inner(&self.columns[i][start..end], &self.columns[j][start..end]);
+                let own = &self.columns[i][start..end];
+                let (row, others) = (&mut self.products[i * side..], &self.columns[..=i]);
+                for (at, four) in others.chunks(4).enumerate() {
+                    let others: [&[f64]; 4] =
+                        std::array::from_fn(|j| &four[j.min(four.len() - 1)][start..end]);
+                    for (j, product) in inner_of_four(own, others).into_iter().enumerate().take(four.len()) {
+                        row[4 * at + j] += product;
+                    }
                 }
             }
         }
@@ -123,6 +128,25 @@ impl pulp::NullaryFnOnce for Dot<'_> {
     fn call(self) -> f64 {
         inner(self.a, self.b)
     }
+}
+
+/// Products of one column with four others, so that it is read once.
+#[inline(always)]
+fn inner_of_four(a: &[f64], others: [&[f64]; 4]) -> [f64; 4] {
+    let mut sums = [Pack::of(0.0); 4];
+    let whole = a.len() - a.len() % LANES;
+    for at in (0..whole).step_by(LANES) {
+        let x = Pack::load(a, at);
+        for i in 0..4 {
+            sums[i] = sums[i] + x * Pack::load(others[i], at);
+        }
+    }
+    let mut out = [0.0; 4];
+    for i in 0..4 {
+        let tail: f64 = a[whole..].iter().zip(&others[i][whole..]).map(|(x, y)| x * y).sum();
+        out[i] = sums[i].0.iter().sum::<f64>() + tail;
+    }
+    out
 }
 
 #[inline(always)]

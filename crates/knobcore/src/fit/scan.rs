@@ -163,8 +163,8 @@ impl Grid {
 }
 
 /// Scans for a sinusoid over position beside the linear columns of `model` (which has no detent), evaluated
-/// at `p`. None where there is no motion.
-pub fn scan(data: &[&Signals], model: &Model, p: &[f64], linear: &[usize]) -> Option<Scan> {
+/// at `p`; the step in those columns that is best without detent comes with it. None where there is no motion.
+pub fn scan(data: &[&Signals], model: &Model, p: &[f64], linear: &[usize]) -> Option<(Scan, Vec<f64>)> {
     let grid = Grid::over(data)?;
     let seeds = Seeds::of(model, linear);
     let k = linear.len();
@@ -212,9 +212,12 @@ pub fn scan(data: &[&Signals], model: &Model, p: &[f64], linear: &[usize]) -> Op
         }
     };
     let indices = grid.first..=grid.last;
-    Some(Scan {
+    let scan = Scan {
         inverse_period: indices.clone().map(|i| grid.frequency(i)).collect(),
         gain: indices.map(gain).collect(),
         without,
-    })
+    };
+    let mut step = vec![0.0; k];
+    kept.iter().zip(&solved).for_each(|(&i, value)| step[i] = *value);
+    Some((scan, step))
 }

@@ -118,9 +118,14 @@ impl Layout {
         self.linear.iter().chain(&self.hard).copied().collect()
     }
 
+    /// Whether all free parameters are linear, and none of them an angle.
+    pub fn is_linear(&self) -> bool {
+        self.hard.is_empty() && self.polar.is_empty()
+    }
+
     /// `p` moved by `step` (a value per column), within the bounds of the hard parameters. Amplitudes and
     /// phases move as the vector that they are, so that a step in them is exact.
-    fn moved(&self, model: &Model, p: &[f64], step: &[f64]) -> Vec<f64> {
+    pub fn moved(&self, model: &Model, p: &[f64], step: &[f64]) -> Vec<f64> {
         let slots = model.slots();
         let mut next = p.to_vec();
         for (column, &i) in self.free.iter().enumerate() {
