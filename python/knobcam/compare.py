@@ -97,9 +97,14 @@ class Comparison:
 
     @cached_property
     def worst(self) -> Split | None:
-        """The axis that holds the largest share of the error beyond noise; None where chance explains all."""
+        """The axis that holds the largest share of the error beyond noise; None where chance explains all.
+
+        A motion that repeats itself gives any residual lines in frequency, so frequency leads only where it
+        holds twice what every other axis does.
+        """
         failing = [split for split in self.splits if split.fails]
-        return max(failing, key=lambda split: split.share, default=None)
+        weight = {split.axis: 0.5 if split.axis == "frequency" else 1.0 for split in failing}
+        return max(failing, key=lambda split: weight[split.axis] * split.share, default=None)
 
     @property
     def complete(self) -> bool:

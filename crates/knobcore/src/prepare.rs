@@ -17,6 +17,12 @@ const SHORTEST: usize = 32;
 const STILL_SD: f64 = 4.0;
 /// See [`STILL_SD`].
 const STILL_S: f64 = 0.02;
+/// Below this many standard deviations the sign of the velocity is not certain: a reversal may lie a sample
+/// earlier or later than it seems. A step of dry friction that is a sample off looks like an effect of its own
+/// once the filter has smeared it, so what it reaches does not count.
+const UNSURE_SD: f64 = 3.0;
+/// As long as this share of the samples stays.
+const MOSTLY_SURE: f64 = 0.75;
 /// Samples at each end where the smoother knows the acceleration badly.
 const SMOOTHER_ENDS: usize = 50;
 
@@ -168,6 +174,7 @@ struct Moving {
 /// A filter edge that the rate does not allow, times that do not increase, no stretch that is long enough.
 pub fn prepare(recording: &Recording<'_>, how: &Preparation) -> Result<Prepared> {
     let filter = how.torque.map(|design| design.design(recording.rate_hz)).transpose()?;
+    // A quarter of the way to 1e-16 the filter's response is down to 1e-4.
     let settle = filter.as_ref().map_or(0, |filter| filter.sos().settle() / 4);
     let ends = if how.source == Source::Smoother { SMOOTHER_ENDS } else { 0 };
     let trim = how.trim.unwrap_or(settle.max(ends));
@@ -200,10 +207,12 @@ pub fn prepare(recording: &Recording<'_>, how: &Preparation) -> Result<Prepared>
             weight[at] = if (last - at).is_multiple_of(how.every) { 1.0 } else { 0.0 };
         }
     }
-    let stuck = standing_still(&moving, &segments, recording.rate_hz);
+    let stuck = slower_than(STILL_SD, (STILL_S * recording.rate_hz) as usize, &moving, &segments);
     for at in stuck.iter().flat_map(Clone::clone) {
         weight[at] = 0.0;
     }
+    let sure = without_unsure(&weight, &slower_than(UNSURE_SD, 0, &moving, &segments), settle / 2);
+    weight = sure.unwrap_or(weight);
     let start = recording.t.first().copied().unwrap_or(0.0);
     let mut signals = Signals {
         axis: recording.axis,
@@ -225,26 +234,40 @@ pub fn prepare(recording: &Recording<'_>, how: &Preparation) -> Result<Prepared>
     Ok(Prepared { signals, uncertainty: moving.uncertainty, noise: moving.noise })
 }
 
-/// Stretches within the segments in which the velocity cannot be told from zero for longer than a reversal
-/// takes.
-fn standing_still(moving: &Moving, segments: &[Range<usize>], rate_hz: f64) -> Vec<Range<usize>> {
-    let least = (STILL_S * rate_hz) as usize;
-    let mut stuck = Vec::new();
+/// Weights without what unsure directions reach through the filter; None where that would take away more than
+/// it saves: with a velocity so coarse, the expected friction is the better bet.
+fn without_unsure(weight: &[f64], unsure: &[Range<usize>], reach: usize) -> Option<Vec<f64>> {
+    let mut sure = weight.to_vec();
+    for run in unsure {
+        sure[run.start.saturating_sub(reach)..(run.end + reach).min(weight.len())].fill(0.0);
+    }
+    (sure.iter().sum::<f64>() >= MOSTLY_SURE * weight.iter().sum::<f64>()).then_some(sure)
+}
+
+/// Stretches within the segments in which the speed stays below so many of its standard deviations for more
+/// than `least` samples; a speed that is known exactly is below nothing but zero.
+fn slower_than(
+    deviations: f64,
+    least: usize,
+    moving: &Moving,
+    segments: &[Range<usize>],
+) -> Vec<Range<usize>> {
+    let slow = |at: usize| moving.omega[at].abs() <= deviations * moving.omega_sd[at];
+    let mut found = Vec::new();
     for segment in segments {
-        let still = |at: usize| moving.omega[at].abs() <= STILL_SD * moving.omega_sd[at];
         let mut at = segment.start;
         while at < segment.end {
             let start = at;
-            while at < segment.end && still(at) {
+            while at < segment.end && slow(at) {
                 at += 1;
             }
             if at - start > least {
-                stuck.push(start..at);
+                found.push(start..at);
             }
             at += 1;
         }
     }
-    stuck
+    found
 }
 
 /// Runs of rows without gap.

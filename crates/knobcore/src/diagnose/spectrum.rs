@@ -14,6 +14,8 @@ const ALARM: f64 = 0.05;
 
 /// A line stands this many times above the power around it.
 const LINE: f64 = 8.0;
+/// First bin that can hold a line: slower than that it is a drift.
+const SLOWEST: usize = 4;
 /// Bins to either side that count as around.
 const AROUND: usize = 20;
 
@@ -59,7 +61,7 @@ pub fn split_frequency(rest: &Rest<'_>) -> Split {
     // Only lines count: a residual that lies over position or velocity fills the spectrum broadly as well, and
     // frequency says nothing about it.
     let floor = surroundings(&power);
-    let line = |cell: usize| fails(cell) && power[cell] > LINE * floor[cell];
+    let line = |cell: usize| cell >= SLOWEST && fails(cell) && power[cell] > LINE * floor[cell];
     let mut beyond = 0.0;
     let mut regions = Vec::new();
     let mut cell = 0;
