@@ -24,6 +24,8 @@ const WIDEST: f64 = 0.6;
 const UNMISTAKABLE: f64 = 3.0 * PI;
 /// Two parameters more must take off this many times the noise's variance.
 const CLEARLY: f64 = 10.0;
+/// Sums of squares that differ by less than this many times the noise's variance tie.
+const TIE: f64 = 4.0;
 /// Peaks of the scan that are followed to their optimum, if they reach this share of the best.
 const CANDIDATES: usize = 3;
 const RIVAL: f64 = 0.8;
@@ -120,8 +122,8 @@ impl Judge<'_> {
         gain >= by_chance.max(STANDS_OUT * self.scan.background()) && gain >= SHARE * excess
     }
 
-    /// Whether detents explain the error better than a cubic over position, which has as many parameters, and
-    /// clearly better than a spring, which has fewer.
+    /// Whether detents explain the error as well as a cubic over position, which has as many parameters (in a
+    /// tie the paper's Equation 1 has detents), and clearly better than a spring, which has fewer.
     fn beat_smooth(&self, with: &Found) -> Result<bool> {
         let cost = |rival: Id, data: &[&Signals]| -> Result<f64> {
             if self.bare.has(rival) {
@@ -131,7 +133,7 @@ impl Judge<'_> {
             Ok(descend(data, &model, &Layout::of(&model), &model.values()).cost)
         };
         let clearly = CLEARLY * self.white();
-        Ok(with.cost < cost(Id::PositionPolynomial, self.data)?
+        Ok(with.cost < cost(Id::PositionPolynomial, self.data)? + TIE * self.white()
             && with.cost + clearly < cost(Id::ReturnSpring, self.data)?)
     }
 
