@@ -17,10 +17,10 @@ def main() -> None:
     """Fit without the spring and with it, compare both, draw both."""
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else "pictures")
     folder.mkdir(exist_ok=True)
-    spring = kc.Model.load("knob4").with_effect("return_spring").with_value("return_spring.k", 0.004)
-    capture = kc.simulate(spring, "turns")
+    knob = kc.Model.load("knob2").with_effect("return_spring").with_value("return_spring.k", 0.004)
+    capture = kc.simulate(knob, "turns")
 
-    base = kc.fit(capture, kc.Model.of(["inertia", "coulomb", "viscous", "detent"]))
+    base = kc.fit(capture)
     better = kc.fit(capture, base.model.with_effect("return_spring"))
     for name, fit in (("base", base), ("with-spring", better)):
         comparison = fit.compare()

@@ -6,6 +6,7 @@ Without a file, a knob of the haptic-camera paper is simulated on its rig.
 
 from __future__ import annotations
 
+import math
 import sys
 
 import knobcam as kc
@@ -26,7 +27,7 @@ def main() -> None:
     if period is None:
         print("no detents")
     else:
-        print(f"detents every {2.0 * 3.14159265 * period.value:.4g} {period.unit}")
+        print(f"detents every {2.0 * math.pi * period.value:.4g} {period.unit}")
     print("written:", fit.model.renamed("fitted").save("fitted.toml"))
 
 
