@@ -14,10 +14,7 @@ import knobcam as kc
 
 def main() -> None:
     """Load or simulate, look at the findings, fit, save the model."""
-    if len(sys.argv) > 1:
-        capture = kc.load(sys.argv[1])
-    else:
-        capture = kc.simulate(kc.Model.load("knob4"))
+    capture = kc.load(sys.argv[1]) if len(sys.argv) > 1 else kc.simulate(kc.Model.load("knob4"))
     print(capture)
 
     fit = kc.fit(capture)
