@@ -205,6 +205,8 @@ def test_every_example_runs(
         "fit_a_capture.py": ["detents every 0.477", "written: fitted.toml"],
         "compare_and_plot.py": ["It shows most along position", "chance explains it", "pictures in"],
         "stiction_from_pushes.py": ["breakaways", "karnopp.D_pos"],
-        "emps.py": ["KNOBCAM_SHARED_DATA"] if "is absent" in said else ["published 95.1089", "It shows most along"],
+        "emps.py": ["KNOBCAM_SHARED_DATA"]
+        if "is absent" in said
+        else ["published 95.1089", "It shows most along"],
     }
     assert [words for words in expected[example.name] if words not in said] == []
