@@ -97,7 +97,7 @@ class Fit:
     def band(self, signals: Signals) -> Floats: ...
 
 def stiction(
-    signals: Signals, model: Model
+    data: Sequence[Signals], model: Model
 ) -> tuple[
     tuple[float, float, float] | None,
     tuple[float, float, float] | None,

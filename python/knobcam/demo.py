@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -30,13 +31,22 @@ class Demo:
     files: Mapping[str, Any]
 
     def __repr__(self) -> str:
-        true = self.knob.params
+        true = _with_positive_amplitude(self.knob)
         rows = [
-            (name, f"{true[name].value:.5g}" if name in true else "-", f"{e.value:.5g}", e.interval, e.unit)
+            (name, f"{true[name]:.5g}" if name in true else "-", f"{e.value:.5g}", e.interval, e.unit)
             for name, e in self.fit.params.items()
         ]
         head = ("parameter", "emulated", "fitted", "95 % interval", "unit")
         return f"{self.knob.name}\n{text_table(head, rows)}\n{self.comparison.summary}"
+
+
+def _with_positive_amplitude(knob: Model) -> dict[str, float]:
+    """Parameter values, the detents as a fit writes them: -A sin(x + S) is A sin(x + S + pi)."""
+    values = {name: parameter.value for name, parameter in knob.params.items()}
+    if values.get("detent.A", 0.0) < 0.0:
+        values["detent.A"] *= -1.0
+        values["detent.S"] += math.pi if values["detent.S"] <= 0.0 else -math.pi
+    return values
 
 
 def knob_name(text: str) -> str:

@@ -145,7 +145,7 @@ class Fit:
         return compare(self)
 
     def stiction(self) -> Stiction:
-        """Return the static friction that the first capture shows."""
+        """Return the static friction that the captures show."""
         from .stiction import stiction
 
         return stiction(self)

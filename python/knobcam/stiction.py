@@ -109,14 +109,17 @@ class Stiction:
 
 
 def stiction(fit: Fit) -> Stiction:
-    """Return the static friction that the first capture of a fit shows.
+    """Return the static friction that the captures of a fit show.
+
+    A capture that only sticks and slips hardly shows inertia and detents, which must be taken off the torque:
+    fit it together with one that moves (`kc.fit([moving, sticking])`).
 
     The density argument of the haptic-camera paper (Figure 24) as an estimator: dv is the edge in the density
     of speeds (interval by block bootstrap), D the friction that held the knob just before each slip (interval
     over the slips).
     """
-    signals = fit.signals
-    d_neg, d_pos, dv, breakaways = _core.stiction(signals.core, fit.core.model)
+    signals = [prepared.core for prepared in fit.prepared]
+    d_neg, d_pos, dv, breakaways = _core.stiction(signals, fit.core.model)
     torque, speed = ("N m", "rad/s") if fit.model.axis == "rotary" else ("N", "m/s")
     backward, forward = _estimate(d_neg, torque), _estimate(d_pos, torque)
     return Stiction(fit, backward, forward, _estimate(dv, speed), (breakaways[0], breakaways[1]))

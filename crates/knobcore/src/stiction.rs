@@ -57,25 +57,31 @@ pub struct Stiction {
     pub breakaways: [usize; 2],
 }
 
-/// Estimates static friction; `model` is fitted to the sliding part of the same capture.
-pub fn stiction(signals: &Signals, model: &Model) -> Stiction {
+/// Estimates static friction; `model` is fitted to the sliding parts of the same captures.
+pub fn stiction(data: &[&Signals], model: &Model) -> Stiction {
     let others: Vec<Id> =
         model.effects().filter(|id| !matches!(id, Id::Coulomb | Id::Viscous | Id::Karnopp)).collect();
-    let rest = model.only(&others).map(|rest| torque(&rest, signals)).unwrap_or_default();
-    let friction: Vec<f64> = signals.tau.iter().zip(&rest).map(|(tau, other)| tau - other).collect();
     let mut peaks = [Vec::new(), Vec::new()];
-    for stuck in &signals.stuck {
-        if let (Some(direction), Some(held)) =
-            (slip(signals, stuck.end), last_hold(&friction, stuck, signals.rate_hz))
-        {
-            peaks[usize::from(direction > 0.0)].push(direction * held);
+    for signals in data {
+        let rest = model.only(&others).map(|rest| torque(&rest, signals)).unwrap_or_default();
+        let friction: Vec<f64> = signals.tau.iter().zip(&rest).map(|(tau, other)| tau - other).collect();
+        let reach = (SLIP_S * signals.rate_hz) as usize;
+        // A stick that ends where the record does (or where its torque is clipped) is no breakaway.
+        let inside = |stuck: &&Range<usize>| {
+            signals.segments.iter().any(|s| s.contains(&(stuck.end + reach)) && s.start <= stuck.start)
+        };
+        for stuck in signals.stuck.iter().filter(inside) {
+            let (slip, held) = (slip(signals, stuck.end), last_hold(&friction, stuck, signals.rate_hz));
+            if let (Some(direction), Some(held)) = (slip, held) {
+                peaks[usize::from(direction > 0.0)].push(direction * held);
+            }
         }
     }
     let [backward, forward] = &peaks;
     Stiction {
         d_neg: mean(backward),
         d_pos: mean(forward),
-        dv: band(signals),
+        dv: band(data),
         breakaways: [backward.len(), forward.len()],
     }
 }
@@ -115,13 +121,12 @@ fn mean(x: &[f64]) -> Option<Estimate> {
 }
 
 /// The edge in the density of speeds, with a block-bootstrap interval (Kuensch 1989).
-fn band(signals: &Signals) -> Option<Estimate> {
-    if signals.stuck.is_empty() {
-        return None;
-    }
-    let speeds: Vec<f64> =
-        signals.segments.iter().flat_map(|s| &signals.omega[s.clone()]).map(|w| w.abs()).collect();
-    let stuck: usize = signals.stuck.iter().map(ExactSizeIterator::len).sum();
+fn band(data: &[&Signals]) -> Option<Estimate> {
+    let sticking: Vec<&Signals> = data.iter().filter(|signals| !signals.stuck.is_empty()).copied().collect();
+    let all =
+        sticking.iter().flat_map(|signals| signals.segments.iter().flat_map(|s| &signals.omega[s.clone()]));
+    let speeds: Vec<f64> = all.map(|omega| omega.abs()).collect();
+    let stuck: usize = sticking.iter().flat_map(|signals| &signals.stuck).map(ExactSizeIterator::len).sum();
     let mut moving = speeds.clone();
     moving.sort_by(f64::total_cmp);
     let reach = REACH * moving.get((stuck + moving.len()) / 2)?;
@@ -144,7 +149,7 @@ fn band(signals: &Signals) -> Option<Estimate> {
     let quantile = |q: f64| draws.get((q * draws.len() as f64) as usize).copied().unwrap_or(value);
     // The border is known to a cell of the histogram at best.
     let cell = reach / BORDERS as f64;
-    Some(Estimate { value, ci95: [quantile(0.025) - cell, quantile(0.975) + cell] })
+    Some(Estimate { value, ci95: [(quantile(0.025) - cell).max(0.0), quantile(0.975) + cell] })
 }
 
 fn histogram(speeds: &[f64], reach: f64) -> Vec<f64> {

@@ -66,9 +66,12 @@ def run_fit(args: Namespace) -> Answer:
         files["model"] = str(fitted.model.save(args.output))
     if args.plots is not None:
         files["pictures"] = draw(fitted, args.plots)
-    text = "\n".join([repr(fitted), *_said(files)])
+    stuck = fitted.stiction()
+    shown = [repr(stuck)] if any(stuck.breakaways) else []
+    text = "\n".join([repr(fitted), *shown, *_said(files)])
     said = [findings(*each) for each in zip(args.captures, captures, fitted.prepared, strict=True)]
-    return Answer(text, fitted.document() | {"files": files}, tuple(chain.from_iterable(said)))
+    document = fitted.document() | {"stiction": stuck.document() if shown else None, "files": files}
+    return Answer(text, document, tuple(chain.from_iterable(said)))
 
 
 def run_compare(args: Namespace) -> Answer:

@@ -72,7 +72,7 @@ fn counts(noise: &mut Noise, n: usize) -> Vec<f64> {
     for draw in 0..n.div_ceil(4) {
         let bits = noise.bits();
         for part in 0..4.min(n - 4 * draw) {
-            let index = ((bits >> (16 * part)) & 0xffff) as usize * n >> 16;
+            let index = (((bits >> (16 * part)) & 0xffff) as usize * n) >> 16;
             counts[index] += 1.0;
         }
     }

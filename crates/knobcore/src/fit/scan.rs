@@ -23,7 +23,7 @@ const MOST: f64 = 300.0;
 /// Most cells of the grid of positions: a million points to transform, whatever the range.
 const MOST_CELLS: f64 = 131_072.0;
 /// Frequencies per independent frequency (one cycle over the range).
-const OVERSAMPLING: usize = 4;
+const OVERSAMPLING: usize = 8;
 
 /// The scan.
 #[derive(Debug, Clone, Default)]

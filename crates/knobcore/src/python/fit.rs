@@ -100,16 +100,19 @@ impl PyFit {
     }
 }
 
-/// Static friction that a capture shows beside a fitted model: (d_neg, d_pos, dv, breakaways), each estimate
-/// None or (value, low, high).
+/// An estimate as it goes out: (value, low, high).
+type Interval = Option<(f64, f64, f64)>;
+
+/// Static friction that captures show beside a fitted model: d_neg, d_pos, dv, breakaways.
 #[pyfunction]
-#[allow(clippy::type_complexity)]
 pub fn stiction(
     py: Python<'_>,
-    signals: &PySignals,
+    data: Vec<PyRef<'_, PySignals>>,
     model: &PyModel,
-) -> (Option<(f64, f64, f64)>, Option<(f64, f64, f64)>, Option<(f64, f64, f64)>, [usize; 2]) {
-    let found = py.detach(|| stiction_core(&signals.prepared.signals, &model.0));
+) -> (Interval, Interval, Interval, [usize; 2]) {
+    let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
+    let (model, signals) = (&model.0, &signals[..]);
+    let found = py.detach(|| stiction_core(signals, model));
     let row = |e: Option<Estimate>| e.map(|e| (e.value, e.ci95[0], e.ci95[1]));
     (row(found.d_neg), row(found.d_pos), row(found.dv), found.breakaways)
 }
