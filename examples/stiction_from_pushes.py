@@ -2,8 +2,8 @@
 """Static friction from a knob that is pushed until it slips: python examples/stiction_from_pushes.py.
 
 A sweep never rests, so it says nothing about sticking. Here a hand pushes the knob through a spring, slowly,
-forth and back. Both captures are fitted jointly: the sweep determines the sliding knob, the pushes are the
-first capture, which static friction is read from.
+forth and back. Both captures are fitted jointly: the sweep determines the sliding knob, which is taken off the
+torque of the pushes.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ def main() -> None:
     pushes = kc.simulate(knob, "push", duration_s=12.0)
     sweep = kc.simulate(knob, "sweep")
 
-    stiction = kc.fit([pushes, sweep]).stiction()
+    stiction = kc.fit([sweep, pushes]).stiction()
     print(stiction)
     for side in ("D_neg", "D_pos"):
         print(f"emulated karnopp.{side}: {knob.params[f'karnopp.{side}'].value:.6g} N m")
