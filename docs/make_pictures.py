@@ -1,0 +1,34 @@
+#!/usr/bin/env python3
+"""Make the pictures of the documentation: python docs/make_pictures.py.
+
+They show fits to real measurements, which are not part of this repository. KNOBCAM_SHARED_DATA names the
+folder that holds them; without it the pictures stay as they are.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import knobcam as kc
+from knobcam import plot
+
+PICTURES = Path(__file__).parent / "pictures"
+EMPS = Path("emps", "DATA_EMPS.mat")
+
+
+def main() -> None:
+    """Draw friction over velocity of the EMPS axis (Janot, Gautier & Brunot 2019)."""
+    folder = os.environ.get("KNOBCAM_SHARED_DATA")
+    data = Path(folder or ".") / EMPS
+    if not data.is_file():
+        print(f"no {EMPS} in KNOBCAM_SHARED_DATA={folder}: no picture made")
+        return
+    capture = kc.load(data, map="t=t, theta=qm, tau=35.1507*vir", axis="linear")
+    target = PICTURES / "emps-velocity.png"
+    plot.velocity(kc.fit(capture, detents="no")).savefig(target, dpi=110)
+    print(target)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,212 @@
+"""What the pages say is what happens: their snippets run, their links lead somewhere, the examples work."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import math
+import re
+import runpy
+import shlex
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from command import knobcam
+
+import knobcam as kc
+
+ROOT = Path(__file__).resolve().parents[1]
+README = ROOT / "README.md"
+PAGES = [README, *sorted((ROOT / "docs").glob("*.md"))]
+EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+NOT_RUN = "<!-- not run: builds -->"
+"""Stands above a snippet that builds or installs; any other is run."""
+CLOSE = 0.02
+"""How far (relative) a number may be from the one that a page shows: last digits are the machine's."""
+
+
+class Snippet(NamedTuple):
+    """A fenced block of a page."""
+
+    language: str
+    text: str
+    line: int
+    run: bool
+
+
+class Call(NamedTuple):
+    """A command of a console snippet and what it shows."""
+
+    command: str
+    shown: list[str]
+
+
+def snippets(page: Path) -> list[Snippet]:
+    text = page.read_text("utf-8")
+    fence = re.compile(r"^(?P<before>[^\n]*)\n```(?P<language>\w*)\n(?P<text>.*?)^```$", re.M | re.S)
+    return [
+        Snippet(
+            found["language"],
+            found["text"],
+            text.count("\n", 0, found.start("text")) + 1,
+            found["before"] != NOT_RUN,
+        )
+        for found in fence.finditer(text)
+    ]
+
+
+def calls(text: str) -> list[Call]:
+    found: list[Call] = []
+    for line in text.splitlines():
+        if line.startswith("$ "):
+            found.append(Call(line[2:], []))
+        else:
+            found[-1].shown.append(line)
+    return found
+
+
+def same_word(shown: str, printed: str) -> bool:
+    try:
+        return math.isclose(float(shown), float(printed), rel_tol=CLOSE)
+    except ValueError:
+        return shown == printed
+
+
+def same_line(shown: str, printed: str) -> bool:
+    return matches(words(shown), words(printed), same_word)
+
+
+def words(line: str) -> list[str]:
+    return [word.strip("(),;:") for word in line.split()]
+
+
+def matches(shown: list[str], printed: list[str], same: Callable[[str, str], bool]) -> bool:
+    """Whether words or lines are those shown, where `...` stands for any number of them."""
+    if not shown:
+        return not printed
+    if shown[0].strip() == "...":
+        return any(matches(shown[1:], printed[at:], same) for at in range(len(printed) + 1))
+    return bool(printed) and same(shown[0], printed[0]) and matches(shown[1:], printed[1:], same)
+
+
+def run_call(call: Call, where: str) -> None:
+    program, *words = shlex.split(call.command)
+    assert program == "knobcam", f"{where}: only knobcam is run; mark what builds with {NOT_RUN}"
+    ended = knobcam(*words)
+    refused = any(line.startswith("knobcam: ") for line in call.shown)
+    assert ended.code == (2 if refused else 0), f"{where}: {call.command}\n{ended.err}"
+    if call.shown:
+        printed = (ended.err + ended.out).splitlines()
+        assert matches(call.shown, printed, same_line), "\n".join([where, *call.shown, "is not", *printed])
+
+
+def run_page(page: Path) -> None:
+    """Run a page from top to bottom as its reader would, in the current folder."""
+    names: dict[str, Any] = {}
+    for snippet in snippets(page):
+        where = f"{page.name}:{snippet.line}"
+        if not snippet.run:
+            builds = re.compile(r"\$ (python3 dev\.py|pip install) .*")
+            assert all(builds.fullmatch(line) for line in snippet.text.splitlines()), where
+        elif snippet.language == "python":
+            with contextlib.redirect_stdout(io.StringIO()):
+                exec(compile(snippet.text, where, "exec"), names)
+        elif snippet.language == "console":
+            for call in calls(snippet.text):
+                run_call(call, where)
+        elif snippet.language == "toml":
+            assert kc.Model.parse(snippet.text).effects, where
+            Path("model.toml").write_text(snippet.text)
+        else:
+            assert snippet.language in ("rust", "text"), f"{where}: a snippet that nobody runs"
+
+
+@pytest.fixture
+def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The log that the README supposes, in a folder of its own."""
+    monkeypatch.chdir(tmp_path)
+    run = kc.simulate(kc.Model.load("knob4"), duration_s=4.0)
+    table = np.column_stack([1e3 * run.t, np.rad2deg(run.theta), 1e3 * run.tau])
+    np.savetxt("log.csv", table, delimiter=",", header="ms,deg,mNm", comments="")
+    return tmp_path / "log.csv"
+
+
+@pytest.mark.usefixtures("log")
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_every_snippet_of_a_page_runs_and_prints_what_is_shown(
+    page: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # The pictures that --plots makes are the business of other tests, and take seconds.
+    monkeypatch.setattr("knobcam.plot.save_all", lambda fit, folder, comparison=None: [folder / "fit.png"])
+    run_page(page)
+
+
+def test_a_page_that_shows_something_else_is_noticed() -> None:
+    def right(*shown: str) -> bool:
+        return matches(list(shown), ["a 1.001", "b (3 of 4)", "c", "z"], same_line)
+
+    assert right("a 1.00", "b (3 of 4)", "c", "z") and right("a 1.0", "...", "z") and right("a ...", "...")
+    assert right("...", "b (... of 4)", "...") and right("...", "z", "...")
+    assert not (right("a 1.05", "...") or right("a 1.00", "z") or right("...", "c") or right("b ...", "..."))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_lead_to_files_of_the_repository(page: Path) -> None:
+    links = re.findall(r"\]\(([^)\s#]+)", page.read_text("utf-8"))
+    inside = [link for link in links if not link.startswith("https://")]
+    assert [link for link in inside if not (page.parent / link).exists()] == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_files_that_a_page_names_exist(page: Path) -> None:
+    named = re.findall(r"`((?:examples|docs|tests|benches|crates)/[\w./-]+)`", page.read_text("utf-8"))
+    named = [name for name in named if not name.endswith("effects/drag.rs")]  # the one that is to be written
+    assert [name for name in named if not (ROOT / name).exists()] == []
+
+
+def test_the_readme_leads_to_every_page_and_is_short() -> None:
+    text = README.read_text("utf-8")
+    assert [page.name for page in PAGES[1:] if f"(docs/{page.name})" not in text] == []
+    assert len(text.splitlines()) <= 150
+
+
+def test_what_the_readme_says_of_the_catalogue_is_all_that_there_is() -> None:
+    said = {"inertia", "coulomb", "viscous", "detent", "karnopp"}
+    said |= {"return_spring", "position_polynomial", "offset"}
+    assert set(kc.effects()) == said
+
+
+def test_pictures_are_small_enough_to_be_kept() -> None:
+    pictures = list((ROOT / "docs" / "pictures").iterdir())
+    assert pictures and all(path.stat().st_size <= 250_000 for path in pictures)
+
+
+def test_the_maker_of_the_pictures_says_so_where_the_data_are_absent(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("KNOBCAM_SHARED_DATA", str(tmp_path))
+    runpy.run_path(str(ROOT / "docs" / "make_pictures.py"), run_name="__main__")
+    assert "no picture made" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.name)
+def test_every_example_runs(
+    example: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", [str(example)])
+    runpy.run_path(str(example), run_name="__main__")
+    said = capsys.readouterr().out
+    expected = {
+        "fit_a_capture.py": ["detents every 0.477", "written: fitted.toml"],
+        "compare_and_plot.py": ["It shows most along position", "chance explains it", "pictures in"],
+        "stiction_from_pushes.py": ["breakaways", "karnopp.D_pos"],
+        "emps.py": ["KNOBCAM_SHARED_DATA"]
+        if "is absent" in said
+        else ["published 95.1089", "It shows most along"],
+    }
+    assert [words for words in expected[example.name] if words not in said] == []
