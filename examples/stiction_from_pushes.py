@@ -2,8 +2,8 @@
 """Static friction from a knob that is pushed until it slips: python examples/stiction_from_pushes.py.
 
 A sweep never rests, so it says nothing about sticking. Here a hand pushes the knob through a spring, slowly,
-forth and back. Both captures are fitted jointly: the sweep determines the sliding knob, which is taken off the
-torque of the pushes.
+forth and back. Both captures are fitted jointly: the sweep determines the sliding knob, which is taken off
+the torque of the pushes.
 """
 
 from __future__ import annotations
