@@ -26,6 +26,7 @@ _UNITS = {
     "load": ("N m", "N"),
     "history": ("rad", "m"),
 }
+_WEIGHT = {"frequency": 0.5, "time": 0.75}
 _DIRECTIONS = {1: "forward", -1: "backward", 0: ""}
 # An error this close to the noise floor is no different: the floor itself is known to a percent or two.
 _AT_FLOOR = 1.02
@@ -99,12 +100,11 @@ class Comparison:
     def worst(self) -> Split | None:
         """The axis that holds the largest share of the error beyond noise; None where chance explains all.
 
-        A motion that repeats itself gives any residual lines in frequency, so frequency leads only where it
-        holds twice what every other axis does.
+        Any residual changes with time too, and has lines in frequency where the motion repeats itself; so
+        these two lead only where they hold clearly more than what the motion itself has.
         """
         failing = [split for split in self.splits if split.fails]
-        weight = {split.axis: 0.5 if split.axis == "frequency" else 1.0 for split in failing}
-        return max(failing, key=lambda split: weight[split.axis] * split.share, default=None)
+        return max(failing, key=lambda split: _WEIGHT.get(split.axis, 1.0) * split.share, default=None)
 
     @property
     def complete(self) -> bool:

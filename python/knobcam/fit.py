@@ -45,6 +45,8 @@ class Estimate(NamedTuple):
     @property
     def interval(self) -> str:
         """The interval in words."""
+        if self.se == 0.0:
+            return "fixed"
         return f"{self.ci95[0]:.5g} to {self.ci95[1]:.5g}" if self.determined else "not determined"
 
 
@@ -198,7 +200,7 @@ class Fit:
         lines = ["Fit: " + self._summary, text_table(self._HEAD, self._rows()), self.core.message]
         lines += [f"{name}: {why}" for name, why in self.undetermined.items()]
         lines += [
-            f"{name} is negative: it creates energy, so an effect is probably missing"
+            f"{name} is negative, which no real knob has: an effect is probably missing"
             for name, e in self.params.items()
             if name.startswith(("coulomb.", "viscous.", "inertia.")) and e.determined and e.ci95[1] < 0.0
         ]
@@ -220,7 +222,7 @@ def fit(
 
     Without a model: the paper's Equation 1; detents are part of it if the data show them (`detents="auto"`),
     always (`"yes"`) or never (`"no"`). A model is fitted as it is: its fixed and tied parameters stay so, and
-    a free detent period is found from the data whatever its value. `prepare` and `options` as in `prepare`.
+    a free detent period is found from the data whatever its value; `detents` is not for it. `prepare` and `options` as in `prepare`.
 
     Raises InputError for captures that cannot be fitted, with what to do.
     """
@@ -229,6 +231,11 @@ def fit(
         raise InputError("captures is empty; give at least one")
     if detents not in ("auto", "yes", "no"):
         raise InputError(f"detents={detents!r}: choose auto, yes or no")
+    if model is not None and detents != "auto":
+        raise InputError(
+            f"detents={detents!r} is for the base model; a model that is given is fitted as it is: "
+            "add the effect detent to it, or take it out"
+        )
     signals = tuple(prepare_signals(capture, prepare, **options) for capture in several)
     base = ["inertia", "coulomb", "viscous"] + (["detent"] if detents == "yes" else [])
     start = model or Model.of(base, several[0].axis)

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 _Z95 = 1.959963984540054
 _NAMES = ("D_neg", "D_pos", "dv")
+# A model that leaves more than this many times the noise floor misses something that stiction then carries.
+_CLOSE = 1.1
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -41,7 +43,7 @@ class Stiction:
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """What the capture does not show, and what to record, a sentence each."""
+        """What the captures do not show or cannot be trusted with, and what to record; a sentence each."""
         advice = []
         for value, side, count in (
             (self.d_neg, "backward", self.breakaways[0]),
@@ -55,6 +57,18 @@ class Stiction:
         if self.dv is None:
             advice.append(
                 "the knob never stands still long enough to show its stick band: let it rest in between"
+            )
+        elif self.dv.ci95[0] == 0.0:
+            advice.append(
+                "while it sticks the knob stands as still as its velocity can be resolved: dv is that resolution, "
+                "and the true band may be wider"
+            )
+        if any(f.kind == "clipped" for s in self.fit.prepared for f in s.capture.findings):
+            advice.append("the torque was clipped: a breakaway beyond the sensor's limit is not seen")
+        if self.fit.rmse > _CLOSE * self.fit.noise_floor:
+            advice.append(
+                f"the model leaves {self.fit.rmse / self.fit.noise_floor:.2g} times the noise floor, and what it "
+                "misses is in these torques: fit a capture that moves together with this one"
             )
         return tuple(advice)
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..fit import Fit
-    from ..formats.table import FloatArray
+    from ..formats.table import BoolArray, FloatArray
     from ..model import Model
     from ..prepare import Prepared
 
@@ -97,14 +97,22 @@ def curve_band(fit: Fit, part: Part, at: FloatArray) -> FloatArray:
 class Samples:
     """The samples that count in a fit, all captures one after the other; SI, shape (samples,) each.
 
-    `every` takes those along that do not count, as while the knob sticks.
+    `every` takes those along that do not count, as while the knob sticks; a stretch too short to be filtered
+    has no modelled torque and stays out.
     """
 
     fit: Fit
     every: bool = False
 
     def _gather(self, of: Callable[[Prepared], FloatArray]) -> FloatArray:
-        return np.concatenate([of(s)[s.used | self.every] for s in self.fit.prepared])
+        return np.concatenate([of(s)[kept] for s, kept in zip(self.fit.prepared, self._kept, strict=True)])
+
+    @cached_property
+    def _kept(self) -> list[BoolArray]:
+        model = self.fit.model.core
+        if not self.every:
+            return [s.used for s in self.fit.prepared]
+        return [np.isfinite(model.torque(s.core)) for s in self.fit.prepared]
 
     @cached_property
     def theta(self) -> FloatArray:

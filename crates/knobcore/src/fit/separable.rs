@@ -19,8 +19,8 @@ const MAX_EVALUATIONS: usize = 60;
 const PROMISE: f64 = 1e-3;
 /// A step below this share of every hard parameter ends the fit.
 const STEP: f64 = 1e-12;
-/// A sum of squares below this share of the measured one is rounding.
-const EXACT: f64 = 1e-26;
+/// A sum of squares below this share of the measured one is rounding: eleven digits of the torque agree.
+const EXACT: f64 = 1e-22;
 
 /// Why the fit stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -309,16 +309,11 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64])
         let small =
             layout.hard.iter().all(|&h| step[h].abs() <= STEP * here.p[layout.free[h]].abs().max(STEP));
         if promise <= PROMISE * here.cost / rows || small {
-            let status = if damping > 1e8 { Status::Stalled } else { Status::Converged };
-            let last = Found {
-                p: layout.moved(model, &here.p, &step),
-                ..ended(&problem, &here, iterations, status)
-            };
-            return if status == Status::Converged {
-                last
-            } else {
-                ended(&problem, &here, iterations, status)
-            };
+            if damping > 1e8 {
+                return ended(&problem, &here, iterations, Status::Stalled);
+            }
+            let p = layout.moved(model, &here.p, &step);
+            return Found { p, ..ended(&problem, &here, iterations, Status::Converged) };
         }
         let there = problem.point(layout.moved(model, &here.p, &step));
         let gain = (here.cost - there.cost) / promise;
