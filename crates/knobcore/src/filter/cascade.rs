@@ -1,11 +1,7 @@
-//! The recursion itself: a chain of sections run over four interleaved channels.
+//! The recursion itself: a chain of sections run over interleaved samples, one signal to a lane.
 
-use super::interleave::LANES;
 use super::registers::Registers;
 use super::sos::{Section, Sos};
-
-/// One value for each lane.
-type Lanes = [f64; LANES];
 
 /// A section that passes its input on, to complete an odd number of sections.
 const IDENTITY: Section = Section { b: [1.0, 0.0, 0.0], a: [0.0, 0.0] };
@@ -13,81 +9,80 @@ const IDENTITY: Section = Section { b: [1.0, 0.0, 0.0], a: [0.0, 0.0] };
 /// Two sections and the last two values before, between and after them (newest first).
 ///
 /// Two sections in one loop keep the adders busy: while the second works on one sample, the first
-/// is at the next. Their state just fits the sixteen registers.
-struct Pair {
+/// is at the next. Their state just fits the sixteen registers of AVX2.
+struct Pair<R: Registers> {
     sections: [Section; 2],
-    history: [[Lanes; 2]; 3],
+    history: [[R::f64s; 2]; 3],
 }
 
-/// A chain of sections with its memory of four channels.
-pub(super) struct Cascade(Vec<Pair>);
+/// A chain of sections with its memory of one signal in each lane.
+pub(super) struct Cascade<R: Registers> {
+    registers: R,
+    pairs: Vec<Pair<R>>,
+}
 
-impl Cascade {
+impl<R: Registers> Cascade<R> {
     /// The chain, at rest at zero.
-    pub(super) fn new(sos: &Sos) -> Self {
-        let pairs = sos.sections().chunks(2).map(|chunk| Pair {
-            sections: match *chunk {
-                [first, second] => [first, second],
-                _ => [IDENTITY, chunk[0]],
-            },
-            history: [[[0.0; LANES]; 2]; 3],
+    #[inline(always)]
+    pub(super) fn new(registers: R, sos: &Sos) -> Self {
+        let rest = [[registers.splat_f64s(0.0); 2]; 3];
+        let pairs = sos.sections().chunks(2).map(|chunk| match *chunk {
+            [first, second] => Pair { sections: [first, second], history: rest },
+            _ => Pair { sections: [IDENTITY, chunk[0]], history: rest },
         });
-        Self(pairs.collect())
+        Self { registers, pairs: pairs.collect() }
     }
 
     /// As if the input had been `value` forever.
-    pub(super) fn settle_at(&mut self, mut value: Lanes) {
-        for pair in &mut self.0 {
+    #[inline(always)]
+    pub(super) fn settle_at(&mut self, mut value: R::f64s) {
+        for pair in &mut self.pairs {
             pair.history[0] = [value; 2];
             for (section, after) in pair.sections.iter().zip(&mut pair.history[1..]) {
-                value = value.map(|v| v * section.dc_gain());
+                value = self.registers.mul_f64s(value, self.registers.splat_f64s(section.dc_gain()));
                 *after = [value; 2];
             }
         }
     }
 
-    /// Filters a block of interleaved samples in place, from its first sample to its last.
+    /// Filters interleaved samples in place, from the first to the last.
     #[inline(always)]
-    pub(super) fn forward<R: Registers>(&mut self, registers: R, block: &mut [f64]) {
-        for pair in &mut self.0 {
-            pair.filter(registers, R::as_mut_simd_f64s(block).0.iter_mut());
+    pub(super) fn forward(&mut self, block: &mut [R::f64s]) {
+        for pair in &mut self.pairs {
+            pair.filter(self.registers, block.iter_mut());
         }
     }
 
-    /// Filters a block of interleaved samples in place, from its last sample to its first.
+    /// Filters interleaved samples in place, from the last to the first.
     #[inline(always)]
-    pub(super) fn backward<R: Registers>(&mut self, registers: R, block: &mut [f64]) {
-        for pair in &mut self.0 {
-            pair.filter(registers, R::as_mut_simd_f64s(block).0.iter_mut().rev());
+    pub(super) fn backward(&mut self, block: &mut [R::f64s]) {
+        for pair in &mut self.pairs {
+            pair.filter(self.registers, block.iter_mut().rev());
         }
     }
 }
 
-impl Pair {
+impl<R: Registers> Pair<R> {
     /// Designs of odd order have a section of order one, and it comes first: two products less.
     #[inline(always)]
-    fn filter<'a, R: Registers>(&mut self, registers: R, samples: impl Iterator<Item = &'a mut R::f64s>)
+    fn filter<'a>(&mut self, registers: R, samples: impl Iterator<Item = &'a mut R::f64s>)
     where
         R::f64s: 'a,
     {
         match self.sections[0] {
-            Section { b: [.., 0.0], a: [.., 0.0] } => self.run::<1, R>(registers, samples),
-            _ => self.run::<2, R>(registers, samples),
+            Section { b: [.., 0.0], a: [.., 0.0] } => self.run::<1>(registers, samples),
+            _ => self.run::<2>(registers, samples),
         }
     }
 
     /// Direct form I. Of the five products of a section only `a1 y[n-1]` waits for the sample
     /// before, so it comes last: one multiply-add of latency per sample.
     #[inline(always)]
-    fn run<'a, const FIRST: usize, R: Registers>(
-        &mut self,
-        registers: R,
-        samples: impl Iterator<Item = &'a mut R::f64s>,
-    ) where
+    fn run<'a, const FIRST: usize>(&mut self, registers: R, samples: impl Iterator<Item = &'a mut R::f64s>)
+    where
         R::f64s: 'a,
     {
-        let [x, u, y] = &self.history;
-        let (mut x, mut u, mut y) = (load::<R>(x), load::<R>(u), load::<R>(y));
+        let [mut x, mut u, mut y] = self.history;
         let first = Coefficients::new(registers, self.sections[0]);
         let second = Coefficients::new(registers, self.sections[1]);
         for sample in samples {
@@ -99,21 +94,8 @@ impl Pair {
             y = [y0, y[0]];
             *sample = y0;
         }
-        self.history = [store::<R>(x), store::<R>(u), store::<R>(y)];
+        self.history = [x, u, y];
     }
-}
-
-#[inline(always)]
-fn load<R: Registers>([newer, older]: &[Lanes; 2]) -> [R::f64s; 2] {
-    [R::as_simd_f64s(newer).0[0], R::as_simd_f64s(older).0[0]]
-}
-
-#[inline(always)]
-fn store<R: Registers>([newer, older]: [R::f64s; 2]) -> [Lanes; 2] {
-    let mut lanes = [[0.0; LANES]; 2];
-    R::as_mut_simd_f64s(&mut lanes[0]).0[0] = newer;
-    R::as_mut_simd_f64s(&mut lanes[1]).0[0] = older;
-    lanes
 }
 
 /// The coefficients of a section, each in all lanes; the denominator with its sign turned.

@@ -17,6 +17,7 @@ mod cascade;
 mod design;
 mod interleave;
 mod pairing;
+mod pieces;
 mod registers;
 mod sos;
 mod zero_phase;

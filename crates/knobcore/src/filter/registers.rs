@@ -1,8 +1,8 @@
-//! Registers of four doubles: which instructions this machine has for them.
+//! Registers of several doubles: which instructions this machine has for them.
 
 use pulp::{Scalar256b, Simd};
 
-/// Arithmetic on four lanes.
+/// Arithmetic on four or eight lanes.
 pub(super) trait Registers: Simd {
     /// `a b + c`, rounded once or twice, whichever is fast.
     fn multiply_add(self, a: Self::f64s, b: Self::f64s, c: Self::f64s) -> Self::f64s;
@@ -10,6 +10,14 @@ pub(super) trait Registers: Simd {
 
 #[cfg(target_arch = "x86_64")]
 impl Registers for pulp::x86::V3 {
+    #[inline(always)]
+    fn multiply_add(self, a: Self::f64s, b: Self::f64s, c: Self::f64s) -> Self::f64s {
+        self.mul_add_f64s(a, b, c)
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl Registers for pulp::x86::V4 {
     #[inline(always)]
     fn multiply_add(self, a: Self::f64s, b: Self::f64s, c: Self::f64s) -> Self::f64s {
         self.mul_add_f64s(a, b, c)
@@ -32,26 +40,26 @@ pub(super) trait Work {
     fn run<R: Registers>(self, registers: R);
 }
 
-/// Does `work` with AVX2 and FMA where the machine that runs this has them; with AVX-512 it has
-/// twice as many registers of the same width.
+/// Does `work` with the widest registers of the machine that runs this: AVX-512, AVX2 with FMA, or
+/// what every machine has.
 pub(super) fn with_best_registers(work: impl Work) {
     #[cfg(target_arch = "x86_64")]
     {
         if let Some(avx512) = pulp::x86::V4::try_new() {
-            return avx512.vectorize(OnAvx2(*avx512, work));
+            return avx512.vectorize(On(avx512, work));
         }
         if let Some(avx2) = pulp::x86::V3::try_new() {
-            return avx2.vectorize(OnAvx2(avx2, work));
+            return avx2.vectorize(On(avx2, work));
         }
     }
     work.run(Scalar256b);
 }
 
 #[cfg(target_arch = "x86_64")]
-struct OnAvx2<W>(pulp::x86::V3, W);
+struct On<R, W>(R, W);
 
 #[cfg(target_arch = "x86_64")]
-impl<W: Work> pulp::NullaryFnOnce for OnAvx2<W> {
+impl<R: Registers, W: Work> pulp::NullaryFnOnce for On<R, W> {
     type Output = ();
 
     #[inline(always)]

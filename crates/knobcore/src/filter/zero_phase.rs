@@ -1,9 +1,8 @@
 //! Forward and backward in time: no phase lag, the squared gain.
 
-use std::ops::Range;
-
 use super::cascade::Cascade;
-use super::interleave::{BLOCK, LANES, gather, scatter};
+use super::interleave::{STEP, gather, scatter};
+use super::pieces::{Piece, Pieces};
 use super::registers::{Registers, Work, with_best_registers};
 use super::sos::Sos;
 use crate::error::{Error, Result};
@@ -12,8 +11,9 @@ use crate::error::{Error, Result};
 /// (F. Gustafsson, *Determining the initial states in forward-backward filtering*, 1996, discusses
 /// the choices at the ends; this is the odd extension from the steady state).
 ///
-/// Four channels at a time share one pass, and no memory beyond the channels is needed. A sample
-/// that is not finite spoils its own channel only.
+/// Channels and stretches of long channels are filtered side by side, one in each lane of a
+/// register. A stretch begins and ends so far outside of what is kept of it ([`Sos::settle`]) that
+/// nothing is left of the cut. A sample that is not finite spoils its own channel only.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ZeroPhase {
     sos: Sos,
@@ -53,7 +53,7 @@ impl ZeroPhase {
         self.filter_channels(&mut [channel])
     }
 
-    /// Filters channels of one length, four in a pass.
+    /// Filters channels of one length.
     ///
     /// # Errors
     /// The channels differ in length or are not longer than the padding.
@@ -105,14 +105,10 @@ impl ZeroPhase {
         }
     }
 
-    /// Channels by fours, each four with the best instructions of this machine.
+    /// All channels with the best instructions of this machine.
     fn run(&self, source: Option<&[&[f64]]>, target: &mut [&mut [f64]], padding: usize) {
-        for (four, channels) in target.chunks_mut(LANES).enumerate() {
-            let source = source.map(|s| &s[four * LANES..four * LANES + channels.len()]);
-            if channels[0].is_empty() {
-                continue;
-            }
-            with_best_registers(Pass { sos: &self.sos, source, target: channels, padding });
+        if target.first().is_some_and(|channel| !channel.is_empty()) {
+            with_best_registers(Pass { sos: &self.sos, source, target, padding });
         }
     }
 }
@@ -129,7 +125,7 @@ fn equal_lengths(mut lengths: impl Iterator<Item = usize>) -> Result<Option<usiz
     }
 }
 
-/// Up to four channels of one length, not empty and longer than the padding.
+/// Channels of one length, not empty and longer than the padding.
 struct Pass<'a, 'c> {
     sos: &'a Sos,
     /// The samples to filter; without it those of the target.
@@ -139,71 +135,56 @@ struct Pass<'a, 'c> {
 }
 
 impl Work for Pass<'_, '_> {
+    /// Pieces of the channels side by side, as many as a register has lanes.
     #[inline(always)]
     fn run<R: Registers>(self, registers: R) {
-        let length = self.target[0].len();
-        let mut block = [0.0; LANES * BLOCK];
-        let [mut head, mut tail] = self.extensions();
-        let mut cascade = Cascade::new(self.sos);
+        let (channels, samples) = (self.target.len(), self.target[0].len());
+        let pieces = Pieces::new(channels, samples, self.padding, self.sos.settle(), R::F64_LANES);
+        let mut cascade = Cascade::new(registers, self.sos);
+        let (mut block, mut next) = (Vec::new(), Vec::new());
 
-        cascade.settle_at(head.first().copied().unwrap_or_else(|| self.input(0)));
-        cascade.forward(registers, head.as_flattened_mut());
-        for range in blocks(length) {
-            let samples = &mut block[..LANES * range.len()];
-            match self.source {
-                Some(source) => gather(source, range.clone(), samples),
-                None => gather(self.target, range.clone(), samples),
+        let mut batches = pieces.list.chunks(R::F64_LANES).peekable();
+        if let Some(first) = batches.peek() {
+            self.gather(registers, first, pieces.length, &mut block);
+        }
+        while let Some(batch) = batches.next() {
+            let samples = &mut block[..pieces.length];
+            cascade.settle_at(samples[0]);
+            cascade.forward(samples);
+            cascade.settle_at(samples[pieces.length - 1]);
+            cascade.backward(samples);
+            // In place: what the next batch shares with this one, it must see unfiltered.
+            if let Some(following) = batches.peek() {
+                self.gather(registers, following, pieces.length, &mut next);
             }
-            cascade.forward(registers, samples);
-            scatter(samples, self.target, range);
+            scatter(registers, &block, self.target, batch);
+            std::mem::swap(&mut block, &mut next);
         }
-        cascade.forward(registers, tail.as_flattened_mut());
-
-        cascade.settle_at(tail.last().copied().unwrap_or_else(|| lanes(self.target, length - 1)));
-        cascade.backward(registers, tail.as_flattened_mut());
-        for range in blocks(length).rev() {
-            let samples = &mut block[..LANES * range.len()];
-            gather(self.target, range.clone(), samples);
-            cascade.backward(registers, samples);
-            scatter(samples, self.target, range);
-        }
+        spread_what_is_not_finite(&pieces, self.target);
     }
 }
 
 impl Pass<'_, '_> {
-    /// Sample `index` of each channel before filtering.
-    fn input(&self, index: usize) -> [f64; LANES] {
+    /// A batch of pieces of `length` samples before filtering.
+    #[inline(always)]
+    fn gather<R: Registers>(&self, registers: R, batch: &[Piece], length: usize, block: &mut Vec<R::f64s>) {
+        block.resize(length.next_multiple_of(STEP), registers.splat_f64s(0.0));
         match self.source {
-            Some(source) => lanes(source, index),
-            None => lanes(self.target, index),
+            Some(source) => gather(registers, source, batch, block),
+            None => gather(registers, self.target, batch, block),
         }
     }
+}
 
-    /// The odd extension before the first and after the last sample: each end continued by its own
-    /// half turn about the end point, which keeps value and slope.
-    fn extensions(&self) -> [Vec<[f64; LANES]>; 2] {
-        let turned = |end: usize, index: usize| {
-            let (pivot, sample) = (self.input(end), self.input(index));
-            std::array::from_fn(|lane| 2.0 * pivot[lane] - sample[lane])
-        };
-        let last = self.target[0].len() - 1;
-        [
-            (1..=self.padding).rev().map(|distance| turned(0, distance)).collect(),
-            (1..=self.padding).map(|distance| turned(last, last - distance)).collect(),
-        ]
+/// A recursion never forgets a sample that is not finite, so forward and backward it spoils its
+/// whole channel. Within a piece it reaches the first sample of the core; here, the other pieces.
+fn spread_what_is_not_finite(pieces: &Pieces, target: &mut [&mut [f64]]) {
+    for pieces in pieces.list.chunk_by(|a, b| a.channel == b.channel) {
+        let channel = &mut *target[pieces[0].channel];
+        if pieces.iter().any(|piece| !channel[piece.core.start].is_finite()) {
+            channel.fill(f64::NAN);
+        }
     }
-}
-
-/// Sample `index` of up to four channels; zero in lanes without a channel.
-fn lanes<C: AsRef<[f64]>>(channels: &[C], index: usize) -> [f64; LANES] {
-    let mut lanes = [0.0; LANES];
-    gather(channels, index..index + 1, &mut lanes);
-    lanes
-}
-
-/// `0..length` in blocks.
-fn blocks(length: usize) -> impl DoubleEndedIterator<Item = Range<usize>> {
-    (0..length.div_ceil(BLOCK)).map(move |k| k * BLOCK..length.min((k + 1) * BLOCK))
 }
 
 #[cfg(test)]
@@ -223,6 +204,56 @@ mod tests {
             pass.run(pulp::Scalar256b);
             for (a, b) in best.iter().zip(&plain) {
                 assert!((a - b).abs() < 1e-12, "order {order}: {a} and {b}");
+            }
+        }
+    }
+
+    fn long_channels() -> Vec<Vec<f64>> {
+        let sample = |channel: usize, n: usize| (0.01 * (n * n % (977 + channel)) as f64).sin();
+        (0..5).map(|channel| (0..30_000).map(|n| sample(channel, n)).collect()).collect()
+    }
+
+    fn borrowed(channels: &mut [Vec<f64>]) -> Vec<&mut [f64]> {
+        channels.iter_mut().map(Vec::as_mut_slice).collect()
+    }
+
+    #[test]
+    fn nothing_is_left_of_the_cuts_between_pieces() {
+        for order in 1..=6 {
+            let filter = ZeroPhase::new(butter(order, 700.0, 5000.0).unwrap());
+            let mut pieces = long_channels();
+            let source = pieces.clone();
+            filter.filter_channels(&mut borrowed(&mut pieces)).unwrap();
+            let mut elsewhere = vec![vec![0.0; 30_000]; 5];
+            let source: Vec<&[f64]> = source.iter().map(Vec::as_slice).collect();
+            filter.filter_into(&source, &mut borrowed(&mut elsewhere)).unwrap();
+            assert_eq!(pieces, elsewhere);
+            for (channel, source) in pieces.iter().zip(source) {
+                // Blocks with a wide halo, cut where the pieces are not.
+                let halo = 2 * filter.sos.settle();
+                for start in (halo..30_000 - 1001 - halo).step_by(1001) {
+                    let mut block = source[start - halo..start + 1001 + halo].to_vec();
+                    filter.filter_block(&mut [&mut block]).unwrap();
+                    for (a, b) in channel[start..].iter().zip(&block[halo..halo + 1001]) {
+                        assert!((a - b).abs() < 1e-13, "order {order}, from {start}: {a} and {b}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_sample_that_is_not_finite_spoils_all_of_its_long_channel_and_no_other() {
+        let filter = ZeroPhase::new(butter(3, 700.0, 5000.0).unwrap());
+        let mut clean = long_channels();
+        filter.filter_channels(&mut borrowed(&mut clean)).unwrap();
+        for (at, bad) in [(0, f64::NAN), (15_000, f64::INFINITY), (29_999, f64::NEG_INFINITY)] {
+            let mut spoilt = long_channels();
+            spoilt[1][at] = bad;
+            filter.filter_channels(&mut borrowed(&mut spoilt)).unwrap();
+            assert!(spoilt[1].iter().all(|y| y.is_nan()));
+            for other in [0, 2, 3, 4] {
+                assert_eq!(spoilt[other], clean[other]);
             }
         }
     }
