@@ -222,7 +222,8 @@ def fit(
 
     Without a model: the paper's Equation 1; detents are part of it if the data show them (`detents="auto"`),
     always (`"yes"`) or never (`"no"`). A model is fitted as it is: its fixed and tied parameters stay so, and
-    a free detent period is found from the data whatever its value; `detents` is not for it. `prepare` and `options` as in `prepare`.
+    a free detent period is found from the data whatever its value; `detents` is not for it. `prepare` and
+    `options` as in `prepare`.
 
     Raises InputError for captures that cannot be fitted, with what to do.
     """

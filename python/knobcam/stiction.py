@@ -60,15 +60,16 @@ class Stiction:
             )
         elif self.dv.ci95[0] == 0.0:
             advice.append(
-                "while it sticks the knob stands as still as its velocity can be resolved: dv is that resolution, "
-                "and the true band may be wider"
+                "while it sticks the knob stands as still as its velocity can be resolved: dv is that "
+                "resolution, and the true band may be wider"
             )
         if any(f.kind == "clipped" for s in self.fit.prepared for f in s.capture.findings):
             advice.append("the torque was clipped: a breakaway beyond the sensor's limit is not seen")
         if self.fit.rmse > _CLOSE * self.fit.noise_floor:
+            times = self.fit.rmse / self.fit.noise_floor
             advice.append(
-                f"the model leaves {self.fit.rmse / self.fit.noise_floor:.2g} times the noise floor, and what it "
-                "misses is in these torques: fit a capture that moves together with this one"
+                f"the model leaves {times:.2g} times the noise floor, and what it misses is in these "
+                "torques: fit a capture that moves together with this one"
             )
         return tuple(advice)
 
