@@ -44,10 +44,13 @@ def values(fit: kc.Fit) -> dict[str, float]:
     return {name: estimate.value for name, estimate in fit.params.items()}
 
 
+@pytest.mark.parametrize("prepare", ["none", "smooth"])
 @pytest.mark.parametrize("start", [None, knob(0.5), knob(1.5)], ids=["none", "half", "half more"])
-def test_without_noise_the_fit_is_exact_in_fewer_steps_than_the_paper_needed(start: kc.Model | None) -> None:
+def test_without_noise_the_fit_is_exact_in_fewer_steps_than_the_paper_needed(
+    start: kc.Model | None, prepare: str
+) -> None:
     capture = kc.simulate(knob(), "sweep", noise="none")
-    fit = kc.fit(capture, start, prepare="none", detents="yes" if start is None else "auto")
+    fit = kc.fit(capture, start, prepare=prepare, detents="yes" if start is None else "auto")
     assert values(fit) == pytest.approx(TRUTH, rel=1e-9)
     assert fit.core.iterations <= 7
     assert fit.core.evaluations < 43

@@ -8,7 +8,6 @@ mod separable;
 mod serial;
 mod solve;
 
-pub use bootstrap::refits;
 pub use moments::Moments;
 pub use scan::Scan;
 pub use separable::Status;
@@ -24,7 +23,7 @@ use faer::Mat;
 use moments::{Blocks, sweep, used};
 use separable::{Found, Layout, descend};
 use serial::{Meat, Serial};
-use solve::{Normal, independent, least_squares, solvable};
+use solve::{Normal, independent, solvable};
 
 /// Blocks of the block bootstrap and of the held-out error.
 const BLOCKS: f64 = 200.0;
@@ -282,7 +281,7 @@ impl Fit {
     pub fn bootstrap(&self, draws: usize, seed: u64) -> Vec<Vec<f64>> {
         let values = self.model.values();
         let around = |step: Vec<f64>| self.free.iter().zip(step).map(|(&i, step)| values[i] + step).collect();
-        refits(&self.blocks, &self.kept, draws, seed).into_iter().map(around).collect()
+        bootstrap::refits(&self.blocks, &self.kept, draws, seed).into_iter().map(around).collect()
     }
 
     /// Half-width of the 95 % band of the mean prediction at every sample of a capture, N m (Matlab's
@@ -304,12 +303,5 @@ impl Fit {
             }
         });
         band
-    }
-
-    /// The step that would lower the error further, to first order; near zero at an optimum.
-    pub fn remaining_step(&self) -> Option<Vec<f64>> {
-        let mut all = Moments::empty(self.blocks.first()?.k);
-        self.blocks.iter().for_each(|block| all.add(block));
-        least_squares(&all, &self.kept)
     }
 }

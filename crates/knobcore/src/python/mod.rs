@@ -4,7 +4,6 @@ mod filter;
 mod fit;
 mod model;
 mod signals;
-mod smooth;
 
 use pyo3::prelude::*;
 
@@ -12,7 +11,6 @@ use pyo3::prelude::*;
 fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add("__version__", env!("CARGO_PKG_VERSION"))?;
     filter::register(m)?;
-    m.add_function(wrap_pyfunction!(smooth::smooth, m)?)?;
     m.add_class::<model::PyModel>()?;
     m.add_function(wrap_pyfunction!(model::catalogue, m)?)?;
     m.add_function(wrap_pyfunction!(model::push, m)?)?;

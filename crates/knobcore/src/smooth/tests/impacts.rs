@@ -145,11 +145,11 @@ fn a_smooth_motion_is_untouched_bit_for_bit() {
 fn coloured_noise_of_the_angle_does_not_explode() {
     let truth = Motion::of(even(SAMPLES), motion::multisine);
     let mut seen = truth.seen(6, FINE);
-    let mut normal = super::normal::Normal::new(8);
+    let mut normal = crate::random::Noise::new(8);
     let (mut slow, mut loops) = (0.0, 0.0);
     for theta in &mut seen.theta {
         // A phase-locked loop passes the noise of its detector below 100 Hz.
-        slow += 0.12 * (1e-4 * normal.draw() - slow);
+        slow += 0.12 * (1e-4 * normal.normal() - slow);
         loops += 0.12 * (slow - loops);
         *theta += loops;
     }

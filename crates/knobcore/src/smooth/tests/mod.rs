@@ -5,4 +5,3 @@ mod impacts;
 mod laws;
 mod motion;
 mod noisy;
-pub mod normal;

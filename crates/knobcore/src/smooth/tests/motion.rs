@@ -1,6 +1,6 @@
 //! Motions of which everything is known, and sensors that see them.
 
-use super::normal::Normal;
+use crate::random::Noise;
 use crate::smooth::Sensors;
 use std::f64::consts::TAU;
 
@@ -26,9 +26,9 @@ impl Motion {
 
     /// Noisy sensors of all three, theta rounded to `count`.
     pub fn seen(&self, seed: u64, count: f64) -> Self {
-        let mut normal = Normal::new(seed);
+        let mut normal = Noise::new(seed);
         let mut noisy = |column: &[f64], sd: f64| -> Vec<f64> {
-            column.iter().map(|value| value + sd * normal.draw()).collect()
+            column.iter().map(|value| value + sd * normal.normal()).collect()
         };
         let theta =
             noisy(&self.theta, THETA_NOISE).iter().map(|theta| (theta / count).round() * count).collect();
@@ -92,13 +92,13 @@ fn angle_turned(u: f64) -> f64 {
 /// small; between samples it is linear in time, so that theta and omega follow exactly.
 pub fn slow_hand(n: u32, seed: u64) -> Motion {
     let (h, cut) = (2e-4, TAU * 5.0);
-    let mut normal = Normal::new(seed);
+    let mut normal = Noise::new(seed);
     let mut stages = [0.0; 3];
     let (mut theta, mut omega) = (0.0, 0.0);
     let mut states = Vec::new();
     for _ in 0..n {
         let before = stages[2];
-        let mut drive = 150.0 * normal.draw() - 4.0 * omega;
+        let mut drive = 150.0 * normal.normal() - 4.0 * omega;
         for stage in &mut stages {
             *stage += cut * h * (drive - *stage);
             drive = *stage;

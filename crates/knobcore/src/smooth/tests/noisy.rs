@@ -97,9 +97,9 @@ fn counts_of_a_slow_encoder_do_not_become_jolts() {
             [0.19 * (t - 0.5 * cos / wave), 0.19 * (1.0 + 0.5 * sin), 0.095 * wave * cos]
         });
         let mut seen = Motion::of(even(20_000), |_| [0.0; 3]);
-        let mut normal = super::normal::Normal::new(4);
+        let mut normal = crate::random::Noise::new(4);
         for (seen, theta) in seen.theta.iter_mut().zip(&truth.theta) {
-            *seen = (theta / count + dither * normal.draw()).round() * count;
+            *seen = (theta / count + dither * normal.normal()).round() * count;
         }
         let motion = smoothed(&seen.theta_alone());
         let inside = 500..19_500;

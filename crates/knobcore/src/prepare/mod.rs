@@ -1,11 +1,15 @@
 //! From a capture to prepared signals: the motion from its sensors, the torque through its filter.
 
+mod direction;
+mod motion;
+
 use crate::error::{Error, Result};
 use crate::filter::{ZeroPhase, butter, cheby1, cheby2};
 use crate::param::Axis;
 use crate::signals::Signals;
-use crate::smooth::{Noise, Sensors, noise_from_capture, smooth};
-use crate::special::normal_cdf;
+use crate::smooth::Noise;
+use direction::{standing_still, without_unsure};
+use motion::{columns, forward, smoothed};
 use std::ops::Range;
 
 /// The sampling rate of the paper, Hz; its filter edges (Table 6) belong to it.
@@ -13,16 +17,6 @@ const PAPER_RATE_HZ: f64 = 5000.0;
 /// Shortest stretch that is worth fitting, samples.
 const SHORTEST: usize = 32;
 
-/// A knob stands still when its speed stays below this many standard deviations of it for this long.
-const STILL_SD: f64 = 4.0;
-/// See [`STILL_SD`].
-const STILL_S: f64 = 0.02;
-/// Below this many standard deviations the sign of the velocity is not certain: a reversal may lie a sample
-/// earlier or later than it seems. A step of dry friction that is a sample off looks like an effect of its own
-/// once the filter has smeared it, so what it reaches does not count.
-const UNSURE_SD: f64 = 3.0;
-/// As long as this share of the samples stays.
-const MOSTLY_SURE: f64 = 0.75;
 /// Samples at each end where the smoother knows the acceleration badly.
 const SMOOTHER_ENDS: usize = 50;
 
@@ -159,15 +153,6 @@ pub struct Prepared {
     pub noise: Option<Noise>,
 }
 
-struct Moving {
-    theta: Vec<f64>,
-    omega: Vec<f64>,
-    alpha: Vec<f64>,
-    omega_sd: Vec<f64>,
-    uncertainty: Option<[Vec<f64>; 2]>,
-    noise: Option<Noise>,
-}
-
 /// Prepares a recording.
 ///
 /// # Errors
@@ -192,7 +177,7 @@ pub fn prepare(recording: &Recording<'_>, how: &Preparation) -> Result<Prepared>
         ));
     }
     let moving = match how.source {
-        Source::Smoother => smoothed(recording)?,
+        Source::Smoother => smoothed(recording, &stretches)?,
         Source::Filtered { theta, omega, alpha } => {
             let design = |low_pass: LowPass| low_pass.design(recording.rate_hz).map(Some);
             columns(recording, &stretches, [design(theta)?, design(omega)?, design(alpha)?])?
@@ -207,12 +192,11 @@ pub fn prepare(recording: &Recording<'_>, how: &Preparation) -> Result<Prepared>
             weight[at] = if (last - at).is_multiple_of(how.every) { 1.0 } else { 0.0 };
         }
     }
-    let stuck = slower_than(STILL_SD, (STILL_S * recording.rate_hz) as usize, &moving, &segments);
+    let stuck = standing_still(&moving, &segments, recording.rate_hz);
     for at in stuck.iter().flat_map(Clone::clone) {
         weight[at] = 0.0;
     }
-    let sure = without_unsure(&weight, &slower_than(UNSURE_SD, 0, &moving, &segments), settle / 2);
-    weight = sure.unwrap_or(weight);
+    weight = without_unsure(&weight, &moving, &segments, settle / 2).unwrap_or(weight);
     let start = recording.t.first().copied().unwrap_or(0.0);
     let mut signals = Signals {
         axis: recording.axis,
@@ -234,42 +218,6 @@ pub fn prepare(recording: &Recording<'_>, how: &Preparation) -> Result<Prepared>
     Ok(Prepared { signals, uncertainty: moving.uncertainty, noise: moving.noise })
 }
 
-/// Weights without what unsure directions reach through the filter; None where that would take away more than
-/// it saves: with a velocity so coarse, the expected friction is the better bet.
-fn without_unsure(weight: &[f64], unsure: &[Range<usize>], reach: usize) -> Option<Vec<f64>> {
-    let mut sure = weight.to_vec();
-    for run in unsure {
-        sure[run.start.saturating_sub(reach)..(run.end + reach).min(weight.len())].fill(0.0);
-    }
-    (sure.iter().sum::<f64>() >= MOSTLY_SURE * weight.iter().sum::<f64>()).then_some(sure)
-}
-
-/// Stretches within the segments in which the speed stays below so many of its standard deviations for more
-/// than `least` samples; a speed that is known exactly is below nothing but zero.
-fn slower_than(
-    deviations: f64,
-    least: usize,
-    moving: &Moving,
-    segments: &[Range<usize>],
-) -> Vec<Range<usize>> {
-    let slow = |at: usize| moving.omega[at].abs() <= deviations * moving.omega_sd[at];
-    let mut found = Vec::new();
-    for segment in segments {
-        let mut at = segment.start;
-        while at < segment.end {
-            let start = at;
-            while at < segment.end && slow(at) {
-                at += 1;
-            }
-            if at - start > least {
-                found.push(start..at);
-            }
-            at += 1;
-        }
-    }
-    found
-}
-
 /// Runs of rows without gap.
 fn stretches(recording: &Recording<'_>) -> Vec<Range<usize>> {
     let n = recording.t.len();
@@ -279,88 +227,9 @@ fn stretches(recording: &Recording<'_>) -> Vec<Range<usize>> {
     borders.windows(2).map(|pair| pair[0]..pair[1]).filter(|s| !s.is_empty()).collect()
 }
 
-fn smoothed(recording: &Recording<'_>) -> Result<Moving> {
-    let sensors =
-        Sensors { t: recording.t, theta: recording.theta, omega: recording.omega, alpha: recording.alpha };
-    let noise = noise_from_capture(&sensors)?;
-    let motion = smooth(&sensors, &noise)?;
-    Ok(Moving {
-        theta: motion.theta,
-        omega: motion.omega,
-        alpha: motion.alpha,
-        omega_sd: motion.omega_sd,
-        uncertainty: Some([motion.theta_sd, motion.alpha_sd]),
-        noise: Some(motion.noise),
-    })
-}
-
-/// Column by column, each filtered; absent ones by central differences.
-fn columns(
-    recording: &Recording<'_>,
-    stretches: &[Range<usize>],
-    filters: [Option<ZeroPhase>; 3],
-) -> Result<Moving> {
-    let filtered = |column: &[f64], filter: &Option<ZeroPhase>| -> Result<Vec<f64>> {
-        let mut column = column.to_vec();
-        if let Some(filter) = filter {
-            for stretch in stretches.iter().filter(|s| s.len() > filter.padding()) {
-                filter.filter_in_place(&mut column[stretch.clone()])?;
-            }
-        }
-        Ok(column)
-    };
-    let [f_theta, f_omega, f_alpha] = filters;
-    let theta = filtered(recording.theta, &f_theta)?;
-    let omega = match recording.omega {
-        Some(omega) => filtered(omega, &f_omega)?,
-        None => differences(recording.t, &theta, stretches),
-    };
-    let alpha = match recording.alpha {
-        Some(alpha) => filtered(alpha, &f_alpha)?,
-        None => differences(recording.t, &omega, stretches),
-    };
-    let omega_sd = vec![0.0; omega.len()];
-    Ok(Moving { theta, omega, alpha, omega_sd, uncertainty: None, noise: None })
-}
-
-/// Central differences within each stretch, one-sided at its ends.
-fn differences(t: &[f64], x: &[f64], stretches: &[Range<usize>]) -> Vec<f64> {
-    let mut slope = vec![0.0; x.len()];
-    for stretch in stretches.iter().filter(|s| s.len() > 1) {
-        for at in stretch.clone() {
-            let (before, after) = (at.saturating_sub(1).max(stretch.start), (at + 1).min(stretch.end - 1));
-            slope[at] = (x[after] - x[before]) / (t[after] - t[before]);
-        }
-    }
-    slope
-}
-
-/// Probability that the velocity is positive, where it is known to `sd`.
-fn forward(omega: f64, sd: f64) -> f64 {
-    if sd > 0.0 {
-        return normal_cdf(omega / sd);
-    }
-    if omega == 0.0 { 0.5 } else { f64::from(omega > 0.0) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_velocity_known_exactly_has_a_direction_and_one_within_its_noise_a_probability() {
-        assert_eq!((forward(-1e-12, 0.0), forward(0.0, 0.0), forward(1e-12, 0.0)), (0.0, 0.5, 1.0));
-        assert!((forward(0.2, 0.2) - 0.841_344_7).abs() < 1e-6);
-    }
-
-    #[test]
-    fn differences_of_a_parabola_are_exact_inside_and_never_cross_a_gap() {
-        let t: Vec<f64> = (0..10).map(|i| f64::from(i) * 0.1).collect();
-        let x: Vec<f64> = t.iter().map(|t| t * t).collect();
-        let slope = differences(&t, &x, &[0..5, 5..10]);
-        assert!((slope[2] - 0.4).abs() < 1e-12 && (slope[7] - 1.4).abs() < 1e-12);
-        assert!((slope[5] - 1.1).abs() < 1e-12, "one-sided at the gap");
-    }
 
     #[test]
     fn edges_of_the_paper_shrink_below_its_rate_and_stay_above_it() {

@@ -1,0 +1,117 @@
+//! The motion of a recording: smoothed from its sensors, filtered column by column, or as given.
+
+use super::Recording;
+use crate::error::Result;
+use crate::filter::ZeroPhase;
+use crate::smooth::{Noise, Sensors, noise_from_capture, smooth};
+use crate::special::normal_cdf;
+use std::ops::Range;
+
+/// Noise below this share of a column's largest value is rounding.
+const ROUNDING: f64 = 1e-13;
+
+/// A motion with what is known of its uncertainty.
+pub(super) struct Moving {
+    pub theta: Vec<f64>,
+    pub omega: Vec<f64>,
+    pub alpha: Vec<f64>,
+    pub omega_sd: Vec<f64>,
+    pub uncertainty: Option<[Vec<f64>; 2]>,
+    pub noise: Option<Noise>,
+}
+
+/// From one smoother over all sensors.
+pub(super) fn smoothed(recording: &Recording<'_>, stretches: &[Range<usize>]) -> Result<Moving> {
+    let sensors =
+        Sensors { t: recording.t, theta: recording.theta, omega: recording.omega, alpha: recording.alpha };
+    let noise = noise_from_capture(&sensors)?;
+    // A motion that was computed, not measured, is exact as it is, and so is the sign of its velocity.
+    let exact = |column: Option<&[f64]>, level: f64| {
+        column.is_some_and(|column| level <= ROUNDING * column.iter().fold(0.0, |m, x| f64::max(m, x.abs())))
+    };
+    if exact(Some(recording.theta), noise.theta)
+        && exact(recording.omega, noise.omega)
+        && exact(recording.alpha, noise.alpha)
+    {
+        let given = columns(recording, stretches, [None, None, None])?;
+        return Ok(Moving { noise: Some(noise), ..given });
+    }
+    let motion = smooth(&sensors, &noise)?;
+    Ok(Moving {
+        theta: motion.theta,
+        omega: motion.omega,
+        alpha: motion.alpha,
+        omega_sd: motion.omega_sd,
+        uncertainty: Some([motion.theta_sd, motion.alpha_sd]),
+        noise: Some(motion.noise),
+    })
+}
+
+/// Column by column, each filtered; absent ones by central differences.
+pub(super) fn columns(
+    recording: &Recording<'_>,
+    stretches: &[Range<usize>],
+    filters: [Option<ZeroPhase>; 3],
+) -> Result<Moving> {
+    let filtered = |column: &[f64], filter: &Option<ZeroPhase>| -> Result<Vec<f64>> {
+        let mut column = column.to_vec();
+        if let Some(filter) = filter {
+            for stretch in stretches.iter().filter(|s| s.len() > filter.padding()) {
+                filter.filter_in_place(&mut column[stretch.clone()])?;
+            }
+        }
+        Ok(column)
+    };
+    let [f_theta, f_omega, f_alpha] = filters;
+    let theta = filtered(recording.theta, &f_theta)?;
+    let omega = match recording.omega {
+        Some(omega) => filtered(omega, &f_omega)?,
+        None => differences(recording.t, &theta, stretches),
+    };
+    let alpha = match recording.alpha {
+        Some(alpha) => filtered(alpha, &f_alpha)?,
+        None => differences(recording.t, &omega, stretches),
+    };
+    let omega_sd = vec![0.0; omega.len()];
+    Ok(Moving { theta, omega, alpha, omega_sd, uncertainty: None, noise: None })
+}
+
+/// Central differences within each stretch, one-sided at its ends.
+fn differences(t: &[f64], x: &[f64], stretches: &[Range<usize>]) -> Vec<f64> {
+    let mut slope = vec![0.0; x.len()];
+    for stretch in stretches.iter().filter(|s| s.len() > 1) {
+        for at in stretch.clone() {
+            let (before, after) = (at.saturating_sub(1).max(stretch.start), (at + 1).min(stretch.end - 1));
+            slope[at] = (x[after] - x[before]) / (t[after] - t[before]);
+        }
+    }
+    slope
+}
+
+/// Probability that the velocity is positive, where it is known to `sd`.
+pub(super) fn forward(omega: f64, sd: f64) -> f64 {
+    if sd > 0.0 {
+        return normal_cdf(omega / sd);
+    }
+    if omega == 0.0 { 0.5 } else { f64::from(omega > 0.0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_velocity_known_exactly_has_a_direction_and_one_within_its_noise_a_probability() {
+        assert_eq!((forward(-1e-12, 0.0), forward(0.0, 0.0), forward(1e-12, 0.0)), (0.0, 0.5, 1.0));
+        assert!((forward(0.2, 0.2) - 0.841_344_7).abs() < 1e-6);
+    }
+
+    #[test]
+    fn differences_of_a_parabola_are_exact_inside_and_never_cross_a_gap() {
+        let t: Vec<f64> = (0..10).map(|i| f64::from(i) * 0.1).collect();
+        let x: Vec<f64> = t.iter().map(|t| t * t).collect();
+        let slope = differences(&t, &x, &[0..5, 5..10]);
+        assert!((slope[2] - 0.4).abs() < 1e-12 && (slope[7] - 1.4).abs() < 1e-12);
+        assert!((slope[5] - 1.1).abs() < 1e-12, "one-sided at the gap");
+    }
+}
