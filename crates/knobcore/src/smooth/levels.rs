@@ -67,14 +67,14 @@ fn difference(t: &[f64], column: &[f64], rows: &[usize]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::smooth::tests::normal::Normal;
+    use crate::random::Noise as Random;
 
     #[test]
     fn noise_is_told_from_motion_at_uneven_times() {
-        let mut normal = Normal::new(3);
+        let mut normal = Random::new(3);
         let t: Vec<f64> =
             (0..20_000).map(|k| (f64::from(k) + 0.4 * (f64::from(k) * 1.7).sin()) * 2e-4).collect();
-        let theta: Vec<f64> = t.iter().map(|t| (12.0 * t).sin() + 1e-5 * normal.draw()).collect();
+        let theta: Vec<f64> = t.iter().map(|t| (12.0 * t).sin() + 1e-5 * normal.normal()).collect();
         assert!((level(&t, &theta) / 1e-5 - 1.0).abs() < 0.05);
     }
 }
