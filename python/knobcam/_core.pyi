@@ -58,7 +58,7 @@ def prepare(
     omega: Floats | None,
     alpha: Floats | None,
     tau: Floats,
-    after_gap: Sequence[bool],
+    after_gap: NDArray[np.bool_],
     method: str,
     options: dict[str, float],
 ) -> Signals: ...

@@ -26,10 +26,11 @@ _UNITS = {
     "load": ("N m", "N"),
     "history": ("rad", "m"),
 }
+# What any residual fills as well, whatever its cause, leads only with clearly more than the others.
 _WEIGHT = {"frequency": 0.5, "time": 0.75}
 _DIRECTIONS = {1: "forward", -1: "backward", 0: ""}
-# An error this close to the noise floor is no different: the floor itself is known to a percent or two.
-_AT_FLOOR = 1.02
+# An error this close to the noise floor is no different: the floor itself is known to a few percent.
+_AT_FLOOR = 1.05
 
 
 class Region(NamedTuple):

@@ -125,7 +125,9 @@ def prepare(capture: Capture, method: str = "smooth", **options: float) -> Prepa
     check_options(method, options)
     rows = np.flatnonzero(capture.mask)
     gap = _gaps(capture, rows)
-    kept = {name: np.ascontiguousarray(values[rows]) for name, values in capture.columns.items()}
+    # A capture without a masked sample goes as it is: picking rows would copy every column.
+    whole = len(rows) == capture.samples
+    kept = {name: values if whole else values[rows] for name, values in capture.columns.items()}
     core = _core.prepare(
         capture.axis,
         capture.rate_hz,
@@ -134,7 +136,7 @@ def prepare(capture: Capture, method: str = "smooth", **options: float) -> Prepa
         kept.get("omega"),
         kept.get("alpha"),
         kept["tau"],
-        gap.tolist(),
+        gap,
         method,
         options,
     )

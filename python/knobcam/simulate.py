@@ -95,7 +95,7 @@ def _torque(model: Model, track: MotionTrack) -> FloatArray:
     if n < 2:
         raise InputError("motion: a track of fewer than two samples is no motion")
     rate = (n - 1) / float(track.t[-1] - track.t[0])
-    exact = _core.prepare(model.axis, rate, *track, np.zeros(n), [False] * n, "none", {})
+    exact = _core.prepare(model.axis, rate, *track, np.zeros(n), np.zeros(n, dtype=bool), "none", {})
     return model.core.torque(exact, filtered=False)
 
 

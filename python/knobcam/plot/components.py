@@ -54,7 +54,9 @@ def torque_at(
         return np.zeros(n)
     rate_hz = 1000.0
     t = np.arange(n) / rate_hz
-    exact = _core.prepare(model.axis, rate_hz, t, theta, omega, alpha, np.zeros(n), [False] * n, "none", {})
+    exact = _core.prepare(
+        model.axis, rate_hz, t, theta, omega, alpha, np.zeros(n), np.zeros(n, dtype=bool), "none", {}
+    )
     return model.core.only(effects).torque(exact, filtered=False)
 
 

@@ -4,6 +4,7 @@ use super::model::axis;
 use crate::error::Error;
 use crate::param::Axis;
 use crate::prepare::{LowPass, Preparation, Prepared, Recording, Source, prepare as prepare_core};
+use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::collections::HashMap;
@@ -94,7 +95,7 @@ pub fn prepare(
     omega: Option<Column<'_>>,
     alpha: Option<Column<'_>>,
     tau: Column<'_>,
-    after_gap: Vec<bool>,
+    after_gap: PyReadonlyArray1<'_, bool>,
     method: &str,
     options: &Bound<'_, PyDict>,
 ) -> PyResult<PySignals> {
@@ -127,7 +128,7 @@ pub fn prepare(
         omega: omega.as_ref().map(|c| c.as_slice()).transpose()?,
         alpha: alpha.as_ref().map(|c| c.as_slice()).transpose()?,
         tau: tau.as_slice()?,
-        after_gap: &after_gap,
+        after_gap: after_gap.as_slice()?,
     };
     let prepared = py.detach(|| prepare_core(&recording, &how)).map_err(input_error)?;
     Ok(PySignals { prepared })
