@@ -26,42 +26,61 @@ pub fn refits(blocks: &[Moments], kept: &[usize], draws: usize, seed: u64) -> Ve
         let entries = (0..order.len()).flat_map(row);
         let products: Vec<f64> =
             entries.map(|(i, j)| block.gram(order[i], order[j]) * scaled(i) * scaled(j)).collect();
-        products.chunks(LANES).map(|eight| Pack::load(eight, 0)).collect::<Vec<Pack>>()
+        let mut packs: Vec<Pack> = products.chunks(LANES).map(|eight| Pack::load(eight, 0)).collect();
+        packs.resize(packs.len().next_multiple_of(2), Pack::of(0.0));
+        packs
     };
     let packed: Vec<Vec<Pack>> = blocks.iter().map(pack).collect();
     let mut noise = Noise::new(seed);
     let mut steps = Vec::with_capacity(draws);
-    for _ in 0..draws {
-        let counts = counts(&mut noise, blocks.len());
-        let sum = pulp::Arch::new().dispatch(Drawn { packed: &packed, counts: &counts });
-        let mut equations: Vec<f64> = sum.iter().flat_map(|pack| pack.0).collect();
-        if let Some(step) = solve(&mut equations, kept.len()) {
-            steps.push(step.iter().zip(&scale).map(|(x, scale)| x * scale).collect());
+    while steps.len() < draws {
+        let counts: [Vec<f64>; AT_ONCE] = std::array::from_fn(|_| counts(&mut noise, blocks.len()));
+        let drawn = pulp::Arch::new().dispatch(Drawn { packed: &packed, counts: &counts });
+        for mut equations in drawn {
+            let step = solve(&mut equations, kept.len()).unwrap_or_else(|| vec![f64::NAN; kept.len()]);
+            steps.push(step.iter().zip(&scale).map(|(x, scale)| x * scale).collect::<Vec<f64>>());
         }
     }
+    steps.truncate(draws);
+    steps.retain(|step| step.iter().all(|x| x.is_finite()));
     steps
 }
 
-/// The equations of the blocks that were drawn, summed.
+/// Draws that are summed in one pass over the blocks, which are more than the first cache holds.
+const AT_ONCE: usize = 4;
+
+/// The equations of the blocks that were drawn, summed, for each draw.
 struct Drawn<'a> {
     packed: &'a [Vec<Pack>],
-    counts: &'a [f64],
+    counts: &'a [Vec<f64>; AT_ONCE],
 }
 
 impl pulp::NullaryFnOnce for Drawn<'_> {
-    type Output = Vec<Pack>;
+    type Output = [Vec<f64>; AT_ONCE];
 
     #[inline(always)]
-    fn call(self) -> Vec<Pack> {
-        let mut sum = vec![Pack::of(0.0); self.packed.first().map_or(0, Vec::len)];
-        for (block, count) in self.packed.iter().zip(self.counts) {
-            if *count > 0.0 {
-                for (sum, product) in sum.iter_mut().zip(block) {
-                    *sum = *sum + *product * Pack::of(*count);
+    fn call(self) -> [Vec<f64>; AT_ONCE] {
+        let packs = self.packed.first().map_or(0, Vec::len);
+        let mut sums: [Vec<f64>; AT_ONCE] = std::array::from_fn(|_| Vec::with_capacity(packs * LANES));
+        // Two packs for each draw at a time stay in registers while all blocks pass by.
+        for first in (0..packs).step_by(2) {
+            let mut held = [[Pack::of(0.0); 2]; AT_ONCE];
+            for (at, block) in self.packed.iter().enumerate() {
+                let Some(&[one, two]) = block.get(first..first + 2).and_then(|two| two.first_chunk()) else {
+                    break;
+                };
+                for (held, counts) in held.iter_mut().zip(self.counts) {
+                    let count = Pack::of(counts[at]);
+                    held[0] = held[0] + one * count;
+                    held[1] = held[1] + two * count;
                 }
             }
+            for (sum, held) in sums.iter_mut().zip(held) {
+                sum.extend_from_slice(&held[0].0);
+                sum.extend_from_slice(&held[1].0);
+            }
         }
-        sum
+        sums
     }
 }
 

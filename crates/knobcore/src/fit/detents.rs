@@ -39,13 +39,19 @@ pub fn best_from_scan(
     scan: &Scan,
 ) -> Result<Option<Found>> {
     let peaks = scan.peaks();
-    let best_gain = peaks.first().map_or(0.0, |peak| peak.1);
-    let period = model.index("detent.P")?;
+    let best_gain = peaks.first().map_or(0.0, |peak| peak.gain);
+    let detent = ["detent.A", "detent.P", "detent.S"].map(|name| model.index(name));
     let mut best: Option<Found> = None;
     let (mut evaluations, mut iterations) = (0, 0);
-    for (p, _) in peaks.iter().take(CANDIDATES).filter(|peak| peak.1 >= RIVAL * best_gain) {
+    for peak in peaks.iter().take(CANDIDATES).filter(|peak| peak.gain >= RIVAL * best_gain) {
         let mut start = start.to_vec();
-        start[period] = *p;
+        for (at, value) in detent.clone().into_iter().zip([peak.amplitude, peak.period, peak.phase]) {
+            let at = at?;
+            // What the user fixed stays.
+            if layout.free.contains(&at) {
+                start[at] = value;
+            }
+        }
         let found = descend(data, model, layout, &start);
         evaluations += found.evaluations;
         if best.as_ref().is_none_or(|b| found.cost < b.cost) {
@@ -97,7 +103,7 @@ impl Judge<'_> {
     /// Whether the best peak of the scan is worth a descent. The scan sees detents through a filter that it
     /// does not know, so its gain is a little off.
     pub fn promising(&self) -> bool {
-        self.scan.peaks().first().is_some_and(|peak| self.worth_it(1.5 * peak.1))
+        self.scan.peaks().first().is_some_and(|peak| self.worth_it(1.5 * peak.gain))
     }
 
     /// Whether the detents that were found are there: worth it, repeating within the range that was turned

@@ -107,7 +107,11 @@ struct Start {
 fn scanned(data: &[&Signals], model: &Model, detents: Detents) -> Result<Option<Start>> {
     let Some((bare, without, scan)) = scan_beside(data, model) else { return Ok(None) };
     let full = if model.has(Id::Detent) { model.clone() } else { bare.with(Id::Detent)? };
-    let best = || best_from_scan(data, &full, &Layout::of(&full), &full.values(), &scan);
+    let mut start = full.values();
+    for (slot, value) in bare.slots().iter().zip(&without.p) {
+        start[full.index(&slot.name())?] = *value;
+    }
+    let best = || best_from_scan(data, &full, &Layout::of(&full), &start, &scan);
     let with = if detents == Detents::AsModel {
         best()?
     } else {

@@ -34,25 +34,45 @@ pub struct Scan {
     pub gain: Vec<f64>,
     /// Sum of squares without detent, (N m)^2.
     pub without: f64,
+    /// The detent of each period: its sine and cosine coefficient, N m.
+    wave: Vec<[f64; 2]>,
+}
+
+/// A local maximum of the scan: a detent to start a descent from.
+#[derive(Debug, Clone, Copy)]
+pub struct Peak {
+    /// P, rad.
+    pub period: f64,
+    /// What it takes off the sum of squares, (N m)^2.
+    pub gain: f64,
+    /// A, N m.
+    pub amplitude: f64,
+    /// S, rad.
+    pub phase: f64,
 }
 
 impl Scan {
-    /// Local maxima, best first: (P, gain), each at the top of the parabola through its three points.
-    pub fn peaks(&self) -> Vec<(f64, f64)> {
-        let mut peaks: Vec<(f64, f64)> = Vec::new();
-        for (gains, k) in self.gain.windows(3).zip(self.inverse_period.windows(3)) {
+    /// Local maxima, best first, each at the top of the parabola through its three points.
+    pub fn peaks(&self) -> Vec<Peak> {
+        let mut peaks: Vec<Peak> = Vec::new();
+        let peak = |at: usize, inverse_period: f64| {
+            let [sin, cos] = self.wave.get(at).copied().unwrap_or_default();
+            let gain = self.gain.get(at).copied().unwrap_or(0.0);
+            Peak { period: 1.0 / inverse_period, gain, amplitude: sin.hypot(cos), phase: cos.atan2(sin) }
+        };
+        for (at, (gains, k)) in self.gain.windows(3).zip(self.inverse_period.windows(3)).enumerate() {
             let &[before, top, after] = gains else { continue };
             if top > 0.0 && top >= before && top > after {
                 let shift = 0.5 * (before - after) / (before - 2.0 * top + after);
-                peaks.push((1.0 / (k[1] + shift * (k[2] - k[1])), top));
+                peaks.push(peak(at + 1, k[1] + shift * (k[2] - k[1])));
             }
         }
         if let (Some(first), Some(k)) = (self.gain.first(), self.inverse_period.first())
             && self.gain.get(1).is_none_or(|next| next < first)
         {
-            peaks.push((1.0 / k, *first));
+            peaks.push(peak(0, *k));
         }
-        peaks.sort_by(|a, b| b.1.total_cmp(&a.1));
+        peaks.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         peaks
     }
 
@@ -187,7 +207,8 @@ pub fn scan(data: &[&Signals], model: &Model, p: &[f64], linear: &[usize]) -> Op
     let inverse = normal.inverse();
     let spectra = grid.spectra(&spread, k + 2)?;
     let count = &spectra[k + 1];
-    let gain = |at: usize| -> f64 {
+    // Gain, and the sine and cosine coefficient counted from position zero.
+    let detent = |at: usize| -> (f64, [f64; 2]) {
         // Cosine and sine products with the kept columns, the residual, and each other.
         let columns: Vec<Complex64> = kept.iter().map(|&i| spectra[i][at].conj()).collect();
         let residual =
@@ -206,17 +227,17 @@ pub fn scan(data: &[&Signals], model: &Model, p: &[f64], linear: &[usize]) -> Op
         let (c, s) = (residual.re, residual.im);
         let determinant = cc * ss - cs * cs;
         if determinant > 1e-6 * total * total * 0.25 {
-            (ss * c * c - 2.0 * cs * c * s + cc * s * s) / determinant
+            let (on_cos, on_sin) = ((ss * c - cs * s) / determinant, (cc * s - cs * c) / determinant);
+            let (sin_low, cos_low) = (grid.frequency(at) * grid.low).sin_cos();
+            let wave = [on_sin * cos_low + on_cos * sin_low, on_cos * cos_low - on_sin * sin_low];
+            (on_cos * c + on_sin * s, wave)
         } else {
-            0.0
+            (0.0, [0.0; 2])
         }
     };
     let indices = grid.first..=grid.last;
-    let scan = Scan {
-        inverse_period: indices.clone().map(|i| grid.frequency(i)).collect(),
-        gain: indices.map(gain).collect(),
-        without,
-    };
+    let (gain, wave) = indices.clone().map(detent).unzip();
+    let scan = Scan { inverse_period: indices.map(|i| grid.frequency(i)).collect(), gain, without, wave };
     let mut step = vec![0.0; k];
     kept.iter().zip(&solved).for_each(|(&i, value)| step[i] = *value);
     Some((scan, step))

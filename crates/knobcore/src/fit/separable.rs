@@ -19,6 +19,8 @@ const MAX_EVALUATIONS: usize = 60;
 const PROMISE: f64 = 1e-3;
 /// A step below this share of every hard parameter ends the fit.
 const STEP: f64 = 1e-12;
+/// Linear parameters are close to their best where they leave at most this many times the least sum of squares.
+const CLOSE: f64 = 1.5;
 /// A sum of squares below this share of the measured one is rounding: eleven digits of the torque agree.
 const EXACT: f64 = 1e-22;
 
@@ -293,8 +295,11 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64])
     if layout.hard.is_empty() {
         return ended(&problem, &here, 1, Status::Linear);
     }
-    // The hard columns depend on the linear parameters, which have just been found.
-    here = problem.point(problem.solved(&here));
+    // The hard columns depend on the linear parameters, which have just been found: unless the start was close,
+    // look again.
+    if here.moments.squares() > CLOSE * here.cost {
+        here = problem.point(problem.solved(&here));
+    }
     let (mut damping, mut growth) = (0.0_f64, 2.0);
     loop {
         if here.cost <= EXACT * total {
