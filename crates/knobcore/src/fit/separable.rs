@@ -318,7 +318,7 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64])
                 return ended(&problem, &here, iterations, Status::Stalled);
             }
             let p = layout.moved(model, &here.p, &step);
-            return Found { p, ..ended(&problem, &here, iterations, Status::Converged) };
+            return Found { p, ..ended(&problem, &here, iterations + 1, Status::Converged) };
         }
         let there = problem.point(layout.moved(model, &here.p, &step));
         let gain = (here.cost - there.cost) / promise;
