@@ -112,7 +112,11 @@ impl Judge<'_> {
         let period = with.p[full.index("detent.P")?];
         let phase = range(self.data) / period;
         let within_a_turn = full.axis == Axis::Linear || period <= WIDEST;
-        let detents = self.worth_it(self.without.cost - with.cost) && phase >= LEAST_PHASE && within_a_turn;
+        let finest = self.scan.inverse_period.last().map_or(0.0, |k| 0.9 / k);
+        let detents = self.worth_it(self.without.cost - with.cost)
+            && phase >= LEAST_PHASE
+            && period >= finest
+            && within_a_turn;
         Ok(detents && (phase > UNMISTAKABLE || self.beat_smooth(with)?))
     }
 

@@ -17,6 +17,8 @@ const MAX_EVALUATIONS: usize = 60;
 /// A step that promises less than this share of the mean square error is taken and ends the fit: it moves no
 /// parameter by more than a thirtieth of its standard error, and what is left after it is its square.
 const PROMISE: f64 = 1e-3;
+/// The longest such last step, as a share of each hard parameter.
+const UNSEEN: f64 = 1e-2;
 /// A step below this share of every hard parameter ends the fit.
 const STEP: f64 = 1e-12;
 /// Linear parameters are close to their best where they leave at most this many times the least sum of squares.
@@ -317,8 +319,14 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64])
             if damping > 1e8 {
                 return ended(&problem, &here, iterations, Status::Stalled);
             }
-            let p = layout.moved(model, &here.p, &step);
-            return Found { p, ..ended(&problem, &here, iterations + 1, Status::Converged) };
+            // A parameter that hardly matters may take a long step for a small promise: not unseen.
+            let short = layout.hard.iter().all(|&h| step[h].abs() <= UNSEEN * here.p[layout.free[h]].abs());
+            let found = ended(&problem, &here, iterations, Status::Converged);
+            return if short {
+                Found { p: layout.moved(model, &here.p, &step), iterations: iterations + 1, ..found }
+            } else {
+                found
+            };
         }
         let there = problem.point(layout.moved(model, &here.p, &step));
         let gain = (here.cost - there.cost) / promise;
