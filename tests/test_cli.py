@@ -131,7 +131,9 @@ def test_fit_prints_the_document_of_the_contract_and_writes_the_model(capture: P
 def test_fit_takes_several_captures_and_a_model(capture: Path, tmp_path: Path) -> None:
     model = tmp_path / "model.toml"
     kc.Model.of(["inertia", "coulomb"]).save(model)
-    ended = knobcam("fit", capture, capture, "--model", model, "--prepare", "paper", "--json")
+    again = tmp_path / "again.npz"
+    assert knobcam("simulate", "knob3", "--seed", "5", "-o", again).code == 0
+    ended = knobcam("fit", capture, again, "--model", model, "--prepare", "paper", "--json")
     assert len(ended.document["captures"]) == 2
     assert ended.document["effects"] == ["inertia", "coulomb"]
 

@@ -26,6 +26,8 @@ _UNITS = {
     "load": ("N m", "N"),
     "history": ("rad", "m"),
 }
+# A model that agrees to this share of the torque agrees to rounding.
+_ROUNDING = 1e-10
 # What any residual fills as well, whatever its cause, leads only with clearly more than the others.
 _WEIGHT = {"frequency": 0.5, "time": 0.75}
 _DIRECTIONS = {1: "forward", -1: "backward", 0: ""}
@@ -104,13 +106,18 @@ class Comparison:
         Any residual changes with time too, and has lines in frequency where the motion repeats itself; so
         these two lead only where they hold clearly more than what the motion itself has.
         """
-        failing = [split for split in self.splits if split.fails]
+        failing = [] if self.exact else [split for split in self.splits if split.fails]
         return max(failing, key=lambda split: _WEIGHT.get(split.axis, 1.0) * split.share, default=None)
+
+    @property
+    def exact(self) -> bool:
+        """Whether what is left is rounding, as where a model meets its own noise-free torque."""
+        return self.fit.rmse <= _ROUNDING * self.torque_rms
 
     @property
     def complete(self) -> bool:
         """Whether the error is what noise alone leaves, on every axis."""
-        return self.fit.rmse <= _AT_FLOOR * self.fit.noise_floor and self.worst is None
+        return self.exact or (self.fit.rmse <= _AT_FLOOR * self.fit.noise_floor and self.worst is None)
 
     @property
     def summary(self) -> str:
@@ -118,8 +125,12 @@ class Comparison:
         fit = self.fit
         explained = 1.0 - (fit.rmse / self.torque_rms) ** 2 if self.torque_rms > 0.0 else math.nan
         head = f"The model explains {100 * explained:.1f} % of the torque's variance"
+        if self.exact:
+            return f"{head}; what is left is rounding."
         if math.isnan(fit.noise_floor):
-            return f"{head}; the capture is too short to tell noise from what is left."
+            return f"{head}; too few samples, or too slow ones, to tell noise from what is left."
+        if fit.noise_floor == 0.0:
+            return f"{head}; the torque has no noise, so nothing of what is left is chance."
         times = fit.rmse / fit.noise_floor
         if self.complete:
             return f"{head}; what is left is {times:.3f} times the noise floor, and chance explains it."
@@ -165,8 +176,7 @@ class Comparison:
     def _rows(self) -> list[tuple[str, ...]]:
         ranked = sorted(self.splits, key=lambda split: (not split.fails, -split.share))
         return [
-            (split.axis, f"{100 * split.share:.1f} %", f"{100 * split.chance:.1f} %", split.where())
-            for split in ranked
+            (split.axis, _percent(split.share), _percent(split.chance), split.where()) for split in ranked
         ]
 
     def __repr__(self) -> str:
@@ -187,9 +197,16 @@ def compare(fit: Fit) -> Comparison:
     splits = []
     for row in _core.locate([signals.core for signals in fit.prepared], fit.core.model):
         regions = tuple(Region(*region) for region in row.pop("regions"))
+        if math.isnan(fit.noise_floor):
+            # Without the noise there is no excess to share out, and nothing is beyond chance.
+            regions, row["share"], row["chance"] = (), math.nan, math.nan
         unit = _UNITS[row["axis"]][0 if rotary else 1]
         splits.append(Split(unit=unit, regions=regions, **row))
     return Comparison(fit, tuple(splits))
+
+
+def _percent(share: float) -> str:
+    return "not known" if math.isnan(share) else f"{100 * share:.1f} %"
 
 
 def _split_document(split: Split) -> dict[str, Any]:

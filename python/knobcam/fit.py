@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -123,6 +124,8 @@ class Fit:
 
         Shape (samples,); NaN at samples that are masked.
         """
+        if capture.axis != self.model.axis:
+            raise InputError(f"the model is of a {self.model.axis} axis, the capture of a {capture.axis} one")
         signals = prepare_signals(capture, self.signals.method, **self.signals.options)
         return signals.on_capture(self.model.core.torque(signals.core))
 
@@ -177,6 +180,7 @@ class Fit:
             },
             "undetermined": dict(self.undetermined),
             "correlation": {a: dict(row) for a, row in self.correlation.items()},
+            "warnings": list(self.warnings),
             "notes": [note for signals in self.prepared for note in signals.notes],
         }
 
@@ -193,18 +197,37 @@ class Fit:
         unit = "N m" if self.model.axis == "rotary" else "N"
         noise = f"{self.noise_floor:.4g} by sensor noise alone"
         if math.isnan(self.noise_floor):
-            noise = "the capture is too short to tell the sensor's noise"
+            noise = "too few samples, or too slow ones, to tell the sensor's noise"
         return f"RMS error {self.rmse:.4g} {unit} ({self.rmse_heldout:.4g} on unseen blocks, {noise})"
 
     def __repr__(self) -> str:
         lines = ["Fit: " + self._summary, text_table(self._HEAD, self._rows()), self.core.message]
         lines += [f"{name}: {why}" for name, why in self.undetermined.items()]
-        lines += [
-            f"{name} is negative, which no real knob has: an effect is probably missing"
+        return "\n".join(lines + list(self.warnings))
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """What makes these values doubtful, a sentence each."""
+        base = {
+            name: e
             for name, e in self.params.items()
-            if name.startswith(("coulomb.", "viscous.", "inertia.")) and e.determined and e.ci95[1] < 0.0
-        ]
-        return "\n".join(lines)
+            if name.startswith(("coulomb.", "viscous.", "inertia."))
+        }
+        negative = [name for name, e in base.items() if e.determined and e.ci95[1] < 0.0]
+        if len(negative) > 2 and len(negative) == len(base):
+            found = ["every term is negative: tau seems to have the other sign; map it with a minus"]
+        else:
+            found = [
+                f"{name} is negative, which no real knob has: an effect is probably missing"
+                for name in negative
+            ]
+        alike = [signals for signals in self.prepared if _moves_like_a_spring(signals)]
+        if alike and len(alike) == len(self.prepared) and "inertia" in self.model.effects:
+            found.append(
+                "position and acceleration move together, so inertia cannot be told from a stiffness over "
+                "position: record a motion of more than one frequency"
+            )
+        return tuple(found)
 
     def _repr_html_(self) -> str:
         return html_table("Fit: " + self._summary, self._HEAD, self._rows())
@@ -212,7 +235,7 @@ class Fit:
 
 def fit(
     captures: Capture | Sequence[Capture],
-    model: Model | None = None,
+    model: Model | str | os.PathLike[str] | None = None,
     *,
     prepare: str = "smooth",
     detents: str = "auto",
@@ -221,15 +244,18 @@ def fit(
     """Fit a model to one capture, or jointly to several of the same knob.
 
     Without a model: the paper's Equation 1; detents are part of it if the data show them (`detents="auto"`),
-    always (`"yes"`) or never (`"no"`). A model is fitted as it is: its fixed and tied parameters stay so, and
-    a free detent period is found from the data whatever its value; `detents` is not for it. `prepare` and
-    `options` as in `prepare`.
+    always (`"yes"`) or never (`"no"`). A model (or its file) is fitted as it is: its fixed and tied values
+    stay so, and a free detent period is found from the data whatever its value; `detents` is not for it.
+    `prepare` and `options` as in `prepare`.
 
     Raises InputError for captures that cannot be fitted, with what to do.
     """
     several = [captures] if isinstance(captures, Capture) else list(captures)
     if not several:
         raise InputError("captures is empty; give at least one")
+    _check_captures(several)
+    if isinstance(model, str | os.PathLike):
+        model = Model.load(model)
     if detents not in ("auto", "yes", "no"):
         raise InputError(f"detents={detents!r}: choose auto, yes or no")
     if model is not None and detents != "auto":
@@ -242,6 +268,25 @@ def fit(
     start = model or Model.of(base, several[0].axis)
     core = _core.fit([s.core for s in signals], start.core, model is None and detents == "auto")
     return Fit(signals, core)
+
+
+def _check_captures(captures: Sequence[Capture]) -> None:
+    for number, capture in enumerate(captures, 1):
+        if not isinstance(capture, Capture):
+            raise InputError(f"capture {number} is {capture!r}, no Capture; read files with load()")
+        for before, other in enumerate(captures[: number - 1], 1):
+            if np.array_equal(other.tau, capture.tau) and np.array_equal(other.theta, capture.theta):
+                raise InputError(
+                    f"captures {before} and {number} are the same: counting one twice would only narrow "
+                    "the intervals; give it once"
+                )
+
+
+def _moves_like_a_spring(signals: Prepared) -> bool:
+    """Whether acceleration is proportional to position, as in an oscillation of one frequency."""
+    theta, alpha = signals.theta[signals.used], signals.alpha[signals.used]
+    spread = float(np.std(theta) * np.std(alpha))
+    return spread > 0.0 and float(np.mean((theta - theta.mean()) * (alpha - alpha.mean()))) < -0.98 * spread
 
 
 def _describe(signals: Prepared) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _core
 from .errors import InputError
@@ -42,6 +42,8 @@ class Model:
     def of(cls, effects: Iterable[str], axis: str = "rotary", **values: float) -> Model:
         """Return a model of these effects; values by `effect__parameter=1.0`, others are neutral."""
         model = cls(_core.Model(list(effects), axis))
+        if not model.effects:
+            raise InputError("a model needs an effect, such as inertia; `effects()` lists them")
         for name, value in values.items():
             model = model.with_value(name.replace("__", "."), value)
         return model
@@ -63,6 +65,15 @@ class Model:
             return cls.parse(text)
         except InputError as error:
             raise InputError(f"{path}: {error}") from None
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Model) and self.text() == other.text()
+
+    def __hash__(self) -> int:
+        return hash(self.text())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Model.parse, (self.text(),)
 
     @classmethod
     def parse(cls, text: str) -> Model:

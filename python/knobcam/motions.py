@@ -105,7 +105,7 @@ def motion(name: str, duration_s: float = 6.0, rate_hz: float = 5000.0, **option
     Raises InputError for an unknown name or option and for a length that is no whole number of samples.
     """
     if name not in MOTIONS:
-        raise InputError(f"motion={name!r} is unknown; choose {', '.join(MOTIONS)}")
+        raise InputError(f"motion={name!r} is unknown; choose {', '.join(MOTIONS)} (or push, to simulate)")
     if not 1.0 <= rate_hz <= 1e7:
         raise InputError(f"rate={rate_hz} Hz is no sampling rate of a rig; choose 1 to 1e7")
     samples = duration_s * rate_hz

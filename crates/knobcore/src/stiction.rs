@@ -149,7 +149,8 @@ fn band(data: &[&Signals]) -> Option<Estimate> {
     let quantile = |q: f64| draws.get((q * draws.len() as f64) as usize).copied().unwrap_or(value);
     // The border is known to a cell of the histogram at best.
     let cell = reach / BORDERS as f64;
-    Some(Estimate { value, ci95: [(quantile(0.025) - cell).max(0.0), quantile(0.975) + cell] })
+    let low = if quantile(0.025) > 1.5 * cell { quantile(0.025) - cell } else { 0.0 };
+    Some(Estimate { value, ci95: [low, quantile(0.975) + cell] })
 }
 
 fn histogram(speeds: &[f64], reach: f64) -> Vec<f64> {

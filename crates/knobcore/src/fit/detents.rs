@@ -17,9 +17,9 @@ const STANDS_OUT: f64 = 30.0;
 const CHANCE: f64 = 1e-4;
 /// Detents must explain this share of what the model without them leaves above the noise.
 const SHARE: f64 = 0.2;
-/// Widest period over 2 pi of what counts as detents on a rotary axis, rad: nearly two to the turn. What comes
-/// once a turn is gravity or a bent shaft.
-const WIDEST: f64 = 0.6;
+/// Widest period over 2 pi of what counts as detents on a rotary axis, rad: 1.25 to the turn. What comes once a
+/// turn is gravity or a bent shaft.
+const WIDEST: f64 = 0.8;
 /// From this phase on (1.5 detents within the range) no cubic looks like detents.
 const UNMISTAKABLE: f64 = 3.0 * PI;
 /// Two parameters more must take off this many times the noise's variance.

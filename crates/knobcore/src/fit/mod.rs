@@ -16,6 +16,8 @@ use crate::effects::Id;
 use crate::error::{Error, Result};
 use crate::floor::Floor;
 use crate::model::{Model, Role};
+use crate::param::Kind;
+use crate::predict::{Columns, Seeds, raw};
 use crate::signals::Signals;
 use crate::special::Z95;
 use detents::{Judge, best_from_scan, scan_beside};
@@ -86,14 +88,47 @@ pub struct Fit {
 /// The captures hold no sample that counts, fewer samples than parameters, or differ in axis.
 pub fn fit(data: &[&Signals], model: &Model, detents: Detents) -> Result<Fit> {
     check(data, model)?;
+    let silent = silent(data, model);
+    let mut model = model.clone();
+    for name in &silent {
+        model.set_role(name, Role::Fixed)?;
+    }
     let mut start = Start { model: model.clone(), found: None, scan: None };
-    if detents == Detents::Find || is_free(model, "detent.P") {
-        start = scanned(data, model, detents)?.unwrap_or(start);
+    if detents == Detents::Find || is_free(&model, "detent.P") {
+        start = scanned(data, &model, detents)?.unwrap_or(start);
     }
     let Start { model, found, scan } = start;
     let layout = Layout::of(&model);
     let found = found.unwrap_or_else(|| descend(data, &model, &layout, &model.values()));
-    finish(data, model, &layout, found, scan)
+    let mut fit = finish(data, model, &layout, found, scan)?;
+    for name in silent {
+        fit.model.set_role(&name, Role::Free)?;
+        let why = "nothing in this capture depends on it; record a motion that does, or fix it".into();
+        fit.undetermined.push(Undetermined { name, why });
+    }
+    Ok(fit)
+}
+
+/// Linear parameters that the torque of no counted sample depends on. The filter smears a trace of them into
+/// counted samples from others, which would let them be fitted, to anything.
+fn silent(data: &[&Signals], model: &Model) -> Vec<String> {
+    let slots = model.slots();
+    let linear: Vec<usize> = (0..slots.len())
+        .filter(|&i| slots[i].role == Role::Free && slots[i].param.kind == Kind::Linear)
+        .collect();
+    let seeds = Seeds::of(model, &linear);
+    let mut heard = vec![false; linear.len()];
+    let mut columns = Columns::default();
+    for signals in data {
+        for chunk in signals.chunks() {
+            raw(model, &model.values(), &seeds, signals, chunk.core.clone(), &mut columns);
+            let weight = &signals.weight[chunk.core];
+            for (heard, column) in heard.iter_mut().zip(columns.split().1) {
+                *heard = *heard || column.iter().zip(weight).any(|(d, w)| d * w != 0.0);
+            }
+        }
+    }
+    linear.iter().zip(heard).filter(|(_, heard)| !heard).map(|(&i, _)| slots[i].name()).collect()
 }
 
 /// A model to finish with, and what is known of its optimum.
@@ -291,7 +326,7 @@ impl Fit {
     /// Half-width of the 95 % band of the mean prediction at every sample of a capture, N m (Matlab's
     /// `nlpredci`, with the covariance of correlated residuals); NaN outside of every segment.
     pub fn band(&self, signals: &Signals) -> Vec<f64> {
-        let seeds = crate::predict::Seeds::of(&self.model, &self.free);
+        let seeds = Seeds::of(&self.model, &self.free);
         let mut band = vec![f64::NAN; signals.len()];
         let unweighted = Signals { weight: vec![1.0; signals.len()], ..signals.clone() };
         sweep(&[&unweighted], &self.model, &self.model.values(), &seeds, |swept| {

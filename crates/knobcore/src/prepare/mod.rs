@@ -172,7 +172,8 @@ pub fn prepare(recording: &Recording<'_>, how: &Preparation) -> Result<Prepared>
         return Err(Error::invalid(
             "capture",
             format!(
-                "its longest stretch without gap has {longest} good samples, and {shortest} are needed; record longer"
+                "its longest stretch without gap has {longest} good samples, and {shortest} are needed for this \
+                 filter; record longer, or raise the filter's edge"
             ),
         ));
     }

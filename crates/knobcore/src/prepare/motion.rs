@@ -7,6 +7,8 @@ use crate::smooth::{Noise, Sensors, noise_from_capture, smooth};
 use crate::special::normal_cdf;
 use std::ops::Range;
 
+/// A direction less probable than this does not happen: it is three standard deviations away.
+const CERTAIN: f64 = 1.35e-3;
 /// Noise below this share of a column's largest value is rounding.
 const ROUNDING: f64 = 1e-13;
 
@@ -91,7 +93,13 @@ fn differences(t: &[f64], x: &[f64], stretches: &[Range<usize>]) -> Vec<f64> {
 /// Probability that the velocity is positive, where it is known to `sd`.
 pub(super) fn forward(omega: f64, sd: f64) -> f64 {
     if sd > 0.0 {
-        return normal_cdf(omega / sd);
+        let probability = normal_cdf(omega / sd);
+        // A direction that is as good as certain is: a trace of the other one would let it be fitted.
+        return match probability {
+            p if p < CERTAIN => 0.0,
+            p if p > 1.0 - CERTAIN => 1.0,
+            p => p,
+        };
     }
     if omega == 0.0 { 0.5 } else { f64::from(omega > 0.0) }
 }
