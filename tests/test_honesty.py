@@ -62,3 +62,11 @@ def test_models_are_values():
     assert knob != knob.with_value("detent.P", 0.08)
     with pytest.raises(kc.InputError, match="needs an effect"):
         kc.Model.of([])
+
+
+def test_files_and_names_serve_where_captures_and_models_do(tmp_path):
+    path = kc.simulate("knob4", "sweep").save(tmp_path / "run.npz")
+    fit = kc.fit(path, "knob4")
+    assert fit.rmse == kc.fit(kc.load(path), kc.Model.load("knob4")).rmse
+    with pytest.raises(kc.InputError, match=r"nowhere\.npz"):
+        kc.fit("nowhere.npz")

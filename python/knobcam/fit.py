@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from . import _core
-from .capture import Capture
+from .capture import Capture, load
 from .errors import InputError
 from .model import Model
 from .prepare import Prepared
@@ -234,14 +234,14 @@ class Fit:
 
 
 def fit(
-    captures: Capture | Sequence[Capture],
+    captures: Capture | str | os.PathLike[str] | Sequence[Capture | str | os.PathLike[str]],
     model: Model | str | os.PathLike[str] | None = None,
     *,
     prepare: str = "smooth",
     detents: str = "auto",
     **options: float,
 ) -> Fit:
-    """Fit a model to one capture, or jointly to several of the same knob.
+    """Fit a model to one capture (or its file), or jointly to several of the same knob.
 
     Without a model: the paper's Equation 1; detents are part of it if the data show them (`detents="auto"`),
     always (`"yes"`) or never (`"no"`). A model (or its file) is fitted as it is: its fixed and tied values
@@ -250,7 +250,8 @@ def fit(
 
     Raises InputError for captures that cannot be fitted, with what to do.
     """
-    several = [captures] if isinstance(captures, Capture) else list(captures)
+    given = [captures] if isinstance(captures, Capture | str | os.PathLike) else list(captures)
+    several = [load(one) if isinstance(one, str | os.PathLike) else one for one in given]
     if not several:
         raise InputError("captures is empty; give at least one")
     _check_captures(several)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -41,7 +42,7 @@ NOISES = {"rig": RIG, "paper": PAPER, "none": SensorNoise()}
 
 
 def simulate(
-    model: Model,
+    model: Model | str | os.PathLike[str],
     motion: str | MotionTrack = "sweep",
     *,
     noise: str | SensorNoise = "rig",
@@ -49,7 +50,7 @@ def simulate(
     duration_s: float = 6.0,
     rate_hz: float = 5000.0,
 ) -> Capture:
-    """Return the capture of a model on a motion, with the noise of the rig's sensors.
+    """Return the capture of a model (or its file or name) on a motion, with the noise of the rig's sensors.
 
     `motion` is a name (sweep, multisine, turns, hand, micro) or a track; `noise` is `rig` (Tables 1 and 4 of
     the paper), `paper` (Equation 6), `none`, or a SensorNoise. The same seed gives the same capture. With
@@ -57,6 +58,8 @@ def simulate(
     """
     if isinstance(noise, str) and noise not in NOISES:
         raise InputError(f"noise={noise!r} is unknown; choose {', '.join(NOISES)}")
+    if not isinstance(model, Model):
+        model = Model.load(model)
     sensors = NOISES[noise] if isinstance(noise, str) else noise
     if motion == "push":
         track, tau = _pushed(model, duration_s, rate_hz)
