@@ -4,20 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from knobs import PAPER_KNOB as TRUTH
 
 import knobcam as kc
 
-# Equation 5 of the haptic-camera paper, SI.
-TRUTH = {
-    "inertia.M": 0.4,
-    "coulomb.neg": 1.5,
-    "coulomb.pos": 2.0,
-    "viscous.neg": 1.0,
-    "viscous.pos": 1.5,
-    "detent.A": 1.0,
-    "detent.P": 0.2,
-    "detent.S": 0.9,
-}
 # Standard deviation of the least-squares estimate under Equation 6: sigma sqrt(diag((J'J)^-1)) with sigma^2 =
 # 4^2 / 12, as `benches/study_table2.py` derives it and confirms it over draws of the noise.
 SD = {

@@ -27,7 +27,8 @@ if TYPE_CHECKING:
     from .formats.table import FloatArray
     from .stiction import Stiction
 
-_Z95 = 1.959963984540054
+Z95 = 1.959963984540054
+"""Two-sided 95 % quantile of the normal distribution."""
 
 
 class Estimate(NamedTuple):
@@ -70,7 +71,7 @@ class Fit:
         estimates = {}
         for name, value, unit, role in self.core.model.rows():
             error = 0.0 if role == "fixed" else se.get(name if role == "free" else role, math.nan)
-            interval = (value - _Z95 * error, value + _Z95 * error)
+            interval = (value - Z95 * error, value + Z95 * error)
             estimates[name] = Estimate(value, interval, unit, error)
         return MappingProxyType(estimates)
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import _core
 from .errors import InputError
-from .fit import Estimate
+from .fit import Z95, Estimate
 from .model import Model
 from .tables import html_table, text_table
 
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
     from .fit import Fit
 
-_Z95 = 1.959963984540054
 _NAMES = ("D_neg", "D_pos", "dv")
 # A model that leaves more than this many times the noise floor misses something that stiction then carries.
 _CLOSE = 1.1
@@ -144,4 +143,4 @@ def _estimate(row: tuple[float, float, float] | None, unit: str) -> Estimate | N
     if row is None:
         return None
     value, low, high = row
-    return Estimate(value, (low, high), unit, (high - low) / (2.0 * _Z95))
+    return Estimate(value, (low, high), unit, (high - low) / (2.0 * Z95))

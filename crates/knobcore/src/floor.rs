@@ -20,7 +20,7 @@ const BAND: [f64; 2] = [0.5, 0.95];
 ///
 /// The model's torque is taken off first, so that steps at reversals do not count as noise; the median over
 /// frequencies keeps a line (mains, a resonance) out.
-pub fn white_variance(signals: &Signals, model: &Model) -> f64 {
+fn white_variance(signals: &Signals, model: &Model) -> f64 {
     let torque = torque_raw(model, signals);
     let rest: Vec<f64> =
         signals.tau_raw.iter().zip(torque).map(|(measured, model)| measured - model).collect();

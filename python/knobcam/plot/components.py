@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from .. import _core
+from ..fit import Z95
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -32,7 +33,6 @@ PARTS: dict[str, Part] = {
     "offset": "sensor",
 }
 SHORT = {"position": "pos", "velocity": "vel"}
-_Z95 = 1.959963984540054
 
 
 def part_of(effect: str) -> Part:
@@ -92,7 +92,7 @@ def curve_band(fit: Fit, part: Part, at: FloatArray) -> FloatArray:
     jacobian = np.stack(columns, axis=1)
     correlation = fit.core.correlation[np.ix_(mine, mine)]
     variance: FloatArray = np.einsum("ni,ij,nj->n", jacobian, correlation, jacobian)
-    return _Z95 * np.sqrt(np.maximum(variance, 0.0))
+    return Z95 * np.sqrt(np.maximum(variance, 0.0))
 
 
 @dataclass(frozen=True, eq=False)

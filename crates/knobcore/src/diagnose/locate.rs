@@ -5,7 +5,7 @@
 
 use super::bins::{Bins, all_axes};
 use super::spectrum::split_frequency;
-use crate::floor::white_variance;
+use crate::floor::Floor;
 use crate::model::Model;
 use crate::predict::torque;
 use crate::random::Noise;
@@ -83,10 +83,11 @@ impl<'a> Rest<'a> {
             triples.map(|((tau, f), w)| if *w > 0.0 { tau - f } else { 0.0 }).collect()
         };
         let residual: Vec<Vec<f64>> = data.iter().zip(&torque).map(rest).collect();
-        let white: Vec<f64> =
-            data.iter().map(|s| white_variance(s, model)).map(|v| if v > 0.0 { v } else { 0.0 }).collect();
-        let gain = |s: &Signals| s.filter.as_ref().map_or(1.0, |f| f.sos().mean_power());
-        let noise: f64 = data.iter().zip(&white).map(|(s, white)| white * gain(s) * s.used() as f64).sum();
+        // Where a capture is too short to know its noise, none is assumed.
+        let floors: Vec<Floor> = data.iter().map(|signals| Floor::of(&[*signals], model)).collect();
+        let known = |x: f64| if x > 0.0 { x } else { 0.0 };
+        let white: Vec<f64> = floors.iter().map(|floor| known(floor.white)).collect();
+        let noise: f64 = floors.iter().map(|floor| known(floor.squares)).sum();
         let squares: f64 = residual.iter().flatten().map(|r| r * r).sum();
         Self { data, residual, torque, white, excess: squares - noise }
     }

@@ -42,7 +42,7 @@ pub fn best_from_scan(
     let best_gain = peaks.first().map_or(0.0, |peak| peak.gain);
     let detent = ["detent.A", "detent.P", "detent.S"].map(|name| model.index(name));
     let mut best: Option<Found> = None;
-    let (mut evaluations, mut iterations) = (0, 0);
+    let mut evaluations = 0;
     for peak in peaks.iter().take(CANDIDATES).filter(|peak| peak.gain >= RIVAL * best_gain) {
         let mut start = start.to_vec();
         for (at, value) in detent.clone().into_iter().zip([peak.amplitude, peak.period, peak.phase]) {
@@ -55,11 +55,10 @@ pub fn best_from_scan(
         let found = descend(data, model, layout, &start);
         evaluations += found.evaluations;
         if best.as_ref().is_none_or(|b| found.cost < b.cost) {
-            iterations = found.iterations;
             best = Some(found);
         }
     }
-    Ok(best.map(|found| Found { evaluations, iterations, ..found }))
+    Ok(best.map(|found| Found { evaluations, ..found }))
 }
 
 /// The scan beside everything of `model` but its detents, evaluated where `start` has the other parameters.

@@ -82,6 +82,9 @@ pub struct Fit {
     kept: Vec<usize>,
 }
 
+/// Why a parameter without influence is undetermined.
+const SILENT: &str = "nothing in this capture depends on it; record a motion that does, or fix it";
+
 /// Fits `model` to one or several captures of the same knob.
 ///
 /// # Errors
@@ -103,8 +106,7 @@ pub fn fit(data: &[&Signals], model: &Model, detents: Detents) -> Result<Fit> {
     let mut fit = finish(data, model, &layout, found, scan)?;
     for name in silent {
         fit.model.set_role(&name, Role::Free)?;
-        let why = "nothing in this capture depends on it; record a motion that does, or fix it".into();
-        fit.undetermined.push(Undetermined { name, why });
+        fit.undetermined.push(Undetermined { name, why: SILENT.into() });
     }
     Ok(fit)
 }
@@ -125,6 +127,9 @@ fn silent(data: &[&Signals], model: &Model) -> Vec<String> {
             let weight = &signals.weight[chunk.core];
             for (heard, column) in heard.iter_mut().zip(columns.split().1) {
                 *heard = *heard || column.iter().zip(weight).any(|(d, w)| d * w != 0.0);
+            }
+            if heard.iter().all(|heard| *heard) {
+                return Vec::new();
             }
         }
     }
@@ -295,7 +300,7 @@ fn undetermined(model: &Model, layout: &Layout, at: &Moments, kept: &[usize], co
             others.join(", ")
         )
     } else {
-        "nothing in this capture depends on it; record a motion that does, or fix it".into()
+        SILENT.into()
     };
     Undetermined { name: name(column), why }
 }

@@ -4,7 +4,7 @@ use numpy::{
 };
 use pyo3::prelude::*;
 
-use super::convert::input_error as value_error;
+use super::convert::input_error;
 use crate::error::Error;
 use crate::filter::{Section, Sos, ZeroPhase, butter, cheby2};
 
@@ -36,7 +36,7 @@ fn zero_phase<'py>(
         let mut target: Vec<_> = target.chunks_mut(length).collect();
         filter.filter_into(&source, &mut target)
     })
-    .map_err(value_error)?;
+    .map_err(input_error)?;
     Ok(filtered)
 }
 
@@ -49,7 +49,7 @@ fn cheby2_sos(
     edge_hz: f64,
     rate_hz: f64,
 ) -> PyResult<Bound<'_, PyArray2<f64>>> {
-    rows_from_sos(py, &cheby2(order, stopband_db, edge_hz, rate_hz).map_err(value_error)?)
+    rows_from_sos(py, &cheby2(order, stopband_db, edge_hz, rate_hz).map_err(input_error)?)
 }
 
 /// Sections, shape (sections, 6), of a Butterworth low-pass.
@@ -60,21 +60,21 @@ fn butter_sos(
     cutoff_hz: f64,
     rate_hz: f64,
 ) -> PyResult<Bound<'_, PyArray2<f64>>> {
-    rows_from_sos(py, &butter(order, cutoff_hz, rate_hz).map_err(value_error)?)
+    rows_from_sos(py, &butter(order, cutoff_hz, rate_hz).map_err(input_error)?)
 }
 
 /// Rows `b0, b1, b2, a0, a1, a2`; the rate does not matter to filtering and is taken as 1 Hz.
 fn sos_from_rows(rows: &PyReadonlyArray2<'_, f64>) -> PyResult<Sos> {
     if rows.shape()[1] != 6 {
         let why = format!("rows of {} values must be b0, b1, b2, a0, a1, a2", rows.shape()[1]);
-        return Err(value_error(Error::invalid("sos", why)));
+        return Err(input_error(Error::invalid("sos", why)));
     }
     let rows = rows.as_array();
     let sections = rows.rows().into_iter().map(|row| {
         let a0 = row[3];
         Section { b: [row[0] / a0, row[1] / a0, row[2] / a0], a: [row[4] / a0, row[5] / a0] }
     });
-    Sos::new(sections.collect(), 1.0).map_err(value_error)
+    Sos::new(sections.collect(), 1.0).map_err(input_error)
 }
 
 fn rows_from_sos<'py>(py: Python<'py>, sos: &Sos) -> PyResult<Bound<'py, PyArray2<f64>>> {
