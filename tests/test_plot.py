@@ -19,16 +19,6 @@ SLED_NOISE = kc.SensorNoise(tau_sd=0.5, omega_sd=1e-4, alpha_sd=1e-3)
 
 
 @pytest.fixture(scope="module")
-def capture() -> kc.Capture:
-    return kc.simulate(kc.Model.load("knob4"), "sweep")
-
-
-@pytest.fixture(scope="module")
-def fit(capture: kc.Capture) -> kc.Fit:
-    return kc.fit(capture)
-
-
-@pytest.fixture(scope="module")
 def sticky() -> kc.Fit:
     """A fit of a model that knows its stiction."""
     knob = kc.Model.load("knob3")

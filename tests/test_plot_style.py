@@ -15,16 +15,6 @@ from knobcam.plot.style import plain, torque_scale
 from knobcam.plot.thin import envelope, some
 
 
-@pytest.fixture(scope="module")
-def capture() -> kc.Capture:
-    return kc.simulate(kc.Model.load("knob4"), "sweep")
-
-
-@pytest.fixture(scope="module")
-def fit(capture: kc.Capture) -> kc.Fit:
-    return kc.fit(capture)
-
-
 def test_importing_knobcam_does_not_import_matplotlib() -> None:
     code = "import sys, knobcam; sys.exit('matplotlib' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
