@@ -23,7 +23,7 @@ ACCEPTED = {name: POSITION if name in POSITION else [name] for name in NAMED}
 ACCEPTED |= {name: ["regional", "wavelet"] if name in ("bump", "rough_map") else [] for name in STRANGE}
 
 WEAKEST, STRONGEST = 0.7, 12.0
-PATIENCE = 20  # knobs that are tried before another strength and motion are drawn
+PATIENCE = 15  # knobs that are tried before another strength and motion are drawn
 TRIES = 20 * PATIENCE
 COARSE = 8  # substeps while a size is searched
 
@@ -63,7 +63,7 @@ def make(
     effect cannot be so strong are drawn anew, and at last the strength. Raises ValueError if none is found.
     """
     kinds = {str(name): KINDS[name] for name in sorted(effects, key=lambda name: KINDS[name].order)}
-    rng = np.random.default_rng([seed, zlib.crc32(" ".join(effects).encode())])
+    rng, noise = np.random.default_rng([seed, zlib.crc32(" ".join(effects).encode())]).spawn(2)
     t = np.arange(round(duration_s * RATE_HZ)) / RATE_HZ
     for attempt in range(TRIES):
         if attempt % PATIENCE == 0:
@@ -81,7 +81,7 @@ def make(
             break
     else:
         raise ValueError(f"no knob shows {list(effects)} at {wanted} times the noise under {turned}")
-    capture = measured(np.random.default_rng([seed, 1]), scene.track, tau, limit)
+    capture = measured(noise, scene.track, tau, limit)
     floor = float(np.sqrt(np.mean(filtered(capture["tau_Nm"] - tau)[EDGE:-EDGE] ** 2)))
     return Hidden(
         seed=seed,
@@ -90,9 +90,9 @@ def make(
         accepted=tuple(tuple(ACCEPTED[name]) for name in kinds),
         capture=capture,
         noise_floor=floor,
-        strength=total,
+        strength=float(total),
         strengths=tuple(part.strength for part in parts),
-        knob=_named(scene.knob),
+        knob={name: float(value) for name, value in _named(scene.knob).items()},
         truth=chain.truth(scene.knob),
     )
 
@@ -147,8 +147,11 @@ def _chain(scene: Scene, parts: Sequence[_Part]) -> Chain:
 
 def _solved(left: Callable[[float], float], low: float, high: float, strength: float) -> float | None:
     """The size for a strength, within 2 %, by bisection and false position of the logarithms."""
-    below, above = left(low), left(high)
-    if not below < strength < above:
+    below = left(low)
+    if below >= strength:
+        return None
+    above = left(high)
+    if above <= strength:
         return None
     for step in range(40):
         share = 0.5

@@ -115,13 +115,16 @@ def saturation(rng: Rng, scene: Scene) -> Grow:
 
 
 def backlash(rng: Rng, scene: Scene) -> Grow:
-    share = rng.uniform(0.5, 0.85)
+    share, damped = rng.uniform(0.5, 0.85), rng.uniform(0.2, 0.6)
     inertia = share * scene.knob.inertia
-    # So stiff that friction winds it up by far less than the least gap: the play shows, not the spring.
-    least = 10.0 * scene.knob.coulomb_pos / NAMED["backlash"].sizes[0]
-    stiffness = max(inertia * (2.0 * np.pi * rng.uniform(100.0, 250.0)) ** 2, least)
-    damping = 2.0 * rng.uniform(0.2, 0.6) * np.sqrt(inertia * stiffness)
-    return lambda chain, size: chain._replace(contact=Contact(size, stiffness, damping, share))
+    stiffness = inertia * (2.0 * np.pi * rng.uniform(100.0, 250.0)) ** 2
+
+    def grow(chain: Chain, size: float) -> Chain:
+        # So stiff that friction winds it up by far less than the gap: the play shows, not the spring.
+        stiff = max(stiffness, 10.0 * scene.knob.coulomb_pos / size)
+        return chain._replace(contact=Contact(size, stiff, 2.0 * damped * np.sqrt(inertia * stiff), share))
+
+    return grow
 
 
 def compliance(rng: Rng, scene: Scene) -> Grow:
@@ -153,6 +156,6 @@ NAMED: dict[str, Kind] = {
     "torque_drift": Kind("channel", torque_drift, (1e-5, 0.1), order=2),
     "torque_lag": Kind("channel", torque_lag, (5e-5, 0.008), order=2),
     "saturation": Kind("channel", saturation, (0.01, 0.8), order=2),
-    "backlash": Kind("coupling", backlash, (2e-3, 0.1), order=0),
+    "backlash": Kind("coupling", backlash, (5e-4, 0.1), order=0),
     "compliance": Kind("coupling", compliance, (5e-4, 0.02), order=0),
 }
