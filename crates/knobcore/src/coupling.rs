@@ -28,8 +28,9 @@ pub fn sweep(
     torque: &mut [f64],
     slopes: &mut [Vec<f64>],
 ) {
+    let arch = pulp::Arch::new();
     if slopes.is_empty() {
-        run(model, p, shaft, |at, tau| torque[at] = tau);
+        arch.dispatch(Simulation { model, p, shaft, out: |at: usize, tau: f64| torque[at] = tau });
         return;
     }
     for (group, few) in slopes.chunks_mut(LANES).enumerate() {
@@ -38,10 +39,28 @@ pub fn sweep(
             Dual::<f64, LANES>::seeded(*x, columns.get(i).copied().flatten().and_then(lane))
         };
         let p: Vec<_> = p.iter().enumerate().map(seed).collect();
-        run(model, &p, shaft, |at, tau: Dual<f64, LANES>| {
+        let out = |at: usize, tau: Dual<f64, LANES>| {
             torque[at] = tau.v;
             few.iter_mut().zip(tau.d).for_each(|(column, slope)| column[at] = slope);
-        });
+        };
+        arch.dispatch(Simulation { model, p: &p, shaft, out });
+    }
+}
+
+/// A simulation as a value, so that its body is compiled for the machine's instruction set.
+struct Simulation<'a, T, F> {
+    model: &'a Model,
+    p: &'a [T],
+    shaft: Shaft<'a>,
+    out: F,
+}
+
+impl<T: Scalar, F: FnMut(usize, T)> pulp::NullaryFnOnce for Simulation<'_, T, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        run(self.model, self.p, self.shaft, self.out);
     }
 }
 
@@ -52,6 +71,7 @@ struct Knob<T> {
 }
 
 /// Simulates the knob along the shaft's motion and hands over the torque on the shaft at every sample.
+#[inline(always)]
 fn run<T: Scalar>(model: &Model, p: &[T], shaft: Shaft<'_>, mut out: impl FnMut(usize, T)) {
     let Some(joint) = model.joint(p) else { return };
     let [t, theta, omega, alpha, _] = shaft;
@@ -95,18 +115,21 @@ fn hermite([a, b]: [f64; 2], [da, db]: [f64; 2], step: usize) -> f64 {
 }
 
 /// How far the joint is strained: what `twist` has beyond the free play.
+#[inline(always)]
 fn strain<T: Scalar>(joint: &Joint<T>, twist: T) -> T {
     let half = T::of(0.5) * joint.gap;
     twist - twist.min(half).max(-half)
 }
 
 /// Torque of the joint on the knob at a twist and its rate; two surfaces that touch push and never pull.
+#[inline(always)]
 fn contact<T: Scalar>(joint: &Joint<T>, twist: T, rate: T) -> T {
     let strain = strain(joint, twist);
     let force = joint.stiffness * strain + joint.damping * rate;
     pushing(joint, strain, force)
 }
 
+#[inline(always)]
 fn pushing<T: Scalar>(joint: &Joint<T>, strain: T, force: T) -> T {
     if joint.welded { force } else { (force * strain).where_positive(force, T::of(0.0)) }
 }
@@ -114,6 +137,7 @@ fn pushing<T: Scalar>(joint: &Joint<T>, strain: T, force: T) -> T {
 impl<T: Scalar> Knob<T> {
     /// One step of `h` seconds: the shaft moves from one angle to the next, `push` is what loads the knob and
     /// `friction` what may oppose its motion.
+    #[inline(always)]
     fn stepped(&self, joint: &Joint<T>, inertia: T, push: T, friction: T, shaft: [f64; 2], h: f64) -> Self {
         let (h, half) = (T::of(h), T::of(0.5));
         let speed = T::of(shaft[1] - shaft[0]) / h;
