@@ -33,7 +33,12 @@ pub fn sweep(
     slopes: &mut [Vec<f64>],
 ) {
     if slopes.is_empty() {
-        pulp::Arch::new().dispatch(Simulation { model, p, shaft, out: |at: usize, tau: f64| torque[at] = tau });
+        pulp::Arch::new().dispatch(Simulation {
+            model,
+            p,
+            shaft,
+            out: |at: usize, tau: f64| torque[at] = tau,
+        });
         return;
     }
     for (group, few) in slopes.chunks_mut(MOST).enumerate() {
@@ -57,9 +62,8 @@ fn carried<const L: usize>(
     few: &mut [Vec<f64>],
 ) {
     let lane = |column: usize| column.checked_sub(first).filter(|lane| *lane < L);
-    let seed = |(i, x): (usize, &f64)| {
-        Dual::<f64, L>::seeded(*x, columns.get(i).copied().flatten().and_then(lane))
-    };
+    let seed =
+        |(i, x): (usize, &f64)| Dual::<f64, L>::seeded(*x, columns.get(i).copied().flatten().and_then(lane));
     let p: Vec<_> = p.iter().enumerate().map(seed).collect();
     let out = |at: usize, tau: Dual<f64, L>| {
         torque[at] = tau.v;
@@ -115,7 +119,11 @@ fn run<T: Scalar>(model: &Model, p: &[T], shaft: Shaft<'_>, mut out: impl FnMut(
         let h = span / substeps as f64;
         let mut from = theta[at];
         for step in 1..=substeps {
-            let to = hermite([theta[at], theta[next]], [omega[at] * span, omega[next] * span], step as f64 / substeps as f64);
+            let to = hermite(
+                [theta[at], theta[next]],
+                [omega[at] * span, omega[next] * span],
+                step as f64 / substeps as f64,
+            );
             let clock = t[at] + (step - 1) as f64 * h;
             let motion = Motion::exact(T::of(clock), knob.theta, knob.omega, T::of(0.0));
             let load = model.load(p, &mut state, &motion);

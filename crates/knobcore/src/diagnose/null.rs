@@ -114,7 +114,14 @@ fn covariance_root(data: &[&Signals], mut columns: Vec<Vec<f64>>) -> Mat<f64> {
     }
     let c = Mat::from_fn(rows, k, |i, j| columns[j][i]);
     let mut gram = Mat::<f64>::zeros(k, k);
-    faer::linalg::matmul::matmul(gram.as_mut(), faer::Accum::Replace, c.transpose(), c.as_ref(), 1.0, Par::Seq);
+    faer::linalg::matmul::matmul(
+        gram.as_mut(),
+        faer::Accum::Replace,
+        c.transpose(),
+        c.as_ref(),
+        1.0,
+        Par::Seq,
+    );
     let top = (0..k).map(|i| gram[(i, i)]).fold(0.0, f64::max);
     for i in 0..k {
         // Signatures of neighbouring starts are nearly the same.

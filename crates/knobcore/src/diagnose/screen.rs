@@ -94,11 +94,19 @@ impl<'a> Screen<'a> {
 
     fn promise(&self, id: Id, model: &Model) -> f64 {
         let slots = model.slots();
-        let moved = |i: usize| slots[i].value != self.model.index(&slots[i].name()).map_or(slots[i].value, |j| self.model.slots()[j].value);
+        let moved = |i: usize| {
+            slots[i].value
+                != self.model.index(&slots[i].name()).map_or(slots[i].value, |j| self.model.slots()[j].value)
+        };
         // Columns of a hidden motion cost more than they tell; a slower detent has columns of its own.
         let own: Vec<usize> = (0..slots.len())
             .filter(|&i| slots[i].role == Role::Free && id.info().place != Place::Coupling)
-            .filter(|&i| slots[i].effect == id || (slots[i].effect == Id::Detent && id == Id::DetentHarmonics && (0..slots.len()).any(moved)))
+            .filter(|&i| {
+                slots[i].effect == id
+                    || (slots[i].effect == Id::Detent
+                        && id == Id::DetentHarmonics
+                        && (0..slots.len()).any(moved))
+            })
             .collect();
         let mut columns = columns(self.data, model, &own);
         let mut residual = columns.pop().unwrap_or_default();
@@ -113,9 +121,8 @@ impl<'a> Screen<'a> {
     /// The derivative columns of a start, off those of the base, orthonormal.
     pub fn signature(&self, id: Id, start: &Start) -> Vec<Vec<f64>> {
         let slots = start.model.slots();
-        let own: Vec<usize> = (0..slots.len())
-            .filter(|&i| slots[i].role == Role::Free && slots[i].effect == id)
-            .collect();
+        let own: Vec<usize> =
+            (0..slots.len()).filter(|&i| slots[i].role == Role::Free && slots[i].effect == id).collect();
         let mut columns = columns(self.data, &start.model, &own);
         columns.pop();
         columns.iter_mut().for_each(|column| project(column, &self.base));

@@ -10,9 +10,9 @@ mod solve;
 
 pub use moments::Moments;
 pub(crate) use moments::{dot, sweep};
-pub(crate) use solve::{Normal, independent};
 pub use scan::Scan;
 pub use separable::{Found, Status};
+pub(crate) use solve::{Normal, independent};
 
 use crate::effects::Id;
 use crate::error::{Error, Result};

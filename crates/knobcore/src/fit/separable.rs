@@ -302,13 +302,7 @@ impl Problem<'_> {
 }
 
 /// The best parameters that a descent from `start` reaches.
-pub fn descend(
-    data: &[&Signals],
-    model: &Model,
-    layout: &Layout,
-    start: &[f64],
-    effort: Effort,
-) -> Found {
+pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64], effort: Effort) -> Found {
     let square = |x: &[f64], w: &[f64]| x.iter().zip(w).map(|(x, w)| x * x * w).sum::<f64>();
     let total: f64 = data.iter().map(|s| square(&s.tau, &s.weight)).sum();
     let rows: f64 = data.iter().map(|s| s.used() as f64).sum();
