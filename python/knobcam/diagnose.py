@@ -172,9 +172,10 @@ class Diagnosis:
             },
         }
 
-    _HEAD = ("effect", "acts on", "error", "on unseen blocks", "p-value", "remarks")
+    HEAD = ("effect", "acts on", "error", "on unseen blocks", "p-value", "remarks")
 
-    def _rows(self, candidates: Collection[Candidate]) -> list[tuple[str, ...]]:
+    def rows(self, candidates: Collection[Candidate]) -> list[tuple[str, ...]]:
+        """Candidates as rows of text, under the words of `HEAD`."""
         unseen = self.fit.rmse_heldout
         return [
             (
@@ -193,7 +194,7 @@ class Diagnosis:
         rest = [one for one in self.candidates if not one.beyond_chance]
         lines = [self.summary]
         # One table, so that both halves have the same columns.
-        head, *rows = text_table(self._HEAD, self._rows([*found, *rest])).splitlines()
+        head, *rows = text_table(self.HEAD, self.rows([*found, *rest])).splitlines()
         lines += ["Beyond chance:", head, *rows[: len(found)]] if found else ["Beyond chance: nothing"]
         lines += ["No more than chance:", *([] if found else [head]), *rows[len(found) :]] if rest else []
         return "\n".join(lines)
@@ -201,8 +202,8 @@ class Diagnosis:
     def _repr_html_(self) -> str:
         found = self.beyond_chance
         rest = [one for one in self.candidates if not one.beyond_chance]
-        return html_table(f"{self.summary} Beyond chance:", self._HEAD, self._rows(found)) + html_table(
-            "No more than chance:", self._HEAD, self._rows(rest)
+        return html_table(f"{self.summary} Beyond chance:", self.HEAD, self.rows(found)) + html_table(
+            "No more than chance:", self.HEAD, self.rows(rest)
         )
 
 
@@ -238,7 +239,7 @@ def p_in_words(p_value: float) -> str:
 
 def _candidates(fit: Fit, without: Collection[str]) -> list[Candidate]:
     """Return every absent effect fitted, the lowest error on unseen blocks first."""
-    from scipy.special import chdtrc
+    from scipy.special import chdtrc  # type: ignore[import-untyped]
 
     absent = [one for one in effects(fit.model.axis) if one not in {*fit.model.effects, *without}]
     refits = sorted(((one, add(fit, one)) for one in absent), key=lambda pair: pair[1].rmse_heldout)

@@ -215,13 +215,14 @@ class Fit:
             "notes": [note for signals in self.prepared for note in signals.notes],
         }
 
-    def _rows(self) -> list[tuple[str, str, str, str]]:
+    HEAD = ("parameter", "value", "95 % interval", "unit")
+
+    def rows(self) -> list[tuple[str, str, str, str]]:
+        """The parameters as rows of text, under the words of `HEAD`."""
         rows = []
         for name, e in self.params.items():
             rows.append((name, f"{e.value:.6g}" if e.determined else "-", e.interval, e.unit))
         return rows
-
-    _HEAD = ("parameter", "value", "95 % interval", "unit")
 
     @property
     def _summary(self) -> str:
@@ -232,7 +233,7 @@ class Fit:
         return f"RMS error {self.rmse:.4g} {unit} ({self.rmse_heldout:.4g} on unseen blocks, {noise})"
 
     def __repr__(self) -> str:
-        lines = ["Fit: " + self._summary, text_table(self._HEAD, self._rows()), self.core.message]
+        lines = ["Fit: " + self._summary, text_table(self.HEAD, self.rows()), self.core.message]
         lines += [f"{name}: {why}" for name, why in self.undetermined.items()]
         lines += self.warnings
         return "\n".join(lines + ([refit.in_words(self)] if self.before else []))
@@ -262,7 +263,7 @@ class Fit:
         return tuple(found)
 
     def _repr_html_(self) -> str:
-        return html_table("Fit: " + self._summary, self._HEAD, self._rows())
+        return html_table("Fit: " + self._summary, self.HEAD, self.rows())
 
 
 def fit(

@@ -1,4 +1,4 @@
-"""The loop to a verdict: fit, ask what is missing, add it, and again, until the rest is chance or unexplained."""
+"""The loop to a verdict: fit, ask what is missing, add it, until the rest is chance or unexplained."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from .compare import Comparison
 
 Verdict = Literal["complete", "missing", "unexplained"]
-_BAR = 32  # characters of the longest
+_BAR = 24  # characters of the longest
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -80,14 +80,15 @@ class Story:
         """What these captures cannot tell, and what to record instead."""
         return lacks(self.fit)
 
-    @cached_property
+    @property
+    def first_diagnosis(self) -> Diagnosis:
+        """What was weighed on the first rung."""
+        return next((rung.diagnosis for rung in self.ladder if rung.diagnosis is not None), self.last)
+
+    @property
     def before(self) -> Comparison:
         """Where the first model fails."""
-        asked = [rung.diagnosis for rung in self.ladder if rung.diagnosis is not None]
-        first = self.ladder[0].fit
-        return next((one.comparison for one in [*asked, self.last] if one.fit is first), None) or (
-            first.compare()
-        )
+        return self.first_diagnosis.comparison
 
     @property
     def after(self) -> Comparison:
@@ -138,10 +139,10 @@ class Story:
             "headline": self.headline,
         }
 
-    _HEAD = ("model", "RMS error", "on unseen blocks", "error", "p-value", "cannot be told from")
+    HEAD = ("model", "RMS error", "on unseen blocks", "error", "p-value", "cannot be told from")
 
     def rows(self) -> list[tuple[str, ...]]:
-        """The ladder as rows of text, under the words of `_HEAD`."""
+        """The ladder as rows of text, under the words of `HEAD`."""
         rows = []
         for rung in self.ladder:
             new = rung.added is not None
@@ -161,7 +162,7 @@ class Story:
         return [*rows, ("sensor noise alone", f"{self.noise_floor:.4g}", "", "", "", "")]
 
     def __repr__(self) -> str:
-        head = (self._HEAD[0], "", *self._HEAD[1:])
+        head = (self.HEAD[0], "", *self.HEAD[1:])
         rows = [(row[0], bar, *row[1:]) for row, bar in zip(self.rows(), self._bars(), strict=True)]
         lines = [self.headline, text_table(head, rows), self.after.summary]
         if self.lacks:
@@ -177,7 +178,7 @@ class Story:
         return [*("#" * length for length in lengths[:-1]), "." * lengths[-1]]
 
     def _repr_html_(self) -> str:
-        return html_table(self.headline, self._HEAD, self.rows())
+        return html_table(self.headline, self.HEAD, self.rows())
 
 
 def learn(
@@ -186,6 +187,7 @@ def learn(
     *,
     without: Collection[str] = (),
     prepare: str = "smooth",
+    detents: str = "auto",
     progress: Callable[[str], None] | None = None,
     **options: float,
 ) -> Story:
@@ -200,6 +202,6 @@ def learn(
         model = Model.load(model)
     without = check_effects("without", without, model.axis if model else "rotary")
     tell("fitting the first model")
-    first = fit(captures, model, prepare=prepare, **options)
+    first = fit(captures, model, prepare=prepare, detents=detents, **options)
     selection = select(first, without, tell)
     return Story(*selection, without)

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from .fit import Fit
+    from .model import Model
 
 
 class Moved(NamedTuple):
@@ -29,11 +30,16 @@ def add(fit: Fit, effect: str) -> Fit:
 
     Raises InputError for an effect that the model has already or the catalogue does not have.
     """
-    catalogued(effect, fit.model.axis)
-    if effect in fit.model.effects:
-        raise InputError(f"effect '{effect}' is in the model already ({', '.join(fit.model.effects)})")
+    check(effect, fit.model)
     core = _core.fit([one.core for one in fit.prepared], fit.model.with_effect(effect).core, False)
     return replace(fit, core=core, before=fit)
+
+
+def check(effect: str, model: Model) -> None:
+    """Raise InputError for an effect that a model cannot be given."""
+    catalogued(effect, model.axis)
+    if effect in model.effects:
+        raise InputError(f"effect '{effect}' is in the model already, which has {', '.join(model.effects)}")
 
 
 def added(fit: Fit) -> tuple[str, ...]:
@@ -88,4 +94,4 @@ def in_words(fit: Fit) -> str:
 
 def percent(share: float) -> str:
     """Return a change in percent with its sign."""
-    return f"{100.0 * share:+.1f} %"
+    return f"{round(100.0 * share, 1) + 0.0:+.1f} %"  # adding zero takes the sign off a zero
