@@ -37,7 +37,13 @@ class Demo:
     def __repr__(self) -> str:
         true = _with_positive_amplitude(self.knob)
         rows = [
-            (name, f"{true[name]:.5g}" if name in true else "-", f"{e.value:.5g}", e.interval, e.unit)
+            (
+                name,
+                f"{true[name]:.5g}" if name in true else "-",
+                f"{e.value:.5g}" if e.determined else "-",
+                e.interval,
+                e.unit,
+            )
             for name, e in self.story.fit.params.items()
         ]
         head = ("parameter", "emulated", "fitted", "95 % interval", "unit")

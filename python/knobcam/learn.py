@@ -33,12 +33,14 @@ _BAR = 24  # characters of the longest
 class Story:
     """How a model was completed, rung by rung, and what the captures still do not tell; immutable.
 
-    `last` is what was weighed on the last rung and not added; `without` was not weighed at all.
+    `last` is what was weighed on the last rung and not added; `base` are the effects that are nothing to
+    find, `without` those that were not weighed.
     """
 
     ladder: tuple[Rung, ...]
     last: Diagnosis
     unexplained: Unexplained | None
+    base: tuple[str, ...]
     without: tuple[str, ...] = ()
 
     @property
@@ -54,9 +56,8 @@ class Story:
     @property
     def found(self) -> tuple[str, ...]:
         """The effects that were missing, in the order in which they came in."""
-        first, now = self.ladder[0].effects, self.fit.model.effects
         came = dict.fromkeys(rung.added for rung in self.ladder if rung.added is not None)
-        return tuple(effect for effect in came if effect in now and effect not in first)
+        return tuple(one for one in came if one in self.model.effects and one not in self.base)
 
     @property
     def verdict(self) -> Verdict:
@@ -139,10 +140,14 @@ class Story:
             "headline": self.headline,
         }
 
-    HEAD = ("model", "RMS error", "on unseen blocks", "error", "p-value", "cannot be told from")
+    @property
+    def head(self) -> tuple[str, ...]:
+        """What the columns of `rows` are."""
+        unit = "N m" if self.model.axis == "rotary" else "N"
+        return ("model", f"RMS error ({unit})", "on unseen blocks", "error", "p-value", "cannot be told from")
 
     def rows(self) -> list[tuple[str, ...]]:
-        """The ladder as rows of text, under the words of `HEAD`."""
+        """The ladder as rows of text, under the words of `head`."""
         rows = []
         for rung in self.ladder:
             new = rung.added is not None
@@ -162,9 +167,9 @@ class Story:
         return [*rows, ("sensor noise alone", f"{self.noise_floor:.4g}", "", "", "", "")]
 
     def __repr__(self) -> str:
-        head = (self.HEAD[0], "", *self.HEAD[1:])
+        head = (self.head[0], "", *self.head[1:])
         rows = [(row[0], bar, *row[1:]) for row, bar in zip(self.rows(), self._bars(), strict=True)]
-        lines = [self.headline, text_table(head, rows), self.after.summary]
+        lines = [self.headline, text_table(head, rows), self.after.summary, *self.fit.warnings]
         if self.lacks:
             lines.append("What this capture cannot tell:")
             lines += [f"  {lack.message}; {lack.record}." for lack in self.lacks]
@@ -178,7 +183,7 @@ class Story:
         return [*("#" * length for length in lengths[:-1]), "." * lengths[-1]]
 
     def _repr_html_(self) -> str:
-        return html_table(self.headline, self.HEAD, self.rows())
+        return html_table(self.headline, self.head, self.rows())
 
 
 def learn(
@@ -204,4 +209,6 @@ def learn(
     tell("fitting the first model")
     first = fit(captures, model, prepare=prepare, detents=detents, **options)
     selection = select(first, without, tell)
-    return Story(*selection, without)
+    # Detents belong to the base model where they are, also if they show only beside what was missing.
+    base = model.effects if model else (*first.model.effects, "detent")
+    return Story(*selection, base, without)

@@ -113,16 +113,14 @@ def _chances(p_value: float) -> str:
 
 
 def _why(story: Story) -> str:
-    from . import plot
-
-    words = [_paragraph(f"The first model: {story.before.summary}")]
-    words.append(_table("The error ladder", story.HEAD, story.rows()))
-    words.append(_figure(plot.ladder(story), "What each effect took off the error. Whiskers: 95 % interval."))
-    words.append(_figure(plot.before_after(story), "The residual where the first model failed most."))
-    if len(story.ladder) > 1:
-        said = "How far the first model's parameters moved: what they had absorbed."
-        words.append(_figure(plot.movements(story), said))
-    return "\n".join(words)
+    said = "Where the first model failed: the residual along every axis, beside the band of chance."
+    return "\n".join(
+        [
+            _paragraph(f"The first model: {story.before.summary}"),
+            _figure(story.before.plot(), said),
+            _table("The error ladder", story.head, story.rows()),
+        ]
+    )
 
 
 def _alternatives(story: Story) -> str:
@@ -157,8 +155,6 @@ def _weighed(diagnosis: Diagnosis) -> str:
 
 
 def _remains(story: Story) -> str:
-    from . import plot
-
     parts = [_paragraph(story.after.summary)]
     if story.unexplained is not None:
         what = story.unexplained
@@ -168,7 +164,9 @@ def _remains(story: Story) -> str:
                 f"{what.axis}; {what.hint}. No effect of the catalogue does that."
             )
         )
-    parts.append(_figure(plot.remaining(story), "Where the rest lies, beside what chance gives."))
+    said = "Where the last model fails: the residual along every axis, beside the band of chance."
+    if len(story.ladder) > 1:
+        parts.append(_figure(story.after.plot(), said))
     if story.lacks:
         parts.append("<h3>What this capture cannot tell</h3>")
         parts.append(_list(f"{lack.message}; {lack.record}." for lack in story.lacks))
@@ -177,10 +175,11 @@ def _remains(story: Story) -> str:
 
 def _sure(story: Story) -> str:
     fit = story.fit
+    unit = "N m" if fit.model.axis == "rotary" else "N"
     parts = [
         _paragraph(
-            f"The sensor's noise alone would leave {fit.noise_floor:.4g}; the last model leaves "
-            f"{fit.rmse:.4g}, and {fit.rmse_heldout:.4g} on blocks that the fit did not see."
+            f"The sensor's noise alone would leave {fit.noise_floor:.4g} {unit}; the last model leaves "
+            f"{fit.rmse:.4g} {unit}, and {fit.rmse_heldout:.4g} {unit} on blocks that the fit did not see."
         ),
         _table("All parameters of the last model", fit.HEAD, fit.rows()),
     ]
