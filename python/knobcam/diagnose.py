@@ -141,10 +141,7 @@ class Diagnosis:
         if self.best is None:
             return f"{where} No effect of the catalogue lowers this error beyond chance."
         either = " or ".join([self.best.effect, *self.best.equivalent])
-        return (
-            f"{where} Missing first of all: {either} (error {percent(-self.best.error_fall)}). "
-            f"With it: {self.remaining.summary}"
-        )
+        return f"{where} Missing first of all: {either} (error {percent(-self.best.error_fall)})."
 
     def plot(self) -> Figure:
         """Error fall of every candidate; those beyond chance solid, those that look alike linked."""
@@ -197,6 +194,7 @@ class Diagnosis:
         head, *rows = text_table(self.HEAD, self.rows([*found, *rest])).splitlines()
         lines += ["Beyond chance:", head, *rows[: len(found)]] if found else ["Beyond chance: nothing"]
         lines += ["No more than chance:", *([] if found else [head]), *rows[len(found) :]] if rest else []
+        lines += [f"With {self.best.effect}: {self.remaining.summary}"] if self.best else []
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
