@@ -13,6 +13,7 @@ pub mod special;
 pub mod motion;
 pub mod param;
 
+pub mod coupling;
 pub mod effects;
 pub mod model;
 pub mod model_file;

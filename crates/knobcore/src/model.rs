@@ -1,9 +1,9 @@
 //! A model: effects of the catalogue with their parameter values, and which of those may move.
 
-use crate::effects::{Id, Place, Sweep};
+use crate::effects::{Bends, Id, Joint, Part, Place};
 use crate::error::{Error, Result};
 use crate::motion::{Load, Motion};
-use crate::param::{Axis, Param};
+use crate::param::{Axis, Kind, Param, Usual};
 use crate::scalar::Scalar;
 use std::ops::Range;
 
@@ -55,11 +55,10 @@ impl Model {
     /// A model of these effects at their neutral values, all parameters free.
     pub fn new(effects: &[Id], axis: Axis) -> Self {
         let mut model = Self { name: String::new(), axis, parts: Vec::new(), slots: Vec::new() };
-        for &id in Id::ALL {
-            if effects.contains(&id) {
-                model.push(id);
-            }
-        }
+        let mut effects = effects.to_vec();
+        effects.sort();
+        effects.dedup();
+        effects.into_iter().for_each(|id| model.push(id));
         model
     }
 
@@ -72,14 +71,14 @@ impl Model {
 
     fn push(&mut self, id: Id) {
         let base = self.slots.len();
-        let role = if id == Id::Karnopp { Role::Fixed } else { Role::Free };
-        self.slots.extend(id.info().params.iter().map(|param| Slot {
-            effect: id,
-            param,
-            value: param.neutral,
-            role,
-            base,
-        }));
+        for param in id.info().params {
+            let role = match param.usual {
+                Usual::Free => Role::Free,
+                Usual::Fixed => Role::Fixed,
+                Usual::Follows(other) => self.index(other).map_or(Role::Free, Role::Tied),
+            };
+            self.slots.push(Slot { effect: id, param, value: param.neutral, role, base });
+        }
         self.parts.push((id, base..self.slots.len()));
     }
 
@@ -87,6 +86,20 @@ impl Model {
     pub fn with(&self, id: Id) -> Result<Self> {
         if self.has(id) {
             return Err(Error::invalid(format!("effect '{}'", id.info().id), "is in the model already"));
+        }
+        if let Some(needs) =
+            id.info().needs.filter(|needs| !self.effects().any(|own| own.info().id == *needs))
+        {
+            return Err(Error::invalid(
+                format!("effect '{}'", id.info().id),
+                format!("changes '{needs}', which the model does not have; add that first"),
+            ));
+        }
+        if let Some(other) = self.at(Place::Coupling).find(|_| id.info().place == Place::Coupling) {
+            return Err(Error::invalid(
+                format!("effect '{}'", id.info().id),
+                format!("and '{}' both join shaft and knob; a model has one of them", other.info().id),
+            ));
         }
         let effects: Vec<_> = self.effects().chain([id]).collect();
         self.only(&effects)
@@ -206,40 +219,53 @@ impl Model {
         }
     }
 
-    /// The sum of the loads on the knob.
+    /// Numbers that its effects remember from sample to sample.
+    pub fn states(&self) -> usize {
+        self.effects().map(Id::states).sum()
+    }
+
+    /// Whether its torque depends on more than the present sample.
+    pub fn remembers(&self) -> bool {
+        self.effects().any(Id::remembers)
+    }
+
+    /// How a parameter enters this model's torque: what is linear alone need not be so beside an effect that
+    /// takes the torque through a hidden motion, a limit, or its own magnitude.
+    pub fn kind(&self, slot: &Slot) -> Kind {
+        let bent = self.effects().any(|id| match id {
+            Id::User(_) => false,
+            id => id.info().bends.is_some_and(|bends| match bends {
+                Bends::Everything => slot.effect.info().place != Place::Sensor || slot.effect < id,
+                Bends::Press => slot.effect.info().presses,
+            }),
+        });
+        if bent { Kind::Nonlinear } else { slot.param.kind }
+    }
+
+    /// The sum of the loads on the knob; `state` has [`Model::states`] numbers, zero at first.
     #[inline(always)]
-    pub fn load<T: Scalar>(&self, p: &[T], motion: &Motion<T>) -> Load<T> {
+    pub fn load<T: Scalar>(&self, p: &[T], state: &mut [T], motion: &Motion<T>) -> Load<T> {
         let mut sum = Load::none();
+        let mut state = state;
         for (id, range) in &self.parts {
-            sum = sum.plus(id.load(p.get(range.clone()).unwrap_or(&[]), motion));
+            let (own, rest) = state.split_at_mut(id.states().min(state.len()));
+            sum = sum.plus(id.load(p.get(range.clone()).unwrap_or(&[]), own, motion));
+            state = rest;
         }
         sum
     }
 
-    /// What the torque sensor reads while the knob moves so, before any filter, N m.
-    #[inline(always)]
-    pub fn torque<T: Scalar>(&self, p: &[T], motion: &Motion<T>) -> T {
-        self.sense(p, motion, self.load(p, motion).sliding(motion))
+    /// How shaft and knob are joined, if not rigidly.
+    pub fn joint<T: Scalar>(&self, p: &[T]) -> Option<Joint<T>> {
+        self.parts.iter().find_map(|(id, range)| id.joint(p.get(range.clone()).unwrap_or(&[])))
     }
 
-    /// What the sensor makes of the torque `tau`.
-    #[inline(always)]
-    pub fn sense<T: Scalar>(&self, p: &[T], motion: &Motion<T>, tau: T) -> T {
-        self.parts
-            .iter()
-            .fold(tau, |tau, (id, range)| id.sense(p.get(range.clone()).unwrap_or(&[]), motion, tau))
-    }
-
-    /// Torque and derivatives over a whole motion, added to what `over` holds; `columns` says which column
-    /// each parameter has.
-    #[inline(always)]
-    pub fn sweep(&self, p: &[f64], columns: &[Option<usize>], over: &mut Sweep<'_>) {
-        for (id, range) in &self.parts {
-            let own = (p.get(range.clone()), columns.get(range.clone()));
-            if let (Some(p), Some(columns)) = own {
-                id.sweep(p, columns, over);
-            }
-        }
+    /// The effects with their parameters and derivative columns, in the order of the chain.
+    pub fn parts<'a>(&self, p: &'a [f64], columns: &'a [Option<usize>]) -> Vec<Part<'a>> {
+        let part = |(id, range): &(Id, Range<usize>)| {
+            Some((*id, p.get(range.clone())?, columns.get(range.clone())?))
+        };
+        self.parts.iter().filter_map(part).collect()
     }
 
     /// The effects that act at this place of the chain.

@@ -156,7 +156,7 @@ mod tests {
     use super::*;
 
     fn example() -> Model {
-        let mut model = Model::new(Id::ALL, Axis::Linear);
+        let mut model = Model::new(Id::BUILT_IN, Axis::Linear);
         model.name = "a \"quoted\" name\nof two lines".into();
         model.set("inertia.M", 0.1 + 0.2).unwrap();
         model.set("detent.P", 1.0 / 3.0).unwrap();

@@ -30,20 +30,47 @@ impl<T: Scalar> Motion<T> {
         Self { t, theta, omega, alpha, forward }
     }
 
+    /// Every quantity through the same conversion.
+    #[inline(always)]
+    pub fn map<U>(&self, mut f: impl FnMut(T) -> U) -> Motion<U> {
+        Motion {
+            t: f(self.t),
+            theta: f(self.theta),
+            omega: f(self.omega),
+            alpha: f(self.alpha),
+            forward: f(self.forward),
+        }
+    }
+
     /// The weights of the backward and of the forward direction; they add up to one.
     #[inline(always)]
     pub fn directions(&self) -> [T; 2] {
         [T::of(1.0) - self.forward, self.forward]
     }
+
+    /// The expected sign of the velocity: 1 forward, -1 backward.
+    #[inline(always)]
+    pub fn direction(&self) -> T {
+        self.forward + self.forward - T::of(1.0)
+    }
 }
 
-/// What an effect asks of the rig. Loads add up.
+/// What an effect asks of the rig. Loads of several effects come together in [`Load::plus`].
 #[derive(Debug, Clone, Copy)]
 pub struct Load<T> {
     /// Torque that pushes, N m.
     pub drive: T,
+    /// The part of `drive` that presses the sliding surfaces together, N m (what detents do).
+    pub press: T,
     /// Dry friction, N m: magnitudes when moving backward and forward. It may only oppose motion.
     pub resist: [T; 2],
+    /// Factor on the dry friction; the factors of several effects multiply.
+    pub level: T,
+    /// Dry friction per press.
+    pub mu: T,
+    /// How far dry friction is from following the sign of the motion: 0 fully, -2 still fully backward in a
+    /// forward motion, +2 the other way round.
+    pub lag: T,
     /// Stored inertia, kg m^2 (kg).
     pub inertia: T,
     /// Static friction, N m: magnitudes that hold the knob backward and forward while it sticks.
@@ -57,7 +84,17 @@ impl<T: Scalar> Load<T> {
     #[inline(always)]
     pub fn none() -> Self {
         let zero = T::of(0.0);
-        Self { drive: zero, resist: [zero; 2], inertia: zero, hold: [zero; 2], band: zero }
+        Self {
+            drive: zero,
+            press: zero,
+            resist: [zero; 2],
+            level: T::of(1.0),
+            mu: zero,
+            lag: zero,
+            inertia: zero,
+            hold: [zero; 2],
+            band: zero,
+        }
     }
 
     /// A torque that pushes.
@@ -66,23 +103,48 @@ impl<T: Scalar> Load<T> {
         Self { drive: tau, ..Self::none() }
     }
 
-    /// Both loads together.
+    /// A torque that pushes, and presses the sliding surfaces together as it does.
+    #[inline(always)]
+    pub fn detent(tau: T) -> Self {
+        Self { drive: tau, press: tau, ..Self::none() }
+    }
+
+    /// A factor on the dry friction.
+    #[inline(always)]
+    pub fn level(factor: T) -> Self {
+        Self { level: factor, ..Self::none() }
+    }
+
+    /// Both loads together: they add up, but for the factors on friction, which multiply.
     #[inline(always)]
     pub fn plus(self, o: Self) -> Self {
         Self {
             drive: self.drive + o.drive,
+            press: self.press + o.press,
             resist: [self.resist[0] + o.resist[0], self.resist[1] + o.resist[1]],
+            level: self.level * o.level,
+            mu: self.mu + o.mu,
+            lag: self.lag + o.lag,
             inertia: self.inertia + o.inertia,
             hold: [self.hold[0] + o.hold[0], self.hold[1] + o.hold[1]],
             band: self.band + o.band,
         }
     }
 
-    /// Spends the friction budget while the knob moves: inverse dynamics, N m.
+    /// Spends the friction budget while the knob moves, forward with the probability `forward`, N m.
+    #[inline(always)]
+    pub fn friction(&self, forward: T) -> T {
+        let half = T::of(0.5);
+        let forth = forward + half * self.lag;
+        let back = T::of(1.0) - forth;
+        (self.resist[1] * forth - self.resist[0] * back) * self.level
+            + self.mu * self.press.abs() * (forth - back)
+    }
+
+    /// Torque on the moving knob: inverse dynamics, N m.
     #[inline(always)]
     pub fn sliding(&self, motion: &Motion<T>) -> T {
-        let [back, forth] = motion.directions();
-        self.drive + self.inertia * motion.alpha + self.resist[1] * forth - self.resist[0] * back
+        self.drive + self.inertia * motion.alpha + self.friction(motion.forward)
     }
 
     /// Spends the friction budget while the knob is stuck: friction answers the torque `tau_other` that

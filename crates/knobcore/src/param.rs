@@ -18,6 +18,7 @@ pub struct Unit {
     torque: i8,
     angle: i8,
     time: i8,
+    pure: bool,
 }
 
 /// A kind of axis: what one unit of `theta` is.
@@ -33,17 +34,22 @@ pub enum Axis {
 
 impl Unit {
     /// An angle that is no position (a phase): rad on every axis.
-    pub const PHASE: Self = Self::of(0, 0, 0);
+    pub const PHASE: Self = Self { torque: 0, angle: 0, time: 0, pure: false };
+    /// A pure number.
+    pub const NUMBER: Self = Self { pure: true, ..Self::PHASE };
 
     /// torque^a angle^b s^c
     pub const fn of(torque: i8, angle: i8, time: i8) -> Self {
-        Self { torque, angle, time }
+        Self { torque, angle, time, pure: false }
     }
 
     /// As it is printed: `N m s^2/rad`, on a linear axis `N s^2/m`.
     pub fn text(self, axis: Axis) -> String {
         if self == Self::PHASE {
             return "rad".into();
+        }
+        if self == Self::NUMBER {
+            return "1".into();
         }
         let (torque, angle) = match axis {
             Axis::Rotary => ("N m", "rad"),
@@ -69,6 +75,17 @@ impl Unit {
     }
 }
 
+/// What becomes of a parameter when its effect enters a model, until a user says otherwise.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Usual {
+    /// It is fitted.
+    Free,
+    /// It stays as it is.
+    Fixed,
+    /// It equals this parameter of another effect, if the model has that.
+    Follows(&'static str),
+}
+
 /// One parameter of an effect.
 #[derive(Debug, Clone, Copy)]
 pub struct Param {
@@ -84,6 +101,8 @@ pub struct Param {
     pub upper: f64,
     /// Value at which the effect is silent, or a harmless one for shape parameters.
     pub neutral: f64,
+    /// Its usual role.
+    pub usual: Usual,
     /// What it is, in a few words.
     pub meaning: &'static str,
 }
@@ -98,6 +117,7 @@ impl Param {
             lower: f64::NEG_INFINITY,
             upper: f64::INFINITY,
             neutral: 0.0,
+            usual: Usual::Free,
             meaning,
         }
     }
@@ -116,7 +136,27 @@ impl Param {
         neutral: f64,
         meaning: &'static str,
     ) -> Self {
-        Self { name, unit, kind: Kind::Nonlinear, lower, upper, neutral, meaning }
+        Self { name, unit, kind: Kind::Nonlinear, lower, upper, neutral, usual: Usual::Free, meaning }
+    }
+
+    /// A size that its values may have: that of the neutral value or of its bounds.
+    pub fn scale(&self) -> f64 {
+        let size = |x: f64| if x.is_finite() { x.abs() } else { 0.0 };
+        match size(self.neutral) {
+            0.0 if size(self.upper - self.lower) > 0.0 => 0.1 * size(self.upper - self.lower).min(1e3),
+            0.0 => 1.0,
+            neutral => neutral,
+        }
+    }
+
+    /// The same parameter in another usual role.
+    pub const fn usually(self, usual: Usual) -> Self {
+        Self { usual, ..self }
+    }
+
+    /// The same parameter within bounds.
+    pub const fn within(self, lower: f64, upper: f64) -> Self {
+        Self { lower, upper, ..self }
     }
 }
 

@@ -1,6 +1,7 @@
 //! From the motion to the torque, and to its exact derivatives.
 
-use crate::effects::Sweep;
+use crate::coupling;
+use crate::effects::{Part, Sweep};
 use crate::model::{Model, Role};
 use crate::signals::{Chunk, Signals};
 use std::ops::Range;
@@ -84,18 +85,23 @@ pub fn raw(
     out: &mut Columns,
 ) {
     out.clear(1 + seeds.columns, range.len());
+    let parts = model.parts(p, &seeds.column);
+    let motion = signals.motion_columns(range);
     let (torque, slopes) = out.split();
-    let over = Sweep { motion: signals.motion_columns(range), torque, slopes };
-    pulp::Arch::new().dispatch(Evaluation { model, p, columns: &seeds.column, over });
+    let coupled = model.joint(p).is_some();
+    if coupled {
+        coupling::sweep(model, p, &seeds.column, motion, torque, slopes);
+    }
+    let over = Sweep { motion, dt: 1.0 / signals.rate_hz, torque, slopes };
+    pulp::Arch::new().dispatch(Evaluation { parts: &parts, over, coupled });
 }
 
 /// An evaluation as a value: its body, unlike a closure's, is sure to be compiled into the function that has
 /// the machine's instruction set.
 struct Evaluation<'a> {
-    model: &'a Model,
-    p: &'a [f64],
-    columns: &'a [Option<usize>],
+    parts: &'a [Part<'a>],
     over: Sweep<'a>,
+    coupled: bool,
 }
 
 impl pulp::NullaryFnOnce for Evaluation<'_> {
@@ -103,29 +109,32 @@ impl pulp::NullaryFnOnce for Evaluation<'_> {
 
     #[inline(always)]
     fn call(mut self) {
-        self.model.sweep(self.p, self.columns, &mut self.over);
+        if !self.coupled {
+            self.over.loads(self.parts);
+        }
+        self.over.sensors(self.parts);
     }
 }
 
 /// Model torque at every sample of a capture through the measurement filter, N m; samples outside of
 /// every segment are NaN.
 pub fn torque(model: &Model, signals: &Signals) -> Vec<f64> {
-    over_capture(signals, |chunk, columns| {
+    over_capture(model, signals, |chunk, columns| {
         measured(model, &model.values(), &Seeds::none(model), signals, chunk, columns);
     })
 }
 
 /// Model torque at every sample without filter, N m; see [`torque`].
 pub fn torque_raw(model: &Model, signals: &Signals) -> Vec<f64> {
-    over_capture(signals, |chunk, columns| {
+    over_capture(model, signals, |chunk, columns| {
         raw(model, &model.values(), &Seeds::none(model), signals, chunk.whole.clone(), columns);
     })
 }
 
-fn over_capture(signals: &Signals, mut fill: impl FnMut(&Chunk, &mut Columns)) -> Vec<f64> {
+fn over_capture(model: &Model, signals: &Signals, mut fill: impl FnMut(&Chunk, &mut Columns)) -> Vec<f64> {
     let mut columns = Columns::default();
     let mut tau = vec![f64::NAN; signals.len()];
-    for chunk in signals.chunks() {
+    for chunk in signals.chunks(model.remembers()) {
         fill(&chunk, &mut columns);
         if let Some(column) = columns.data.first() {
             tau[chunk.core.clone()].copy_from_slice(&column[chunk.inner()]);

@@ -88,8 +88,12 @@ impl Signals {
         Motion { t, theta, omega, alpha, forward }
     }
 
-    /// The capture in pieces that fit in the cache, each with the surroundings that the filter needs.
-    pub fn chunks(&self) -> Vec<Chunk> {
+    /// The capture in pieces that fit in the cache, each with the surroundings that the filter needs; for a
+    /// model that `remembers` in whole stretches.
+    pub fn chunks(&self, remembers: bool) -> Vec<Chunk> {
+        if remembers {
+            return self.segments.iter().map(|s| Chunk { whole: s.clone(), core: s.clone() }).collect();
+        }
         let halo = self.filter.as_ref().map_or(0, |filter| filter.sos().settle());
         let size = CHUNK.max(2 * halo);
         let mut chunks = Vec::new();
@@ -117,7 +121,7 @@ impl Signals {
     /// Filters the raw torque into `tau`, by the same route that a model's torque takes.
     pub fn filter_torque(&mut self) {
         let mut tau = self.tau_raw.clone();
-        for chunk in self.chunks() {
+        for chunk in self.chunks(false) {
             let mut column = self.tau_raw[chunk.whole.clone()].to_vec();
             self.measure(&mut [&mut column]);
             tau[chunk.core.clone()].copy_from_slice(&column[chunk.inner()]);

@@ -39,7 +39,8 @@ pub struct Pushed {
 pub fn push(model: &Model, reference: &[f64], dt: f64, hand: Hand) -> Result<Pushed> {
     let p = model.values();
     let h = dt / SUBSTEPS as f64;
-    let inertia = model.load(&p, &Motion::exact(0.0, 0.0, 0.0, 0.0)).inertia;
+    let mut state = vec![0.0; model.states()];
+    let inertia = model.load(&p, &mut state.clone(), &Motion::exact(0.0, 0.0, 0.0, 0.0)).inertia;
     if inertia.is_nan() || inertia <= 0.0 {
         return Err(Error::invalid(
             "inertia.M",
@@ -65,7 +66,7 @@ pub fn push(model: &Model, reference: &[f64], dt: f64, hand: Hand) -> Result<Pus
             let at = before + (target - before) * step as f64 / SUBSTEPS as f64;
             tau = hand.stiffness * (at - theta) + hand.damping * (speed - omega);
             let motion = Motion::exact(sample as f64 * dt, theta, omega, 0.0);
-            let load = model.load(&p, &motion);
+            let load = model.load(&p, &mut state, &motion);
             let other = tau - load.drive;
             let held = load.sticking(other) == other;
             let slow = omega.abs() <= load.band;
@@ -75,7 +76,7 @@ pub fn push(model: &Model, reference: &[f64], dt: f64, hand: Hand) -> Result<Pus
             } else {
                 // At rest friction opposes what moves the knob; otherwise the motion.
                 let direction = if omega == 0.0 { other } else { omega };
-                let friction = if direction > 0.0 { load.resist[1] } else { -load.resist[0] };
+                let friction = load.friction(if direction > 0.0 { 1.0 } else { 0.0 });
                 (other - friction) / load.inertia
             };
             let next = omega + h * alpha;

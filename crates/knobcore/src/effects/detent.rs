@@ -13,6 +13,7 @@ impl Effect<3> for Detent {
     const LAW: &'static str = "A sin(theta/P + S)";
     const SOURCE: &'static str = "position part of Equation 1 of the haptic-camera paper";
     const SHOWS: &'static str = "over position, repeating every 2 pi P";
+    const PRESSES: bool = true;
     const PARAMS: [Param; 3] = [
         Param::linear("A", Unit::of(1, 0, 0), "amplitude"),
         Param::shape("P", Unit::of(0, 1, 0), [1e-9, 1e6], 0.1, "period over 2 pi"),
@@ -23,7 +24,7 @@ impl Effect<3> for Detent {
 impl LoadEffect<3> for Detent {
     #[inline(always)]
     fn load<T: Scalar>([a, p, s]: &[T; 3], motion: &Motion<T>) -> Load<T> {
-        Load::drive(*a * (motion.theta / *p + *s).sin_cos().0)
+        Load::detent(*a * (motion.theta / *p + *s).sin_cos().0)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Effect, LoadEffect};
 use crate::motion::{Load, Motion};
-use crate::param::{Param, Unit};
+use crate::param::{Param, Unit, Usual};
 use crate::scalar::Scalar;
 
 /// For |omega| <= dv: friction = clamp(tau_other, -D_neg, +D_pos).
@@ -18,9 +18,12 @@ impl Effect<3> for Karnopp {
         "Karnopp 1985; Equation 2 of the haptic-camera paper, with D in the stick branch";
     const SHOWS: &'static str = "while the knob stands still under torque";
     const PARAMS: [Param; 3] = [
-        Param::shape("D_neg", Unit::of(1, 0, 0), [0.0, 1e9], 0.0, "breakaway friction backward, a magnitude"),
-        Param::shape("D_pos", Unit::of(1, 0, 0), [0.0, 1e9], 0.0, "breakaway friction forward, a magnitude"),
-        Param::shape("dv", Unit::of(0, 1, -1), [0.0, 1e9], 0.0, "speed below which the knob is stuck"),
+        Param::shape("D_neg", Unit::of(1, 0, 0), [0.0, 1e9], 0.0, "breakaway friction backward, a magnitude")
+            .usually(Usual::Fixed),
+        Param::shape("D_pos", Unit::of(1, 0, 0), [0.0, 1e9], 0.0, "breakaway friction forward, a magnitude")
+            .usually(Usual::Fixed),
+        Param::shape("dv", Unit::of(0, 1, -1), [0.0, 1e9], 0.0, "speed below which the knob is stuck")
+            .usually(Usual::Fixed),
     ];
 }
 

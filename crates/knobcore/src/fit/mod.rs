@@ -116,13 +116,13 @@ pub fn fit(data: &[&Signals], model: &Model, detents: Detents) -> Result<Fit> {
 fn silent(data: &[&Signals], model: &Model) -> Vec<String> {
     let slots = model.slots();
     let linear: Vec<usize> = (0..slots.len())
-        .filter(|&i| slots[i].role == Role::Free && slots[i].param.kind == Kind::Linear)
+        .filter(|&i| slots[i].role == Role::Free && model.kind(&slots[i]) == Kind::Linear)
         .collect();
     let seeds = Seeds::of(model, &linear);
     let mut heard = vec![false; linear.len()];
     let mut columns = Columns::default();
     for signals in data {
-        for chunk in signals.chunks() {
+        for chunk in signals.chunks(model.remembers()) {
             raw(model, &model.values(), &seeds, signals, chunk.core.clone(), &mut columns);
             let weight = &signals.weight[chunk.core];
             for (heard, column) in heard.iter_mut().zip(columns.split().1) {

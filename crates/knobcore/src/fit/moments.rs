@@ -177,7 +177,7 @@ pub struct Swept<'a> {
 pub fn sweep(data: &[&Signals], model: &Model, p: &[f64], seeds: &Seeds, mut visit: impl FnMut(&Swept<'_>)) {
     let mut columns = Columns::default();
     for (capture, signals) in data.iter().enumerate() {
-        for chunk in signals.chunks() {
+        for chunk in signals.chunks(model.remembers()) {
             measured(model, p, seeds, signals, &chunk, &mut columns);
             let inner = chunk.inner();
             let (tau, weight) = (&signals.tau[chunk.core.clone()], &signals.weight[chunk.core.clone()]);

@@ -94,7 +94,7 @@ impl Layout {
         let tied_to = |i: usize| slots.iter().any(|slot| slot.role == Role::Tied(i));
         let (mut linear, mut hard, mut polar) = (Vec::new(), Vec::new(), Vec::new());
         for (column, &i) in free.iter().enumerate() {
-            match slots[i].param.kind {
+            match model.kind(&slots[i]) {
                 Kind::Linear => linear.push(column),
                 Kind::Nonlinear => hard.push(column),
                 Kind::PhaseOf(amplitude) => {

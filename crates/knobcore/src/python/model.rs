@@ -144,6 +144,7 @@ pub fn catalogue<'py>(py: Python<'py>, axis_name: &str) -> PyResult<Vec<Bound<'p
         row.set_item("law", info.law)?;
         row.set_item("source", info.source)?;
         row.set_item("shows", info.shows)?;
+        row.set_item("confused", info.confused)?;
         let param = |p: &crate::param::Param| {
             let row = PyDict::new(py);
             row.set_item("name", p.name)?;
@@ -157,5 +158,5 @@ pub fn catalogue<'py>(py: Python<'py>, axis_name: &str) -> PyResult<Vec<Bound<'p
         row.set_item("params", info.params.iter().map(param).collect::<PyResult<Vec<_>>>()?)?;
         Ok(row)
     };
-    Id::ALL.iter().map(row).collect()
+    Id::all().iter().map(row).collect()
 }

@@ -28,8 +28,24 @@ pub trait Scalar:
     fn of(x: f64) -> Self;
     /// (sin, cos), to about one unit in the last place for |x| < 1e6.
     fn sin_cos(self) -> (Self, Self);
+    /// e^x, to about one unit in the last place; |x| is cut at 700.
+    fn exp(self) -> Self;
+    /// The natural logarithm of a positive normal number, to about one unit in the last place.
+    fn ln(self) -> Self;
     /// `yes` in the lanes where `self` is positive, `no` in the others; derivatives follow the branch.
     fn where_positive(self, yes: Self, no: Self) -> Self;
+
+    /// What a function that knows only `f64` makes of these arguments; derivatives by central differences.
+    fn foreign(arguments: &[Self], f: &dyn Fn(&[f64]) -> f64) -> Self;
+
+    /// self^y of a positive number.
+    #[inline(always)]
+    fn powf(self, y: Self) -> Self {
+        (self.ln() * y).exp()
+    }
+
+    /// Whether it is positive (a pack: all of it).
+    fn is_positive(self) -> bool;
 
     /// The magnitude; its derivative at zero is that of the negative branch.
     #[inline(always)]
@@ -60,7 +76,21 @@ impl Scalar for f64 {
         elementary::sin_cos(self)
     }
     #[inline(always)]
+    fn exp(self) -> Self {
+        elementary::exp(self)
+    }
+    #[inline(always)]
+    fn ln(self) -> Self {
+        elementary::ln(self)
+    }
+    #[inline(always)]
     fn where_positive(self, yes: Self, no: Self) -> Self {
         if self > 0.0 { yes } else { no }
+    }
+    fn foreign(arguments: &[Self], f: &dyn Fn(&[f64]) -> f64) -> Self {
+        f(arguments)
+    }
+    fn is_positive(self) -> bool {
+        self > 0.0
     }
 }

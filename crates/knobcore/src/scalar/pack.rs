@@ -97,11 +97,37 @@ impl Scalar for Pack {
     }
 
     #[inline(always)]
+    fn exp(self) -> Self {
+        let mut out = [0.0; LANES];
+        for i in 0..LANES {
+            out[i] = elementary::exp(self.0[i]);
+        }
+        Self(out)
+    }
+
+    #[inline(always)]
+    fn ln(self) -> Self {
+        let mut out = [0.0; LANES];
+        for i in 0..LANES {
+            out[i] = elementary::ln(self.0[i]);
+        }
+        Self(out)
+    }
+
+    #[inline(always)]
     fn where_positive(self, yes: Self, no: Self) -> Self {
         let mut out = [0.0; LANES];
         for i in 0..LANES {
             out[i] = if self.0[i] > 0.0 { yes.0[i] } else { no.0[i] };
         }
         Self(out)
+    }
+
+    fn is_positive(self) -> bool {
+        self.0.iter().all(|x| *x > 0.0)
+    }
+
+    fn foreign(arguments: &[Self], f: &dyn Fn(&[f64]) -> f64) -> Self {
+        Self(std::array::from_fn(|lane| f(&arguments.iter().map(|x| x.0[lane]).collect::<Vec<_>>())))
     }
 }

@@ -1,0 +1,134 @@
+//! The hidden knob: where shaft and knob are not one, the knob's own motion is simulated from the shaft's.
+//!
+//! Two bodies (Nordin & Gutman 2002, "Controlling mechanical systems with backlash"): the shaft, whose motion is
+//! measured, with a share of the inertia; the knob with the rest and with every load. Between them a spring and a
+//! damper, after a free play. Contact is stiff and friction dry, so both are implicit: the trapezoidal rule for
+//! the joint, and friction that stops the knob at the end of a step if it can (Moreau 1988).
+
+use crate::effects::Joint;
+use crate::model::Model;
+use crate::motion::Motion;
+use crate::scalar::{Dual, Scalar};
+
+/// Steps per sample. The joint needs none of them to be stable; they resolve when contact begins and ends.
+const SUBSTEPS: usize = 4;
+/// Derivatives that are carried along at a time.
+const LANES: usize = 16;
+
+/// The measured motion of the shaft: t, theta, omega, alpha, forward.
+type Shaft<'a> = [&'a [f64]; 5];
+
+/// Torque on the shaft and its derivatives; see [`crate::predict`]. `columns` says which column each parameter
+/// has.
+pub fn sweep(
+    model: &Model,
+    p: &[f64],
+    columns: &[Option<usize>],
+    shaft: Shaft<'_>,
+    torque: &mut [f64],
+    slopes: &mut [Vec<f64>],
+) {
+    if slopes.is_empty() {
+        run(model, p, shaft, |at, tau| torque[at] = tau);
+        return;
+    }
+    for (group, few) in slopes.chunks_mut(LANES).enumerate() {
+        let lane = |column: usize| column.checked_sub(group * LANES).filter(|lane| *lane < LANES);
+        let seed = |(i, x): (usize, &f64)| {
+            Dual::<f64, LANES>::seeded(*x, columns.get(i).copied().flatten().and_then(lane))
+        };
+        let p: Vec<_> = p.iter().enumerate().map(seed).collect();
+        run(model, &p, shaft, |at, tau: Dual<f64, LANES>| {
+            torque[at] = tau.v;
+            few.iter_mut().zip(tau.d).for_each(|(column, slope)| column[at] = slope);
+        });
+    }
+}
+
+/// The knob behind the joint.
+struct Knob<T> {
+    theta: T,
+    omega: T,
+}
+
+/// Simulates the knob along the shaft's motion and hands over the torque on the shaft at every sample.
+fn run<T: Scalar>(model: &Model, p: &[T], shaft: Shaft<'_>, mut out: impl FnMut(usize, T)) {
+    let Some(joint) = model.joint(p) else { return };
+    let [t, theta, omega, alpha, _] = shaft;
+    let mut state = vec![T::of(0.0); model.states()];
+    let first = |column: &[f64]| T::of(column.first().copied().unwrap_or(0.0));
+    let mut knob = Knob { theta: first(theta), omega: first(omega) };
+    let inertia = model
+        .load(p, &mut state.clone(), &Motion::exact(first(t), knob.theta, knob.omega, T::of(0.0)))
+        .inertia;
+    let (own, shafts) = (joint.share * inertia, (T::of(1.0) - joint.share) * inertia);
+    for at in 0..t.len() {
+        let force = contact(&joint, T::of(theta[at]) - knob.theta, T::of(omega[at]) - knob.omega);
+        out(at, shafts * T::of(alpha[at]) + force);
+        let next = (at + 1).min(t.len() - 1);
+        let span = t[next] - t[at];
+        if span <= 0.0 {
+            continue;
+        }
+        let h = span / SUBSTEPS as f64;
+        let mut from = theta[at];
+        for step in 1..=SUBSTEPS {
+            let to = hermite([theta[at], theta[next]], [omega[at] * span, omega[next] * span], step);
+            let clock = t[at] + (step - 1) as f64 * h;
+            let motion = Motion::exact(T::of(clock), knob.theta, knob.omega, T::of(0.0));
+            let load = model.load(p, &mut state, &motion);
+            let (forth, back) = (load.friction(T::of(1.0)), load.friction(T::of(0.0)));
+            let half = T::of(0.5);
+            let friction = (half * (forth - back)).max(T::of(0.0));
+            let push = load.drive + half * (forth + back);
+            knob = knob.stepped(&joint, own, push, friction, [from, to], h);
+            from = to;
+        }
+    }
+}
+
+/// The angle of the shaft after so many substeps of a sample, by the cubic through its angles and speeds.
+fn hermite([a, b]: [f64; 2], [da, db]: [f64; 2], step: usize) -> f64 {
+    let u = step as f64 / SUBSTEPS as f64;
+    let v = 1.0 - u;
+    v * v * (1.0 + 2.0 * u) * a + u * u * (1.0 + 2.0 * v) * b + u * v * (v * da - u * db)
+}
+
+/// How far the joint is strained: what `twist` has beyond the free play.
+fn strain<T: Scalar>(joint: &Joint<T>, twist: T) -> T {
+    let half = T::of(0.5) * joint.gap;
+    twist - twist.min(half).max(-half)
+}
+
+/// Torque of the joint on the knob at a twist and its rate; two surfaces that touch push and never pull.
+fn contact<T: Scalar>(joint: &Joint<T>, twist: T, rate: T) -> T {
+    let strain = strain(joint, twist);
+    let force = joint.stiffness * strain + joint.damping * rate;
+    pushing(joint, strain, force)
+}
+
+fn pushing<T: Scalar>(joint: &Joint<T>, strain: T, force: T) -> T {
+    if joint.welded { force } else { (force * strain).where_positive(force, T::of(0.0)) }
+}
+
+impl<T: Scalar> Knob<T> {
+    /// One step of `h` seconds: the shaft moves from one angle to the next, `push` is what loads the knob and
+    /// `friction` what may oppose its motion.
+    fn stepped(&self, joint: &Joint<T>, inertia: T, push: T, friction: T, shaft: [f64; 2], h: f64) -> Self {
+        let (h, half) = (T::of(h), T::of(0.5));
+        let speed = T::of(shaft[1] - shaft[0]) / h;
+        let strain = strain(joint, T::of(shaft[0]) - self.theta);
+        // The trapezoidal rule: force = fixed - drag * (speed at the end of the step).
+        let stiff = joint.stiffness * half * h + joint.damping;
+        let fixed = joint.stiffness * strain + stiff * (speed - half * self.omega);
+        let drag = half * stiff;
+        let touches = pushing(joint, strain, fixed - drag * self.omega);
+        let one = T::of(1.0);
+        let touches = (touches * touches).where_positive(one, T::of(0.0));
+        let weight = inertia / h + touches * drag;
+        let free = (inertia / h * self.omega + touches * fixed - push) / weight;
+        let stop = friction / weight;
+        let omega = free - free.min(stop).max(-stop);
+        Self { theta: self.theta + half * h * (self.omega + omega), omega }
+    }
+}

@@ -1,0 +1,55 @@
+//! End stop: a stiff ramp beyond an angle, on each side.
+
+use super::{Effect, LoadEffect, Survey};
+use crate::motion::{Load, Motion};
+use crate::param::{Param, Unit};
+use crate::scalar::Scalar;
+
+/// k_hi max(theta - hi, 0) - k_lo max(lo - theta, 0), and damping d omega within a stop.
+pub struct EndStop;
+
+impl Effect<5> for EndStop {
+    const ID: &'static str = "end_stop";
+    const LAW: &'static str = "k_hi max(theta - hi, 0) - k_lo max(lo - theta, 0) + d omega beyond hi or lo";
+    const SOURCE: &'static str = "unilateral spring and damper; Colgate & Schenkel 1997 (virtual wall)";
+    const SHOWS: &'static str = "over position, at the ends of the range";
+    const CONFUSED: &'static [&'static str] = &["position_polynomial", "return_spring"];
+    const PARAMS: [Param; 5] = [
+        Param::linear("k_lo", Unit::of(1, -1, 0), "stiffness of the lower stop"),
+        Param::shape("lo", Unit::of(0, 1, 0), [-1e6, 1e6], -1e6, "where the lower stop begins"),
+        Param::linear("k_hi", Unit::of(1, -1, 0), "stiffness of the upper stop"),
+        Param::shape("hi", Unit::of(0, 1, 0), [-1e6, 1e6], 1e6, "where the upper stop begins"),
+        Param::linear("d", Unit::of(1, -1, 1), "damping within a stop"),
+    ];
+
+    fn starts(survey: &Survey) -> Vec<[f64; 5]> {
+        let (low, range) = (Survey::quantile(&survey.theta, 0.0), survey.range());
+        let at = |share: f64| low + share * range;
+        [0.03, 0.08, 0.15, 0.25, 0.4].into_iter().map(|x| [0.0, at(x), 0.0, at(1.0 - x), 0.0]).collect()
+    }
+}
+
+impl LoadEffect<5> for EndStop {
+    #[inline(always)]
+    fn load<T: Scalar>([k_lo, lo, k_hi, hi, d]: &[T; 5], motion: &Motion<T>) -> Load<T> {
+        let zero = T::of(0.0);
+        let above = (motion.theta - *hi).max(zero);
+        let below = (*lo - motion.theta).max(zero);
+        let inside = (above + below).where_positive(*d * motion.omega, zero);
+        Load::drive(*k_hi * above - *k_lo * below + inside)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stop_is_silent_between_and_pushes_back_beyond() {
+        let torque = |theta: f64| {
+            EndStop::load(&[2.0, -1.0, 3.0, 1.0, 0.0], &Motion::exact(0.0, theta, 0.5, 0.0)).drive
+        };
+        assert_eq!((torque(-1.0), torque(0.3), torque(1.0)), (0.0, 0.0, 0.0));
+        assert_eq!((torque(-1.5), torque(2.0)), (-1.0, 3.0));
+    }
+}

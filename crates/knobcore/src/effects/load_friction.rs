@@ -1,0 +1,44 @@
+//! Load-dependent friction: what presses the surfaces together makes them rub.
+
+use super::{Bends, Effect, LoadEffect};
+use crate::motion::{Load, Motion};
+use crate::param::{Param, Unit};
+use crate::scalar::Scalar;
+
+/// mu |detent torque|, with the sign of omega: the detents, with their harmonics, press as hard as they push.
+pub struct LoadFriction;
+
+impl Effect<1> for LoadFriction {
+    const ID: &'static str = "load_friction";
+    const LAW: &'static str = "mu |detent torque| sgn(omega)";
+    const SOURCE: &'static str =
+        "Amontons 1699; Dohring, Lee & Newman 1993 (load-dependent transmission friction)";
+    const SHOWS: &'static str = "wherever the detent pushes, with the sign of the motion";
+    const CONFUSED: &'static [&'static str] = &["detent_harmonics", "position_friction"];
+    const NEEDS: Option<&'static str> = Some("detent");
+    const SHAPES_FRICTION: bool = true;
+    const BENDS: Option<Bends> = Some(Bends::Press);
+    const PARAMS: [Param; 1] =
+        [Param::shape("mu", Unit::NUMBER, [-10.0, 10.0], 0.0, "friction per detent torque")];
+}
+
+impl LoadEffect<1> for LoadFriction {
+    #[inline(always)]
+    fn load<T: Scalar>([mu]: &[T; 1], _: &Motion<T>) -> Load<T> {
+        Load { mu: *mu, ..Load::none() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn friction_grows_with_the_torque_of_the_detent_whichever_way_it_pushes() {
+        for press in [-2.0, 2.0] {
+            let motion = Motion::exact(0.0, 0.0, -1.0, 0.0);
+            let load = Load::detent(press).plus(LoadFriction::load(&[0.1], &motion));
+            assert!((load.sliding(&motion) - (press - 0.2)).abs() < 1e-15);
+        }
+    }
+}

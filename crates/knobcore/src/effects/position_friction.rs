@@ -1,0 +1,75 @@
+//! Position-dependent friction: the level of dry friction varies along the way.
+
+use super::{Effect, LoadEffect, Survey};
+use crate::motion::{Load, Motion};
+use crate::param::{Param, Unit};
+use crate::scalar::Scalar;
+
+/// Dry friction times 1 + sum of a_n sin(n theta/P) + b_n cos(n theta/P), n = 1, 2, 3; never below zero.
+pub struct PositionFriction;
+
+/// The least that is left of dry friction: friction never pushes.
+const LEAST: f64 = 1e-3;
+
+const fn wave(name: &'static str, meaning: &'static str) -> Param {
+    Param::shape(name, Unit::NUMBER, [-10.0, 10.0], 0.0, meaning)
+}
+
+impl Effect<7> for PositionFriction {
+    const ID: &'static str = "position_friction";
+    const LAW: &'static str = "coulomb (1 + sum of a_n sin(n theta/P) + b_n cos(n theta/P)), n = 1, 2, 3";
+    const SOURCE: &'static str = "Popovic & Goldenberg 1998 (friction over position by its spectrum)";
+    const SHOWS: &'static str = "over position, with the sign of the motion";
+    const CONFUSED: &'static [&'static str] = &["friction_drift", "load_friction", "directional_detent"];
+    const SHAPES_FRICTION: bool = true;
+    const PARAMS: [Param; 7] = [
+        Param::shape("P", Unit::of(0, 1, 0), [1e-6, 1e6], 1.0, "period over 2 pi"),
+        wave("a1", "sine once per period, a share of Coulomb"),
+        wave("b1", "cosine once per period"),
+        wave("a2", "sine twice per period"),
+        wave("b2", "cosine twice per period"),
+        wave("a3", "sine three times per period"),
+        wave("b3", "cosine three times per period"),
+    ];
+
+    fn starts(survey: &Survey) -> Vec<[f64; 7]> {
+        // From half a cycle over the range to forty, each close enough to the next to be followed.
+        let range = survey.range().max(1e-6);
+        let mut cycles = 0.5;
+        let mut starts = Vec::new();
+        while cycles < 40.0 && starts.len() < 40 {
+            let period = range / (std::f64::consts::TAU * cycles);
+            starts.push([period.clamp(1e-6, 1e6), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+            cycles += f64::max(0.3, 0.06 * cycles);
+        }
+        starts
+    }
+}
+
+impl LoadEffect<7> for PositionFriction {
+    #[inline(always)]
+    fn load<T: Scalar>([p, a1, b1, a2, b2, a3, b3]: &[T; 7], motion: &Motion<T>) -> Load<T> {
+        let (s, c) = (motion.theta / *p).sin_cos();
+        let two = T::of(2.0);
+        let (s2, c2) = (two * s * c, c * c - s * s);
+        let (s3, c3) = (s2 * c + c2 * s, c2 * c - s2 * s);
+        let level = T::of(1.0) + *a1 * s + *b1 * c + *a2 * s2 + *b2 * c2 + *a3 * s3 + *b3 * c3;
+        Load::level(level.max(T::of(LEAST)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn friction_varies_along_the_way_and_never_pushes() {
+        let p = [0.5, 0.3, 0.0, 0.0, 0.2, 0.0, 0.0];
+        let level =
+            |p: &[f64; 7], theta: f64| PositionFriction::load(p, &Motion::exact(0.0, theta, 1.0, 0.0)).level;
+        let x = 0.7_f64;
+        assert!((level(&p, 0.5 * x) - (1.0 + 0.3 * x.sin() + 0.2 * (2.0 * x).cos())).abs() < 1e-12);
+        let wild = [0.5, 5.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        assert!((0..100).all(|i| level(&wild, f64::from(i) * 0.05) > 0.0));
+    }
+}

@@ -1,0 +1,105 @@
+//! Presliding: friction builds up over a distance after each reversal.
+
+use super::{Effect, MemoryEffect, Survey};
+use crate::motion::{Load, Motion};
+use crate::param::{Param, Unit};
+use crate::scalar::Scalar;
+
+/// Elements of the model.
+const ELEMENTS: usize = 6;
+
+/// Elastoplastic elements in parallel (Maxwell slip), element i carrying the share `w_i` of the dry friction and
+/// slipping after s / 2^(i-1); what no element carries follows the sign of the motion at once.
+///
+/// Distances a factor of two apart draw any friction curve that rises ever more slowly (Masing 1926) to about a
+/// hundredth.
+pub struct Presliding;
+
+const fn share(name: &'static str, meaning: &'static str) -> Param {
+    Param::shape(name, Unit::NUMBER, [0.0, 1.0], 0.0, meaning)
+}
+
+impl Effect<7> for Presliding {
+    const ID: &'static str = "presliding";
+    const LAW: &'static str =
+        "coulomb ((1 - sum w_i) sgn(omega) + sum w_i z_i), dz_i = dtheta 2^(i-1)/s, |z_i| <= 1";
+    const SOURCE: &'static str = "Iwan 1966; Al-Bender, Lampaert & Swevers 2005 (generalized Maxwell slip); cf. LuGre, \
+                                  Canudas de Wit, Olsson, Astrom & Lischinsky 1995";
+    const SHOWS: &'static str = "over the first few hundredths of a radian after each reversal";
+    const CONFUSED: &'static [&'static str] = &["torque_lag", "backlash", "compliance", "stribeck"];
+    const SHAPES_FRICTION: bool = true;
+    const PARAMS: [Param; 7] = [
+        Param::shape("s", Unit::of(0, 1, 0), [1e-7, 1e3], 0.1, "longest presliding distance"),
+        share("w1", "share of friction that builds up over s"),
+        share("w2", "share over s/2"),
+        share("w3", "share over s/4"),
+        share("w4", "share over s/8"),
+        share("w5", "share over s/16"),
+        share("w6", "share over s/32"),
+    ];
+
+    fn starts(survey: &Survey) -> Vec<[f64; 7]> {
+        let longest = 0.3 * survey.range();
+        let lengths = [1.0, 0.4, 0.16, 0.064, 0.025, 0.01].map(|share| share * longest.min(1.0));
+        lengths.into_iter().map(|s| [s.max(1e-7), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).collect()
+    }
+}
+
+/// The state: 1 after the first sample, the angle before, and z of each element.
+impl MemoryEffect<7, 8> for Presliding {
+    #[inline(always)]
+    fn load<T: Scalar>(p: &[T; 7], state: &mut [T; 8], motion: &Motion<T>) -> Load<T> {
+        let [s, shares @ ..] = p;
+        let [running, before, z @ ..] = state;
+        let moved = *running * (motion.theta - *before) / *s;
+        (*running, *before) = (T::of(1.0), motion.theta);
+        let (one, sign) = (T::of(1.0), motion.direction());
+        let (mut lag, mut finer) = (T::of(0.0), one);
+        for (z, share) in z.iter_mut().zip(shares) {
+            *z = (*z + moved * finer).min(one).max(-one);
+            lag = lag + *share * (*z - sign);
+            finer = finer + finer;
+        }
+        Load { lag, ..Load::none() }
+    }
+}
+
+const _: () = assert!(Presliding::PARAMS.len() == 1 + ELEMENTS);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Friction of unit Coulomb level along a path.
+    fn friction(path: &[f64]) -> Vec<f64> {
+        let mut state = [0.0; 8];
+        let mut before = path[0];
+        path.iter()
+            .map(|theta| {
+                let motion = Motion::exact(0.0, *theta, theta - before, 0.0);
+                before = *theta;
+                let load = Presliding::load(&[0.1, 0.5, 0.3, 0.0, 0.0, 0.0, 0.2], &mut state, &motion);
+                Load { resist: [1.0, 1.0], ..load }.friction(motion.forward)
+            })
+            .collect()
+    }
+
+    #[test]
+    fn friction_rises_with_distance_to_the_coulomb_level_and_no_further() {
+        let path: Vec<f64> = (0..400).map(|i| f64::from(i) * 1e-3).collect();
+        let f = friction(&path);
+        assert!(f.windows(2).all(|pair| pair[1] >= pair[0] - 1e-12));
+        assert!((f[399] - 1.0).abs() < 1e-12 && f[20] < 0.7);
+    }
+
+    #[test]
+    fn after_a_reversal_the_curve_is_twice_the_first_one_turned_round() {
+        // Masing 1926: f(reversal + 2 x) = f_max - 2 f(x).
+        let up = (0..400).map(|i| f64::from(i) * 1e-3);
+        let path: Vec<f64> = up.chain((0..300).map(|i| 0.399 - f64::from(i) * 1e-3)).collect();
+        let f = friction(&path);
+        for i in [5_usize, 20, 40, 90] {
+            assert!((f[400 + 2 * i] - (1.0 - 2.0 * f[i])).abs() < 1e-9, "{i}: {} {}", f[400 + 2 * i], f[i]);
+        }
+    }
+}

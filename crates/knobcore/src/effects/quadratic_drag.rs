@@ -1,0 +1,36 @@
+//! Quadratic drag: a fluid that the knob stirs.
+
+use super::{Effect, LoadEffect};
+use crate::motion::{Load, Motion};
+use crate::param::{Param, Unit};
+use crate::scalar::Scalar;
+
+/// d omega |omega|.
+pub struct QuadraticDrag;
+
+impl Effect<1> for QuadraticDrag {
+    const ID: &'static str = "quadratic_drag";
+    const LAW: &'static str = "d omega |omega|";
+    const SOURCE: &'static str = "Rayleigh 1876; Olsson, Astrom, Canudas de Wit, Gafvert & Lischinsky 1998";
+    const SHOWS: &'static str = "at high speed";
+    const CONFUSED: &'static [&'static str] = &["stribeck", "viscous"];
+    const PARAMS: [Param; 1] = [Param::linear("d", Unit::of(1, -2, 2), "drag")];
+}
+
+impl LoadEffect<1> for QuadraticDrag {
+    #[inline(always)]
+    fn load<T: Scalar>([d]: &[T; 1], motion: &Motion<T>) -> Load<T> {
+        Load::drive(*d * motion.omega * motion.omega.abs())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn drag_grows_with_the_square_of_the_speed_and_opposes_it() {
+        let torque = |omega: f64| QuadraticDrag::load(&[2.0], &Motion::exact(0.0, 0.0, omega, 0.0)).drive;
+        assert_eq!((torque(3.0), torque(-3.0), torque(6.0)), (18.0, -18.0, 72.0));
+    }
+}

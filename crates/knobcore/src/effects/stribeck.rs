@@ -1,0 +1,56 @@
+//! Stribeck friction: dry friction rises towards zero speed.
+
+use super::{Effect, LoadEffect, Survey};
+use crate::motion::{Load, Motion};
+use crate::param::{Param, Unit};
+use crate::scalar::Scalar;
+
+/// Dry friction times 1 + rise exp(-(|omega| / vs)^delta).
+///
+/// `rise` is a share of the Coulomb level of each direction; -1 would leave no friction at rest.
+pub struct Stribeck;
+
+/// Speeds below this share of `vs` are as good as rest.
+const REST: f64 = 1e-9;
+
+impl Effect<3> for Stribeck {
+    const ID: &'static str = "stribeck";
+    const LAW: &'static str = "coulomb (1 + rise exp(-(|omega|/vs)^delta))";
+    const SOURCE: &'static str =
+        "Stribeck 1902; Bo & Pavelescu 1982; Armstrong-Helouvry, Dupont & Canudas de Wit 1994, Equation 4";
+    const SHOWS: &'static str = "at low speed, on both sides of every reversal";
+    const CONFUSED: &'static [&'static str] = &["presliding", "quadratic_drag", "viscous"];
+    const SHAPES_FRICTION: bool = true;
+    const PARAMS: [Param; 3] = [
+        Param::shape("rise", Unit::NUMBER, [-0.99, 100.0], 0.0, "rise towards rest, a share of Coulomb"),
+        Param::shape("vs", Unit::of(0, 1, -1), [1e-6, 1e6], 1.0, "Stribeck speed"),
+        Param::shape("delta", Unit::NUMBER, [0.25, 4.0], 1.0, "sharpness of the fall"),
+    ];
+
+    fn starts(survey: &Survey) -> Vec<[f64; 3]> {
+        let speed = |q| Survey::quantile(&survey.speed, q).max(1e-6);
+        let speeds = [0.05, 0.15, 0.35, 0.7];
+        speeds.iter().flat_map(|q| [[0.0, speed(*q), 1.0], [0.0, speed(*q), 2.0]]).collect()
+    }
+}
+
+impl LoadEffect<3> for Stribeck {
+    #[inline(always)]
+    fn load<T: Scalar>([rise, vs, delta]: &[T; 3], motion: &Motion<T>) -> Load<T> {
+        let speed = (motion.omega.abs() / *vs).max(T::of(REST));
+        Load::level(T::of(1.0) + *rise * (-speed.powf(*delta)).exp())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn friction_at_rest_is_higher_by_the_rise_and_falls_to_coulomb() {
+        let level = |omega: f64| Stribeck::load(&[0.5, 0.2, 2.0], &Motion::exact(0.0, 0.0, omega, 0.0)).level;
+        assert!((level(0.0) - 1.5).abs() < 1e-12 && (level(-100.0) - 1.0).abs() < 1e-12);
+        assert!((level(0.2) - (1.0 + 0.5 * (-1.0_f64).exp())).abs() < 1e-12);
+        assert_eq!(level(0.1), level(-0.1));
+    }
+}

@@ -1,0 +1,31 @@
+//! What a capture offers to a search for starting values: how far, how fast, how hard, how long.
+
+/// Quantiles of the samples that count; SI.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Survey {
+    /// Angle, rad, ascending.
+    pub theta: Vec<f64>,
+    /// Magnitude of the velocity, rad/s, ascending.
+    pub speed: Vec<f64>,
+    /// Magnitude of the torque, N m, ascending.
+    pub torque: Vec<f64>,
+    /// Length, s.
+    pub duration_s: f64,
+    /// Sampling rate, Hz.
+    pub rate_hz: f64,
+    /// Inertia that the base model sees, kg m^2.
+    pub inertia: f64,
+}
+
+impl Survey {
+    /// The value that a share `q` (0 to 1) of an ascending column stays below.
+    pub fn quantile(column: &[f64], q: f64) -> f64 {
+        let at = (q * column.len().saturating_sub(1) as f64).round() as usize;
+        column.get(at).copied().unwrap_or(0.0)
+    }
+
+    /// Range of positions, rad.
+    pub fn range(&self) -> f64 {
+        Self::quantile(&self.theta, 1.0) - Self::quantile(&self.theta, 0.0)
+    }
+}

@@ -1,0 +1,94 @@
+//! Torque lag: the torque channel comes late.
+
+use super::{Effect, LateEffect};
+use crate::param::{Param, Unit};
+use crate::scalar::Scalar;
+
+/// A first-order lag, and a pure delay after it.
+///
+/// A delay between samples is read off the parabola through three of them. Before the first sample the torque is
+/// taken to have been what it is there.
+pub struct TorqueLag;
+
+/// Longest delay, samples.
+const MOST: usize = 256;
+/// Shortest lag that is not none, samples.
+const SHORTEST: f64 = 1e-6;
+
+impl Effect<2> for TorqueLag {
+    const ID: &'static str = "torque_lag";
+    const LAW: &'static str = "lag dy/dt + y = tau; the sensor reads y(t - delay)";
+    const SOURCE: &'static str = "first-order lag and dead time of a measuring channel";
+    const SHOWS: &'static str = "in proportion to the rate of the torque";
+    const CONFUSED: &'static [&'static str] = &["presliding", "inertia", "backlash", "compliance"];
+    const PARAMS: [Param; 2] = [
+        Param::shape("lag", Unit::of(0, 0, 1), [0.0, 0.05], 0.0, "time constant"),
+        Param::shape("delay", Unit::of(0, 0, 1), [-0.02, 0.02], 0.0, "dead time"),
+    ];
+}
+
+impl LateEffect<2> for TorqueLag {
+    fn late<T: Scalar>([lag, delay]: &[T; 2], dt: f64, tau: &[T]) -> Vec<T> {
+        let Some(&first) = tau.first() else { return Vec::new() };
+        // Exact for a torque that is straight between samples.
+        let steps = (*lag / T::of(dt)).max(T::of(SHORTEST));
+        let one = T::of(1.0);
+        let decay = (-one / steps).exp();
+        let ramp = steps * (one - decay);
+        let (mut y, mut before) = (first, first);
+        let lagged: Vec<T> = tau
+            .iter()
+            .map(|x| {
+                y = decay * y + (one - ramp) * *x + (ramp - decay) * before;
+                before = *x;
+                y
+            })
+            .collect();
+        // The whole samples of the delay, counted off one by one; the rest is within half a sample of nought.
+        let shift = *delay / T::of(dt);
+        let (mut rest, mut whole) = (shift, 0_isize);
+        let half = T::of(0.5);
+        for _ in 0..MOST {
+            let (up, down) = ((rest - half).is_positive(), (-rest - half).is_positive());
+            if !(up || down) {
+                break;
+            }
+            whole += if up { 1 } else { -1 };
+            rest = if up { rest - one } else { rest + one };
+        }
+        let last = lagged.len() as isize - 1;
+        let at = |i: isize| lagged[i.clamp(0, last) as usize];
+        (0..lagged.len() as isize)
+            .map(|i| {
+                let (past, here, next) = (at(i - whole - 1), at(i - whole), at(i - whole + 1));
+                let (slope, bend) = (half * (past - next), half * (past + next) - here);
+                here + rest * (slope + rest * bend)
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ramp() -> Vec<f64> {
+        (0..200).map(|i| f64::from(i) * 0.1).collect()
+    }
+
+    #[test]
+    fn a_steady_ramp_is_read_late_by_lag_and_delay() {
+        for [lag, delay] in [[1e-3, 0.0], [0.0, 1e-3], [3e-4, 0.73e-3], [0.0, -0.5e-3]] {
+            let late = TorqueLag::late(&[lag, delay], 2e-4, &ramp());
+            let behind = (ramp()[150] - late[150]) / 0.1 * 2e-4;
+            assert!((behind - lag - delay).abs() < 1e-9, "{lag} {delay}: {behind}");
+        }
+    }
+
+    #[test]
+    fn no_lag_changes_nothing() {
+        let tau: Vec<f64> = (0..50).map(|i| f64::from(i * i % 17)).collect();
+        let late = TorqueLag::late(&[0.0, 0.0], 2e-4, &tau);
+        assert!(tau.iter().zip(late).all(|(a, b)| (a - b).abs() < 1e-5));
+    }
+}

@@ -1,0 +1,38 @@
+//! Unbalance: once per revolution, by gravity or runout.
+
+use super::{Effect, LoadEffect};
+use crate::motion::{Load, Motion};
+use crate::param::{Param, Unit};
+use crate::scalar::Scalar;
+
+/// a sin(theta + phi); on a linear axis one cycle per 2 pi metres, which hardly means anything there.
+pub struct Unbalance;
+
+impl Effect<2> for Unbalance {
+    const ID: &'static str = "unbalance";
+    const LAW: &'static str = "a sin(theta + phi)";
+    const SOURCE: &'static str = "a mass off the axis under gravity, m g r; runout";
+    const SHOWS: &'static str = "over position, once per revolution";
+    const CONFUSED: &'static [&'static str] = &["return_spring", "position_polynomial"];
+    const PARAMS: [Param; 2] =
+        [Param::linear("a", Unit::of(1, 0, 0), "amplitude"), Param::phase("phi", 0, "phase")];
+}
+
+impl LoadEffect<2> for Unbalance {
+    #[inline(always)]
+    fn load<T: Scalar>([a, phi]: &[T; 2], motion: &Motion<T>) -> Load<T> {
+        Load::drive(*a * (motion.theta + *phi).sin_cos().0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_weight_off_the_axis_pulls_one_way_and_half_a_turn_on_the_other() {
+        let torque = |theta: f64| Unbalance::load(&[3.0, 0.4], &Motion::exact(0.0, theta, 0.0, 0.0)).drive;
+        assert!((torque(0.5) + torque(0.5 + std::f64::consts::PI)).abs() < 1e-12);
+        assert!((torque(0.5) - 3.0 * 0.9_f64.sin()).abs() < 1e-12);
+    }
+}
