@@ -127,9 +127,9 @@ def test_a_linear_axis_is_told_in_newtons() -> None:
 @pytest.mark.parametrize("effect", [name for name in kc.effects() if name != "karnopp"])
 def test_every_signature_shows_the_effect_over_time_and_where_it_is_a_line(effect: str) -> None:
     figure = plot.effect(kc.effects()[effect])
-    assert len(figure.axes) == 5
+    assert len(figure.axes) == 6
     labels = [axes.get_xlabel() for axes in figure.axes]
-    assert labels[0] == "time (s)" and labels[4].startswith("distance since reversal")
+    assert labels[0] == "time (s)" and labels[5].startswith("distance since reversal")
     (added,) = [line for line in figure.axes[0].lines if line.get_label() == "what it adds"]
     assert np.max(np.abs(np.asarray(added.get_ydata()))) > 0.0
 

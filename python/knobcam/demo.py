@@ -13,7 +13,7 @@ from .learn import learn
 from .model import KNOBS, Model
 from .simulate import simulate
 from .tables import text_table
-from .typical import typical
+from .typical import with_typical
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -79,10 +79,7 @@ def hiding(knob: str, effect: str) -> Model:
     model, entry = Model.load(knob), catalogued(effect)
     if effect in model.effects:
         raise InputError(f"effect '{effect}' is nothing to hide: {knob} has it anyway; choose another")
-    model = model.with_effect(effect)
-    for name, value in typical(entry).items():
-        model = model.with_value(name, value)
-    return model
+    return with_typical(model, entry)
 
 
 def run(knob: str, effect: str, folder: Path, status: Callable[[str], None]) -> Demo:

@@ -239,7 +239,8 @@ def _candidates(fit: Fit, without: Collection[str]) -> list[Candidate]:
     """Return every absent effect fitted, the lowest error on unseen blocks first."""
     from scipy.special import chdtrc  # type: ignore[import-untyped]
 
-    absent = [one for one in effects(fit.model.axis) if one not in {*fit.model.effects, *without}]
+    slow = {"backlash", "compliance", "wavelet", "regional", "karnopp"}
+    absent = [one for one in effects(fit.model.axis) if one not in {*fit.model.effects, *without, *slow}]
     refits = sorted(((one, add(fit, one)) for one in absent), key=lambda pair: pair[1].rmse_heldout)
     # Of samples at 5 kHz behind a filter at 500 Hz about one in thirty is independent.
     independent = sum(one.core.used for one in fit.prepared) / 30.0

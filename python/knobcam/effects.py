@@ -35,7 +35,7 @@ class Effect:
     source: str
     shows: str
     params: tuple[ParameterInfo, ...]
-    confused: tuple[str, ...] = ()
+    confused: tuple[str, ...]
 
     _HEAD = ("parameter", "unit", "bounds", "neutral", "meaning")
 
@@ -76,7 +76,7 @@ def effects(axis: str = "rotary") -> dict[str, Effect]:
             row["source"],
             row["shows"],
             tuple(ParameterInfo(**param) for param in row["params"]),
-            tuple(row.get("confused", ())),
+            tuple(row["confused"]),
         )
         for row in rows
     }

@@ -66,7 +66,8 @@ def _say(axes: Axes, row: float, step: float, percent: float) -> None:
     if abs(step) <= _USUAL or not math.isfinite(percent):
         return
     side = 1 if step > 0.0 else -1
-    words = f"{percent:+.3g} %".replace("-", "−")
+    words = f"{percent:+,.0f} %" if abs(percent) >= 100.0 else f"{percent:+.3g} %"
+    words = words.replace("-", "−")
     axes.annotate(
         words,
         (step, row),

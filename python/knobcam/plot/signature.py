@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from ..model import Model
 from ..motions import MotionTrack, motion
 from ..simulate import simulate
-from ..typical import CARRIER, typical
+from ..typical import CARRIER, typical, with_typical
 from .laws import friction
 from .style import (
     BACKWARD,
@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     from ..formats.table import FloatArray
 
 _BINS = 60
+# Whatever is smooth follows time as well; it is said of time only where no other axis does nearly as much.
+_TIME = 0.9
 
 
 class _Added(NamedTuple):
@@ -68,35 +70,42 @@ def effect(effect: Effect) -> Picture:
     carrier = {name: value for name, value in CARRIER.items() if not name.startswith(f"{effect.id}.")}
     if effect.id == "karnopp":
         return _standing(effect, _model({**carrier, **values}))
-    added = _added(carrier, values)
+    added = _added(carrier, effect)
     scale = torque_scale("rotary", float(np.max(np.abs(added.tau), initial=0.0)))
-    figure = Picture(11.5, 6.6, _title(effect, values))
-    grid = figure.add_gridspec(2, 4, height_ratios=[0.8, 1.0])
-    _over_time(figure.add_subplot(grid[0, :]), added, scale)
+    figure = Picture(13.0, 6.6, _title(effect, values))
     units = motion_units("rotary")
     axes_of = {
         f"position ({units['theta']})": added.track.theta,
         f"velocity ({units['omega']})": added.track.omega,
         f"acceleration ({units['alpha']})": added.track.alpha,
+        f"torque of the plain knob ({scale.unit})": added.plain * scale.factor,
         f"distance since reversal ({units['theta']})": added.since_reversal,
     }
     shares = {label: _share(x, added) for label, x in axes_of.items()}
+    over_time = _TIME * _share(added.track.t, added)
+    grid = figure.add_gridspec(2, len(axes_of), height_ratios=[0.8, 1.0])
+    whole = figure.add_subplot(grid[0, :])
+    _over_time(whole, added, scale)
+    best = max(over_time, *shares.values())
+    if best == over_time > 0.5:
+        _frame(whole)
     for column, (label, x) in enumerate(axes_of.items()):
         axes = figure.add_subplot(grid[1, column])
-        best = shares[label] == max(shares.values()) and shares[label] > 0.5
-        _cloud(axes, x, added, scale, label, shares[label], best)
+        _cloud(axes, x, added, scale, label, shares[label], shares[label] == best > 0.5)
         if column == 0:
             axes.set_ylabel(f"added torque ({scale.unit})")
     _legend(figure)
     return figure
 
 
-def _added(carrier: dict[str, float], values: dict[str, float]) -> _Added:
+def _added(carrier: dict[str, float], effect: Effect) -> _Added:
     """Simulate the knob with and without the effect, without sensor noise."""
     # Over more than a turn, with many reversals at many speeds: what follows one axis follows no other.
     track = motion("multisine", 12.0, seed=1, amplitude=4.0, highest_hz=1.5)
-    full, bare = _model({**carrier, **values}), _model(carrier)
-    with_it, without = (simulate(model, track, noise="none").tau for model in (full, bare))
+    bare = _model(carrier)
+    with_it, without = (
+        simulate(model, track, noise="none").tau for model in (with_typical(bare, effect), bare)
+    )
     return _Added(track, np.nan_to_num(with_it - without), without)
 
 
@@ -173,8 +182,15 @@ def _cloud(
     if label.startswith("distance"):
         axes.set(xscale="log", xlim=(1e-4, float(np.max(x))))
     if best:
-        for side in ("left", "right", "top", "bottom"):
-            axes.spines[side].set(visible=True, color=WRONG, linewidth=1.8)
+        _frame(axes)
+    # A few impacts must not flatten all the rest.
+    reach = 1.2 * scale.factor * float(np.quantile(np.abs(added.tau), 0.998))
+    axes.set_ylim(-reach or -1.0, reach or 1.0)
+
+
+def _frame(axes: Axes) -> None:
+    for side in ("left", "right", "top", "bottom"):
+        axes.spines[side].set(visible=True, color=WRONG, linewidth=1.8)
 
 
 def _legend(figure: Figure) -> None:
