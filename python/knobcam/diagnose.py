@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -241,7 +242,11 @@ def _candidates(fit: Fit, without: Collection[str]) -> list[Candidate]:
 
     slow = {"backlash", "compliance", "wavelet", "regional", "karnopp"}
     absent = [one for one in effects(fit.model.axis) if one not in {*fit.model.effects, *without, *slow}]
-    refits = sorted(((one, add(fit, one)) for one in absent), key=lambda pair: pair[1].rmse_heldout)
+    refits = []
+    for one in absent:
+        with suppress(InputError):  # it changes an effect that the model does not have
+            refits.append((one, add(fit, one)))
+    refits.sort(key=lambda pair: pair[1].rmse_heldout)
     # Of samples at 5 kHz behind a filter at 500 Hz about one in thirty is independent.
     independent = sum(one.core.used for one in fit.prepared) / 30.0
     found = []

@@ -30,6 +30,7 @@ _SIZES = {
     "backlash.gap": 0.04,
     "compliance.k": 1.0,
     "compliance.d": 0.002,
+    "stribeck.rise": 2.0,
     "stribeck.vs": 0.5,
     "quadratic_drag.d": 1e-4,
     "detent_harmonics.A2": 0.004,

@@ -32,8 +32,13 @@ def diagnosis(diagnosis: Diagnosis) -> Picture:
 def draw_candidates(axes: Axes, diagnosis: Diagnosis) -> None:
     """Draw the bars, their words, and the brackets of those that look alike."""
     candidates, fit = diagnosis.candidates, diagnosis.fit
-    for row, one in enumerate(candidates):
-        fall = 100.0 * one.error_fall
+    falls = [100.0 * one.error_fall for one in candidates]
+    # What noise leaves cannot be taken away; without a noise floor nothing is known to be there to gain.
+    gain = 100.0 * (1.0 - fit.noise_floor / fit.rmse) if fit.rmse > 0.0 else 0.0
+    top = max([gain, *falls, 1.0])
+    left = min([*falls, 0.0]) - 0.16 * top
+    axes.set_xlim(left, 1.35 * top)
+    for row, (one, fall) in enumerate(zip(candidates, falls, strict=True)):
         axes.barh(
             row,
             fall,
@@ -44,18 +49,19 @@ def draw_candidates(axes: Axes, diagnosis: Diagnosis) -> None:
             lw=0.9,
         )
         unseen = 100.0 * (1.0 - one.rmse_heldout / fit.rmse_heldout) if fit.rmse_heldout > 0.0 else 0.0
+        # An effect that fails on unseen blocks can fail by any factor: an arrow says that it is far off.
+        far = not unseen > left
         label = "on unseen blocks" if row == 0 else None
-        axes.plot([unseen], [row], "D", ms=4.5, color="white", mec=BLACK, mew=1.0, label=label, clip_on=False)
+        place, marker = (left + 0.02 * top, "<") if far else (unseen, "D")
+        axes.plot([place], [row], marker, ms=4.5, color="white", mec=BLACK, mew=1.0, label=label, zorder=3)
         axes.annotate(
             _words(one),
-            (max(fall, unseen, 0.0), row),
+            (max(fall, place, 0.0), row),
             (8, 0),
             textcoords="offset points",
             va="center",
             color=BLACK if one.beyond_chance else GREY,
         )
-    # What noise leaves cannot be taken away; without a noise floor nothing is known to be there to gain.
-    gain = 100.0 * (1.0 - fit.noise_floor / fit.rmse) if fit.rmse > 0.0 else 0.0
     if gain > 0.0:
         axes.axvline(gain, color=BLACK, lw=1.3, ls="--", label="all that noise leaves to gain")
     _links(axes, candidates)
@@ -73,9 +79,6 @@ def draw_candidates(axes: Axes, diagnosis: Diagnosis) -> None:
         )
     axes.set_yticks(range(len(candidates)), [plain(one.effect, 30) for one in candidates])
     axes.set_ylim(max(len(candidates), 1) - 0.4, -0.6)
-    falls = [100.0 * one.error_fall for one in candidates]
-    top = max([gain, *falls, 1.0])
-    axes.set_xlim(min([*falls, 0.0]) - 0.16 * top, 1.35 * top)
     axes.axvline(0.0, color=BLACK, lw=0.8)
     axes.grid(visible=False, axis="y")
     axes.tick_params(axis="y", length=0)
