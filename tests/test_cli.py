@@ -199,12 +199,12 @@ def test_demo_leaves_capture_model_report_and_pictures_in_a_folder_that_it_names
     name = knob if knob.startswith("knob") else f"knob{knob}"
     folder = tmp_path / f"knobcam-demo-{name}"
     ended = knobcam("demo", "--knob", knob)
-    assert ended.code == 0 and str(folder) in ended.out and "hides return_spring" in ended.out
+    assert ended.code == 0 and str(folder) in ended.out and "hides stribeck" in ended.out
     made = ["capture.npz", "model.toml", "report.html", "story.png"]
     assert sorted(path.name for path in folder.iterdir()) == made
     document = knobcam("demo", "--knob", knob, "-o", "other", "--json").document
     assert document["schema"] == "knobcam.learn/1"
-    assert document["hidden"] == ["return_spring"]
+    assert document["hidden"] == ["stribeck"]
     assert document["files"]["folder"] == str(tmp_path / "other")
     assert all(Path(document["files"][kind]).is_file() for kind in ("capture", "model", "report"))
 

@@ -22,7 +22,7 @@ RUST_ORDER = [
 PYTHON_ORDER = [
     *("_core", "errors", "tables", "finding", "formats", "quality", "capture", "motions", "effects"),
     *("models", "model", "prepare", "simulate", "typical", "refit", "fit", "compare", "stiction"),
-    *("diagnose", "lacks", "ladder", "selection", "learn", "plot", "report", "demo", "cli"),
+    *("diagnose", "agreement", "lacks", "ladder", "selection", "learn", "plot", "report", "demo", "cli"),
     *("__main__", "__init__"),
 ]
 LONGEST = 400

@@ -159,3 +159,21 @@ def test_an_ordinary_motion_lacks_nothing(motion: str) -> None:
     knob = kc.Model.load("knob4")
     lacking = {lack.kind for lack in kc.learn(kc.simulate(knob, motion)).lacks}
     assert lacking <= ({"no_slow_motion"} if motion == "turns" else set())
+
+
+def test_captures_of_one_knob_agree_and_those_of_a_changed_one_do_not() -> None:
+    knob = kc.Model.load("knob4")
+    first, again = kc.simulate(knob, "sweep", seed=1), kc.simulate(knob, "multisine", seed=2)
+    assert kc.learn([first, again]).disagreements == ()
+    other = dataclasses.replace(
+        kc.simulate(knob.with_value("detent.P", 0.0765), "multisine", seed=3), meta={"source": "changed.npz"}
+    )
+    story = kc.learn([first, other])
+    worst = story.disagreements[0]
+    assert worst.by_se > 10.0
+    assert f"{worst.param} is" in repr(story) and "in changed.npz" in repr(story)
+    assert story.document()["disagreements"][0]["param"] == worst.param
+
+
+def test_one_capture_agrees_with_itself(story: kc.Story) -> None:
+    assert story.disagreements == ()

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ._core import __version__
+    from .agreement import Disagreement
     from .capture import Capture, load
     from .compare import Comparison, compare
     from .diagnose import Candidate, Diagnosis, diagnose
@@ -39,6 +40,7 @@ __all__ = [
     "Capture",
     "Comparison",
     "Diagnosis",
+    "Disagreement",
     "Effect",
     "Estimate",
     "Fit",
@@ -77,6 +79,7 @@ _HOME = {
     "Capture": "capture",
     "Comparison": "compare",
     "Diagnosis": "diagnose",
+    "Disagreement": "agreement",
     "Effect": "effects",
     "Estimate": "fit",
     "Fit": "fit",

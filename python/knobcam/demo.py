@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from .learn import Story
 
-HIDDEN = "return_spring"
+HIDDEN = "stribeck"
 """What the knob hides when nothing else is asked for."""
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
+from .agreement import Disagreement, disagreements
 from .capture import Capture
 from .diagnose import Diagnosis, check_effects, p_in_words
 from .fit import Fit, fit
@@ -81,6 +82,11 @@ class Story:
         """What these captures cannot tell, and what to record instead."""
         return lacks(self.fit)
 
+    @cached_property
+    def disagreements(self) -> tuple[Disagreement, ...]:
+        """Parameters of the last model that the captures ask for differently."""
+        return disagreements(self.fit)
+
     @property
     def first_diagnosis(self) -> Diagnosis:
         """What was weighed on the first rung."""
@@ -137,6 +143,7 @@ class Story:
             "ladder": [rung.document() for rung in self.ladder],
             "unexplained": None if self.unexplained is None else self.unexplained._asdict(),
             "lacks": [lack._asdict() for lack in self.lacks],
+            "disagreements": [one._asdict() for one in self.disagreements],
             "headline": self.headline,
         }
 
@@ -170,6 +177,9 @@ class Story:
         head = (self.head[0], "", *self.head[1:])
         rows = [(row[0], bar, *row[1:]) for row, bar in zip(self.rows(), self._bars(), strict=True)]
         lines = [self.headline, text_table(head, rows), self.after.summary, *self.fit.warnings]
+        if self.disagreements:
+            lines.append("Where the captures disagree:")
+            lines += [f"  {one}." for one in self.disagreements]
         if self.lacks:
             lines.append("What this capture cannot tell:")
             lines += [f"  {lack.message}; {lack.record}." for lack in self.lacks]

@@ -167,6 +167,9 @@ def _remains(story: Story) -> str:
     said = "Where the last model fails: the residual along every axis, beside the band of chance."
     if len(story.ladder) > 1:
         parts.append(_figure(story.after.plot(), said))
+    if story.disagreements:
+        parts.append("<h3>Where the captures disagree</h3>")
+        parts.append(_list(f"{one}." for one in story.disagreements))
     if story.lacks:
         parts.append("<h3>What this capture cannot tell</h3>")
         parts.append(_list(f"{lack.message}; {lack.record}." for lack in story.lacks))
