@@ -22,6 +22,7 @@ class ParameterInfo(NamedTuple):
     lower: float
     upper: float
     neutral: float
+    plausible: tuple[float, float]
     meaning: str
 
 
@@ -36,6 +37,8 @@ class Effect:
     shows: str
     params: tuple[ParameterInfo, ...]
     confused: tuple[str, ...]
+    needs: str | None
+    describes: bool
 
     _HEAD = ("parameter", "unit", "bounds", "neutral", "meaning")
 
@@ -77,6 +80,8 @@ def effects(axis: str = "rotary") -> dict[str, Effect]:
             row["shows"],
             tuple(ParameterInfo(**param) for param in row["params"]),
             tuple(row["confused"]),
+            row["needs"],
+            row["describes"],
         )
         for row in rows
     }

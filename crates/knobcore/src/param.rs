@@ -101,6 +101,8 @@ pub struct Param {
     pub upper: f64,
     /// Value at which the effect is silent, or a harmless one for shape parameters.
     pub neutral: f64,
+    /// Values that make physical sense; a fit may end outside, which says that the effect stands in for another.
+    pub plausible: [f64; 2],
     /// Its usual role.
     pub usual: Usual,
     /// What it is, in a few words.
@@ -117,6 +119,7 @@ impl Param {
             lower: f64::NEG_INFINITY,
             upper: f64::INFINITY,
             neutral: 0.0,
+            plausible: [f64::NEG_INFINITY, f64::INFINITY],
             usual: Usual::Free,
             meaning,
         }
@@ -136,7 +139,8 @@ impl Param {
         neutral: f64,
         meaning: &'static str,
     ) -> Self {
-        Self { name, unit, kind: Kind::Nonlinear, lower, upper, neutral, usual: Usual::Free, meaning }
+        let unbounded = Self::linear(name, unit, meaning);
+        Self { kind: Kind::Nonlinear, lower, upper, neutral, ..unbounded }
     }
 
     /// A size that its values may have: that of the neutral value or of its bounds.
@@ -154,9 +158,9 @@ impl Param {
         Self { usual, ..self }
     }
 
-    /// The same parameter within bounds.
-    pub const fn within(self, lower: f64, upper: f64) -> Self {
-        Self { lower, upper, ..self }
+    /// The same parameter with the values that make physical sense.
+    pub const fn plausibly(self, lower: f64, upper: f64) -> Self {
+        Self { plausible: [lower, upper], ..self }
     }
 }
 

@@ -131,6 +131,11 @@ pub trait Effect<const N: usize> {
     fn starts(_: &Survey) -> Vec<[f64; N]> {
         vec![Self::PARAMS.map(|param| param.neutral)]
     }
+
+    /// What is odd about such values beside those that no parameter may have alone.
+    fn odd(_: &[f64; N]) -> Option<&'static str> {
+        None
+    }
 }
 
 /// An effect that loads the knob.
@@ -296,6 +301,18 @@ macro_rules! registry {
                     $(Self::$late => starts::<$tn, $late>(survey),)*
                     $(Self::$sensor => starts::<$sn, $sensor>(survey),)*
                     Self::User(user) => vec![user.info.params.iter().map(|param| param.neutral).collect()],
+                }
+            }
+
+            /// What is odd about such values, if anything is.
+            pub fn odd(self, p: &[f64]) -> Option<&'static str> {
+                match self {
+                    $(Self::$joint => $joint::odd(&take::<f64, $jn>(p)),)*
+                    $(Self::$load => $load::odd(&take::<f64, $ln>(p)),)*
+                    $(Self::$memory => $memory::odd(&take::<f64, $mn>(p)),)*
+                    $(Self::$late => $late::odd(&take::<f64, $tn>(p)),)*
+                    $(Self::$sensor => $sensor::odd(&take::<f64, $sn>(p)),)*
+                    Self::User(_) => None,
                 }
             }
 

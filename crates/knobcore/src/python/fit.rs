@@ -58,6 +58,11 @@ impl PyFit {
     }
 
     #[getter]
+    fn white_squares(&self) -> f64 {
+        self.0.white_squares
+    }
+
+    #[getter]
     fn iterations(&self) -> usize {
         self.0.iterations
     }

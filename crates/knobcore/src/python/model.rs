@@ -99,6 +99,14 @@ impl PyModel {
         Id::parse(id).and_then(|id| self.0.with(id)).map(Self).map_err(input_error)
     }
 
+    /// What is odd about the values of an effect, if anything is.
+    fn odd(&self, id: &str) -> PyResult<Option<&'static str>> {
+        let id = Id::parse(id).map_err(input_error)?;
+        let values: Vec<f64> =
+            self.0.slots().iter().filter(|slot| slot.effect == id).map(|slot| slot.value).collect();
+        Ok(id.odd(&values))
+    }
+
     /// The same parameters, of these effects only.
     fn only(&self, effects: Vec<String>) -> PyResult<Self> {
         let ids =
@@ -145,6 +153,8 @@ pub fn catalogue<'py>(py: Python<'py>, axis_name: &str) -> PyResult<Vec<Bound<'p
         row.set_item("source", info.source)?;
         row.set_item("shows", info.shows)?;
         row.set_item("confused", info.confused)?;
+        row.set_item("needs", info.needs)?;
+        row.set_item("describes", info.describes)?;
         let param = |p: &crate::param::Param| {
             let row = PyDict::new(py);
             row.set_item("name", p.name)?;
@@ -152,6 +162,7 @@ pub fn catalogue<'py>(py: Python<'py>, axis_name: &str) -> PyResult<Vec<Bound<'p
             row.set_item("lower", p.lower)?;
             row.set_item("upper", p.upper)?;
             row.set_item("neutral", p.neutral)?;
+            row.set_item("plausible", (p.plausible[0], p.plausible[1]))?;
             row.set_item("meaning", p.meaning)?;
             PyResult::Ok(row)
         };
