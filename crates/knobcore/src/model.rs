@@ -84,7 +84,8 @@ impl Model {
 
     /// The same model with one effect more, at its neutral values.
     pub fn with(&self, id: Id) -> Result<Self> {
-        if self.has(id) {
+        // By name: an effect of a user's own that was registered anew is another one of the same name.
+        if self.effects().any(|own| own.info().id == id.info().id) {
             return Err(Error::invalid(format!("effect '{}'", id.info().id), "is in the model already"));
         }
         if let Some(needs) =
@@ -222,6 +223,24 @@ impl Model {
     /// Numbers that its effects remember from sample to sample.
     pub fn states(&self) -> usize {
         self.effects().map(Id::states).sum()
+    }
+
+    /// Does work that evaluates the model, on this thread.
+    ///
+    /// # Errors
+    /// An effect of the user's own failed in it, so that its result is void.
+    pub fn watched<R>(&self, work: impl FnOnce() -> R) -> Result<R> {
+        let failure = |id: Id| match id {
+            Id::User(user) => Some((user.info.id, user.failure()?)),
+            _ => None,
+        };
+        // What failed before, where nobody asked, is not this work's.
+        self.effects().for_each(|id| drop(failure(id)));
+        let done = work();
+        match self.effects().find_map(failure) {
+            Some((id, why)) => Err(Error::invalid(format!("effect '{id}'"), why)),
+            None => Ok(done),
+        }
     }
 
     /// Whether its torque depends on more than the present sample.

@@ -295,7 +295,10 @@ macro_rules! registry {
                     $(Self::$memory => starts::<$mn, $memory>(survey),)*
                     $(Self::$late => starts::<$tn, $late>(survey),)*
                     $(Self::$sensor => starts::<$sn, $sensor>(survey),)*
-                    Self::User(user) => vec![user.info.params.iter().map(|param| param.neutral).collect()],
+                    Self::User(user) if user.starts.is_empty() => {
+                        vec![user.info.params.iter().map(|param| param.neutral).collect()]
+                    }
+                    Self::User(user) => user.starts.clone(),
                 }
             }
 
@@ -435,7 +438,10 @@ impl Id {
             let known: Vec<_> = all.iter().map(|effect| effect.info().id).collect();
             Error::invalid(
                 format!("effect '{id}'"),
-                format!("is not in the catalogue; it has {}", known.join(", ")),
+                format!(
+                    "is not in the catalogue; it has {}; one of your own has to be registered first",
+                    known.join(", ")
+                ),
             )
         })
     }
