@@ -2,6 +2,7 @@
 use super::convert::{Floats, array, input_error, matrix};
 use super::model::PyModel;
 use super::signals::PySignals;
+use super::user::watched;
 use crate::diagnose::{Split, locate as locate_core};
 use crate::fit::{Detents, Fit, fit as fit_core};
 use crate::stiction::{Estimate, stiction as stiction_core};
@@ -164,5 +165,5 @@ pub fn fit(
     let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
     let detents = if find_detents { Detents::Find } else { Detents::AsModel };
     let (model, signals) = (&model.0, &signals[..]);
-    py.detach(|| fit_core(signals, model, detents)).map(PyFit).map_err(input_error)
+    watched(py, model, || fit_core(signals, model, detents))?.map(PyFit).map_err(input_error)
 }
