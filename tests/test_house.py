@@ -20,7 +20,7 @@ RUST_ORDER = [
     *("stiction", "python"),
 ]
 PYTHON_ORDER = [
-    *("_core", "errors", "tables", "finding", "formats", "quality", "capture", "motions", "effects"),
+    *("_core", "errors", "tables", "finding", "formats", "quality", "capture", "motions", "plugins", "effects", "own"),
     *("models", "model", "prepare", "simulate", "fit", "compare", "stiction", "plot", "demo", "cli"),
     *("__main__", "__init__"),
 ]

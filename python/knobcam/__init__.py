@@ -19,10 +19,11 @@ if TYPE_CHECKING:
     from .capture import Capture, load
     from .compare import Comparison, compare
     from .effects import Effect, effects
-    from .errors import InputError, KnobcamError
+    from .errors import InputError, KnobcamError, KnobcamWarning
     from .fit import Estimate, Fit, fit
     from .model import KNOBS, Model, Parameter
     from .motions import MOTIONS, MotionTrack, motion
+    from .own import OwnMotion, OwnParameter, forget_effect, own_effect
     from .prepare import Prepared, prepare
     from .simulate import SensorNoise, simulate
     from .stiction import Stiction, stiction
@@ -37,8 +38,11 @@ __all__ = [
     "Fit",
     "InputError",
     "KnobcamError",
+    "KnobcamWarning",
     "Model",
     "MotionTrack",
+    "OwnMotion",
+    "OwnParameter",
     "Parameter",
     "Prepared",
     "SensorNoise",
@@ -47,8 +51,10 @@ __all__ = [
     "compare",
     "effects",
     "fit",
+    "forget_effect",
     "load",
     "motion",
+    "own_effect",
     "prepare",
     "simulate",
     "stiction",
@@ -66,8 +72,11 @@ _HOME = {
     "Fit": "fit",
     "InputError": "errors",
     "KnobcamError": "errors",
+    "KnobcamWarning": "errors",
     "Model": "model",
     "MotionTrack": "motions",
+    "OwnMotion": "own",
+    "OwnParameter": "own",
     "Parameter": "model",
     "Prepared": "prepare",
     "SensorNoise": "simulate",
@@ -76,8 +85,10 @@ _HOME = {
     "compare": "compare",
     "effects": "effects",
     "fit": "fit",
+    "forget_effect": "own",
     "load": "capture",
     "motion": "motions",
+    "own_effect": "own",
     "prepare": "prepare",
     "simulate": "simulate",
     "stiction": "stiction",
