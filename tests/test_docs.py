@@ -204,6 +204,7 @@ def test_every_example_runs(
     expected = {
         "fit_a_capture.py": ["detents every 0.477", "written: fitted.toml"],
         "compare_and_plot.py": ["It shows most along position", "chance explains it", "pictures in"],
+        "own_effect.py": ["fails along position", "sector_brake       RMS error 0.61", "complete"],
         "stiction_from_pushes.py": ["breakaways", "karnopp.D_pos"],
         "emps.py": ["KNOBCAM_SHARED_DATA"]
         if "is absent" in said

@@ -20,7 +20,19 @@ RUST_ORDER = [
     *("stiction", "python"),
 ]
 PYTHON_ORDER = [
-    *("_core", "errors", "tables", "finding", "formats", "quality", "capture", "motions", "plugins", "effects", "own"),
+    *(
+        "_core",
+        "errors",
+        "tables",
+        "finding",
+        "formats",
+        "quality",
+        "capture",
+        "motions",
+        "plugins",
+        "effects",
+        "own",
+    ),
     *("models", "model", "prepare", "simulate", "fit", "compare", "stiction", "plot", "demo", "cli"),
     *("__main__", "__init__"),
 ]

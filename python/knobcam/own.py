@@ -1,4 +1,13 @@
-"""Effects of one's own: a torque over the motion, as a Python function."""
+"""Effects of one's own: a torque over the motion, as a Python function.
+
+>>> import knobcam as kc
+>>> @kc.own_effect("own_spring", law="k theta", k=kc.OwnParameter("N m/rad", linear=True))
+... def own_spring(motion, k):
+...     return k * motion.theta
+>>> kc.effects()["own_spring"].params[0].unit
+'N m/rad'
+>>> kc.forget_effect("own_spring")
+"""
 
 from __future__ import annotations
 
@@ -84,11 +93,11 @@ def own_effect(
         _check(name, function, params)
         _core.register_effect(
             name,
-            law,
-            source or f"{function.__module__}.{function.__qualname__}",
-            shows,
+            _line(law),
+            _line(source or f"{function.__module__}.{function.__qualname__}"),
+            _line(shows),
             [
-                (key, p.unit, p.lower, p.upper, p.neutral, p.meaning or key, p.linear)
+                (key, p.unit, p.lower, p.upper, p.neutral, _line(p.meaning or key), p.linear)
                 for key, p in params.items()
             ],
             remembers,
@@ -109,9 +118,15 @@ def forget_effect(name: str) -> None:
         raise InputError(f"effect '{name}' is none of your own that is registered")
 
 
+def _line(text: str) -> str:
+    """One printable line, as a comment of the model file has to be."""
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())
+
+
 def _check(name: str, function: Callable[..., Any], params: Mapping[str, OwnParameter]) -> None:
-    if not name.isidentifier():
-        raise InputError(f"effect {name!r}: its name must be letters, digits and _, such as cogging_bump")
+    for what, word in [("effect", name), *(("parameter", key) for key in params)]:
+        if not (word.isidentifier() and word.isascii()):
+            raise InputError(f"{what} {word!r}: its name must be letters a-z, digits and _, such as bump_2")
     if not params:
         raise InputError(f"effect '{name}': has no parameter, so nothing of it could be fitted; give it one")
     for key, param in params.items():

@@ -1,7 +1,7 @@
 //! Bindings of effects of the user's own.
 use super::convert::{Column, array, input_error};
 use crate::effects::{Id, Info, Place, Torque, User};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::param::{Kind, Param, Unit, Usual};
 use pyo3::exceptions::PyException;
@@ -32,7 +32,8 @@ pub fn register_effect(
     starts: Vec<Vec<f64>>,
     function: Py<PyAny>,
 ) -> PyResult<()> {
-    let params = params.into_iter().map(param).collect::<Result<Vec<_>>>().map_err(input_error)?;
+    let params = params.into_iter().map(|row| param(&id, row));
+    let params = params.collect::<Result<Vec<_>>>().map_err(input_error)?;
     let info = Info {
         id: id.leak(),
         place: Place::Load,
@@ -51,8 +52,9 @@ pub fn register_effect(
     Ok(())
 }
 
-fn param((name, unit, lower, upper, neutral, meaning, linear): Row) -> Result<Param> {
-    let unit = Unit::parse(&unit)?;
+fn param(id: &str, (name, unit, lower, upper, neutral, meaning, linear): Row) -> Result<Param> {
+    let unit = Unit::parse(&unit)
+        .map_err(|error| Error::invalid(format!("parameter '{id}.{name}'"), error.to_string()))?;
     let kind = if linear { Kind::Linear } else { Kind::Nonlinear };
     let (name, meaning) = (name.leak(), meaning.leak());
     Ok(Param { name, unit, kind, lower, upper, neutral, usual: Usual::Free, meaning })
