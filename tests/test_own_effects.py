@@ -84,6 +84,19 @@ def test_a_copy_of_a_built_in_law_fits_the_same_values_with_the_same_intervals(d
     assert own.rmse == pytest.approx(built_in.rmse, rel=1e-10)
 
 
+def test_beside_a_stiff_shaft_a_copy_of_a_built_in_law_acts_the_same():
+    kc.own_effect("own_drag", law="d omega |omega|", d=DRAG)(own_drag)
+    torques, values = [], []
+    for name in ("quadratic_drag", "own_drag"):
+        model = kc.Model.of([*BASE, "compliance", name], compliance__k=50.0).with_value(f"{name}.d", 1e-3)
+        model = model.with_value("inertia.M", 1e-4).with_fixed("compliance.share")
+        capture = kc.simulate(model, duration_s=2.0)
+        torques.append(kc.simulate(model, noise="none", duration_s=2.0).tau)
+        values.append(kc.fit(capture, model).params[f"{name}.d"].value)
+    np.testing.assert_allclose(torques[1], torques[0], atol=1e-3 * np.max(torques[0]))
+    assert values[1] == pytest.approx(values[0], rel=1e-2)
+
+
 def test_a_bump_is_fitted_down_to_the_noise_where_the_base_model_fails():
     register_bump()
     truth = {"bump.a": 0.01, "bump.c": 0.8, "bump.w": 0.15}

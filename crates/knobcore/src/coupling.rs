@@ -4,8 +4,11 @@
 //! measured, with a share of the inertia; the knob with the rest and with every load. Between them a spring and a
 //! damper, after a free play. Contact is stiff and friction dry, so both are implicit: the trapezoidal rule for
 //! the joint, and friction that stops the knob at the end of a step if it can (Moreau 1988).
+//!
+//! Effects of a user's own load the knob too. Their laws take whole columns, so they are evaluated along the
+//! shaft's motion, as if the joint were not strained.
 
-use crate::effects::Joint;
+use crate::effects::{Id, Joint};
 use crate::model::Model;
 use crate::motion::Motion;
 use crate::scalar::{Dual, Scalar};
@@ -28,8 +31,9 @@ pub fn sweep(
     torque: &mut [f64],
     slopes: &mut [Vec<f64>],
 ) {
+    let own = Own::over(model, p, columns, shaft);
     if slopes.is_empty() {
-        run(model, p, shaft, |at, tau| torque[at] = tau);
+        run(model, p, shaft, |at| own.torque(at), |at, tau| torque[at] = tau);
         return;
     }
     for (group, few) in slopes.chunks_mut(LANES).enumerate() {
@@ -38,10 +42,43 @@ pub fn sweep(
             Dual::<f64, LANES>::seeded(*x, columns.get(i).copied().flatten().and_then(lane))
         };
         let p: Vec<_> = p.iter().enumerate().map(seed).collect();
-        run(model, &p, shaft, |at, tau: Dual<f64, LANES>| {
+        let own = |at: usize| {
+            let mut tau = Dual::constant(own.torque(at));
+            for (column, slope) in &own.slopes {
+                if let Some(lane) = lane(*column) {
+                    tau.d[lane] += slope[at];
+                }
+            }
+            tau
+        };
+        run(model, &p, shaft, own, |at, tau: Dual<f64, LANES>| {
             torque[at] = tau.v;
             few.iter_mut().zip(tau.d).for_each(|(column, slope)| column[at] = slope);
         });
+    }
+}
+
+/// What effects of a user's own load the knob with: torque, empty without any, and derivatives by column.
+struct Own {
+    torque: Vec<f64>,
+    slopes: Vec<(usize, Vec<f64>)>,
+}
+
+impl Own {
+    fn over(model: &Model, p: &[f64], columns: &[Option<usize>], shaft: Shaft<'_>) -> Self {
+        let mut own = Self { torque: Vec::new(), slopes: Vec::new() };
+        for (id, p, columns) in model.parts(p, columns) {
+            let Id::User(user) = id else { continue };
+            own.torque.resize(shaft[0].len(), 0.0);
+            own.torque.iter_mut().zip(user.over(p, shaft)).for_each(|(sum, tau)| *sum += tau);
+            let asked = columns.iter().enumerate().filter_map(|(i, column)| Some((i, (*column)?)));
+            own.slopes.extend(asked.map(|(i, column)| (column, user.slope(p, i, shaft))));
+        }
+        own
+    }
+
+    fn torque(&self, at: usize) -> f64 {
+        self.torque.get(at).copied().unwrap_or(0.0)
     }
 }
 
@@ -51,8 +88,15 @@ struct Knob<T> {
     omega: T,
 }
 
-/// Simulates the knob along the shaft's motion and hands over the torque on the shaft at every sample.
-fn run<T: Scalar>(model: &Model, p: &[T], shaft: Shaft<'_>, mut out: impl FnMut(usize, T)) {
+/// Simulates the knob along the shaft's motion, under `own_torque` beside its loads, and hands over the torque
+/// on the shaft at every sample.
+fn run<T: Scalar>(
+    model: &Model,
+    p: &[T],
+    shaft: Shaft<'_>,
+    own_torque: impl Fn(usize) -> T,
+    mut out: impl FnMut(usize, T),
+) {
     let Some(joint) = model.joint(p) else { return };
     let [t, theta, omega, alpha, _] = shaft;
     let mut state = vec![T::of(0.0); model.states()];
@@ -71,6 +115,7 @@ fn run<T: Scalar>(model: &Model, p: &[T], shaft: Shaft<'_>, mut out: impl FnMut(
             continue;
         }
         let h = span / SUBSTEPS as f64;
+        let (own_from, own_to) = (own_torque(at), own_torque(next));
         let mut from = theta[at];
         for step in 1..=SUBSTEPS {
             let to = hermite([theta[at], theta[next]], [omega[at] * span, omega[next] * span], step);
@@ -80,7 +125,8 @@ fn run<T: Scalar>(model: &Model, p: &[T], shaft: Shaft<'_>, mut out: impl FnMut(
             let (forth, back) = (load.friction(T::of(1.0)), load.friction(T::of(0.0)));
             let half = T::of(0.5);
             let friction = (half * (forth - back)).max(T::of(0.0));
-            let push = load.drive + half * (forth + back);
+            let passed = T::of((step - 1) as f64 / SUBSTEPS as f64);
+            let push = load.drive + own_from + passed * (own_to - own_from) + half * (forth + back);
             knob = knob.stepped(&joint, own, push, friction, [from, to], h);
             from = to;
         }

@@ -261,7 +261,8 @@ impl Model {
         if bent { Kind::Nonlinear } else { slot.param.kind }
     }
 
-    /// The sum of the loads on the knob; `state` has [`Model::states`] numbers, zero at first.
+    /// The sum of the loads on the knob, but for those of a user's own ([`Model::own_torque`]); `state` has
+    /// [`Model::states`] numbers, zero at first.
     #[inline(always)]
     pub fn load<T: Scalar>(&self, p: &[T], state: &mut [T], motion: &Motion<T>) -> Load<T> {
         let mut sum = Load::none();
@@ -272,6 +273,15 @@ impl Model {
             state = rest;
         }
         sum
+    }
+
+    /// Torque of the effects of a user's own at one instant, N m.
+    pub fn own_torque(&self, p: &[f64], motion: &Motion<f64>) -> f64 {
+        let own = |(id, range): &(Id, Range<usize>)| match id {
+            Id::User(user) => user.at(p.get(range.clone())?, motion).into(),
+            _ => None,
+        };
+        self.parts.iter().filter_map(own).sum()
     }
 
     /// How shaft and knob are joined, if not rigidly.

@@ -321,13 +321,13 @@ macro_rules! registry {
                 }
             }
 
-            /// What the effect asks of the rig; an effect elsewhere in the chain asks nothing.
+            /// What the effect asks of the rig; an effect elsewhere in the chain asks nothing, nor does a user's
+            /// own, whose law is for numbers alone.
             #[inline(always)]
             pub fn load<T: Scalar>(self, p: &[T], state: &mut [T], motion: &Motion<T>) -> Load<T> {
                 match self {
                     $(Self::$load => $load::load(&take::<T, $ln>(p), motion),)*
                     $(Self::$memory => keep(state, |own| $memory::load(&take::<T, $mn>(p), own, motion)),)*
-                    Self::User(user) => Load::drive(user.at(p, motion)),
                     _ => Load::none(),
                 }
             }

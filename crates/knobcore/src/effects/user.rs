@@ -4,7 +4,6 @@ use super::{Id, Info};
 use crate::error::{Error, Result};
 use crate::motion::Motion;
 use crate::param::{Kind, Param};
-use crate::scalar::Scalar;
 use std::cell::RefCell;
 use std::cmp::Ordering;
 use std::collections::HashMap;
@@ -90,9 +89,13 @@ impl User {
         });
     }
 
-    /// The torque over columns; zero where the law fails, which [`User::failure`] then tells.
-    pub(super) fn over(&self, p: &[f64], motion: [&[f64]; 5]) -> Vec<f64> {
+    /// The torque over columns; zero where the law fails, which [`User::failure`] then tells. That parameters
+    /// are no numbers is no failure of the law.
+    pub fn over(&self, p: &[f64], motion: [&[f64]; 5]) -> Vec<f64> {
         let samples = motion[0].len();
+        if !p.iter().all(|x| x.is_finite()) {
+            return vec![f64::NAN; samples];
+        }
         let checked = (self.torque)(p, motion).and_then(|tau| {
             if tau.len() != samples {
                 return Err(format!("returned {} values for {samples} samples", tau.len()));
@@ -112,7 +115,7 @@ impl User {
     }
 
     /// The derivative of the torque by parameter `i` over columns, by central differences.
-    pub(super) fn slope(&self, p: &[f64], i: usize, motion: [&[f64]; 5]) -> Vec<f64> {
+    pub fn slope(&self, p: &[f64], i: usize, motion: [&[f64]; 5]) -> Vec<f64> {
         let Some(param) = self.info.params.get(i) else { return Vec::new() };
         let share = if param.kind == Kind::Linear { 1.0 } else { STEP };
         let step = share * p[i].abs().max(param.scale());
@@ -126,19 +129,14 @@ impl User {
     }
 
     /// The torque at one instant, which an effect that remembers does not have.
-    pub(super) fn at<T: Scalar>(&self, p: &[T], motion: &Motion<T>) -> T {
-        let mut arguments = p.to_vec();
-        arguments.extend([motion.t, motion.theta, motion.omega, motion.alpha, motion.forward]);
-        let split = p.len();
-        T::foreign(&arguments, &|x| {
-            let (p, m) = x.split_at(split);
-            if self.remembers {
-                self.fail(p, "remembers, so it has no torque at one instant, which a hidden knob would need");
-                return 0.0;
-            }
-            let columns = [&m[0..1], &m[1..2], &m[2..3], &m[3..4], &m[4..5]];
-            self.over(p, columns).first().copied().unwrap_or(0.0)
-        })
+    pub fn at(&self, p: &[f64], motion: &Motion<f64>) -> f64 {
+        if self.remembers {
+            self.fail(p, "remembers, so it has no torque at one instant, which a simulated motion needs");
+            return 0.0;
+        }
+        let Motion { t, theta, omega, alpha, forward } = motion;
+        let columns = [t, theta, omega, alpha, forward].map(std::slice::from_ref);
+        self.over(p, columns).first().copied().unwrap_or(0.0)
     }
 }
 
