@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import knobcam as kc
+from knobcam import _core
 
 BASE = ["inertia", "coulomb", "viscous"]
 DRAG = kc.OwnParameter("N m s^2/rad^2", linear=True, meaning="drag")
@@ -233,6 +234,13 @@ def test_a_law_that_fails_is_named_with_its_values_and_the_cause(
         said = refusal(act)
         assert "effect 'odd'" in said and why in said and "(with a = 0.01)" in said
     assert kc.fit(capture).rmse > 0.0  # what the effect is no part of goes on
+
+
+def test_what_a_law_failed_with_where_nobody_raised_it_is_told_once(fit: kc.Fit):
+    model = register_law(fails)
+    _core.locate([fit.signals.core], model.core)
+    assert "ZeroDivisionError" in str(_core.effect_failure("odd"))
+    assert _core.effect_failure("odd") is None and _core.effect_failure("viscous") is None
 
 
 @pytest.mark.parametrize("kind", [np.int8, np.float32])

@@ -32,8 +32,10 @@ pub fn sweep(
     slopes: &mut [Vec<f64>],
 ) {
     let own = Own::over(model, p, columns, shaft);
+    let arch = pulp::Arch::new();
     if slopes.is_empty() {
-        run(model, p, shaft, |at| own.torque(at), |at, tau| torque[at] = tau);
+        let (own, out) = (|at: usize| own.torque(at), |at: usize, tau: f64| torque[at] = tau);
+        arch.dispatch(Simulation { model, p, shaft, own, out });
         return;
     }
     for (group, few) in slopes.chunks_mut(LANES).enumerate() {
@@ -51,10 +53,29 @@ pub fn sweep(
             }
             tau
         };
-        run(model, &p, shaft, own, |at, tau: Dual<f64, LANES>| {
+        let out = |at: usize, tau: Dual<f64, LANES>| {
             torque[at] = tau.v;
             few.iter_mut().zip(tau.d).for_each(|(column, slope)| column[at] = slope);
-        });
+        };
+        arch.dispatch(Simulation { model, p: &p, shaft, own, out });
+    }
+}
+
+/// A simulation as a value, so that its body is compiled for the machine's instruction set.
+struct Simulation<'a, T, O, F> {
+    model: &'a Model,
+    p: &'a [T],
+    shaft: Shaft<'a>,
+    own: O,
+    out: F,
+}
+
+impl<T: Scalar, O: Fn(usize) -> T, F: FnMut(usize, T)> pulp::NullaryFnOnce for Simulation<'_, T, O, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        run(self.model, self.p, self.shaft, self.own, self.out);
     }
 }
 
@@ -88,13 +109,14 @@ struct Knob<T> {
     omega: T,
 }
 
-/// Simulates the knob along the shaft's motion, under `own_torque` beside its loads, and hands over the torque
+/// Simulates the knob along the shaft's motion, under the torque `more` beside its loads, and hands over the torque
 /// on the shaft at every sample.
+#[inline(always)]
 fn run<T: Scalar>(
     model: &Model,
     p: &[T],
     shaft: Shaft<'_>,
-    own_torque: impl Fn(usize) -> T,
+    more: impl Fn(usize) -> T,
     mut out: impl FnMut(usize, T),
 ) {
     let Some(joint) = model.joint(p) else { return };
@@ -115,7 +137,7 @@ fn run<T: Scalar>(
             continue;
         }
         let h = span / SUBSTEPS as f64;
-        let (own_from, own_to) = (own_torque(at), own_torque(next));
+        let (more_from, more_to) = (more(at), more(next));
         let mut from = theta[at];
         for step in 1..=SUBSTEPS {
             let to = hermite([theta[at], theta[next]], [omega[at] * span, omega[next] * span], step);
@@ -126,7 +148,7 @@ fn run<T: Scalar>(
             let half = T::of(0.5);
             let friction = (half * (forth - back)).max(T::of(0.0));
             let passed = T::of((step - 1) as f64 / SUBSTEPS as f64);
-            let push = load.drive + own_from + passed * (own_to - own_from) + half * (forth + back);
+            let push = load.drive + more_from + passed * (more_to - more_from) + half * (forth + back);
             knob = knob.stepped(&joint, own, push, friction, [from, to], h);
             from = to;
         }
@@ -141,18 +163,21 @@ fn hermite([a, b]: [f64; 2], [da, db]: [f64; 2], step: usize) -> f64 {
 }
 
 /// How far the joint is strained: what `twist` has beyond the free play.
+#[inline(always)]
 fn strain<T: Scalar>(joint: &Joint<T>, twist: T) -> T {
     let half = T::of(0.5) * joint.gap;
     twist - twist.min(half).max(-half)
 }
 
 /// Torque of the joint on the knob at a twist and its rate; two surfaces that touch push and never pull.
+#[inline(always)]
 fn contact<T: Scalar>(joint: &Joint<T>, twist: T, rate: T) -> T {
     let strain = strain(joint, twist);
     let force = joint.stiffness * strain + joint.damping * rate;
     pushing(joint, strain, force)
 }
 
+#[inline(always)]
 fn pushing<T: Scalar>(joint: &Joint<T>, strain: T, force: T) -> T {
     if joint.welded { force } else { (force * strain).where_positive(force, T::of(0.0)) }
 }
@@ -160,6 +185,7 @@ fn pushing<T: Scalar>(joint: &Joint<T>, strain: T, force: T) -> T {
 impl<T: Scalar> Knob<T> {
     /// One step of `h` seconds: the shaft moves from one angle to the next, `push` is what loads the knob and
     /// `friction` what may oppose its motion.
+    #[inline(always)]
     fn stepped(&self, joint: &Joint<T>, inertia: T, push: T, friction: T, shaft: [f64; 2], h: f64) -> Self {
         let (h, half) = (T::of(h), T::of(0.5));
         let speed = T::of(shaft[1] - shaft[0]) / h;

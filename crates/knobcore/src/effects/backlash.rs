@@ -31,11 +31,11 @@ impl Effect<4> for Backlash {
             [share * inertia * omega * omega, share * inertia * omega]
         };
         let mut starts = Vec::new();
-        for gap in [0.04, 0.02, 0.01, 0.005] {
-            for share in [0.8, 0.6] {
-                let [k, d] = rings(0.04 * survey.rate_hz, share);
-                starts.push([gap * survey.range().clamp(0.1, 2.0), k.clamp(1e-3, 1e5), d.min(1e2), share]);
-            }
+        let mut gap = 0.003 * survey.range().clamp(0.1, 2.0);
+        for _ in 0..9 {
+            let [k, d] = rings(0.03 * survey.rate_hz, 0.7);
+            starts.push([gap, k.clamp(1e-3, 1e5), d.min(1e2), 0.7]);
+            gap *= 1.6;
         }
         starts
     }

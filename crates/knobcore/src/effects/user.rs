@@ -203,7 +203,7 @@ impl Ord for User {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effects::Place;
+    use crate::effects::{Place, Survey};
     use crate::param::Unit;
 
     fn drag(id: &'static str, law: fn(f64, f64) -> f64) -> &'static User {
@@ -243,6 +243,26 @@ mod tests {
         let why = user.failure().unwrap();
         assert!(why.contains("NaN at theta = 0, omega = -2") && why.contains("d = 2"), "{why}");
         assert_eq!(user.failure(), None);
+    }
+
+    #[test]
+    fn a_search_starts_where_the_user_said_or_else_at_the_neutral_values() {
+        const SHAPES: &[Param] = &[Param::shape("c", Unit::of(0, 1, 0), [-3.0, 3.0], 0.5, "centre")];
+        let survey = Survey {
+            theta: vec![0.0, 1.0],
+            speed: vec![0.0, 1.0],
+            torque: vec![0.0, 1.0],
+            duration_s: 1.0,
+            rate_hz: 1000.0,
+            inertia: 1e-4,
+        };
+        for (starts, expected) in
+            [(vec![], vec![vec![0.5]]), (vec![vec![-2.0], vec![2.0]], vec![vec![-2.0], vec![2.0]])]
+        {
+            let torque: Torque = Box::new(|_, m| Ok(m[0].to_vec()));
+            let user = User::register(info("started", SHAPES), false, starts, torque).unwrap();
+            assert_eq!(Id::User(user).starts(&survey), expected);
+        }
     }
 
     #[test]

@@ -12,8 +12,27 @@ use crate::param::Kind;
 use crate::predict::Seeds;
 use crate::signals::Signals;
 
-/// Trials before giving up.
-const MAX_EVALUATIONS: usize = 60;
+/// How far to go.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Effort {
+    /// To the optimum.
+    Full,
+    /// Until what is left to gain would not change which of several models is the better one.
+    Sketch,
+}
+
+impl Effort {
+    /// Trials before giving up.
+    fn evaluations(self) -> usize {
+        if self == Self::Full { 60 } else { 25 }
+    }
+
+    /// A step that gains less than this share of the sum of squares ends the search.
+    fn least_gain(self) -> f64 {
+        if self == Self::Full { 0.0 } else { 2e-4 }
+    }
+}
+
 /// A step that promises less than this share of the mean square error is taken and ends the fit: it moves no
 /// parameter by more than a thirtieth of its standard error, and what is left after it is its square.
 const PROMISE: f64 = 1e-3;
@@ -25,6 +44,9 @@ const STEP: f64 = 1e-12;
 const CLOSE: f64 = 1.5;
 /// A sum of squares below this share of the measured one is rounding: eleven digits of the torque agree.
 const EXACT: f64 = 1e-22;
+
+/// Most that a positive parameter moves in one step, as a power of e.
+const LONGEST: f64 = 1.5;
 
 /// Why the fit stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -136,8 +158,12 @@ impl Layout {
             next[i] += step[column];
         }
         for &column in &self.hard {
-            let i = self.free[column];
-            next[i] = next[i].clamp(slots[i].param.lower, slots[i].param.upper);
+            let (i, lower) = (self.free[column], slots[self.free[column]].param.lower);
+            // What can only be positive moves by factors: the same step to first order, and never through zero.
+            if lower > 0.0 {
+                next[i] = p[i] * (step[column] / p[i]).clamp(-LONGEST, LONGEST).exp();
+            }
+            next[i] = next[i].clamp(lower, slots[i].param.upper);
         }
         for &(amplitude, phase) in &self.polar {
             let (a, s) = (self.free[amplitude], self.free[phase]);
@@ -224,7 +250,9 @@ impl Problem<'_> {
                 linear_step[column] = value;
             }
         }
-        let cost = moments.squares_after(&linear_step).max(0.0);
+        let cost = moments.squares_after(&linear_step);
+        // A hidden motion may run away: as bad as can be, and so no step to take.
+        let cost = if cost.is_finite() { cost.max(0.0) } else { f64::INFINITY };
         Point { p, moments, linear_step, kept, normal, cost }
     }
 
@@ -274,7 +302,7 @@ impl Problem<'_> {
 }
 
 /// The best parameters that a descent from `start` reaches.
-pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64]) -> Found {
+pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64], effort: Effort) -> Found {
     let square = |x: &[f64], w: &[f64]| x.iter().zip(w).map(|(x, w)| x * x * w).sum::<f64>();
     let total: f64 = data.iter().map(|s| square(&s.tau, &s.weight)).sum();
     let rows: f64 = data.iter().map(|s| s.used() as f64).sum();
@@ -291,6 +319,9 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64])
         evaluations: problem.evaluations,
         status,
     };
+    if here.cost.is_infinite() {
+        return ended(&problem, &here, 0, Status::Stalled);
+    }
     if layout.free.is_empty() {
         return ended(&problem, &here, 0, Status::Fixed);
     }
@@ -307,7 +338,7 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64])
         if here.cost <= EXACT * total {
             return ended(&problem, &here, iterations, Status::Exact);
         }
-        if problem.evaluations >= MAX_EVALUATIONS {
+        if problem.evaluations >= effort.evaluations() {
             return ended(&problem, &here, iterations, Status::Limit);
         }
         let Some((step, promise)) = problem.step(&here, damping) else {
@@ -315,7 +346,7 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64])
         };
         let small =
             layout.hard.iter().all(|&h| step[h].abs() <= STEP * here.p[layout.free[h]].abs().max(STEP));
-        if promise <= PROMISE * here.cost / rows || small {
+        if promise <= (PROMISE / rows).max(effort.least_gain()) * here.cost || small {
             if damping > 1e8 {
                 return ended(&problem, &here, iterations, Status::Stalled);
             }
@@ -331,8 +362,12 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64])
         let there = problem.point(layout.moved(model, &here.p, &step));
         let gain = (here.cost - there.cost) / promise;
         if there.cost < here.cost {
+            let fell = 1.0 - there.cost / here.cost;
             here = there;
             iterations += 1;
+            if fell < effort.least_gain() {
+                return ended(&problem, &here, iterations, Status::Converged);
+            }
             damping *= (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0);
             if damping < 1e-9 {
                 damping = 0.0;
