@@ -20,21 +20,9 @@ RUST_ORDER = [
     *("stiction", "python"),
 ]
 PYTHON_ORDER = [
-    *(
-        "_core",
-        "errors",
-        "tables",
-        "finding",
-        "formats",
-        "quality",
-        "capture",
-        "motions",
-        "plugins",
-        "effects",
-        "own",
-    ),
-    *("models", "model", "prepare", "simulate", "fit", "compare", "stiction", "plot", "demo", "cli"),
-    *("__main__", "__init__"),
+    *("_core", "errors", "tables", "finding", "formats", "quality", "capture", "motions", "plugins"),
+    *("effects", "own", "models", "model", "prepare", "simulate", "fit", "compare", "stiction", "plot"),
+    *("demo", "cli", "__main__", "__init__"),
 ]
 LONGEST = 400
 

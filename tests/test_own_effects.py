@@ -87,15 +87,19 @@ def test_a_copy_of_a_built_in_law_fits_the_same_values_with_the_same_intervals(d
 
 def test_beside_a_stiff_shaft_a_copy_of_a_built_in_law_acts_the_same():
     kc.own_effect("own_drag", law="d omega |omega|", d=DRAG)(own_drag)
-    torques, values = [], []
-    for name in ("quadratic_drag", "own_drag"):
-        model = kc.Model.of([*BASE, "compliance", name], compliance__k=50.0).with_value(f"{name}.d", 1e-3)
-        model = model.with_value("inertia.M", 1e-4).with_fixed("compliance.share")
-        capture = kc.simulate(model, duration_s=2.0)
-        torques.append(kc.simulate(model, noise="none", duration_s=2.0).tau)
-        values.append(kc.fit(capture, model).params[f"{name}.d"].value)
+    model = kc.Model.of([*BASE, "compliance"], inertia__M=1e-4, compliance__k=50.0)
+    for name in ("k", "d", "share"):
+        model = model.with_fixed(f"compliance.{name}")
+    built_in, own = (
+        model.with_effect(name).with_value(f"{name}.d", 1e-3) for name in ("quadratic_drag", "own_drag")
+    )
+    torques = [kc.simulate(knob, noise="none", duration_s=2.0).tau for knob in (built_in, own)]
     np.testing.assert_allclose(torques[1], torques[0], atol=1e-3 * np.max(torques[0]))
-    assert values[1] == pytest.approx(values[0], rel=1e-2)
+    capture = kc.simulate(built_in, duration_s=2.0)
+    drag = kc.fit(capture, built_in).params["quadratic_drag.d"]
+    copy = kc.fit(capture, own).params["own_drag.d"]
+    assert abs(copy.value - drag.value) < 0.5 * drag.se
+    assert copy.se == pytest.approx(drag.se, rel=0.02)
 
 
 def test_a_bump_is_fitted_down_to_the_noise_where_the_base_model_fails():
@@ -234,6 +238,20 @@ def test_a_law_that_fails_is_named_with_its_values_and_the_cause(
         said = refusal(act)
         assert "effect 'odd'" in said and why in said and "(with a = 0.01)" in said
     assert kc.fit(capture).rmse > 0.0  # what the effect is no part of goes on
+
+
+def test_a_diagnosis_finds_the_right_own_effect_and_leaves_a_failing_one_out():
+    register_bump(starts=[{"c": c} for c in np.linspace(-1.0, 1.0, 9)])
+    register_law(fails)
+    knob = kc.Model.load("knob2").with_effect("bump").with_value("bump.a", 0.01).with_value("bump.c", 0.8)
+    base = kc.fit(kc.simulate(knob))
+    found = _core.diagnose(
+        [base.signals.core], base.model.core, ["odd", "quadratic_drag", "unbalance", "bump"]
+    )
+    effects = {effect: (fit, note) for effect, fit, *_, note in found}
+    assert found[0][0] == "bump" and found[0][1].rmse < 1.03 * base.noise_floor
+    assert effects["odd"][0] is None and "left out" in effects["odd"][1] and "is gone" in effects["odd"][1]
+    assert effects["quadratic_drag"][0] is not None and effects["unbalance"][0] is not None
 
 
 def test_what_a_law_failed_with_where_nobody_raised_it_is_told_once(fit: kc.Fit):
