@@ -13,13 +13,17 @@ use crate::model::Model;
 use crate::motion::Motion;
 use crate::scalar::{Dual, Scalar};
 
-/// Steps per sample. The joint needs none of them to be stable; they resolve when contact begins and ends.
-const SUBSTEPS: usize = 4;
 /// Derivatives that are carried along at a time.
-const LANES: usize = 16;
+const MOST: usize = 16;
 
-/// The measured motion of the shaft: t, theta, omega, alpha, forward.
-type Shaft<'a> = [&'a [f64]; 5];
+/// The measured motion of the shaft.
+#[derive(Debug, Clone, Copy)]
+pub struct Shaft<'a> {
+    /// t, theta, omega, alpha, forward.
+    pub motion: [&'a [f64]; 5],
+    /// Steps per sample. The joint needs none of them to be stable; they resolve when contact begins and ends.
+    pub substeps: usize,
+}
 
 /// Torque on the shaft and its derivatives; see [`crate::predict`]. `columns` says which column each parameter
 /// has.
@@ -31,51 +35,53 @@ pub fn sweep(
     torque: &mut [f64],
     slopes: &mut [Vec<f64>],
 ) {
-    let own = Own::over(model, p, columns, shaft);
-    let arch = pulp::Arch::new();
+    let hidden = Hidden { model, p, columns, shaft, own: Own::over(model, p, columns, shaft.motion) };
     if slopes.is_empty() {
-        let (own, out) = (|at: usize| own.torque(at), |at: usize, tau: f64| torque[at] = tau);
-        arch.dispatch(Simulation { model, p, shaft, own, out });
+        let (more, out) = (|at: usize| hidden.own.torque(at), |at: usize, tau: f64| torque[at] = tau);
+        pulp::Arch::new().dispatch(Simulation { model, p, shaft, more, out });
         return;
     }
-    for (group, few) in slopes.chunks_mut(LANES).enumerate() {
-        let lane = |column: usize| column.checked_sub(group * LANES).filter(|lane| *lane < LANES);
+    for (group, few) in slopes.chunks_mut(MOST).enumerate() {
+        let first = group * MOST;
+        match few.len() {
+            0..=8 => hidden.carry::<8>(first, torque, few),
+            9..=12 => hidden.carry::<12>(first, torque, few),
+            _ => hidden.carry::<MOST>(first, torque, few),
+        }
+    }
+}
+
+/// What is simulated, and by which parameters it is differentiated.
+struct Hidden<'a> {
+    model: &'a Model,
+    p: &'a [f64],
+    columns: &'a [Option<usize>],
+    shaft: Shaft<'a>,
+    own: Own,
+}
+
+impl Hidden<'_> {
+    /// Simulates with the derivatives whose columns begin at `first`.
+    fn carry<const L: usize>(&self, first: usize, torque: &mut [f64], few: &mut [Vec<f64>]) {
+        let lane = |column: usize| column.checked_sub(first).filter(|lane| *lane < L);
         let seed = |(i, x): (usize, &f64)| {
-            Dual::<f64, LANES>::seeded(*x, columns.get(i).copied().flatten().and_then(lane))
+            Dual::<f64, L>::seeded(*x, self.columns.get(i).copied().flatten().and_then(lane))
         };
-        let p: Vec<_> = p.iter().enumerate().map(seed).collect();
-        let own = |at: usize| {
-            let mut tau = Dual::constant(own.torque(at));
-            for (column, slope) in &own.slopes {
+        let p: Vec<_> = self.p.iter().enumerate().map(seed).collect();
+        let more = |at: usize| {
+            let mut tau = Dual::constant(self.own.torque(at));
+            for (column, slope) in &self.own.slopes {
                 if let Some(lane) = lane(*column) {
                     tau.d[lane] += slope[at];
                 }
             }
             tau
         };
-        let out = |at: usize, tau: Dual<f64, LANES>| {
+        let out = |at: usize, tau: Dual<f64, L>| {
             torque[at] = tau.v;
             few.iter_mut().zip(tau.d).for_each(|(column, slope)| column[at] = slope);
         };
-        arch.dispatch(Simulation { model, p: &p, shaft, own, out });
-    }
-}
-
-/// A simulation as a value, so that its body is compiled for the machine's instruction set.
-struct Simulation<'a, T, O, F> {
-    model: &'a Model,
-    p: &'a [T],
-    shaft: Shaft<'a>,
-    own: O,
-    out: F,
-}
-
-impl<T: Scalar, O: Fn(usize) -> T, F: FnMut(usize, T)> pulp::NullaryFnOnce for Simulation<'_, T, O, F> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        run(self.model, self.p, self.shaft, self.own, self.out);
+        pulp::Arch::new().dispatch(Simulation { model: self.model, p: &p, shaft: self.shaft, more, out });
     }
 }
 
@@ -86,20 +92,38 @@ struct Own {
 }
 
 impl Own {
-    fn over(model: &Model, p: &[f64], columns: &[Option<usize>], shaft: Shaft<'_>) -> Self {
+    fn over(model: &Model, p: &[f64], columns: &[Option<usize>], motion: [&[f64]; 5]) -> Self {
         let mut own = Self { torque: Vec::new(), slopes: Vec::new() };
         for (id, p, columns) in model.parts(p, columns) {
             let Id::User(user) = id else { continue };
-            own.torque.resize(shaft[0].len(), 0.0);
-            own.torque.iter_mut().zip(user.over(p, shaft)).for_each(|(sum, tau)| *sum += tau);
+            own.torque.resize(motion[0].len(), 0.0);
+            own.torque.iter_mut().zip(user.over(p, motion)).for_each(|(sum, tau)| *sum += tau);
             let asked = columns.iter().enumerate().filter_map(|(i, column)| Some((i, (*column)?)));
-            own.slopes.extend(asked.map(|(i, column)| (column, user.slope(p, i, shaft))));
+            own.slopes.extend(asked.map(|(i, column)| (column, user.slope(p, i, motion))));
         }
         own
     }
 
     fn torque(&self, at: usize) -> f64 {
         self.torque.get(at).copied().unwrap_or(0.0)
+    }
+}
+
+/// A simulation as a value, so that its body is compiled for the machine's instruction set.
+struct Simulation<'a, T, M, F> {
+    model: &'a Model,
+    p: &'a [T],
+    shaft: Shaft<'a>,
+    more: M,
+    out: F,
+}
+
+impl<T: Scalar, M: Fn(usize) -> T, F: FnMut(usize, T)> pulp::NullaryFnOnce for Simulation<'_, T, M, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        run(self.model, self.p, self.shaft, self.more, self.out);
     }
 }
 
@@ -120,7 +144,8 @@ fn run<T: Scalar>(
     mut out: impl FnMut(usize, T),
 ) {
     let Some(joint) = model.joint(p) else { return };
-    let [t, theta, omega, alpha, _] = shaft;
+    let [t, theta, omega, alpha, _] = shaft.motion;
+    let substeps = shaft.substeps.max(1);
     let mut state = vec![T::of(0.0); model.states()];
     let first = |column: &[f64]| T::of(column.first().copied().unwrap_or(0.0));
     let mut knob = Knob { theta: first(theta), omega: first(omega) };
@@ -136,28 +161,28 @@ fn run<T: Scalar>(
         if span <= 0.0 {
             continue;
         }
-        let h = span / SUBSTEPS as f64;
+        let h = span / substeps as f64;
         let (more_from, more_to) = (more(at), more(next));
         let mut from = theta[at];
-        for step in 1..=SUBSTEPS {
-            let to = hermite([theta[at], theta[next]], [omega[at] * span, omega[next] * span], step);
+        for step in 1..=substeps {
+            let share = |steps: usize| steps as f64 / substeps as f64;
+            let to = hermite([theta[at], theta[next]], [omega[at] * span, omega[next] * span], share(step));
             let clock = t[at] + (step - 1) as f64 * h;
             let motion = Motion::exact(T::of(clock), knob.theta, knob.omega, T::of(0.0));
             let load = model.load(p, &mut state, &motion);
             let (forth, back) = (load.friction(T::of(1.0)), load.friction(T::of(0.0)));
             let half = T::of(0.5);
             let friction = (half * (forth - back)).max(T::of(0.0));
-            let passed = T::of((step - 1) as f64 / SUBSTEPS as f64);
-            let push = load.drive + more_from + passed * (more_to - more_from) + half * (forth + back);
+            let more = more_from + T::of(share(step - 1)) * (more_to - more_from);
+            let push = load.drive + more + half * (forth + back);
             knob = knob.stepped(&joint, own, push, friction, [from, to], h);
             from = to;
         }
     }
 }
 
-/// The angle of the shaft after so many substeps of a sample, by the cubic through its angles and speeds.
-fn hermite([a, b]: [f64; 2], [da, db]: [f64; 2], step: usize) -> f64 {
-    let u = step as f64 / SUBSTEPS as f64;
+/// The angle of the shaft after a share `u` of a sample, by the cubic through its angles and speeds.
+fn hermite([a, b]: [f64; 2], [da, db]: [f64; 2], u: f64) -> f64 {
     let v = 1.0 - u;
     v * v * (1.0 + 2.0 * u) * a + u * u * (1.0 + 2.0 * v) * b + u * v * (v * da - u * db)
 }

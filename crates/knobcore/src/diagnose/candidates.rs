@@ -1,8 +1,8 @@
 //! Every absent effect, fitted: what would each take off the error?
 
-use super::coupled::coupled;
 use super::null::Null;
 use super::screen::{Screen, Start};
+use super::coupled::coupled;
 use crate::effects::{Id, Place};
 use crate::fit::{Fit, report, sketch};
 use crate::floor::Floor;
@@ -15,6 +15,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 const FOLLOWED: usize = 2;
 /// A start that promises to take off this share of what the best one does is followed too.
 const RIVAL: f64 = 0.7;
+/// A sum of squares below this many times what noise leaves is explained.
+const EXPLAINED: f64 = 1.03;
 
 /// An effect that the model lacks, and what it would do.
 #[derive(Debug, Clone)]
@@ -34,29 +36,20 @@ pub struct Candidate {
 }
 
 /// Fits each of the `effects` beside a fitted model; best first.
+///
+/// Couplings take by far the longest. They are left for last, and tried only where all others leave something.
 pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id]) -> Vec<Candidate> {
     let screen = Screen::new(data, model);
-    let white = Floor::of(data, model).white;
-    let white = if white > 0.0 { white } else { screen.squares.max(f64::MIN_POSITIVE) * 1e-12 };
-    let next = AtomicUsize::new(0);
-    let found = Mutex::new(Vec::new());
-    // The slow ones first: couplings stand at the head of the catalogue.
-    let work = || {
-        while let Some(&id) = effects.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let starts = screen.starts(id);
-            let candidate = fitted(&screen, id, &starts, white);
-            if let Ok(mut found) = found.lock() {
-                found.push((candidate, starts));
-            }
-        }
-    };
-    std::thread::scope(|scope| {
-        for _ in 1..workers() {
-            scope.spawn(work);
-        }
-        work();
-    });
-    let mut found = found.into_inner().unwrap_or_default();
+    let floor = Floor::of(data, model);
+    let white = if floor.white > 0.0 { floor.white } else { screen.squares.max(f64::MIN_POSITIVE) * 1e-12 };
+    let (slow, quick): (Vec<Id>, Vec<Id>) =
+        effects.iter().partition(|id| id.info().place == Place::Coupling);
+    let mut found = weighed(&screen, &quick, white);
+    let best = found.iter().fold(0.0, |best: f64, (candidate, _)| best.max(candidate.gain));
+    let left = screen.squares - best * white;
+    if left.is_nan() || floor.squares.is_nan() || left > EXPLAINED * floor.squares {
+        found.extend(weighed(&screen, &slow, white));
+    }
     found.sort_by_key(|(candidate, _)| candidate.id);
     let null = Null::of(&screen, found.iter().map(|(candidate, starts)| (candidate.id, &starts[..])));
     let mut candidates: Vec<Candidate> = found
@@ -65,6 +58,28 @@ pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id]) -> Vec<Candida
         .collect();
     candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     candidates
+}
+
+/// Fits effects beside the screen's model, as many at a time as there are processors.
+fn weighed(screen: &Screen<'_>, effects: &[Id], white: f64) -> Vec<(Candidate, Vec<Start>)> {
+    let next = AtomicUsize::new(0);
+    let found = Mutex::new(Vec::new());
+    let work = || {
+        while let Some(&id) = effects.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let starts = screen.starts(id);
+            let candidate = fitted(screen, id, &starts, white);
+            if let Ok(mut found) = found.lock() {
+                found.push((candidate, starts));
+            }
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 1..workers().min(effects.len()) {
+            scope.spawn(work);
+        }
+        work();
+    });
+    found.into_inner().unwrap_or_default()
 }
 
 fn workers() -> usize {

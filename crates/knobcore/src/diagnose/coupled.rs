@@ -13,7 +13,7 @@ use crate::signals::Signals;
 /// Stopband edge of the coarse filter at 5 kHz, Hz.
 const COARSE_HZ: f64 = 60.0;
 /// Starts that are followed through the coarse filter.
-const FOLLOWED: usize = 3;
+const FOLLOWED: usize = 2;
 
 /// The optima that coarse descents lead to, each with its model.
 pub fn coupled(data: &[&Signals], starts: &[Start]) -> Vec<(Model, Found)> {
@@ -34,7 +34,7 @@ pub fn coupled(data: &[&Signals], starts: &[Start]) -> Vec<(Model, Found)> {
 fn slowed(signals: &Signals) -> Option<Signals> {
     let edge = COARSE_HZ * slower(signals.rate_hz);
     let filter = ZeroPhase::new(cheby2(3, 20.0, edge, signals.rate_hz).ok()?);
-    let mut slow = Signals { filter: Some(filter), ..signals.clone() };
+    let mut slow = Signals { filter: Some(filter), substeps: 2, ..signals.clone() };
     slow.filter_torque();
     Some(slow)
 }

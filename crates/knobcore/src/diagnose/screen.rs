@@ -183,6 +183,6 @@ fn survey(data: &[&Signals], model: &Model) -> Survey {
         torque: counted(&|s, at| s.tau_raw[at].abs()),
         duration_s: data.iter().filter_map(|s| s.t.last()).fold(0.0, |a: f64, b| a.max(*b)),
         rate_hz: data.first().map_or(1.0, |s| s.rate_hz),
-        inertia: model.index("inertia.M").map_or(0.0, |i| model.slots()[i].value),
+        inertia: model.index("inertia.M").map_or(0.0, |i| model.slots()[i].value.abs()),
     }
 }

@@ -24,7 +24,7 @@ pub enum Effort {
 impl Effort {
     /// Trials before giving up.
     fn evaluations(self) -> usize {
-        if self == Self::Full { 60 } else { 25 }
+        if self == Self::Full { 60 } else { 35 }
     }
 
     /// A step that gains less than this share of the sum of squares ends the search.
