@@ -69,13 +69,13 @@ impl Hidden<'_> {
         };
         let p: Vec<_> = self.p.iter().enumerate().map(seed).collect();
         let more = |at: usize| {
-            let mut tau = Dual::constant(self.own.torque(at));
+            let mut tau = Dual::constant(self.own.torque(at)?);
             for (column, slope) in &self.own.slopes {
                 if let Some(lane) = lane(*column) {
                     tau.d[lane] += slope[at];
                 }
             }
-            tau
+            Some(tau)
         };
         let out = |at: usize, tau: Dual<f64, L>| {
             torque[at] = tau.v;
@@ -104,8 +104,8 @@ impl Own {
         own
     }
 
-    fn torque(&self, at: usize) -> f64 {
-        self.torque.get(at).copied().unwrap_or(0.0)
+    fn torque(&self, at: usize) -> Option<f64> {
+        self.torque.get(at).copied()
     }
 }
 
@@ -118,7 +118,9 @@ struct Simulation<'a, T, M, F> {
     out: F,
 }
 
-impl<T: Scalar, M: Fn(usize) -> T, F: FnMut(usize, T)> pulp::NullaryFnOnce for Simulation<'_, T, M, F> {
+impl<T: Scalar, M: Fn(usize) -> Option<T>, F: FnMut(usize, T)> pulp::NullaryFnOnce
+    for Simulation<'_, T, M, F>
+{
     type Output = ();
 
     #[inline(always)]
@@ -133,14 +135,14 @@ struct Knob<T> {
     omega: T,
 }
 
-/// Simulates the knob along the shaft's motion, under the torque `more` beside its loads, and hands over the torque
+/// Simulates the knob along the shaft's motion, under the torque `more`, if any, beside its loads, and hands over the torque
 /// on the shaft at every sample.
 #[inline(always)]
 fn run<T: Scalar>(
     model: &Model,
     p: &[T],
     shaft: Shaft<'_>,
-    more: impl Fn(usize) -> T,
+    more: impl Fn(usize) -> Option<T>,
     mut out: impl FnMut(usize, T),
 ) {
     let Some(joint) = model.joint(p) else { return };
@@ -162,7 +164,7 @@ fn run<T: Scalar>(
             continue;
         }
         let h = span / substeps as f64;
-        let (more_from, more_to) = (more(at), more(next));
+        let more = more(at).zip(more(next));
         let mut from = theta[at];
         for step in 1..=substeps {
             let share = |steps: usize| steps as f64 / substeps as f64;
@@ -173,8 +175,10 @@ fn run<T: Scalar>(
             let (forth, back) = (load.friction(T::of(1.0)), load.friction(T::of(0.0)));
             let half = T::of(0.5);
             let friction = (half * (forth - back)).max(T::of(0.0));
-            let more = more_from + T::of(share(step - 1)) * (more_to - more_from);
-            let push = load.drive + more + half * (forth + back);
+            let mut push = load.drive + half * (forth + back);
+            if let Some((from, to)) = more {
+                push = push + from + T::of(share(step - 1)) * (to - from);
+            }
             knob = knob.stepped(&joint, own, push, friction, [from, to], h);
             from = to;
         }
