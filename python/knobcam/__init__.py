@@ -16,42 +16,58 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ._core import __version__
+    from .agreement import Disagreement
     from .capture import Capture, load
     from .compare import Comparison, compare
+    from .diagnose import Candidate, Diagnosis, diagnose
     from .effects import Effect, effects
     from .errors import InputError, KnobcamError, KnobcamWarning
     from .fit import Estimate, Fit, fit
+    from .lacks import Lack
+    from .ladder import Rung, Unexplained
+    from .learn import Story, learn
     from .model import KNOBS, Model, Parameter
     from .motions import MOTIONS, MotionTrack, motion
     from .own import OwnMotion, OwnParameter, forget_effect, own_effect
     from .prepare import Prepared, prepare
+    from .refit import Moved
     from .simulate import SensorNoise, simulate
     from .stiction import Stiction, stiction
 
 __all__ = [
     "KNOBS",
     "MOTIONS",
+    "Candidate",
     "Capture",
     "Comparison",
+    "Diagnosis",
+    "Disagreement",
     "Effect",
     "Estimate",
     "Fit",
     "InputError",
     "KnobcamError",
     "KnobcamWarning",
+    "Lack",
     "Model",
     "MotionTrack",
+    "Moved",
     "OwnMotion",
     "OwnParameter",
     "Parameter",
     "Prepared",
+    "Rung",
     "SensorNoise",
     "Stiction",
+    "Story",
+    "Unexplained",
     "__version__",
     "compare",
+    "diagnose",
     "effects",
     "fit",
     "forget_effect",
+    "learn",
     "load",
     "motion",
     "own_effect",
@@ -65,27 +81,37 @@ __all__ = [
 _HOME = {
     "KNOBS": "model",
     "MOTIONS": "motions",
+    "Candidate": "diagnose",
     "Capture": "capture",
     "Comparison": "compare",
+    "Diagnosis": "diagnose",
+    "Disagreement": "agreement",
     "Effect": "effects",
     "Estimate": "fit",
     "Fit": "fit",
     "InputError": "errors",
     "KnobcamError": "errors",
     "KnobcamWarning": "errors",
+    "Lack": "lacks",
     "Model": "model",
     "MotionTrack": "motions",
+    "Moved": "refit",
     "OwnMotion": "own",
     "OwnParameter": "own",
     "Parameter": "model",
     "Prepared": "prepare",
+    "Rung": "ladder",
     "SensorNoise": "simulate",
     "Stiction": "stiction",
+    "Story": "learn",
+    "Unexplained": "ladder",
     "__version__": "_core",
     "compare": "compare",
+    "diagnose": "diagnose",
     "effects": "effects",
     "fit": "fit",
     "forget_effect": "own",
+    "learn": "learn",
     "load": "capture",
     "motion": "motions",
     "own_effect": "own",

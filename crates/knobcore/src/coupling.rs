@@ -135,8 +135,8 @@ struct Knob<T> {
     omega: T,
 }
 
-/// Simulates the knob along the shaft's motion, under the torque `more`, if any, beside its loads, and hands over the torque
-/// on the shaft at every sample.
+/// Simulates the knob along the shaft's motion, under the torque `more`, if any, beside its loads, and hands over
+/// the torque on the shaft at every sample.
 #[inline(always)]
 fn run<T: Scalar>(
     model: &Model,

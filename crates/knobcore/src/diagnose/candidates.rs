@@ -1,10 +1,10 @@
 //! Every absent effect, fitted: what would each take off the error?
 
+use super::coupled::coupled;
 use super::null::Null;
 use super::screen::{Screen, Start};
-use super::coupled::coupled;
 use crate::effects::{Id, Place};
-use crate::fit::{Fit, report, sketch};
+use crate::fit::{Fit, Found, report, sketch};
 use crate::floor::Floor;
 use crate::model::{Model, Role};
 use crate::signals::Signals;
@@ -42,8 +42,7 @@ pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id]) -> Vec<Candida
     let screen = Screen::new(data, model);
     let floor = Floor::of(data, model);
     let white = if floor.white > 0.0 { floor.white } else { screen.squares.max(f64::MIN_POSITIVE) * 1e-12 };
-    let (slow, quick): (Vec<Id>, Vec<Id>) =
-        effects.iter().partition(|id| id.info().place == Place::Coupling);
+    let (slow, quick): (Vec<Id>, Vec<Id>) = effects.iter().partition(|id| id.info().place == Place::Coupling);
     let mut found = weighed(&screen, &quick, white);
     let best = found.iter().fold(0.0, |best: f64, (candidate, _)| best.max(candidate.gain));
     let left = screen.squares - best * white;
@@ -66,10 +65,9 @@ fn weighed(screen: &Screen<'_>, effects: &[Id], white: f64) -> Vec<(Candidate, V
     let found = Mutex::new(Vec::new());
     let work = || {
         while let Some(&id) = effects.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let starts = screen.starts(id);
-            let candidate = fitted(screen, id, &starts, white);
+            let result = fitted(screen, id, white);
             if let Ok(mut found) = found.lock() {
-                found.push((candidate, starts));
+                found.push(result);
             }
         }
     };
@@ -86,25 +84,36 @@ fn workers() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from).min(8)
 }
 
-fn fitted(screen: &Screen<'_>, id: Id, starts: &[Start], white: f64) -> Candidate {
+/// An effect fitted beside the screen's model, and the starts that it had.
+fn fitted(screen: &Screen<'_>, id: Id, white: f64) -> (Candidate, Vec<Start>) {
+    let (starts, end) = if id.info().place == Place::Coupling {
+        coupled(screen.data, screen.model, id)
+    } else {
+        let starts = screen.starts(id);
+        let promised = screen.squares - starts.first().map_or(0.0, |best| best.promise);
+        let worth = |start: &&Start| screen.squares - start.promise >= RIVAL * promised;
+        let followed = starts.iter().take(FOLLOWED).filter(worth);
+        let ends = followed.map(|start| (start.model.clone(), sketch(screen.data, &start.model)));
+        let end = ends.min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost));
+        (starts, end)
+    };
+    (candidate(screen, id, &starts, end, white), starts)
+}
+
+fn candidate(
+    screen: &Screen<'_>,
+    id: Id,
+    starts: &[Start],
+    end: Option<(Model, Found)>,
+    white: f64,
+) -> Candidate {
     let free = |start: &Start| {
         start.model.slots().iter().filter(|slot| slot.effect == id && slot.role == Role::Free).count()
     };
     let parameters = starts.first().map_or(0, free);
     let failed = |note: String| Candidate { id, fit: None, gain: 0.0, parameters, p_value: 1.0, note };
-    let Some(best) = starts.first() else {
-        return failed("does not go with this model".into());
-    };
-    let ends = if id.info().place == Place::Coupling {
-        coupled(screen.data, starts)
-    } else {
-        let promised = screen.squares - best.promise;
-        let worth = |start: &&Start| screen.squares - start.promise >= RIVAL * promised;
-        let followed = starts.iter().take(FOLLOWED).filter(worth);
-        followed.map(|start| (start.model.clone(), sketch(screen.data, &start.model))).collect()
-    };
-    let Some((model, found)) = ends.into_iter().min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost)) else {
-        return failed("has no start that can be followed".into());
+    let Some((model, found)) = end else {
+        return failed("does not go with this model, or runs away from it".into());
     };
     if let Id::User(user) = id
         && let Some(why) = user.failure()
