@@ -1,6 +1,6 @@
 """The compiled core; arrays are float64 and contiguous, SI units."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -39,6 +39,18 @@ class Model:
 
 def push(model: Model, reference: Floats, dt: float, stiffness: float, damping: float) -> list[Floats]: ...
 def catalogue(axis_name: str = "rotary") -> list[dict[str, Any]]: ...
+def register_effect(
+    id: str,
+    law: str,
+    source: str,
+    shows: str,
+    params: Sequence[tuple[str, str, float, float, float, str, bool]],
+    remembers: bool,
+    starts: Sequence[Sequence[float]],
+    function: Callable[[list[float], list[Floats]], Floats],
+) -> None: ...
+def forget_effect(id: str) -> bool: ...
+def effect_failure(id: str) -> str | None: ...
 
 class Signals:
     def column(self, name: str) -> Floats | None: ...

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 from typing import TYPE_CHECKING, NamedTuple
 
 from . import _core
 from .errors import InputError
+from .plugins import load_plugins
 from .tables import html_table, text_table
 
 if TYPE_CHECKING:
@@ -67,9 +67,9 @@ class Effect:
         )
 
 
-@cache
 def effects(axis: str = "rotary") -> dict[str, Effect]:
-    """Return the catalogue by id, units for a rotary or a linear axis."""
+    """Return the catalogue by id, units for a rotary or a linear axis; with effects of one's own."""
+    load_plugins()
     rows = _core.catalogue(axis)
     return {
         row["id"]: Effect(

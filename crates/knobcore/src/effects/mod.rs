@@ -300,7 +300,10 @@ macro_rules! registry {
                     $(Self::$memory => starts::<$mn, $memory>(survey),)*
                     $(Self::$late => starts::<$tn, $late>(survey),)*
                     $(Self::$sensor => starts::<$sn, $sensor>(survey),)*
-                    Self::User(user) => vec![user.info.params.iter().map(|param| param.neutral).collect()],
+                    Self::User(user) if user.starts.is_empty() => {
+                        vec![user.info.params.iter().map(|param| param.neutral).collect()]
+                    }
+                    Self::User(user) => user.starts.clone(),
                 }
             }
 
@@ -335,13 +338,13 @@ macro_rules! registry {
                 }
             }
 
-            /// What the effect asks of the rig; an effect elsewhere in the chain asks nothing.
+            /// What the effect asks of the rig; an effect elsewhere in the chain asks nothing, nor does a user's
+            /// own, whose law is for numbers alone.
             #[inline(always)]
             pub fn load<T: Scalar>(self, p: &[T], state: &mut [T], motion: &Motion<T>) -> Load<T> {
                 match self {
                     $(Self::$load => $load::load(&take::<T, $ln>(p), motion),)*
                     $(Self::$memory => keep(state, |own| $memory::load(&take::<T, $mn>(p), own, motion)),)*
-                    Self::User(user) => Load::drive(user.at(p, motion)),
                     _ => Load::none(),
                 }
             }
@@ -452,7 +455,10 @@ impl Id {
             let known: Vec<_> = all.iter().map(|effect| effect.info().id).collect();
             Error::invalid(
                 format!("effect '{id}'"),
-                format!("is not in the catalogue; it has {}", known.join(", ")),
+                format!(
+                    "is not in the catalogue; it has {}; one of your own has to be registered first",
+                    known.join(", ")
+                ),
             )
         })
     }
