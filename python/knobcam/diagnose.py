@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -106,10 +105,14 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Diagnosis:
-    """The effects that could be missing from a fit, best first; those beyond chance before the others."""
+    """The effects that could be missing from a fit, best first; those beyond chance before the others.
+
+    `left_out` are effects that could not be weighed, and why.
+    """
 
     fit: Fit
     candidates: tuple[Candidate, ...]
+    left_out: Mapping[str, str] = field(default_factory=dict)
 
     def __getitem__(self, effect: str) -> Candidate:
         """The candidate of an effect."""
@@ -162,6 +165,7 @@ class Diagnosis:
             "noise_floor": fit.noise_floor,
             "summary": self.summary,
             "candidates": [candidate.document() for candidate in self.candidates],
+            "left_out": dict(self.left_out),
             "remains": {
                 "complete": self.remaining.complete,
                 "axis": self.remaining.worst.axis if self.remaining.worst else None,
@@ -195,6 +199,7 @@ class Diagnosis:
         head, *rows = text_table(self.HEAD, self.rows([*found, *rest])).splitlines()
         lines += ["Beyond chance:", head, *rows[: len(found)]] if found else ["Beyond chance: nothing"]
         lines += ["No more than chance:", *([] if found else [head]), *rows[len(found) :]] if rest else []
+        lines += [f"Left out: {one}: {why}" for one, why in self.left_out.items()]
         lines += [f"With {self.best.effect}: {self.remaining.summary}"] if self.best else []
         return "\n".join(lines)
 
@@ -215,8 +220,8 @@ def diagnose(fit: Fit, *, only: Collection[str] | None = None, without: Collecti
     out = set(check_effects("without", without, fit.model.axis))
     if only is not None:
         out |= set(effects(fit.model.axis)) - set(check_effects("only", only, fit.model.axis))
-    candidates = _candidates(fit, out)
-    return Diagnosis(fit, tuple(sorted(candidates, key=lambda one: not one.beyond_chance)))
+    candidates, left_out = _candidates(fit, out)
+    return Diagnosis(fit, tuple(sorted(candidates, key=lambda one: not one.beyond_chance)), left_out)
 
 
 def check_effects(name: str, ids: Collection[str], axis: str) -> tuple[str, ...]:
@@ -236,16 +241,18 @@ def p_in_words(p_value: float) -> str:
     return "< 0.001" if p_value < 0.001 else f"{p_value:.3f}"
 
 
-def _candidates(fit: Fit, without: Collection[str]) -> list[Candidate]:
-    """Return every absent effect fitted, the lowest error on unseen blocks first."""
+def _candidates(fit: Fit, without: Collection[str]) -> tuple[list[Candidate], dict[str, str]]:
+    """Return every absent effect fitted, the lowest error on unseen blocks first, and why some are not."""
     from scipy.special import chdtrc  # type: ignore[import-untyped]
 
     slow = {"backlash", "compliance", "wavelet", "regional", "karnopp"}
     absent = [one for one in effects(fit.model.axis) if one not in {*fit.model.effects, *without, *slow}]
-    refits = []
+    refits, left_out = [], {}
     for one in absent:
-        with suppress(InputError):  # it changes an effect that the model does not have
+        try:
             refits.append((one, add(fit, one)))
+        except InputError as error:
+            left_out[one] = str(error)
     refits.sort(key=lambda pair: pair[1].rmse_heldout)
     # Of samples at 5 kHz behind a filter at 500 Hz about one in thirty is independent.
     independent = sum(one.core.used for one in fit.prepared) / 30.0
@@ -263,4 +270,4 @@ def _candidates(fit: Fit, without: Collection[str]) -> list[Candidate]:
         ]
         odd = [sentence for sentence in refit.warnings if sentence not in fit.warnings]
         found.append(Candidate(effect, refit, p_value, tuple(alike), tuple(odd)))
-    return found
+    return found, left_out
