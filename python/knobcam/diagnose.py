@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -120,10 +120,14 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Diagnosis:
-    """The effects that could be missing from a fit, best first; those beyond chance before the others."""
+    """The effects that could be missing from a fit, best first; those beyond chance before the others.
+
+    `left_out` are effects that could not be weighed, and why.
+    """
 
     fit: Fit
     candidates: tuple[Candidate, ...]
+    left_out: Mapping[str, str] = field(default_factory=dict)
 
     def __getitem__(self, effect: str) -> Candidate:
         """The candidate of an effect."""
@@ -176,6 +180,7 @@ class Diagnosis:
             "noise_floor": fit.noise_floor,
             "summary": self.summary,
             "candidates": [candidate.document() for candidate in self.candidates],
+            "left_out": dict(self.left_out),
             "remains": {
                 "complete": self.remaining.complete,
                 "axis": self.remaining.worst.axis if self.remaining.worst else None,
@@ -209,6 +214,7 @@ class Diagnosis:
         head, *rows = text_table(self.HEAD, self.rows([*found, *rest])).splitlines()
         lines += ["Beyond chance:", head, *rows[: len(found)]] if found else ["Beyond chance: nothing"]
         lines += ["No more than chance:", *([] if found else [head]), *rows[len(found) :]] if rest else []
+        lines += [f"Left out: {one}: {why}" for one, why in self.left_out.items()]
         lines += [f"With {self.best.effect}: {self.remaining.summary}"] if self.best else []
         return "\n".join(lines)
 
@@ -230,8 +236,8 @@ def diagnose(fit: Fit, *, only: Collection[str] | None = None, without: Collecti
     if only is not None:
         out |= set(effects(fit.model.axis)) - set(check_effects("only", only, fit.model.axis))
     fit = with_clipped(fit) if "saturation" not in out else fit
-    candidates = _candidates(fit, out)
-    return Diagnosis(fit, tuple(sorted(candidates, key=lambda one: not one.beyond_chance)))
+    candidates, left_out = _candidates(fit, out)
+    return Diagnosis(fit, tuple(sorted(candidates, key=lambda one: not one.beyond_chance)), left_out)
 
 
 def check_effects(name: str, ids: Collection[str], axis: str) -> tuple[str, ...]:
@@ -251,8 +257,8 @@ def p_in_words(p_value: float) -> str:
     return "< 0.001" if p_value < 0.001 else f"{p_value:.3f}"
 
 
-def _candidates(fit: Fit, without: Collection[str]) -> list[Candidate]:
-    """Return every absent effect fitted, the one that explains most for its parameters first."""
+def _candidates(fit: Fit, without: Collection[str]) -> tuple[list[Candidate], dict[str, str]]:
+    """Return every absent effect fitted, the one that explains most first, and why some are not."""
     catalogue = effects(fit.model.axis)
     have = fit.model.effects
     coupled = any(catalogue[one].place == "coupling" for one in have)
@@ -270,7 +276,9 @@ def _candidates(fit: Fit, without: Collection[str]) -> list[Candidate]:
         if core is not None
     ]
     found.sort(key=lambda candidate: -candidate.score)
-    return [replace(one, equivalent=_equivalent(one, found), unphysical=_unphysical(one)) for one in found]
+    left_out = {one: note for one, core, *_, note in weighed if core is None}
+    told = [replace(one, equivalent=_equivalent(one, found), unphysical=_unphysical(one)) for one in found]
+    return told, left_out
 
 
 def _equivalent(candidate: Candidate, others: Collection[Candidate]) -> tuple[str, ...]:
