@@ -45,7 +45,6 @@ pub fn sweep(
         let first = group * MOST;
         match few.len() {
             0..=8 => hidden.carry::<8>(first, torque, few),
-            9..=12 => hidden.carry::<12>(first, torque, few),
             _ => hidden.carry::<MOST>(first, torque, few),
         }
     }
@@ -172,8 +171,12 @@ fn run<T: Scalar>(
             let clock = t[at] + (step - 1) as f64 * h;
             let motion = Motion::exact(T::of(clock), knob.theta, knob.omega, T::of(0.0));
             let load = model.load(p, &mut state, &motion);
-            let (forth, back) = (load.friction(T::of(1.0)), load.friction(T::of(0.0)));
             let half = T::of(0.5);
+            let (forth, back) = if model.is_plain() {
+                (load.resist[1], -load.resist[0])
+            } else {
+                (load.friction(T::of(1.0)), load.friction(T::of(0.0)))
+            };
             let friction = (half * (forth - back)).max(T::of(0.0));
             let mut push = load.drive + half * (forth + back);
             if let Some((from, to)) = more {
@@ -218,14 +221,18 @@ impl<T: Scalar> Knob<T> {
     fn stepped(&self, joint: &Joint<T>, inertia: T, push: T, friction: T, shaft: [f64; 2], h: f64) -> Self {
         let (h, half) = (T::of(h), T::of(0.5));
         let speed = T::of(shaft[1] - shaft[0]) / h;
-        let strain = strain(joint, T::of(shaft[0]) - self.theta);
+        let twist = T::of(shaft[0]) - self.theta;
+        let (strain, ahead) = (strain(joint, twist), strain(joint, twist + h * (speed - self.omega)));
+        // The share of the step in which the surfaces touch; so contact that begins a little later changes little.
+        let way = (h * (speed - self.omega)).abs() + T::of(f64::MIN_POSITIVE);
+        let one = T::of(1.0);
+        let share = if joint.welded { one } else { one.min((strain.abs() + ahead.abs()) / way) };
         // The trapezoidal rule: force = fixed - drag * (speed at the end of the step).
-        let stiff = joint.stiffness * half * h + joint.damping;
+        let stiff = share * joint.stiffness * half * h + joint.damping;
         let fixed = joint.stiffness * strain + stiff * (speed - half * self.omega);
         let drag = half * stiff;
-        let touches = pushing(joint, strain, fixed - drag * self.omega);
-        let one = T::of(1.0);
-        let touches = (touches * touches).where_positive(one, T::of(0.0));
+        let force = pushing(joint, strain + ahead, fixed - drag * self.omega);
+        let touches = share * (force * force).where_positive(one, T::of(0.0));
         let weight = inertia / h + touches * drag;
         let free = (inertia / h * self.omega + touches * fixed - push) / weight;
         let stop = friction / weight;

@@ -49,12 +49,14 @@ pub struct Model {
     pub axis: Axis,
     parts: Vec<(Id, Range<usize>)>,
     slots: Vec<Slot>,
+    /// Whether no effect shapes the friction of others.
+    plain: bool,
 }
 
 impl Model {
     /// A model of these effects at their neutral values, all parameters free.
     pub fn new(effects: &[Id], axis: Axis) -> Self {
-        let mut model = Self { name: String::new(), axis, parts: Vec::new(), slots: Vec::new() };
+        let mut model = Self { name: String::new(), axis, parts: Vec::new(), slots: Vec::new(), plain: true };
         let mut effects = effects.to_vec();
         effects.sort();
         effects.dedup();
@@ -80,6 +82,7 @@ impl Model {
             self.slots.push(Slot { effect: id, param, value: param.neutral, role, base });
         }
         self.parts.push((id, base..self.slots.len()));
+        self.plain &= !id.info().shapes_friction;
     }
 
     /// The same model with one effect more, at its neutral values.
@@ -243,6 +246,11 @@ impl Model {
         }
     }
 
+    /// Whether no effect shapes the friction of others: loads then simply add up.
+    pub fn is_plain(&self) -> bool {
+        self.plain
+    }
+
     /// Whether its torque depends on more than the present sample.
     pub fn remembers(&self) -> bool {
         self.effects().any(Id::remembers)
@@ -269,7 +277,8 @@ impl Model {
         let mut state = state;
         for (id, range) in &self.parts {
             let (own, rest) = state.split_at_mut(id.states().min(state.len()));
-            sum = sum.plus(id.load(p.get(range.clone()).unwrap_or(&[]), own, motion));
+            let load = id.load(p.get(range.clone()).unwrap_or(&[]), own, motion);
+            sum = if self.plain { sum.plus_plain(load) } else { sum.plus(load) };
             state = rest;
         }
         sum

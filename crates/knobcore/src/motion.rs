@@ -131,6 +131,19 @@ impl<T: Scalar> Load<T> {
         }
     }
 
+    /// Both loads together, where neither shapes the friction of the other.
+    #[inline(always)]
+    pub fn plus_plain(self, o: Self) -> Self {
+        Self {
+            drive: self.drive + o.drive,
+            resist: [self.resist[0] + o.resist[0], self.resist[1] + o.resist[1]],
+            inertia: self.inertia + o.inertia,
+            hold: [self.hold[0] + o.hold[0], self.hold[1] + o.hold[1]],
+            band: self.band + o.band,
+            ..self
+        }
+    }
+
     /// Spends the friction budget while the knob moves, forward with the probability `forward`, N m.
     #[inline(always)]
     pub fn friction(&self, forward: T) -> T {

@@ -16,7 +16,7 @@ const FOLLOWED: usize = 2;
 /// A start that promises to take off this share of what the best one does is followed too.
 const RIVAL: f64 = 0.7;
 /// A sum of squares below this many times what noise leaves is explained.
-const EXPLAINED: f64 = 1.03;
+const EXPLAINED: f64 = 1.1;
 
 /// An effect that the model lacks, and what it would do.
 #[derive(Debug, Clone)]

@@ -3,7 +3,7 @@ use super::convert::{Column, array, input_error};
 use crate::effects::{Id, Info, Place, Torque, User};
 use crate::error::{Error, Result};
 use crate::model::Model;
-use crate::param::{Kind, Param, Unit, Usual};
+use crate::param::{Kind, Param, Unit};
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
 use std::sync::{Mutex, PoisonError};
@@ -57,7 +57,8 @@ fn param(id: &str, (name, unit, lower, upper, neutral, meaning, linear): Row) ->
         .map_err(|error| Error::invalid(format!("parameter '{id}.{name}'"), error.to_string()))?;
     let kind = if linear { Kind::Linear } else { Kind::Nonlinear };
     let (name, meaning) = (name.leak(), meaning.leak());
-    Ok(Param { name, unit, kind, lower, upper, neutral, usual: Usual::Free, meaning })
+    let shape = Param::shape(name, unit, [lower, upper], neutral, meaning);
+    Ok(Param { kind, ..shape })
 }
 
 fn torque(function: Py<PyAny>) -> Torque {
