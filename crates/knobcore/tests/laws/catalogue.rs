@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// No joint is rigid at any stiffness: this share of the torque may differ at the stiffest.
-const RIGID: f64 = 1e-3;
+/// No joint is rigid: the stiffest may differ by this share of the torque, which the samples at a reversal make.
+const RIGID: f64 = 1e-2;
 
 #[test]
 fn an_effect_at_its_neutral_values_changes_nothing() {

@@ -9,7 +9,7 @@ mod user;
 use knobcore::effects::{Id, Place, Survey};
 use knobcore::model::{Model, Role};
 use knobcore::motion::Motion;
-use knobcore::param::{Axis, Kind, Usual};
+use knobcore::param::{Axis, Kind, Param, Usual};
 use knobcore::predict;
 use knobcore::random::Noise;
 use knobcore::signals::Signals;
