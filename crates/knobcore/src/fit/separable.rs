@@ -26,6 +26,9 @@ const CLOSE: f64 = 1.5;
 /// A sum of squares below this share of the measured one is rounding: eleven digits of the torque agree.
 const EXACT: f64 = 1e-22;
 
+/// A sum of squares above this many times the measured one has no digit left for the measured torque.
+const LOST: f64 = 1e12;
+
 /// Why the fit stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Status {
@@ -206,6 +209,8 @@ struct Problem<'a> {
     model: &'a Model,
     layout: &'a Layout,
     seeds: Seeds,
+    /// Sum of squares of the measured torque.
+    total: f64,
     unit: f64,
     evaluations: usize,
 }
@@ -224,7 +229,8 @@ impl Problem<'_> {
                 linear_step[column] = value;
             }
         }
-        let cost = moments.squares_after(&linear_step).max(0.0);
+        let lost = moments.squares() > LOST * self.total;
+        let cost = if lost { f64::INFINITY } else { moments.squares_after(&linear_step).max(0.0) };
         Point { p, moments, linear_step, kept, normal, cost }
     }
 
@@ -279,7 +285,7 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64])
     let total: f64 = data.iter().map(|s| square(&s.tau, &s.weight)).sum();
     let rows: f64 = data.iter().map(|s| s.used() as f64).sum();
     let unit = (total / rows.max(1.0)).sqrt().max(f64::MIN_POSITIVE);
-    let mut problem = Problem { data, model, layout, seeds: layout.seeds(model), unit, evaluations: 0 };
+    let mut problem = Problem { data, model, layout, seeds: layout.seeds(model), total, unit, evaluations: 0 };
     let mut start = start.to_vec();
     keep_ties(model, &mut start);
     let mut here = problem.point(start);
