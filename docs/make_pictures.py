@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Make the pictures of the documentation: python docs/make_pictures.py.
 
-They show fits to real measurements, which are not part of this repository. KNOBCAM_SHARED_DATA names the
-folder that holds them; without it the pictures stay as they are.
+The story is that of a simulated knob. The fit is one to real measurements, which are not part of this
+repository: KNOBCAM_SHARED_DATA names the folder that holds them; without it that picture stays as it is.
 """
 
 from __future__ import annotations
@@ -18,6 +18,21 @@ EMPS = Path("emps", "DATA_EMPS.mat")
 
 
 def main() -> None:
+    """Make every picture."""
+    story()
+    emps()
+
+
+def story() -> None:
+    """Draw how the spring is found that is hidden in the knob of docs/learn.md."""
+    knob = kc.Model.load("knob4").with_effect("return_spring").with_value("return_spring.k", 0.004)
+    capture = kc.simulate(knob, "sweep")
+    target = PICTURES / "story.png"
+    kc.learn(capture).plot().savefig(target, dpi=80)
+    print(target)
+
+
+def emps() -> None:
     """Draw friction over velocity of the EMPS axis (Janot, Gautier & Brunot 2019)."""
     folder = os.environ.get("KNOBCAM_SHARED_DATA")
     data = Path(folder or ".") / EMPS

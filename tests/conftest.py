@@ -13,3 +13,15 @@ def capture() -> kc.Capture:
 @pytest.fixture(scope="session")
 def fit(capture: kc.Capture) -> kc.Fit:
     return kc.fit(capture)
+
+
+@pytest.fixture(scope="session")
+def sprung() -> kc.Capture:
+    """A knob with a return spring that the base model lacks."""
+    knob = kc.Model.load("knob4").with_effect("return_spring").with_value("return_spring.k", 0.004)
+    return kc.simulate(knob, "sweep")
+
+
+@pytest.fixture(scope="session")
+def story(sprung: kc.Capture) -> kc.Story:
+    return kc.learn(sprung)

@@ -17,7 +17,7 @@ from command import knobcam, process
 import knobcam as kc
 from knobcam import cli
 
-COMMANDS = ["import", "simulate", "fit", "compare", "effects", "demo"]
+COMMANDS = ["import", "simulate", "fit", "compare", "diagnose", "add", "learn", "effects", "demo"]
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +39,16 @@ def pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     def effect(effect: kc.Effect) -> Any:
         return SimpleNamespace(savefig=lambda path: Path(path).write_text(effect.id))
 
-    plot = SimpleNamespace(save_all=save_all, effect=effect)
+    def save_story(story: kc.Story, folder: Path) -> list[Path]:
+        (folder / "story.png").write_bytes(b"picture")
+        return [folder / "story.png"]
+
+    def write(story: kc.Story, path: Path) -> Path:
+        path.write_text(story.headline)
+        return path
+
+    plot = SimpleNamespace(save_all=save_all, save_story=save_story, effect=effect)
+    monkeypatch.setitem(sys.modules, "knobcam.report", SimpleNamespace(write=write))
     monkeypatch.setitem(sys.modules, "knobcam.plot", plot)
     monkeypatch.setattr(kc, "plot", plot, raising=False)
 
@@ -60,7 +69,7 @@ def test_every_public_name_is_found_when_it_is_asked_for(name: str) -> None:
     assert name in dir(kc)
 
 
-@pytest.mark.parametrize("name", ["compare", "effects", "fit", "prepare", "simulate"])
+@pytest.mark.parametrize("name", ["compare", "diagnose", "effects", "fit", "learn", "prepare", "simulate"])
 def test_a_function_keeps_its_name_though_its_module_has_the_same(name: str) -> None:
     code = f"import knobcam.{name}, knobcam as kc, sys; sys.exit(not callable(kc.{name}))"
     where = str(Path(kc.__file__).parents[1])
@@ -183,19 +192,21 @@ def test_pictures_go_where_the_call_says(capture: Path, tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("pictures")
 @pytest.mark.parametrize("knob", ["1", "knob2", "3", "4", "5"])
-def test_demo_leaves_capture_model_and_pictures_in_a_folder_that_it_names(
+def test_demo_leaves_capture_model_report_and_pictures_in_a_folder_that_it_names(
     knob: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     name = knob if knob.startswith("knob") else f"knob{knob}"
     folder = tmp_path / f"knobcam-demo-{name}"
     ended = knobcam("demo", "--knob", knob)
-    assert ended.code == 0 and str(folder) in ended.out and "noise floor" in ended.out
-    assert sorted(path.name for path in folder.iterdir()) == ["capture.npz", "comparison.png", "model.toml"]
+    assert ended.code == 0 and str(folder) in ended.out and "hides stribeck" in ended.out
+    made = ["capture.npz", "model.toml", "report.html", "story.png"]
+    assert sorted(path.name for path in folder.iterdir()) == made
     document = knobcam("demo", "--knob", knob, "-o", "other", "--json").document
-    assert document["schema"] == "knobcam.fit/1"
+    assert document["schema"] == "knobcam.learn/1"
+    assert document["hidden"] == ["stribeck"]
     assert document["files"]["folder"] == str(tmp_path / "other")
-    assert all(Path(document["files"][kind]).is_file() for kind in ("capture", "model"))
+    assert all(Path(document["files"][kind]).is_file() for kind in ("capture", "model", "report"))
 
 
 def test_a_process_answers_like_the_function(capture: Path, tmp_path: Path) -> None:

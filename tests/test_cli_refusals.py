@@ -86,7 +86,7 @@ MODELS: dict[str, tuple[str | bytes, list[str]]] = {
 }
 
 
-@pytest.mark.parametrize("command", ["fit", "compare", "simulate"])
+@pytest.mark.parametrize("command", ["fit", "compare", "simulate", "diagnose", "learn"])
 @pytest.mark.parametrize("case", MODELS)
 def test_a_bad_model_is_refused_in_one_line_and_nothing_is_written(
     command: str, case: str, tmp_path: Path
@@ -97,6 +97,8 @@ def test_a_bad_model_is_refused_in_one_line_and_nothing_is_written(
         "fit": ["fit", path, "--model", model, "-o", tmp_path / "fitted.toml"],
         "compare": ["compare", path, model, "--plots", tmp_path / "plots"],
         "simulate": ["simulate", model, "-o", tmp_path / "c.npz"],
+        "diagnose": ["diagnose", path, model, "--plots", tmp_path / "plots"],
+        "learn": ["learn", path, "--model", model, "--report", tmp_path / "r.html"],
     }
     refused(knobcam(*calls[command]), *words)
     assert sorted(tmp_path.iterdir()) == [path, model]
@@ -150,6 +152,34 @@ CALLS: dict[str, tuple[list[str], list[str]]] = {
     "compare without a model": (["compare", "good.csv"], ["MODEL"]),
     "compare with a capture for a model": (["compare", "good.csv", "good.csv"], ["good.csv", "line 1"]),
     "compare with a missing model": (["compare", "good.csv", "absent.toml"], ["absent.toml"]),
+    "diagnose without a capture": (["diagnose"], ["CAPTURE"]),
+    "diagnose with a missing model": (["diagnose", "good.csv", "absent.toml"], ["absent.toml"]),
+    "diagnose without an unknown effect": (
+        ["diagnose", "good.csv", "--without", "magic"],
+        ["without", "'magic'", "coulomb"],
+    ),
+    "pictures of a diagnosis into a file": (["diagnose", "good.csv", "--plots", "good.csv"], ["is a file"]),
+    "add without a model": (["add", "offset", "good.csv"], ["MODEL"]),
+    "add an unknown effect": (["add", "magic", "good.csv", "knob3"], ["'magic'", "coulomb"]),
+    "add what is there": (["add", "viscous", "good.csv", "knob3"], ["'viscous'", "already"]),
+    "add over its own capture": (["add", "offset", "good.csv", "knob3", "-o", "good.csv"], ["another file"]),
+    "learn without a capture": (["learn"], ["CAPTURE"]),
+    "learn from a missing capture": (["learn", "absent.csv", "--report", "r.html"], ["absent.csv"]),
+    "learn from one capture twice": (["learn", "good.csv", "good.csv"], ["captures 1 and 2 are the same"]),
+    "learn from a missing model": (["learn", "good.csv", "--model", "absent.toml"], ["absent.toml"]),
+    "report over the capture": (["learn", "good.csv", "--report", "good.csv"], ["good.csv", "another file"]),
+    "report into a missing folder": (["learn", "good.csv", "--report", "no/such/r.html"], ["no folder"]),
+    "report where the model goes": (
+        ["learn", "good.csv", "--report", "x", "-o", "x"],
+        ["x:", "two names"],
+    ),
+    "report where the pictures go": (["learn", "good.csv", "--report", "p", "--plots", "p"], ["two names"]),
+    "learn without an unknown effect": (
+        ["learn", "good.csv", "--without", "magic", "--report", "r.html", "-o", "m.toml", "--plots", "p"],
+        ["without", "'magic'"],
+    ),
+    "demo that hides what is there": (["demo", "--effect", "detent"], ["'detent'", "anyway"]),
+    "demo that hides an unknown effect": (["demo", "--effect", "magic"], ["'magic'", "coulomb"]),
     "unknown effect": (["effects", "magic"], ["'magic'", "coulomb"]),
     "picture of no effect": (["effects", "-o", "e.png"], ["e.png", "--plots"]),
     "picture of unknown kind": (["effects", "coulomb", "-o", "e.doc"], ["e.doc", ".png"]),

@@ -21,7 +21,8 @@ RUST_ORDER = [
 ]
 PYTHON_ORDER = [
     *("_core", "errors", "tables", "finding", "formats", "quality", "capture", "motions", "effects"),
-    *("models", "model", "prepare", "simulate", "fit", "compare", "stiction", "plot", "demo", "cli"),
+    *("models", "model", "prepare", "simulate", "typical", "refit", "fit", "compare", "stiction"),
+    *("diagnose", "agreement", "lacks", "ladder", "selection", "learn", "plot", "report", "demo", "cli"),
     *("__main__", "__init__"),
 ]
 LONGEST = 400

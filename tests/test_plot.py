@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 import knobcam as kc
 from knobcam import plot
 from knobcam.plot.components import PARTS, Samples, curve, curve_band, part_of
-from knobcam.plot.signature import example
+from knobcam.typical import typical
 
 SLED_NOISE = kc.SensorNoise(tau_sd=0.5, omega_sd=1e-4, alpha_sd=1e-3)
 
@@ -270,7 +270,7 @@ def test_a_fit_without_scan_says_how_to_get_one(sticky: kc.Fit) -> None:
 @pytest.mark.parametrize("effect", list(kc.effects()))
 def test_every_effect_has_a_signature_with_values_within_its_bounds(effect: str) -> None:
     entry = kc.effects()[effect]
-    for info, value in zip(entry.params, example(entry).values(), strict=True):
+    for info, value in zip(entry.params, typical(entry).values(), strict=True):
         assert info.lower <= value <= info.upper
         assert value != 0.0
     figure = plot.effect(entry)
@@ -282,9 +282,9 @@ def test_every_effect_has_a_signature_with_values_within_its_bounds(effect: str)
 
 
 def test_the_signature_of_viscosity_is_a_straight_line_over_velocity() -> None:
-    axes = panel(plot.effect(kc.effects()["viscous"]), "Over velocity")
+    axes = panel(plot.effect(kc.effects()["viscous"]), "100 % follows velocity")
     omega, tau = line(axes, "moving forward")
-    np.testing.assert_allclose(tau, 1e3 * example(kc.effects()["viscous"])["viscous.pos"] * omega, atol=1e-9)
+    np.testing.assert_allclose(tau, 1e3 * typical(kc.effects()["viscous"])["viscous.pos"] * omega, atol=1e-9)
 
 
 def test_save_all_writes_numbered_pictures_and_returns_their_paths(fit: kc.Fit, tmp_path: Path) -> None:

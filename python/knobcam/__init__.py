@@ -16,37 +16,53 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ._core import __version__
+    from .agreement import Disagreement
     from .capture import Capture, load
     from .compare import Comparison, compare
+    from .diagnose import Candidate, Diagnosis, diagnose
     from .effects import Effect, effects
     from .errors import InputError, KnobcamError
     from .fit import Estimate, Fit, fit
+    from .lacks import Lack
+    from .ladder import Rung, Unexplained
+    from .learn import Story, learn
     from .model import KNOBS, Model, Parameter
     from .motions import MOTIONS, MotionTrack, motion
     from .prepare import Prepared, prepare
+    from .refit import Moved
     from .simulate import SensorNoise, simulate
     from .stiction import Stiction, stiction
 
 __all__ = [
     "KNOBS",
     "MOTIONS",
+    "Candidate",
     "Capture",
     "Comparison",
+    "Diagnosis",
+    "Disagreement",
     "Effect",
     "Estimate",
     "Fit",
     "InputError",
     "KnobcamError",
+    "Lack",
     "Model",
     "MotionTrack",
+    "Moved",
     "Parameter",
     "Prepared",
+    "Rung",
     "SensorNoise",
     "Stiction",
+    "Story",
+    "Unexplained",
     "__version__",
     "compare",
+    "diagnose",
     "effects",
     "fit",
+    "learn",
     "load",
     "motion",
     "prepare",
@@ -59,23 +75,33 @@ __all__ = [
 _HOME = {
     "KNOBS": "model",
     "MOTIONS": "motions",
+    "Candidate": "diagnose",
     "Capture": "capture",
     "Comparison": "compare",
+    "Diagnosis": "diagnose",
+    "Disagreement": "agreement",
     "Effect": "effects",
     "Estimate": "fit",
     "Fit": "fit",
     "InputError": "errors",
     "KnobcamError": "errors",
+    "Lack": "lacks",
     "Model": "model",
     "MotionTrack": "motions",
+    "Moved": "refit",
     "Parameter": "model",
     "Prepared": "prepare",
+    "Rung": "ladder",
     "SensorNoise": "simulate",
     "Stiction": "stiction",
+    "Story": "learn",
+    "Unexplained": "ladder",
     "__version__": "_core",
     "compare": "compare",
+    "diagnose": "diagnose",
     "effects": "effects",
     "fit": "fit",
+    "learn": "learn",
     "load": "capture",
     "motion": "motions",
     "prepare": "prepare",

@@ -1,4 +1,4 @@
-"""The whole job without hardware: one of the paper's five knobs on its rig, recorded, fitted and compared."""
+"""The whole job without hardware: a knob that hides an effect, recorded, and the effect found."""
 
 from __future__ import annotations
 
@@ -7,37 +7,48 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from .capture import load
+from .effects import effect as catalogued
 from .errors import InputError
-from .fit import fit
+from .learn import learn
 from .model import KNOBS, Model
 from .simulate import simulate
 from .tables import text_table
+from .typical import with_typical
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from pathlib import Path
 
-    from .compare import Comparison
-    from .fit import Fit
+    from .learn import Story
+
+HIDDEN = "stribeck"
+"""What the knob hides when nothing else is asked for."""
 
 
 @dataclass(frozen=True, repr=False)
 class Demo:
-    """What the demonstration made: the emulated knob, its fit, the comparison, and the files."""
+    """What the demonstration made: the emulated knob, what it hides, the story of finding it, the files."""
 
     knob: Model
-    fit: Fit
-    comparison: Comparison
+    hidden: tuple[str, ...]
+    story: Story
     files: Mapping[str, Any]
 
     def __repr__(self) -> str:
         true = _with_positive_amplitude(self.knob)
         rows = [
-            (name, f"{true[name]:.5g}" if name in true else "-", f"{e.value:.5g}", e.interval, e.unit)
-            for name, e in self.fit.params.items()
+            (
+                name,
+                f"{true[name]:.5g}" if name in true else "-",
+                f"{e.value:.5g}" if e.determined else "-",
+                e.interval,
+                e.unit,
+            )
+            for name, e in self.story.fit.params.items()
         ]
         head = ("parameter", "emulated", "fitted", "95 % interval", "unit")
-        return f"{self.knob.name}\n{text_table(head, rows)}\n{self.comparison.summary}"
+        hides = f"{self.knob.name}, which hides {', '.join(self.hidden)}"
+        return f"{hides}\n{self.story!r}\n{text_table(head, rows)}"
 
 
 def _with_positive_amplitude(knob: Model) -> dict[str, float]:
@@ -60,30 +71,40 @@ def knob_name(text: str) -> str:
     return name
 
 
-def run(knob: str, folder: Path, status: Callable[[str], None]) -> Demo:
-    """Simulate a knob on the paper's rig, write the capture, read it back, fit, compare, draw.
+def hiding(knob: str, effect: str) -> Model:
+    """Return one of the five knobs with an effect hidden in it, of a typical size.
+
+    Raises InputError for an effect that the knob has anyway or the catalogue does not have.
+    """
+    model, entry = Model.load(knob), catalogued(effect)
+    if effect in model.effects:
+        raise InputError(f"effect '{effect}' is nothing to hide: {knob} has it anyway; choose another")
+    return with_typical(model, entry)
+
+
+def run(knob: str, effect: str, folder: Path, status: Callable[[str], None]) -> Demo:
+    """Hide an effect in a knob, record it on the paper's rig, read it back, learn what is missing, report.
 
     Everything is written to `folder`, made if need be; `status` is told each step.
     """
+    model = hiding(knob, effect)
     status(f"recording {knob} on the emulated rig")
-    model = Model.load(knob)
     folder.mkdir(exist_ok=True)
     capture = load(simulate(model, "sweep").save(folder / "capture.npz"))
 
-    status("fitting")
-    fitted = fit(capture)
-    fitted_path = fitted.model.renamed(f"{knob}, fitted").save(folder / "model.toml")
-    status("comparing")
-    comparison = fitted.compare()
+    story = learn(capture, progress=status)
+    fitted = story.model.renamed(f"{knob}, fitted").save(folder / "model.toml")
 
     status("drawing")
     from . import plot
 
-    pictures = plot.save_all(fitted, folder, comparison=comparison)
+    pictures = plot.save_story(story, folder)
+    status("writing the report")
     files = {
         "folder": str(folder.absolute()),
         "capture": str(folder / "capture.npz"),
-        "model": str(fitted_path),
+        "model": str(fitted),
+        "report": str(story.report(folder / "report.html")),
         "pictures": [str(path) for path in pictures],
     }
-    return Demo(model, fitted, comparison, files)
+    return Demo(model, (effect,), story, files)

@@ -27,7 +27,7 @@ class ParameterInfo(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class Effect:
-    """An effect: where in the chain it acts, its law, its source, and where it shows."""
+    """An effect: where in the chain it acts, its law, its source, where it shows, and what looks like it."""
 
     id: str
     place: str
@@ -35,6 +35,7 @@ class Effect:
     source: str
     shows: str
     params: tuple[ParameterInfo, ...]
+    confused: tuple[str, ...]
 
     _HEAD = ("parameter", "unit", "bounds", "neutral", "meaning")
 
@@ -45,7 +46,7 @@ class Effect:
         ]
 
     def plot(self) -> Figure:
-        """Its signature: the torque that it adds, over position and over velocity."""
+        """Its signature: the torque that it adds to a small knob, over time and where it shows."""
         from . import plot
 
         return plot.effect(self)
@@ -53,6 +54,8 @@ class Effect:
     def __repr__(self) -> str:
         head = f"{self.id} ({self.place})\n  law     {self.law}\n"
         head += f"  shows   {self.shows}\n  source  {self.source}\n"
+        if self.confused:
+            head += f"  easily confused with {', '.join(self.confused)}\n"
         return head + text_table(self._HEAD, self._rows())
 
     def _repr_html_(self) -> str:
@@ -73,6 +76,7 @@ def effects(axis: str = "rotary") -> dict[str, Effect]:
             row["source"],
             row["shows"],
             tuple(ParameterInfo(**param) for param in row["params"]),
+            tuple(row["confused"]),
         )
         for row in rows
     }

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from . import _core
+from . import _core, refit
 from .capture import Capture, load
 from .errors import InputError
 from .model import Model
@@ -21,9 +21,12 @@ from .prepare import prepare as prepare_signals
 from .tables import html_table, text_table
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
     from matplotlib.figure import Figure
 
     from .compare import Comparison
+    from .diagnose import Diagnosis
     from .formats.table import FloatArray
     from .stiction import Stiction
 
@@ -54,10 +57,14 @@ class Estimate(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Fit:
-    """A model fitted to one or several captures of a knob; immutable."""
+    """A model fitted to one or several captures of a knob; immutable.
+
+    `before` is the fit that it came from by `add`.
+    """
 
     prepared: tuple[Prepared, ...]
     core: _core.Fit
+    before: Fit | None = None
 
     @cached_property
     def model(self) -> Model:
@@ -150,6 +157,29 @@ class Fit:
 
         return compare(self)
 
+    def diagnose(self, *, without: Collection[str] = ()) -> Diagnosis:
+        """Return which effects could be missing, ranked; `without` takes ids out of the catalogue."""
+        from .diagnose import diagnose
+
+        return diagnose(self, without=without)
+
+    def add(self, effect: str) -> Fit:
+        """Return the fit with one effect of the catalogue more, every free parameter fitted anew.
+
+        Raises InputError for an effect that the model has already or the catalogue does not have.
+        """
+        return refit.add(self, effect)
+
+    @property
+    def error_fall(self) -> float:
+        """The part of the RMS error of `before` that is gone; 0 for a fit that comes from none."""
+        return refit.error_fall(self.before, self) if self.before else 0.0
+
+    @cached_property
+    def moved(self) -> Mapping[str, refit.Moved]:
+        """How far the parameters of `before` went: in standard errors, and in percent."""
+        return refit.moved(self.before, self) if self.before else {}
+
     def stiction(self) -> Stiction:
         """Return the static friction that the captures show."""
         from .stiction import stiction
@@ -185,13 +215,14 @@ class Fit:
             "notes": [note for signals in self.prepared for note in signals.notes],
         }
 
-    def _rows(self) -> list[tuple[str, str, str, str]]:
+    HEAD = ("parameter", "value", "95 % interval", "unit")
+
+    def rows(self) -> list[tuple[str, str, str, str]]:
+        """The parameters as rows of text, under the words of `HEAD`."""
         rows = []
         for name, e in self.params.items():
             rows.append((name, f"{e.value:.6g}" if e.determined else "-", e.interval, e.unit))
         return rows
-
-    _HEAD = ("parameter", "value", "95 % interval", "unit")
 
     @property
     def _summary(self) -> str:
@@ -202,9 +233,10 @@ class Fit:
         return f"RMS error {self.rmse:.4g} {unit} ({self.rmse_heldout:.4g} on unseen blocks, {noise})"
 
     def __repr__(self) -> str:
-        lines = ["Fit: " + self._summary, text_table(self._HEAD, self._rows()), self.core.message]
+        lines = ["Fit: " + self._summary, text_table(self.HEAD, self.rows()), self.core.message]
         lines += [f"{name}: {why}" for name, why in self.undetermined.items()]
-        return "\n".join(lines + list(self.warnings))
+        lines += self.warnings
+        return "\n".join(lines + ([refit.in_words(self)] if self.before else []))
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
@@ -231,7 +263,7 @@ class Fit:
         return tuple(found)
 
     def _repr_html_(self) -> str:
-        return html_table("Fit: " + self._summary, self._HEAD, self._rows())
+        return html_table("Fit: " + self._summary, self.HEAD, self.rows())
 
 
 def fit(

@@ -11,13 +11,17 @@ use crate::model::Model;
 use crate::motion::Motion;
 use crate::scalar::{Dual, Scalar};
 
-/// Steps per sample. The joint needs none of them to be stable; they resolve when contact begins and ends.
-const SUBSTEPS: usize = 4;
 /// Derivatives that are carried along at a time.
-const LANES: usize = 16;
+const MOST: usize = 16;
 
-/// The measured motion of the shaft: t, theta, omega, alpha, forward.
-type Shaft<'a> = [&'a [f64]; 5];
+/// The measured motion of the shaft.
+#[derive(Debug, Clone, Copy)]
+pub struct Shaft<'a> {
+    /// t, theta, omega, alpha, forward.
+    pub motion: [&'a [f64]; 5],
+    /// Steps per sample. The joint needs none of them to be stable; they resolve when contact begins and ends.
+    pub substeps: usize,
+}
 
 /// Torque on the shaft and its derivatives; see [`crate::predict`]. `columns` says which column each parameter
 /// has.
@@ -30,19 +34,59 @@ pub fn sweep(
     slopes: &mut [Vec<f64>],
 ) {
     if slopes.is_empty() {
-        run(model, p, shaft, |at, tau| torque[at] = tau);
+        pulp::Arch::new().dispatch(Simulation {
+            model,
+            p,
+            shaft,
+            out: |at: usize, tau: f64| torque[at] = tau,
+        });
         return;
     }
-    for (group, few) in slopes.chunks_mut(LANES).enumerate() {
-        let lane = |column: usize| column.checked_sub(group * LANES).filter(|lane| *lane < LANES);
-        let seed = |(i, x): (usize, &f64)| {
-            Dual::<f64, LANES>::seeded(*x, columns.get(i).copied().flatten().and_then(lane))
-        };
-        let p: Vec<_> = p.iter().enumerate().map(seed).collect();
-        run(model, &p, shaft, |at, tau: Dual<f64, LANES>| {
-            torque[at] = tau.v;
-            few.iter_mut().zip(tau.d).for_each(|(column, slope)| column[at] = slope);
-        });
+    for (group, few) in slopes.chunks_mut(MOST).enumerate() {
+        let first = group * MOST;
+        match few.len() {
+            0..=8 => carried::<8>(model, p, columns, first, shaft, torque, few),
+            9..=12 => carried::<12>(model, p, columns, first, shaft, torque, few),
+            _ => carried::<MOST>(model, p, columns, first, shaft, torque, few),
+        }
+    }
+}
+
+/// Simulates with the derivatives whose columns begin at `first`.
+fn carried<const L: usize>(
+    model: &Model,
+    p: &[f64],
+    columns: &[Option<usize>],
+    first: usize,
+    shaft: Shaft<'_>,
+    torque: &mut [f64],
+    few: &mut [Vec<f64>],
+) {
+    let lane = |column: usize| column.checked_sub(first).filter(|lane| *lane < L);
+    let seed =
+        |(i, x): (usize, &f64)| Dual::<f64, L>::seeded(*x, columns.get(i).copied().flatten().and_then(lane));
+    let p: Vec<_> = p.iter().enumerate().map(seed).collect();
+    let out = |at: usize, tau: Dual<f64, L>| {
+        torque[at] = tau.v;
+        few.iter_mut().zip(tau.d).for_each(|(column, slope)| column[at] = slope);
+    };
+    pulp::Arch::new().dispatch(Simulation { model, p: &p, shaft, out });
+}
+
+/// A simulation as a value, so that its body is compiled for the machine's instruction set.
+struct Simulation<'a, T, F> {
+    model: &'a Model,
+    p: &'a [T],
+    shaft: Shaft<'a>,
+    out: F,
+}
+
+impl<T: Scalar, F: FnMut(usize, T)> pulp::NullaryFnOnce for Simulation<'_, T, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        run(self.model, self.p, self.shaft, self.out);
     }
 }
 
@@ -53,9 +97,11 @@ struct Knob<T> {
 }
 
 /// Simulates the knob along the shaft's motion and hands over the torque on the shaft at every sample.
+#[inline(always)]
 fn run<T: Scalar>(model: &Model, p: &[T], shaft: Shaft<'_>, mut out: impl FnMut(usize, T)) {
     let Some(joint) = model.joint(p) else { return };
-    let [t, theta, omega, alpha, _] = shaft;
+    let [t, theta, omega, alpha, _] = shaft.motion;
+    let substeps = shaft.substeps.max(1);
     let mut state = vec![T::of(0.0); model.states()];
     let first = |column: &[f64]| T::of(column.first().copied().unwrap_or(0.0));
     let mut knob = Knob { theta: first(theta), omega: first(omega) };
@@ -68,9 +114,13 @@ fn run<T: Scalar>(model: &Model, p: &[T], shaft: Shaft<'_>, mut out: impl FnMut(
         let next = (at + 1).min(t.len() - 1);
         let span = t[next] - t[at];
         let (mut from, mut first, mut last) = (theta[at], None, None);
-        for step in 1..=if span > 0.0 { SUBSTEPS } else { 0 } {
-            let h = span / SUBSTEPS as f64;
-            let to = hermite([theta[at], theta[next]], [omega[at] * span, omega[next] * span], step);
+        for step in 1..=if span > 0.0 { substeps } else { 0 } {
+            let h = span / substeps as f64;
+            let to = hermite(
+                [theta[at], theta[next]],
+                [omega[at] * span, omega[next] * span],
+                step as f64 / substeps as f64,
+            );
             let clock = t[at] + (step - 1) as f64 * h;
             let motion = Motion::exact(T::of(clock), knob.theta, knob.omega, T::of(0.0));
             let load = model.load(p, &mut state, &motion);
@@ -94,9 +144,8 @@ fn run<T: Scalar>(model: &Model, p: &[T], shaft: Shaft<'_>, mut out: impl FnMut(
     }
 }
 
-/// The angle of the shaft after so many substeps of a sample, by the cubic through its angles and speeds.
-fn hermite([a, b]: [f64; 2], [da, db]: [f64; 2], step: usize) -> f64 {
-    let u = step as f64 / SUBSTEPS as f64;
+/// The angle of the shaft after a share `u` of a sample, by the cubic through its angles and speeds.
+fn hermite([a, b]: [f64; 2], [da, db]: [f64; 2], u: f64) -> f64 {
     let v = 1.0 - u;
     v * v * (1.0 + 2.0 * u) * a + u * u * (1.0 + 2.0 * v) * b + u * v * (v * da - u * db)
 }
@@ -104,6 +153,7 @@ fn hermite([a, b]: [f64; 2], [da, db]: [f64; 2], step: usize) -> f64 {
 impl<T: Scalar> Knob<T> {
     /// One step of `h` seconds, and the torque of the joint in it: the shaft moves from one angle to the next,
     /// `push` is what loads the knob and `friction` what may oppose its motion.
+    #[inline(always)]
     fn stepped(
         &self,
         joint: &Joint<T>,

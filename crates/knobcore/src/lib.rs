@@ -30,9 +30,10 @@ pub mod simulate;
 
 pub mod floor;
 
-pub mod diagnose;
 pub mod fit;
 pub mod stiction;
+
+pub mod diagnose;
 
 #[cfg(feature = "python")]
 mod python;

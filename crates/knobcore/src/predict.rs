@@ -1,6 +1,6 @@
 //! From the motion to the torque, and to its exact derivatives.
 
-use crate::coupling;
+use crate::coupling::{self, Shaft};
 use crate::effects::{Part, Sweep};
 use crate::model::{Model, Role};
 use crate::signals::{Chunk, Signals};
@@ -90,7 +90,8 @@ pub fn raw(
     let (torque, slopes) = out.split();
     let coupled = model.joint(p).is_some();
     if coupled {
-        coupling::sweep(model, p, &seeds.column, motion, torque, slopes);
+        let shaft = Shaft { motion, substeps: signals.substeps };
+        coupling::sweep(model, p, &seeds.column, shaft, torque, slopes);
     }
     let over = Sweep { motion, dt: 1.0 / signals.rate_hz, torque, slopes };
     pulp::Arch::new().dispatch(Evaluation { parts: &parts, over, coupled });

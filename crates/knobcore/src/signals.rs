@@ -41,6 +41,8 @@ pub struct Signals {
     pub stuck: Vec<Range<usize>>,
     /// The measurement filter; the model's torque passes through it too. None: no filter.
     pub filter: Option<ZeroPhase>,
+    /// Steps per sample of a motion that is simulated; at least one.
+    pub substeps: usize,
 }
 
 /// A stretch of a segment that is evaluated at once: `whole` includes what the filter needs around `core`.

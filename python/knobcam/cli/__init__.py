@@ -12,14 +12,14 @@ import warnings
 from typing import TYPE_CHECKING
 
 from ..errors import InputError
-from . import catalogue, demonstrate, fitting, recording
+from . import catalogue, demonstrate, fitting, learning, recording
 from .arguments import Parser, VersionAction
 from .output import as_json, status
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-_GROUPS = (recording, fitting, catalogue, demonstrate)
+_GROUPS = (recording, fitting, learning, catalogue, demonstrate)
 _INTERRUPTED = 130  # what a shell reports for a program that Ctrl-C ended
 
 
@@ -72,7 +72,7 @@ def _run(words: list[str]) -> int:
 def _parser() -> Parser:
     parser = Parser(
         prog="knobcam",
-        description="A haptic camera: measure a knob, fit its physics, see where the model fails.",
+        description="A haptic camera: measure a knob, fit its physics, learn which effect is missing.",
         epilog="Every command takes --help and --json.",
     )
     parser.add_argument("--version", action=VersionAction, nargs=0, help="print the version")

@@ -84,5 +84,6 @@ def _document(effect: Effect) -> dict[str, Any]:
         "law": effect.law,
         "source": effect.source,
         "shows": effect.shows,
+        "confused": list(effect.confused),
         "params": [param._asdict() for param in effect.params],
     }

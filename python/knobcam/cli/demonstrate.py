@@ -15,9 +15,10 @@ if TYPE_CHECKING:
 def register(commands: arguments.Commands) -> None:
     """Add the command of this file."""
     parser = arguments.add_command(
-        commands, "demo", run, "Simulate a knob on the rig, fit it, compare, and draw: no hardware needed."
+        commands, "demo", run, "Hide an effect in an emulated knob, record it, find it: no hardware needed."
     )
     parser.add_argument("--knob", default="3", metavar="1..5|NAME", help="one of the five knobs; default 3")
+    parser.add_argument("--effect", metavar="ID", help="what it hides, of `knobcam effects`")
     parser.add_argument(
         "-o", "--output", type=Path, metavar="FOLDER", help="for all files; default ./knobcam-demo-knobN"
     )
@@ -27,12 +28,13 @@ def run(args: Namespace) -> Answer:
     """Run the demonstration and print where its files are."""
     from .. import demo
 
-    knob = demo.knob_name(args.knob)
+    knob, effect = demo.knob_name(args.knob), args.effect or demo.HIDDEN
+    demo.hiding(knob, effect)  # refuses before anything is written
     folder = args.output or Path(f"knobcam-demo-{knob}")
     check_folder(folder)
     with writing(folder):
-        shown = demo.run(knob, folder, status)
-    fitted = shown.fit
-    text = f"{shown!r}\nfiles in {folder.absolute()}"
-    document = fitted.document() | {"summary": shown.comparison.summary, "files": shown.files}
+        shown = demo.run(knob, effect, folder, status)
+    fitted = shown.story.fit
+    text = f"{shown!r}\nreport: {shown.files['report']}\nfiles in {folder.absolute()}"
+    document = shown.story.document() | {"hidden": list(shown.hidden), "files": shown.files}
     return Answer(text, document, findings(shown.files["capture"], fitted.signals.capture, fitted.signals))

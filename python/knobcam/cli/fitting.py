@@ -68,10 +68,10 @@ def run_fit(args: Namespace) -> Answer:
         files["pictures"] = draw(fitted, args.plots)
     stuck = fitted.stiction()
     shown = [repr(stuck)] if any(stuck.breakaways) else []
-    text = "\n".join([repr(fitted), *shown, *_said(files)])
-    said = [findings(*each) for each in zip(args.captures, captures, fitted.prepared, strict=True)]
+    text = "\n".join([repr(fitted), *shown, *said(files)])
+    notes = [findings(*each) for each in zip(args.captures, captures, fitted.prepared, strict=True)]
     document = fitted.document() | {"stiction": stuck.document() if shown else None, "files": files}
-    return Answer(text, document, tuple(chain.from_iterable(said)))
+    return Answer(text, document, tuple(chain.from_iterable(notes)))
 
 
 def run_compare(args: Namespace) -> Answer:
@@ -94,7 +94,7 @@ def run_compare(args: Namespace) -> Answer:
     if args.plots is not None:
         files["pictures"] = draw(held, args.plots, comparison)
     document = comparison.document() | {"model": args.model, "refitted": args.refit, "files": files}
-    text = "\n".join([repr(comparison), *_said(files)])
+    text = "\n".join([repr(comparison), *said(files)])
     return Answer(text, document, findings(args.capture, capture, held.signals))
 
 
@@ -108,7 +108,8 @@ def draw(fitted: Fit, folder: Path, comparison: Comparison | None = None) -> lis
         return [str(path) for path in plot.save_all(fitted, folder, comparison=comparison)]
 
 
-def _said(files: dict[str, object]) -> list[str]:
-    lines = [f"model: {files['model']}"] if "model" in files else []
+def said(files: dict[str, object]) -> list[str]:
+    """Return the lines that name written files."""
+    lines = [f"{kind}: {files[kind]}" for kind in ("model", "report") if kind in files]
     pictures = files.get("pictures")
     return lines + [f"picture: {path}" for path in pictures] if isinstance(pictures, list) else lines

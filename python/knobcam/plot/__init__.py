@@ -2,30 +2,42 @@
 
 from __future__ import annotations
 
+from .candidates import diagnosis
+from .change import before_after
 from .failures import comparison
-from .gallery import save_all
+from .gallery import save_all, save_story
+from .ladder import ladder
 from .laws import model
+from .movements import movements
 from .over_time import capture, overlay, prepared
 from .profile import haptic_profile
 from .rest import residual, scan
 from .signature import effect
 from .standstill import stiction
+from .story import remaining, story
 from .torques import fit, position, velocity, zoom
 
 __all__ = [
+    "before_after",
     "capture",
     "comparison",
+    "diagnosis",
     "effect",
     "fit",
     "haptic_profile",
+    "ladder",
     "model",
+    "movements",
     "overlay",
     "position",
     "prepared",
+    "remaining",
     "residual",
     "save_all",
+    "save_story",
     "scan",
     "stiction",
+    "story",
     "velocity",
     "zoom",
 ]

@@ -44,19 +44,19 @@ def comparison(comparison: Comparison) -> Picture:
     figure = Picture(11.5, 9.6, headline(fit))
     peak = max(float(np.max(np.abs(split.mean), initial=0.0)) for split in comparison.splits)
     scale = torque_scale(fit.model.axis, peak)
-    _overview(figure.add_subplot(4, 2, 1), comparison)
+    shares(figure.add_subplot(4, 2, 1), comparison)
     for i, split in enumerate(comparison.splits):
         axes = figure.add_subplot(4, 2, i + 2)
         if split.axis == "frequency":
-            _spectrum(axes, split, scale)
+            line_spectrum(axes, split, scale)
         else:
-            _means(axes, split, scale)
+            bin_means(axes, split, scale)
         _head(axes, split, scale, comparison.worst is split)
     return figure
 
 
-def _overview(axes: Axes, comparison: Comparison) -> None:
-    """Shares of all axes as bars, with the share that chance stays below."""
+def shares(axes: Axes, comparison: Comparison) -> None:
+    """Draw the shares of all axes as bars, with the share that chance stays below."""
     splits = comparison.splits[::-1]
     rows = range(len(splits))
     colors = [WRONG if s is comparison.worst else BACKWARD if s.fails else PALE for s in splits]
@@ -64,9 +64,9 @@ def _overview(axes: Axes, comparison: Comparison) -> None:
     for row, split in zip(rows, splits, strict=True):
         chance = 100.0 * split.chance
         axes.plot([chance, chance], [row - 0.4, row + 0.4], color=BLACK, lw=1.2)
-        axes.text(
-            100.0 * max(split.share, split.chance) + 1.5, row, f"{100.0 * split.share:.0f} %", va="center"
-        )
+        says, color = (f"{100.0 * split.share:.0f} %", BLACK) if split.fails else ("chance", GREY)
+        right = 100.0 * float(np.nan_to_num(max(split.share, split.chance)))
+        axes.text(right + 1.5, row, says, va="center", color=color)
     axes.set_yticks(rows, [s.axis for s in splits])
     axes.set_xlim(0.0, 112.0)
     axes.set_xticks([0, 25, 50, 75, 100])
@@ -84,8 +84,8 @@ def _verdict(comparison: Comparison) -> str:
     return f"{times:.2f} × noise, most along {comparison.worst.axis}"
 
 
-def _means(axes: Axes, split: Split, scale: Scale) -> None:
-    """Bin means as steps for each direction of motion, on the band that chance gives them."""
+def bin_means(axes: Axes, split: Split, scale: Scale) -> None:
+    """Draw bin means as steps for each direction of motion, on the band that chance gives them."""
     # The load axis is itself a torque and is shown in the unit of torque.
     along = scale.factor if split.axis == "load" else 1.0
     directions = sorted(set(split.direction.tolist()), reverse=True)
@@ -118,8 +118,8 @@ def _means(axes: Axes, split: Split, scale: Scale) -> None:
         axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1, ncols=2)
 
 
-def _spectrum(axes: Axes, split: Split, scale: Scale) -> None:
-    """RMS residual per frequency bin and the level that chance stays below."""
+def line_spectrum(axes: Axes, split: Split, scale: Scale) -> None:
+    """Draw the RMS residual per frequency bin and the level that chance stays below."""
     middle = 0.5 * (split.low + split.high)
     shown = (middle > 0.0) & (split.band > 1e-3 * float(np.max(split.band, initial=0.0)))
     floor = 0.02 * float(np.median(split.band[shown])) if shown.any() else 0.0
@@ -138,12 +138,17 @@ def _spectrum(axes: Axes, split: Split, scale: Scale) -> None:
         axes.set_xlim(float(middle[shown][0]), float(middle[shown][-1]))
 
 
+def head_of(split: Split, scale: Scale) -> str:
+    """Return the name of an axis with its unit."""
+    unit = scale.unit if split.axis == "load" else split.unit.replace("^2", "²")
+    return f"{_WORDS.get(split.axis, split.axis)} ({unit})"
+
+
 def _head(axes: Axes, split: Split, scale: Scale, worst: bool) -> None:
     share = f"{100.0 * split.share:.0f} % of the excess" if split.fails else "no more than chance"
     weight = "bold" if worst else "normal"
     axes.set_title(f"{split.axis}: {share}", color=WRONG if split.fails else BLACK, fontweight=weight)
-    unit = scale.unit if split.axis == "load" else split.unit.replace("^2", "²")
-    axes.set_xlabel(f"{_WORDS.get(split.axis, split.axis)} ({unit})")
+    axes.set_xlabel(head_of(split, scale))
     if worst:
         axes.patch.set_facecolor("#FFF6F0")
         for side in ("left", "right", "top", "bottom"):

@@ -5,21 +5,28 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from .candidates import diagnosis
+from .change import before_after
 from .failures import comparison as draw_comparison
+from .ladder import ladder
 from .laws import model
+from .movements import movements
 from .over_time import capture, prepared
 from .profile import haptic_profile
 from .rest import residual, scan
 from .standstill import stiction
+from .story import remaining
+from .story import story as draw_story
 from .torques import fit as draw_fit
 from .torques import position, velocity, zoom
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from ..compare import Comparison
     from ..fit import Fit
+    from ..learn import Story
     from .style import Picture
 
 _DPI = 130
@@ -47,11 +54,30 @@ def save_all(fit: Fit, folder: str | os.PathLike[str], comparison: Comparison | 
         pictures["scan"] = lambda: scan(fit)
     if comparison is not None:
         pictures["comparison"] = lambda: draw_comparison(comparison)
-    target = Path(folder)
-    target.mkdir(parents=True, exist_ok=True)
+    return _save(pictures, Path(folder))
+
+
+def save_story(story: Story, folder: str | os.PathLike[str]) -> list[Path]:
+    """Write the pictures of a story as PNG into a folder, made if need be, and return their paths."""
+    pictures: dict[str, Callable[[], Picture]] = {
+        "story": lambda: draw_story(story),
+        "ladder": lambda: ladder(story),
+        "before-after": lambda: before_after(story),
+        "movements": lambda: movements(story),
+        "diagnosis-first": lambda: diagnosis(story.first_diagnosis),
+        "diagnosis-last": lambda: diagnosis(story.last),
+        "remaining": lambda: remaining(story),
+    }
+    if len(story.ladder) == 1:
+        del pictures["movements"], pictures["diagnosis-first"]
+    return _save(pictures, Path(folder))
+
+
+def _save(pictures: Mapping[str, Callable[[], Picture]], folder: Path) -> list[Path]:
+    folder.mkdir(parents=True, exist_ok=True)
     paths = []
     for number, (name, draw) in enumerate(pictures.items(), start=1):
-        path = target / f"{number:02d}-{name}.png"
+        path = folder / f"{number:02d}-{name}.png"
         draw().savefig(path, dpi=_DPI)
         paths.append(path)
     return paths

@@ -57,6 +57,7 @@ _RC: dict[str, Any] = {
     "figure.titlesize": 11.5,
     "figure.dpi": 110.0,
     "savefig.facecolor": "white",
+    "svg.hashsalt": "knobcam",  # the same picture is the same file
     "grid.color": "#E6E6E6",
     "grid.linewidth": 0.6,
     "legend.frameon": False,

@@ -1,7 +1,12 @@
-//! Where a model fails, and how much of that is chance.
+//! Where a model fails, and which effect it lacks.
 
 mod bins;
+mod candidates;
+mod coupled;
 mod locate;
+mod null;
+mod screen;
 mod spectrum;
 
+pub use candidates::{Candidate, diagnose};
 pub use locate::{Region, Split, locate};

@@ -34,11 +34,11 @@ impl Effect<4> for Backlash {
             [share * inertia * omega * omega, share * inertia * omega]
         };
         let mut starts = Vec::new();
-        for gap in [0.04, 0.02, 0.01, 0.005] {
-            for share in [0.8, 0.6] {
-                let [k, d] = rings(0.04 * survey.rate_hz, share);
-                starts.push([gap * survey.range().clamp(0.1, 2.0), k.clamp(1e-3, 1e5), d.min(1e2), share]);
-            }
+        let mut gap = 0.003 * survey.range().clamp(0.1, 2.0);
+        for _ in 0..9 {
+            let [k, d] = rings(0.03 * survey.rate_hz, 0.7);
+            starts.push([gap, k.clamp(1e-3, 1e5), d.min(1e2), 0.7]);
+            gap *= 1.6;
         }
         starts
     }
@@ -76,9 +76,11 @@ mod tests {
         }
         // Half a cycle and a bit: it reverses once, and dry friction then holds the knob where it is.
         let w = 4.0_f64;
-        let over = |f: &dyn Fn(f64) -> f64| (0..5000).map(|i| f(f64::from(i) / rate_hz)).collect::<Vec<f64>>();
+        let over =
+            |f: &dyn Fn(f64) -> f64| (0..5000).map(|i| f(f64::from(i) / rate_hz)).collect::<Vec<f64>>();
         let signals = Signals {
             rate_hz,
+            substeps: 4,
             t: over(&|t| t),
             theta: over(&|t| (w * t).sin()),
             omega: over(&|t| w * (w * t).cos()),

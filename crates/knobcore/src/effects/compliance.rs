@@ -74,6 +74,7 @@ mod tests {
             };
             let signals = Signals {
                 rate_hz,
+                substeps: 4,
                 t: over(&|x| x / w),
                 theta: over(&|x| 0.01 * x.sin()),
                 omega: over(&|x| 0.01 * w * x.cos()),

@@ -12,7 +12,8 @@ pub struct EndStop;
 
 impl Effect<5> for EndStop {
     const ID: &'static str = "end_stop";
-    const LAW: &'static str = "k_hi x_hi - k_lo x_lo + d (x_hi + x_lo) omega, x_hi = max(theta - hi, 0), x_lo = max(lo - theta, 0)";
+    const LAW: &'static str =
+        "k_hi x_hi - k_lo x_lo + d (x_hi + x_lo) omega, x_hi = max(theta - hi, 0), x_lo = max(lo - theta, 0)";
     const SOURCE: &'static str = "Hunt & Crossley 1975 (damping in impacts), its exponent 1";
     const SHOWS: &'static str = "over position, at the ends of the range";
     const CONFUSED: &'static [&'static str] = &["position_polynomial", "return_spring"];

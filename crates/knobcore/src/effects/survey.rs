@@ -13,7 +13,7 @@ pub struct Survey {
     pub duration_s: f64,
     /// Sampling rate, Hz.
     pub rate_hz: f64,
-    /// Inertia that the base model sees, kg m^2.
+    /// Magnitude of the inertia that the base model sees, kg m^2.
     pub inertia: f64,
 }
 

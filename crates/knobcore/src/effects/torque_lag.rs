@@ -1,6 +1,6 @@
 //! Torque lag: the torque channel comes late.
 
-use super::{Effect, LateEffect};
+use super::{Effect, LateEffect, Survey};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
@@ -25,6 +25,12 @@ impl Effect<2> for TorqueLag {
         Param::shape("lag", Unit::of(0, 0, 1), [0.0, 0.05], 0.0, "time constant"),
         Param::shape("delay", Unit::of(0, 0, 1), [-0.02, 0.02], 0.0, "dead time"),
     ];
+
+    fn starts(survey: &Survey) -> Vec<[f64; 2]> {
+        // No lag at all is a bound, where a search may get caught.
+        let sample = 1.0 / survey.rate_hz;
+        vec![[sample, 0.0], [4.0 * sample, 0.0], [0.5 * sample, sample]]
+    }
 }
 
 impl LateEffect<2> for TorqueLag {

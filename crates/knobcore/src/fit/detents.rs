@@ -1,7 +1,7 @@
 //! Are there detents, and which?
 
 use super::scan::{LEAST_PHASE, Scan, range, scan};
-use super::separable::{Found, Layout, Status, descend};
+use super::separable::{Effort, Found, Layout, Status, descend};
 use crate::effects::Id;
 use crate::error::Result;
 use crate::floor::Floor;
@@ -52,7 +52,7 @@ pub fn best_from_scan(
                 start[at] = value;
             }
         }
-        let found = descend(data, model, layout, &start);
+        let found = descend(data, model, layout, &start, Effort::Full);
         evaluations += found.evaluations;
         if best.as_ref().is_none_or(|b| found.cost < b.cost) {
             best = Some(found);
@@ -79,7 +79,7 @@ pub fn scan_beside(data: &[&Signals], model: &Model) -> Option<(Model, Found, Sc
         };
         return Some((bare, found, scan));
     }
-    let found = descend(data, &bare, &layout, &bare.values());
+    let found = descend(data, &bare, &layout, &bare.values(), Effort::Full);
     let (scan, _) = scan(data, &bare, &found.p, &layout.free)?;
     Some((bare, found, scan))
 }
@@ -139,7 +139,7 @@ impl Judge<'_> {
                 return Ok(self.without.cost);
             }
             let model = self.bare.with(rival)?;
-            Ok(descend(data, &model, &Layout::of(&model), &model.values()).cost)
+            Ok(descend(data, &model, &Layout::of(&model), &model.values(), Effort::Full).cost)
         };
         let clearly = CLEARLY * self.white();
         Ok(with.cost < cost(Id::PositionPolynomial, self.data)? + TIE * self.white()

@@ -9,8 +9,10 @@ mod serial;
 mod solve;
 
 pub use moments::Moments;
+pub(crate) use moments::{dot, sweep};
 pub use scan::Scan;
-pub use separable::Status;
+pub use separable::{Found, Status};
+pub(crate) use solve::{Normal, independent};
 
 use crate::effects::Id;
 use crate::error::{Error, Result};
@@ -22,10 +24,10 @@ use crate::signals::Signals;
 use crate::special::Z95;
 use detents::{Judge, best_from_scan, scan_beside};
 use faer::Mat;
-use moments::{Blocks, sweep, used};
-use separable::{Found, Layout, descend};
+use moments::{Blocks, used};
+use separable::{Effort, Layout, descend};
 use serial::{Meat, Serial};
-use solve::{Normal, independent, solvable};
+use solve::solvable;
 
 /// Blocks of the block bootstrap and of the held-out error.
 const BLOCKS: f64 = 200.0;
@@ -102,13 +104,38 @@ pub fn fit(data: &[&Signals], model: &Model, detents: Detents) -> Result<Fit> {
     }
     let Start { model, found, scan } = start;
     let layout = Layout::of(&model);
-    let found = found.unwrap_or_else(|| descend(data, &model, &layout, &model.values()));
+    let found = found.unwrap_or_else(|| descend(data, &model, &layout, &model.values(), Effort::Full));
     let mut fit = finish(data, model, &layout, found, scan)?;
     for name in silent {
         fit.model.set_role(&name, Role::Free)?;
         fit.undetermined.push(Undetermined { name, why: SILENT.into() });
     }
     Ok(fit)
+}
+
+/// Fits `model` from the values that it has: no scan for detents, no search; for a model that is near its best.
+///
+/// # Errors
+/// As of [`fit`].
+pub fn refine(data: &[&Signals], model: &Model) -> Result<Fit> {
+    check(data, model)?;
+    let layout = Layout::of(model);
+    let found = descend(data, model, &layout, &model.values(), Effort::Full);
+    finish(data, model.clone(), &layout, found, None)
+}
+
+/// The values that a sketchy descent from those of `model` ends with.
+pub fn sketch(data: &[&Signals], model: &Model) -> Found {
+    descend(data, model, &Layout::of(model), &model.values(), Effort::Sketch)
+}
+
+/// What is to be reported where a search ended.
+///
+/// # Errors
+/// As of [`fit`].
+pub fn report(data: &[&Signals], model: &Model, found: Found) -> Result<Fit> {
+    check(data, model)?;
+    finish(data, model.clone(), &Layout::of(model), found, None)
 }
 
 /// Linear parameters that the torque of no counted sample depends on. The filter smears a trace of them into

@@ -12,8 +12,27 @@ use crate::param::Kind;
 use crate::predict::Seeds;
 use crate::signals::Signals;
 
-/// Trials before giving up.
-const MAX_EVALUATIONS: usize = 60;
+/// How far to go.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Effort {
+    /// To the optimum.
+    Full,
+    /// Until what is left to gain would not change which of several models is the better one.
+    Sketch,
+}
+
+impl Effort {
+    /// Trials before giving up.
+    fn evaluations(self) -> usize {
+        if self == Self::Full { 60 } else { 35 }
+    }
+
+    /// A step that gains less than this share of the sum of squares ends the search.
+    fn least_gain(self) -> f64 {
+        if self == Self::Full { 0.0 } else { 2e-4 }
+    }
+}
+
 /// A step that promises less than this share of the mean square error is taken and ends the fit: it moves no
 /// parameter by more than a thirtieth of its standard error, and what is left after it is its square.
 const PROMISE: f64 = 1e-3;
@@ -25,9 +44,10 @@ const STEP: f64 = 1e-12;
 const CLOSE: f64 = 1.5;
 /// A sum of squares below this share of the measured one is rounding: eleven digits of the torque agree.
 const EXACT: f64 = 1e-22;
-
 /// A sum of squares above this many times the measured one has no digit left for the measured torque.
 const LOST: f64 = 1e12;
+/// Most that a positive parameter moves in one step, as a power of e.
+const LONGEST: f64 = 1.5;
 
 /// Why the fit stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -139,8 +159,12 @@ impl Layout {
             next[i] += step[column];
         }
         for &column in &self.hard {
-            let i = self.free[column];
-            next[i] = next[i].clamp(slots[i].param.lower, slots[i].param.upper);
+            let (i, lower) = (self.free[column], slots[self.free[column]].param.lower);
+            // What can only be positive moves by factors: the same step to first order, and never through zero.
+            if lower > 0.0 {
+                next[i] = p[i] * (step[column] / p[i]).clamp(-LONGEST, LONGEST).exp();
+            }
+            next[i] = next[i].clamp(lower, slots[i].param.upper);
         }
         for &(amplitude, phase) in &self.polar {
             let (a, s) = (self.free[amplitude], self.free[phase]);
@@ -229,8 +253,10 @@ impl Problem<'_> {
                 linear_step[column] = value;
             }
         }
-        let lost = moments.squares() > LOST * self.total;
-        let cost = if lost { f64::INFINITY } else { moments.squares_after(&linear_step).max(0.0) };
+        let cost = moments.squares_after(&linear_step);
+        // A hidden motion may run away: as bad as can be, and so no step to take.
+        let told = cost.is_finite() && moments.squares() <= LOST * self.total;
+        let cost = if told { cost.max(0.0) } else { f64::INFINITY };
         Point { p, moments, linear_step, kept, normal, cost }
     }
 
@@ -280,12 +306,13 @@ impl Problem<'_> {
 }
 
 /// The best parameters that a descent from `start` reaches.
-pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64]) -> Found {
+pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64], effort: Effort) -> Found {
     let square = |x: &[f64], w: &[f64]| x.iter().zip(w).map(|(x, w)| x * x * w).sum::<f64>();
     let total: f64 = data.iter().map(|s| square(&s.tau, &s.weight)).sum();
     let rows: f64 = data.iter().map(|s| s.used() as f64).sum();
     let unit = (total / rows.max(1.0)).sqrt().max(f64::MIN_POSITIVE);
-    let mut problem = Problem { data, model, layout, seeds: layout.seeds(model), total, unit, evaluations: 0 };
+    let mut problem =
+        Problem { data, model, layout, seeds: layout.seeds(model), total, unit, evaluations: 0 };
     let mut start = start.to_vec();
     keep_ties(model, &mut start);
     let mut here = problem.point(start);
@@ -297,6 +324,9 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64])
         evaluations: problem.evaluations,
         status,
     };
+    if here.cost.is_infinite() {
+        return ended(&problem, &here, 0, Status::Stalled);
+    }
     if layout.free.is_empty() {
         return ended(&problem, &here, 0, Status::Fixed);
     }
@@ -313,7 +343,7 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64])
         if here.cost <= EXACT * total {
             return ended(&problem, &here, iterations, Status::Exact);
         }
-        if problem.evaluations >= MAX_EVALUATIONS {
+        if problem.evaluations >= effort.evaluations() {
             return ended(&problem, &here, iterations, Status::Limit);
         }
         let Some((step, promise)) = problem.step(&here, damping) else {
@@ -321,7 +351,7 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64])
         };
         let small =
             layout.hard.iter().all(|&h| step[h].abs() <= STEP * here.p[layout.free[h]].abs().max(STEP));
-        if promise <= PROMISE * here.cost / rows || small {
+        if promise <= (PROMISE / rows).max(effort.least_gain()) * here.cost || small {
             if damping > 1e8 {
                 return ended(&problem, &here, iterations, Status::Stalled);
             }
@@ -337,8 +367,12 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64])
         let there = problem.point(layout.moved(model, &here.p, &step));
         let gain = (here.cost - there.cost) / promise;
         if there.cost < here.cost {
+            let fell = 1.0 - there.cost / here.cost;
             here = there;
             iterations += 1;
+            if fell < effort.least_gain() {
+                return ended(&problem, &here, iterations, Status::Converged);
+            }
             damping *= (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0);
             if damping < 1e-9 {
                 damping = 0.0;

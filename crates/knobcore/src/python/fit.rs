@@ -2,8 +2,9 @@
 use super::convert::{Floats, array, input_error, matrix};
 use super::model::PyModel;
 use super::signals::PySignals;
-use crate::diagnose::{Split, locate as locate_core};
-use crate::fit::{Detents, Fit, fit as fit_core};
+use crate::diagnose::{Candidate, Split, diagnose as diagnose_core, locate as locate_core};
+use crate::effects::Id;
+use crate::fit::{Detents, Fit, fit as fit_core, refine as refine_core};
 use crate::stiction::{Estimate, stiction as stiction_core};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -165,4 +166,31 @@ pub fn fit(
     let detents = if find_detents { Detents::Find } else { Detents::AsModel };
     let (model, signals) = (&model.0, &signals[..]);
     py.detach(|| fit_core(signals, model, detents)).map(PyFit).map_err(input_error)
+}
+
+/// Fits a model from the values that it has.
+#[pyfunction]
+pub fn refine(py: Python<'_>, data: Vec<PyRef<'_, PySignals>>, model: &PyModel) -> PyResult<PyFit> {
+    let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
+    let (model, signals) = (&model.0, &signals[..]);
+    py.detach(|| refine_core(signals, model)).map(PyFit).map_err(input_error)
+}
+
+/// A candidate as it goes out: effect, fit, gain, parameters, p-value, note.
+type CandidateRow = (&'static str, Option<PyFit>, f64, usize, f64, String);
+
+/// Fits each of the effects beside a fitted model; best first.
+#[pyfunction]
+pub fn diagnose(
+    py: Python<'_>,
+    data: Vec<PyRef<'_, PySignals>>,
+    model: &PyModel,
+    effects: Vec<String>,
+) -> PyResult<Vec<CandidateRow>> {
+    let ids = effects.iter().map(|id| Id::parse(id)).collect::<Result<Vec<_>, _>>().map_err(input_error)?;
+    let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
+    let (model, signals) = (&model.0, &signals[..]);
+    let found = py.detach(|| diagnose_core(signals, model, &ids));
+    let row = |c: Candidate| (c.id.info().id, c.fit.map(PyFit), c.gain, c.parameters, c.p_value, c.note);
+    Ok(found.into_iter().map(row).collect())
 }

@@ -25,8 +25,7 @@ pub fn check(model: &Model, compared: Compared, what: &str) {
     let still = signals(|_| 0.0);
     let n = still.len();
     let p = model.values();
-    let own: Vec<usize> =
-        (0..p.len()).filter(|&i| !matches!(model.slots()[i].role, Role::Tied(_))).collect();
+    let own: Vec<usize> = (0..p.len()).filter(|&i| !matches!(model.slots()[i].role, Role::Tied(_))).collect();
     let mut columns = Columns::default();
     raw(model, &p, &Seeds::of(model, &own), &still, 0..n, &mut columns);
     let (_, slopes) = columns.split();

@@ -16,6 +16,8 @@ use knobcore::signals::Signals;
 use std::f64::consts::TAU;
 
 const RATE_HZ: f64 = 5000.0;
+/// Steps per sample of a hidden knob.
+const SUBSTEPS: usize = 4;
 /// The motion repeats after so many samples, and is as long as two cycles.
 const CYCLE: usize = 5000;
 
@@ -38,6 +40,7 @@ fn signals(tau: impl Fn(&Motion<f64>) -> f64) -> Signals {
     let tau: Vec<f64> = motions.iter().map(tau).collect();
     Signals {
         rate_hz: RATE_HZ,
+        substeps: SUBSTEPS,
         t: column(|m| m.t),
         theta: column(|m| m.theta),
         omega: column(|m| m.omega),
@@ -110,7 +113,9 @@ fn plausible(id: Id, noise: &mut Noise) -> Vec<f64> {
             match param.kind {
                 Kind::Linear => 0.01 + 0.01 * random,
                 Kind::PhaseOf(_) => TAU * (random - 0.5),
-                Kind::Nonlinear if start == 0.0 => (0.05 + 0.1 * random).min((0.5 + 0.5 * random) * param.scale()),
+                Kind::Nonlinear if start == 0.0 => {
+                    (0.05 + 0.1 * random).min((0.5 + 0.5 * random) * param.scale())
+                }
                 Kind::Nonlinear if param.usual == Usual::Fixed => start,
                 Kind::Nonlinear => (start * (0.85 + 0.3 * random)).clamp(param.lower, param.upper),
             }

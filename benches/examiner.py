@@ -1,0 +1,152 @@
+"""One examination: a capture with something hidden goes into a file, and the program gets that alone."""
+
+import tempfile
+import time
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import hidden
+import numpy as np
+
+import knobcam as kc
+
+# One sample of delay at the rig's rate, s.
+SAMPLE_S = 2e-4
+# A constant torque is told from a difference of the two Coulomb levels by nothing but convention: under these
+# effects, which bring one, the levels themselves are not examined.
+WITH_A_CONSTANT = {"position_polynomial", "return_spring", "unbalance", "torque_drift"}
+
+
+class Case(NamedTuple):
+    """A capture to be examined; `single/stribeck:7` is seed 7 of the knobs with a Stribeck effect alone."""
+
+    sitting: str
+    topic: str
+    seed: int
+
+    def __str__(self) -> str:
+        return f"{self.kind}:{self.seed}"
+
+    @property
+    def kind(self) -> str:
+        """The sitting and its topic."""
+        return f"{self.sitting}/{self.topic}"
+
+    @staticmethod
+    def parse(text: str) -> "Case":
+        """The case of a name."""
+        kind, seed = text.split(":")
+        return Case(*kind.split("/"), int(seed))
+
+    @property
+    def without(self) -> tuple[str, ...]:
+        """What is taken out of the catalogue: the hidden effect, and those that are as right."""
+        return tuple(hidden.ACCEPTED[self.topic]) if self.sitting == "left-out" else ()
+
+    def make(self) -> hidden.Hidden:
+        """The capture and what is behind it."""
+        match self.sitting:
+            case "faultless":
+                return hidden.make(self.seed)
+            case "several":
+                return hidden.make(self.seed, several(self.seed))
+            case "lag":
+                return hidden.make(self.seed, ["torque_lag"], size=SAMPLE_S)
+            case _:
+                return hidden.make(self.seed, [self.topic])
+
+
+def cases(seeds: int, first: int) -> list[Case]:
+    """The whole examination with this many seeds per effect."""
+
+    def some(sitting: str, topic: str, times: int = 1) -> list[Case]:
+        return [Case(sitting, topic, seed) for seed in range(first, first + times * seeds)]
+
+    every = [case for name in hidden.NAMED for case in some("single", name)]
+    every += some("several", "effects", 5) + some("faultless", "knob", 10)
+    every += [case for name in hidden.STRANGE for case in some("strange", name)]
+    every += [case for name in hidden.NAMED for case in some("left-out", name)]
+    return every + some("lag", "sample", 2)
+
+
+def several(seed: int) -> list[str]:
+    """Two or three effects of different groups."""
+    rng = np.random.default_rng([seed, 2])
+    by_group: dict[str, str] = {}
+    for name in rng.permutation(list(hidden.NAMED)):
+        by_group.setdefault(hidden.NAMED[name].group, str(name))
+    return [str(name) for name in rng.permutation(list(by_group.values()))[: 2 + seed % 2]]
+
+
+def ask(knob: hidden.Hidden, without: tuple[str, ...]) -> dict[str, Any]:
+    """What the program says of the capture file: the document of `knobcam learn`."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "capture.npz"
+        np.savez(path, **knob.capture)
+        return kc.learn(kc.load(path), without=without).document()
+
+
+def examine(case: Case) -> dict[str, Any]:
+    """The marks of one capture."""
+    knob = case.make()
+    start = time.perf_counter()
+    try:
+        document = ask(knob, case.without)
+    except Exception as error:  # a program that fails has not answered, and the others go on
+        document = {
+            "verdict": f"{type(error).__name__}: {error}",
+            "found": [],
+            "ladder": [],
+            "noise_floor": np.nan,
+        }
+    return {
+        "case": str(case),
+        "sitting": case.sitting,
+        "topic": case.topic,
+        "motion": knob.motion,
+        "effects": knob.effects,
+        "strength": round(knob.strength, 2),
+        "seconds": round(time.perf_counter() - start, 2),
+        **judged(knob, document, case.sitting == "left-out"),
+    }
+
+
+def judged(knob: hidden.Hidden, document: dict[str, Any], left_out: bool) -> dict[str, Any]:
+    """How the document compares with what was hidden; `left_out`: the hidden effect cannot be named."""
+    accepted = [] if left_out else [set(names) for names in knob.accepted if names]
+    nameless = left_out or any(not names for names in knob.accepted)
+    verdict, found, ladder = document["verdict"], document["found"], document["ladder"]
+    right = set().union(*accepted)
+    exact = not nameless and len(found) == len(accepted) and all(set(found) & names for names in accepted)
+    exact = exact and verdict == ("missing" if accepted else "complete")
+    last = ladder[-1] if ladder else {"rmse": np.nan, "params": {}}
+    unexplained = document.get("unexplained") or {}
+    return {
+        "verdict": verdict,
+        "found": found,
+        "axis": unexplained.get("axis"),
+        "first": bool(found) and found[0] in right,
+        "exact": exact,
+        "wrong": verdict == "missing" and not set(found) <= right,
+        "error": round(last["rmse"] / knob.noise_floor, 4),
+        "floor": round(document["noise_floor"] / knob.noise_floor, 4),
+        "covered": covered(knob, last["params"]) if exact else {},
+    }
+
+
+def covered(knob: hidden.Hidden, params: dict[str, Any]) -> dict[str, bool]:
+    """Which 95 % intervals of the base parameters hold the truth."""
+    hold = {}
+    for name, true in knob.knob.items():
+        effect = name.split(".")[0]
+        if effect == "coulomb" and WITH_A_CONSTANT & set(knob.effects):
+            continue
+        interval = params.get(name, {}).get("ci95")
+        if interval is None or (effect == "detent" and knob.knob["detent.A"] == 0.0):
+            continue
+        low, high = interval
+        off = true - (low + high) / 2.0
+        if name == "detent.S":
+            off = (off + np.pi) % (2.0 * np.pi) - np.pi
+        hold[name] = bool(abs(off) <= (high - low) / 2.0)
+    return hold

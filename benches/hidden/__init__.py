@@ -1,0 +1,12 @@
+"""Knobs with a hidden effect: an independent simulator of richer physics than the catalogue's formulas.
+
+Nothing here uses knobcam: its laws, its filter and its motions are written a second time, so that a
+diagnosis is examined on physics and not on its own equations.
+"""
+
+from .make import ACCEPTED, KINDS, Hidden, make
+from .motions import MOTIONS
+from .shapes import NAMED
+from .strange import STRANGE
+
+__all__ = ["ACCEPTED", "KINDS", "MOTIONS", "NAMED", "STRANGE", "Hidden", "make"]

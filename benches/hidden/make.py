@@ -1,0 +1,182 @@
+"""A capture of a random knob with the effects that are asked for, each of a known strength."""
+
+import zlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .base import Base
+from .chain import Chain, Grow, Scene, log_uniform, plain_knob
+from .loads import Loads
+from .motions import MOTIONS, Floats
+from .sensors import EDGE, FLOOR, RANGE, RATE_HZ, filtered, measured
+from .shapes import NAMED
+from .strange import STRANGE
+
+KINDS = NAMED | STRANGE
+# Alike over less than a turn, and a polynomial is nearly what they are beyond.
+POSITION = ["position_polynomial", "return_spring", "unbalance"]
+ACCEPTED = {name: POSITION if name in POSITION else [name] for name in NAMED}
+# The names of the strange kinds that are torques of position alone: a free map of position is their truth.
+ACCEPTED |= {name: ["regional", "wavelet"] if name in ("bump", "rough_map") else [] for name in STRANGE}
+
+WEAKEST, STRONGEST = 0.7, 12.0
+PATIENCE = 15  # knobs that are tried before another strength and motion are drawn
+TRIES = 20 * PATIENCE
+COARSE = 8  # substeps while a size is searched
+
+
+@dataclass(frozen=True)
+class Hidden:
+    """A capture and what is behind it.
+
+    `strength` is what the base model cannot explain of the exact torque, and `strengths` what of each effect
+    neither it nor the others' signatures can, RMS over the noise floor. `noise_floor` is the RMS of the very
+    noise in this capture after the measurement filter, N m. `accepted`: the ids that are as right, for each.
+    """
+
+    seed: int
+    motion: str
+    effects: tuple[str, ...]
+    accepted: tuple[tuple[str, ...], ...]
+    capture: dict[str, Floats]
+    noise_floor: float
+    strength: float
+    strengths: tuple[float, ...]
+    knob: dict[str, float]
+    truth: dict[str, Any]
+
+
+def make(
+    seed: int,
+    effects: Sequence[str] = (),
+    motion: str | None = None,
+    strength: float | None = None,
+    size: float | None = None,
+    duration_s: float = 6.0,
+) -> Hidden:
+    """Make the capture of a seed. Motion and strength are drawn (0.7 to 12) where they are not given.
+
+    `size` sets the one effect's own size (a delay's seconds) in place of its strength. Knobs on which an
+    effect cannot be so strong are drawn anew, and at last the strength. Raises ValueError if none is found.
+    """
+    kinds = {str(name): KINDS[name] for name in sorted(effects, key=lambda name: KINDS[name].order)}
+    rng, noise = np.random.default_rng([seed, zlib.crc32(" ".join(effects).encode())]).spawn(2)
+    t = np.arange(round(duration_s * RATE_HZ)) / RATE_HZ
+    for attempt in range(TRIES):
+        if attempt % PATIENCE == 0:
+            turned = motion or str(rng.choice(list(MOTIONS)))
+            wanted = [strength or log_uniform(rng, WEAKEST, STRONGEST) for _ in kinds]
+        detents = any(kind.detents for kind in kinds.values()) or bool(rng.random() < 0.7)
+        scene = Scene(MOTIONS[turned](rng, t), plain_knob(rng, detents))
+        found = _grown(scene, {name: kind.draw(rng, scene) for name, kind in kinds.items()}, wanted, size)
+        if found is None:
+            continue
+        parts, total = found
+        chain = _chain(scene, parts)
+        tau, limit = chain.torque(scene.track)
+        if np.abs(tau).max() < RANGE - 0.01:
+            break
+    else:
+        raise ValueError(f"no knob shows {list(effects)} at {wanted} times the noise under {turned}")
+    capture = measured(noise, scene.track, tau, limit)
+    floor = float(np.sqrt(np.mean(filtered(capture["tau_Nm"] - tau)[EDGE:-EDGE] ** 2)))
+    return Hidden(
+        seed=seed,
+        motion=turned,
+        effects=tuple(kinds),
+        accepted=tuple(tuple(ACCEPTED[name]) for name in kinds),
+        capture=capture,
+        noise_floor=floor,
+        strength=float(total),
+        strengths=tuple(part.strength for part in parts),
+        knob={name: float(value) for name, value in _named(scene.knob).items()},
+        truth=chain.truth(scene.knob),
+    )
+
+
+class _Part(NamedTuple):
+    """An effect at its size; strength over the noise."""
+
+    grow: Grow
+    size: float
+    strength: float
+
+
+def _grown(
+    scene: Scene, grows: Mapping[str, Grow], wanted: Sequence[float], size: float | None
+) -> tuple[list[_Part], float] | None:
+    """Scale one effect after the other; None where one cannot be so strong on this knob and motion."""
+    base = Base(scene.track, scene.knob)
+    plain, _ = Chain(scene.knob).torque(scene.track)
+
+    def signature(parts: Sequence[_Part]) -> Floats:
+        return _chain(scene, parts).torque(scene.track, COARSE)[0] - plain
+
+    parts: list[_Part] = []
+    for (name, grow), strength in zip(grows.items(), wanted, strict=True):
+        others = [signature(parts)] if parts else []
+
+        def left(
+            at: float, grow: Grow = grow, known: Sequence[_Part] = tuple(parts), others: list[Floats] = others
+        ) -> float:
+            return base.left(plain + signature([*known, _Part(grow, at, 0.0)]), *others) / FLOOR
+
+        fitting = size or _solved(left, *KINDS[name].sizes, strength)
+        if fitting is None:
+            return None
+        parts.append(_Part(grow, fitting, left(fitting)))
+    if len(parts) > 1:
+        whole = signature(parts)
+        for i, part in enumerate(parts):
+            rest = base.left(plain + whole, signature(parts[:i] + parts[i + 1 :])) / FLOOR
+            parts[i] = part._replace(strength=rest)
+    if len(parts) > 1 and min(part.strength for part in parts) < WEAKEST:
+        return None
+    return parts, base.left(plain + signature(parts)) / FLOOR if parts else 0.0
+
+
+def _chain(scene: Scene, parts: Sequence[_Part]) -> Chain:
+    chain = Chain(scene.knob)
+    for part in parts:
+        chain = part.grow(chain, part.size)
+    return chain
+
+
+def _solved(left: Callable[[float], float], low: float, high: float, strength: float) -> float | None:
+    """The size for a strength, within 2 %, by bisection and false position of the logarithms."""
+    below = left(low)
+    if below >= strength:
+        return None
+    above = left(high)
+    if above <= strength:
+        return None
+    for step in range(40):
+        share = 0.5
+        if step % 2:
+            share = np.log(strength / below) / np.log(above / below)
+        middle = float(low * (high / low) ** share)
+        now = left(middle)
+        if abs(now / strength - 1.0) < 0.02:
+            return middle
+        if now < strength:
+            low, below = middle, now
+        else:
+            high, above = middle, now
+    return None
+
+
+def _named(knob: Loads) -> dict[str, float]:
+    """The base parameters under the catalogue's names."""
+    return {
+        "inertia.M": knob.inertia,
+        "coulomb.neg": knob.coulomb_neg,
+        "coulomb.pos": knob.coulomb_pos,
+        "viscous.neg": knob.viscous_neg,
+        "viscous.pos": knob.viscous_pos,
+        "detent.A": knob.detent,
+        "detent.P": knob.period,
+        "detent.S": knob.phase,
+    }

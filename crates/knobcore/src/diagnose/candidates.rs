@@ -1,0 +1,128 @@
+//! Every absent effect, fitted: what would each take off the error?
+
+use super::coupled::coupled;
+use super::null::Null;
+use super::screen::{Screen, Start};
+use crate::effects::{Id, Place};
+use crate::fit::{Fit, Found, report, sketch};
+use crate::floor::Floor;
+use crate::model::{Model, Role};
+use crate::signals::Signals;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Starts of an effect that are followed to their optimum.
+const FOLLOWED: usize = 2;
+/// A start that promises to take off this share of what the best one does is followed too.
+const RIVAL: f64 = 0.7;
+/// A sum of squares below this many times what noise leaves is explained.
+const EXPLAINED: f64 = 1.03;
+
+/// An effect that the model lacks, and what it would do.
+#[derive(Debug, Clone)]
+pub struct Candidate {
+    /// Which.
+    pub id: Id,
+    /// The model with it, fitted; None where it could not be.
+    pub fit: Option<Fit>,
+    /// What it takes off the sum of squares, in variances of the raw torque's white noise.
+    pub gain: f64,
+    /// How many parameters it adds.
+    pub parameters: usize,
+    /// Chance of such a gain of any effect of the catalogue where nothing is missing.
+    pub p_value: f64,
+    /// Why it could not be fitted.
+    pub note: String,
+}
+
+/// Fits each of the `effects` beside a fitted model; best first.
+///
+/// Couplings take by far the longest. They are left for last, and tried only where all others leave something.
+pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id]) -> Vec<Candidate> {
+    let screen = Screen::new(data, model);
+    let floor = Floor::of(data, model);
+    let white = if floor.white > 0.0 { floor.white } else { screen.squares.max(f64::MIN_POSITIVE) * 1e-12 };
+    let (slow, quick): (Vec<Id>, Vec<Id>) = effects.iter().partition(|id| id.info().place == Place::Coupling);
+    let mut found = weighed(&screen, &quick, white);
+    let best = found.iter().fold(0.0, |best: f64, (candidate, _)| best.max(candidate.gain));
+    let left = screen.squares - best * white;
+    if left.is_nan() || floor.squares.is_nan() || left > EXPLAINED * floor.squares {
+        found.extend(weighed(&screen, &slow, white));
+    }
+    found.sort_by_key(|(candidate, _)| candidate.id);
+    let null = Null::of(&screen, found.iter().map(|(candidate, starts)| (candidate.id, &starts[..])));
+    let mut candidates: Vec<Candidate> = found
+        .into_iter()
+        .map(|(candidate, _)| Candidate { p_value: null.p_value(candidate.id, candidate.gain), ..candidate })
+        .collect();
+    candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    candidates
+}
+
+/// Fits effects beside the screen's model, as many at a time as there are processors.
+fn weighed(screen: &Screen<'_>, effects: &[Id], white: f64) -> Vec<(Candidate, Vec<Start>)> {
+    let next = AtomicUsize::new(0);
+    let found = Mutex::new(Vec::new());
+    let work = || {
+        while let Some(&id) = effects.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let result = fitted(screen, id, white);
+            if let Ok(mut found) = found.lock() {
+                found.push(result);
+            }
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 1..workers().min(effects.len()) {
+            scope.spawn(work);
+        }
+        work();
+    });
+    found.into_inner().unwrap_or_default()
+}
+
+fn workers() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from).min(8)
+}
+
+/// An effect fitted beside the screen's model, and the starts that it had.
+fn fitted(screen: &Screen<'_>, id: Id, white: f64) -> (Candidate, Vec<Start>) {
+    let (starts, end) = if id.info().place == Place::Coupling {
+        coupled(screen.data, screen.model, id)
+    } else {
+        let starts = screen.starts(id);
+        let promised = screen.squares - starts.first().map_or(0.0, |best| best.promise);
+        let worth = |start: &&Start| screen.squares - start.promise >= RIVAL * promised;
+        let followed = starts.iter().take(FOLLOWED).filter(worth);
+        let ends = followed.map(|start| (start.model.clone(), sketch(screen.data, &start.model)));
+        let end = ends.min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost));
+        (starts, end)
+    };
+    (candidate(screen, id, &starts, end, white), starts)
+}
+
+fn candidate(
+    screen: &Screen<'_>,
+    id: Id,
+    starts: &[Start],
+    end: Option<(Model, Found)>,
+    white: f64,
+) -> Candidate {
+    let free = |start: &Start| {
+        start.model.slots().iter().filter(|slot| slot.effect == id && slot.role == Role::Free).count()
+    };
+    let parameters = starts.first().map_or(0, free);
+    let failed = |note: String| Candidate { id, fit: None, gain: 0.0, parameters, p_value: 1.0, note };
+    let Some((model, found)) = end else {
+        return failed("does not go with this model, or runs away from it".into());
+    };
+    if let Id::User(user) = id
+        && let Some(why) = user.failure()
+    {
+        return failed(format!("left out: it {why}"));
+    }
+    let gain = (screen.squares - found.cost) / white;
+    match report(screen.data, &model, found) {
+        Ok(fit) => Candidate { id, fit: Some(fit), gain, parameters, p_value: 1.0, note: String::new() },
+        Err(why) => failed(why.to_string()),
+    }
+}

@@ -1,0 +1,45 @@
+//! Couplings, fitted from coarse to fine.
+//!
+//! The torque of a contact comes in pulses of a few milliseconds: a gap that is a little off moves them, and the
+//! error knows no way back once they no longer overlap. Through a slower filter they are broad and do.
+
+use super::screen::{Screen, Start};
+use crate::effects::Id;
+use crate::filter::{ZeroPhase, cheby2};
+use crate::fit::{Found, sketch};
+use crate::model::Model;
+use crate::prepare::slower;
+use crate::signals::Signals;
+
+/// Stopband edges at 5 kHz of the filter that the search goes through and of the one in between, Hz.
+const COARSE_HZ: f64 = 60.0;
+const MIDDLE_HZ: f64 = 150.0;
+/// Starts that are followed through the coarse filter.
+const FOLLOWED: usize = 3;
+
+/// The starts of a coupling beside a fitted model, most promising first, and where they lead to.
+pub fn coupled(data: &[&Signals], base: &Model, id: Id) -> (Vec<Start>, Option<(Model, Found)>) {
+    let coarse: Vec<Signals> = data.iter().filter_map(|signals| slowed(signals, COARSE_HZ)).collect();
+    let coarse: Vec<&Signals> = coarse.iter().collect();
+    let starts = Screen::new(&coarse, base).starts(id);
+    let sketched = starts.iter().take(FOLLOWED).map(|start| (&start.model, sketch(&coarse, &start.model)));
+    let best = sketched.min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost));
+    let fine = best.map(|(model, found)| {
+        let mut model = model.clone();
+        model.set_values(&found.p);
+        let middle: Vec<Signals> = data.iter().filter_map(|signals| slowed(signals, MIDDLE_HZ)).collect();
+        model.set_values(&sketch(&middle.iter().collect::<Vec<_>>(), &model).p);
+        let fine = sketch(data, &model);
+        (model, fine)
+    });
+    (starts, fine.filter(|(_, found)| found.cost.is_finite()))
+}
+
+/// The same signals through a slower measurement filter.
+fn slowed(signals: &Signals, edge_hz: f64) -> Option<Signals> {
+    let edge = edge_hz * slower(signals.rate_hz);
+    let filter = ZeroPhase::new(cheby2(3, 20.0, edge, signals.rate_hz).ok()?);
+    let mut slow = Signals { filter: Some(filter), substeps: 2, ..signals.clone() };
+    slow.filter_torque();
+    Some(slow)
+}

@@ -1,0 +1,137 @@
+//! What chance gives: the gain of every effect where nothing is missing.
+//!
+//! The parametric bootstrap through the whole chain: white noise of the sensor, the measurement filter, the
+//! projection off the base model, every start of every effect. All of it is linear, so the noise need not be drawn
+//! sample by sample: the products of the signatures with filtered noise are normal, with the covariance of the
+//! filtered signatures.
+
+use super::screen::{Screen, Start};
+use crate::effects::{Id, Place};
+use crate::random::Noise;
+use crate::signals::Signals;
+use faer::{Mat, Par, Side};
+use std::collections::BTreeMap;
+
+/// Captures of noise alone.
+const DRAWS: usize = 999;
+/// Signatures of an effect that are looked at, over all of its starts.
+const MOST: usize = 40;
+
+/// Gains of effects by chance.
+pub struct Null {
+    /// For each effect mean and standard deviation of its gain by chance.
+    scale: BTreeMap<Id, (f64, f64)>,
+    /// The largest standardised gain over all effects in each draw, ascending.
+    largest: Vec<f64>,
+}
+
+impl Null {
+    /// Of these effects and starts; gains are in variances of the white noise.
+    pub fn of<'b>(screen: &Screen<'_>, effects: impl Iterator<Item = (Id, &'b [Start])>) -> Self {
+        // Start by start the signatures that it spans.
+        let mut groups: Vec<(Id, std::ops::Range<usize>)> = Vec::new();
+        let mut columns: Vec<Vec<f64>> = Vec::new();
+        for (id, starts) in effects {
+            // The hidden motion of a coupling has no signature at its neutral values.
+            if id.info().place == Place::Coupling || id.info().describes {
+                continue;
+            }
+            let first = columns.len();
+            for start in evenly(starts, MOST) {
+                if columns.len() - first >= MOST {
+                    break;
+                }
+                let from = columns.len();
+                columns.extend(screen.signature(id, start));
+                groups.push((id, from..columns.len()));
+            }
+        }
+        let factor = covariance_root(screen.data, columns);
+        let mut noise = Noise::new(0x6e75_6c6c);
+        let mut gains: BTreeMap<Id, Vec<f64>> = BTreeMap::new();
+        for _ in 0..DRAWS {
+            let z = draw(&factor, &mut noise);
+            let mut best: BTreeMap<Id, f64> = BTreeMap::new();
+            for (id, group) in &groups {
+                let gain: f64 = z[group.clone()].iter().map(|z| z * z).sum();
+                let slot = best.entry(*id).or_default();
+                *slot = slot.max(gain);
+            }
+            best.into_iter().for_each(|(id, gain)| gains.entry(id).or_default().push(gain));
+        }
+        let scale: BTreeMap<Id, (f64, f64)> = gains.iter().map(|(id, g)| (*id, spread(g))).collect();
+        let mut largest: Vec<f64> = (0..DRAWS)
+            .map(|draw| {
+                let standardised = gains.iter().map(|(id, g)| (g[draw] - scale[id].0) / scale[id].1);
+                standardised.fold(f64::NEG_INFINITY, f64::max)
+            })
+            .collect();
+        largest.sort_by(f64::total_cmp);
+        Self { scale, largest }
+    }
+
+    /// Chance that any effect of the catalogue gains so much, in its own scale, where nothing is missing.
+    pub fn p_value(&self, id: Id, gain: f64) -> f64 {
+        // A coupling has as many parameters as the widest of the others.
+        let widest = self.scale.values().copied().max_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((mean, sd)) = self.scale.get(&id).copied().or(widest) else { return 1.0 };
+        let standardised = (gain - mean) / sd;
+        let above = self.largest.len() - self.largest.partition_point(|x| *x < standardised);
+        (1 + above) as f64 / (1 + self.largest.len()) as f64
+    }
+}
+
+fn spread(values: &[f64]) -> (f64, f64) {
+    let n = values.len().max(1) as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let variance = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n;
+    (mean, variance.sqrt().max(f64::MIN_POSITIVE))
+}
+
+/// At most so many starts, spread over all of them.
+fn evenly(starts: &[Start], most: usize) -> impl Iterator<Item = &Start> {
+    starts.iter().step_by(starts.len().div_ceil(most).max(1))
+}
+
+/// A root of the covariance of the products of columns with noise that went through the measurement filter.
+fn covariance_root(data: &[&Signals], mut columns: Vec<Vec<f64>>) -> Mat<f64> {
+    let k = columns.len();
+    let rows = columns.first().map_or(0, Vec::len);
+    if k == 0 {
+        return Mat::zeros(0, 0);
+    }
+    // The filter runs forward and backward and so is its own transpose, up to its ends, which do not count.
+    let mut from = 0;
+    for signals in data {
+        for segment in &signals.segments {
+            let to = from + segment.len();
+            for few in columns.chunks_mut(4) {
+                let mut parts: Vec<&mut [f64]> = few.iter_mut().map(|column| &mut column[from..to]).collect();
+                signals.measure(&mut parts);
+            }
+            from = to;
+        }
+    }
+    let c = Mat::from_fn(rows, k, |i, j| columns[j][i]);
+    let mut gram = Mat::<f64>::zeros(k, k);
+    faer::linalg::matmul::matmul(
+        gram.as_mut(),
+        faer::Accum::Replace,
+        c.transpose(),
+        c.as_ref(),
+        1.0,
+        Par::Seq,
+    );
+    let top = (0..k).map(|i| gram[(i, i)]).fold(0.0, f64::max);
+    for i in 0..k {
+        // Signatures of neighbouring starts are nearly the same.
+        gram[(i, i)] += 1e-9 * top;
+    }
+    gram.llt(Side::Lower).map_or_else(|_| Mat::zeros(k, k), |llt| llt.L().to_owned())
+}
+
+fn draw(factor: &Mat<f64>, noise: &mut Noise) -> Vec<f64> {
+    let k = factor.nrows();
+    let white: Vec<f64> = (0..k).map(|_| noise.normal()).collect();
+    (0..k).map(|i| (0..=i).map(|j| factor[(i, j)] * white[j]).sum()).collect()
+}

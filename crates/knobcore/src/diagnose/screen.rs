@@ -1,0 +1,188 @@
+//! Screening: what an effect would take off the error, to first order, from each of its starts.
+//!
+//! The columns of the base model are swept once and kept; a start costs its own columns alone, projected off all
+//! of the base's, so that what the base parameters can absorb does not count.
+
+use crate::effects::{Id, Place, Survey};
+use crate::fit::{dot, sweep};
+use crate::model::{Model, Role};
+use crate::predict::Seeds;
+use crate::signals::Signals;
+
+/// Steps of the quantiles of a survey.
+const QUANTILES: usize = 400;
+
+/// A fitted model, its derivative columns and its residual, ready to hold signatures against.
+pub struct Screen<'a> {
+    pub data: &'a [&'a Signals],
+    pub model: &'a Model,
+    pub survey: Survey,
+    /// Derivative columns over all counted samples, an orthonormal base of them.
+    base: Vec<Vec<f64>>,
+    /// Sum of squares of the residual, (N m)^2.
+    pub squares: f64,
+}
+
+/// A start of an absent effect.
+#[derive(Debug, Clone)]
+pub struct Start {
+    /// The model with the effect, at the start.
+    pub model: Model,
+    /// Sum of squares that one Gauss-Newton step from it promises, (N m)^2.
+    pub promise: f64,
+}
+
+impl<'a> Screen<'a> {
+    /// Of a fitted model.
+    pub fn new(data: &'a [&'a Signals], model: &'a Model) -> Self {
+        let free: Vec<usize> =
+            (0..model.slots().len()).filter(|&i| model.slots()[i].role == Role::Free).collect();
+        let mut columns = columns(data, model, &free);
+        let residual = columns.pop().unwrap_or_default();
+        let base = orthonormal(&columns);
+        Self { data, model, survey: survey(data, model), squares: dot(&residual, &residual), base }
+    }
+
+    /// All starts of an effect that the model may be given, most promising first.
+    pub fn starts(&self, id: Id) -> Vec<Start> {
+        let Ok(with) = self.model.with(id) else { return Vec::new() };
+        let mut starts: Vec<Start> = id
+            .starts(&self.survey)
+            .iter()
+            .flat_map(|values| self.placed(&with, id, values))
+            .map(|model| Start { promise: self.promise(id, &model), model })
+            .filter(|start| start.promise.is_finite())
+            .collect();
+        starts.sort_by(|a, b| a.promise.total_cmp(&b.promise));
+        starts
+    }
+
+    /// The model at a start. What changes the detents may belong to slower ones, of which those that the base
+    /// model found are the harmonic.
+    fn placed(&self, with: &Model, id: Id, values: &[f64]) -> Vec<Model> {
+        let mut p = with.values();
+        let own = with.slots().iter().position(|slot| slot.effect == id).unwrap_or(p.len());
+        for (slot, value) in p.iter_mut().skip(own).zip(values) {
+            *slot = *value;
+        }
+        let at = |p: &[f64]| {
+            let mut model = with.clone();
+            model.set_values(p);
+            model
+        };
+        let mut models = vec![at(&p)];
+        // A coupling bends the inertia that the base model sees, even below zero.
+        if let (Place::Coupling, Ok(inertia)) = (id.info().place, with.index("inertia.M"))
+            && p[inertia] <= 0.0
+        {
+            models.clear();
+            for times in [1.0, 3.0] {
+                let mut heavier = p.clone();
+                heavier[inertia] *= -times;
+                models.push(at(&heavier));
+            }
+        }
+        if let (Id::DetentHarmonics, Ok(period)) = (id, with.index("detent.P")) {
+            for times in [2.0, 3.0] {
+                let mut slower = p.clone();
+                slower[period] *= times;
+                models.push(at(&slower));
+            }
+        }
+        models
+    }
+
+    fn promise(&self, id: Id, model: &Model) -> f64 {
+        let slots = model.slots();
+        let moved = |i: usize| {
+            slots[i].value
+                != self.model.index(&slots[i].name()).map_or(slots[i].value, |j| self.model.slots()[j].value)
+        };
+        // Columns of a hidden motion cost more than they tell; a slower detent has columns of its own.
+        let own: Vec<usize> = (0..slots.len())
+            .filter(|&i| slots[i].role == Role::Free && id.info().place != Place::Coupling)
+            .filter(|&i| {
+                slots[i].effect == id
+                    || (slots[i].effect == Id::Detent
+                        && id == Id::DetentHarmonics
+                        && (0..slots.len()).any(moved))
+            })
+            .collect();
+        let mut columns = columns(self.data, model, &own);
+        let mut residual = columns.pop().unwrap_or_default();
+        project(&mut residual, &self.base);
+        columns.iter_mut().for_each(|column| project(column, &self.base));
+        for direction in orthonormal(&columns) {
+            subtract(&mut residual, &direction);
+        }
+        dot(&residual, &residual)
+    }
+
+    /// The derivative columns of a start, off those of the base, orthonormal.
+    pub fn signature(&self, id: Id, start: &Start) -> Vec<Vec<f64>> {
+        let slots = start.model.slots();
+        let own: Vec<usize> =
+            (0..slots.len()).filter(|&i| slots[i].role == Role::Free && slots[i].effect == id).collect();
+        let mut columns = columns(self.data, &start.model, &own);
+        columns.pop();
+        columns.iter_mut().for_each(|column| project(column, &self.base));
+        orthonormal(&columns)
+    }
+}
+
+/// Derivative columns by these parameters, and the residual, over all samples; zero where one does not count.
+fn columns(data: &[&Signals], model: &Model, params: &[usize]) -> Vec<Vec<f64>> {
+    let mut columns = vec![Vec::new(); params.len() + 1];
+    sweep(data, model, &model.values(), &Seeds::of(model, params), |swept| {
+        for (column, part) in columns.iter_mut().zip(swept.columns) {
+            column.extend_from_slice(part);
+        }
+    });
+    columns
+}
+
+fn subtract(x: &mut [f64], direction: &[f64]) {
+    let along = dot(x, direction);
+    x.iter_mut().zip(direction).for_each(|(x, d)| *x -= along * d);
+}
+
+fn project(x: &mut [f64], base: &[Vec<f64>]) {
+    base.iter().for_each(|direction| subtract(x, direction));
+}
+
+/// Orthonormal columns that span the same as these (modified Gram-Schmidt; what depends on others is dropped).
+fn orthonormal(columns: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let mut base: Vec<Vec<f64>> = Vec::new();
+    for column in columns {
+        let before = dot(column, column);
+        let mut own = column.clone();
+        project(&mut own, &base);
+        let length = dot(&own, &own);
+        if length > 1e-9 * before && length > 0.0 && length.is_finite() {
+            let scale = length.sqrt().recip();
+            own.iter_mut().for_each(|x| *x *= scale);
+            base.push(own);
+        }
+    }
+    base
+}
+
+fn survey(data: &[&Signals], model: &Model) -> Survey {
+    let counted = |of: &dyn Fn(&Signals, usize) -> f64| -> Vec<f64> {
+        let mut values: Vec<f64> = data
+            .iter()
+            .flat_map(|s| (0..s.len()).filter(|&at| s.weight[at] > 0.0).map(|at| of(s, at)))
+            .collect();
+        values.sort_by(f64::total_cmp);
+        let last = values.len().saturating_sub(1);
+        (0..=QUANTILES).filter_map(|i| values.get(last * i / QUANTILES).copied()).collect()
+    };
+    Survey {
+        theta: counted(&|s, at| s.theta[at]),
+        speed: counted(&|s, at| s.omega[at].abs()),
+        torque: counted(&|s, at| s.tau_raw[at].abs()),
+        duration_s: data.iter().filter_map(|s| s.t.last()).fold(0.0, |a: f64, b| a.max(*b)),
+        rate_hz: data.first().map_or(1.0, |s| s.rate_hz),
+        inertia: model.index("inertia.M").map_or(0.0, |i| model.slots()[i].value.abs()),
+    }
+}

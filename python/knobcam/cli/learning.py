@@ -1,0 +1,179 @@
+"""`knobcam diagnose`, `knobcam add` and `knobcam learn`: which effect is missing."""
+
+from __future__ import annotations
+
+from itertools import chain
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..errors import InputError
+from . import arguments
+from .fitting import draw, said
+from .output import Answer, about, check_file, check_folder, findings, status, writing
+
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+
+    from ..capture import Capture
+    from ..fit import Fit
+    from ..learn import Story
+    from ..model import Model
+
+
+def register(commands: arguments.Commands) -> None:
+    """Add the commands of this file."""
+    parser = arguments.add_command(
+        commands, "diagnose", run_diagnose, "Rank the effects that could be missing from a model."
+    )
+    parser.add_argument("capture", metavar="CAPTURE", help="what the model is fitted to")
+    parser.add_argument(
+        "model", nargs="?", metavar="MODEL", help="model file, or knob1 to knob5; default the base"
+    )
+    arguments.add_plots(parser)
+    _shared(parser)
+
+    parser = arguments.add_command(
+        commands, "add", run_add, "Fit a model again with one effect more, and say what that changed."
+    )
+    parser.add_argument("effect", metavar="EFFECT", help="id from `knobcam effects`")
+    parser.add_argument("capture", metavar="CAPTURE", help="what the model is fitted to")
+    parser.add_argument("model", metavar="MODEL", help="model file, or knob1 to knob5")
+    arguments.add_output(parser, "model")
+    arguments.add_plots(parser)
+    arguments.add_preparation(parser)
+    arguments.add_reading(parser)
+
+    parser = arguments.add_command(
+        commands, "learn", run_learn, "Add what is missing until the rest is chance, or unexplained."
+    )
+    parser.add_argument("captures", nargs="+", metavar="CAPTURE", help="several are of one knob")
+    parser.add_argument("--model", metavar="MODEL", help="to start from; default the base")
+    parser.add_argument("--report", type=Path, metavar="FILE.html", help="report to write, in one file")
+    arguments.add_output(parser, "model")
+    arguments.add_plots(parser)
+    _shared(parser)
+
+
+def _shared(parser: ArgumentParser) -> None:
+    parser.add_argument(
+        "--without", nargs="+", action="extend", default=[], metavar="EFFECT", help="not to be weighed"
+    )
+    arguments.add_preparation(parser)
+    arguments.add_reading(parser)
+
+
+def run_diagnose(args: Namespace) -> Answer:
+    """Fit a model, weigh every absent effect, rank them."""
+    check_folder(args.plots)
+    options = arguments.preparation(args)
+    model = _model(args.model)
+    fitted = _fitted(args, model, options)
+
+    from ..diagnose import diagnose
+
+    status("weighing every effect of the catalogue")
+    diagnosis = diagnose(fitted, without=args.without)
+    files: dict[str, object] = {}
+    if args.plots is not None:
+        pictures = {"diagnosis": diagnosis.plot, "comparison": diagnosis.comparison.plot}
+        with writing(args.plots):
+            args.plots.mkdir(exist_ok=True)
+            for name, picture in pictures.items():
+                picture().savefig(args.plots / f"{name}.png")
+        files["pictures"] = [str(args.plots / f"{name}.png") for name in pictures]
+    text = "\n".join([repr(diagnosis), *said(files)])
+    notes = findings(args.capture, fitted.signals.capture, fitted.signals)
+    return Answer(text, diagnosis.document() | {"files": files}, notes)
+
+
+def run_add(args: Namespace) -> Answer:
+    """Fit a model, add an effect, fit again."""
+    check_file(args.output, [args.capture, args.model])
+    check_folder(args.plots, args.output)
+    options = arguments.preparation(args)
+
+    from .. import refit
+    from ..model import Model
+
+    model = Model.load(args.model)
+    refit.check(args.effect, model)
+    fitted = _fitted(args, model, options).add(args.effect)
+    files: dict[str, object] = {}
+    if args.output is not None:
+        files["model"] = str(fitted.model.save(args.output))
+    if args.plots is not None:
+        files["pictures"] = draw(fitted, args.plots)
+    text = "\n".join([repr(fitted), *said(files)])
+    notes = findings(args.capture, fitted.signals.capture, fitted.signals)
+    return Answer(text, refit.document(fitted) | {"files": files}, notes)
+
+
+def run_learn(args: Namespace) -> Answer:
+    """Learn what is missing from a model of one or several captures of a knob."""
+    inputs = [*args.captures, *([args.model] if args.model else [])]
+    check_file(args.output, inputs)
+    check_file(args.report, inputs)
+    if (
+        args.report is not None
+        and args.output is not None
+        and args.report.absolute() == args.output.absolute()
+    ):
+        raise InputError(f"{args.report}: cannot be the report and the model; choose two names")
+    check_folder(args.plots, args.output)
+    check_folder(args.plots, args.report)
+    options = arguments.preparation(args)
+    model = _model(args.model)
+
+    from ..learn import learn
+
+    captures = _read(args.captures, args)
+    with about(*args.captures):
+        story = learn(captures, model, without=args.without, prepare=args.prepare, progress=status, **options)
+    files = write(story, args.report, args.output, args.plots)
+    document = story.document() | {"files": files}
+    for described, path in zip(document["captures"], args.captures, strict=True):
+        described["path"] = path
+    text = "\n".join([repr(story), *said(files)])
+    notes = [findings(*each) for each in zip(args.captures, captures, story.fit.prepared, strict=True)]
+    return Answer(text, document, tuple(chain.from_iterable(notes)))
+
+
+def write(story: Story, report: Path | None, model: Path | None, folder: Path | None) -> dict[str, object]:
+    """Write what was asked for of a story and return the paths."""
+    files: dict[str, object] = {}
+    if model is not None:
+        files["model"] = str(story.model.save(model))
+    if folder is not None:
+        from .. import plot
+
+        status("drawing")
+        with writing(folder):
+            folder.mkdir(exist_ok=True)
+            files["pictures"] = [str(path) for path in plot.save_story(story, folder)]
+    if report is not None:
+        status("writing the report")
+        files["report"] = str(story.report(report))
+    return files
+
+
+def _model(path: str | None) -> Model | None:
+    from ..model import Model
+
+    return Model.load(path) if path else None
+
+
+def _read(paths: list[str], args: Namespace) -> list[Capture]:
+    captures = []
+    for path in paths:
+        status(f"reading {path}")
+        captures.append(arguments.read(path, args))
+    return captures
+
+
+def _fitted(args: Namespace, model: Model | None, options: dict[str, Any]) -> Fit:
+    from ..fit import fit
+
+    captures = _read([args.capture], args)
+    status("fitting")
+    with about(args.capture):
+        return fit(captures, model, prepare=args.prepare, **options)

@@ -1,0 +1,106 @@
+"""`diagnose`, `add` and `learn` from the command line: documents of the contract, files, progress."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from command import knobcam, process
+
+import knobcam as kc
+
+
+@pytest.fixture(scope="module")
+def recorded(sprung: kc.Capture, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return sprung.save(tmp_path_factory.mktemp("captures") / "sprung.npz")
+
+
+@pytest.fixture(scope="module")
+def base(recorded: Path) -> Path:
+    """The base model as `knobcam fit -o` leaves it."""
+    path = recorded.with_name("base.toml")
+    assert knobcam("fit", recorded, "-o", path).code == 0
+    return path
+
+
+def test_diagnose_ranks_what_is_missing_from_the_base_model_or_from_a_given_one(
+    recorded: Path, base: Path
+) -> None:
+    alone = knobcam("diagnose", recorded, "--json").document
+    given = knobcam("diagnose", recorded, base, "--json").document
+    assert alone["schema"] == "knobcam.diagnose/1"
+    best = alone["candidates"][0]
+    assert "return_spring" in (best["effect"], *best["equivalent"])
+    names = [one["effect"] for one in alone["candidates"]]
+    assert [one["effect"] for one in given["candidates"]] == names
+    told = knobcam("diagnose", recorded, "--without", "return_spring")
+    assert "return_spring" not in told.out and "Beyond chance" in told.out
+
+
+def test_diagnose_draws_the_candidates_and_where_the_model_fails(recorded: Path, tmp_path: Path) -> None:
+    plots = tmp_path / "plots"
+    document = knobcam("diagnose", recorded, "--plots", plots, "--json").document
+    assert document["files"]["pictures"] == [str(plots / "diagnosis.png"), str(plots / "comparison.png")]
+    assert all(Path(path).read_bytes().startswith(b"\x89PNG") for path in document["files"]["pictures"])
+
+
+def test_add_refits_with_the_effect_and_says_what_that_changed(
+    recorded: Path, base: Path, tmp_path: Path
+) -> None:
+    target = tmp_path / "with.toml"
+    document = knobcam("add", "return_spring", recorded, base, "-o", target, "--json").document
+    assert document["schema"] == "knobcam.add/1" and document["added"] == ["return_spring"]
+    assert document["error_fall"] == pytest.approx(1.0 - document["rmse"] / document["before"]["rmse"])
+    assert document["moved"]["inertia.M"].keys() == {"by_se", "by_percent"}
+    assert document["files"] == {"model": str(target)}
+    assert "return_spring" in kc.Model.load(target).effects
+    assert "return_spring" not in kc.Model.load(base).effects
+    assert "With return_spring: RMS error" in knobcam("add", "return_spring", recorded, base).out
+
+
+def test_learn_writes_report_model_and_pictures_and_names_them(recorded: Path, tmp_path: Path) -> None:
+    report, model, plots = tmp_path / "r.html", tmp_path / "m.toml", tmp_path / "plots"
+    ended = knobcam("learn", recorded, "--report", report, "-o", model, "--plots", plots)
+    assert ended.code == 0 and ended.err == ""
+    assert "was missing" in ended.out and f"report: {report}" in ended.out
+    assert report.read_text().startswith("<!DOCTYPE html>")
+    assert {"return_spring", "position_polynomial"} & set(kc.Model.load(model).effects)
+    assert (plots / "01-story.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_learn_prints_the_document_of_the_contract(recorded: Path) -> None:
+    document = knobcam("learn", recorded, "--json").document
+    assert document["schema"] == "knobcam.learn/1" and document["verdict"] == "missing"
+    assert document["capture"]["path"] == str(recorded)
+    assert document["ladder"][0]["added"] is None
+    assert document["files"] == {}
+
+
+def test_learn_starts_from_a_model_and_takes_several_captures(
+    recorded: Path, sprung: kc.Capture, tmp_path: Path
+) -> None:
+    knob = tmp_path / "knob.toml"
+    knob.write_text(sprung.meta["model"])
+    again = tmp_path / "again.npz"
+    assert knobcam("simulate", knob, "--seed", "5", "-o", again).code == 0
+    document = knobcam("learn", recorded, again, "--model", knob, "--json").document
+    assert document["verdict"] == "complete" and document["found"] == []
+    assert [one["path"] for one in document["captures"]] == [str(recorded), str(again)]
+
+
+def test_a_process_that_learns_says_nothing_but_its_document(recorded: Path) -> None:
+    ended = process("learn", recorded, "--json")
+    assert (ended.code, ended.err) == (0, "")
+    assert ended.document == knobcam("learn", recorded, "--json").document
+
+
+def test_demo_hides_the_effect_that_is_asked_for(tmp_path: Path) -> None:
+    folder = tmp_path / "demo"
+    document = knobcam(
+        "demo", "--knob", "4", "--effect", "position_polynomial", "-o", folder, "--json"
+    ).document
+    assert document["hidden"] == ["position_polynomial"]
+    assert document["verdict"] == "missing"
+    assert "position_polynomial" in (*document["found"], *document["ladder"][-1]["equivalent"])
+    assert Path(document["files"]["report"]).is_file()
+    assert kc.load(document["files"]["capture"]).samples == 30000

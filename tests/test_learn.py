@@ -1,0 +1,179 @@
+"""The loop ends in a verdict that the evidence supports, and says what a capture cannot tell."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+
+import knobcam as kc
+
+
+def test_the_hidden_spring_is_found_and_the_rest_is_chance(story: kc.Story) -> None:
+    assert story.verdict == "missing"
+    assert len(story.found) == 1
+    last = story.ladder[-1]
+    assert "return_spring" in (*story.found, *last.equivalent)
+    assert story.fit.rmse == pytest.approx(story.noise_floor, rel=0.05)
+    assert story.headline.startswith(f"{story.found[0]} was missing")
+
+
+def test_the_ladder_starts_at_the_base_model_and_goes_down(story: kc.Story) -> None:
+    assert story.ladder[0].added is None
+    assert story.ladder[0].effects == ("inertia", "coulomb", "viscous", "detent")
+    errors = [rung.rmse for rung in story.ladder]
+    assert errors == sorted(errors, reverse=True)
+    for above, rung in zip(story.ladder, story.ladder[1:], strict=False):
+        assert rung.error_fall == pytest.approx(1.0 - rung.rmse / above.rmse)
+        assert rung.fit.before is above.fit
+
+
+def test_the_interval_of_an_error_holds_it_and_narrows_with_the_capture() -> None:
+    knob = kc.Model.load("knob4")
+    widths = []
+    for duration in (3.0, 12.0):
+        rung = kc.Rung(kc.fit(kc.simulate(knob, "multisine", duration_s=duration)))
+        low, high = rung.rmse_ci95
+        assert low < rung.rmse < high
+        widths.append(high - low)
+    assert widths[1] < 0.75 * widths[0]
+
+
+def test_a_knob_with_nothing_missing_is_complete(capture: kc.Capture) -> None:
+    story = kc.learn(capture)
+    assert (story.verdict, story.found, story.unexplained) == ("complete", (), None)
+    assert len(story.ladder) == 1 and story.lacks == ()
+    assert story.headline == "Nothing is missing that this capture could show: chance explains the error."
+
+
+def test_hum_in_the_torque_is_unexplained_and_its_line_is_named(capture: kc.Capture) -> None:
+    hum = dataclasses.replace(capture, tau=capture.tau + 2e-3 * np.sin(2.0 * np.pi * 50.0 * capture.t))
+    story = kc.learn(hum)
+    assert story.verdict == "unexplained" and story.found == ()
+    assert story.unexplained is not None
+    assert story.unexplained.axis == "time" and "line at 5" in story.unexplained.hint
+    assert story.unexplained.share > 0.5
+    assert "no effect of the catalogue explains" in repr(story)
+
+
+def test_detents_belong_to_the_base_model_also_where_they_come_in_late(sprung: kc.Capture) -> None:
+    without_detents = kc.learn(sprung, detents="no")
+    assert "detent" in [rung.added for rung in without_detents.ladder]
+    assert "detent" not in without_detents.found
+    bare = kc.Model.of(["inertia", "coulomb", "viscous"])
+    assert "detent" in kc.learn(sprung, bare).found
+
+
+def test_a_model_that_has_the_effect_is_complete(sprung: kc.Capture) -> None:
+    story = kc.learn(sprung, kc.Model.parse(sprung.meta["model"]))
+    assert (story.verdict, story.found) == ("complete", ())
+
+
+def test_an_effect_left_out_of_the_catalogue_is_never_found(sprung: kc.Capture) -> None:
+    story = kc.learn(sprung, without=["return_spring"])
+    assert "return_spring" not in story.found and story.without == ("return_spring",)
+    with pytest.raises(kc.InputError, match="without: effect 'magic'"):
+        kc.learn(sprung, without=["magic"])
+
+
+def test_each_step_is_told_while_it_runs(sprung: kc.Capture) -> None:
+    told: list[str] = []
+    story = kc.learn(sprung, progress=told.append)
+    assert told[0] == "fitting the first model"
+    assert any(story.found[0] in step for step in told)
+
+
+def test_the_document_is_that_of_the_contract(story: kc.Story) -> None:
+    document = story.document()
+    keys = {"schema", "capture", "noise_floor", "verdict", "found", "ladder", "unexplained"}
+    assert keys <= document.keys() and document["schema"] == "knobcam.learn/1"
+    assert {"path", "samples", "duration_s", "sample_rate_hz"} <= document["capture"].keys()
+    first, last = document["ladder"][0], document["ladder"][-1]
+    assert first["added"] is None and "p_value" not in first
+    assert {"added", "effects", "rmse", "rmse_heldout", "params"} <= first.keys()
+    assert {"error_fall", "p_value", "equivalent", "moved"} <= last.keys()
+    assert last["params"].keys() == story.fit.params.keys()
+    assert last["moved"]["inertia.M"].keys() == {"by_se", "by_percent"}
+    period = last["params"]["detent.P"]
+    assert period["ci95"][0] < period["value"] < period["ci95"][1] and period["unit"] == "rad"
+    json.dumps(document)
+
+
+def test_a_story_tells_itself_in_the_terminal(story: kc.Story) -> None:
+    lines = repr(story).splitlines()
+    assert lines[0] == story.headline
+    bars = [line.count("#") for line in lines if "#" in line]
+    assert len(bars) == len(story.ladder) and bars[0] > 2 * bars[-1]
+    dots = next(line for line in lines if "sensor noise alone" in line).count(".....")
+    assert dots >= 1
+    assert repr(story).isascii()
+    assert "<table>" in story._repr_html_()
+
+
+def kinds(story: kc.Story) -> set[str]:
+    for lack in story.lacks:
+        assert lack.message in repr(story) and lack.record in repr(story)
+    assert [lack["kind"] for lack in story.document()["lacks"]] == [lack.kind for lack in story.lacks]
+    return {lack.kind for lack in story.lacks}
+
+
+def track(omega: np.ndarray, rate: float = 5000.0) -> kc.MotionTrack:
+    t = np.arange(1, len(omega) + 1) / rate
+    return kc.MotionTrack(t, np.cumsum(omega) / rate, omega, np.gradient(omega) * rate)
+
+
+def test_a_motion_in_one_direction_tells_nothing_of_the_other_nor_of_reversals() -> None:
+    t = np.arange(1, 15001) / 5000.0
+    story = kc.learn(kc.simulate(kc.Model.load("knob4"), track(3.0 + 2.5 * np.sin(4.0 * t))))
+    assert {"no_reversal", "one_direction"} <= kinds(story)
+    assert "friction backward" in " ".join(lack.message for lack in story.lacks)
+
+
+def test_a_motion_that_is_never_slow_shows_no_friction_near_standstill() -> None:
+    t = np.arange(1, 15001) / 5000.0
+    story = kc.learn(kc.simulate(kc.Model.load("knob4"), track(5.0 + np.sin(4.0 * t))))
+    assert "no_slow_motion" in kinds(story)
+
+
+def test_less_than_a_detent_and_less_than_a_second_are_named() -> None:
+    small = kc.learn(kc.simulate(kc.Model.load("knob4"), "micro", duration_s=0.8))
+    assert {"too_short", "less_than_one_detent"} <= kinds(small)
+    assert small.verdict != "missing" or small.ladder[-1].p_value <= 0.05
+
+
+def test_a_slow_motion_tells_neither_inertia_nor_viscous_friction() -> None:
+    slow = kc.motion("micro", amplitude=0.3, frequency_hz=0.1)
+    assert "too_slow" in kinds(kc.learn(kc.simulate(kc.Model.load("knob2"), slow)))
+
+
+def test_a_torque_too_slowly_sampled_has_no_noise_floor_and_accuses_nothing() -> None:
+    story = kc.learn(kc.simulate(kc.Model.load("knob4"), "sweep", rate_hz=100.0))
+    assert "no_noise_floor" in kinds(story)
+    assert story.unexplained is None
+
+
+@pytest.mark.parametrize("motion", ["sweep", "multisine", "hand", "turns"])
+def test_an_ordinary_motion_lacks_nothing(motion: str) -> None:
+    knob = kc.Model.load("knob4")
+    lacking = {lack.kind for lack in kc.learn(kc.simulate(knob, motion)).lacks}
+    assert lacking <= ({"no_slow_motion"} if motion == "turns" else set())
+
+
+def test_captures_of_one_knob_agree_and_those_of_a_changed_one_do_not() -> None:
+    knob = kc.Model.load("knob4")
+    first, again = kc.simulate(knob, "sweep", seed=1), kc.simulate(knob, "multisine", seed=2)
+    assert kc.learn([first, again]).disagreements == ()
+    other = dataclasses.replace(
+        kc.simulate(knob.with_value("detent.P", 0.0765), "multisine", seed=3), meta={"source": "changed.npz"}
+    )
+    story = kc.learn([first, other])
+    worst = story.disagreements[0]
+    assert worst.by_se > 10.0
+    assert f"{worst.param} is" in repr(story) and "in changed.npz" in repr(story)
+    assert story.document()["disagreements"][0]["param"] == worst.param
+
+
+def test_one_capture_agrees_with_itself(story: kc.Story) -> None:
+    assert story.disagreements == ()

@@ -1,0 +1,124 @@
+"""The report is one file: it asks no network, names its evidence, and nothing in it becomes markup."""
+
+from __future__ import annotations
+
+import base64
+import dataclasses
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+import knobcam as kc
+from knobcam import report
+
+HOSTILE = "<script>alert(1)</script>\"'><img src=x onerror=alert(2)> $headline ${else} &amp; knob.csv"
+VOID = {"meta", "img", "br", "link", "input", "hr"}
+
+
+class Page(HTMLParser):
+    """The tags, attributes and text of a page; fails where tags do not nest."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(convert_charrefs=True)
+        self.tags: list[str] = []
+        self.attributes: list[tuple[str, str, str]] = []
+        self.words: list[str] = []
+        self.open: list[str] = []
+        self.feed(text)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self.attributes += [(tag, name, value or "") for name, value in attrs]
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if self.open and self.open[-1] != "style":
+            self.words.append(data)
+
+    @property
+    def text(self) -> str:
+        return " ".join(" ".join(self.words).split())
+
+
+@pytest.fixture(scope="module")
+def page(story: kc.Story) -> str:
+    return report.html(story)
+
+
+def test_a_report_answers_its_questions_in_order(page: str, story: kc.Story) -> None:
+    text = Page(page).text
+    asked = ["What was found", "Why", "What else it could be", "What remains", "How sure"]
+    places = [text.index(f" {question} ") for question in asked]
+    assert places == sorted(places)
+    assert story.headline in text
+    for name in story.fit.params:
+        assert name in text
+    for one in story.last.candidates:
+        assert one.effect in text
+    assert kc.effects()[story.found[0]].law in text
+
+
+def test_a_report_needs_no_network_and_no_other_file(page: str) -> None:
+    parsed = Page(page)
+    assert {"script", "link", "iframe", "object", "base", "form", "a"}.isdisjoint(parsed.tags)
+    sources = [value for _, name, value in parsed.attributes if name in ("src", "href", "srcset", "action")]
+    assert len(sources) >= 4
+    assert all(value.startswith("data:image/svg+xml;base64,") for value in sources)
+    assert "http://" not in page and "https://" not in page
+    assert "@import" not in page and "url(" not in page
+    assert "default-src 'none'" in page
+
+
+def test_the_pictures_in_a_report_hold_no_script_and_fetch_nothing(page: str) -> None:
+    for data in re.findall(r"base64,([A-Za-z0-9+/=]+)", page):
+        svg = base64.b64decode(data).decode()
+        assert "<script" not in svg and "onerror" not in svg
+        references = re.findall(r'(?:href|src)="([^"]+)"', svg)
+        assert all(one.startswith(("#", "data:")) for one in references)
+
+
+def test_a_report_has_light_dark_and_paper(page: str) -> None:
+    assert "prefers-color-scheme: dark" in page and "@media print" in page
+
+
+def test_hostile_names_are_printed_and_never_interpreted(capture: kc.Capture) -> None:
+    named = dataclasses.replace(capture, meta={"source": HOSTILE})
+    text = report.html(kc.learn(named))
+    parsed = Page(text)
+    assert "script" not in parsed.tags
+    assert not [name for _, name, _ in parsed.attributes if name.startswith("on")]
+    assert HOSTILE in parsed.text
+    assert parsed.tags.count("h1") == 1
+
+
+def test_a_report_says_what_a_capture_cannot_tell_and_what_is_unexplained() -> None:
+    story = kc.learn(kc.simulate(kc.Model.load("knob4"), "micro", duration_s=2.0))
+    assert story.lacks
+    text = Page(report.html(story)).text
+    assert all(lack.message in text and lack.record in text for lack in story.lacks)
+    left = dataclasses.replace(story, unexplained=kc.Unexplained("time", 0.4, "a line at 50.0 Hz"))
+    assert left.verdict == "unexplained"
+    assert (
+        "40 % of the remaining error variance lies along time; a line at 50.0 Hz"
+        in Page(report.html(left)).text
+    )
+
+
+def test_the_same_story_gives_the_same_report(story: kc.Story, page: str) -> None:
+    assert report.html(story) == page
+
+
+def test_a_report_appears_whole_at_its_path(story: kc.Story, page: str, tmp_path: Path) -> None:
+    path = story.report(tmp_path / "knob.html")
+    assert path.read_text("utf-8") == page
+    assert [one.name for one in tmp_path.iterdir()] == ["knob.html"]
+    with pytest.raises(kc.InputError, match="cannot be written"):
+        story.report(tmp_path / "no" / "such" / "knob.html")
