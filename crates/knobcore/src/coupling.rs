@@ -187,7 +187,8 @@ impl<T: Scalar> Knob<T> {
         let strain = |omega: T| twist(omega) - border;
         let force = |omega: T| joint.stiffness * strain(omega) + joint.damping * rate(omega);
         let inside = |omega: T| (side * strain(omega)).is_positive();
-        if !joint.welded && !(inside(alone) && (side * force(alone)).is_positive()) {
+        let touches = joint.welded || inside(alone) && (side * force(alone)).is_positive();
+        if !touches {
             return ends(alone, zero);
         }
         let drag = T::of(0.25 * h) * joint.stiffness + half * joint.damping;

@@ -86,7 +86,7 @@ mod tests {
             omega: over(&|t| w * (w * t).cos()),
             alpha: over(&|t| -w * w * (w * t).sin()),
             forward: over(&|t| f64::from(u8::from((w * t).cos() > 0.0))),
-            segments: [0..5000].into(),
+            segments: vec![0..5000; 1],
             ..Signals::default()
         };
         let tau = predict::torque_raw(&model, &signals);

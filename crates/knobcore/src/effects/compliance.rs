@@ -80,7 +80,7 @@ mod tests {
                 omega: over(&|x| 0.01 * w * x.cos()),
                 alpha: over(&|x| -0.01 * w * w * x.sin()),
                 forward: over(&|x| f64::from(u8::from(x.cos() > 0.0))),
-                segments: [0..10_000].into(),
+                segments: vec![0..10_000; 1],
                 ..Signals::default()
             };
             // Once the start has rung out: the torque along the acceleration is the apparent inertia.
