@@ -1,5 +1,7 @@
 """What several files of tests start from."""
 
+from collections.abc import Iterator
+
 import pytest
 
 import knobcam as kc
@@ -25,3 +27,12 @@ def sprung() -> kc.Capture:
 @pytest.fixture(scope="session")
 def story(sprung: kc.Capture) -> kc.Story:
     return kc.learn(sprung)
+
+
+@pytest.fixture(autouse=True)
+def _catalogue_as_it_was() -> Iterator[None]:
+    """Effects that a test registers, or a page or an example in it, are gone after it."""
+    before = set(kc.effects())
+    yield
+    for name in set(kc.effects()) - before:
+        kc.forget_effect(name)

@@ -132,3 +132,12 @@ def test_several_captures_are_weighed_jointly(sprung: kc.Capture) -> None:
     assert len(both.prepared) == 2
     assert both.params["return_spring.k"].value == pytest.approx(0.004, rel=0.03)
     assert np.isfinite(both.residual).sum() == sum(one.core.used for one in both.prepared)
+
+
+def test_an_effect_that_cannot_be_weighed_is_left_out_with_the_reason() -> None:
+    knob = kc.Model.load("knob1")
+    diagnosis = kc.fit(kc.simulate(knob), detents="no").diagnose()
+    assert "detent_harmonics" not in [one.effect for one in diagnosis.candidates]
+    assert "'detent'" in diagnosis.left_out["detent_harmonics"]
+    assert "Left out: detent_harmonics" in repr(diagnosis)
+    assert diagnosis.document()["left_out"] == diagnosis.left_out

@@ -20,10 +20,10 @@ RUST_ORDER = [
     *("stiction", "python"),
 ]
 PYTHON_ORDER = [
-    *("_core", "errors", "tables", "finding", "formats", "quality", "capture", "motions", "effects"),
-    *("models", "model", "prepare", "simulate", "typical", "refit", "fit", "compare", "stiction"),
-    *("diagnose", "agreement", "lacks", "ladder", "selection", "learn", "plot", "report", "demo", "cli"),
-    *("__main__", "__init__"),
+    *("_core", "errors", "tables", "finding", "formats", "quality", "capture", "motions", "plugins"),
+    *("effects", "own", "models", "model", "prepare", "simulate", "typical", "refit", "fit", "compare"),
+    *("stiction", "diagnose", "agreement", "lacks", "ladder", "selection", "learn", "plot", "report"),
+    *("demo", "cli", "__main__", "__init__"),
 ]
 LONGEST = 400
 

@@ -21,13 +21,14 @@ if TYPE_CHECKING:
     from .compare import Comparison, compare
     from .diagnose import Candidate, Diagnosis, diagnose
     from .effects import Effect, effects
-    from .errors import InputError, KnobcamError
+    from .errors import InputError, KnobcamError, KnobcamWarning
     from .fit import Estimate, Fit, fit
     from .lacks import Lack
     from .ladder import Rung, Unexplained
     from .learn import Story, learn
     from .model import KNOBS, Model, Parameter
     from .motions import MOTIONS, MotionTrack, motion
+    from .own import OwnMotion, OwnParameter, forget_effect, own_effect
     from .prepare import Prepared, prepare
     from .refit import Moved
     from .simulate import SensorNoise, simulate
@@ -46,10 +47,13 @@ __all__ = [
     "Fit",
     "InputError",
     "KnobcamError",
+    "KnobcamWarning",
     "Lack",
     "Model",
     "MotionTrack",
     "Moved",
+    "OwnMotion",
+    "OwnParameter",
     "Parameter",
     "Prepared",
     "Rung",
@@ -62,9 +66,11 @@ __all__ = [
     "diagnose",
     "effects",
     "fit",
+    "forget_effect",
     "learn",
     "load",
     "motion",
+    "own_effect",
     "prepare",
     "simulate",
     "stiction",
@@ -85,10 +91,13 @@ _HOME = {
     "Fit": "fit",
     "InputError": "errors",
     "KnobcamError": "errors",
+    "KnobcamWarning": "errors",
     "Lack": "lacks",
     "Model": "model",
     "MotionTrack": "motions",
     "Moved": "refit",
+    "OwnMotion": "own",
+    "OwnParameter": "own",
     "Parameter": "model",
     "Prepared": "prepare",
     "Rung": "ladder",
@@ -101,9 +110,11 @@ _HOME = {
     "diagnose": "diagnose",
     "effects": "effects",
     "fit": "fit",
+    "forget_effect": "own",
     "learn": "learn",
     "load": "capture",
     "motion": "motions",
+    "own_effect": "own",
     "prepare": "prepare",
     "simulate": "simulate",
     "stiction": "stiction",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from types import MappingProxyType
@@ -99,6 +99,26 @@ class Capture:
                     f"{name} has {len(values)}; cut them to one length"
                 )
         return _checked(columns, axis, rate, meta or {}, np.arange(1, len(columns["theta"]) + 1), "arrays")
+
+    @property
+    def clipped(self) -> bool:
+        """Whether samples were masked because the torque sensor was at its limit."""
+        return any(one.kind == "clipped" and one.severity == "masked" for one in self.findings)
+
+    def with_clipped(self) -> Capture:
+        """Return the capture with those samples counted at which the torque sensor was at its limit."""
+        if not self.clipped:
+            return self
+        finite = np.all([np.isfinite(values) for values in self.columns.values()], axis=0)
+        limits = (self.tau[finite].max(), self.tau[finite].min())
+        kept = [
+            replace(one, severity="note", message=one.message.replace("; masked", "; counted"))
+            if one.kind == "clipped"
+            else one
+            for one in self.findings
+        ]
+        mask = self.mask | (finite & np.isin(self.tau, limits))
+        return replace(self, mask=mask, findings=tuple(kept))
 
     @property
     def samples(self) -> int:

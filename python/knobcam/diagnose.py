@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from . import _core
 from .effects import effect as catalogued
 from .effects import effects
 from .errors import InputError
-from .refit import add, describe, percent
+from .refit import cores, describe, percent, with_clipped
 from .tables import html_table, text_table
 
 if TYPE_CHECKING:
@@ -25,6 +25,13 @@ if TYPE_CHECKING:
 
 CHANCE = 0.05
 """A p-value above it is no more than chance."""
+PENALTY = 12.0
+"""What a parameter must take off the sum of squares, in variances of the raw noise (BIC's for some thousands of
+independent samples, with the doubt about the noise on top)."""
+RELATIVE = 0.02
+"""Sums of squares that differ by less than this share of what is left are no evidence either way."""
+NOT_WEIGHED = frozenset({"karnopp"})
+"""Stiction does not show in a prediction from motion."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,9 +46,16 @@ class Candidate:
     effect: str
     fit: Fit
     p_value: float
+    gain: float
+    count: int
     equivalent: tuple[str, ...] = ()
     unphysical: tuple[str, ...] = ()
     note: str = ""
+
+    @property
+    def score(self) -> float:
+        """Its gain (fall of the sum of squares in variances of the raw noise) less a price per parameter."""
+        return self.gain - PENALTY * self.count
 
     @property
     def place(self) -> str:
@@ -106,10 +120,14 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Diagnosis:
-    """The effects that could be missing from a fit, best first; those beyond chance before the others."""
+    """The effects that could be missing from a fit, best first; those beyond chance before the others.
+
+    `left_out` are effects that could not be weighed, and why.
+    """
 
     fit: Fit
     candidates: tuple[Candidate, ...]
+    left_out: Mapping[str, str] = field(default_factory=dict)
 
     def __getitem__(self, effect: str) -> Candidate:
         """The candidate of an effect."""
@@ -162,6 +180,7 @@ class Diagnosis:
             "noise_floor": fit.noise_floor,
             "summary": self.summary,
             "candidates": [candidate.document() for candidate in self.candidates],
+            "left_out": dict(self.left_out),
             "remains": {
                 "complete": self.remaining.complete,
                 "axis": self.remaining.worst.axis if self.remaining.worst else None,
@@ -195,6 +214,7 @@ class Diagnosis:
         head, *rows = text_table(self.HEAD, self.rows([*found, *rest])).splitlines()
         lines += ["Beyond chance:", head, *rows[: len(found)]] if found else ["Beyond chance: nothing"]
         lines += ["No more than chance:", *([] if found else [head]), *rows[len(found) :]] if rest else []
+        lines += [f"Left out: {one}: {why}" for one, why in self.left_out.items()]
         lines += [f"With {self.best.effect}: {self.remaining.summary}"] if self.best else []
         return "\n".join(lines)
 
@@ -215,8 +235,9 @@ def diagnose(fit: Fit, *, only: Collection[str] | None = None, without: Collecti
     out = set(check_effects("without", without, fit.model.axis))
     if only is not None:
         out |= set(effects(fit.model.axis)) - set(check_effects("only", only, fit.model.axis))
-    candidates = _candidates(fit, out)
-    return Diagnosis(fit, tuple(sorted(candidates, key=lambda one: not one.beyond_chance)))
+    fit = with_clipped(fit) if "saturation" not in out else fit
+    candidates, left_out = _candidates(fit, out)
+    return Diagnosis(fit, tuple(sorted(candidates, key=lambda one: not one.beyond_chance)), left_out)
 
 
 def check_effects(name: str, ids: Collection[str], axis: str) -> tuple[str, ...]:
@@ -236,31 +257,56 @@ def p_in_words(p_value: float) -> str:
     return "< 0.001" if p_value < 0.001 else f"{p_value:.3f}"
 
 
-def _candidates(fit: Fit, without: Collection[str]) -> list[Candidate]:
-    """Return every absent effect fitted, the lowest error on unseen blocks first."""
-    from scipy.special import chdtrc  # type: ignore[import-untyped]
+def _candidates(fit: Fit, without: Collection[str]) -> tuple[list[Candidate], dict[str, str]]:
+    """Return every absent effect fitted, the one that explains most first, and why some are not."""
+    catalogue = effects(fit.model.axis)
+    have = fit.model.effects
+    coupled = any(catalogue[one].place == "coupling" for one in have)
+    absent = [
+        one
+        for one, row in catalogue.items()
+        if one not in {*have, *without, *NOT_WEIGHED}
+        and (row.needs is None or row.needs in have)
+        and not (coupled and row.place == "coupling")
+    ]
+    weighed = _core.diagnose(cores(fit), fit.model.core, absent)
+    found = [
+        Candidate(one, replace(fit, core=core, before=fit), p_value, gain, count, note=note)
+        for one, core, gain, count, p_value, note in weighed
+        if core is not None
+    ]
+    found.sort(key=lambda candidate: -candidate.score)
+    left_out = {one: note for one, core, *_, note in weighed if core is None}
+    told = [replace(one, equivalent=_equivalent(one, found), unphysical=_unphysical(one)) for one in found]
+    return told, left_out
 
-    slow = {"backlash", "compliance", "wavelet", "regional", "karnopp"}
-    absent = [one for one in effects(fit.model.axis) if one not in {*fit.model.effects, *without, *slow}]
-    refits = []
-    for one in absent:
-        with suppress(InputError):  # it changes an effect that the model does not have
-            refits.append((one, add(fit, one)))
-    refits.sort(key=lambda pair: pair[1].rmse_heldout)
-    # Of samples at 5 kHz behind a filter at 500 Hz about one in thirty is independent.
-    independent = sum(one.core.used for one in fit.prepared) / 30.0
-    found = []
-    for effect, refit in refits:
-        gain = 2.0 * independent * math.log(max(fit.rmse_heldout / refit.rmse_heldout, 1.0))
-        count = len(refit.core.free) - len(fit.core.free)
-        p_value = min(1.0, len(absent) * float(chdtrc(max(count, 1), gain))) if count > 0 else 1.0
-        alike = [
-            other
-            for other, same in refits
-            if other != effect
-            and p_value <= CHANCE
-            and abs(same.rmse_heldout / refit.rmse_heldout - 1.0) < 0.01
-        ]
-        odd = [sentence for sentence in refit.warnings if sentence not in fit.warnings]
-        found.append(Candidate(effect, refit, p_value, tuple(alike), tuple(odd)))
-    return found
+
+def _equivalent(candidate: Candidate, others: Collection[Candidate]) -> tuple[str, ...]:
+    """Return the effects that do as well as one, for their parameters, up to what chance does."""
+    if not candidate.beyond_chance:
+        return ()
+    floor = candidate.fit.noise_floor
+    # Where much is left with either, a small share of that says no more than chance does at the floor.
+    left = candidate.rmse**2 / floor**2 * RELATIVE if floor > 0.0 else 0.0
+    margin = max(PENALTY, candidate.fit.white_squares * left)
+    return tuple(
+        other.effect
+        for other in others
+        if other.effect != candidate.effect and other.score >= candidate.score - margin
+    )
+
+
+def _unphysical(candidate: Candidate) -> tuple[str, ...]:
+    """Return what is odd about the values of an effect, a sentence each."""
+    rows = catalogued(candidate.effect, candidate.fit.model.axis).params
+    said = []
+    for row in rows:
+        name = f"{candidate.effect}.{row.name}"
+        estimate = candidate.fit.params[name]
+        low, high = row.plausible
+        margin = 2.0 * estimate.se if estimate.determined else 0.0
+        if estimate.value + margin < low or estimate.value - margin > high:
+            limits = f"at least {low:g}" if math.isinf(high) else f"{low:g} to {high:g}"
+            said.append(f"{name} = {estimate.value:.3g} is unphysical: it should be {limits}")
+    odd = candidate.fit.core.model.odd(candidate.effect)
+    return (*said, odd) if odd else tuple(said)

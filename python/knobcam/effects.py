@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 from typing import TYPE_CHECKING, NamedTuple
 
 from . import _core
 from .errors import InputError
+from .plugins import load_plugins
 from .tables import html_table, text_table
 
 if TYPE_CHECKING:
@@ -22,6 +22,7 @@ class ParameterInfo(NamedTuple):
     lower: float
     upper: float
     neutral: float
+    plausible: tuple[float, float]
     meaning: str
 
 
@@ -36,6 +37,8 @@ class Effect:
     shows: str
     params: tuple[ParameterInfo, ...]
     confused: tuple[str, ...]
+    needs: str | None
+    describes: bool
 
     _HEAD = ("parameter", "unit", "bounds", "neutral", "meaning")
 
@@ -64,9 +67,9 @@ class Effect:
         )
 
 
-@cache
 def effects(axis: str = "rotary") -> dict[str, Effect]:
-    """Return the catalogue by id, units for a rotary or a linear axis."""
+    """Return the catalogue by id, units for a rotary or a linear axis; with effects of one's own."""
+    load_plugins()
     rows = _core.catalogue(axis)
     return {
         row["id"]: Effect(
@@ -77,6 +80,8 @@ def effects(axis: str = "rotary") -> dict[str, Effect]:
             row["shows"],
             tuple(ParameterInfo(**param) for param in row["params"]),
             tuple(row["confused"]),
+            row["needs"],
+            row["describes"],
         )
         for row in rows
     }

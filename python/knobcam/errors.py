@@ -20,3 +20,7 @@ class InputError(KnobcamError, ValueError):
 
     def __init__(self, message: str) -> None:
         super().__init__(" ".join(message.split()))
+
+
+class KnobcamWarning(UserWarning):
+    """Something is left out, and the rest goes on."""

@@ -98,6 +98,11 @@ class Fit:
         return self.core.noise_floor
 
     @property
+    def white_squares(self) -> float:
+        """What noise alone leaves of the sum of squares, in variances of the raw torque's noise."""
+        return self.core.white_squares
+
+    @property
     def undetermined(self) -> Mapping[str, str]:
         """Parameters that the captures do not determine, and why."""
         return dict(self.core.undetermined)

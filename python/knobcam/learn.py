@@ -218,7 +218,7 @@ def learn(
     without = check_effects("without", without, model.axis if model else "rotary")
     tell("fitting the first model")
     first = fit(captures, model, prepare=prepare, detents=detents, **options)
-    selection = select(first, without, tell)
+    selection = select(first, without, tell, detents=model is None and detents == "auto")
     # Detents belong to the base model where they are, also if they show only beside what was missing.
     base = model.effects if model else (*first.model.effects, "detent")
     return Story(*selection, base, without)

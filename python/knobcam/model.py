@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from . import _core
 from .errors import InputError
 from .formats.atomic import write_atomically
+from .plugins import load_plugins
 from .tables import html_table, text_table
 
 if TYPE_CHECKING:
@@ -41,6 +42,7 @@ class Model:
     @classmethod
     def of(cls, effects: Iterable[str], axis: str = "rotary", **values: float) -> Model:
         """Return a model of these effects; values by `effect__parameter=1.0`, others are neutral."""
+        load_plugins()
         model = cls(_core.Model(list(effects), axis))
         if not model.effects:
             raise InputError("a model needs an effect, such as inertia; `effects()` lists them")
@@ -78,6 +80,7 @@ class Model:
     @classmethod
     def parse(cls, text: str) -> Model:
         """Read a model from the text of its file."""
+        load_plugins()
         return cls(_core.Model.parse(text))
 
     def text(self) -> str:

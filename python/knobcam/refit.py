@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _core
 from .effects import effect as catalogued
+from .effects import effects
 from .errors import InputError
+from .prepare import prepare
 from .tables import text_table
 
 if TYPE_CHECKING:
@@ -28,11 +30,47 @@ class Moved(NamedTuple):
 def add(fit: Fit, effect: str) -> Fit:
     """Return the fit of the same captures with one effect more, every free parameter fitted anew.
 
-    Raises InputError for an effect that the model has already or the catalogue does not have.
+    Raises InputError for an effect that the model has already, that the catalogue does not have, or that
+    cannot be fitted beside this model.
     """
     check(effect, fit.model)
-    core = _core.fit([one.core for one in fit.prepared], fit.model.with_effect(effect).core, False)
-    return replace(fit, core=core, before=fit)
+    fit.model.with_effect(effect)  # says why not, if it does not go with the model
+    fit = with_clipped(fit) if effect == "saturation" else fit
+    (_, core, _, _, _, note), *_ = _core.diagnose(cores(fit), fit.model.core, [effect])
+    if core is None:
+        raise InputError(f"effect '{effect}': {note}")
+    return settle(replace(fit, core=core, before=fit))
+
+
+def cores(fit: Fit) -> list[_core.Signals]:
+    """Return the prepared signals of all captures as the core has them."""
+    return [one.core for one in fit.prepared]
+
+
+def settle(fit: Fit) -> Fit:
+    """Return a fit that was sketched, followed to its optimum."""
+    core = _core.refine(cores(fit), fit.core.model)
+    return replace(fit, core=core if core.rmse <= fit.core.rmse else fit.core)
+
+
+def drop(fit: Fit, effect: str) -> Fit:
+    """Return the fit without an effect, and without those that change it; the rest fitted anew from there."""
+    catalogue = effects(fit.model.axis)
+    kept = [one for one in fit.model.effects if one != effect and catalogue[one].needs != effect]
+    model = fit.core.model.only(kept)
+    return replace(fit, core=_core.refine(cores(fit), model), before=fit)
+
+
+def with_clipped(fit: Fit) -> Fit:
+    """Return the fit with the samples counted at which the torque sensor was at its limit.
+
+    They are left out of a fit as a rule, since no model without `saturation` can predict them.
+    """
+    if not any(one.capture.clipped for one in fit.prepared):
+        return fit
+    prepared = tuple(prepare(one.capture.with_clipped(), one.method, **one.options) for one in fit.prepared)
+    core = _core.refine([one.core for one in prepared], fit.core.model)
+    return replace(fit, prepared=prepared, core=core)
 
 
 def check(effect: str, model: Model) -> None:

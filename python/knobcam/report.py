@@ -151,7 +151,9 @@ def _weighed(diagnosis: Diagnosis) -> str:
     if not diagnosis.candidates:
         return _paragraph("There was nothing to weigh: the catalogue has no other effect.")
     table = _table("Every absent effect, best first", diagnosis.HEAD, diagnosis.rows(diagnosis.candidates))
-    return _figure(diagnosis.plot(), "Solid bars: beyond chance. Linked: alike in this capture.") + table
+    left_out = _list(f"{one}, left out: {why}" for one, why in diagnosis.left_out.items())
+    picture = _figure(diagnosis.plot(), "Solid bars: beyond chance. Linked: alike in this capture.")
+    return picture + table + (left_out if diagnosis.left_out else "")
 
 
 def _remains(story: Story) -> str:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from .diagnose import Diagnosis, diagnose
+from . import _core
+from .diagnose import PENALTY, Candidate, Diagnosis, diagnose
+from .effects import effects
 from .ladder import Rung, Unexplained
+from .refit import cores, drop, settle, with_clipped
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
@@ -13,7 +17,8 @@ if TYPE_CHECKING:
     from .compare import Comparison
     from .fit import Fit
 
-_WORTH = 0.02  # a candidate that lowers the unseen error by less is left out
+_WORTH = 0.015  # of the squared error: less is nothing that a user would feel
+_MOST = 6  # effects; a model that needs more is no explanation
 
 
 class Selection(NamedTuple):
@@ -24,18 +29,68 @@ class Selection(NamedTuple):
     unexplained: Unexplained | None
 
 
-def select(first: Fit, without: Collection[str], tell: Callable[[str], None]) -> Selection:
-    """Add the best effect as long as the error on unseen blocks falls."""
-    ladder = [Rung(first)]
+def select(first: Fit, without: Collection[str], tell: Callable[[str], None], detents: bool) -> Selection:
+    """Add effects as long as one is beyond chance, physical, and worth it; re-test the earlier ones each time.
+
+    `detents` says that they belong to the model where the data show them.
+    """
+    fit = first if "saturation" in without else with_clipped(first)
+    described = {one for one, row in effects(first.model.axis).items() if row.describes}
+    ladder = [Rung(fit)]
+    base = first.model.effects
     while True:
         fit = ladder[-1].fit
         tell(f"weighing what could be missing from {', '.join(fit.model.effects)}")
-        diagnosis = diagnose(fit, without=without)
-        best = diagnosis.best
-        if best is None or best.rmse_heldout > (1.0 - _WORTH) * fit.rmse_heldout:
+        diagnosis = diagnose(fit, without={*without, *described})
+        best = choose(diagnosis)
+        if best is None or len(ladder) > _MOST:
             return Selection(tuple(ladder), diagnosis, _unexplained(diagnosis.comparison))
         tell(f"adding {best.effect}")
-        ladder.append(Rung(best.fit, best.effect, best.p_value, best.equivalent, diagnosis=diagnosis))
+        richer = settle(best.fit)
+        if detents and "detent" not in richer.model.effects:
+            richer = with_detents(richer)
+        tell("re-testing the effects that came in before")
+        tested = [one for one in richer.model.effects if one not in (*base, best.effect)]
+        richer, dropped = retested(richer, [*tested, *(["detent"] if detents and "detent" in base else [])])
+        richer = replace(richer, before=fit)
+        ladder.append(Rung(richer, best.effect, best.p_value, best.equivalent, dropped, diagnosis))
+
+
+def choose(diagnosis: Diagnosis) -> Candidate | None:
+    """Return the candidate to add: the one that explains most for its parameters; of those alike the simplest."""
+    fit = diagnosis.fit
+    worth = [
+        one
+        for one in diagnosis.candidates
+        if one.beyond_chance
+        and not one.unphysical
+        and one.score > 0.0
+        and one.rmse**2 <= (1.0 - _WORTH) * fit.rmse**2
+    ]
+    if not worth:
+        return None
+    best = max(worth, key=lambda one: one.score)
+    alike = [one for one in worth if one.effect == best.effect or one.effect in best.equivalent]
+    return min(alike, key=lambda one: (one.count, -one.score))
+
+
+def with_detents(fit: Fit) -> Fit:
+    """Return the fit with detents where the data show them now."""
+    core = _core.fit(cores(fit), fit.core.model, True)
+    return replace(fit, core=core) if "detent" in core.model.effects else fit
+
+
+def retested(fit: Fit, tested: Collection[str]) -> tuple[Fit, tuple[str, ...]]:
+    """Return the fit without those of the tested effects that it no longer needs, and which they were."""
+    dropped: list[str] = []
+    for effect in tested:
+        bare = drop(fit, effect)
+        count = len(fit.core.free) - len(bare.core.free)
+        lost = (bare.rmse**2 / fit.noise_floor**2 - fit.rmse**2 / fit.noise_floor**2) * fit.white_squares
+        if lost <= PENALTY * count or fit.rmse**2 >= (1.0 - _WORTH) * bare.rmse**2:
+            fit = bare
+            dropped.append(effect)
+    return fit, tuple(dropped)
 
 
 def _unexplained(comparison: Comparison) -> Unexplained | None:

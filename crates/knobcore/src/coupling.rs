@@ -5,8 +5,11 @@
 //! damper, after a free play. Contact is stiff and friction dry, so both are implicit: the midpoint rule for the
 //! joint, whose free play is that at the midpoint too (so that contact never makes energy: Burrage & Butcher 1979),
 //! and friction that stops the knob at the end of a step if it can (Moreau 1988).
+//!
+//! Effects of a user's own load the knob too. Their laws take whole columns, so they are evaluated along the
+//! shaft's motion, as if the joint were not strained.
 
-use crate::effects::Joint;
+use crate::effects::{Id, Joint};
 use crate::model::Model;
 use crate::motion::Motion;
 use crate::scalar::{Dual, Scalar};
@@ -33,60 +36,97 @@ pub fn sweep(
     torque: &mut [f64],
     slopes: &mut [Vec<f64>],
 ) {
+    let hidden = Hidden { model, p, columns, shaft, own: Own::over(model, p, columns, shaft.motion) };
     if slopes.is_empty() {
-        pulp::Arch::new().dispatch(Simulation {
-            model,
-            p,
-            shaft,
-            out: |at: usize, tau: f64| torque[at] = tau,
-        });
+        let (more, out) = (|at: usize| hidden.own.torque(at), |at: usize, tau: f64| torque[at] = tau);
+        pulp::Arch::new().dispatch(Simulation { model, p, shaft, more, out });
         return;
     }
     for (group, few) in slopes.chunks_mut(MOST).enumerate() {
         let first = group * MOST;
         match few.len() {
-            0..=8 => carried::<8>(model, p, columns, first, shaft, torque, few),
-            9..=12 => carried::<12>(model, p, columns, first, shaft, torque, few),
-            _ => carried::<MOST>(model, p, columns, first, shaft, torque, few),
+            0..=8 => hidden.carry::<8>(first, torque, few),
+            9..=12 => hidden.carry::<12>(first, torque, few),
+            _ => hidden.carry::<MOST>(first, torque, few),
         }
     }
 }
 
-/// Simulates with the derivatives whose columns begin at `first`.
-fn carried<const L: usize>(
-    model: &Model,
-    p: &[f64],
-    columns: &[Option<usize>],
-    first: usize,
-    shaft: Shaft<'_>,
-    torque: &mut [f64],
-    few: &mut [Vec<f64>],
-) {
-    let lane = |column: usize| column.checked_sub(first).filter(|lane| *lane < L);
-    let seed =
-        |(i, x): (usize, &f64)| Dual::<f64, L>::seeded(*x, columns.get(i).copied().flatten().and_then(lane));
-    let p: Vec<_> = p.iter().enumerate().map(seed).collect();
-    let out = |at: usize, tau: Dual<f64, L>| {
-        torque[at] = tau.v;
-        few.iter_mut().zip(tau.d).for_each(|(column, slope)| column[at] = slope);
-    };
-    pulp::Arch::new().dispatch(Simulation { model, p: &p, shaft, out });
+/// What is simulated, and by which parameters it is differentiated.
+struct Hidden<'a> {
+    model: &'a Model,
+    p: &'a [f64],
+    columns: &'a [Option<usize>],
+    shaft: Shaft<'a>,
+    own: Own,
+}
+
+impl Hidden<'_> {
+    /// Simulates with the derivatives whose columns begin at `first`.
+    fn carry<const L: usize>(&self, first: usize, torque: &mut [f64], few: &mut [Vec<f64>]) {
+        let lane = |column: usize| column.checked_sub(first).filter(|lane| *lane < L);
+        let seed = |(i, x): (usize, &f64)| {
+            Dual::<f64, L>::seeded(*x, self.columns.get(i).copied().flatten().and_then(lane))
+        };
+        let p: Vec<_> = self.p.iter().enumerate().map(seed).collect();
+        let more = |at: usize| {
+            let mut tau = Dual::constant(self.own.torque(at)?);
+            for (column, slope) in &self.own.slopes {
+                if let Some(lane) = lane(*column) {
+                    tau.d[lane] += slope[at];
+                }
+            }
+            Some(tau)
+        };
+        let out = |at: usize, tau: Dual<f64, L>| {
+            torque[at] = tau.v;
+            few.iter_mut().zip(tau.d).for_each(|(column, slope)| column[at] = slope);
+        };
+        pulp::Arch::new().dispatch(Simulation { model: self.model, p: &p, shaft: self.shaft, more, out });
+    }
+}
+
+/// What effects of a user's own load the knob with: torque, empty without any, and derivatives by column.
+struct Own {
+    torque: Vec<f64>,
+    slopes: Vec<(usize, Vec<f64>)>,
+}
+
+impl Own {
+    fn over(model: &Model, p: &[f64], columns: &[Option<usize>], motion: [&[f64]; 5]) -> Self {
+        let mut own = Self { torque: Vec::new(), slopes: Vec::new() };
+        for (id, p, columns) in model.parts(p, columns) {
+            let Id::User(user) = id else { continue };
+            own.torque.resize(motion[0].len(), 0.0);
+            own.torque.iter_mut().zip(user.over(p, motion)).for_each(|(sum, tau)| *sum += tau);
+            let asked = columns.iter().enumerate().filter_map(|(i, column)| Some((i, (*column)?)));
+            own.slopes.extend(asked.map(|(i, column)| (column, user.slope(p, i, motion))));
+        }
+        own
+    }
+
+    fn torque(&self, at: usize) -> Option<f64> {
+        self.torque.get(at).copied()
+    }
 }
 
 /// A simulation as a value, so that its body is compiled for the machine's instruction set.
-struct Simulation<'a, T, F> {
+struct Simulation<'a, T, M, F> {
     model: &'a Model,
     p: &'a [T],
     shaft: Shaft<'a>,
+    more: M,
     out: F,
 }
 
-impl<T: Scalar, F: FnMut(usize, T)> pulp::NullaryFnOnce for Simulation<'_, T, F> {
+impl<T: Scalar, M: Fn(usize) -> Option<T>, F: FnMut(usize, T)> pulp::NullaryFnOnce
+    for Simulation<'_, T, M, F>
+{
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        run(self.model, self.p, self.shaft, self.out);
+        run(self.model, self.p, self.shaft, self.more, self.out);
     }
 }
 
@@ -96,9 +136,16 @@ struct Knob<T> {
     omega: T,
 }
 
-/// Simulates the knob along the shaft's motion and hands over the torque on the shaft at every sample.
+/// Simulates the knob along the shaft's motion, under the torque `more`, if any, beside its loads, and hands over
+/// the torque on the shaft at every sample.
 #[inline(always)]
-fn run<T: Scalar>(model: &Model, p: &[T], shaft: Shaft<'_>, mut out: impl FnMut(usize, T)) {
+fn run<T: Scalar>(
+    model: &Model,
+    p: &[T],
+    shaft: Shaft<'_>,
+    more: impl Fn(usize) -> Option<T>,
+    mut out: impl FnMut(usize, T),
+) {
     let Some(joint) = model.joint(p) else { return };
     let [t, theta, omega, alpha, _] = shaft.motion;
     let substeps = shaft.substeps.max(1);
@@ -114,20 +161,21 @@ fn run<T: Scalar>(model: &Model, p: &[T], shaft: Shaft<'_>, mut out: impl FnMut(
         let next = (at + 1).min(t.len() - 1);
         let span = t[next] - t[at];
         let (mut from, mut first, mut last) = (theta[at], None, None);
+        let h = span / substeps as f64;
+        let more = more(at).zip(more(next));
         for step in 1..=if span > 0.0 { substeps } else { 0 } {
-            let h = span / substeps as f64;
-            let to = hermite(
-                [theta[at], theta[next]],
-                [omega[at] * span, omega[next] * span],
-                step as f64 / substeps as f64,
-            );
+            let share = |steps: usize| steps as f64 / substeps as f64;
+            let to = hermite([theta[at], theta[next]], [omega[at] * span, omega[next] * span], share(step));
             let clock = t[at] + (step - 1) as f64 * h;
             let motion = Motion::exact(T::of(clock), knob.theta, knob.omega, T::of(0.0));
             let load = model.load(p, &mut state, &motion);
             let (forth, back) = (load.friction(T::of(1.0)), load.friction(T::of(0.0)));
             let half = T::of(0.5);
             let friction = (half * (forth - back)).max(T::of(0.0));
-            let push = load.drive + half * (forth + back);
+            let mut push = load.drive + half * (forth + back);
+            if let Some((from, to)) = more {
+                push = push + from + T::of(share(step - 1)) * (to - from);
+            }
             let force;
             (knob, force) = knob.stepped(&joint, own, push, friction, [from, to], h);
             (first, last) = (first.or(Some(force)), Some(force));

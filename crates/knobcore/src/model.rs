@@ -84,7 +84,8 @@ impl Model {
 
     /// The same model with one effect more, at its neutral values.
     pub fn with(&self, id: Id) -> Result<Self> {
-        if self.has(id) {
+        // By name: an effect of a user's own that was registered anew is another one of the same name.
+        if self.effects().any(|own| own.info().id == id.info().id) {
             return Err(Error::invalid(format!("effect '{}'", id.info().id), "is in the model already"));
         }
         if let Some(needs) =
@@ -224,6 +225,24 @@ impl Model {
         self.effects().map(Id::states).sum()
     }
 
+    /// Does work that evaluates the model, on this thread.
+    ///
+    /// # Errors
+    /// An effect of the user's own failed in it, so that its result is void.
+    pub fn watched<R>(&self, work: impl FnOnce() -> R) -> Result<R> {
+        let failure = |id: Id| match id {
+            Id::User(user) => Some((user.info.id, user.failure()?)),
+            _ => None,
+        };
+        // What failed before, where nobody asked, is not this work's.
+        self.effects().for_each(|id| drop(failure(id)));
+        let done = work();
+        match self.effects().find_map(failure) {
+            Some((id, why)) => Err(Error::invalid(format!("effect '{id}'"), why)),
+            None => Ok(done),
+        }
+    }
+
     /// Whether its torque depends on more than the present sample.
     pub fn remembers(&self) -> bool {
         self.effects().any(Id::remembers)
@@ -242,7 +261,8 @@ impl Model {
         if bent { Kind::Nonlinear } else { slot.param.kind }
     }
 
-    /// The sum of the loads on the knob; `state` has [`Model::states`] numbers, zero at first.
+    /// The sum of the loads on the knob, but for those of a user's own ([`Model::own_torque`]); `state` has
+    /// [`Model::states`] numbers, zero at first.
     #[inline(always)]
     pub fn load<T: Scalar>(&self, p: &[T], state: &mut [T], motion: &Motion<T>) -> Load<T> {
         let mut sum = Load::none();
@@ -253,6 +273,15 @@ impl Model {
             state = rest;
         }
         sum
+    }
+
+    /// Torque of the effects of a user's own at one instant, N m.
+    pub fn own_torque(&self, p: &[f64], motion: &Motion<f64>) -> f64 {
+        let own = |(id, range): &(Id, Range<usize>)| match id {
+            Id::User(user) => user.at(p.get(range.clone())?, motion).into(),
+            _ => None,
+        };
+        self.parts.iter().filter_map(own).sum()
     }
 
     /// How shaft and knob are joined, if not rigidly.

@@ -1,5 +1,7 @@
 //! A parameter of an effect: one row, read by the fitter, the model file, the tables and the reports.
 
+use crate::error::{Error, Result};
+
 /// How a parameter enters the torque; the fitter eliminates what is linear.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
@@ -41,6 +43,44 @@ impl Unit {
     /// torque^a angle^b s^c
     pub const fn of(torque: i8, angle: i8, time: i8) -> Self {
         Self { torque, angle, time, pure: false }
+    }
+
+    /// What a person writes, as [`Unit::text`] prints it: names with powers, after each `/` those below. With `m`
+    /// for every `N` the torque is one of a rotary axis; without `rad`, and with other powers of `m`, of a linear
+    /// one.
+    ///
+    /// # Errors
+    /// Other names than N, m, rad and s, or a combination that is no torque, angle and time.
+    pub fn parse(text: &str) -> Result<Self> {
+        let bad = || {
+            let why = "is no unit that an effect can have; write one such as N m, N m/rad, N m s/rad, rad, \
+                       rad/s, s, 1/s or 1, on a linear axis N, N/m, N s/m, m or m/s";
+            Error::invalid(format!("unit '{text}'"), why)
+        };
+        let plain = text.replace(['*', '\u{b7}'], " ").replace('\u{b2}', "^2").replace('\u{b3}', "^3");
+        let [mut newton, mut metre, mut radian, mut second] = [0_i8; 4];
+        for (side, names) in plain.split('/').enumerate() {
+            for (at, word) in names.split_whitespace().enumerate() {
+                let (name, power) = word.split_once('^').unwrap_or((word, "1"));
+                let power = power.parse().ok().filter(|power| (-9..=9).contains(power)).ok_or_else(bad)?;
+                let sum = match name {
+                    "N" => &mut newton,
+                    "m" => &mut metre,
+                    "rad" => &mut radian,
+                    "s" => &mut second,
+                    "1" if at == 0 && power == 1 => continue,
+                    _ => return Err(bad()),
+                };
+                *sum = sum.saturating_add(if side == 0 { power } else { -power });
+            }
+        }
+        match (newton, metre, radian, second) {
+            _ if plain.split('/').any(|names| names.trim().is_empty()) => Err(bad()),
+            (0, 0, 0, 0) => Ok(Self::NUMBER),
+            (_, _, angle, _) if metre == newton => Ok(Self::of(newton, angle, second)),
+            (_, angle, 0, _) => Ok(Self::of(newton, angle, second)),
+            _ => Err(bad()),
+        }
     }
 
     /// As it is printed: `N m s^2/rad`, on a linear axis `N s^2/m`.
@@ -101,6 +141,8 @@ pub struct Param {
     pub upper: f64,
     /// Value at which the effect is silent, or a harmless one for shape parameters.
     pub neutral: f64,
+    /// Values that make physical sense; a fit may end outside, which says that the effect stands in for another.
+    pub plausible: [f64; 2],
     /// Its usual role.
     pub usual: Usual,
     /// What it is, in a few words.
@@ -117,6 +159,7 @@ impl Param {
             lower: f64::NEG_INFINITY,
             upper: f64::INFINITY,
             neutral: 0.0,
+            plausible: [f64::NEG_INFINITY, f64::INFINITY],
             usual: Usual::Free,
             meaning,
         }
@@ -136,7 +179,8 @@ impl Param {
         neutral: f64,
         meaning: &'static str,
     ) -> Self {
-        Self { name, unit, kind: Kind::Nonlinear, lower, upper, neutral, usual: Usual::Free, meaning }
+        let unbounded = Self::linear(name, unit, meaning);
+        Self { kind: Kind::Nonlinear, lower, upper, neutral, ..unbounded }
     }
 
     /// A size that its values may have: that of the neutral value or of its bounds.
@@ -154,9 +198,9 @@ impl Param {
         Self { usual, ..self }
     }
 
-    /// The same parameter within bounds.
-    pub const fn within(self, lower: f64, upper: f64) -> Self {
-        Self { lower, upper, ..self }
+    /// The same parameter with the values that make physical sense.
+    pub const fn plausibly(self, lower: f64, upper: f64) -> Self {
+        Self { plausible: [lower, upper], ..self }
     }
 }
 
@@ -172,5 +216,32 @@ mod tests {
         assert_eq!(Unit::of(1, -3, 0).text(Axis::Linear), "N/m^3");
         assert_eq!(Unit::PHASE.text(Axis::Linear), "rad");
         assert_eq!(Unit::of(0, 0, -1).text(Axis::Rotary), "1/s");
+    }
+
+    #[test]
+    fn a_unit_that_is_printed_is_read_back() {
+        for (torque, angle, time) in
+            (0..=1).flat_map(|a| (-3..=3).flat_map(move |b| (-3..=3).map(move |c| (a, b, c))))
+        {
+            let unit = Unit::of(torque, angle, time);
+            if unit == Unit::PHASE {
+                continue;
+            }
+            assert_eq!(Unit::parse(&unit.text(Axis::Rotary)).unwrap(), unit);
+            // Force times length reads as the torque that it is on a rotary axis.
+            if (torque, angle) != (1, 1) {
+                assert_eq!(Unit::parse(&unit.text(Axis::Linear)).unwrap(), unit);
+            }
+        }
+        assert_eq!(Unit::parse("1").unwrap(), Unit::NUMBER);
+        assert_eq!(Unit::parse(" N*m s\u{b2}/rad/rad ").unwrap(), Unit::of(1, -2, 2));
+    }
+
+    #[test]
+    fn what_is_no_unit_is_refused_with_those_that_are() {
+        for text in ["", "mNm", "N m/", "kg", "N m^2/rad", "rad^x", "s^99", "2 s", "N rad"] {
+            let error = Unit::parse(text).unwrap_err().to_string();
+            assert!(error.contains(&format!("'{text}'")) && error.contains("N m/rad"), "{error}");
+        }
     }
 }

@@ -5,7 +5,7 @@
 
 use crate::error::{Error, Result};
 use crate::model::Model;
-use crate::motion::Motion;
+use crate::motion::{Load, Motion};
 
 /// Steps of the integrator per sample.
 const SUBSTEPS: usize = 32;
@@ -66,7 +66,8 @@ pub fn push(model: &Model, reference: &[f64], dt: f64, hand: Hand) -> Result<Pus
             let at = before + (target - before) * step as f64 / SUBSTEPS as f64;
             tau = hand.stiffness * (at - theta) + hand.damping * (speed - omega);
             let motion = Motion::exact(sample as f64 * dt, theta, omega, 0.0);
-            let load = model.load(&p, &mut state, &motion);
+            let own = Load::drive(model.own_torque(&p, &motion));
+            let load = model.load(&p, &mut state, &motion).plus(own);
             let other = tau - load.drive;
             let held = load.sticking(other) == other;
             let slow = omega.abs() <= load.band;

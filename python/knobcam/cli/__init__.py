@@ -11,7 +11,7 @@ import sys
 import warnings
 from typing import TYPE_CHECKING
 
-from ..errors import InputError
+from ..errors import InputError, KnobcamWarning
 from . import catalogue, demonstrate, fitting, learning, recording
 from .arguments import Parser, VersionAction
 from .output import as_json, status
@@ -94,3 +94,5 @@ def _be_a_process() -> None:
         sys.stdout.reconfigure(errors="backslashreplace")
     if not sys.warnoptions:
         warnings.simplefilter("ignore")
+        warnings.simplefilter("always", KnobcamWarning)
+        warnings.formatwarning = lambda message, *_, **__: f"knobcam: warning: {message}\n"

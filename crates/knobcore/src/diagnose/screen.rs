@@ -4,7 +4,7 @@
 //! of the base's, so that what the base parameters can absorb does not count.
 
 use crate::effects::{Id, Place, Survey};
-use crate::fit::{dot, sweep};
+use crate::fit::{detent_starts, dot, sweep};
 use crate::model::{Model, Role};
 use crate::predict::Seeds;
 use crate::signals::Signals;
@@ -46,8 +46,12 @@ impl<'a> Screen<'a> {
     /// All starts of an effect that the model may be given, most promising first.
     pub fn starts(&self, id: Id) -> Vec<Start> {
         let Ok(with) = self.model.with(id) else { return Vec::new() };
-        let mut starts: Vec<Start> = id
-            .starts(&self.survey)
+        let values = if id == Id::Detent {
+            detent_starts(self.data, self.model).into_iter().map(Vec::from).collect()
+        } else {
+            id.starts(&self.survey)
+        };
+        let mut starts: Vec<Start> = values
             .iter()
             .flat_map(|values| self.placed(&with, id, values))
             .map(|model| Start { promise: self.promise(id, &model), model })

@@ -23,7 +23,8 @@ impl Effect<4> for Backlash {
         Param::shape("gap", Unit::of(0, 1, 0), [0.0, 10.0], 0.0, "free play, from one side to the other"),
         Param::shape("k", Unit::of(1, -1, 0), [1e-3, 1e5], 1e5, "stiffness of the contact"),
         Param::shape("d", Unit::of(1, -1, 1), [0.0, 1e2], 1e2, "damping of the contact"),
-        Param::shape("share", Unit::NUMBER, [0.01, 1.0], 0.7, "share of the inertia behind the joint"),
+        Param::shape("share", Unit::NUMBER, [0.01, 1.0], 0.7, "share of the inertia behind the joint")
+            .plausibly(0.02, 0.999),
     ];
 
     fn starts(survey: &Survey) -> Vec<[f64; 4]> {

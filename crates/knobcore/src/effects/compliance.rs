@@ -21,7 +21,8 @@ impl Effect<3> for Compliance {
     const PARAMS: [Param; 3] = [
         Param::shape("k", Unit::of(1, -1, 0), [1e-3, 1e5], 1e5, "stiffness"),
         Param::shape("d", Unit::of(1, -1, 1), [0.0, 1e2], 1e2, "damping"),
-        Param::shape("share", Unit::NUMBER, [0.01, 1.0], 0.7, "share of the inertia behind the shaft"),
+        Param::shape("share", Unit::NUMBER, [0.01, 1.0], 0.7, "share of the inertia behind the shaft")
+            .plausibly(0.02, 0.999),
     ];
 
     fn starts(survey: &Survey) -> Vec<[f64; 3]> {

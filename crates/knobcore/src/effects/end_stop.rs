@@ -18,12 +18,20 @@ impl Effect<5> for EndStop {
     const SHOWS: &'static str = "over position, at the ends of the range";
     const CONFUSED: &'static [&'static str] = &["position_polynomial", "return_spring"];
     const PARAMS: [Param; 5] = [
-        Param::linear("k_lo", Unit::of(1, -1, 0), "stiffness of the lower stop"),
+        Param::linear("k_lo", Unit::of(1, -1, 0), "stiffness of the lower stop")
+            .plausibly(0.0, f64::INFINITY),
         Param::shape("lo", Unit::of(0, 1, 0), [-1e6, 1e6], -1e6, "where the lower stop begins"),
-        Param::linear("k_hi", Unit::of(1, -1, 0), "stiffness of the upper stop"),
+        Param::linear("k_hi", Unit::of(1, -1, 0), "stiffness of the upper stop")
+            .plausibly(0.0, f64::INFINITY),
         Param::shape("hi", Unit::of(0, 1, 0), [-1e6, 1e6], 1e6, "where the upper stop begins"),
-        Param::linear("d", Unit::of(1, -2, 1), "damping within a stop, by depth"),
+        Param::linear("d", Unit::of(1, -2, 1), "damping within a stop, by depth")
+            .plausibly(0.0, f64::INFINITY),
     ];
+
+    fn odd(&[k_lo, lo, k_hi, hi, _]: &[f64; 5]) -> Option<&'static str> {
+        let overlap = k_lo != 0.0 && k_hi != 0.0 && lo >= hi;
+        overlap.then_some("its stops overlap: between them they are a spring and no stops")
+    }
 
     fn starts(survey: &Survey) -> Vec<[f64; 5]> {
         let (low, range) = (Survey::quantile(&survey.theta, 0.0), survey.range());

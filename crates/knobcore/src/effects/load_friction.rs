@@ -19,7 +19,8 @@ impl Effect<1> for LoadFriction {
     const SHAPES_FRICTION: bool = true;
     const BENDS: Option<Bends> = Some(Bends::Press);
     const PARAMS: [Param; 1] =
-        [Param::shape("mu", Unit::NUMBER, [-10.0, 10.0], 0.0, "friction per detent torque")];
+        [Param::shape("mu", Unit::NUMBER, [-10.0, 10.0], 0.0, "friction per detent torque")
+            .plausibly(0.0, f64::INFINITY)];
 }
 
 impl LoadEffect<1> for LoadFriction {

@@ -134,6 +134,11 @@ pub trait Effect<const N: usize> {
     fn starts(_: &Survey) -> Vec<[f64; N]> {
         vec![Self::PARAMS.map(|param| param.neutral)]
     }
+
+    /// What is odd about such values beside those that no parameter may have alone.
+    fn odd(_: &[f64; N]) -> Option<&'static str> {
+        None
+    }
 }
 
 /// An effect that loads the knob.
@@ -234,7 +239,10 @@ impl Id {
             let known: Vec<_> = all.iter().map(|effect| effect.info().id).collect();
             Error::invalid(
                 format!("effect '{id}'"),
-                format!("is not in the catalogue; it has {}", known.join(", ")),
+                format!(
+                    "is not in the catalogue; it has {}; one of your own has to be registered first",
+                    known.join(", ")
+                ),
             )
         })
     }

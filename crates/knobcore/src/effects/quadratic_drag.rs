@@ -14,7 +14,7 @@ impl Effect<1> for QuadraticDrag {
     const SOURCE: &'static str = "Rayleigh 1876; Olsson, Astrom, Canudas de Wit, Gafvert & Lischinsky 1998";
     const SHOWS: &'static str = "at high speed";
     const CONFUSED: &'static [&'static str] = &["stribeck", "viscous"];
-    const PARAMS: [Param; 1] = [Param::linear("d", Unit::of(1, -2, 2), "drag")];
+    const PARAMS: [Param; 1] = [Param::linear("d", Unit::of(1, -2, 2), "drag").plausibly(0.0, f64::INFINITY)];
 }
 
 impl LoadEffect<1> for QuadraticDrag {

@@ -121,7 +121,22 @@ macro_rules! registry {
                     $(Self::$memory => starts::<$mn, $memory>(survey),)*
                     $(Self::$late => starts::<$tn, $late>(survey),)*
                     $(Self::$sensor => starts::<$sn, $sensor>(survey),)*
-                    Self::User(user) => vec![user.info.params.iter().map(|param| param.neutral).collect()],
+                    Self::User(user) if user.starts.is_empty() => {
+                        vec![user.info.params.iter().map(|param| param.neutral).collect()]
+                    }
+                    Self::User(user) => user.starts.clone(),
+                }
+            }
+
+            /// What is odd about such values, if anything is.
+            pub fn odd(self, p: &[f64]) -> Option<&'static str> {
+                match self {
+                    $(Self::$joint => $joint::odd(&take::<f64, $jn>(p)),)*
+                    $(Self::$load => $load::odd(&take::<f64, $ln>(p)),)*
+                    $(Self::$memory => $memory::odd(&take::<f64, $mn>(p)),)*
+                    $(Self::$late => $late::odd(&take::<f64, $tn>(p)),)*
+                    $(Self::$sensor => $sensor::odd(&take::<f64, $sn>(p)),)*
+                    Self::User(_) => None,
                 }
             }
 
@@ -144,13 +159,13 @@ macro_rules! registry {
                 }
             }
 
-            /// What the effect asks of the rig; an effect elsewhere in the chain asks nothing.
+            /// What the effect asks of the rig; an effect elsewhere in the chain asks nothing, nor does a user's
+            /// own, whose law is for numbers alone.
             #[inline(always)]
             pub fn load<T: Scalar>(self, p: &[T], state: &mut [T], motion: &Motion<T>) -> Load<T> {
                 match self {
                     $(Self::$load => $load::load(&take::<T, $ln>(p), motion),)*
                     $(Self::$memory => keep(state, |own| $memory::load(&take::<T, $mn>(p), own, motion)),)*
-                    Self::User(user) => Load::drive(user.at(p, motion)),
                     _ => Load::none(),
                 }
             }

@@ -23,7 +23,8 @@ impl Effect<2> for TorqueLag {
     const CONFUSED: &'static [&'static str] = &["presliding", "inertia", "backlash", "compliance"];
     const PARAMS: [Param; 2] = [
         Param::shape("lag", Unit::of(0, 0, 1), [0.0, 0.05], 0.0, "time constant"),
-        Param::shape("delay", Unit::of(0, 0, 1), [-0.02, 0.02], 0.0, "dead time"),
+        Param::shape("delay", Unit::of(0, 0, 1), [-0.02, 0.02], 0.0, "dead time")
+            .plausibly(0.0, f64::INFINITY),
     ];
 
     fn starts(survey: &Survey) -> Vec<[f64; 2]> {

@@ -1,14 +1,18 @@
 //! Effects of the user's own: registered while the program runs, called over whole columns.
 
-use super::Info;
+use super::{Id, Info};
+use crate::error::{Error, Result};
 use crate::motion::Motion;
-use crate::scalar::Scalar;
+use crate::param::{Kind, Param};
+use std::cell::RefCell;
 use std::cmp::Ordering;
+use std::collections::HashMap;
 use std::hash::{Hash, Hasher};
-use std::sync::{Mutex, PoisonError, RwLock};
+use std::sync::atomic::{AtomicUsize, Ordering as Memory};
+use std::sync::{PoisonError, RwLock};
 
 /// Torque over a motion: parameters, then t, theta, omega, alpha and forward, all of one length; N m.
-pub type Torque = Box<dyn Fn(&[f64], [&[f64]; 5]) -> Result<Vec<f64>, String> + Send + Sync>;
+pub type Torque = Box<dyn Fn(&[f64], [&[f64]; 5]) -> std::result::Result<Vec<f64>, String> + Send + Sync>;
 
 /// An effect that a user registered. It lives as long as the program, and is one with itself alone.
 pub struct User {
@@ -16,15 +20,22 @@ pub struct User {
     pub info: Info,
     /// Whether its torque depends on earlier samples; it is then given whole stretches.
     pub remembers: bool,
+    /// Parameter values to start a search from; none for the neutral ones.
+    pub starts: Vec<Vec<f64>>,
     /// Its law.
     pub torque: Torque,
     order: usize,
-    failure: Mutex<Option<String>>,
 }
 
-/// Step of central differences as a share of the parameter, or of its scale.
+/// Step of central differences as a share of the parameter, or of its scale. What is linear may go all the way.
 const STEP: f64 = 1e-5;
 
+thread_local! {
+    /// What went wrong on this thread, by the order of the effect: two fits at a time do not see each other's.
+    static FAILURES: RefCell<HashMap<usize, String>> = RefCell::default();
+}
+
+static ORDER: AtomicUsize = AtomicUsize::new(0);
 static REGISTERED: RwLock<Vec<&'static User>> = RwLock::new(Vec::new());
 
 /// All that are registered.
@@ -34,14 +45,26 @@ pub(super) fn all() -> impl Iterator<Item = &'static User> {
 
 impl User {
     /// Registers an effect; one of the same name is replaced for models that are made from now on.
-    pub fn register(info: Info, remembers: bool, torque: Torque) -> &'static Self {
+    ///
+    /// # Errors
+    /// A name of the built-in catalogue; bounds, neutral values or starts that contradict each other.
+    pub fn register(
+        info: Info,
+        remembers: bool,
+        starts: Vec<Vec<f64>>,
+        torque: Torque,
+    ) -> Result<&'static Self> {
+        if Id::BUILT_IN.iter().any(|own| own.info().id == info.id) {
+            let why = "is built in already; choose another name";
+            return Err(Error::invalid(format!("effect '{}'", info.id), why));
+        }
+        check(&info, &starts)?;
+        let order = ORDER.fetch_add(1, Memory::Relaxed);
+        let user: &'static Self = Box::leak(Box::new(Self { info, remembers, starts, torque, order }));
         let mut registered = REGISTERED.write().unwrap_or_else(PoisonError::into_inner);
-        let order = registered.iter().map(|user| user.order + 1).max().unwrap_or(0);
-        let user: &'static Self =
-            Box::leak(Box::new(Self { info, remembers, torque, order, failure: Mutex::new(None) }));
         registered.retain(|other| other.info.id != info.id);
         registered.push(user);
-        user
+        Ok(user)
     }
 
     /// Takes an effect out of the catalogue; models that have it keep it. Whether it was there.
@@ -52,36 +75,50 @@ impl User {
         registered.len() < before
     }
 
-    /// What went wrong since this was last asked.
+    /// What went wrong on this thread since this was last asked on it.
     pub fn failure(&self) -> Option<String> {
-        self.failure.lock().unwrap_or_else(PoisonError::into_inner).take()
+        FAILURES.with_borrow_mut(|failures| failures.remove(&self.order))
     }
 
-    /// The torque over columns; zero where the law fails, which [`User::failure`] then tells.
-    pub(super) fn over(&self, p: &[f64], motion: [&[f64]; 5]) -> Vec<f64> {
+    fn fail(&self, p: &[f64], why: &str) {
+        let values = self.info.params.iter().zip(p).map(|(param, x)| format!("{} = {x}", param.name));
+        let values = values.collect::<Vec<_>>().join(", ");
+        let why = format!("{why} (with {values}); mend its function, or narrow the bounds of its parameters");
+        FAILURES.with_borrow_mut(|failures| {
+            failures.entry(self.order).or_insert(why);
+        });
+    }
+
+    /// The torque over columns; zero where the law fails, which [`User::failure`] then tells. That parameters
+    /// are no numbers is no failure of the law.
+    pub fn over(&self, p: &[f64], motion: [&[f64]; 5]) -> Vec<f64> {
         let samples = motion[0].len();
+        if !p.iter().all(|x| x.is_finite()) {
+            return vec![f64::NAN; samples];
+        }
         let checked = (self.torque)(p, motion).and_then(|tau| {
             if tau.len() != samples {
                 return Err(format!("returned {} values for {samples} samples", tau.len()));
             }
             match tau.iter().position(|x| !x.is_finite()) {
                 Some(at) => Err(format!(
-                    "returned {} at theta = {}, omega = {} with parameters {p:?}",
+                    "returned {} at theta = {}, omega = {}",
                     tau[at], motion[1][at], motion[2][at]
                 )),
                 None => Ok(tau),
             }
         });
         checked.unwrap_or_else(|why| {
-            self.failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(why);
+            self.fail(p, &why);
             vec![0.0; samples]
         })
     }
 
     /// The derivative of the torque by parameter `i` over columns, by central differences.
-    pub(super) fn slope(&self, p: &[f64], i: usize, motion: [&[f64]; 5]) -> Vec<f64> {
+    pub fn slope(&self, p: &[f64], i: usize, motion: [&[f64]; 5]) -> Vec<f64> {
         let Some(param) = self.info.params.get(i) else { return Vec::new() };
-        let step = STEP * p[i].abs().max(param.scale());
+        let share = if param.kind == Kind::Linear { 1.0 } else { STEP };
+        let step = share * p[i].abs().max(param.scale());
         let at = |value: f64| {
             let mut p = p.to_vec();
             p[i] = value.clamp(param.lower, param.upper);
@@ -91,17 +128,48 @@ impl User {
         high.iter().zip(low).map(|(high, low)| (high - low) / (above - below)).collect()
     }
 
-    /// The torque at one instant.
-    pub(super) fn at<T: Scalar>(&self, p: &[T], motion: &Motion<T>) -> T {
-        let mut arguments = p.to_vec();
-        arguments.extend([motion.t, motion.theta, motion.omega, motion.alpha, motion.forward]);
-        let split = p.len();
-        T::foreign(&arguments, &|x| {
-            let (p, m) = x.split_at(split);
-            let columns = [&m[0..1], &m[1..2], &m[2..3], &m[3..4], &m[4..5]];
-            self.over(p, columns).first().copied().unwrap_or(0.0)
-        })
+    /// The torque at one instant, which an effect that remembers does not have.
+    pub fn at(&self, p: &[f64], motion: &Motion<f64>) -> f64 {
+        if self.remembers {
+            self.fail(p, "remembers, so it has no torque at one instant, which a simulated motion needs");
+            return 0.0;
+        }
+        let Motion { t, theta, omega, alpha, forward } = motion;
+        let columns = [t, theta, omega, alpha, forward].map(std::slice::from_ref);
+        self.over(p, columns).first().copied().unwrap_or(0.0)
     }
+}
+
+/// Bounds, neutral values and starts of every parameter must agree with each other.
+fn check(info: &Info, starts: &[Vec<f64>]) -> Result<()> {
+    let bad = |param: &Param, why: String| {
+        Err(Error::invalid(format!("parameter '{}.{}'", info.id, param.name), why))
+    };
+    for (i, param) in info.params.iter().enumerate() {
+        let Param { lower, upper, neutral, .. } = *param;
+        let within = |x: f64| x.is_finite() && (lower..=upper).contains(&x);
+        if lower.is_nan() || upper.is_nan() || lower >= upper {
+            return bad(
+                param,
+                format!("has the bounds [{lower}, {upper}]; the lower must be below the upper"),
+            );
+        }
+        if !within(neutral) {
+            return bad(
+                param,
+                format!(
+                    "is neutral at {neutral}, outside of its bounds [{lower}, {upper}]; change one of them"
+                ),
+            );
+        }
+        if let Some(start) = starts.iter().find(|start| !start.get(i).is_some_and(|x| within(*x))) {
+            return bad(
+                param,
+                format!("starts at {:?}, which must be within [{lower}, {upper}]", start.get(i)),
+            );
+        }
+    }
+    Ok(())
 }
 
 impl std::fmt::Debug for User {
@@ -129,5 +197,89 @@ impl PartialOrd for User {
 impl Ord for User {
     fn cmp(&self, other: &Self) -> Ordering {
         self.order.cmp(&other.order)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::{Place, Survey};
+    use crate::param::Unit;
+
+    fn drag(id: &'static str, law: fn(f64, f64) -> f64) -> &'static User {
+        const PARAMS: &[Param] = &[Param::linear("d", Unit::of(1, -2, 2), "drag")];
+        let torque: Torque = Box::new(move |p, m| Ok(m[2].iter().map(|omega| law(p[0], *omega)).collect()));
+        User::register(info(id, PARAMS), false, Vec::new(), torque).unwrap()
+    }
+
+    fn info(id: &'static str, params: &'static [Param]) -> Info {
+        let built_in = Id::QuadraticDrag.info();
+        Info { id, place: Place::Load, law: "", source: "", shows: "", params, ..*built_in }
+    }
+
+    const MOTION: [&[f64]; 5] = [&[0.0, 1.0], &[0.0, 0.5], &[-2.0, 3.0], &[0.0, 0.0], &[0.0, 1.0]];
+
+    #[test]
+    fn a_registered_effect_is_found_by_name_until_it_is_forgotten() {
+        let user = drag("found_drag", |d, omega| d * omega * omega.abs());
+        assert_eq!(Id::parse("found_drag").unwrap(), Id::User(user));
+        let replaced = drag("found_drag", |d, omega| d * omega);
+        assert_eq!(Id::parse("found_drag").unwrap(), Id::User(replaced));
+        assert!(User::forget("found_drag") && !User::forget("found_drag"));
+        assert!(Id::parse("found_drag").unwrap_err().to_string().contains("found_drag"));
+    }
+
+    #[test]
+    fn the_derivative_by_a_linear_parameter_is_exact() {
+        let user = drag("exact_drag", |d, omega| d * omega * omega.abs());
+        assert_eq!(user.over(&[2.0], MOTION), [-8.0, 18.0]);
+        assert_eq!(user.slope(&[2.0], 0, MOTION), [-4.0, 9.0]);
+    }
+
+    #[test]
+    fn a_law_that_fails_is_silent_and_says_so_once() {
+        let user = drag("broken_drag", |d, omega| (d * omega).sqrt());
+        assert_eq!(user.over(&[2.0], MOTION), [0.0, 0.0]);
+        let why = user.failure().unwrap();
+        assert!(why.contains("NaN at theta = 0, omega = -2") && why.contains("d = 2"), "{why}");
+        assert_eq!(user.failure(), None);
+    }
+
+    #[test]
+    fn a_search_starts_where_the_user_said_or_else_at_the_neutral_values() {
+        const SHAPES: &[Param] = &[Param::shape("c", Unit::of(0, 1, 0), [-3.0, 3.0], 0.5, "centre")];
+        let survey = Survey {
+            theta: vec![0.0, 1.0],
+            speed: vec![0.0, 1.0],
+            torque: vec![0.0, 1.0],
+            duration_s: 1.0,
+            rate_hz: 1000.0,
+            inertia: 1e-4,
+        };
+        for (starts, expected) in
+            [(vec![], vec![vec![0.5]]), (vec![vec![-2.0], vec![2.0]], vec![vec![-2.0], vec![2.0]])]
+        {
+            let torque: Torque = Box::new(|_, m| Ok(m[0].to_vec()));
+            let user = User::register(info("started", SHAPES), false, starts, torque).unwrap();
+            assert_eq!(Id::User(user).starts(&survey), expected);
+        }
+    }
+
+    #[test]
+    fn what_contradicts_itself_is_refused_by_name() {
+        const SHAPE: Param = Param::shape("w", Unit::NUMBER, [1.0, 2.0], 1.5, "width");
+        const TURNED: &[Param] = &[Param { lower: 3.0, ..SHAPE }];
+        const OUTSIDE: &[Param] = &[Param { neutral: 0.0, ..SHAPE }];
+        for (id, params, starts, said) in [
+            ("viscous", &[SHAPE][..], vec![], "built in"),
+            ("own", TURNED, vec![], "own.w"),
+            ("own", OUTSIDE, vec![], "neutral at 0"),
+            ("own", &[SHAPE], vec![vec![9.0]], "9"),
+            ("own", &[SHAPE], vec![vec![]], "own.w"),
+        ] {
+            let torque: Torque = Box::new(|_, m| Ok(m[0].to_vec()));
+            let error = User::register(info(id, params), false, starts, torque).unwrap_err().to_string();
+            assert!(error.contains(said), "{error}");
+        }
     }
 }

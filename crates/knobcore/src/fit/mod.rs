@@ -70,6 +70,8 @@ pub struct Fit {
     pub rmse_heldout: f64,
     /// What the torque sensor's noise alone would leave, N m.
     pub noise_floor: f64,
+    /// What noise alone would leave of the sum of squares, in variances of the raw torque's white noise.
+    pub white_squares: f64,
     /// Accepted steps.
     pub iterations: usize,
     /// Sweeps over the data.
@@ -122,6 +124,13 @@ pub fn refine(data: &[&Signals], model: &Model) -> Result<Fit> {
     let layout = Layout::of(model);
     let found = descend(data, model, &layout, &model.values(), Effort::Full);
     finish(data, model.clone(), &layout, found, None)
+}
+
+/// Detents that a scan beside a model without any finds: A, P and S of the best few.
+pub fn detent_starts(data: &[&Signals], model: &Model) -> Vec<[f64; 3]> {
+    let linear = Layout::of(model).linear();
+    let Some((scan, _)) = scan::scan(data, model, &model.values(), &linear) else { return Vec::new() };
+    scan.peaks().iter().take(3).map(|peak| [peak.amplitude, peak.period, peak.phase]).collect()
 }
 
 /// The values that a sketchy descent from those of `model` ends with.
@@ -291,6 +300,7 @@ fn finish(
         }
         None => Mat::zeros(0, 0),
     };
+    let floor = Floor::of(data, &model);
     let undetermined = (0..layout.free.len())
         .filter(|c| !kept.contains(c))
         .map(|c| undetermined(&model, layout, &at, &kept, c))
@@ -301,7 +311,8 @@ fn finish(
         undetermined,
         rmse: (residuals.iter().flatten().map(|r| r * r).sum::<f64>() / used).sqrt(),
         rmse_heldout: bootstrap::held_out(&blocks, &kept, FOLDS),
-        noise_floor: Floor::of(data, &model).rms(),
+        noise_floor: floor.rms(),
+        white_squares: floor.squares / floor.white,
         iterations: found.iterations,
         evaluations: found.evaluations,
         status: found.status,

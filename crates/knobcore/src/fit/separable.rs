@@ -135,6 +135,11 @@ impl Layout {
         Self { free, linear, hard, polar }
     }
 
+    /// The free parameters that are linear, as indices into the slots of the model.
+    pub fn linear(&self) -> Vec<usize> {
+        self.linear.iter().map(|&column| self.free[column]).collect()
+    }
+
     /// Derivative columns for all free parameters.
     pub fn seeds(&self, model: &Model) -> Seeds {
         Seeds::of(model, &self.free)

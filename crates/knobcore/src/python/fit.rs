@@ -2,6 +2,7 @@
 use super::convert::{Floats, array, input_error, matrix};
 use super::model::PyModel;
 use super::signals::PySignals;
+use super::user::watched;
 use crate::diagnose::{Candidate, Split, diagnose as diagnose_core, locate as locate_core};
 use crate::effects::Id;
 use crate::fit::{Detents, Fit, fit as fit_core, refine as refine_core};
@@ -55,6 +56,11 @@ impl PyFit {
     #[getter]
     fn noise_floor(&self) -> f64 {
         self.0.noise_floor
+    }
+
+    #[getter]
+    fn white_squares(&self) -> f64 {
+        self.0.white_squares
     }
 
     #[getter]
@@ -165,7 +171,7 @@ pub fn fit(
     let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
     let detents = if find_detents { Detents::Find } else { Detents::AsModel };
     let (model, signals) = (&model.0, &signals[..]);
-    py.detach(|| fit_core(signals, model, detents)).map(PyFit).map_err(input_error)
+    watched(py, model, || fit_core(signals, model, detents))?.map(PyFit).map_err(input_error)
 }
 
 /// Fits a model from the values that it has.
@@ -173,7 +179,7 @@ pub fn fit(
 pub fn refine(py: Python<'_>, data: Vec<PyRef<'_, PySignals>>, model: &PyModel) -> PyResult<PyFit> {
     let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
     let (model, signals) = (&model.0, &signals[..]);
-    py.detach(|| refine_core(signals, model)).map(PyFit).map_err(input_error)
+    watched(py, model, || refine_core(signals, model))?.map(PyFit).map_err(input_error)
 }
 
 /// A candidate as it goes out: effect, fit, gain, parameters, p-value, note.

@@ -4,6 +4,7 @@ mod filter;
 mod fit;
 mod model;
 mod signals;
+mod user;
 
 use pyo3::prelude::*;
 
@@ -14,6 +15,9 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<model::PyModel>()?;
     m.add_function(wrap_pyfunction!(model::catalogue, m)?)?;
     m.add_function(wrap_pyfunction!(model::push, m)?)?;
+    m.add_function(wrap_pyfunction!(user::register_effect, m)?)?;
+    m.add_function(wrap_pyfunction!(user::forget_effect, m)?)?;
+    m.add_function(wrap_pyfunction!(user::effect_failure, m)?)?;
     m.add_class::<signals::PySignals>()?;
     m.add_function(wrap_pyfunction!(signals::prepare, m)?)?;
     m.add_class::<fit::PyFit>()?;

@@ -1,6 +1,7 @@
 //! Bindings of models and of the catalogue.
 use super::convert::{Column, Floats, array, input_error};
 use super::signals::PySignals;
+use super::user::watched;
 use crate::effects::Id;
 use crate::model::{Model, Role};
 use crate::param::Axis;
@@ -99,18 +100,28 @@ impl PyModel {
         Id::parse(id).and_then(|id| self.0.with(id)).map(Self).map_err(input_error)
     }
 
+    /// What is odd about the values of an effect, if anything is.
+    fn odd(&self, id: &str) -> PyResult<Option<&'static str>> {
+        let id = Id::parse(id).map_err(input_error)?;
+        let values: Vec<f64> =
+            self.0.slots().iter().filter(|slot| slot.effect == id).map(|slot| slot.value).collect();
+        Ok(id.odd(&values))
+    }
+
     /// The same parameters, of these effects only.
     fn only(&self, effects: Vec<String>) -> PyResult<Self> {
-        let ids =
-            effects.iter().map(|id| Id::parse(id)).collect::<Result<Vec<_>, _>>().map_err(input_error)?;
+        // Its own first: an effect of a user's own may have been registered anew since.
+        let own = |name: &String| self.0.effects().find(|id| id.info().id == name);
+        let ids = effects.iter().map(|name| own(name).map_or_else(|| Id::parse(name), Ok));
+        let ids = ids.collect::<Result<Vec<_>, _>>().map_err(input_error)?;
         self.0.only(&ids).map(Self).map_err(input_error)
     }
 
     /// Torque on the motion of prepared signals, through their filter or raw; N m.
     #[pyo3(signature = (signals, filtered=true))]
-    fn torque<'py>(&self, py: Python<'py>, signals: &PySignals, filtered: bool) -> Floats<'py> {
+    fn torque<'py>(&self, py: Python<'py>, signals: &PySignals, filtered: bool) -> PyResult<Floats<'py>> {
         let of = if filtered { predict::torque } else { predict::torque_raw };
-        array(py, &py.detach(|| of(&self.0, &signals.prepared.signals)))
+        watched(py, &self.0, || of(&self.0, &signals.prepared.signals)).map(|tau| array(py, &tau))
     }
 }
 
@@ -125,9 +136,9 @@ pub fn push<'py>(
     damping: f64,
 ) -> PyResult<[Floats<'py>; 4]> {
     let reference = reference.as_slice()?;
-    let pushed = py
-        .detach(|| simulate::push(&model.0, reference, dt, Hand { stiffness, damping }))
-        .map_err(input_error)?;
+    let pushed =
+        watched(py, &model.0, || simulate::push(&model.0, reference, dt, Hand { stiffness, damping }))?
+            .map_err(input_error)?;
     Ok([&pushed.theta, &pushed.omega, &pushed.alpha, &pushed.tau].map(|x| array(py, x)))
 }
 
@@ -145,6 +156,8 @@ pub fn catalogue<'py>(py: Python<'py>, axis_name: &str) -> PyResult<Vec<Bound<'p
         row.set_item("source", info.source)?;
         row.set_item("shows", info.shows)?;
         row.set_item("confused", info.confused)?;
+        row.set_item("needs", info.needs)?;
+        row.set_item("describes", info.describes)?;
         let param = |p: &crate::param::Param| {
             let row = PyDict::new(py);
             row.set_item("name", p.name)?;
@@ -152,6 +165,7 @@ pub fn catalogue<'py>(py: Python<'py>, axis_name: &str) -> PyResult<Vec<Bound<'p
             row.set_item("lower", p.lower)?;
             row.set_item("upper", p.upper)?;
             row.set_item("neutral", p.neutral)?;
+            row.set_item("plausible", (p.plausible[0], p.plausible[1]))?;
             row.set_item("meaning", p.meaning)?;
             PyResult::Ok(row)
         };

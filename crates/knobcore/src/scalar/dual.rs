@@ -5,9 +5,6 @@
 use super::Scalar;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Relative step of central differences: the cube root of the rounding error.
-const DIFFERENCE: f64 = 6e-6;
-
 /// `v + sum_i d[i] eps_i`, with every `eps_i eps_j = 0`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dual<V, const L: usize> {
@@ -119,25 +116,6 @@ impl<V: Scalar, const L: usize> Scalar for Dual<V, L> {
 
     fn is_positive(self) -> bool {
         self.v.is_positive()
-    }
-
-    fn foreign(arguments: &[Self], f: &dyn Fn(&[f64]) -> f64) -> Self {
-        let values: Vec<V> = arguments.iter().map(|x| x.v).collect();
-        let mut out = Self::constant(V::foreign(&values, f));
-        for (i, argument) in arguments.iter().enumerate() {
-            let slope = |x: &[f64]| {
-                let step = DIFFERENCE * x[i].abs().max(DIFFERENCE);
-                let at = |shift: f64| {
-                    let mut x = x.to_vec();
-                    x[i] += shift;
-                    f(&x)
-                };
-                (at(step) - at(-step)) / (2.0 * step)
-            };
-            let slope = V::foreign(&values, &slope);
-            out = out + argument.chain(V::of(0.0), slope);
-        }
-        out
     }
 }
 

@@ -35,9 +35,6 @@ pub trait Scalar:
     /// `yes` in the lanes where `self` is positive, `no` in the others; derivatives follow the branch.
     fn where_positive(self, yes: Self, no: Self) -> Self;
 
-    /// What a function that knows only `f64` makes of these arguments; derivatives by central differences.
-    fn foreign(arguments: &[Self], f: &dyn Fn(&[f64]) -> f64) -> Self;
-
     /// self^y of a positive number.
     #[inline(always)]
     fn powf(self, y: Self) -> Self {
@@ -86,9 +83,6 @@ impl Scalar for f64 {
     #[inline(always)]
     fn where_positive(self, yes: Self, no: Self) -> Self {
         if self > 0.0 { yes } else { no }
-    }
-    fn foreign(arguments: &[Self], f: &dyn Fn(&[f64]) -> f64) -> Self {
-        f(arguments)
     }
     fn is_positive(self) -> bool {
         self > 0.0

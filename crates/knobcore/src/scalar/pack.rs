@@ -126,8 +126,4 @@ impl Scalar for Pack {
     fn is_positive(self) -> bool {
         self.0.iter().all(|x| *x > 0.0)
     }
-
-    fn foreign(arguments: &[Self], f: &dyn Fn(&[f64]) -> f64) -> Self {
-        Self(std::array::from_fn(|lane| f(&arguments.iter().map(|x| x.0[lane]).collect::<Vec<_>>())))
-    }
 }

@@ -25,7 +25,7 @@ fn register(id: &'static str, torque: Torque) -> Id {
         bends: None,
         describes: false,
     };
-    Id::User(User::register(info, false, torque))
+    Id::User(User::register(info, false, Vec::new(), torque).unwrap())
 }
 
 fn draught(p: &[f64], [_, _, omega, _, _]: [&[f64]; 5]) -> Vec<f64> {
