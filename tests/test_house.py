@@ -16,7 +16,7 @@ PYTHON = ROOT / "python" / "knobcam"
 
 RUST_ORDER = [
     *("error", "random", "special", "fourier", "scalar", "motion", "param", "effects", "model", "model_file"),
-    *("filter", "signals", "smooth", "prepare", "predict", "simulate", "floor", "fit", "diagnose"),
+    *("coupling", "filter", "signals", "smooth", "prepare", "predict", "simulate", "floor", "fit", "diagnose"),
     *("stiction", "python"),
 ]
 PYTHON_ORDER = [

@@ -13,10 +13,11 @@ pub mod special;
 pub mod motion;
 pub mod param;
 
-pub mod coupling;
 pub mod effects;
 pub mod model;
 pub mod model_file;
+
+pub mod coupling;
 
 pub mod filter;
 pub mod signals;

@@ -13,7 +13,7 @@
 use crate::effects::{Id, Place};
 use crate::error::{Error, Result};
 use crate::model::{Model, Role};
-use crate::param::Axis;
+use crate::param::{Axis, Param, Usual};
 use std::fmt::Write;
 use toml::{Table, Value};
 
@@ -94,6 +94,11 @@ pub fn parse(text: &str) -> Result<Model> {
     Ok(model)
 }
 
+/// What a plain number makes of a parameter: one that is usually fixed needs no mark.
+fn of_number(param: &Param) -> Role {
+    if param.usual == Usual::Fixed { Role::Fixed } else { Role::Free }
+}
+
 /// A number, or a table of value and fixed.
 fn read_param(model: &mut Model, name: &str, value: &Value) -> Result<()> {
     let number = |value: &Value| match value {
@@ -106,6 +111,9 @@ fn read_param(model: &mut Model, name: &str, value: &Value) -> Result<()> {
             "must be a number, the name of another parameter in quotes, or { value = NUMBER, fixed = true }";
         Error::invalid(format!("parameter '{name}'"), why)
     };
+    // Whatever is written here is no tie, not even the usual one.
+    let param = model.slots()[model.index(name)?].param;
+    model.set_role(name, of_number(param))?;
     let Some(table) = value.as_table() else { return model.set(name, number(value).ok_or_else(bad)?) };
     for (key, value) in table {
         match (key.as_str(), value) {
@@ -124,7 +132,7 @@ pub fn write(model: &Model) -> String {
     let axis = if model.axis == Axis::Linear { "linear" } else { "rotary" };
     let mut out =
         format!("schema = \"{SCHEMA}\"\nname = {}\naxis = \"{axis}\"\n", Value::String(model.name.clone()));
-    for place in [Place::Load, Place::Sensor] {
+    for place in [Place::Coupling, Place::Load, Place::Sensor] {
         for id in model.at(place) {
             let info = id.info();
             // Writing to a String cannot fail.
@@ -132,11 +140,8 @@ pub fn write(model: &Model) -> String {
             for slot in model.slots().iter().filter(|slot| slot.effect == id) {
                 let value = match slot.role {
                     Role::Tied(to) => format!("{:?}", model.slots()[to].name()),
-                    // Stiction is never fitted with the rest, so it needs no mark.
-                    Role::Fixed if id != Id::Karnopp => {
-                        format!("{{ value = {:?}, fixed = true }}", slot.value)
-                    }
-                    _ => format!("{:?}", slot.value),
+                    role if role == of_number(slot.param) => format!("{:?}", slot.value),
+                    role => format!("{{ value = {:?}, fixed = {} }}", slot.value, role == Role::Fixed),
                 };
                 let _ = writeln!(
                     out,
@@ -162,6 +167,9 @@ mod tests {
         model.set("detent.P", 1.0 / 3.0).unwrap();
         model.set("coulomb.pos", 5e-324).unwrap();
         model.set_role("detent.P", Role::Fixed).unwrap();
+        model.set_role("karnopp.D_pos", Role::Free).unwrap();
+        model.set_role("directional_detent.P", Role::Free).unwrap();
+        model.set("directional_detent.P", 0.3).unwrap();
         model.tie("coulomb.neg", "coulomb.pos").unwrap();
         model
     }

@@ -5,6 +5,9 @@ use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
 /// k twist + d twist'; the knob's side holds `share` of the inertia and every other load.
+///
+/// No finite shaft is rigid. The neutral one, as stiff as it may be, leaves the torque as it is to a hundredth of
+/// its size, which the samples next to a reversal make.
 pub struct Compliance;
 
 impl Effect<3> for Compliance {
@@ -17,7 +20,7 @@ impl Effect<3> for Compliance {
     const BENDS: Option<Bends> = Some(Bends::Everything);
     const PARAMS: [Param; 3] = [
         Param::shape("k", Unit::of(1, -1, 0), [1e-3, 1e5], 1e5, "stiffness"),
-        Param::shape("d", Unit::of(1, -1, 1), [0.0, 1e2], 0.02, "damping"),
+        Param::shape("d", Unit::of(1, -1, 1), [0.0, 1e2], 1e2, "damping"),
         Param::shape("share", Unit::NUMBER, [0.01, 1.0], 0.7, "share of the inertia behind the shaft")
             .plausibly(0.02, 0.999),
     ];
@@ -40,5 +43,53 @@ impl CouplingEffect<3> for Compliance {
     #[inline(always)]
     fn joint<T: Scalar>([k, d, share]: &[T; 3]) -> Joint<T> {
         Joint { gap: T::of(0.0), stiffness: *k, damping: *d, share: *share, welded: true }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::effects::Id;
+    use crate::model::Model;
+    use crate::param::Axis;
+    use crate::predict;
+    use crate::signals::Signals;
+
+    #[test]
+    fn below_resonance_the_inertia_behind_the_shaft_weighs_more_and_above_it_less() {
+        let (share, inertia, rate_hz) = (0.6, 1e-4, 5000.0);
+        let resonance = std::f64::consts::TAU * 40.0;
+        let stiffness = share * inertia * resonance * resonance;
+        for ratio in [0.2_f64, 0.5, 2.0] {
+            let mut model = Model::new(&[Id::Inertia, Id::Compliance], Axis::Rotary);
+            for (name, value) in [
+                ("inertia.M", inertia),
+                ("compliance.k", stiffness),
+                ("compliance.d", 0.03 * stiffness / resonance),
+                ("compliance.share", share),
+            ] {
+                model.set(name, value).unwrap();
+            }
+            let w = ratio * resonance;
+            let over = |f: &dyn Fn(f64) -> f64| {
+                (0..10_000).map(|i| f(w * f64::from(i) / rate_hz)).collect::<Vec<f64>>()
+            };
+            let signals = Signals {
+                rate_hz,
+                substeps: 4,
+                t: over(&|x| x / w),
+                theta: over(&|x| 0.01 * x.sin()),
+                omega: over(&|x| 0.01 * w * x.cos()),
+                alpha: over(&|x| -0.01 * w * w * x.sin()),
+                forward: over(&|x| f64::from(u8::from(x.cos() > 0.0))),
+                segments: vec![0..10_000; 1],
+                ..Signals::default()
+            };
+            // Once the start has rung out: the torque along the acceleration is the apparent inertia.
+            let tau = predict::torque_raw(&model, &signals);
+            let along = |x: &[f64]| x.iter().zip(&signals.alpha).skip(5000).map(|(x, a)| x * a).sum::<f64>();
+            let apparent = along(&tau) / along(&signals.alpha);
+            let expected = inertia * (1.0 - share + share / (1.0 - ratio * ratio));
+            assert!((apparent - expected).abs() < 0.01 * inertia, "{ratio}: {apparent} {expected}");
+        }
     }
 }

@@ -5,13 +5,16 @@ use crate::motion::{Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
-/// k_hi max(theta - hi, 0) - k_lo max(lo - theta, 0), and damping d omega within a stop.
+/// k_hi above - k_lo below + d (above + below) omega, where above = max(theta - hi, 0), below = max(lo - theta, 0).
+///
+/// The damping grows with the depth, so that the torque has no step where a stop begins (Hunt & Crossley 1975).
 pub struct EndStop;
 
 impl Effect<5> for EndStop {
     const ID: &'static str = "end_stop";
-    const LAW: &'static str = "k_hi max(theta - hi, 0) - k_lo max(lo - theta, 0) + d omega beyond hi or lo";
-    const SOURCE: &'static str = "unilateral spring and damper; Colgate & Schenkel 1997 (virtual wall)";
+    const LAW: &'static str =
+        "k_hi x_hi - k_lo x_lo + d (x_hi + x_lo) omega, x_hi = max(theta - hi, 0), x_lo = max(lo - theta, 0)";
+    const SOURCE: &'static str = "Hunt & Crossley 1975 (damping in impacts), its exponent 1";
     const SHOWS: &'static str = "over position, at the ends of the range";
     const CONFUSED: &'static [&'static str] = &["position_polynomial", "return_spring"];
     const PARAMS: [Param; 5] = [
@@ -21,7 +24,8 @@ impl Effect<5> for EndStop {
         Param::linear("k_hi", Unit::of(1, -1, 0), "stiffness of the upper stop")
             .plausibly(0.0, f64::INFINITY),
         Param::shape("hi", Unit::of(0, 1, 0), [-1e6, 1e6], 1e6, "where the upper stop begins"),
-        Param::linear("d", Unit::of(1, -1, 1), "damping within a stop").plausibly(0.0, f64::INFINITY),
+        Param::linear("d", Unit::of(1, -2, 1), "damping within a stop, by depth")
+            .plausibly(0.0, f64::INFINITY),
     ];
 
     fn odd(&[k_lo, lo, k_hi, hi, _]: &[f64; 5]) -> Option<&'static str> {
@@ -42,8 +46,7 @@ impl LoadEffect<5> for EndStop {
         let zero = T::of(0.0);
         let above = (motion.theta - *hi).max(zero);
         let below = (*lo - motion.theta).max(zero);
-        let inside = (above + below).where_positive(*d * motion.omega, zero);
-        Load::drive(*k_hi * above - *k_lo * below + inside)
+        Load::drive(*k_hi * above - *k_lo * below + *d * (above + below) * motion.omega)
     }
 }
 
@@ -58,5 +61,13 @@ mod tests {
         };
         assert_eq!((torque(-1.0), torque(0.3), torque(1.0)), (0.0, 0.0, 0.0));
         assert_eq!((torque(-1.5), torque(2.0)), (-1.0, 3.0));
+    }
+
+    #[test]
+    fn a_knob_that_bounces_off_leaves_energy_in_the_stop() {
+        let torque = |omega: f64| {
+            EndStop::load(&[2.0, -1.0, 3.0, 1.0, 0.4], &Motion::exact(0.0, 1.5, omega, 0.0)).drive
+        };
+        assert!((torque(0.5) - 1.6).abs() < 1e-12 && (torque(-0.5) - 1.4).abs() < 1e-12);
     }
 }

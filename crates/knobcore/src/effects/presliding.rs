@@ -5,9 +5,6 @@ use crate::motion::{Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
-/// Elements of the model.
-const ELEMENTS: usize = 6;
-
 /// Elastoplastic elements in parallel (Maxwell slip), element i carrying the share `w_i` of the dry friction and
 /// slipping after s / 2^(i-1); what no element carries follows the sign of the motion at once.
 ///
@@ -63,8 +60,6 @@ impl MemoryEffect<7, 8> for Presliding {
         Load { lag, ..Load::none() }
     }
 }
-
-const _: () = assert!(Presliding::PARAMS.len() == 1 + ELEMENTS);
 
 #[cfg(test)]
 mod tests {

@@ -44,7 +44,8 @@ const STEP: f64 = 1e-12;
 const CLOSE: f64 = 1.5;
 /// A sum of squares below this share of the measured one is rounding: eleven digits of the torque agree.
 const EXACT: f64 = 1e-22;
-
+/// A sum of squares above this many times the measured one has no digit left for the measured torque.
+const LOST: f64 = 1e12;
 /// Most that a positive parameter moves in one step, as a power of e.
 const LONGEST: f64 = 1.5;
 
@@ -237,6 +238,8 @@ struct Problem<'a> {
     model: &'a Model,
     layout: &'a Layout,
     seeds: Seeds,
+    /// Sum of squares of the measured torque.
+    total: f64,
     unit: f64,
     evaluations: usize,
 }
@@ -257,7 +260,8 @@ impl Problem<'_> {
         }
         let cost = moments.squares_after(&linear_step);
         // A hidden motion may run away: as bad as can be, and so no step to take.
-        let cost = if cost.is_finite() { cost.max(0.0) } else { f64::INFINITY };
+        let told = cost.is_finite() && moments.squares() <= LOST * self.total;
+        let cost = if told { cost.max(0.0) } else { f64::INFINITY };
         Point { p, moments, linear_step, kept, normal, cost }
     }
 
@@ -312,7 +316,8 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64],
     let total: f64 = data.iter().map(|s| square(&s.tau, &s.weight)).sum();
     let rows: f64 = data.iter().map(|s| s.used() as f64).sum();
     let unit = (total / rows.max(1.0)).sqrt().max(f64::MIN_POSITIVE);
-    let mut problem = Problem { data, model, layout, seeds: layout.seeds(model), unit, evaluations: 0 };
+    let mut problem =
+        Problem { data, model, layout, seeds: layout.seeds(model), total, unit, evaluations: 0 };
     let mut start = start.to_vec();
     keep_ties(model, &mut start);
     let mut here = problem.point(start);

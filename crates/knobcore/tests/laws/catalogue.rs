@@ -1,0 +1,76 @@
+//! What holds of every effect of the catalogue.
+
+use super::*;
+
+/// No joint is rigid: the stiffest may differ by this share of the torque, which the samples at a reversal make.
+const RIGID: f64 = 1e-2;
+
+#[test]
+fn an_effect_at_its_neutral_values_changes_nothing() {
+    for &id in Id::BUILT_IN {
+        let (without, with) = if knob().has(id) {
+            (torque(&Model::new(&[], Axis::Rotary)), torque(&Model::new(&[id], Axis::Rotary)))
+        } else {
+            (torque(&knob()), torque(&knob_with(id)))
+        };
+        let allowed = if is_joint(id) { RIGID * rms(without.tau.iter().copied()) } else { 0.0 };
+        let apart = apart(&with, &without);
+        assert!(apart <= allowed, "{} changes the torque by {apart} N m", name(id));
+    }
+}
+
+#[test]
+fn resistance_static_friction_inertia_and_stick_band_are_never_negative() {
+    let mut noise = Noise::new(1);
+    for &id in Id::BUILT_IN {
+        for _ in 0..5 {
+            let p = plausible(id, &mut noise);
+            let mut state = vec![0.0; id.states()];
+            for i in (0..CYCLE).step_by(7) {
+                let load = id.load(&p, &mut state, &motion(i as f64 / RATE_HZ));
+                let least = [load.resist, load.hold].concat().into_iter().chain([
+                    load.inertia,
+                    load.band,
+                    load.level,
+                ]);
+                assert!(least.into_iter().all(|x| x >= 0.0), "{}: {load:?}", name(id));
+            }
+        }
+    }
+}
+
+#[test]
+fn sample_by_sample_is_what_whole_stretches_are_to_the_last_bit() {
+    let mut noise = Noise::new(2);
+    // A joint and a late sensor need the motion before and after; they are no functions of a sample.
+    let is_late = |id: Id| id.info().place == Place::Sensor && id.remembers();
+    for &id in Id::BUILT_IN.iter().filter(|id| !is_joint(**id) && !is_late(**id)) {
+        let model = plausible_knob(id, &mut noise);
+        let whole = torque(&model);
+        let p = model.values();
+        let mut state = vec![0.0; model.states()];
+        for (i, expected) in whole.tau.iter().enumerate() {
+            let motion = whole.motion(i);
+            let mut tau = model.load(&p, &mut state, &motion).sliding(&motion);
+            for (id, p, _) in model.parts(&p, &vec![None; p.len()]) {
+                tau = id.sense(p, &motion, tau);
+            }
+            assert_eq!(tau.to_bits(), expected.to_bits(), "{} at {i}: {tau} {expected}", name(id));
+        }
+    }
+}
+
+#[test]
+fn no_effect_gives_energy_over_a_closed_cycle() {
+    let mut noise = Noise::new(3);
+    // A sensor moves no knob. What only changes another effect gives or takes energy beside that one alone.
+    for &id in Id::BUILT_IN.iter().filter(|id| id.info().place != Place::Sensor) {
+        let alone = id.info().needs.is_none() && !is_joint(id);
+        let p = plausible(id, &mut noise);
+        let model = if alone { Model::new(&[id], Axis::Rotary) } else { knob_with(id) };
+        let torque = torque(&at(model, id, &p));
+        let power = || torque.tau.iter().zip(&torque.omega).skip(CYCLE).map(|(tau, omega)| tau * omega);
+        let (work, scale): (f64, f64) = (power().sum(), power().map(f64::abs).sum());
+        assert!(work >= -1e-3 * scale, "{} gives {} of what it moves", name(id), -work / scale);
+    }
+}
