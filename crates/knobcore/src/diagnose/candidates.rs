@@ -113,7 +113,7 @@ fn candidate(
     let parameters = starts.first().map_or(0, free);
     let failed = |note: String| Candidate { id, fit: None, gain: 0.0, parameters, p_value: 1.0, note };
     let Some((model, found)) = end else {
-        return failed("does not go with this model, or runs away from it".into());
+        return failed("does not go with this model, or explains too little of it to be followed".into());
     };
     if let Id::User(user) = id
         && let Some(why) = user.failure()

@@ -4,9 +4,11 @@
 //! error knows no way back once they no longer overlap. Through a slower filter they are broad and do.
 
 use super::screen::{Screen, Start};
-use crate::effects::Id;
+use crate::effects::{Id, Place};
+use crate::error::Result;
 use crate::filter::{ZeroPhase, cheby2};
-use crate::fit::{Found, sketch};
+use crate::fit::{Fit, Found, refine, sketch};
+use crate::floor::Floor;
 use crate::model::Model;
 use crate::prepare::slower;
 use crate::signals::Signals;
@@ -15,16 +17,24 @@ use crate::signals::Signals;
 const COARSE_HZ: f64 = 60.0;
 const MIDDLE_HZ: f64 = 150.0;
 /// Starts that are followed through the coarse filter.
-const FOLLOWED: usize = 3;
+const FOLLOWED: usize = 2;
+/// Share of what noise does not explain that a coupling must explain through the coarse filter.
+const WORTH: f64 = 0.25;
+/// An error this close to the noise floor needs no better end.
+const EXPLAINED: f64 = 1.01;
 
 /// The starts of a coupling beside a fitted model, most promising first, and where they lead to.
 pub fn coupled(data: &[&Signals], base: &Model, id: Id) -> (Vec<Start>, Option<(Model, Found)>) {
     let coarse: Vec<Signals> = data.iter().filter_map(|signals| slowed(signals, COARSE_HZ)).collect();
     let coarse: Vec<&Signals> = coarse.iter().collect();
-    let starts = Screen::new(&coarse, base).starts(id);
+    let screen = Screen::new(&coarse, base);
+    let starts = screen.starts(id);
     let sketched = starts.iter().take(FOLLOWED).map(|start| (&start.model, sketch(&coarse, &start.model)));
     let best = sketched.min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost));
-    let fine = best.map(|(model, found)| {
+    // Not worth the fine search, then, at least until what explains more is in the model.
+    let excess = screen.squares - Floor::of(&coarse, base).squares;
+    let worth = best.filter(|(_, found)| screen.squares - found.cost >= WORTH * excess || excess.is_nan());
+    let fine = worth.map(|(model, found)| {
         let mut model = model.clone();
         model.set_values(&found.p);
         let middle: Vec<Signals> = data.iter().filter_map(|signals| slowed(signals, MIDDLE_HZ)).collect();
@@ -33,6 +43,33 @@ pub fn coupled(data: &[&Signals], base: &Model, id: Id) -> (Vec<Start>, Option<(
         (model, fine)
     });
     (starts, fine.filter(|(_, found)| found.cost.is_finite()))
+}
+
+/// Fits a model from values near its best. The error of one with a coupling is rough at its finest: it is
+/// approached through slower filters too, and the best end counts.
+///
+/// # Errors
+/// As of [`crate::fit::fit`].
+pub fn settle(data: &[&Signals], model: &Model) -> Result<Fit> {
+    let mut best = refine(data, model)?;
+    if model.at(Place::Coupling).next().is_none() {
+        return Ok(best);
+    }
+    for edges in [&[MIDDLE_HZ][..], &[COARSE_HZ, MIDDLE_HZ]] {
+        if best.rmse <= EXPLAINED * best.noise_floor {
+            break;
+        }
+        let mut model = best.model.clone();
+        for edge in edges {
+            let slow: Vec<Signals> = data.iter().filter_map(|signals| slowed(signals, *edge)).collect();
+            model = refine(&slow.iter().collect::<Vec<_>>(), &model)?.model;
+        }
+        let fit = refine(data, &model)?;
+        if fit.rmse < best.rmse {
+            best = fit;
+        }
+    }
+    Ok(best)
 }
 
 /// The same signals through a slower measurement filter.

@@ -9,4 +9,5 @@ mod screen;
 mod spectrum;
 
 pub use candidates::{Candidate, diagnose};
+pub use coupled::settle;
 pub use locate::{Region, Split, locate};

@@ -22,7 +22,7 @@ impl Effect<4> for Backlash {
     const PARAMS: [Param; 4] = [
         Param::shape("gap", Unit::of(0, 1, 0), [0.0, 10.0], 0.0, "free play, from one side to the other"),
         Param::shape("k", Unit::of(1, -1, 0), [1e-3, 1e5], 1e5, "stiffness of the contact"),
-        Param::shape("d", Unit::of(1, -1, 1), [0.0, 1e2], 1e2, "damping of the contact"),
+        Param::shape("d", Unit::of(1, -1, 1), [1e-9, 1e2], 1e2, "damping of the contact"),
         Param::shape("share", Unit::NUMBER, [0.01, 1.0], 0.7, "share of the inertia behind the joint")
             .plausibly(0.02, 0.999),
     ];
@@ -38,7 +38,7 @@ impl Effect<4> for Backlash {
         let mut gap = 0.003 * survey.range().clamp(0.1, 2.0);
         for _ in 0..9 {
             let [k, d] = rings(0.03 * survey.rate_hz, 0.7);
-            starts.push([gap, k.clamp(1e-3, 1e5), d.min(1e2), 0.7]);
+            starts.push([gap, k.clamp(1e-3, 1e5), d.clamp(1e-9, 1e2), 0.7]);
             gap *= 1.6;
         }
         starts

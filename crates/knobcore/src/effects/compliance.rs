@@ -20,7 +20,7 @@ impl Effect<3> for Compliance {
     const BENDS: Option<Bends> = Some(Bends::Everything);
     const PARAMS: [Param; 3] = [
         Param::shape("k", Unit::of(1, -1, 0), [1e-3, 1e5], 1e5, "stiffness"),
-        Param::shape("d", Unit::of(1, -1, 1), [0.0, 1e2], 1e2, "damping"),
+        Param::shape("d", Unit::of(1, -1, 1), [1e-9, 1e2], 1e2, "damping"),
         Param::shape("share", Unit::NUMBER, [0.01, 1.0], 0.7, "share of the inertia behind the shaft")
             .plausibly(0.02, 0.999),
     ];
@@ -32,7 +32,7 @@ impl Effect<3> for Compliance {
             for share in [0.8, 0.5] {
                 let omega = std::f64::consts::TAU * share_of_rate * survey.rate_hz;
                 let k = (share * inertia * omega * omega).clamp(1e-3, 1e5);
-                starts.push([k, (0.05 * share * inertia * omega).min(1e2), share]);
+                starts.push([k, (0.05 * share * inertia * omega).clamp(1e-9, 1e2), share]);
             }
         }
         starts

@@ -47,7 +47,7 @@ const EXACT: f64 = 1e-22;
 /// A sum of squares above this many times the measured one has no digit left for the measured torque.
 const LOST: f64 = 1e12;
 /// Most that a positive parameter moves in one step, as a power of e.
-const LONGEST: f64 = 1.5;
+const LONGEST: f64 = 1.0;
 
 /// Why the fit stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

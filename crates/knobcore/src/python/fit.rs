@@ -3,9 +3,9 @@ use super::convert::{Floats, array, input_error, matrix};
 use super::model::PyModel;
 use super::signals::PySignals;
 use super::user::watched;
-use crate::diagnose::{Candidate, Split, diagnose as diagnose_core, locate as locate_core};
+use crate::diagnose::{Candidate, Split, diagnose as diagnose_core, locate as locate_core, settle};
 use crate::effects::Id;
-use crate::fit::{Detents, Fit, fit as fit_core, refine as refine_core};
+use crate::fit::{Detents, Fit, fit as fit_core};
 use crate::stiction::{Estimate, stiction as stiction_core};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -174,12 +174,12 @@ pub fn fit(
     watched(py, model, || fit_core(signals, model, detents))?.map(PyFit).map_err(input_error)
 }
 
-/// Fits a model from the values that it has.
+/// Fits a model from the values that it has, near its best.
 #[pyfunction]
 pub fn refine(py: Python<'_>, data: Vec<PyRef<'_, PySignals>>, model: &PyModel) -> PyResult<PyFit> {
     let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
     let (model, signals) = (&model.0, &signals[..]);
-    watched(py, model, || refine_core(signals, model))?.map(PyFit).map_err(input_error)
+    watched(py, model, || settle(signals, model))?.map(PyFit).map_err(input_error)
 }
 
 /// A candidate as it goes out: effect, fit, gain, parameters, p-value, note.
