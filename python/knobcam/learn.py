@@ -34,14 +34,14 @@ _BAR = 24  # characters of the longest
 class Story:
     """How a model was completed, rung by rung, and what the captures still do not tell; immutable.
 
-    `last` is what was weighed on the last rung and not added; `base` are the effects that are nothing to
-    find, `without` those that were not weighed.
+    `found` are the effects that were missing, in the order in which they came in; `last` is what was weighed
+    on the last rung and not added, `without` what was not weighed.
     """
 
     ladder: tuple[Rung, ...]
+    found: tuple[str, ...]
     last: Diagnosis
     unexplained: Unexplained | None
-    base: tuple[str, ...]
     without: tuple[str, ...] = ()
 
     @property
@@ -53,12 +53,6 @@ class Story:
     def model(self) -> Model:
         """The model on the last rung."""
         return self.fit.model
-
-    @property
-    def found(self) -> tuple[str, ...]:
-        """The effects that were missing, in the order in which they came in."""
-        came = dict.fromkeys(rung.added for rung in self.ladder if rung.added is not None)
-        return tuple(one for one in came if one in self.model.effects and one not in self.base)
 
     @property
     def verdict(self) -> Verdict:
@@ -219,6 +213,4 @@ def learn(
     tell("fitting the first model")
     first = fit(captures, model, prepare=prepare, detents=detents, **options)
     selection = select(first, without, tell, detents=model is None and detents == "auto")
-    # Detents belong to the base model where they are, also if they show only beside what was missing.
-    base = model.effects if model else (*first.model.effects, "detent")
-    return Story(*selection, base, without)
+    return Story(*selection, without)

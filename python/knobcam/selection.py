@@ -6,6 +6,8 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
 from . import _core
 from .diagnose import PENALTY, Candidate, Diagnosis, diagnose
 from .effects import effects
@@ -20,13 +22,22 @@ if TYPE_CHECKING:
 
 _WORTH = 0.015  # of the squared error: less is nothing that a user would feel
 _SHARE = 0.2  # of what noise does not explain: less is a stopgap, not the cause
+_DETENTS = 1.5  # that a motion must cross for a change of them to be told from a map of position
 _MOST = 6  # effects; a model that needs more is no explanation
 
 
+_MAPS = frozenset(
+    {"position_polynomial", "return_spring", "unbalance", "end_stop", "detent_harmonics", "regional", "wavelet"}
+)
+"""Torques of position alone. Two of them together draw nearly any map, so together they name no cause."""
+_MAINLY = 0.5  # of what noise does not explain: what a cause takes off where something else is unexplained
+
+
 class Selection(NamedTuple):
-    """The ladder, what was weighed on its last rung and not added, and what no effect explains."""
+    """The ladder, which effects were missing, what was weighed last and not added, and what none explains."""
 
     ladder: tuple[Rung, ...]
+    found: tuple[str, ...]
     last: Diagnosis
     unexplained: Unexplained | None
 
@@ -46,7 +57,7 @@ def select(first: Fit, without: Collection[str], tell: Callable[[str], None], de
         diagnosis = diagnose(fit, without={*without, *described})
         best = choose(diagnosis)
         if best is None or len(ladder) > _MOST:
-            return Selection(tuple(ladder), diagnosis, _unexplained(diagnosis.comparison))
+            return concluded(ladder, diagnosis, [*base, "detent"] if detents else base)
         tell(f"adding {best.effect}")
         richer = settle(best.fit)
         if detents and "detent" not in richer.model.effects:
@@ -56,6 +67,33 @@ def select(first: Fit, without: Collection[str], tell: Callable[[str], None], de
         richer, dropped = retested(richer, [*tested, *(["detent"] if detents and "detent" in base else [])])
         richer = replace(richer, before=fit)
         ladder.append(Rung(richer, best.effect, best.p_value, best.equivalent, dropped, diagnosis))
+
+
+def concluded(ladder: list[Rung], last: Diagnosis, base: Collection[str]) -> Selection:
+    """Return what the ladder says: which effects were causes, and what remains."""
+    came = dict.fromkeys(rung.added for rung in ladder if rung.added is not None)
+    effects_now = ladder[-1].fit.model.effects
+    found = tuple(one for one in came if one in effects_now and one not in base)
+    unexplained = _unexplained(last.comparison)
+    maps = [one for one in found if one in _MAPS]
+    if len(maps) > 1:
+        words = f"it takes {' and '.join(maps)} together to draw it, and so many draw any map of position"
+        share = last.comparison["position"].share if unexplained else 1.0
+        return Selection(
+            tuple(ladder), tuple(one for one in found if one not in maps), last, Unexplained("position", share, words)
+        )
+    if unexplained is not None:
+        found = tuple(one for one in found if any(rung.added == one and _mainly(rung) for rung in ladder))
+    return Selection(tuple(ladder), found, last, unexplained)
+
+
+def _mainly(rung: Rung) -> bool:
+    """Whether the effect of a rung took off most of what noise did not explain before it."""
+    before = rung.fit.before
+    if before is None:
+        return False
+    excess = before.rmse**2 - before.noise_floor**2
+    return before.rmse**2 - rung.fit.rmse**2 >= _MAINLY * excess
 
 
 def choose(diagnosis: Diagnosis) -> Candidate | None:
@@ -68,6 +106,7 @@ def choose(diagnosis: Diagnosis) -> Candidate | None:
         if one.beyond_chance
         and not one.unphysical
         and one.score > 0.0
+        and _repeats(one)
         and fit.rmse**2 - one.rmse**2 >= max(_WORTH * fit.rmse**2, _SHARE * excess)
     ]
     if not worth:
@@ -75,6 +114,15 @@ def choose(diagnosis: Diagnosis) -> Candidate | None:
     best = max(worth, key=lambda one: one.score)
     alike = [one for one in worth if one.effect == best.effect or one.effect in best.equivalent]
     return min(alike, key=lambda one: (one.count, -one.score))
+
+
+def _repeats(candidate: Candidate) -> bool:
+    """Whether what changes the detents does so over enough of them: over one or two it is any map of position."""
+    if effects(candidate.fit.model.axis)[candidate.effect].needs != "detent":
+        return True
+    theta = np.concatenate([one.theta[one.used] for one in candidate.fit.prepared])
+    period = 2.0 * math.pi * candidate.fit.params["detent.P"].value
+    return bool(np.ptp(theta) >= _DETENTS * period)
 
 
 def with_detents(fit: Fit) -> Fit:

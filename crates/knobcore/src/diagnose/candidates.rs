@@ -12,7 +12,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Starts of an effect that are followed to their optimum.
-const FOLLOWED: usize = 2;
+const FOLLOWED: usize = 3;
 /// A start that promises to take off this share of what the best one does is followed too.
 const RIVAL: f64 = 0.7;
 /// Beside a coupling a start must promise this share of the sum of squares to be followed.
@@ -98,9 +98,11 @@ fn fitted(screen: &Screen<'_>, id: Id, white: f64) -> (Candidate, Vec<Start>) {
         let promised = screen.squares - starts.first().map_or(0.0, |best| best.promise);
         // Beside a coupling each step takes long.
         let (most, least) = if screen.coupled { (1, WORTH * screen.squares) } else { (FOLLOWED, 0.0) };
+        // The starts of what changes the detents are of other periods: which is right the first step cannot tell.
+        let rival = if id.info().needs.is_some() { 0.3 * RIVAL } else { RIVAL };
         let worth = |start: &&Start| {
             let promise = screen.squares - start.promise;
-            promise >= RIVAL * promised && promise >= least
+            promise >= rival * promised && promise >= least
         };
         let followed = starts.iter().take(most).filter(worth);
         let ends = followed.map(|start| (start.model.clone(), sketch(screen.data, &start.model)));
