@@ -31,6 +31,8 @@ _ROUNDING = 1e-10
 # What any residual fills as well, whatever its cause, leads only with clearly more than the others.
 _WEIGHT = {"frequency": 0.5, "time": 0.75}
 _DIRECTIONS = {1: "forward", -1: "backward", 0: ""}
+# A part of the squared error this small, though beyond chance, is nothing that a hand would feel.
+_FELT = 0.03
 # An error this close to the noise floor is no different: the floor itself is known to a few percent.
 _AT_FLOOR = 1.05
 
@@ -56,8 +58,8 @@ class Split:
     `low` and `high` are the borders of the bins and `direction` whose motion they hold (1 forward, -1
     backward, 0 both); `mean` and `rms` of the residual in N m; `band` the half-width of the 95 % band that
     chance gives the mean. Along frequency `mean` is the RMS per bin and `band` what chance stays below.
-    `share` is the part of the squared error beyond the noise that the bin means hold, `chance` what noise
-    alone would hold in one capture of twenty. Along frequency only lines count, for a residual that lies over
+    `share` is the part of the squared error beyond the noise that the bin means hold, `part` what that is of
+    the whole squared error, `chance` what noise alone would hold in one capture of twenty. Along frequency only lines count, for a residual that lies over
     position or velocity fills the spectrum broadly as well.
     """
 
@@ -71,6 +73,7 @@ class Split:
     rms: FloatArray
     band: FloatArray
     share: float
+    part: float
     chance: float
     regions: tuple[Region, ...]
 
@@ -116,8 +119,9 @@ class Comparison:
 
     @property
     def complete(self) -> bool:
-        """Whether the error is what noise alone leaves, on every axis."""
-        return self.exact or (self.fit.rmse <= _AT_FLOOR * self.fit.noise_floor and self.worst is None)
+        """Whether the error is what noise alone leaves, but for what is too small to feel on any axis."""
+        felt = any(split.fails and split.part > _FELT for split in self.splits)
+        return self.exact or (self.fit.rmse <= _AT_FLOOR * self.fit.noise_floor and not felt)
 
     @property
     def summary(self) -> str:

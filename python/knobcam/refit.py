@@ -49,7 +49,7 @@ def cores(fit: Fit) -> list[_core.Signals]:
 
 def settle(fit: Fit) -> Fit:
     """Return a fit that was sketched, followed to its optimum."""
-    core = _core.refine(cores(fit), fit.core.model)
+    core = _core.refine(cores(fit), fit.core.model, True)
     return replace(fit, core=core if core.rmse <= fit.core.rmse else fit.core)
 
 
@@ -58,7 +58,7 @@ def drop(fit: Fit, effect: str) -> Fit:
     catalogue = effects(fit.model.axis)
     kept = [one for one in fit.model.effects if one != effect and catalogue[one].needs != effect]
     model = fit.core.model.only(kept)
-    return replace(fit, core=_core.refine(cores(fit), model), before=fit)
+    return replace(fit, core=_core.refine(cores(fit), model, False), before=fit)
 
 
 def with_clipped(fit: Fit) -> Fit:
@@ -69,7 +69,7 @@ def with_clipped(fit: Fit) -> Fit:
     if not any(one.capture.clipped for one in fit.prepared):
         return fit
     prepared = tuple(prepare(one.capture.with_clipped(), one.method, **one.options) for one in fit.prepared)
-    core = _core.refine([one.core for one in prepared], fit.core.model)
+    core = _core.refine([one.core for one in prepared], fit.core.model, True)
     return replace(fit, prepared=prepared, core=core)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -94,9 +95,9 @@ def retested(fit: Fit, tested: Collection[str]) -> tuple[Fit, tuple[str, ...]]:
 
 
 def _unexplained(comparison: Comparison) -> Unexplained | None:
-    worst = comparison.worst
-    if comparison.complete or worst is None:
+    if comparison.complete or not comparison.splits or math.isnan(comparison.fit.noise_floor):
         return None
+    worst = comparison.worst or max(comparison.splits, key=lambda split: split.share)
     hint = f"worst at {worst.where()}"
     axis = worst.axis
     if axis == "frequency":

@@ -15,6 +15,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 const FOLLOWED: usize = 2;
 /// A start that promises to take off this share of what the best one does is followed too.
 const RIVAL: f64 = 0.7;
+/// Beside a coupling a start must promise this share of the sum of squares to be followed.
+const WORTH: f64 = 0.005;
 /// A sum of squares below this many times what noise leaves is explained.
 const EXPLAINED: f64 = 1.1;
 
@@ -91,8 +93,13 @@ fn fitted(screen: &Screen<'_>, id: Id, white: f64) -> (Candidate, Vec<Start>) {
     } else {
         let starts = screen.starts(id);
         let promised = screen.squares - starts.first().map_or(0.0, |best| best.promise);
-        let worth = |start: &&Start| screen.squares - start.promise >= RIVAL * promised;
-        let followed = starts.iter().take(FOLLOWED).filter(worth);
+        // Beside a coupling each step takes long.
+        let (most, least) = if screen.coupled { (1, WORTH * screen.squares) } else { (FOLLOWED, 0.0) };
+        let worth = |start: &&Start| {
+            let promise = screen.squares - start.promise;
+            promise >= RIVAL * promised && promise >= least
+        };
+        let followed = starts.iter().take(most).filter(worth);
         let ends = followed.map(|start| (start.model.clone(), sketch(screen.data, &start.model)));
         let end = ends.min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost));
         (starts, end)

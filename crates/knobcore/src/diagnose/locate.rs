@@ -56,6 +56,8 @@ pub struct Split {
     pub band: Vec<f64>,
     /// Share of the squared error beyond the noise that the bin means hold.
     pub share: f64,
+    /// The part of the whole squared error, noise and all, that the bin means hold beyond chance.
+    pub part: f64,
     /// The share that chance stays below in 95 % of captures.
     pub chance: f64,
     /// Where the model fails beyond chance, worst first.
@@ -73,6 +75,8 @@ pub(super) struct Rest<'a> {
     pub white: Vec<f64>,
     /// Sum of squares beyond what noise leaves.
     pub excess: f64,
+    /// Sum of squares.
+    pub squares: f64,
 }
 
 impl<'a> Rest<'a> {
@@ -89,7 +93,9 @@ impl<'a> Rest<'a> {
         let white: Vec<f64> = floors.iter().map(|floor| known(floor.white)).collect();
         let noise: f64 = floors.iter().map(|floor| known(floor.squares)).sum();
         let squares: f64 = residual.iter().flatten().map(|r| r * r).sum();
-        Self { data, residual, torque, white, excess: squares - noise }
+        let excess = squares - noise;
+        let squares = squares.max(f64::MIN_POSITIVE);
+        Self { data, residual, torque, white, excess, squares }
     }
 
     /// `share` of the excess, as a number between 0 and 1 even where noise alone explains everything.
@@ -167,6 +173,7 @@ fn split(rest: &Rest<'_>, bins: &Bins, sums: &[f64], chance: &Chance) -> Split {
         rms: squares.iter().zip(&bins.count).map(|(s, count)| (s / count.max(1.0)).sqrt()).collect(),
         band: (0..bins.len()).map(|bin| crate::special::Z95 * chance.sd(bin)).collect(),
         share: rest.share(held(bins, sums) - expected),
+        part: (held(bins, sums) - expected).max(0.0) / rest.squares,
         chance: rest.share(upper - expected),
         regions: regions(rest, bins, sums, fails),
         mean,

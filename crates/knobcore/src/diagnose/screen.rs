@@ -19,8 +19,12 @@ pub struct Screen<'a> {
     pub survey: Survey,
     /// Derivative columns over all counted samples, an orthonormal base of them.
     base: Vec<Vec<f64>>,
+    /// The residual over all counted samples.
+    residual: Vec<f64>,
     /// Sum of squares of the residual, (N m)^2.
     pub squares: f64,
+    /// Whether the model has a coupling.
+    pub coupled: bool,
 }
 
 /// A start of an absent effect.
@@ -40,7 +44,9 @@ impl<'a> Screen<'a> {
         let mut columns = columns(data, model, &free);
         let residual = columns.pop().unwrap_or_default();
         let base = orthonormal(&columns);
-        Self { data, model, survey: survey(data, model), squares: dot(&residual, &residual), base }
+        let squares = dot(&residual, &residual);
+        let coupled = model.at(Place::Coupling).next().is_some();
+        Self { data, model, survey: survey(data, model), base, residual, squares, coupled }
     }
 
     /// All starts of an effect that the model may be given, most promising first.
@@ -112,8 +118,8 @@ impl<'a> Screen<'a> {
                         && (0..slots.len()).any(moved))
             })
             .collect();
-        let mut columns = columns(self.data, model, &own);
-        let mut residual = columns.pop().unwrap_or_default();
+        let (mut columns, residual) = self.shown(model, &own);
+        let mut residual = if self.coupled { self.residual.clone() } else { residual };
         project(&mut residual, &self.base);
         columns.iter_mut().for_each(|column| project(column, &self.base));
         for direction in orthonormal(&columns) {
@@ -122,13 +128,30 @@ impl<'a> Screen<'a> {
         dot(&residual, &residual)
     }
 
+    /// Derivative columns by these parameters, and the residual. Beside a coupling they are looked at where the
+    /// shaft is, as if it were rigid: the hidden motion is near, and takes a hundred times as long.
+    fn shown(&self, model: &Model, params: &[usize]) -> (Vec<Vec<f64>>, Vec<f64>) {
+        let mut shown = model.clone();
+        let mut params = params.to_vec();
+        if self.coupled {
+            let loads: Vec<Id> = model.effects().filter(|id| id.info().place != Place::Coupling).collect();
+            shown = model.only(&loads).unwrap_or(shown);
+            params.retain_mut(|i| {
+                let at = shown.index(&model.slots()[*i].name());
+                at.map(|at| *i = at).is_ok()
+            });
+        }
+        let mut columns = columns(self.data, &shown, &params);
+        let residual = columns.pop().unwrap_or_default();
+        (columns, residual)
+    }
+
     /// The derivative columns of a start, off those of the base, orthonormal.
     pub fn signature(&self, id: Id, start: &Start) -> Vec<Vec<f64>> {
         let slots = start.model.slots();
         let own: Vec<usize> =
             (0..slots.len()).filter(|&i| slots[i].role == Role::Free && slots[i].effect == id).collect();
-        let mut columns = columns(self.data, &start.model, &own);
-        columns.pop();
+        let (mut columns, _) = self.shown(&start.model, &own);
         columns.iter_mut().for_each(|column| project(column, &self.base));
         orthonormal(&columns)
     }

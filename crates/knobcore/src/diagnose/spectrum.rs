@@ -96,6 +96,7 @@ pub fn split_frequency(rest: &Rest<'_>) -> Split {
         rms: power.iter().map(|p| p.sqrt()).collect(),
         band: noise.iter().map(|n| (n * usual).sqrt()).collect(),
         share: rest.share(beyond * used),
+        part: beyond * used / rest.squares,
         chance: 0.0,
         regions,
     }

@@ -5,35 +5,37 @@ use crate::motion::{Load, Motion};
 use crate::param::{Param, Unit, Usual};
 use crate::scalar::Scalar;
 
-/// A2 sin(2 theta/P + S2) + A3 sin(3 theta/P + S3) + A4 sin(4 theta/P + S4), P that of the detents.
+/// A_n sin(n theta/P + S_n) for n = 2 to 5, P that of the detents.
 pub struct DetentHarmonics;
 
-impl Effect<7> for DetentHarmonics {
+impl Effect<9> for DetentHarmonics {
     const ID: &'static str = "detent_harmonics";
-    const LAW: &'static str = "sum of A_n sin(n theta/P + S_n), n = 2, 3, 4";
+    const LAW: &'static str = "sum of A_n sin(n theta/P + S_n), n = 2 to 5";
     const SOURCE: &'static str = "Fourier 1822; torque of a toothed or magnetic detent over its period";
-    const SHOWS: &'static str = "over position, twice, three and four times per detent";
+    const SHOWS: &'static str = "over position, two to five times per detent";
     const CONFUSED: &'static [&'static str] = &["load_friction", "directional_detent"];
     const NEEDS: Option<&'static str> = Some("detent");
     const PRESSES: bool = true;
-    const PARAMS: [Param; 7] = [
+    const PARAMS: [Param; 9] = [
         Param::linear("A2", Unit::of(1, 0, 0), "amplitude at twice per detent"),
         Param::phase("S2", 0, "phase at twice per detent"),
         Param::linear("A3", Unit::of(1, 0, 0), "amplitude at three times per detent"),
         Param::phase("S3", 2, "phase at three times per detent"),
         Param::linear("A4", Unit::of(1, 0, 0), "amplitude at four times per detent"),
         Param::phase("S4", 4, "phase at four times per detent"),
+        Param::linear("A5", Unit::of(1, 0, 0), "amplitude at five times per detent"),
+        Param::phase("S5", 6, "phase at five times per detent"),
         Param::shape("P", Unit::of(0, 1, 0), [1e-9, 1e6], 0.1, "period of the detents over 2 pi")
             .usually(Usual::Follows("detent.P")),
     ];
 }
 
-impl LoadEffect<7> for DetentHarmonics {
+impl LoadEffect<9> for DetentHarmonics {
     #[inline(always)]
-    fn load<T: Scalar>([a2, s2, a3, s3, a4, s4, p]: &[T; 7], motion: &Motion<T>) -> Load<T> {
+    fn load<T: Scalar>([a2, s2, a3, s3, a4, s4, a5, s5, p]: &[T; 9], motion: &Motion<T>) -> Load<T> {
         let x = motion.theta / *p;
         let wave = |n: f64, a: &T, s: &T| *a * (T::of(n) * x + *s).sin_cos().0;
-        Load::detent(wave(2.0, a2, s2) + wave(3.0, a3, s3) + wave(4.0, a4, s4))
+        Load::detent(wave(2.0, a2, s2) + wave(3.0, a3, s3) + wave(4.0, a4, s4) + wave(5.0, a5, s5))
     }
 }
 
@@ -45,10 +47,10 @@ mod tests {
     #[test]
     fn harmonics_repeat_within_one_detent() {
         let torque =
-            |p: [f64; 7], theta: f64| DetentHarmonics::load(&p, &Motion::exact(0.0, theta, 1.0, 0.0)).drive;
-        let second = [1.0, 0.3, 0.0, 0.0, 0.0, 0.0, 0.2];
+            |p: [f64; 9], theta: f64| DetentHarmonics::load(&p, &Motion::exact(0.0, theta, 1.0, 0.0)).drive;
+        let second = [1.0, 0.3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.2];
         assert!((torque(second, 0.1) - torque(second, 0.1 + PI * 0.2)).abs() < 1e-12);
-        let third = [0.0, 0.0, 2.0, 0.1, 0.0, 0.0, 0.2];
+        let third = [0.0, 0.0, 2.0, 0.1, 0.0, 0.0, 0.0, 0.0, 0.2];
         assert!((torque(third, 0.1) - torque(third, 0.1 + TAU * 0.2 / 3.0)).abs() < 1e-12);
     }
 }

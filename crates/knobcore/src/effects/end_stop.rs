@@ -5,48 +5,55 @@ use crate::motion::{Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
-/// k_hi above - k_lo below + d (above + below) omega, where above = max(theta - hi, 0), below = max(lo - theta, 0).
-///
-/// The damping grows with the depth, so that the torque has no step where a stop begins (Hunt & Crossley 1975).
+/// Beyond an angle a spring that may grow stiffer and a damper push back: k x (1 + g x) + d dx/dt at the depth x,
+/// and never less than nothing.
 pub struct EndStop;
 
-impl Effect<5> for EndStop {
+impl Effect<6> for EndStop {
     const ID: &'static str = "end_stop";
     const LAW: &'static str =
-        "k_hi x_hi - k_lo x_lo + d (x_hi + x_lo) omega, x_hi = max(theta - hi, 0), x_lo = max(lo - theta, 0)";
-    const SOURCE: &'static str = "Hunt & Crossley 1975 (damping in impacts), its exponent 1";
+        "max(0, k x (1 + g x) + d dx/dt) against the stop, x = theta - hi with k_hi, lo - theta with k_lo";
+    const SOURCE: &'static str =
+        "unilateral spring and damper; Hunt & Crossley 1975; Colgate & Schenkel 1997 (virtual wall)";
     const SHOWS: &'static str = "over position, at the ends of the range";
     const CONFUSED: &'static [&'static str] = &["position_polynomial", "return_spring"];
-    const PARAMS: [Param; 5] = [
-        Param::linear("k_lo", Unit::of(1, -1, 0), "stiffness of the lower stop")
-            .plausibly(0.0, f64::INFINITY),
+    const PARAMS: [Param; 6] = [
+        Param::shape("k_lo", Unit::of(1, -1, 0), [0.0, 1e9], 0.0, "stiffness of the lower stop"),
         Param::shape("lo", Unit::of(0, 1, 0), [-1e6, 1e6], -1e6, "where the lower stop begins"),
-        Param::linear("k_hi", Unit::of(1, -1, 0), "stiffness of the upper stop")
-            .plausibly(0.0, f64::INFINITY),
+        Param::shape("k_hi", Unit::of(1, -1, 0), [0.0, 1e9], 0.0, "stiffness of the upper stop"),
         Param::shape("hi", Unit::of(0, 1, 0), [-1e6, 1e6], 1e6, "where the upper stop begins"),
-        Param::linear("d", Unit::of(1, -2, 1), "damping within a stop, by depth")
-            .plausibly(0.0, f64::INFINITY),
+        Param::shape("d", Unit::of(1, -1, 1), [0.0, 1e6], 0.0, "damping within a stop"),
+        Param::shape("g", Unit::of(0, -1, 0), [0.0, 1e6], 0.0, "growth of the stiffness with depth"),
     ];
 
-    fn odd(&[k_lo, lo, k_hi, hi, _]: &[f64; 5]) -> Option<&'static str> {
-        let overlap = k_lo != 0.0 && k_hi != 0.0 && lo >= hi;
+    fn odd(&[k_lo, lo, k_hi, hi, _, _]: &[f64; 6]) -> Option<&'static str> {
+        let overlap = k_lo > 0.0 && k_hi > 0.0 && lo >= hi;
         overlap.then_some("its stops overlap: between them they are a spring and no stops")
     }
 
-    fn starts(survey: &Survey) -> Vec<[f64; 5]> {
-        let (low, range) = (Survey::quantile(&survey.theta, 0.0), survey.range());
+    fn starts(survey: &Survey) -> Vec<[f64; 6]> {
+        let (low, range) = (Survey::quantile(&survey.theta, 0.0), survey.range().max(1e-9));
         let at = |share: f64| low + share * range;
-        [0.03, 0.08, 0.15, 0.25, 0.4].into_iter().map(|x| [0.0, at(x), 0.0, at(1.0 - x), 0.0]).collect()
+        // A stop that is not pressed has no derivative: each begins with a little of the torque.
+        let stiff = |share: f64| 0.2 * Survey::quantile(&survey.torque, 0.5) / (share * range);
+        [0.03, 0.08, 0.15, 0.25, 0.4]
+            .into_iter()
+            .map(|x| [stiff(x), at(x), stiff(x), at(1.0 - x), 0.0, 0.0])
+            .collect()
     }
 }
 
-impl LoadEffect<5> for EndStop {
+impl LoadEffect<6> for EndStop {
     #[inline(always)]
-    fn load<T: Scalar>([k_lo, lo, k_hi, hi, d]: &[T; 5], motion: &Motion<T>) -> Load<T> {
-        let zero = T::of(0.0);
-        let above = (motion.theta - *hi).max(zero);
-        let below = (*lo - motion.theta).max(zero);
-        Load::drive(*k_hi * above - *k_lo * below + *d * (above + below) * motion.omega)
+    fn load<T: Scalar>([k_lo, lo, k_hi, hi, d, g]: &[T; 6], motion: &Motion<T>) -> Load<T> {
+        let (zero, one) = (T::of(0.0), T::of(1.0));
+        let pressed = |k: T, depth: T, rate: T| {
+            let force = k * depth * (one + *g * depth) + *d * rate;
+            k.where_positive(depth.where_positive(force.max(zero), zero), zero)
+        };
+        let above = pressed(*k_hi, motion.theta - *hi, motion.omega);
+        let below = pressed(*k_lo, *lo - motion.theta, -motion.omega);
+        Load::drive(above - below)
     }
 }
 
@@ -57,7 +64,7 @@ mod tests {
     #[test]
     fn a_stop_is_silent_between_and_pushes_back_beyond() {
         let torque = |theta: f64| {
-            EndStop::load(&[2.0, -1.0, 3.0, 1.0, 0.0], &Motion::exact(0.0, theta, 0.5, 0.0)).drive
+            EndStop::load(&[2.0, -1.0, 3.0, 1.0, 0.0, 0.0], &Motion::exact(0.0, theta, 0.5, 0.0)).drive
         };
         assert_eq!((torque(-1.0), torque(0.3), torque(1.0)), (0.0, 0.0, 0.0));
         assert_eq!((torque(-1.5), torque(2.0)), (-1.0, 3.0));
@@ -66,8 +73,9 @@ mod tests {
     #[test]
     fn a_knob_that_bounces_off_leaves_energy_in_the_stop() {
         let torque = |omega: f64| {
-            EndStop::load(&[2.0, -1.0, 3.0, 1.0, 0.4], &Motion::exact(0.0, 1.5, omega, 0.0)).drive
+            EndStop::load(&[2.0, -1.0, 3.0, 1.0, 0.4, 0.0], &Motion::exact(0.0, 1.5, omega, 0.0)).drive
         };
-        assert!((torque(0.5) - 1.6).abs() < 1e-12 && (torque(-0.5) - 1.4).abs() < 1e-12);
+        assert!((torque(0.5) - 1.7).abs() < 1e-12 && (torque(-0.5) - 1.3).abs() < 1e-12);
+        assert_eq!(torque(-10.0), 0.0, "a stop never holds back");
     }
 }

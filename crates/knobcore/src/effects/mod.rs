@@ -199,13 +199,13 @@ registry! {
         Karnopp(3) in karnopp,
         Stribeck(3) in stribeck,
         QuadraticDrag(1) in quadratic_drag,
-        DetentHarmonics(7) in detent_harmonics,
+        DetentHarmonics(9) in detent_harmonics,
         DirectionalDetent(3) in directional_detent,
         PositionPolynomial(3) in position_polynomial,
         ReturnSpring(2) in return_spring,
         Unbalance(2) in unbalance,
-        EndStop(5) in end_stop,
-        PositionFriction(7) in position_friction,
+        EndStop(6) in end_stop,
+        PositionFriction(9) in position_friction,
         LoadFriction(1) in load_friction,
         FrictionDrift(2) in friction_drift,
         Regional(11) in regional,
@@ -218,7 +218,7 @@ registry! {
         TorqueLag(2) in torque_lag,
     }
     sensors {
-        TorqueDrift(4) in torque_drift,
+        TorqueDrift(8) in torque_drift,
         Offset(1) in offset,
         Saturation(1) in saturation,
     }

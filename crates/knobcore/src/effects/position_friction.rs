@@ -5,7 +5,7 @@ use crate::motion::{Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
-/// Dry friction times 1 + sum of a_n sin(n theta/P) + b_n cos(n theta/P), n = 1, 2, 3; never below zero.
+/// Dry friction times 1 + sum of a_n sin(n theta/P) + b_n cos(n theta/P), n = 1 to 4; never below zero.
 pub struct PositionFriction;
 
 /// The least that is left of dry friction: friction never pushes.
@@ -15,14 +15,14 @@ const fn wave(name: &'static str, meaning: &'static str) -> Param {
     Param::shape(name, Unit::NUMBER, [-10.0, 10.0], 0.0, meaning)
 }
 
-impl Effect<7> for PositionFriction {
+impl Effect<9> for PositionFriction {
     const ID: &'static str = "position_friction";
-    const LAW: &'static str = "coulomb (1 + sum of a_n sin(n theta/P) + b_n cos(n theta/P)), n = 1, 2, 3";
+    const LAW: &'static str = "coulomb (1 + sum of a_n sin(n theta/P) + b_n cos(n theta/P)), n = 1 to 4";
     const SOURCE: &'static str = "Popovic & Goldenberg 1998 (friction over position by its spectrum)";
     const SHOWS: &'static str = "over position, with the sign of the motion";
     const CONFUSED: &'static [&'static str] = &["friction_drift", "load_friction", "directional_detent"];
     const SHAPES_FRICTION: bool = true;
-    const PARAMS: [Param; 7] = [
+    const PARAMS: [Param; 9] = [
         Param::shape("P", Unit::of(0, 1, 0), [1e-6, 1e6], 1.0, "period over 2 pi"),
         wave("a1", "sine once per period, a share of Coulomb"),
         wave("b1", "cosine once per period"),
@@ -30,30 +30,36 @@ impl Effect<7> for PositionFriction {
         wave("b2", "cosine twice per period"),
         wave("a3", "sine three times per period"),
         wave("b3", "cosine three times per period"),
+        wave("a4", "sine four times per period"),
+        wave("b4", "cosine four times per period"),
     ];
 
-    fn starts(survey: &Survey) -> Vec<[f64; 7]> {
+    fn starts(survey: &Survey) -> Vec<[f64; 9]> {
         // From half a cycle over the range to forty, each close enough to the next to be followed.
         let range = survey.range().max(1e-6);
         let mut cycles = 0.5;
         let mut starts = Vec::new();
         while cycles < 40.0 && starts.len() < 40 {
             let period = range / (std::f64::consts::TAU * cycles);
-            starts.push([period.clamp(1e-6, 1e6), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+            let mut start = [0.0; 9];
+            start[0] = period.clamp(1e-6, 1e6);
+            starts.push(start);
             cycles += f64::max(0.3, 0.06 * cycles);
         }
         starts
     }
 }
 
-impl LoadEffect<7> for PositionFriction {
+impl LoadEffect<9> for PositionFriction {
     #[inline(always)]
-    fn load<T: Scalar>([p, a1, b1, a2, b2, a3, b3]: &[T; 7], motion: &Motion<T>) -> Load<T> {
+    fn load<T: Scalar>([p, a1, b1, a2, b2, a3, b3, a4, b4]: &[T; 9], motion: &Motion<T>) -> Load<T> {
         let (s, c) = (motion.theta / *p).sin_cos();
         let two = T::of(2.0);
         let (s2, c2) = (two * s * c, c * c - s * s);
         let (s3, c3) = (s2 * c + c2 * s, c2 * c - s2 * s);
-        let level = T::of(1.0) + *a1 * s + *b1 * c + *a2 * s2 + *b2 * c2 + *a3 * s3 + *b3 * c3;
+        let (s4, c4) = (two * s2 * c2, c2 * c2 - s2 * s2);
+        let level =
+            T::of(1.0) + *a1 * s + *b1 * c + *a2 * s2 + *b2 * c2 + *a3 * s3 + *b3 * c3 + *a4 * s4 + *b4 * c4;
         Load::level(level.max(T::of(LEAST)))
     }
 }
@@ -64,12 +70,12 @@ mod tests {
 
     #[test]
     fn friction_varies_along_the_way_and_never_pushes() {
-        let p = [0.5, 0.3, 0.0, 0.0, 0.2, 0.0, 0.0];
+        let p = [0.5, 0.3, 0.0, 0.0, 0.2, 0.0, 0.0, 0.0, 0.0];
         let level =
-            |p: &[f64; 7], theta: f64| PositionFriction::load(p, &Motion::exact(0.0, theta, 1.0, 0.0)).level;
+            |p: &[f64; 9], theta: f64| PositionFriction::load(p, &Motion::exact(0.0, theta, 1.0, 0.0)).level;
         let x = 0.7_f64;
         assert!((level(&p, 0.5 * x) - (1.0 + 0.3 * x.sin() + 0.2 * (2.0 * x).cos())).abs() < 1e-12);
-        let wild = [0.5, 5.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let wild = [0.5, 5.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
         assert!((0..100).all(|i| level(&wild, f64::from(i) * 0.05) > 0.0));
     }
 }

@@ -19,7 +19,7 @@ const PLAIN: usize = 4;
 /// The channel that multiplies.
 const LEVEL: usize = 5;
 /// Derivatives of a sensor: its parameters (fewer than this), and last the torque that it senses.
-const SENSOR_LANES: usize = 8;
+const SENSOR_LANES: usize = 12;
 /// Derivative columns that pass through a late sensor at a time.
 const AT_ONCE: usize = 4;
 

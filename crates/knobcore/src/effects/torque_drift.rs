@@ -2,10 +2,11 @@
 
 use super::{Effect, SensorEffect, Survey};
 use crate::motion::Motion;
-use crate::param::{Param, Unit};
+use crate::param::{Param, Unit, Usual};
 use crate::scalar::Scalar;
 
-/// tau + d (t/T)^n + e exp(-t/tau_e): a creep by a power of time, and a transient of a sensor that settles.
+/// tau + d t^n + e exp(-t/T) + sum of c_k cos(pi k t/L): a creep by a power of time, a transient of a sensor that
+/// settles, and what wanders slowly within the length L of the capture.
 ///
 /// A constant is left out, for the difference of `coulomb` pos and neg holds it.
 pub struct TorqueDrift;
@@ -13,33 +14,42 @@ pub struct TorqueDrift;
 /// Times below this share of a unit are the start.
 const START: f64 = 1e-6;
 
-impl Effect<4> for TorqueDrift {
+const fn wave(name: &'static str, meaning: &'static str) -> Param {
+    Param::linear(name, Unit::of(1, 0, 0), meaning)
+}
+
+impl Effect<8> for TorqueDrift {
     const ID: &'static str = "torque_drift";
-    const LAW: &'static str = "tau + d t^n + e exp(-t/T)";
+    const LAW: &'static str = "tau + d t^n + e exp(-t/T) + sum of c_k cos(pi k t/L), k = 1, 2, 3";
     const SOURCE: &'static str = "zero drift and creep of strain-gauge sensors; OIML R 60";
     const SHOWS: &'static str = "over time, whatever the motion";
     const CONFUSED: &'static [&'static str] = &["friction_drift"];
-    const PARAMS: [Param; 4] = [
-        Param::linear("d", Unit::of(1, 0, 0), "creep after a second"),
+    const PARAMS: [Param; 8] = [
+        wave("d", "creep after a second"),
         Param::shape("n", Unit::NUMBER, [0.1, 4.0], 1.0, "power of time"),
-        Param::linear("e", Unit::of(1, 0, 0), "transient at the start"),
+        wave("e", "transient at the start"),
         Param::shape("T", Unit::of(0, 0, 1), [1e-3, 1e6], 1.0, "time constant of the transient"),
+        wave("c1", "half a wave over L"),
+        wave("c2", "a wave over L"),
+        wave("c3", "a wave and a half over L"),
+        Param::shape("L", Unit::of(0, 0, 1), [1e-3, 1e9], 1.0, "length of the capture").usually(Usual::Fixed),
     ];
 
-    fn starts(survey: &Survey) -> Vec<[f64; 4]> {
+    fn starts(survey: &Survey) -> Vec<[f64; 8]> {
         let share = |s: f64| (s * survey.duration_s).max(1e-3);
-        [[0.5, 0.1], [1.0, 0.1], [1.0, 0.3], [2.0, 0.1]]
-            .into_iter()
-            .map(|[n, s]| [0.0, n, 0.0, share(s)])
-            .collect()
+        let shapes = [[0.5, 0.1], [1.0, 0.1], [1.0, 0.3], [2.0, 0.1]];
+        shapes.map(|[n, s]| [0.0, n, 0.0, share(s), 0.0, 0.0, 0.0, share(1.0)]).into()
     }
 }
 
-impl SensorEffect<4> for TorqueDrift {
+impl SensorEffect<8> for TorqueDrift {
     #[inline(always)]
-    fn sense<T: Scalar>([d, n, e, constant]: &[T; 4], motion: &Motion<T>, tau: T) -> T {
+    fn sense<T: Scalar>([d, n, e, constant, c1, c2, c3, length]: &[T; 8], motion: &Motion<T>, tau: T) -> T {
         let creep = *d * motion.t.max(T::of(START)).powf(*n);
-        tau + creep + *e * (-motion.t / *constant).exp()
+        let (s, c) = (T::of(std::f64::consts::PI) * motion.t / *length).sin_cos();
+        let (s2, cos2) = (T::of(2.0) * s * c, c * c - s * s);
+        let waves = *c1 * c + *c2 * cos2 + *c3 * (cos2 * c - s2 * s);
+        tau + creep + *e * (-motion.t / *constant).exp() + waves
     }
 }
 
@@ -50,7 +60,11 @@ mod tests {
     #[test]
     fn the_baseline_creeps_whatever_the_torque() {
         let at = |t: f64, tau: f64| {
-            TorqueDrift::sense(&[0.5, 2.0, 0.0, 1.0], &Motion::exact(t, 0.0, 1.0, 0.0), tau)
+            TorqueDrift::sense(
+                &[0.5, 2.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
+                &Motion::exact(t, 0.0, 1.0, 0.0),
+                tau,
+            )
         };
         assert!((at(3.0, 1.0) - 5.5).abs() < 1e-12 && (at(3.0, -1.0) - 3.5).abs() < 1e-12);
     }

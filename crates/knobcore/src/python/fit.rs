@@ -5,7 +5,7 @@ use super::signals::PySignals;
 use super::user::watched;
 use crate::diagnose::{Candidate, Split, diagnose as diagnose_core, locate as locate_core, settle};
 use crate::effects::Id;
-use crate::fit::{Detents, Fit, fit as fit_core};
+use crate::fit::{Detents, Fit, fit as fit_core, report, sketch};
 use crate::stiction::{Estimate, stiction as stiction_core};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -153,6 +153,7 @@ fn split_dict<'py>(py: Python<'py>, split: &Split) -> PyResult<Bound<'py, PyDict
     }
     row.set_item("direction", PyArray1::from_slice(py, &split.direction))?;
     row.set_item("share", split.share)?;
+    row.set_item("part", split.part)?;
     row.set_item("chance", split.chance)?;
     let regions: Vec<_> =
         split.regions.iter().map(|r| (r.from, r.to, r.direction, r.mean, r.share)).collect();
@@ -174,12 +175,20 @@ pub fn fit(
     watched(py, model, || fit_core(signals, model, detents))?.map(PyFit).map_err(input_error)
 }
 
-/// Fits a model from the values that it has, near its best.
+/// Fits a model from the values that it has, near its best; not `thorough`: as far as comparing models needs.
 #[pyfunction]
-pub fn refine(py: Python<'_>, data: Vec<PyRef<'_, PySignals>>, model: &PyModel) -> PyResult<PyFit> {
+pub fn refine(
+    py: Python<'_>,
+    data: Vec<PyRef<'_, PySignals>>,
+    model: &PyModel,
+    thorough: bool,
+) -> PyResult<PyFit> {
     let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
     let (model, signals) = (&model.0, &signals[..]);
-    watched(py, model, || settle(signals, model))?.map(PyFit).map_err(input_error)
+    let work = || {
+        if thorough { settle(signals, model) } else { report(signals, model, sketch(signals, model)) }
+    };
+    watched(py, model, work)?.map(PyFit).map_err(input_error)
 }
 
 /// A candidate as it goes out: effect, fit, gain, parameters, p-value, note.
