@@ -1,7 +1,7 @@
 """Writes BENCHMARKS.md from what this machine measures: `python benches/report.py`.
 
-The statistical part comes from `benches/results`, which `benches/study_recovery.py` and `benches/study_hidden.py`
-write.
+The statistical part comes from `benches/results`, which `benches/study_recovery.py` and
+`benches/study_hidden.py` write.
 """
 
 import json

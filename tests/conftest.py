@@ -21,7 +21,7 @@ def fit(capture: kc.Capture) -> kc.Fit:
 def sprung() -> kc.Capture:
     """A knob with a return spring that the base model lacks."""
     knob = kc.Model.load("knob4").with_effect("return_spring").with_value("return_spring.k", 0.004)
-    return kc.simulate(knob, "sweep", duration_s=3.0)
+    return kc.simulate(knob, "sweep")
 
 
 @pytest.fixture(scope="session")
