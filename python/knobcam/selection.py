@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from .fit import Fit
 
 _WORTH = 0.015  # of the squared error: less is nothing that a user would feel
+_SHARE = 0.2  # of what noise does not explain: less is a stopgap, not the cause
 _MOST = 6  # effects; a model that needs more is no explanation
 
 
@@ -60,13 +61,14 @@ def select(first: Fit, without: Collection[str], tell: Callable[[str], None], de
 def choose(diagnosis: Diagnosis) -> Candidate | None:
     """Return the candidate to add: the one that explains most for its parameters; of those alike the simplest."""
     fit = diagnosis.fit
+    excess = fit.rmse**2 - fit.noise_floor**2
     worth = [
         one
         for one in diagnosis.candidates
         if one.beyond_chance
         and not one.unphysical
         and one.score > 0.0
-        and one.rmse**2 <= (1.0 - _WORTH) * fit.rmse**2
+        and fit.rmse**2 - one.rmse**2 >= max(_WORTH * fit.rmse**2, _SHARE * excess)
     ]
     if not worth:
         return None

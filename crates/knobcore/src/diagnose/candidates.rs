@@ -17,6 +17,8 @@ const FOLLOWED: usize = 2;
 const RIVAL: f64 = 0.7;
 /// Beside a coupling a start must promise this share of the sum of squares to be followed.
 const WORTH: f64 = 0.005;
+/// Where an effect explains this share of what noise does not, a coupling can wait for what is left.
+const MOST: f64 = 0.95;
 /// A sum of squares below this many times what noise leaves is explained.
 const EXPLAINED: f64 = 1.1;
 
@@ -48,7 +50,8 @@ pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id]) -> Vec<Candida
     let mut found = weighed(&screen, &quick, white);
     let best = found.iter().fold(0.0, |best: f64, (candidate, _)| best.max(candidate.gain));
     let left = screen.squares - best * white;
-    if left.is_nan() || floor.squares.is_nan() || left > EXPLAINED * floor.squares {
+    let most = best * white >= MOST * (screen.squares - floor.squares);
+    if left.is_nan() || floor.squares.is_nan() || left > EXPLAINED * floor.squares && !most {
         found.extend(weighed(&screen, &slow, white));
     }
     found.sort_by_key(|(candidate, _)| candidate.id);

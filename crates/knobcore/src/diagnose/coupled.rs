@@ -18,6 +18,8 @@ const COARSE_HZ: f64 = 60.0;
 const MIDDLE_HZ: f64 = 150.0;
 /// Starts that are followed through the coarse filter.
 const FOLLOWED: usize = 2;
+/// Samples of a capture that the coarse search looks at.
+const ENOUGH: usize = 12_000;
 /// Share of what noise does not explain that a coupling must explain through the coarse filter.
 const WORTH: f64 = 0.25;
 /// An error this close to the noise floor needs no better end.
@@ -25,7 +27,8 @@ const EXPLAINED: f64 = 1.01;
 
 /// The starts of a coupling beside a fitted model, most promising first, and where they lead to.
 pub fn coupled(data: &[&Signals], base: &Model, id: Id) -> (Vec<Start>, Option<(Model, Found)>) {
-    let coarse: Vec<Signals> = data.iter().filter_map(|signals| slowed(signals, COARSE_HZ)).collect();
+    let coarse: Vec<Signals> =
+        data.iter().filter_map(|signals| slowed(&beginning(signals), COARSE_HZ)).collect();
     let coarse: Vec<&Signals> = coarse.iter().collect();
     let screen = Screen::new(&coarse, base);
     let starts = screen.starts(id);
@@ -70,6 +73,27 @@ pub fn settle(data: &[&Signals], model: &Model) -> Result<Fit> {
         }
     }
     Ok(best)
+}
+
+/// The first samples of a capture: enough to find what is then followed through all of it.
+fn beginning(signals: &Signals) -> Signals {
+    let mut left = ENOUGH;
+    let mut segments = Vec::new();
+    for segment in &signals.segments {
+        let taken = segment.len().min(left);
+        left -= taken;
+        if taken >= ENOUGH / 10 {
+            segments.push(segment.start..segment.start + taken);
+        }
+    }
+    if segments.is_empty() {
+        return signals.clone();
+    }
+    let mut weight = vec![0.0; signals.len()];
+    for segment in &segments {
+        weight[segment.clone()].copy_from_slice(&signals.weight[segment.clone()]);
+    }
+    Signals { weight, segments, ..signals.clone() }
 }
 
 /// The same signals through a slower measurement filter.

@@ -4,7 +4,7 @@
 //! of the base's, so that what the base parameters can absorb does not count.
 
 use crate::effects::{Id, Place, Survey};
-use crate::fit::{detent_starts, dot, sweep};
+use crate::fit::{Wave, dot, sweep, waves};
 use crate::model::{Model, Role};
 use crate::predict::Seeds;
 use crate::signals::Signals;
@@ -52,10 +52,15 @@ impl<'a> Screen<'a> {
     /// All starts of an effect that the model may be given, most promising first.
     pub fn starts(&self, id: Id) -> Vec<Start> {
         let Ok(with) = self.model.with(id) else { return Vec::new() };
-        let values = if id == Id::Detent {
-            detent_starts(self.data, self.model).into_iter().map(Vec::from).collect()
-        } else {
-            id.starts(&self.survey)
+        let values = match id {
+            Id::Detent => waves(self.data, self.model, Wave::Torque).into_iter().map(Vec::from).collect(),
+            // Each of the strongest waves may be the first, second or third of its series.
+            Id::PositionFriction if !self.coupled => {
+                let periods = waves(self.data, self.model, Wave::Friction).into_iter().map(|[_, p, _]| p);
+                let series = periods.flat_map(|p| [p, 2.0 * p, 3.0 * p]);
+                series.map(|p| [&[p][..], &[0.0; 8]].concat()).collect()
+            }
+            _ => id.starts(&self.survey),
         };
         let mut starts: Vec<Start> = values
             .iter()

@@ -1,6 +1,6 @@
 //! Are there detents, and which?
 
-use super::scan::{LEAST_PHASE, Scan, range, scan};
+use super::scan::{LEAST_PHASE, Scan, Wave, range, scan};
 use super::separable::{Effort, Found, Layout, Status, descend};
 use crate::effects::Id;
 use crate::error::Result;
@@ -69,7 +69,7 @@ pub fn scan_beside(data: &[&Signals], model: &Model) -> Option<(Model, Found, Sc
     if layout.is_linear() {
         // The scan's own sweep solves it.
         let start = bare.values();
-        let (scan, step) = scan(data, &bare, &start, &layout.free)?;
+        let (scan, step) = scan(data, &bare, &start, &layout.free, Wave::Torque)?;
         let found = Found {
             p: layout.moved(&bare, &start, &step),
             cost: scan.without,
@@ -80,7 +80,7 @@ pub fn scan_beside(data: &[&Signals], model: &Model) -> Option<(Model, Found, Sc
         return Some((bare, found, scan));
     }
     let found = descend(data, &bare, &layout, &bare.values(), Effort::Full);
-    let (scan, _) = scan(data, &bare, &found.p, &layout.free)?;
+    let (scan, _) = scan(data, &bare, &found.p, &layout.free, Wave::Torque)?;
     Some((bare, found, scan))
 }
 

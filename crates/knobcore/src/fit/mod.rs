@@ -10,7 +10,7 @@ mod solve;
 
 pub use moments::Moments;
 pub(crate) use moments::{dot, sweep};
-pub use scan::Scan;
+pub use scan::{Scan, Wave};
 pub use separable::{Found, Status};
 pub(crate) use solve::{Normal, independent};
 
@@ -126,11 +126,11 @@ pub fn refine(data: &[&Signals], model: &Model) -> Result<Fit> {
     finish(data, model.clone(), &layout, found, None)
 }
 
-/// Detents that a scan beside a model without any finds: A, P and S of the best few.
-pub fn detent_starts(data: &[&Signals], model: &Model) -> Vec<[f64; 3]> {
+/// Sinusoids over position that a scan beside a model finds: amplitude, period over 2 pi and phase of the best.
+pub fn waves(data: &[&Signals], model: &Model, wave: Wave) -> Vec<[f64; 3]> {
     let linear = Layout::of(model).linear();
-    let Some((scan, _)) = scan::scan(data, model, &model.values(), &linear) else { return Vec::new() };
-    scan.peaks().iter().take(3).map(|peak| [peak.amplitude, peak.period, peak.phase]).collect()
+    let Some((scan, _)) = scan::scan(data, model, &model.values(), &linear, wave) else { return Vec::new() };
+    scan.peaks().iter().take(4).map(|peak| [peak.amplitude, peak.period, peak.phase]).collect()
 }
 
 /// The values that a sketchy descent from those of `model` ends with.

@@ -182,9 +182,25 @@ impl Grid {
     }
 }
 
+/// What is looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wave {
+    /// A torque.
+    Torque,
+    /// A friction: it has the sign of the motion. A product of two signed columns is that of the columns, so
+    /// that only the products with the wave change.
+    Friction,
+}
+
 /// Scans for a sinusoid over position beside the linear columns of `model` (which has no detent), evaluated
 /// at `p`; the step in those columns that is best without detent comes with it. None where there is no motion.
-pub fn scan(data: &[&Signals], model: &Model, p: &[f64], linear: &[usize]) -> Option<(Scan, Vec<f64>)> {
+pub fn scan(
+    data: &[&Signals],
+    model: &Model,
+    p: &[f64],
+    linear: &[usize],
+    wave: Wave,
+) -> Option<(Scan, Vec<f64>)> {
     let grid = Grid::over(data)?;
     let seeds = Seeds::of(model, linear);
     let k = linear.len();
@@ -194,7 +210,18 @@ pub fn scan(data: &[&Signals], model: &Model, p: &[f64], linear: &[usize]) -> Op
     sweep(data, model, p, &seeds, |swept| {
         sum.add_columns(swept.columns);
         let core = swept.chunk.core.clone();
-        let mut columns = swept.columns.to_vec();
+        let signed: Vec<Vec<f64>> = match wave {
+            Wave::Torque => Vec::new(),
+            Wave::Friction => {
+                let sign = |(x, forward): (&f64, &f64)| if *forward > 0.5 { *x } else { -x };
+                let forward = &swept.signals.forward[core.clone()];
+                swept.columns.iter().map(|column| column.iter().zip(forward).map(sign).collect()).collect()
+            }
+        };
+        let mut columns: Vec<&[f64]> = match wave {
+            Wave::Torque => swept.columns.to_vec(),
+            Wave::Friction => signed.iter().map(Vec::as_slice).collect(),
+        };
         columns.push(&swept.signals.weight[core.clone()]);
         for (cells, eight) in spread.iter_mut().zip(columns.chunks(LANES)) {
             grid.spread(&swept.signals.theta[core.clone()], eight, cells);
