@@ -1,6 +1,7 @@
 """Writes BENCHMARKS.md from what this machine measures: `python benches/report.py`.
 
-The statistical part comes from `benches/results`, which `python benches/study_recovery.py` writes.
+The statistical part comes from `benches/results`, which `benches/study_recovery.py` and
+`benches/study_hidden.py` write.
 """
 
 import json
@@ -18,6 +19,7 @@ STUDIES = {
     "table2": "The paper's Table 2",
     "basin": "No starting values",
     "rig": "Random knobs under the rig's sensors",
+    "hidden": "Knobs with something hidden in them",
 }
 
 
@@ -66,7 +68,8 @@ def lines() -> Iterator[str]:
 
     yield "# Measured"
     yield ""
-    yield "Made by `python benches/study_recovery.py && python benches/report.py`. " + machine()
+    made = " && ".join(f"python benches/{name}.py" for name in ("study_recovery", "study_hidden", "report"))
+    yield f"Made by `{made}`. {machine()}"
     yield ""
     yield "## Speed"
     yield ""

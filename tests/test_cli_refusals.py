@@ -162,6 +162,10 @@ CALLS: dict[str, tuple[list[str], list[str]]] = {
     "add without a model": (["add", "offset", "good.csv"], ["MODEL"]),
     "add an unknown effect": (["add", "magic", "good.csv", "knob3"], ["'magic'", "coulomb"]),
     "add what is there": (["add", "viscous", "good.csv", "knob3"], ["'viscous'", "already"]),
+    "add what lacks its ground": (
+        ["add", "load_friction", "good.csv", "knob1", "-o", "m.toml"],
+        ["'load_friction'", "'detent'", "add that first"],
+    ),
     "add over its own capture": (["add", "offset", "good.csv", "knob3", "-o", "good.csv"], ["another file"]),
     "learn without a capture": (["learn"], ["CAPTURE"]),
     "learn from a missing capture": (["learn", "absent.csv", "--report", "r.html"], ["absent.csv"]),
@@ -176,9 +180,11 @@ CALLS: dict[str, tuple[list[str], list[str]]] = {
     "report where the pictures go": (["learn", "good.csv", "--report", "p", "--plots", "p"], ["two names"]),
     "learn without an unknown effect": (
         ["learn", "good.csv", "--without", "magic", "--report", "r.html", "-o", "m.toml", "--plots", "p"],
-        ["without", "'magic'"],
+        ["knobcam: --without: ", "'magic'"],
     ),
     "demo that hides what is there": (["demo", "--effect", "detent"], ["'detent'", "anyway"]),
+    "demo that hides what no capture shows": (["demo", "--effect", "offset"], ["'offset'", "Coulomb"]),
+    "demo that hides a description": (["demo", "--effect", "wavelet"], ["'wavelet'", "whatever the cause"]),
     "demo that hides an unknown effect": (["demo", "--effect", "magic"], ["'magic'", "coulomb"]),
     "unknown effect": (["effects", "magic"], ["'magic'", "coulomb"]),
     "picture of no effect": (["effects", "-o", "e.png"], ["e.png", "--plots"]),

@@ -16,8 +16,8 @@ PYTHON = ROOT / "python" / "knobcam"
 
 RUST_ORDER = [
     *("error", "random", "special", "fourier", "scalar", "motion", "param", "effects", "model", "model_file"),
-    *("coupling", "filter", "signals", "smooth", "prepare", "predict", "simulate", "floor", "fit", "diagnose"),
-    *("stiction", "python"),
+    *("coupling", "filter", "signals", "smooth", "prepare", "predict", "simulate", "floor", "fit"),
+    *("diagnose", "stiction", "python"),
 ]
 PYTHON_ORDER = [
     *("_core", "errors", "tables", "finding", "formats", "quality", "capture", "motions", "plugins"),

@@ -163,11 +163,13 @@ def test_an_ordinary_motion_lacks_nothing(motion: str) -> None:
 
 def test_captures_of_one_knob_agree_and_those_of_a_changed_one_do_not() -> None:
     knob = kc.Model.load("knob4")
-    first, again = kc.simulate(knob, "sweep", seed=1), kc.simulate(knob, "multisine", seed=2)
-    assert kc.learn([first, again]).disagreements == ()
-    other = dataclasses.replace(
-        kc.simulate(knob.with_value("detent.P", 0.0765), "multisine", seed=3), meta={"source": "changed.npz"}
+    changed = knob.with_value("detent.P", 0.0765)
+    first, again, other = (
+        kc.simulate(one, motion, seed=seed, duration_s=3.0)
+        for seed, (one, motion) in enumerate([(knob, "sweep"), (knob, "multisine"), (changed, "multisine")])
     )
+    assert kc.learn([first, again]).disagreements == ()
+    other = dataclasses.replace(other, meta={"source": "changed.npz"})
     story = kc.learn([first, other])
     worst = story.disagreements[0]
     assert worst.by_se > 10.0

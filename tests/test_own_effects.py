@@ -254,11 +254,27 @@ def test_a_diagnosis_finds_the_right_own_effect_and_leaves_a_failing_one_out():
     assert effects["quadratic_drag"][0] is not None and effects["unbalance"][0] is not None
 
 
-def test_what_a_law_failed_with_where_nobody_raised_it_is_told_once(fit: kc.Fit):
-    model = register_law(fails)
-    _core.locate([fit.signals.core], model.core)
-    assert "ZeroDivisionError" in str(_core.effect_failure("odd"))
-    assert _core.effect_failure("odd") is None and _core.effect_failure("viscous") is None
+def test_a_hidden_effect_of_ones_own_is_learned_first_whatever_else_fails():
+    register_bump(starts=[{"c": c} for c in np.linspace(-1.0, 1.0, 9)])
+    register_law(is_nan)
+    knob = kc.Model.load("knob2").with_effect("bump").with_value("bump.a", 0.01).with_value("bump.c", 0.8)
+    story = kc.learn(kc.simulate(knob, duration_s=3.0))
+    assert (story.verdict, story.found) == ("missing", ("bump",))
+    assert story.fit.params["bump.c"].value == pytest.approx(0.8, abs=0.01)
+    assert "returned NaN" in story.first_diagnosis.left_out["odd"]
+    assert "odd" not in [one.effect for one in story.last.candidates]
+
+
+def test_what_evaluates_a_law_that_fails_raises_what_is_wrong_with_it(capture: kc.Capture):
+    healthy = True
+
+    def law(motion: kc.OwnMotion, a: float) -> Any:
+        return a * np.sin(9.0 * motion.theta) if healthy else fails(motion, a)
+
+    fitted = kc.fit(capture, register_law(law))
+    healthy = False
+    for act in (fitted.compare, fitted.diagnose, fitted.stiction, lambda: fitted.add("stribeck")):
+        assert "effect 'odd'" in refusal(act)
 
 
 @pytest.mark.parametrize("kind", [np.int8, np.float32])

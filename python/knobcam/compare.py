@@ -59,8 +59,8 @@ class Split:
     backward, 0 both); `mean` and `rms` of the residual in N m; `band` the half-width of the 95 % band that
     chance gives the mean. Along frequency `mean` is the RMS per bin and `band` what chance stays below.
     `share` is the part of the squared error beyond the noise that the bin means hold, `part` what that is of
-    the whole squared error, `chance` what noise alone would hold in one capture of twenty. Along frequency only lines count, for a residual that lies over
-    position or velocity fills the spectrum broadly as well.
+    the whole squared error, `chance` what noise alone would hold in one capture of twenty. Along frequency
+    only lines count, for a residual that lies over position or velocity fills the spectrum broadly as well.
     """
 
     axis: str

@@ -25,6 +25,14 @@ HIDDEN = "stribeck"
 """What the knob hides when nothing else is asked for."""
 
 
+_NOT_NAMED = {
+    "detent": "it belongs to the base model, which is fitted with it where it shows",
+    "karnopp": "it does not show in a prediction from motion",
+    "offset": "the two Coulomb levels take it up",
+}
+"""Effects that no search names, and why."""
+
+
 @dataclass(frozen=True, repr=False)
 class Demo:
     """What the demonstration made: the emulated knob, what it hides, the story of finding it, the files."""
@@ -74,11 +82,15 @@ def knob_name(text: str) -> str:
 def hiding(knob: str, effect: str) -> Model:
     """Return one of the five knobs with an effect hidden in it, of a typical size.
 
-    Raises InputError for an effect that the knob has anyway or the catalogue does not have.
+    Raises InputError for an effect that the knob has anyway, that the catalogue does not have, or that is
+    nothing to find.
     """
     model, entry = Model.load(knob), catalogued(effect)
-    if effect in model.effects:
-        raise InputError(f"effect '{effect}' is nothing to hide: {knob} has it anyway; choose another")
+    why = f"{knob} has it anyway" if effect in model.effects else _NOT_NAMED.get(effect)
+    if entry.describes:
+        why = "it describes a torque over position, whatever the cause"
+    if why:
+        raise InputError(f"effect '{effect}' is nothing to hide: {why}; choose another")
     return with_typical(model, entry)
 
 

@@ -62,11 +62,19 @@ def _shared(parser: ArgumentParser) -> None:
     arguments.add_reading(parser)
 
 
+def _check_without(args: Namespace) -> None:
+    from ..diagnose import check_effects
+
+    # The ids are those of either axis.
+    check_effects("--without", args.without, "rotary")
+
+
 def run_diagnose(args: Namespace) -> Answer:
     """Fit a model, weigh every absent effect, rank them."""
     check_folder(args.plots)
     options = arguments.preparation(args)
     model = _model(args.model)
+    _check_without(args)
     fitted = _fitted(args, model, options)
 
     from ..diagnose import diagnose
@@ -123,6 +131,7 @@ def run_learn(args: Namespace) -> Answer:
     check_folder(args.plots, args.report)
     options = arguments.preparation(args)
     model = _model(args.model)
+    _check_without(args)
 
     from ..learn import learn
 

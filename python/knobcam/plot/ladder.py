@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from ..ladder import Rung
     from ..learn import Story
 
+_NAMED = 2  # of the effects that look alike; a table has the others
 _TOLD = 1.05  # the noise floor is known to a few percent: less than that beyond it is not drawn as excess
 
 
@@ -87,7 +88,10 @@ def _step(axes: Axes, row: int, above: Rung, rung: Rung, scale: Scale) -> None:
     if math.isfinite(rung.p_value):
         said += f"   p {p_in_words(rung.p_value)}" if rung.p_value < 0.001 else f"   p = {rung.p_value:.3f}"
     if rung.equivalent:
-        said += f"\nor {plain(', '.join(rung.equivalent), 48)}"
+        others = [plain(name, 30) for name in rung.equivalent]
+        said += f"\nor {', '.join(others[:_NAMED])}" + (
+            f" and {len(others) - _NAMED} more" if others[_NAMED:] else ""
+        )
     _say(axes, above.rmse * scale.factor, row, said)
 
 

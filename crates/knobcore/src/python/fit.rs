@@ -97,31 +97,31 @@ impl PyFit {
         draws: usize,
         seed: u64,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let refits = py.detach(|| self.0.bootstrap(draws, seed));
+        let refits = watched(py, &self.0.model, || self.0.bootstrap(draws, seed))?;
         Ok(PyArray2::from_vec2(py, &refits)?)
     }
 
     /// Half-width of the 95 % band of the mean prediction, N m.
-    fn band<'py>(&self, py: Python<'py>, signals: &PySignals) -> Floats<'py> {
-        array(py, &py.detach(|| self.0.band(&signals.prepared.signals)))
+    fn band<'py>(&self, py: Python<'py>, signals: &PySignals) -> PyResult<Floats<'py>> {
+        let band = watched(py, &self.0.model, || self.0.band(&signals.prepared.signals))?;
+        Ok(array(py, &band))
     }
 }
 
 /// An estimate as it goes out: (value, low, high).
 type Interval = Option<(f64, f64, f64)>;
 
-/// Static friction that captures show beside a fitted model: d_neg, d_pos, dv, breakaways.
+/// Static friction as it goes out: d_neg, d_pos, dv, breakaways.
+type Stiction = (Interval, Interval, Interval, [usize; 2]);
+
+/// Static friction that captures show beside a fitted model.
 #[pyfunction]
-pub fn stiction(
-    py: Python<'_>,
-    data: Vec<PyRef<'_, PySignals>>,
-    model: &PyModel,
-) -> (Interval, Interval, Interval, [usize; 2]) {
+pub fn stiction(py: Python<'_>, data: Vec<PyRef<'_, PySignals>>, model: &PyModel) -> PyResult<Stiction> {
     let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
     let (model, signals) = (&model.0, &signals[..]);
-    let found = py.detach(|| stiction_core(signals, model));
+    let found = watched(py, model, || stiction_core(signals, model))?;
     let row = |e: Option<Estimate>| e.map(|e| (e.value, e.ci95[0], e.ci95[1]));
-    (row(found.d_neg), row(found.d_pos), row(found.dv), found.breakaways)
+    Ok((row(found.d_neg), row(found.d_pos), row(found.dv), found.breakaways))
 }
 
 /// Splits the error of a model over every axis: dicts with the fields of `Split`.
@@ -133,7 +133,7 @@ pub fn locate<'py>(
 ) -> PyResult<Vec<Bound<'py, PyDict>>> {
     let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
     let (model, signals) = (&model.0, &signals[..]);
-    let splits = py.detach(|| locate_core(signals, model));
+    let splits = watched(py, model, || locate_core(signals, model))?;
     splits.iter().map(|split| split_dict(py, split)).collect()
 }
 
@@ -205,7 +205,7 @@ pub fn diagnose(
     let ids = effects.iter().map(|id| Id::parse(id)).collect::<Result<Vec<_>, _>>().map_err(input_error)?;
     let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
     let (model, signals) = (&model.0, &signals[..]);
-    let found = py.detach(|| diagnose_core(signals, model, &ids));
+    let found = watched(py, model, || diagnose_core(signals, model, &ids))?;
     let row = |c: Candidate| (c.id.info().id, c.fit.map(PyFit), c.gain, c.parameters, c.p_value, c.note);
     Ok(found.into_iter().map(row).collect())
 }

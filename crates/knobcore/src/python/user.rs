@@ -95,9 +95,10 @@ pub fn effect_failure(id: &str) -> PyResult<Option<String>> {
     }
 }
 
-/// Does work that evaluates a model, while Python may do other things; an effect that fails in it is raised.
+/// Does work that evaluates a model, while Python may do other things; an effect of the model that fails in it is
+/// raised, and so is what ended any law and is no failure of it.
 pub fn watched<R: Send>(py: Python<'_>, model: &Model, work: impl FnOnce() -> R + Send) -> PyResult<R> {
     interrupt(None);
     let done = py.detach(|| model.watched(work));
-    done.map_err(|error| interrupt(None).unwrap_or_else(|| input_error(error)))
+    interrupt(None).map_or_else(|| done.map_err(input_error), Err)
 }
