@@ -22,7 +22,18 @@ RUST_ORDER = [
 PYTHON_ORDER = [
     *("_core", "errors", "tables", "finding", "formats", "quality", "capture", "motions", "plugins"),
     *("effects", "own", "models", "model", "prepare", "simulate", "typical", "refit", "fit", "compare"),
-    *("stiction", "diagnose", "agreement", "lacks", "ladder", "selection", "learn", "plot", "report"),
+    *(
+        "stiction",
+        "plausible",
+        "diagnose",
+        "agreement",
+        "lacks",
+        "ladder",
+        "selection",
+        "learn",
+        "plot",
+        "report",
+    ),
     *("demo", "cli", "__main__", "__init__"),
 ]
 LONGEST = 400

@@ -11,6 +11,7 @@ from . import _core
 from .effects import effect as catalogued
 from .effects import effects
 from .errors import InputError
+from .plausible import unphysical
 from .refit import cores, describe, percent, with_clipped
 from .tables import html_table, text_table
 
@@ -26,10 +27,11 @@ if TYPE_CHECKING:
 CHANCE = 0.05
 """A p-value above it is no more than chance."""
 PENALTY = 12.0
-"""What a parameter must take off the sum of squares, in variances of the raw noise (BIC's for some thousands of
-independent samples, with the doubt about the noise on top)."""
+"""What a parameter must take off the sum of squares, in variances of the raw noise (BIC's for some thousands
+of independent samples, with the doubt about the noise on top)."""
 RELATIVE = 0.02
 """Sums of squares that differ by less than this share of what is left are no evidence either way."""
+COULOMB = ("coulomb.neg", "coulomb.pos")
 NOT_WEIGHED = frozenset({"karnopp"})
 """Stiction does not show in a prediction from motion."""
 
@@ -262,12 +264,15 @@ def _candidates(fit: Fit, without: Collection[str]) -> tuple[list[Candidate], di
     catalogue = effects(fit.model.axis)
     have = fit.model.effects
     coupled = any(catalogue[one].place == "coupling" for one in have)
+    # A constant torque is what the difference of both Coulomb levels makes, unless they are tied.
+    untied = "coulomb" in have and all(fit.model.params[name].role == "free" for name in COULOMB)
     absent = [
         one
         for one, row in catalogue.items()
         if one not in {*have, *without, *NOT_WEIGHED}
         and (row.needs is None or row.needs in have)
         and not (coupled and row.place == "coupling")
+        and not (one == "offset" and untied)
     ]
     weighed = _core.diagnose(cores(fit), fit.model.core, absent)
     found = [
@@ -277,7 +282,9 @@ def _candidates(fit: Fit, without: Collection[str]) -> tuple[list[Candidate], di
     ]
     found.sort(key=lambda candidate: -candidate.score)
     left_out = {one: note for one, core, *_, note in weighed if core is None}
-    told = [replace(one, equivalent=_equivalent(one, found), unphysical=_unphysical(one)) for one in found]
+    told = [
+        replace(one, equivalent=_equivalent(one, found), unphysical=unphysical(one, fit)) for one in found
+    ]
     return told, left_out
 
 
@@ -292,21 +299,5 @@ def _equivalent(candidate: Candidate, others: Collection[Candidate]) -> tuple[st
     return tuple(
         other.effect
         for other in others
-        if other.effect != candidate.effect and other.score >= candidate.score - margin
+        if other.effect != candidate.effect and abs(other.score - candidate.score) <= margin
     )
-
-
-def _unphysical(candidate: Candidate) -> tuple[str, ...]:
-    """Return what is odd about the values of an effect, a sentence each."""
-    rows = catalogued(candidate.effect, candidate.fit.model.axis).params
-    said = []
-    for row in rows:
-        name = f"{candidate.effect}.{row.name}"
-        estimate = candidate.fit.params[name]
-        low, high = row.plausible
-        margin = 2.0 * estimate.se if estimate.determined else 0.0
-        if estimate.value + margin < low or estimate.value - margin > high:
-            limits = f"at least {low:g}" if math.isinf(high) else f"{low:g} to {high:g}"
-            said.append(f"{name} = {estimate.value:.3g} is unphysical: it should be {limits}")
-    odd = candidate.fit.core.model.odd(candidate.effect)
-    return (*said, odd) if odd else tuple(said)

@@ -6,8 +6,6 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-
 from . import _core
 from .diagnose import PENALTY, Candidate, Diagnosis, diagnose
 from .effects import effects
@@ -22,13 +20,10 @@ if TYPE_CHECKING:
 
 _WORTH = 0.015  # of the squared error: less is nothing that a user would feel
 _SHARE = 0.2  # of what noise does not explain: less is a stopgap, not the cause
-_DETENTS = 1.5  # that a motion must cross for a change of them to be told from a map of position
 _MOST = 6  # effects; a model that needs more is no explanation
 
 
-_MAPS = frozenset(
-    {"position_polynomial", "return_spring", "unbalance", "end_stop", "detent_harmonics", "regional", "wavelet"}
-)
+_MAPS = frozenset({"position_polynomial", "return_spring", "unbalance", "end_stop", "detent_harmonics"})
 """Torques of position alone. Two of them together draw nearly any map, so together they name no cause."""
 _MAINLY = 0.5  # of what noise does not explain: what a cause takes off where something else is unexplained
 
@@ -43,7 +38,7 @@ class Selection(NamedTuple):
 
 
 def select(first: Fit, without: Collection[str], tell: Callable[[str], None], detents: bool) -> Selection:
-    """Add effects as long as one is beyond chance, physical, and worth it; re-test the earlier ones each time.
+    """Add effects as long as one is beyond chance, physical and worth it; re-test the earlier ones each time.
 
     `detents` says that they belong to the model where the data show them.
     """
@@ -80,7 +75,10 @@ def concluded(ladder: list[Rung], last: Diagnosis, base: Collection[str]) -> Sel
         words = f"it takes {' and '.join(maps)} together to draw it, and so many draw any map of position"
         share = last.comparison["position"].share if unexplained else 1.0
         return Selection(
-            tuple(ladder), tuple(one for one in found if one not in maps), last, Unexplained("position", share, words)
+            tuple(ladder),
+            tuple(one for one in found if one not in maps),
+            last,
+            Unexplained("position", share, words),
         )
     if unexplained is not None:
         found = tuple(one for one in found if any(rung.added == one and _mainly(rung) for rung in ladder))
@@ -97,8 +95,10 @@ def _mainly(rung: Rung) -> bool:
 
 
 def choose(diagnosis: Diagnosis) -> Candidate | None:
-    """Return the candidate to add: the one that explains most for its parameters; of those alike the simplest."""
+    """Return the candidate to add: what explains most for its parameters; of those alike the simplest."""
     fit = diagnosis.fit
+    if not fit.noise_floor > 0.0:
+        return None  # without noise, or without knowing it, chance cannot be told from what is missing
     excess = fit.rmse**2 - fit.noise_floor**2
     worth = [
         one
@@ -106,7 +106,6 @@ def choose(diagnosis: Diagnosis) -> Candidate | None:
         if one.beyond_chance
         and not one.unphysical
         and one.score > 0.0
-        and _repeats(one)
         and fit.rmse**2 - one.rmse**2 >= max(_WORTH * fit.rmse**2, _SHARE * excess)
     ]
     if not worth:
@@ -114,15 +113,6 @@ def choose(diagnosis: Diagnosis) -> Candidate | None:
     best = max(worth, key=lambda one: one.score)
     alike = [one for one in worth if one.effect == best.effect or one.effect in best.equivalent]
     return min(alike, key=lambda one: (one.count, -one.score))
-
-
-def _repeats(candidate: Candidate) -> bool:
-    """Whether what changes the detents does so over enough of them: over one or two it is any map of position."""
-    if effects(candidate.fit.model.axis)[candidate.effect].needs != "detent":
-        return True
-    theta = np.concatenate([one.theta[one.used] for one in candidate.fit.prepared])
-    period = 2.0 * math.pi * candidate.fit.params["detent.P"].value
-    return bool(np.ptp(theta) >= _DETENTS * period)
 
 
 def with_detents(fit: Fit) -> Fit:

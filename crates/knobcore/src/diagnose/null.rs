@@ -33,7 +33,7 @@ impl Null {
         let mut columns: Vec<Vec<f64>> = Vec::new();
         for (id, starts) in effects {
             // The hidden motion of a coupling has no signature at its neutral values.
-            if id.info().place == Place::Coupling || id.info().describes {
+            if id.info().place == Place::Coupling {
                 continue;
             }
             let first = columns.len();
@@ -75,6 +75,9 @@ impl Null {
         // A coupling has as many parameters as the widest of the others.
         let widest = self.scale.values().copied().max_by(|a, b| a.0.total_cmp(&b.0));
         let Some((mean, sd)) = self.scale.get(&id).copied().or(widest) else { return 1.0 };
+        if gain <= mean {
+            return 1.0;
+        }
         let standardised = (gain - mean) / sd;
         let above = self.largest.len() - self.largest.partition_point(|x| *x < standardised);
         (1 + above) as f64 / (1 + self.largest.len()) as f64
