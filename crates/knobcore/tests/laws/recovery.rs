@@ -50,8 +50,8 @@ fn telling_knob(id: Id, noise: &mut Noise) -> Model {
 fn what_was_simulated_is_what_is_fitted() {
     let mut noise = Noise::new(6);
     // Stiction acts where torque makes motion. The borders between regions are steps, which no slope leads to, and
-    // so is a contact behind a gap: both have laws of their own below.
-    let others = [Id::Karnopp, Id::Regional, Id::Backlash];
+    // so are a contact behind a gap and the border of a stop that damps: they have laws of their own below.
+    let others = [Id::Karnopp, Id::Regional, Id::Backlash, Id::EndStop];
     for &id in Id::BUILT_IN.iter().filter(|id| !others.contains(id)) {
         let truth = telling_knob(id, &mut noise);
         let data = torque(&truth);
@@ -64,6 +64,18 @@ fn what_was_simulated_is_what_is_fitted() {
             assert_found(&found, &truth, id);
         }
     }
+}
+
+#[test]
+fn stops_that_do_not_damp_are_found_with_their_borders() {
+    let id = Id::EndStop;
+    let mut truth = telling_knob(id, &mut Noise::new(8));
+    for (name, value) in [("d", 0.0), ("lo", -0.6), ("hi", 0.7), ("k_lo", 0.3), ("k_hi", 0.2), ("g", 0.5)] {
+        truth.set(&format!("end_stop.{name}"), value).unwrap();
+    }
+    truth.set_role("end_stop.d", Role::Fixed).unwrap();
+    let data = torque(&truth);
+    assert_found(&best(&data, &truth, id), &truth, id);
 }
 
 #[test]
