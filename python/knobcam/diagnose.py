@@ -92,8 +92,8 @@ class Candidate:
 
     @property
     def beyond_chance(self) -> bool:
-        """Whether chance would hardly do as well."""
-        return self.p_value <= CHANCE
+        """Whether chance would hardly do as well, and its parameters are worth their price."""
+        return self.p_value <= CHANCE and self.score > 0.0
 
     @property
     def remarks(self) -> str:
@@ -266,14 +266,19 @@ def _candidates(fit: Fit, without: Collection[str]) -> tuple[list[Candidate], di
     coupled = any(catalogue[one].place == "coupling" for one in have)
     # A constant torque is what the difference of both Coulomb levels makes, unless they are tied.
     untied = "coulomb" in have and all(fit.model.params[name].role == "free" for name in COULOMB)
-    absent = [
-        one
-        for one, row in catalogue.items()
-        if one not in {*have, *without, *NOT_WEIGHED}
-        and (row.needs is None or row.needs in have)
-        and not (coupled and row.place == "coupling")
-        and not (one == "offset" and untied)
-    ]
+    left_out = {}
+    absent = []
+    for one, row in catalogue.items():
+        if one in {*have, *without, *NOT_WEIGHED}:
+            continue
+        if row.needs is not None and row.needs not in have:
+            left_out[one] = f"it changes '{row.needs}', which the model does not have"
+        elif coupled and row.place == "coupling":
+            left_out[one] = "shaft and knob are joined by another effect already"
+        elif one == "offset" and untied:
+            left_out[one] = "a constant torque is what the difference of the Coulomb levels makes"
+        else:
+            absent.append(one)
     weighed = _core.diagnose(cores(fit), fit.model.core, absent)
     found = [
         Candidate(one, replace(fit, core=core, before=fit), p_value, gain, count, note=note)
@@ -281,7 +286,7 @@ def _candidates(fit: Fit, without: Collection[str]) -> tuple[list[Candidate], di
         if core is not None
     ]
     found.sort(key=lambda candidate: -candidate.score)
-    left_out = {one: note for one, core, *_, note in weighed if core is None}
+    left_out |= {one: note for one, core, *_, note in weighed if core is None}
     told = [
         replace(one, equivalent=_equivalent(one, found), unphysical=unphysical(one, fit)) for one in found
     ]

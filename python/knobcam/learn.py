@@ -212,5 +212,6 @@ def learn(
     without = check_effects("without", without, model.axis if model else "rotary")
     tell("fitting the first model")
     first = fit(captures, model, prepare=prepare, detents=detents, **options)
-    selection = select(first, without, tell, detents=model is None and detents == "auto")
+    given = model is not None
+    selection = select(first, without, tell, given=given, detents=not given and detents == "auto")
     return Story(*selection, without)

@@ -37,22 +37,26 @@ class Selection(NamedTuple):
     unexplained: Unexplained | None
 
 
-def select(first: Fit, without: Collection[str], tell: Callable[[str], None], detents: bool) -> Selection:
+def select(
+    first: Fit, without: Collection[str], tell: Callable[[str], None], *, given: bool, detents: bool
+) -> Selection:
     """Add effects as long as one is beyond chance, physical and worth it; re-test the earlier ones each time.
 
-    `detents` says that they belong to the model where the data show them.
+    `given` says that a user gave the first model; the base model has detents where there are any, so that
+    these are nothing to find. `detents` says that they come in by themselves where the data show them.
     """
     fit = first if "saturation" in without else with_clipped(first)
     described = {one for one, row in effects(first.model.axis).items() if row.describes}
     ladder = [Rung(fit)]
     base = first.model.effects
+    nothing_to_find = base if given else [*base, "detent"]
     while True:
         fit = ladder[-1].fit
         tell(f"weighing what could be missing from {', '.join(fit.model.effects)}")
         diagnosis = diagnose(fit, without={*without, *described})
         best = choose(diagnosis)
         if best is None or len(ladder) > _MOST:
-            return concluded(ladder, diagnosis, [*base, "detent"] if detents else base)
+            return concluded(ladder, diagnosis, nothing_to_find)
         tell(f"adding {best.effect}")
         richer = settle(best.fit)
         if detents and "detent" not in richer.model.effects:

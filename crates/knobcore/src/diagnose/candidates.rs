@@ -130,7 +130,7 @@ fn candidate(
     if let Id::User(user) = id
         && let Some(why) = user.failure()
     {
-        return failed(format!("left out: it {why}"));
+        return failed(format!("it {why}"));
     }
     let gain = (screen.squares - found.cost) / white;
     match report(screen.data, &model, found) {
