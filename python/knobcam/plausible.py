@@ -22,7 +22,7 @@ _IN_STOPS = 0.6  # of the samples: stops that hold more are a spring
 _CYCLES = 0.8  # of friction along the way that a motion must cross
 _LARGEST = 2.0  # times the dry friction: what its series may add up to
 _FAR = 0.2  # of the range: presliding is over by then
-_NEAR = 3.0  # samples at the usual speed
+_NEAR = 1.0  # sample at the usual speed
 _LOCKED = 0.01  # two periods this close to a ratio of small numbers belong together
 
 
@@ -106,7 +106,7 @@ def _distance(candidate: Candidate) -> list[str]:
     if mean > _FAR * _range(candidate):
         return [f"it takes {mean:.2g} to slip, a good part of the way: it is a spring"]
     if mean < _NEAR * speed / signals.capture.rate_hz:
-        return [f"it slips within {mean:.2g}, some samples: a lag of the torque does the same"]
+        return [f"it slips within {mean:.2g}, less than a sample: a lag of the torque does the same"]
     return []
 
 

@@ -101,7 +101,7 @@ def _mainly(rung: Rung) -> bool:
 def choose(diagnosis: Diagnosis) -> Candidate | None:
     """Return the candidate to add: what explains most for its parameters; of those alike the simplest."""
     fit = diagnosis.fit
-    if not fit.noise_floor > 0.0:
+    if not fit.noise_floor > 0.0 or diagnosis.comparison.exact:
         return None  # without noise, or without knowing it, chance cannot be told from what is missing
     excess = fit.rmse**2 - fit.noise_floor**2
     worth = [

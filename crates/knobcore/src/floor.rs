@@ -13,6 +13,8 @@ use std::sync::Arc;
 
 /// Samples of one periodogram.
 const WINDOW: usize = 512;
+/// A window this many times as loud as the middle one holds an impact: five deviations of noise alone.
+const LOUD: f64 = 1.5;
 /// The band that is taken for noise alone, as shares of the Nyquist frequency.
 const BAND: [f64; 2] = [0.5, 0.95];
 
@@ -25,20 +27,24 @@ fn white_variance(signals: &Signals, model: &Model) -> f64 {
     let rest: Vec<f64> =
         signals.tau_raw.iter().zip(torque).map(|(measured, model)| measured - model).collect();
     let periodogram = Periodogram::new(WINDOW);
-    let mut power = vec![0.0; WINDOW / 2 + 1];
-    let mut windows = 0.0;
+    let bin = |share: f64| (share * (WINDOW / 2) as f64) as usize;
+    let band = bin(BAND[0])..bin(BAND[1]);
+    let mut powers: Vec<(f64, Vec<f64>)> = Vec::new();
     for segment in &signals.segments {
         for start in segment.clone().step_by(WINDOW / 2) {
             if start + WINDOW <= segment.end {
-                windows += 1.0;
-                for (sum, p) in power.iter_mut().zip(periodogram.of(&rest[start..start + WINDOW])) {
-                    *sum += p;
-                }
+                let power = periodogram.of(&rest[start..start + WINDOW])[band.clone()].to_vec();
+                powers.push((power.iter().sum(), power));
             }
         }
     }
-    let bin = |share: f64| (share * (WINDOW / 2) as f64) as usize;
-    let mut band: Vec<f64> = power[bin(BAND[0])..bin(BAND[1])].iter().map(|p| p / windows).collect();
+    // An impact is heard at all frequencies, but only while it lasts.
+    powers.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let loudest = LOUD * powers.get(powers.len() / 2).map_or(0.0, |(total, _)| *total);
+    powers.retain(|(total, _)| *total <= loudest);
+    let windows = powers.len() as f64;
+    let mut band: Vec<f64> =
+        (0..band.len()).map(|i| powers.iter().map(|(_, p)| p[i]).sum::<f64>() / windows).collect();
     if windows < 4.0 {
         return f64::NAN;
     }
