@@ -33,6 +33,8 @@ def unphysical(candidate: Candidate, before: Fit) -> tuple[str, ...]:
     said += [odd] if odd else []
     if effects(candidate.fit.model.axis)[candidate.effect].needs == "detent":
         said += _too_few_detents(candidate)
+    if candidate.effect == "saturation" and before.before is not None:
+        said += _unclipped(candidate)
     if candidate.effect in _ODD:
         said += _ODD[candidate.effect](candidate)
     return tuple(said)
@@ -120,6 +122,13 @@ def _locked(candidate: Candidate) -> list[str]:
         if abs(ratio / times - 1.0) < _LOCKED:
             return ["it repeats with the detents: load_friction or directional_detent would, by nature"]
     return []
+
+
+def _unclipped(candidate: Candidate) -> list[str]:
+    """Beside another effect a limit can hide that one's misfit; readings that repeat at it are the proof."""
+    findings = [finding for one in candidate.fit.prepared for finding in one.capture.findings]
+    clipped = any(finding.kind == "clipped" for finding in findings)
+    return [] if clipped else ["no reading repeats at such a limit"]
 
 
 def _no_gap(candidate: Candidate) -> list[str]:

@@ -36,9 +36,11 @@ impl Effect<6> for EndStop {
         let at = |share: f64| low + share * range;
         // A stop that is not pressed has no derivative: each begins with a little of the torque.
         let stiff = |share: f64| 0.2 * Survey::quantile(&survey.torque, 0.5) / (share * range);
+        let sides = |x: f64| [[1.0, 1.0], [1.0, 0.0], [0.0, 1.0]].map(|[lower, upper]| (x, lower, upper));
         [0.03, 0.08, 0.15, 0.25, 0.4]
             .into_iter()
-            .map(|x| [stiff(x), at(x), stiff(x), at(1.0 - x), 0.0, 0.0])
+            .flat_map(sides)
+            .map(|(x, lower, upper)| [lower * stiff(x), at(x), upper * stiff(x), at(1.0 - x), 0.0, 0.0])
             .collect()
     }
 }
