@@ -64,7 +64,7 @@ def select(
         tell("re-testing the effects that came in before")
         tested = [one for one in richer.model.effects if one not in (*base, best.effect)]
         richer, dropped = retested(richer, [*tested, *(["detent"] if detents and "detent" in base else [])])
-        richer = replace(richer, before=fit)
+        richer = replace(settle(richer) if dropped else richer, before=fit)
         ladder.append(Rung(richer, best.effect, best.p_value, best.equivalent, dropped, diagnosis))
 
 
@@ -122,7 +122,7 @@ def choose(diagnosis: Diagnosis) -> Candidate | None:
 def with_detents(fit: Fit) -> Fit:
     """Return the fit with detents where the data show them now."""
     core = _core.fit(cores(fit), fit.core.model, True)
-    return replace(fit, core=core) if "detent" in core.model.effects else fit
+    return settle(replace(fit, core=core)) if "detent" in core.model.effects else fit
 
 
 def retested(fit: Fit, tested: Collection[str]) -> tuple[Fit, tuple[str, ...]]:
