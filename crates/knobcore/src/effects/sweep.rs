@@ -48,13 +48,14 @@ impl Sweep<'_> {
         let samples = self.torque.len();
         let mut valued: Vec<Vec<f64>> = parts.iter().map(|part| self.kept(part, 0)).collect();
         let mut sloped: Vec<Vec<f64>> = parts.iter().map(|part| self.kept(part, part.1.len())).collect();
+        let (mut channels, mut by) = ([[0.0; BLOCK]; CHANNELS], [[0.0; BLOCK]; CHANNELS]);
         for start in (0..samples).step_by(BLOCK) {
             let block = start..(start + BLOCK).min(samples);
-            let mut totals = Totals::new(self.motion, block, plain);
+            let mut totals = Totals::new(self.motion, block, plain, &mut channels);
             for ((id, p, _), state) in parts.iter().zip(&mut valued) {
                 id.total(p, state, &mut totals);
             }
-            let mut gradient = totals.spend(self.torque, self.slopes);
+            let mut gradient = totals.spend(self.torque, self.slopes, &mut by);
             if gradient.slopes.is_empty() {
                 continue;
             }
@@ -164,28 +165,39 @@ fn load_of<T: Scalar>([drive, inertia, back, forth, press, level, mu, lag]: [T; 
     Load { drive, inertia, resist: [back, forth], press, level, mu, lag, ..Load::none() }
 }
 
+/// A block of every channel.
+type Channels = [[f64; BLOCK]; CHANNELS];
+
 /// The loads over a block, coming together.
 pub(super) struct Totals<'a> {
     whole: [&'a [f64]; 5],
     motion: [&'a [f64]; 5],
     block: Range<usize>,
-    channels: [[f64; BLOCK]; CHANNELS],
+    channels: &'a mut Channels,
     plain: bool,
 }
 
 impl<'a> Totals<'a> {
-    fn new(whole: [&'a [f64]; 5], block: Range<usize>, plain: bool) -> Self {
-        let mut channels = [[0.0; BLOCK]; CHANNELS];
-        channels[LEVEL].fill(1.0);
+    fn new(whole: [&'a [f64]; 5], block: Range<usize>, plain: bool, channels: &'a mut Channels) -> Self {
+        for (channel, column) in channels.iter_mut().enumerate().take(if plain { PLAIN } else { CHANNELS }) {
+            column.fill(if channel == LEVEL { 1.0 } else { 0.0 });
+        }
+        if plain {
+            channels[LEVEL].fill(1.0);
+        }
         let motion = whole.map(|column| &column[block.clone()]);
         Self { whole, motion, block, channels, plain }
     }
 
     #[inline(always)]
     fn join(&mut self, at: usize, load: &Load<Pack>) {
+        if self.plain { self.joined::<PLAIN>(at, load) } else { self.joined::<CHANNELS>(at, load) }
+    }
+
+    #[inline(always)]
+    fn joined<const C: usize>(&mut self, at: usize, load: &Load<Pack>) {
         let own = channels(load);
-        let used = if self.plain { PLAIN } else { CHANNELS };
-        for (channel, (column, own)) in self.channels.iter_mut().zip(own).take(used).enumerate() {
+        for (channel, (column, own)) in self.channels.iter_mut().zip(own).take(C).enumerate() {
             let before = Pack::load(column, at);
             (if channel == LEVEL { before * own } else { before + own }).store(column, at);
         }
@@ -232,11 +244,10 @@ impl<'a> Totals<'a> {
 
     /// Spends the friction budget: the torque over the block, and its gradient to each channel.
     #[inline(always)]
-    fn spend<'b>(self, torque: &mut [f64], slopes: &'b mut [Vec<f64>]) -> Gradient<'b>
+    fn spend<'b>(self, torque: &mut [f64], slopes: &'b mut [Vec<f64>], by: &'b mut Channels) -> Gradient<'b>
     where
         'a: 'b,
     {
-        let mut by = [[0.0; BLOCK]; CHANNELS];
         let torque = &mut torque[self.block.clone()];
         for at in (0..self.block.len()).step_by(LANES) {
             let packs: [Pack; CHANNELS] = std::array::from_fn(|c| Pack::load(&self.channels[c], at));
@@ -244,9 +255,9 @@ impl<'a> Totals<'a> {
             if slopes.is_empty() {
                 load_of(packs).sliding(&motion).store(torque, at);
             } else if self.plain {
-                spend_by::<PLAIN>(packs, &motion, torque, &mut by, at);
+                spend_by::<PLAIN>(packs, &motion, torque, by, at);
             } else {
-                spend_by::<CHANNELS>(packs, &motion, torque, &mut by, at);
+                spend_by::<CHANNELS>(packs, &motion, torque, by, at);
             }
         }
         Gradient { totals: self, by, slopes }
@@ -258,7 +269,7 @@ fn spend_by<const C: usize>(
     packs: [Pack; CHANNELS],
     motion: &Motion<Pack>,
     torque: &mut [f64],
-    by: &mut [[f64; BLOCK]; CHANNELS],
+    by: &mut Channels,
     at: usize,
 ) {
     let mut seeds: [Dual<Pack, C>; CHANNELS] = packs.map(Dual::constant);
@@ -275,7 +286,7 @@ fn spend_by<const C: usize>(
 /// The gradient of the torque to the channels of the load over a block.
 pub(super) struct Gradient<'a> {
     totals: Totals<'a>,
-    by: [[f64; BLOCK]; CHANNELS],
+    by: &'a mut Channels,
     slopes: &'a mut [Vec<f64>],
 }
 
@@ -283,10 +294,19 @@ impl Gradient<'_> {
     /// Chain rule: derivatives of the torque where those of an effect's own load are given.
     #[inline(always)]
     fn through<const N: usize>(&self, at: usize, load: &Load<Dual<Pack, N>>) -> [Pack; N] {
+        if self.totals.plain {
+            self.summed::<N, PLAIN>(at, load)
+        } else {
+            self.summed::<N, CHANNELS>(at, load)
+        }
+    }
+
+    /// The chain rule over the first `C` channels.
+    #[inline(always)]
+    fn summed<const N: usize, const C: usize>(&self, at: usize, load: &Load<Dual<Pack, N>>) -> [Pack; N] {
         let own = channels(load);
-        let used = if self.totals.plain { PLAIN } else { CHANNELS };
         let mut sums = [Pack::of(0.0); N];
-        for (channel, own) in own.iter().enumerate().take(used) {
+        for (channel, own) in own.iter().enumerate().take(C) {
             let mut by = Pack::load(&self.by[channel], at);
             if channel == LEVEL {
                 // The derivative of a product by one of its factors.
