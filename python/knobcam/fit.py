@@ -98,6 +98,11 @@ class Fit:
         return self.core.noise_floor
 
     @property
+    def excess(self) -> float:
+        """The mean squared error beyond what noise alone would leave, (N m)^2."""
+        return self.rmse**2 - self.noise_floor**2
+
+    @property
     def white_squares(self) -> float:
         """What noise alone leaves of the sum of squares, in variances of the raw torque's noise."""
         return self.core.white_squares

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 _WORTH = 0.015  # of the squared error: less is nothing that a user would feel
 _SHARE = 0.2  # of what noise does not explain: less is a stopgap, not the cause
 _MOST = 6  # effects; a model that needs more is no explanation
-
-
 _MAPS = frozenset({"position_polynomial", "return_spring", "unbalance", "end_stop", "detent_harmonics"})
 """Torques of position alone. Two of them together draw nearly any map, so together they name no cause."""
 _MAINLY = 0.5  # of what noise does not explain: what a cause takes off where something else is unexplained
@@ -78,13 +76,9 @@ def concluded(ladder: list[Rung], last: Diagnosis, base: Collection[str]) -> Sel
     if len(maps) > 1:
         words = f"it takes {' and '.join(maps)} together to draw it, and so many draw any map of position"
         share = last.comparison["position"].share if unexplained else 1.0
-        return Selection(
-            tuple(ladder),
-            tuple(one for one in found if one not in maps),
-            last,
-            Unexplained("position", share, words),
-        )
-    if unexplained is not None:
+        found = tuple(one for one in found if one not in maps)
+        unexplained = Unexplained("position", share, words)
+    elif unexplained is not None:
         found = tuple(one for one in found if any(rung.added == one and _mainly(rung) for rung in ladder))
     return Selection(tuple(ladder), found, last, unexplained)
 
@@ -92,10 +86,7 @@ def concluded(ladder: list[Rung], last: Diagnosis, base: Collection[str]) -> Sel
 def _mainly(rung: Rung) -> bool:
     """Whether the effect of a rung took off most of what noise did not explain before it."""
     before = rung.fit.before
-    if before is None:
-        return False
-    excess = before.rmse**2 - before.noise_floor**2
-    return before.rmse**2 - rung.fit.rmse**2 >= _MAINLY * excess
+    return before is not None and before.rmse**2 - rung.fit.rmse**2 >= _MAINLY * before.excess
 
 
 def choose(diagnosis: Diagnosis) -> Candidate | None:
@@ -103,14 +94,12 @@ def choose(diagnosis: Diagnosis) -> Candidate | None:
     fit = diagnosis.fit
     if not fit.noise_floor > 0.0 or diagnosis.comparison.exact:
         return None  # without noise, or without knowing it, chance cannot be told from what is missing
-    excess = fit.rmse**2 - fit.noise_floor**2
     worth = [
         one
         for one in diagnosis.candidates
         if one.beyond_chance
         and not one.unphysical
-        and one.score > 0.0
-        and fit.rmse**2 - one.rmse**2 >= max(_WORTH * fit.rmse**2, _SHARE * excess)
+        and fit.rmse**2 - one.rmse**2 >= max(_WORTH * fit.rmse**2, _SHARE * fit.excess)
     ]
     if not worth:
         return None

@@ -12,7 +12,6 @@ pub use moments::Moments;
 pub(crate) use moments::{dot, sweep};
 pub use scan::{Scan, Wave};
 pub use separable::{Found, Status};
-pub(crate) use solve::{Normal, independent};
 
 use crate::effects::Id;
 use crate::error::{Error, Result};
@@ -27,7 +26,7 @@ use faer::Mat;
 use moments::{Blocks, used};
 use separable::{Effort, Layout, descend};
 use serial::{Meat, Serial};
-use solve::solvable;
+use solve::{Normal, independent, solvable};
 
 /// Blocks of the block bootstrap and of the held-out error.
 const BLOCKS: f64 = 200.0;
