@@ -17,7 +17,7 @@ PYTHON = ROOT / "python" / "knobcam"
 RUST_ORDER = [
     *("error", "random", "special", "fourier", "scalar", "motion", "param", "effects", "model", "model_file"),
     *("coupling", "filter", "signals", "smooth", "prepare", "predict", "simulate", "floor", "fit"),
-    *("diagnose", "stiction", "python"),
+    *("diagnose", "stiction", "render", "realtime", "wire", "record", "emulate", "python"),
 ]
 PYTHON_ORDER = [
     *("_core", "errors", "tables", "finding", "formats", "quality", "capture", "motions", "plugins"),

@@ -35,5 +35,7 @@ pub mod stiction;
 
 pub mod diagnose;
 
+pub mod render;
+
 #[cfg(feature = "python")]
 mod python;
