@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from .own import OwnMotion, OwnParameter, forget_effect, own_effect
     from .prepare import Prepared, prepare
     from .refit import Moved
+    from .render import Device, Renderer, Stability, check_stability
     from .simulate import SensorNoise, simulate
     from .stiction import Stiction, stiction
 
@@ -40,6 +41,7 @@ __all__ = [
     "Candidate",
     "Capture",
     "Comparison",
+    "Device",
     "Diagnosis",
     "Disagreement",
     "Effect",
@@ -56,12 +58,15 @@ __all__ = [
     "OwnParameter",
     "Parameter",
     "Prepared",
+    "Renderer",
     "Rung",
     "SensorNoise",
+    "Stability",
     "Stiction",
     "Story",
     "Unexplained",
     "__version__",
+    "check_stability",
     "compare",
     "diagnose",
     "effects",
@@ -84,6 +89,7 @@ _HOME = {
     "Candidate": "diagnose",
     "Capture": "capture",
     "Comparison": "compare",
+    "Device": "render",
     "Diagnosis": "diagnose",
     "Disagreement": "agreement",
     "Effect": "effects",
@@ -100,12 +106,15 @@ _HOME = {
     "OwnParameter": "own",
     "Parameter": "model",
     "Prepared": "prepare",
+    "Renderer": "render",
     "Rung": "ladder",
     "SensorNoise": "simulate",
+    "Stability": "render",
     "Stiction": "stiction",
     "Story": "learn",
     "Unexplained": "ladder",
     "__version__": "_core",
+    "check_stability": "render",
     "compare": "compare",
     "diagnose": "diagnose",
     "effects": "effects",

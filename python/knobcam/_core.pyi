@@ -1,7 +1,7 @@
 """The compiled core; arrays are float64 and contiguous, SI units."""
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,6 +75,43 @@ def prepare(
     method: str,
     options: dict[str, float],
 ) -> Signals: ...
+
+DeviceRow = tuple[float, float, int, float, float, float, bool]
+
+class Renderer:
+    def __new__(
+        cls,
+        model: Model,
+        rate_hz: float,
+        device_row: DeviceRow | None,
+        torque_limit: float,
+        torque_rate_limit: float,
+        speed_limit: float,
+    ) -> Self: ...
+    def step(
+        self, theta: float, omega: float, alpha: float = 0.0, tau_other: float | None = None
+    ) -> float: ...
+    def along(
+        self, theta: Floats, omega: Floats, alpha: Floats, tau_other: Floats | None = None
+    ) -> Floats: ...
+    def reset(self) -> None: ...
+    @property
+    def fault(self) -> str | None: ...
+    @property
+    def rate_hz(self) -> float: ...
+    @property
+    def state(self) -> dict[str, Any]: ...
+    def set_state(self, row: dict[str, Any]) -> None: ...
+
+class Handle:
+    def __new__(cls, device_row: DeviceRow, rate_hz: float, theta: float) -> Handle: ...
+    def sensed(self) -> tuple[float, float, float]: ...
+    @property
+    def motion(self) -> tuple[float, float]: ...
+    def push(self, motor: float, from_: float, to: float) -> float: ...
+    def kick(self, omega: float) -> None: ...
+
+def check_stability(model: Model, device_row: DeviceRow, rate_hz: float) -> dict[str, Any]: ...
 
 class Fit:
     @property

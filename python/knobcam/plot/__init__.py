@@ -13,6 +13,7 @@ from .over_time import capture, overlay, prepared
 from .profile import haptic_profile
 from .rest import residual, scan
 from .signature import effect
+from .stability import stability
 from .standstill import stiction
 from .story import remaining, story
 from .torques import fit, position, velocity, zoom
@@ -36,6 +37,7 @@ __all__ = [
     "save_all",
     "save_story",
     "scan",
+    "stability",
     "stiction",
     "story",
     "velocity",

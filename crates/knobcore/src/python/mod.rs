@@ -3,6 +3,7 @@ mod convert;
 mod filter;
 mod fit;
 mod model;
+mod render;
 mod signals;
 mod user;
 
@@ -20,6 +21,9 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(user::effect_failure, m)?)?;
     m.add_class::<signals::PySignals>()?;
     m.add_function(wrap_pyfunction!(signals::prepare, m)?)?;
+    m.add_class::<render::PyRenderer>()?;
+    m.add_class::<render::PyHandle>()?;
+    m.add_function(wrap_pyfunction!(render::check_stability, m)?)?;
     m.add_class::<fit::PyFit>()?;
     m.add_function(wrap_pyfunction!(fit::locate, m)?)?;
     m.add_function(wrap_pyfunction!(fit::stiction, m)?)?;

@@ -3,6 +3,7 @@
 //! The step is plain arithmetic on its own state: no allocation, no lock, no panic, no clock, no unbounded loop.
 //! Firmware can take it as it is.
 
+mod batch;
 mod contact;
 mod coupled;
 mod device;
@@ -12,6 +13,7 @@ mod sliding;
 mod stability;
 mod step;
 
+pub use contact::Contact;
 pub use device::Device;
 pub use limits::{Fault, Limits};
 pub use nature::Nature;

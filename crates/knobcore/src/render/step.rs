@@ -10,7 +10,7 @@ use crate::effects::Id;
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::motion::{Load, Motion};
-use crate::scalar::{LANES, Pack, Scalar};
+use crate::scalar::{Pack, Scalar};
 
 /// What a force-feedback device senses at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,17 +53,17 @@ pub struct State {
 /// The torque is that of the model (Equation 1): what the hand has to apply. The motor applies its negative.
 #[derive(Debug, Clone)]
 pub struct Renderer {
-    model: Model,
-    p: Vec<f64>,
-    packs: Vec<Pack>,
-    dt: f64,
-    tuning: Tuning,
-    limits: Limits,
-    guarded: bool,
-    own: bool,
-    hidden: Option<Hidden>,
-    spare: Vec<f64>,
-    state: State,
+    pub(super) model: Model,
+    pub(super) p: Vec<f64>,
+    pub(super) packs: Vec<Pack>,
+    pub(super) dt: f64,
+    pub(super) tuning: Tuning,
+    pub(super) limits: Limits,
+    pub(super) guarded: bool,
+    pub(super) own: bool,
+    pub(super) hidden: Option<Hidden>,
+    pub(super) spare: Vec<f64>,
+    pub(super) state: State,
 }
 
 /// A speed that no sensor tells from rest, rad/s, where the model does not say when it is stuck.
@@ -189,48 +189,13 @@ impl Renderer {
         self.advance(sensed, None)
     }
 
-    /// The torque along a motion, N m, as single steps would give it, to the last bit; a hand torque that is
-    /// NaN is one that is not known. Rows beyond the shortest column are left as they are.
-    pub fn render(&mut self, [theta, omega, alpha]: [&[f64]; 3], hand: Option<&[f64]>, out: &mut [f64]) {
-        let rows = theta.len().min(omega.len()).min(alpha.len()).min(out.len());
-        pulp::Arch::new().dispatch(|| {
-            for at in (0..rows).step_by(LANES) {
-                let ahead = self.ahead(theta, omega, at);
-                for i in at..(at + LANES).min(rows) {
-                    let hand = hand.and_then(|h| h.get(i)).copied().filter(|tau| !tau.is_nan());
-                    let sensed = Sensed { theta: theta[i], omega: omega[i], alpha: alpha[i], hand };
-                    let lane = i - at;
-                    let known = ahead.map(|ahead| Sliding {
-                        torque: ahead.torque.0[lane],
-                        inertia: ahead.inertia.0[lane],
-                    });
-                    out[i] = self.advance(sensed, known);
-                }
-            }
-        });
-    }
-
-    /// What eight samples ask for if the knob slides in all of them; none for a model that remembers.
-    #[inline(always)]
-    fn ahead(&self, theta: &[f64], omega: &[f64], at: usize) -> Option<Sliding<Pack>> {
-        if self.hidden.is_some() || self.model.remembers() || self.own {
-            return None;
-        }
-        let clock = Pack(std::array::from_fn(|i| self.clock(self.state.samples + i as u64)));
-        let speed = Pack::load(omega, at);
-        let there = Pack::load(theta, at) + speed * Pack::of(self.tuning.ahead_s);
-        let motion = Motion::exact(clock, there, speed, Pack::of(0.0));
-        let spare: Option<&mut [Pack]> = if self.guarded { Some(&mut []) } else { None };
-        Some(sliding(&self.model, &self.packs, &mut [], spare, &motion))
-    }
-
-    fn clock(&self, samples: u64) -> f64 {
+    pub(super) fn clock(&self, samples: u64) -> f64 {
         samples as f64 * self.dt
     }
 
     /// One step; `known` is what the knob asks for if it slides, where that has been worked out already.
     #[inline(always)]
-    fn advance(&mut self, sensed: Sensed, known: Option<Sliding<f64>>) -> f64 {
+    pub(super) fn advance(&mut self, sensed: Sensed, known: Option<Sliding<f64>>) -> f64 {
         if self.state.fault.is_some() {
             return 0.0;
         }
@@ -250,8 +215,9 @@ impl Renderer {
         let between = if first { theta } else { between };
         let by = if first { 0.0 } else { between - self.state.between };
         self.state.between = between;
-        let fresh = if first { 1.0 } else { self.tuning.freshness };
-        let felt = self.state.alpha + fresh * (alpha - self.state.alpha);
+        let fresh = self.tuning.freshness;
+        let filtered = self.state.alpha + fresh * (alpha - self.state.alpha);
+        let felt = if first || fresh == 1.0 { alpha } else { filtered };
         self.state.alpha = felt;
         let clock = self.clock(self.state.samples);
         let there = theta + omega * self.tuning.ahead_s;
