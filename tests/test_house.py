@@ -21,7 +21,19 @@ RUST_ORDER = [
 ]
 PYTHON_ORDER = [
     *("_core", "errors", "tables", "finding", "formats", "quality", "capture", "motions", "plugins"),
-    *("effects", "own", "models", "model", "prepare", "simulate", "render", "typical", "refit", "fit", "compare"),
+    *(
+        "effects",
+        "own",
+        "models",
+        "model",
+        "prepare",
+        "simulate",
+        "render",
+        "typical",
+        "refit",
+        "fit",
+        "compare",
+    ),
     *(
         "stiction",
         "plausible",

@@ -1,4 +1,5 @@
 //! A whole motion at once: the same numbers as single steps, eight samples at a time where the knob just slides.
+#![expect(clippy::needless_range_loop, reason = "a count known to the compiler becomes vector instructions")]
 
 use super::sliding::{Sliding, sliding};
 use super::step::{Renderer, Sensed};
