@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 class Device:
     """A force-feedback device: what a motor with its handle adds to whatever it renders.
 
-    `delay_samples` are whole samples from a measurement to the torque that answers it. `held` says that a rig
-    holds the handle and imposes its motion; then all that the device adds is taken off. A free handle is never
-    made lighter than it is, because what acts late would create energy.
+    `delay_samples` are whole samples from a measurement to the torque that answers it. `held` says that a
+    rig holds the handle and imposes its motion; then all that the device adds is taken off. A free handle is
+    never made lighter than it is, because what acts late would create energy.
     """
 
     inertia_kg_m2: float = 5e-5
@@ -55,16 +55,17 @@ class Device:
 
 
 class Renderer(_core.Renderer):
-    """A model that is rendered, sample by sample: Karnopp's stick and slip without drift, detents, every effect.
+    """A model that is rendered, sample by sample: stick and slip without drift, detents, every effect.
 
     `step(theta, omega, alpha=0, tau_other=None)` takes what the device senses (rad, rad/s, rad/s^2) and the
     torque that the hand applies (N m; None where it is not measured), and returns the torque of the model
     (Equation 1: what the hand has to apply), N m; the motor applies its negative. Call it once a sample.
     `along` does the same for whole arrays, to the last bit.
 
-    Without a `device` the model is rendered as it is. With one it is evaluated where the handle will be when the
-    torque acts, inertia beyond what the delay allows is filtered, and a stuck knob is held as stiffly as the
-    device can. Effects of the sensor (lag, drift, saturation) are not rendered: they are the measuring rig's.
+    Without a `device` the model is rendered as it is. With one it is evaluated where the handle will be when
+    the torque acts, inertia beyond what the delay allows is filtered, and a stuck knob is held as stiffly as
+    the device can. Effects of the sensor (lag, drift, saturation) are not rendered: they are the measuring
+    rig's.
 
     A quantity that is not finite, or a motion beyond `speed_limit` (rad/s), gives zero torque and a `fault`
     that stays until `reset()`. `state` and `set_state()` are all that it remembers.
@@ -97,10 +98,10 @@ class Renderer(_core.Renderer):
         alpha: ArrayLike | None = None,
         tau_other: ArrayLike | None = None,
     ) -> FloatArray:
-        """Return the torque along a motion, N m, shape (samples,), as single steps would give it, to the last bit.
+        """Return the torque along a motion, N m, shape (samples,): single steps, to the last bit.
 
-        Columns of shape (samples,), SI; NaN in `tau_other` where the hand is not measured. Raises InputError for
-        columns of different lengths.
+        Columns of shape (samples,), SI; NaN in `tau_other` where the hand is not measured. Raises InputError
+        for columns of different lengths.
         """
         theta, omega = _column(theta), _column(omega)
         return super().along(
@@ -178,8 +179,8 @@ class Stability:
         """One sentence."""
         if not self.stable:
             return (
-                f"It rings: at this delay the device allows {self.allowed_stiffness_Nm_rad:.3g} N m/rad and the "
-                f"model has {self.figures['stiffness_Nm_rad']:.3g}; render it on the device's own side "
+                f"It rings: at this delay the device allows {self.allowed_stiffness_Nm_rad:.3g} N m/rad and "
+                f"the model has {self.figures['stiffness_Nm_rad']:.3g}; render it on the device's own side "
                 "(`knobcam render --on device`), or soften the model."
             )
         if self.passivity_margin_Nms_rad < 0.0:
@@ -201,9 +202,9 @@ def check_stability(
 ) -> Stability:
     """Say which stiffness the delay of a device allows, and how far `model` on it is from ringing.
 
-    Two questions: whether any hand at all could draw energy out of it (Colgate & Schenkel 1997, Equation 10: b >
-    K T/2 + |B|, with the delay added to T/2), and whether it rings by itself (phase margin of the loop through
-    the delay). Raises InputError for a device or a rate that cannot be.
+    Two questions: whether any hand at all could draw energy out of it (Colgate & Schenkel 1997, Equation 10:
+    b > K T/2 + |B|, with the delay added to T/2), and whether it rings by itself (phase margin of the loop
+    through the delay). Raises InputError for a device or a rate that cannot be.
     """
     model = model if isinstance(model, Model) else Model.load(model)
     rig = Device() if rig is None else rig
