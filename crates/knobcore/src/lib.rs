@@ -37,5 +37,7 @@ pub mod diagnose;
 
 pub mod render;
 
+pub mod wire;
+
 #[cfg(feature = "python")]
 mod python;
