@@ -37,6 +37,10 @@ pub mod diagnose;
 
 pub mod render;
 
+pub mod render;
+
+pub mod wire;
+
 pub mod emulate;
 
 #[cfg(feature = "python")]

@@ -1,0 +1,120 @@
+//! A wire log read as a whole: the samples of each run in order, and all else that was said.
+use super::decoder::Decoder;
+use super::frame::{Event, Frame};
+use super::ledger::{Account, Ledger, Piece};
+use super::message::Message;
+use super::sample::Sample;
+use std::ops::Range;
+
+/// The samples of one run that came, by rising index. Those that did not come are absent, never filled.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Recording {
+    /// Number of the run.
+    pub tag: u16,
+    /// The device's index of the run's first sample (its low 32 bits).
+    pub first: u32,
+    /// Samples from the start of the run to each sample.
+    pub index: Vec<i64>,
+    /// Raw samples.
+    pub samples: Vec<Sample>,
+    /// Missing stretches, in samples from the start of the run.
+    pub gaps: Vec<Range<i64>>,
+    /// Of each frame that brought something new: samples from the start of the run, device time in us.
+    pub stamps: Vec<(i64, u64)>,
+    /// Whether the start of the run is known; otherwise it is taken to be the first sample that came.
+    pub start_known: bool,
+    /// The books.
+    pub account: Account,
+}
+
+/// Everything that a wire log holds.
+#[derive(Debug, Default)]
+pub struct Log {
+    decoder: Decoder,
+    ledger: Ledger,
+    pieces: Vec<Vec<Kept>>,
+    /// Frames other than DATA, in the order in which they came.
+    pub said: Vec<Frame>,
+    /// Whole frames of this version, DATA included.
+    pub frames: u64,
+    /// Stretches between delimiters that were no frame.
+    pub corrupt: u64,
+    /// Their bytes.
+    pub corrupt_bytes: u64,
+    /// Whole frames of a type that is unknown.
+    pub unknown: u64,
+    /// Whole frames of another version: how many, and the last one's version.
+    pub foreign: Option<(u64, u8)>,
+}
+
+#[derive(Debug)]
+struct Kept {
+    index: i64,
+    stamp: (i64, u64),
+    samples: Vec<Sample>,
+}
+
+impl Log {
+    /// Takes the next bytes of the log, in pieces of any length.
+    pub fn push(&mut self, bytes: &[u8]) {
+        let Self { decoder, ledger, pieces, said, frames, corrupt, corrupt_bytes, unknown, foreign } = self;
+        decoder.push(bytes, |event| match event {
+            Event::Frame(frame) => {
+                *frames += 1;
+                ledger.enter(&frame, |piece| keep(pieces, piece));
+                if !matches!(frame.message, Message::Data { .. }) {
+                    said.push(frame);
+                }
+            }
+            Event::Corrupt { bytes } => {
+                *corrupt += 1;
+                *corrupt_bytes += bytes as u64;
+            }
+            Event::Foreign { version } => {
+                *foreign = Some((foreign.map_or(1, |(count, _)| count + 1), version));
+            }
+            Event::Unknown { .. } => *unknown += 1,
+        });
+    }
+
+    /// Bytes at the end that are not yet a frame.
+    pub fn pending(&self) -> usize {
+        self.decoder.pending()
+    }
+
+    /// The runs in the order in which they began.
+    pub fn recordings(mut self) -> Vec<Recording> {
+        self.pieces.resize_with(self.ledger.runs().len(), Vec::new);
+        let runs = self.ledger.runs().iter().zip(self.pieces);
+        runs.map(|(run, mut pieces)| {
+            let start = run.whole().start;
+            pieces.sort_by_key(|piece| piece.index);
+            let mut stamps: Vec<_> =
+                pieces.iter().map(|piece| (piece.stamp.0 - start, piece.stamp.1)).collect();
+            stamps.dedup();
+            let places = |piece: &Kept| piece.index - start..piece.index - start + piece.samples.len() as i64;
+            Recording {
+                tag: run.tag,
+                first: start as u32,
+                index: pieces.iter().flat_map(places).collect(),
+                samples: pieces.into_iter().flat_map(|piece| piece.samples).collect(),
+                gaps: run.gaps().map(|gap| gap.start - start..gap.end - start).collect(),
+                stamps,
+                start_known: run.origin_known(),
+                account: run.account(),
+            }
+        })
+        .collect()
+    }
+}
+
+fn keep(pieces: &mut Vec<Vec<Kept>>, piece: Piece<'_>) {
+    if pieces.len() <= piece.run {
+        pieces.resize_with(piece.run + 1, Vec::new);
+    }
+    pieces[piece.run].push(Kept {
+        index: piece.index,
+        stamp: (piece.frame_index, piece.frame_time_us),
+        samples: piece.samples.to_vec(),
+    });
+}
