@@ -37,8 +37,6 @@ pub mod diagnose;
 
 pub mod render;
 
-pub mod render;
-
 pub mod wire;
 
 pub mod emulate;

@@ -92,6 +92,8 @@ const PER_COUNT: f64 = 0.1;
 const USUAL: [f64; 2] = [3e-5, 0.03];
 /// Count of an encoder that nobody described (that of the paper's), rad.
 const USUAL_COUNT: f64 = 9.8e-6;
+/// A speed that no sensor tells from rest, rad/s.
+pub(super) const SLOWEST: f64 = 1e-3;
 /// Rendered inertia that is beyond this share of the device's own is filtered.
 const LIGHT: f64 = 0.3;
 
@@ -118,7 +120,11 @@ impl Tuning {
     /// where delay and filter have turned its phase round, it has to be well below the device's own inertia.
     pub fn of(device: &Device, nature: &Nature, dt: f64) -> Self {
         let late = device.late_s(dt);
-        let [stiffness, damping] = spring(device.inertia, late, nature, device.encoder_step);
+        let [stiffness, damping] = if device.held {
+            firm(nature, device.encoder_step)
+        } else {
+            spring(device.inertia, late, nature, device.encoder_step)
+        };
         let own = if device.held {
             [-device.inertia, -device.damping]
         } else {
@@ -149,4 +155,10 @@ fn spring(inertia: f64, late_s: f64, nature: &Nature, count: f64) -> [f64; 2] {
     let stiffness = stable.min(fine);
     let most = (SPRING[1] * inertia / late_s - nature.damping - nature.stiffness * late_s).max(0.0);
     [stiffness, most.min(DAMPED * (stiffness * inertia).sqrt())]
+}
+
+/// The same on a handle whose motion is imposed: nothing can ring, and a reversal is to be as sharp as the sensors.
+fn firm(nature: &Nature, count: f64) -> [f64; 2] {
+    let hold = nature.hold.max(f64::MIN_POSITIVE);
+    [PER_COUNT * hold / count.max(USUAL_COUNT), PER_COUNT * hold / SLOWEST]
 }

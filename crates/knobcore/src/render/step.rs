@@ -2,7 +2,7 @@
 
 use super::contact::{Budget, Contact, Moved};
 use super::coupled::Hidden;
-use super::device::{Device, Tuning};
+use super::device::{Device, SLOWEST, Tuning};
 use super::limits::{Fault, Limits};
 use super::nature::Nature;
 use super::sliding::{Sliding, at_rest, braked, sliding};
@@ -65,9 +65,6 @@ pub struct Renderer {
     pub(super) spare: Vec<f64>,
     pub(super) state: State,
 }
-
-/// A speed that no sensor tells from rest, rad/s, where the model does not say when it is stuck.
-const SLOWEST: f64 = 1e-3;
 
 impl Renderer {
     /// Renders a model at `rate_hz`, on a known device or on any.
