@@ -37,5 +37,7 @@ pub mod diagnose;
 
 pub mod render;
 
+pub mod realtime;
+
 #[cfg(feature = "python")]
 mod python;
