@@ -15,6 +15,7 @@ from .rest import residual, scan
 from .signature import effect
 from .standstill import stiction
 from .story import remaining, story
+from .timing import timing
 from .torques import fit, position, velocity, zoom
 
 __all__ = [
@@ -38,6 +39,7 @@ __all__ = [
     "scan",
     "stiction",
     "story",
+    "timing",
     "velocity",
     "zoom",
 ]

@@ -63,7 +63,7 @@ mod tests {
     fn after(rows: usize) -> Vec<f64> {
         let mut last = Last::new(10);
         (0..rows).for_each(|i| last.push(Row { t: i as f64, ..EMPTY }));
-        assert_eq!(last.newest().map(|row| row.t), (rows > 0).then(|| rows as f64 - 1.0));
+        assert_eq!(last.newest().map(|row| row.t), (rows > 0).then_some(rows as f64 - 1.0));
         last.of(8.0).iter().map(|row| row.t).collect()
     }
 

@@ -88,14 +88,14 @@ impl Loop {
             let done = clock.now();
             let left = periods - pace.n() - 1;
             let skipped = pace.advance(done).min(left);
-            self.tally.note(done - woke, skipped);
+            self.tally.note(done.saturating_sub(woke), skipped);
             if let Err(ending) = self.in_time("back from a write", deadline, done) {
                 return ending;
             }
             if let Some(ending) = self.missed_too_many(skipped) {
                 return ending;
             }
-            if self.tally.steps % every == 0 {
+            if self.tally.steps.is_multiple_of(every) {
                 self.live.publish(&self.tally, self.last.newest());
             }
         }
@@ -110,7 +110,7 @@ impl Loop {
         clock: &impl Clock,
         [start, deadline, woke]: [u64; 3],
     ) -> std::result::Result<(), Ending> {
-        self.tally.late.add(woke - deadline);
+        self.tally.late.add(woke.saturating_sub(deadline));
         self.in_time("awake", deadline, woke)?;
         let sensed = device.read().map_err(Ending::Device)?;
         let answer = controller.step(sensed);
@@ -126,7 +126,7 @@ impl Loop {
     }
 
     fn in_time(&self, during: &'static str, deadline: u64, now: u64) -> std::result::Result<(), Ending> {
-        let late = now - deadline;
+        let late = now.saturating_sub(deadline);
         if late <= self.plan.watchdog() {
             return Ok(());
         }
