@@ -3,7 +3,7 @@
 //! `cargo run --release --example loop_timing [SECONDS] [RATE_HZ]`
 use knobcore::error::{Error, Result};
 use knobcore::realtime::{
-    Clock, Controller, Device, Histogram, Loop, Plan, Realtime, Report, SystemClock, Ticks, VirtualClock,
+    Clock, Controller, Histogram, Loop, Plan, Plant, Realtime, Report, SystemClock, Ticks, VirtualClock,
     real_time_priority, start,
 };
 use knobcore::render::Sensed;
@@ -12,7 +12,7 @@ use std::time::Duration;
 
 struct Still;
 
-impl Device for Still {
+impl Plant for Still {
     fn read(&mut self) -> Result<Sensed> {
         Ok(Sensed { theta: 0.1, omega: 0.0, alpha: 0.0, hand: None })
     }

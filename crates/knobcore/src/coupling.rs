@@ -130,6 +130,7 @@ impl<T: Scalar, M: Fn(usize) -> Option<T>, F: FnMut(usize, T)> pulp::NullaryFnOn
 }
 
 /// The knob behind the joint.
+#[derive(Debug, Clone, Copy)]
 struct Knob<T> {
     theta: T,
     omega: T,
@@ -145,53 +146,136 @@ fn run<T: Scalar>(
     more: impl Fn(usize) -> Option<T>,
     mut out: impl FnMut(usize, T),
 ) {
-    let Some(joint) = model.joint(p) else { return };
     let [t, theta, omega, alpha, _] = shaft.motion;
-    let substeps = shaft.substeps.max(1);
+    let first = |column: &[f64]| column.first().copied().unwrap_or(0.0);
     let mut state = vec![T::of(0.0); model.states()];
-    let first = |column: &[f64]| T::of(column.first().copied().unwrap_or(0.0));
-    let mut knob = Knob { theta: first(theta), omega: first(omega) };
-    let inertia = model
-        .load(p, &mut state.clone(), &Motion::exact(first(t), knob.theta, knob.omega, T::of(0.0)))
-        .inertia;
-    let (own, shafts) = (joint.share * inertia, (T::of(1.0) - joint.share) * inertia);
+    let at_first = [first(t), first(theta), first(omega)];
+    let Some(mut hidden) = Follower::new(model, p, &state, at_first, Dry::Sliding) else { return };
     let mut before = None;
     for at in 0..t.len() {
         let next = (at + 1).min(t.len() - 1);
-        let span = t[next] - t[at];
-        let (mut from, mut first, mut last) = (theta[at], None, None);
-        let h = span / substeps as f64;
-        let more = more(at).zip(more(next));
-        for step in 1..=if span > 0.0 { substeps } else { 0 } {
+        let span = Span {
+            from: [t[at], theta[at], omega[at]],
+            to: [t[next], theta[next], omega[next]],
+            substeps: shaft.substeps,
+        };
+        let ends = hidden.follow(model, p, &mut state, &span, more(at).zip(more(next)));
+        // A sample lies between two steps. The mean of both also takes out what the midpoint rule leaves of a
+        // spring that is too stiff for the step: an error that changes sign from step to step.
+        let force = match (before, ends.map(|[first, _]| first)) {
+            (Some(a), Some(b)) => T::of(0.5) * (a + b),
+            (a, b) => a.or(b).unwrap_or(T::of(0.0)),
+        };
+        out(at, hidden.shafts * T::of(alpha[at]) + force);
+        before = ends.map(|[_, last]| last);
+    }
+}
+
+/// What a knob at rest is held by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dry {
+    /// The friction of the moving knob: what a measured motion is predicted with.
+    Sliding,
+    /// Static friction, where the model has it: what is rendered.
+    Static,
+}
+
+/// The motion of the shaft from one sample to the next: t, theta and omega at both.
+#[derive(Debug, Clone, Copy)]
+pub struct Span {
+    /// At the first sample.
+    pub from: [f64; 3],
+    /// At the second.
+    pub to: [f64; 3],
+    /// Steps between them.
+    pub substeps: usize,
+}
+
+/// The hidden knob, carried along behind the shaft.
+#[derive(Debug, Clone, Copy)]
+pub struct Follower<T> {
+    joint: Joint<T>,
+    knob: Knob<T>,
+    own: T,
+    /// Inertia on the shaft's side, kg m^2.
+    pub shafts: T,
+    dry: Dry,
+}
+
+impl<T: Scalar> Follower<T> {
+    /// A knob that starts with the shaft, at `[t, theta, omega]`; none without a joint. `state` is what the
+    /// model's effects remember.
+    pub fn new(model: &Model, p: &[T], state: &[T], [t, theta, omega]: [f64; 3], dry: Dry) -> Option<Self> {
+        let joint = model.joint(p)?;
+        let knob = Knob { theta: T::of(theta), omega: T::of(omega) };
+        let motion = Motion::exact(T::of(t), knob.theta, knob.omega, T::of(0.0));
+        let inertia = model.load(p, &mut state.to_vec(), &motion).inertia;
+        let shafts = (T::of(1.0) - joint.share) * inertia;
+        Some(Self { joint, knob, own: joint.share * inertia, shafts, dry })
+    }
+
+    /// Cuts the joint to a stiffness and raises its damping to at least what such a stiffness needs.
+    pub fn soften(&mut self, [stiffness, damping]: [f64; 2]) {
+        if (self.joint.stiffness - T::of(stiffness)).is_positive() {
+            self.joint.stiffness = T::of(stiffness);
+            self.joint.damping = T::of(damping);
+        }
+    }
+
+    /// Angle and speed of the knob.
+    pub fn knob(&self) -> [T; 2] {
+        [self.knob.theta, self.knob.omega]
+    }
+
+    /// Puts the knob there.
+    pub fn put(&mut self, [theta, omega]: [T; 2]) {
+        self.knob = Knob { theta, omega };
+    }
+
+    /// Follows the shaft over a span, under a torque beside the model's loads that goes from one value to
+    /// another, if any. The joint's torque in the first and in the last step; none over no time.
+    #[inline(always)]
+    pub fn follow(
+        &mut self,
+        model: &Model,
+        p: &[T],
+        state: &mut [T],
+        span: &Span,
+        more: Option<(T, T)>,
+    ) -> Option<[T; 2]> {
+        let ([t, mut from, speed], [until, end, end_speed]) = (span.from, span.to);
+        let (start, time) = (from, until - t);
+        if time.is_nan() || time <= 0.0 {
+            return None;
+        }
+        let substeps = span.substeps.max(1);
+        let h = time / substeps as f64;
+        let (half, mut first, mut last) = (T::of(0.5), None, T::of(0.0));
+        for step in 1..=substeps {
             let share = |steps: usize| steps as f64 / substeps as f64;
-            let to = hermite([theta[at], theta[next]], [omega[at] * span, omega[next] * span], share(step));
-            let clock = t[at] + (step - 1) as f64 * h;
-            let motion = Motion::exact(T::of(clock), knob.theta, knob.omega, T::of(0.0));
-            let load = model.load(p, &mut state, &motion);
-            let half = T::of(0.5);
-            let (forth, back) = if model.is_plain() {
+            let to = hermite([start, end], [speed * time, end_speed * time], share(step));
+            let clock = t + (step - 1) as f64 * h;
+            let motion = Motion::exact(T::of(clock), self.knob.theta, self.knob.omega, T::of(0.0));
+            let load = model.load(p, state, &motion);
+            let (mut forth, mut back) = if model.is_plain() {
                 (load.resist[1], -load.resist[0])
             } else {
                 (load.friction(T::of(1.0)), load.friction(T::of(0.0)))
             };
+            let still = (load.band - self.knob.omega.abs()).where_positive(T::of(1.0), T::of(0.0));
+            if self.dry == Dry::Static && still.is_positive() {
+                (forth, back) = (forth.max(load.hold[1]), back.min(-load.hold[0]));
+            }
             let friction = (half * (forth - back)).max(T::of(0.0));
             let mut push = load.drive + half * (forth + back);
             if let Some((from, to)) = more {
                 push = push + from + T::of(share(step - 1)) * (to - from);
             }
-            let force;
-            (knob, force) = knob.stepped(&joint, own, push, friction, [from, to], h);
-            (first, last) = (first.or(Some(force)), Some(force));
+            (self.knob, last) = self.knob.stepped(&self.joint, self.own, push, friction, [from, to], h);
+            first = first.or(Some(last));
             from = to;
         }
-        // A sample lies between two steps. The mean of both also takes out what the midpoint rule leaves of a
-        // spring that is too stiff for the step: an error that changes sign from step to step.
-        let force = match (before, first) {
-            (Some(a), Some(b)) => T::of(0.5) * (a + b),
-            (a, b) => a.or(b).unwrap_or(T::of(0.0)),
-        };
-        out(at, shafts * T::of(alpha[at]) + force);
-        before = last;
+        first.map(|first| [first, last])
     }
 }
 

@@ -39,5 +39,7 @@ pub mod render;
 
 pub mod realtime;
 
+pub mod emulate;
+
 #[cfg(feature = "python")]
 mod python;

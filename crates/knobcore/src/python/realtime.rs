@@ -2,7 +2,7 @@
 use super::convert::{Floats, array, input_error};
 use crate::error::{Error, Result};
 use crate::realtime::{
-    Controller, Device, Histogram, Plan, Realtime, Row, Running, Standing, SystemClock, Tally, Ticks,
+    Controller, Histogram, Plan, Plant, Realtime, Row, Running, Standing, SystemClock, Tally, Ticks,
     VirtualClock, real_time_priority, start,
 };
 use crate::render::Sensed;
@@ -20,7 +20,7 @@ struct PyDevice {
     write: Py<PyAny>,
 }
 
-impl Device for PyDevice {
+impl Plant for PyDevice {
     fn read(&mut self) -> Result<Sensed> {
         attached("device.read", |py| {
             let (theta, omega, alpha, hand) = self.read.bind(py).call0()?.extract()?;
@@ -60,7 +60,7 @@ fn attached<R>(name: &str, call: impl FnOnce(Python<'_>) -> PyResult<R>) -> Resu
     done.unwrap_or_else(|| Err(Error::invalid(name, "Python is ending")))
 }
 
-fn device(object: &Bound<'_, PyAny>) -> PyResult<Box<dyn Device + Send>> {
+fn device(object: &Bound<'_, PyAny>) -> PyResult<Box<dyn Plant + Send>> {
     let (read, write) = (object.getattr("read")?.unbind(), object.getattr("write")?.unbind());
     Ok(Box::new(PyDevice { read, write }))
 }

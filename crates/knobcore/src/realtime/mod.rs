@@ -39,10 +39,10 @@ pub use tally::Tally;
 pub use thread::{Running, start};
 
 use crate::error::{Error, Result};
-use crate::render::Sensed;
+use crate::render::{Renderer, Sensed};
 
-/// Anything that can be sensed and driven. Both calls return well within a period.
-pub trait Device {
+/// A device as the loop sees it: anything that can be sensed and driven. Both calls return well within a period.
+pub trait Plant {
     /// What it senses now.
     fn read(&mut self) -> Result<Sensed>;
 
@@ -59,7 +59,7 @@ pub trait Controller {
     fn fault(&self) -> Option<Error>;
 }
 
-impl<D: Device + ?Sized> Device for Box<D> {
+impl<D: Plant + ?Sized> Plant for Box<D> {
     fn read(&mut self) -> Result<Sensed> {
         (**self).read()
     }
@@ -76,5 +76,15 @@ impl<C: Controller + ?Sized> Controller for Box<C> {
 
     fn fault(&self) -> Option<Error> {
         (**self).fault()
+    }
+}
+
+impl Controller for Renderer {
+    fn step(&mut self, sensed: Sensed) -> f64 {
+        Self::step(self, sensed)
+    }
+
+    fn fault(&self) -> Option<Error> {
+        Self::fault(self).map(|fault| Error::invalid(fault.name(), fault.text()))
     }
 }

@@ -6,7 +6,7 @@ use super::live::Live;
 use super::pace::{Pace, Window};
 use super::plan::Plan;
 use super::tally::Tally;
-use super::{Controller, Device};
+use super::{Controller, Plant};
 use crate::error::{Error, Result};
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -51,7 +51,7 @@ impl Loop {
     }
 
     /// Runs on the calling thread until the end. The device is released before the report is made.
-    pub fn run<C: Controller, D: Device, K: Clock>(
+    pub fn run<C: Controller, D: Plant, K: Clock>(
         mut self,
         mut controller: C,
         mut device: D,
@@ -69,7 +69,7 @@ impl Loop {
     fn turn(
         &mut self,
         controller: &mut impl Controller,
-        device: &mut impl Device,
+        device: &mut impl Plant,
         clock: &mut impl Clock,
     ) -> Ending {
         let (period, periods) = (self.plan.period(), self.plan.periods());
@@ -106,7 +106,7 @@ impl Loop {
     fn step(
         &mut self,
         controller: &mut impl Controller,
-        device: &mut impl Device,
+        device: &mut impl Plant,
         clock: &impl Clock,
         [start, deadline, woke]: [u64; 3],
     ) -> std::result::Result<(), Ending> {
@@ -146,7 +146,7 @@ impl Loop {
 }
 
 /// Takes the torque off the device, whatever state it is in.
-fn relieve(device: &mut impl Device) -> Result<()> {
+fn relieve(device: &mut impl Plant) -> Result<()> {
     let mut write = || {
         let zero = AssertUnwindSafe(|| device.write(0.0));
         catch_unwind(zero).unwrap_or_else(|panic| Err(Error::invalid("device", words(&*panic))))

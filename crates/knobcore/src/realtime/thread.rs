@@ -4,7 +4,7 @@ use super::live::{Live, Snapshot};
 use super::plan::Plan;
 use super::priority::{Realtime, Standing, wake_without_slack};
 use super::run::{Loop, Report};
-use super::{Controller, Device};
+use super::{Controller, Plant};
 use crate::error::{Error, Result};
 use std::sync::mpsc::sync_channel;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
@@ -35,7 +35,7 @@ pub fn start<C, D, K, R>(
 ) -> Result<Running>
 where
     C: Controller + Send + 'static,
-    D: Device + Send + 'static,
+    D: Plant + Send + 'static,
     K: Clock + Send + 'static,
     R: FnOnce() -> Result<()> + Send + 'static,
 {

@@ -1,14 +1,19 @@
 //! The 5 kHz step: from what the device senses to the torque that it renders.
+//!
+//! The step is plain arithmetic on its own state: no allocation, no lock, no panic, no clock, no unbounded loop.
+//! Firmware can take it as it is.
 
-/// What a force-feedback device senses at one instant.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sensed {
-    /// Angle, rad.
-    pub theta: f64,
-    /// Angular velocity, rad/s.
-    pub omega: f64,
-    /// Angular acceleration, rad/s^2.
-    pub alpha: f64,
-    /// Torque that the hand applies, N m, where the device measures it.
-    pub hand: Option<f64>,
-}
+mod contact;
+mod coupled;
+mod device;
+mod limits;
+mod nature;
+mod sliding;
+mod stability;
+mod step;
+
+pub use device::Device;
+pub use limits::{Fault, Limits};
+pub use nature::Nature;
+pub use stability::{Stability, check_stability};
+pub use step::{Renderer, Sensed, State};

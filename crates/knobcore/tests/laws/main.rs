@@ -4,6 +4,7 @@ mod catalogue;
 mod derivatives;
 mod limits;
 mod recovery;
+mod rendering;
 mod user;
 
 use knobcore::effects::{Id, Place, Survey};

@@ -22,7 +22,7 @@ struct Bench {
     fails_at: Option<usize>,
 }
 
-impl Device for Bench {
+impl Plant for Bench {
     fn read(&mut self) -> Result<Sensed> {
         let n = self.reads;
         self.reads += 1;

@@ -1,5 +1,9 @@
 //! However a loop ends, the device had zero torque last.
 use super::*;
+use crate::effects::Id;
+use crate::model::Model;
+use crate::param::Axis;
+use crate::render::{Limits, Renderer};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Runs, and returns the report and all torques that were written.
@@ -65,7 +69,7 @@ fn a_panic_takes_the_torque_off() {
 /// Counts writes, and refuses so many of them; the first panics.
 struct Stubborn(Arc<AtomicUsize>, usize);
 
-impl Device for Stubborn {
+impl Plant for Stubborn {
     fn read(&mut self) -> Result<Sensed> {
         Err(Error::invalid("device", "unplugged"))
     }
@@ -217,4 +221,16 @@ fn every_ending_says_what_to_make_of_it() {
         assert_eq!(ending.word(), word);
         assert!(ending.to_string().contains(part), "{ending}");
     }
+}
+
+#[test]
+fn a_renderer_that_senses_an_impossible_jump_ends_the_loop() {
+    let model = Model::new(&[Id::parse("viscous").unwrap()], Axis::Rotary);
+    let limits = Limits { torque: 1.0, torque_rate: 1e4, speed: 100.0 };
+    let renderer = Renderer::new(&model, 1000.0, None, limits).unwrap();
+    // The bench turns by a radian in every read.
+    let (report, torques) = written(plan(), renderer, Bench::default(), &Ticks::default(), punctual);
+    let Ending::Fault(fault) = &report.ending else { panic!("{:?}", report.ending) };
+    assert!(fault.to_string().starts_with("jump: "), "{fault}");
+    assert!(torques.iter().all(|tau| *tau == 0.0));
 }

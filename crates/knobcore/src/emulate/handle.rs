@@ -1,0 +1,67 @@
+//! A force-feedback handle in somebody's hand: an inertia, a motor that acts late, sensors that resolve so much.
+
+use crate::render::{Device, Sensed};
+
+/// Steps of the integrator per sample.
+const SUBSTEPS: usize = 20;
+
+/// The handle of a device: what its motor and a hand do to it.
+#[derive(Debug, Clone)]
+pub struct Handle {
+    device: Device,
+    dt: f64,
+    theta: f64,
+    omega: f64,
+    alpha: f64,
+    /// Torques that were commanded and do not act yet, the oldest first.
+    late: std::collections::VecDeque<f64>,
+}
+
+impl Handle {
+    /// A handle at rest at `theta`, sampled every `dt` seconds.
+    pub fn new(device: Device, dt: f64, theta: f64) -> Self {
+        let late = std::iter::repeat_n(0.0, device.delay).collect();
+        Self { device, dt, theta, omega: 0.0, alpha: 0.0, late }
+    }
+
+    /// Angle, speed, and mean acceleration over the sample before: rad, rad/s, rad/s^2.
+    pub fn motion(&self) -> [f64; 3] {
+        [self.theta, self.omega, self.alpha]
+    }
+
+    /// Gives it a speed, rad/s.
+    pub fn kick(&mut self, omega: f64) {
+        self.omega = omega;
+    }
+
+    /// What its sensors say, with the torque of the hand if it measures that.
+    pub fn sensed(&self, hand: Option<f64>) -> Sensed {
+        let step = self.device.encoder_step;
+        let theta = if step > 0.0 { (self.theta / step).round() * step } else { self.theta };
+        Sensed { theta, omega: self.omega, alpha: self.alpha, hand }
+    }
+
+    /// One sample goes by: the motor is told to apply `motor` (N m), and the hand's torque goes from one value to
+    /// another. Returns the work of the hand, J.
+    pub fn push(&mut self, motor: f64, hand: [f64; 2]) -> f64 {
+        self.late.push_back(motor.max(-self.device.torque_limit).min(self.device.torque_limit));
+        let acts = self.late.pop_front().unwrap_or(0.0);
+        let (h, start, mut work) = (self.dt / SUBSTEPS as f64, self.omega, 0.0);
+        for step in 0..SUBSTEPS {
+            let share = (step as f64 + 0.5) / SUBSTEPS as f64;
+            let tau = hand[0] + share * (hand[1] - hand[0]);
+            let push = tau + acts - self.device.damping * self.omega;
+            let omega = self.omega + h * push / self.device.inertia;
+            let by = 0.5 * h * (self.omega + omega);
+            (self.theta, self.omega) = (self.theta + by, omega);
+            work += tau * by;
+        }
+        self.alpha = (self.omega - start) / self.dt;
+        work
+    }
+
+    /// Kinetic energy, J.
+    pub fn energy(&self) -> f64 {
+        0.5 * self.device.inertia * self.omega * self.omega
+    }
+}

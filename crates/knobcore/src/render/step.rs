@@ -1,0 +1,359 @@
+//! The step itself.
+
+use super::contact::{Budget, Contact, Moved};
+use super::coupled::Hidden;
+use super::device::{Device, Tuning};
+use super::limits::{Fault, Limits};
+use super::nature::Nature;
+use super::sliding::{Sliding, at_rest, braked, sliding};
+use crate::effects::Id;
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::motion::{Load, Motion};
+use crate::scalar::{LANES, Pack, Scalar};
+
+/// What a force-feedback device senses at one instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sensed {
+    /// Angle, rad.
+    pub theta: f64,
+    /// Angular velocity, rad/s.
+    pub omega: f64,
+    /// Angular acceleration, rad/s^2.
+    pub alpha: f64,
+    /// Torque that the hand applies, N m, where the device measures it.
+    pub hand: Option<f64>,
+}
+
+/// All that the step remembers; with the model it decides everything that comes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct State {
+    /// Samples since the reset.
+    pub samples: u64,
+    /// Angle and speed at the sample before.
+    pub before: [f64; 2],
+    /// Angle between the counts of the encoder at the sample before, rad.
+    pub between: f64,
+    /// Filtered acceleration, rad/s^2.
+    pub alpha: f64,
+    /// Torque of the sample before, N m.
+    pub tau: f64,
+    /// Between sticking and sliding.
+    pub contact: Contact,
+    /// Angle and speed of a knob behind a joint.
+    pub knob: [f64; 2],
+    /// What the model's effects remember.
+    pub memory: Vec<f64>,
+    /// Why it renders nothing any more.
+    pub fault: Option<Fault>,
+}
+
+/// A model that is rendered: the torque by which the knob answers, sample by sample.
+///
+/// The torque is that of the model (Equation 1): what the hand has to apply. The motor applies its negative.
+#[derive(Debug, Clone)]
+pub struct Renderer {
+    model: Model,
+    p: Vec<f64>,
+    packs: Vec<Pack>,
+    dt: f64,
+    tuning: Tuning,
+    limits: Limits,
+    guarded: bool,
+    own: bool,
+    hidden: Option<Hidden>,
+    spare: Vec<f64>,
+    state: State,
+}
+
+/// A speed that no sensor tells from rest, rad/s, where the model does not say when it is stuck.
+const SLOWEST: f64 = 1e-3;
+
+impl Renderer {
+    /// Renders a model at `rate_hz`, on a known device or on any.
+    ///
+    /// Effects of the sensor are not rendered: they belong to the rig that measured, not to the knob.
+    ///
+    /// # Errors
+    /// A rate that is none, a limit or a device that cannot be.
+    pub fn new(model: &Model, rate_hz: f64, device: Option<Device>, limits: Limits) -> Result<Self> {
+        if !(10.0..=1e6).contains(&rate_hz) {
+            return Err(Error::invalid("rate", format!("is {rate_hz} Hz; choose 10 to 1e6, usually 5000")));
+        }
+        for (name, x) in [
+            ("torque_limit", limits.torque),
+            ("torque_rate_limit", limits.torque_rate),
+            ("speed_limit", limits.speed),
+        ] {
+            if x.is_nan() || x <= 0.0 {
+                return Err(Error::invalid(name, format!("is {x}; give one above 0, or none")));
+            }
+        }
+        let device = device.map(Device::checked).transpose()?;
+        let (dt, p) = (1.0 / rate_hz, model.values());
+        let memory = vec![0.0; model.states()];
+        let nature = Nature::of(model, &p, limits.speed);
+        let tuning =
+            device.map_or_else(|| Tuning::faithful(model.axis, &nature, dt), |d| Tuning::of(&d, &nature, dt));
+        let limits = device.map_or(limits, |d| Limits {
+            torque: limits.torque.min(d.torque_limit),
+            torque_rate: limits.torque_rate.min(d.torque_rate_limit),
+            ..limits
+        });
+        let hidden = Hidden::new(model, &p, &memory, &tuning, [0.0; 3]);
+        let state = State {
+            samples: 0,
+            before: [0.0; 2],
+            between: 0.0,
+            alpha: 0.0,
+            tau: 0.0,
+            contact: Contact::default(),
+            knob: [0.0; 2],
+            memory,
+            fault: None,
+        };
+        Ok(Self {
+            packs: p.iter().map(|x| Pack::of(*x)).collect(),
+            own: model.effects().any(|id| matches!(id, Id::User(_))),
+            guarded: !nature.dissipates,
+            spare: state.memory.clone(),
+            model: model.clone(),
+            p,
+            dt,
+            tuning,
+            limits,
+            hidden,
+            state,
+        })
+    }
+
+    /// Forgets everything, and faults too.
+    pub fn reset(&mut self) {
+        let state = &mut self.state;
+        state.memory.fill(0.0);
+        (state.samples, state.before, state.between) = (0, [0.0; 2], 0.0);
+        (state.alpha, state.tau) = (0.0, 0.0);
+        (state.contact, state.knob, state.fault) = (Contact::default(), [0.0; 2], None);
+    }
+
+    /// All that it remembers.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Goes on from there.
+    ///
+    /// # Errors
+    /// The state is of a model that remembers other things.
+    pub fn set_state(&mut self, state: State) -> Result<()> {
+        if state.memory.len() != self.state.memory.len() {
+            return Err(Error::invalid(
+                "state",
+                format!(
+                    "remembers {} numbers and this model {}; give a state of the same model",
+                    state.memory.len(),
+                    self.state.memory.len()
+                ),
+            ));
+        }
+        let [theta, omega] = state.before;
+        let there = theta + omega * self.tuning.ahead_s;
+        let before = [self.clock(state.samples.saturating_sub(1)), there, omega];
+        if let Some(hidden) = &mut self.hidden {
+            hidden.put(before, state.knob);
+        }
+        self.state = state;
+        Ok(())
+    }
+
+    /// Why it renders nothing any more, if so.
+    pub fn fault(&self) -> Option<Fault> {
+        self.state.fault
+    }
+
+    /// The model that is rendered.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// Samples per second.
+    pub fn rate_hz(&self) -> f64 {
+        1.0 / self.dt
+    }
+
+    /// The torque by which the knob answers, N m; call it once a sample.
+    ///
+    /// A quantity that is not finite, or a motion that no handle makes, gives zero torque, then and until a reset.
+    #[inline]
+    pub fn step(&mut self, sensed: Sensed) -> f64 {
+        self.advance(sensed, None)
+    }
+
+    /// The torque along a motion, N m, as single steps would give it, to the last bit; a hand torque that is
+    /// NaN is one that is not known. Rows beyond the shortest column are left as they are.
+    pub fn render(&mut self, [theta, omega, alpha]: [&[f64]; 3], hand: Option<&[f64]>, out: &mut [f64]) {
+        let rows = theta.len().min(omega.len()).min(alpha.len()).min(out.len());
+        pulp::Arch::new().dispatch(|| {
+            for at in (0..rows).step_by(LANES) {
+                let ahead = self.ahead(theta, omega, at);
+                for i in at..(at + LANES).min(rows) {
+                    let hand = hand.and_then(|h| h.get(i)).copied().filter(|tau| !tau.is_nan());
+                    let sensed = Sensed { theta: theta[i], omega: omega[i], alpha: alpha[i], hand };
+                    let lane = i - at;
+                    let known = ahead.map(|ahead| Sliding {
+                        torque: ahead.torque.0[lane],
+                        inertia: ahead.inertia.0[lane],
+                    });
+                    out[i] = self.advance(sensed, known);
+                }
+            }
+        });
+    }
+
+    /// What eight samples ask for if the knob slides in all of them; none for a model that remembers.
+    #[inline(always)]
+    fn ahead(&self, theta: &[f64], omega: &[f64], at: usize) -> Option<Sliding<Pack>> {
+        if self.hidden.is_some() || self.model.remembers() || self.own {
+            return None;
+        }
+        let clock = Pack(std::array::from_fn(|i| self.clock(self.state.samples + i as u64)));
+        let speed = Pack::load(omega, at);
+        let there = Pack::load(theta, at) + speed * Pack::of(self.tuning.ahead_s);
+        let motion = Motion::exact(clock, there, speed, Pack::of(0.0));
+        let spare: Option<&mut [Pack]> = if self.guarded { Some(&mut []) } else { None };
+        Some(sliding(&self.model, &self.packs, &mut [], spare, &motion))
+    }
+
+    fn clock(&self, samples: u64) -> f64 {
+        samples as f64 * self.dt
+    }
+
+    /// One step; `known` is what the knob asks for if it slides, where that has been worked out already.
+    #[inline(always)]
+    fn advance(&mut self, sensed: Sensed, known: Option<Sliding<f64>>) -> f64 {
+        if self.state.fault.is_some() {
+            return 0.0;
+        }
+        let Sensed { theta, omega, alpha, hand } = sensed;
+        let seen = [theta, omega, alpha, hand.unwrap_or(0.0)];
+        if !seen.into_iter().all(f64::is_finite) {
+            return self.give_up(Fault::NotFinite);
+        }
+        let first = self.state.samples == 0;
+        let jump = if first { 0.0 } else { theta - self.state.before[0] };
+        if jump.abs() > self.limits.speed * self.dt || omega.abs() > self.limits.speed {
+            return self.give_up(Fault::Jump);
+        }
+        // Between two counts the speed tells the angle better than the encoder does.
+        let half = 0.5 * self.tuning.count;
+        let between = (self.state.between + omega * self.dt).max(theta - half).min(theta + half);
+        let between = if first { theta } else { between };
+        let by = if first { 0.0 } else { between - self.state.between };
+        self.state.between = between;
+        let fresh = if first { 1.0 } else { self.tuning.freshness };
+        let felt = self.state.alpha + fresh * (alpha - self.state.alpha);
+        self.state.alpha = felt;
+        let clock = self.clock(self.state.samples);
+        let there = theta + omega * self.tuning.ahead_s;
+        let mut asked = if let Some(hidden) = &mut self.hidden {
+            if first {
+                hidden
+                    .put([clock - self.dt, there - omega * self.dt, omega], [there - omega * self.dt, omega]);
+            }
+            let (torque, inertia) =
+                hidden.follow(&self.model, &self.p, &mut self.state.memory, [clock, there, omega]);
+            self.state.knob = hidden.knob();
+            Sliding { torque, inertia }
+        } else {
+            self.rubbed(Motion::exact(clock, there, omega, felt), by, hand, known)
+        };
+        if self.own {
+            asked.torque += self.model.own_torque(&self.p, &Motion::exact(clock, there, omega, felt));
+        }
+        let [inertia, damping] = self.tuning.own;
+        let tau = asked.torque + (asked.inertia + inertia) * felt + damping * omega;
+        if !tau.is_finite() {
+            return self.give_up(Fault::Torque);
+        }
+        let before = if first { tau } else { self.state.tau };
+        let tau = self.limits.cut(tau, before, self.dt);
+        (self.state.before, self.state.tau) = ([theta, omega], tau);
+        self.state.samples += 1;
+        tau
+    }
+
+    /// The torque of a knob on a rigid shaft, with dry friction between sticking and sliding.
+    #[inline(always)]
+    fn rubbed(
+        &mut self,
+        motion: Motion<f64>,
+        by: f64,
+        hand: Option<f64>,
+        known: Option<Sliding<f64>>,
+    ) -> Sliding<f64> {
+        let (model, p) = (&self.model, &self.p);
+        let state = &mut self.state;
+        if state.samples > 0 && state.contact.slides(by, motion.omega) != 0.0 {
+            if let Some(known) = known {
+                return known;
+            }
+            self.spare.copy_from_slice(&state.memory);
+            let spare = if self.guarded { Some(self.spare.as_mut_slice()) } else { None };
+            return sliding(model, p, &mut state.memory, spare, &motion);
+        }
+        let still = at_rest(&motion);
+        let mut load = |motion: &Motion<f64>| {
+            self.spare.copy_from_slice(&state.memory);
+            model.load(p, &mut self.spare, motion)
+        };
+        let ways = [Motion { forward: 0.0, ..motion }, Motion { forward: 1.0, ..motion }];
+        let [back, forth] = ways.map(|way| load(&way));
+        let rest = if self.guarded { Some(load(&still).drive) } else { None };
+        let drives = [(back, ways[0]), (forth, ways[1])].map(|(load, way)| {
+            // Only the way that it goes may brake: the other one is not gone.
+            let gone = way.direction() * motion.omega > 0.0;
+            rest.filter(|_| gone).map_or(load.drive, |rest| braked(&load, &way, rest))
+        });
+        let elastic = elastic(&back, &forth);
+        let slide = [elastic - back.friction(0.0), forth.friction(1.0) - elastic].map(|x| x.max(0.0));
+        let hold = [back.hold[0] + elastic, forth.hold[1] - elastic].map(|x| x.max(0.0));
+        let band = forth.band.max(SLOWEST);
+        if state.samples == 0 {
+            state.contact = Contact::first(motion.omega, band);
+        }
+        let mean = 0.5 * (drives[0] + drives[1]);
+        let inertia = forth.inertia;
+        let other = hand.map(|hand| {
+            let own = self.tuning.own;
+            hand - mean - elastic - (inertia + own[0]) * motion.alpha - own[1] * motion.omega
+        });
+        let moved = Moved { by, omega: motion.omega, band };
+        let (friction, strain) = state.contact.answer(&self.tuning, &Budget { slide, hold }, moved, other);
+        // The effects that remember see the sample once, and go the way that the knob is strained.
+        model.load(p, &mut state.memory, &motion);
+        let torque = if state.contact.slipping && strain.abs() == 1.0 {
+            let (drive, load, way) =
+                if strain > 0.0 { (drives[1], forth, 1.0) } else { (drives[0], back, 0.0) };
+            drive + load.friction(way)
+        } else {
+            mean + 0.5 * strain * (drives[1] - drives[0]) + elastic + friction
+        };
+        Sliding { torque, inertia }
+    }
+
+    /// Zero torque from here on.
+    #[cold]
+    fn give_up(&mut self, fault: Fault) -> f64 {
+        self.state.fault = Some(fault);
+        self.state.tau = 0.0;
+        0.0
+    }
+}
+
+/// Friction that a spring among the effects (presliding) holds already, whichever way the knob would go: of the
+/// lags of both ways the mean is what its elements are strained by.
+fn elastic(back: &Load<f64>, forth: &Load<f64>) -> f64 {
+    let strained = 0.5 * (back.lag + forth.lag);
+    let dry = 0.5 * (forth.resist[0] + forth.resist[1]) * forth.level + forth.mu * forth.press.abs();
+    strained * dry
+}
