@@ -1,5 +1,5 @@
 //! Real time.
-use super::clock::{Clock, SECOND};
+use super::clock::Clock;
 use std::time::{Duration, Instant};
 
 /// The clock that wakes up closest to its deadlines on this system.
@@ -44,7 +44,8 @@ impl Clock for SleepClock {
 
 #[cfg(target_os = "linux")]
 mod linux {
-    use super::{Clock, SECOND};
+    use super::Clock;
+    use crate::realtime::clock::SECOND;
     use rustix::thread::clock_nanosleep_absolute;
     use rustix::time::{ClockId, Timespec, clock_gettime};
 
@@ -75,6 +76,7 @@ mod linux {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::realtime::clock::SECOND;
 
     fn never_wakes_early(mut clock: impl Clock) {
         for ahead in [0, 1_000, 300_000, 3_000_000] {

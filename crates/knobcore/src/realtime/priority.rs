@@ -55,7 +55,7 @@ const PRIORITY: u8 = 80;
 pub fn real_time_priority() -> Result<()> {
     granted().map_err(|why| {
         let way = "allow it (Linux: 'ulimit -r 80' by an rtprio line in /etc/security/limits.conf, or the \
-                   capability CAP_SYS_NICE), or call with rt='warn' to run without";
+                   capability CAP_SYS_NICE), or go without (rt='warn' or 'off')";
         Error::invalid("rt", format!("the system refuses real-time priority ({why}); {way}"))
     })
 }
@@ -72,7 +72,10 @@ fn granted() -> std::result::Result<(), String> {
         ThreadPriority::Crossplatform(priority),
         ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo),
     )
-    .map_err(|error| error.to_string())
+    .map_err(|error| match error {
+        thread_priority::Error::OS(code) => std::io::Error::from_raw_os_error(code).to_string(),
+        other => other.to_string(),
+    })
 }
 
 #[cfg(not(unix))]
