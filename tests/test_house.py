@@ -21,19 +21,8 @@ RUST_ORDER = [
 ]
 PYTHON_ORDER = [
     *("_core", "errors", "tables", "finding", "formats", "quality", "capture", "motions", "plugins"),
-    *(
-        "effects",
-        "own",
-        "models",
-        "model",
-        "prepare",
-        "simulate",
-        "render",
-        "typical",
-        "refit",
-        "fit",
-        "compare",
-    ),
+    *("effects", "own", "models", "model", "prepare", "simulate", "render", "loop_report", "loop"),
+    *("typical", "refit", "fit", "compare"),
     *(
         "stiction",
         "plausible",

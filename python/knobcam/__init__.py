@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from .lacks import Lack
     from .ladder import Rung, Unexplained
     from .learn import Story, learn
+    from .loop import run_loop, start_loop
+    from .loop_report import LoopReport
     from .model import KNOBS, Model, Parameter
     from .motions import MOTIONS, MotionTrack, motion
     from .own import OwnMotion, OwnParameter, forget_effect, own_effect
@@ -51,6 +53,7 @@ __all__ = [
     "KnobcamError",
     "KnobcamWarning",
     "Lack",
+    "LoopReport",
     "Model",
     "MotionTrack",
     "Moved",
@@ -77,7 +80,9 @@ __all__ = [
     "motion",
     "own_effect",
     "prepare",
+    "run_loop",
     "simulate",
+    "start_loop",
     "stiction",
 ]
 
@@ -99,6 +104,7 @@ _HOME = {
     "KnobcamError": "errors",
     "KnobcamWarning": "errors",
     "Lack": "lacks",
+    "LoopReport": "loop_report",
     "Model": "model",
     "MotionTrack": "motions",
     "Moved": "refit",
@@ -125,7 +131,9 @@ _HOME = {
     "motion": "motions",
     "own_effect": "own",
     "prepare": "prepare",
+    "run_loop": "loop",
     "simulate": "simulate",
+    "start_loop": "loop",
     "stiction": "stiction",
 }
 

@@ -37,6 +37,8 @@ pub mod diagnose;
 
 pub mod render;
 
+pub mod realtime;
+
 pub mod wire;
 
 pub mod emulate;

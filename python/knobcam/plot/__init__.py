@@ -16,6 +16,7 @@ from .signature import effect
 from .stability import stability
 from .standstill import stiction
 from .story import remaining, story
+from .timing import timing
 from .torques import fit, position, velocity, zoom
 
 __all__ = [
@@ -40,6 +41,7 @@ __all__ = [
     "stability",
     "stiction",
     "story",
+    "timing",
     "velocity",
     "zoom",
 ]

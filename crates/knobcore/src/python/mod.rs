@@ -3,6 +3,7 @@ mod convert;
 mod filter;
 mod fit;
 mod model;
+mod realtime;
 mod render;
 mod signals;
 mod user;
@@ -19,6 +20,8 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(user::register_effect, m)?)?;
     m.add_function(wrap_pyfunction!(user::forget_effect, m)?)?;
     m.add_function(wrap_pyfunction!(user::effect_failure, m)?)?;
+    m.add_class::<realtime::PyLoop>()?;
+    m.add_function(wrap_pyfunction!(realtime::start_loop, m)?)?;
     m.add_class::<signals::PySignals>()?;
     m.add_function(wrap_pyfunction!(signals::prepare, m)?)?;
     m.add_class::<render::PyRenderer>()?;
