@@ -145,6 +145,7 @@ fn length(places: &Range<i64>) -> u64 {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::single_range_in_vec_init)] // a list of one gap is meant
     use super::*;
     use crate::random::Noise;
 
