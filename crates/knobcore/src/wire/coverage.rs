@@ -134,7 +134,7 @@ impl Coverage {
         {
             self.settled += length(&gap);
             self.settled_gaps += 1;
-            self.horizon = gap.end;
+            self.horizon = self.horizon.max(gap.end);
         }
     }
 }
