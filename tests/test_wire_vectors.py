@@ -1,4 +1,4 @@
-"""docs/wire-protocol.md says enough: the core speaks what a second implementation wrote from it alone."""
+"""The core and a second implementation of docs/wire-protocol.md write and read the same bytes."""
 
 from __future__ import annotations
 

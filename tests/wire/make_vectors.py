@@ -1,6 +1,6 @@
 """Makes `vectors.toml` from what docs/wire-protocol.md says, with nothing of knobcam.
 
-It is a second implementation of the document, as a firmware writer would make it.
+It is a second implementation of the document, without any code of the first.
 """
 
 from __future__ import annotations
