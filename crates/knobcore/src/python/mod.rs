@@ -7,6 +7,7 @@ mod realtime;
 mod render;
 mod signals;
 mod user;
+mod wire;
 
 use pyo3::prelude::*;
 
@@ -14,6 +15,7 @@ use pyo3::prelude::*;
 fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add("__version__", env!("CARGO_PKG_VERSION"))?;
     filter::register(m)?;
+    wire::register(m)?;
     m.add_class::<model::PyModel>()?;
     m.add_function(wrap_pyfunction!(model::catalogue, m)?)?;
     m.add_function(wrap_pyfunction!(model::push, m)?)?;

@@ -134,7 +134,7 @@ impl Coverage {
         {
             self.settled += length(&gap);
             self.settled_gaps += 1;
-            self.horizon = gap.end;
+            self.horizon = self.horizon.max(gap.end);
         }
     }
 }
@@ -145,6 +145,7 @@ fn length(places: &Range<i64>) -> u64 {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::single_range_in_vec_init)] // a list of one gap is meant
     use super::*;
     use crate::random::Noise;
 

@@ -57,3 +57,45 @@ impl Decoder {
         Some(self.buffer.get_mut(..length).and_then(open).unwrap_or(corrupt))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wire::frame::{Header, encode};
+    use crate::wire::message::Message;
+
+    fn events(stream: &[u8]) -> Vec<Event> {
+        let mut events = Vec::new();
+        Decoder::new().push(stream, |event| events.push(event));
+        events
+    }
+
+    fn ping() -> Vec<u8> {
+        encode(Header::default(), &Message::Ping).to_vec()
+    }
+
+    #[test]
+    fn nothing_stands_between_two_delimiters() {
+        assert_eq!(events(&[0; 100]), []);
+        assert_eq!(events(&[&[0, 0], &ping()[..], &[0]].concat()).len(), 1);
+    }
+
+    #[test]
+    fn a_delimiter_saves_the_frame_behind_garbage() {
+        let events = events(&[b"noise\0", &ping()[..]].concat());
+        assert_eq!(events[0], Event::Corrupt { bytes: 6 });
+        assert!(matches!(events[1], Event::Frame(_)));
+    }
+
+    #[test]
+    fn the_longest_stretch_that_can_be_a_frame_is_looked_at_and_no_longer_one() {
+        for length in [MAX_WIRE - 1, MAX_WIRE, MAX_WIRE + 1, 5 * MAX_WIRE] {
+            let mut stream = vec![b'x'; length];
+            stream.push(0);
+            stream.extend(ping());
+            let events = events(&stream);
+            assert_eq!(events[0], Event::Corrupt { bytes: length + 1 });
+            assert!(matches!(events[1], Event::Frame(_)));
+        }
+    }
+}

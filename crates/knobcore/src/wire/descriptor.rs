@@ -177,11 +177,11 @@ fn lie(name: &str, why: impl std::fmt::Display) -> Result<()> {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use super::*;
     use crate::wire::field::{Field, Writer};
 
-    pub(in crate::wire) fn descriptor() -> Descriptor {
+    fn descriptor() -> Descriptor {
         let channel = |scale, unit| Channel { scale, offset: 0.0, unit, lower: -32000, upper: 32000 };
         Descriptor {
             serial: Serial::from("KC-0007").unwrap(),
@@ -189,14 +189,14 @@ pub(super) mod tests {
             firmware_minor: 2,
             rate_hz: 5000.0,
             counts_per_rad: 102_400.0,
-            omega: channel(0.0009765625, Unit::RadPerSecond),
-            alpha: channel(0.000152587890625, Unit::Volt),
-            tau: channel(0.0000152587890625, Unit::NewtonMetre),
+            omega: channel(1e-3, Unit::RadPerSecond),
+            alpha: channel(1e-4, Unit::Volt),
+            tau: channel(2e-5, Unit::NewtonMetre),
             c_cal: 512.0,
             torque_limit: 0.5,
             torque_rate_limit: 250.0,
-            inertia: 0.0000152587890625,
-            damping: 0.000030517578125,
+            inertia: 2e-5,
+            damping: 3e-5,
             anchor_stiffness: 16.0,
             delay_samples: 2,
             heartbeat_ms: 100,

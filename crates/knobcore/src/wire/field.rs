@@ -200,7 +200,7 @@ mod tests {
     #[test]
     fn a_serial_number_ends_at_its_filling() {
         assert_eq!(Serial::read(&mut Reader(b"KC-0007\0\0\0\0\0\0\0\0\0")).as_deref(), Some("KC-0007"));
-        assert_eq!(Serial::read(&mut Reader(b"KC\0\07\0\0\0\0\0\0\0\0\0\0\0")), None);
+        assert_eq!(Serial::read(&mut Reader(b"KC\0x\0\0\0\0\0\0\0\0\0\0\0\0")), None);
     }
 
     #[test]

@@ -45,6 +45,8 @@ pub fn encode(header: Header, message: &Message) -> WireBytes {
 
     let mut wire = WireBytes::from([DELIMITER; MAX_WIRE]);
     let stuffed = cobs::encode(plain.written(), &mut wire);
+    // The encoder leaves a byte there when the last block is full.
+    wire[stuffed] = DELIMITER;
     wire.truncate(stuffed + 1);
     wire
 }
@@ -93,4 +95,42 @@ pub(super) fn open(stuffed: &mut [u8]) -> Option<Event> {
         Some(message) => Event::Frame(Frame { header, message }),
         None => Event::Unknown { header, kind },
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wire::field::HEADER;
+    use crate::wire::message::Bytes;
+
+    fn chunk(bytes: usize) -> Message {
+        Message::Model {
+            total: 0x0101_0101,
+            first: 0x0101_0101,
+            check: 1,
+            bytes: vec![7; bytes][..].try_into().unwrap(),
+        }
+    }
+
+    #[test]
+    fn a_frame_of_any_length_ends_with_its_only_zero() {
+        let header = Header { sequence: 0x0101_0101, time_us: 0x0101_0101_0101_0101 };
+        for bytes in 0..=Bytes::new().capacity() {
+            let wire = encode(header, &chunk(bytes));
+            let (last, before) = wire.split_last().unwrap();
+            assert!(*last == DELIMITER && !before.contains(&DELIMITER), "{bytes} bytes");
+            let frame = Frame { header, message: chunk(bytes) };
+            assert_eq!(open(&mut before.to_vec()), Some(Event::Frame(frame)));
+        }
+    }
+
+    #[test]
+    fn a_frame_needs_a_whole_header_and_check_sum() {
+        for length in 0..HEADER {
+            let plain = &[VERSION; HEADER][..length];
+            let check = crc32fast::hash(plain).to_le_bytes();
+            let event = open(&mut cobs::encode_vec(&[plain, &check].concat()));
+            assert_eq!(event, None, "{length} bytes");
+        }
+    }
 }

@@ -232,6 +232,7 @@ impl Ledger {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::single_range_in_vec_init)] // a list of one gap is meant
     use super::*;
     use crate::wire::message::Samples;
 

@@ -118,3 +118,64 @@ fn keep(pieces: &mut Vec<Vec<Kept>>, piece: Piece<'_>) {
         samples: piece.samples.to_vec(),
     });
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::single_range_in_vec_init)] // a list of one gap is meant
+    use super::*;
+    use crate::wire::frame::{Header, encode};
+
+    fn sample(index: u32) -> Sample {
+        Sample { count: index as i32, omega: 1, alpha: 2, tau: 3 }
+    }
+
+    fn data(first: u32) -> Vec<u8> {
+        let samples = (first..first + 25).map(sample).collect();
+        let header = Header { sequence: first, time_us: u64::from(first) * 200 };
+        encode(header, &Message::Data { run: 9, samples }).to_vec()
+    }
+
+    fn said(sequence: u32, message: Message) -> Vec<u8> {
+        encode(Header { sequence, time_us: u64::from(sequence) * 200 }, &message).to_vec()
+    }
+
+    fn read(parts: &[Vec<u8>]) -> Log {
+        let mut log = Log::default();
+        parts.iter().for_each(|part| log.push(part));
+        log
+    }
+
+    #[test]
+    fn samples_stand_in_order_and_a_gap_stays_a_gap() {
+        let stopped = Message::Stopped { run: 9, produced: 125, sent: 125 };
+        let log = read(&[
+            said(100, Message::Started { run: 9, first: 100 }),
+            data(150),
+            data(100),
+            data(175),
+            said(225, stopped),
+        ]);
+        let [run] = &log.recordings()[..] else { panic!("one run") };
+        assert_eq!((run.first, run.start_known), (100, true));
+        assert_eq!(run.gaps, [25..50, 100..125]);
+        let expected: Vec<i64> = (0..25).chain(50..100).collect();
+        assert_eq!(run.index, expected);
+        assert!(run.samples.iter().zip(&run.index).all(|(have, at)| *have == sample(100 + *at as u32)));
+        assert_eq!(run.stamps, [(0, 20_000), (50, 30_000), (75, 35_000)]);
+    }
+
+    #[test]
+    fn all_that_a_log_holds_is_counted() {
+        let log = read(&[data(0), b"noise\0".to_vec(), said(25, Message::Ack { command: 3 }), vec![1, 2, 3]]);
+        assert_eq!((log.frames, log.corrupt, log.corrupt_bytes, log.pending()), (2, 1, 6, 3));
+        assert_eq!(log.said.len(), 1);
+        assert!(!log.recordings()[0].start_known);
+    }
+
+    #[test]
+    fn a_run_of_which_nothing_came_is_one_gap() {
+        let log = read(&[said(125, Message::Stopped { run: 9, produced: 25, sent: 25 })]);
+        let [run] = &log.recordings()[..] else { panic!("one run") };
+        assert_eq!((run.gaps.clone(), run.samples.len()), (vec![0..25], 0));
+    }
+}

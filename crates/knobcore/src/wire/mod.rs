@@ -1,7 +1,7 @@
 //! The language between host and rig: what a device sends, what it is told, and how losses are counted.
 //!
 //! `docs/wire-protocol.md` says the same for those who write firmware. Nothing here does input or output,
-//! and nothing but `ledger` and `log` uses the heap.
+//! and nothing but `ledger`, `log` and `upload` uses the heap.
 mod coverage;
 mod decoder;
 mod descriptor;
@@ -12,6 +12,7 @@ mod log;
 mod message;
 mod sample;
 mod state;
+mod upload;
 
 pub use decoder::Decoder;
 pub use descriptor::{Channel, Descriptor, Unit, capability};
@@ -22,3 +23,4 @@ pub use log::{Log, Recording};
 pub use message::{Bytes, Message, Mode, Points, Samples, flag};
 pub use sample::{Point, Sample};
 pub use state::{State, fault, refusal};
+pub use upload::{Upload, model_chunks, motion_chunks};
