@@ -225,7 +225,12 @@ fn a_silent_host_loses_the_torque_within_the_heartbeat_for_good() {
         }
         host.wait_alive(0.3);
         let refusals = host.refusals();
-        assert!(host.rig.motor_torque() != 0.0, "{mode:?} {refusals:?} {:?} {:?}", host.rig.state(), host.samples().len());
+        assert!(
+            host.rig.motor_torque() != 0.0,
+            "{mode:?} {refusals:?} {:?} {:?}",
+            host.rig.state(),
+            host.samples().len()
+        );
         host.wait(0.12);
         assert_eq!(host.rig.motor_torque(), 0.0, "{mode:?}");
         assert_eq!(host.rig.state(), State::Fault);
