@@ -9,7 +9,7 @@ mod obey;
 mod rig;
 mod scene;
 mod sensors;
-mod upload;
+mod stage;
 
 pub use handle::Handle;
 pub use rig::{Fixture, Rig, Setup};
