@@ -22,7 +22,7 @@ RUST_ORDER = [
 PYTHON_ORDER = [
     *("_core", "errors", "tables", "finding", "formats", "quality", "capture", "motions", "plugins"),
     *("effects", "own", "models", "model", "prepare", "simulate", "render", "loop_report", "loop"),
-    *("typical", "refit", "fit", "compare"),
+    *("typical", "rig", "refit", "fit", "compare"),
     *(
         "stiction",
         "plausible",
