@@ -15,14 +15,17 @@ if TYPE_CHECKING:
     from ..rig.calibration import Calibration, Run
 
 
+_STILL = 0.05  # rad; an anchored gripper turns by less
+
+
 @styled
 def calibration(found: Calibration) -> Figure:
     """Draw the first spatial and the first torque test: commanded wide and grey, recorded thin, and between.
 
     Raises InputError for a calibration that was read from its file, which has the figures alone.
     """
-    moving = next((run for run in found.tests if np.ptp(run.recorded.theta) > 0.05), None)
-    still = next((run for run in found.tests if run is not moving), None)
+    turned = {bool(np.ptp(run.recorded.theta) > _STILL): run for run in reversed(found.tests)}
+    moving, still = turned.get(True), turned.get(False)
     rows = (_motion(moving, found) if moving else []) + (_torque(still, found) if still else [])
     if not rows:
         raise InputError("calibration: has no recordings to draw; plot what `calibrate` returns")

@@ -32,7 +32,7 @@ _FEWEST = 1000
 
 
 class Run(NamedTuple):
-    """One sensor test: what was commanded, what was recorded, SI, and the C_cal that its alpha was made with."""
+    """One sensor test: what was commanded, what was recorded (SI), and the C_cal behind its alpha."""
 
     commanded: MotionTrack
     recorded: Capture
