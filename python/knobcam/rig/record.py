@@ -60,7 +60,7 @@ def log_path(output: str | os.PathLike[str]) -> Path:
     return path.with_name(Path(name).stem + SUFFIX)
 
 
-def capture(
+def record(
     port: str | Link,
     motion: str | MotionTrack = "sweep",
     *,

@@ -81,6 +81,15 @@ class WireLog:
         return f"WireLog {self.path}: {who}, {len(self.runs)} runs ({runs}), {self.counts['frames']} frames{cut}"
 
 
+def is_log(path: str | os.PathLike[str]) -> bool:
+    """Whether the file begins as a wire log does."""
+    try:
+        with Path(path).open("rb") as file:
+            return file.read(len(wire.MAGIC)) == wire.MAGIC
+    except OSError:
+        return False
+
+
 def begin(path: Path, header: Mapping[str, Any]) -> None:
     """Make a log that holds its header alone. It appears whole; a log that is there is never written over."""
     if path.exists():
