@@ -54,7 +54,7 @@ impl Renderer {
     /// What eight samples ask for if the knob slides in all of them; none for a model that remembers.
     #[inline(always)]
     fn ahead(&self, columns: &Columns<'_>, at: usize) -> Option<Sliding<Pack>> {
-        if self.hidden.is_some() || !self.state.memory.is_empty() || self.own {
+        if self.hidden.is_some() || !self.state.memory.is_empty() || self.own || self.tuning.rush_s != 0.0 {
             return None;
         }
         let clock = Pack(std::array::from_fn(|i| self.clock(self.state.samples + i as u64)));
