@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from ..learn import Story
     from .style import Picture
 
-_DPI = 130
+DPI = 130
 
 
 def save_all(fit: Fit, folder: str | os.PathLike[str], comparison: Comparison | None = None) -> list[Path]:
@@ -78,6 +78,6 @@ def _save(pictures: Mapping[str, Callable[[], Picture]], folder: Path) -> list[P
     paths = []
     for number, (name, draw) in enumerate(pictures.items(), start=1):
         path = folder / f"{number:02d}-{name}.png"
-        draw().savefig(path, dpi=_DPI)
+        draw().savefig(path, dpi=DPI)
         paths.append(path)
     return paths

@@ -150,7 +150,9 @@ class Link:
         if figures.ended:
             raise InputError(f"{self.port}: {figures.ended}; plug the rig in again")
         if figures.log_error:
-            raise InputError(f"the wire log cannot be written any more ({figures.log_error}); free some space")
+            raise InputError(
+                f"the wire log cannot be written any more ({figures.log_error}); free some space"
+            )
 
     def wait(self, seconds: float) -> bool:
         """Listen for so long, or until the rig says something; return whether it did."""
