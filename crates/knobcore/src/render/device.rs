@@ -96,8 +96,9 @@ const USUAL: [f64; 2] = [3e-5, 0.03];
 const USUAL_COUNT: f64 = 9.8e-6;
 /// A speed that no sensor tells from rest, rad/s.
 pub(super) const SLOWEST: f64 = 1e-3;
-/// Finest step of a velocity (that of the paper's sensor), rad/s.
-const FINEST: f64 = 2e-4;
+/// A twentieth of the finest step of a velocity (that of the paper's sensor), rad/s: whatever is not zero is
+/// a direction.
+const DIRECTED: f64 = 1e-5;
 /// Rendered inertia that is beyond this share of the device's own is filtered.
 const LIGHT: f64 = 0.3;
 
@@ -168,5 +169,5 @@ fn spring(inertia: f64, late_s: f64, nature: &Nature, count: f64) -> [f64; 2] {
 /// The same on a handle whose motion is imposed: nothing can ring, and a reversal is to be as sharp as the sensors.
 fn firm(nature: &Nature, count: f64) -> [f64; 2] {
     let hold = nature.hold.max(f64::MIN_POSITIVE);
-    [hold / count.max(USUAL_COUNT), hold / FINEST]
+    [hold / count.max(USUAL_COUNT), hold / DIRECTED]
 }
