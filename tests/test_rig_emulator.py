@@ -26,7 +26,7 @@ def test_its_first_line_is_the_port_and_the_link_leads_there_until_it_ends(tmp_p
     assert process.stdout is not None
     port = process.stdout.readline().strip()
     assert port.startswith("/dev/")
-    assert os.readlink(link) == port
+    assert str(link.readlink()) == port
     process.send_signal(signal.SIGTERM)
     assert process.wait(10) == 0
     assert not link.is_symlink()

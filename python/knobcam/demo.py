@@ -150,6 +150,6 @@ def run(knob: str, effect: str, folder: Path, status: Callable[[str], None]) -> 
 
 
 def feelable(model: Model) -> Model:
-    """Return the model without the effects of the sensor: they are the measuring rig's, and nobody feels them."""
+    """Return the model without the effects of the sensor: no hand feels them, they are the rig's."""
     places = effects(model.axis)
     return Model(model.core.only([name for name in model.effects if places[name].place != "sensor"]))

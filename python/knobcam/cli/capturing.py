@@ -50,7 +50,7 @@ def register(commands: arguments.Commands) -> None:
     )
     parser.add_argument("file", metavar="LOG", help="what to read")
     parser.add_argument(
-        "--run", type=int, metavar="N", help="run of the log: 0 the first, -1 the last (default)"
+        "--run", type=int, dest="place", metavar="N", help="of the log: 0 the first, -1 the last (default)"
     )
     parser.add_argument("--calibration", metavar="FILE", help="default: the one of the recording")
     arguments.add_output(parser, "file", required=True)
@@ -92,8 +92,8 @@ def run_export(args: Namespace) -> Answer:
     status(f"reading {args.file}")
     if is_log(args.file):
         calibration = None if args.calibration is None else Calibration.load(args.calibration)
-        recorded = WireLog.load(args.file).capture(-1 if args.run is None else args.run, calibration)
-    elif args.run is not None or args.calibration is not None:
+        recorded = WireLog.load(args.file).capture(-1 if args.place is None else args.place, calibration)
+    elif args.place is not None or args.calibration is not None:
         raise InputError(f"{args.file}: is no wire log; --run and --calibration are for those alone")
     else:
         recorded = load(args.file)
