@@ -165,7 +165,9 @@ def test_a_model_that_the_rig_cannot_render_is_refused_in_its_words(tmp_path: Pa
     # The first answers are those to the chunks of the motion.
     with Peer(says=Nth("ACK", {9, 10, 11, 12, 13}, refusing)) as peer:
         line = line_of(
-            lambda: kc.record(peer.port, "micro", model="knob1", duration_s=0.01, output=tmp_path / "a.kcwire")
+            lambda: kc.record(
+                peer.port, "micro", model="knob1", duration_s=0.01, output=tmp_path / "a.kcwire"
+            )
         )
     assert "refuses MODEL" in line and "magnet" in line
 
@@ -218,7 +220,9 @@ def test_a_full_disk_keeps_what_was_written(size: int, tmp_path: Path) -> None:
     )
     with EmulatedRig(speed=10.0) as rig:
         words = ["capture", "--port", rig.port, "--motion", "hand", "--duration", "60", "-o", str(log)]
-        ended = subprocess.run([sys.executable, "-c", limited, *words], capture_output=True, text=True, check=False)
+        ended = subprocess.run(
+            [sys.executable, "-c", limited, *words], capture_output=True, text=True, check=False
+        )
     assert ended.returncode == 2 and ended.stdout == ""
     line = ended.stderr.splitlines()[-1]
     assert "File too large" in line and "free some space" in line

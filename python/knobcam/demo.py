@@ -133,9 +133,7 @@ def run(knob: str, effect: str, folder: Path, status: Callable[[str], None]) -> 
     status("drawing")
     from . import plot
 
-    pictures = plot.save_story(story, folder)
-    felt_picture = folder / "rendered.png"
-    plot.position(rendered).savefig(felt_picture, dpi=plot.DPI)
+    pictures = plot.save_story(story, folder, rendered)
     status("writing the report")
     files = {
         "folder": str(folder.absolute()),
@@ -144,7 +142,7 @@ def run(knob: str, effect: str, folder: Path, status: Callable[[str], None]) -> 
         "model": str(fitted),
         "rendered": str(folder / "rendered.npz"),
         "report": str(story.report(folder / "report.html")),
-        "pictures": [str(path) for path in (*pictures, felt_picture)],
+        "pictures": [str(path) for path in pictures],
     }
     return Demo(model, (effect,), story, rendered, files)
 

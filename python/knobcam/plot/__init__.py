@@ -6,7 +6,7 @@ from .calibration import calibration
 from .candidates import diagnosis
 from .change import before_after
 from .failures import comparison
-from .gallery import DPI, save_all, save_story
+from .gallery import save_all, save_story
 from .ladder import ladder
 from .laws import model
 from .movements import movements
@@ -21,7 +21,6 @@ from .timing import timing
 from .torques import fit, position, velocity, zoom
 
 __all__ = [
-    "DPI",
     "before_after",
     "calibration",
     "capture",
