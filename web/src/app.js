@@ -23,7 +23,7 @@ class App {
     this.store = new Store();
     /** @type {State | null} */
     this.state = null;
-    this.view = { isolated: false, band: false };
+    this.view = { isolated: false, band: false, held: true };
     this.drawn = "";
     /** @type {{what: string, start: number} | null} what the person did that is not painted yet */
     this.deed = { what: "first picture", start: 0 };
@@ -38,6 +38,8 @@ class App {
       ask: () => this.ask("diagnose"),
     });
     this.looking = new AbortController();
+    /** @type {string | null} */
+    this.looked = null;
   }
 
   start() {
@@ -65,7 +67,7 @@ class App {
     }
     byId("new-branch").addEventListener("click", () => this.ask("branch", { name: this.branchName() }));
     byId("clear").addEventListener("click", () => this.linked.clear());
-    for (const option of /** @type {(keyof App["view"])[]} */ (["isolated", "band"])) {
+    for (const option of /** @type {(keyof App["view"])[]} */ (["isolated", "band", "held"])) {
       const box = /** @type {HTMLInputElement} */ (byId(option));
       box.addEventListener("change", () => {
         this.view = { ...this.view, [option]: box.checked };
@@ -138,7 +140,10 @@ class App {
     const view = this.view;
     const { what, start } = this.deed ?? { what: "data", start: performance.now() };
     this.deed = null;
-    timed(what, () => this.linked.show({ columns, unit, axis, noise: state.noise_floor }, view), start);
+    this.look(null);
+    const fitted = !state.params.some(({ dragged }) => dragged);
+    const data = { columns, unit, axis, noise: state.noise_floor, fitted };
+    timed(what, () => this.linked.show(data, view), start);
   }
 
   /**
@@ -146,6 +151,8 @@ class App {
    * @param {string | null} effect
    */
   async look(effect) {
+    if (effect === this.looked) return;
+    this.looked = effect;
     this.looking.abort();
     this.looking = new AbortController();
     const { signal } = this.looking;

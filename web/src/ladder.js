@@ -39,9 +39,8 @@ export function showLadder(place, state) {
   const head = make(
     "div",
     { class: "rung head" },
-    make("span", { text: "" }),
-    make("span", { text: floor === null ? "noise floor unknown" : `noise floor ┆ ${shown(floor)} ${scale.unit}` }),
-    make("span", { class: "figure", text: "RMS" }),
+    make("span", { class: "legend", text: floor === null ? "noise floor unknown" : `┆ noise floor ${shown(floor)}` }),
+    make("span", { class: "figure", text: `RMS, ${scale.unit}` }),
     make("span", { class: "figure", text: "unseen" }),
   );
   place.replaceChildren(head, make("ol", {}, ...rungs));

@@ -12,10 +12,11 @@ import { timed } from "./timing.js";
 
 /**
  * What the plots are made of.
- * @typedef {{columns: Columns, unit: string, axis: string, noise: number | null}} Data
+ * @typedef {{columns: Columns, unit: string, axis: string, noise: number | null, fitted: boolean}} Data
  * `columns`: t, theta, omega, tau, model, residual; for isolated components also position_part and
- * velocity_part; for the band also band
- * @typedef {{isolated: boolean, band: boolean}} View
+ * velocity_part; for the band also band. `fitted`: no parameter is dragged away from the fit
+ * @typedef {{isolated: boolean, band: boolean, held: boolean}} View
+ * `held`: the residuals keep the scale of the worst fit, so that they are seen to fall
  */
 
 const ROWS = /** @type {const} */ ([
@@ -53,6 +54,7 @@ export class Linked {
     /** @type {Float32Array | null} */
     this.signature = null;
     this.waiting = false;
+    this.widest = 0;
     new ResizeObserver(() => this.redraw()).observe(this.element);
   }
 
@@ -63,12 +65,17 @@ export class Linked {
    */
   show(data, view) {
     const { columns } = data;
-    if (this.data?.columns.t.length !== columns.t.length) this.clear();
+    if (this.data?.columns.t.length !== columns.t.length) {
+      this.clear();
+      this.widest = 0;
+    }
     this.data = data;
     this.signature = null;
     const word = data.axis === "linear" ? "force" : "torque";
     const rest = limits([columns.residual], { around: 0 });
-    const widest = Math.max(-rest[0], rest[1], 2 * (data.noise ?? 0));
+    const reach = Math.max(-rest[0], rest[1], 2 * (data.noise ?? 0));
+    if (data.fitted) this.widest = Math.max(this.widest, reach);
+    const widest = view.held ? Math.max(this.widest, reach) : reach;
     for (const [at, row] of ROWS.entries()) {
       const axis = data.axis === "linear" ? "linear" : "rotary";
       const [low, high] = limits([columns[row.column]], { air: 0.01 });
@@ -79,9 +86,9 @@ export class Linked {
       const [lowest, highest] = limits([measured, modelled]);
       const scale = torqueScale(data.unit, Math.max(-lowest, highest));
       const series = [
-        { colour: "--measured", chosen: "--chosen", y: measured, strength: 0.45 },
+        { colour: "--measured", chosen: "--chosen", y: measured, strength: 0.4 },
         ...(view.band && columns.band ? band(modelled, columns.band) : []),
-        { colour: "--modelled", chosen: "--modelled", y: modelled, strength: 0.5 },
+        { colour: "--modelled", chosen: "--modelled", y: modelled, strength: 0.35 },
       ];
       this.torques[at].show({
         ...common,
@@ -96,7 +103,7 @@ export class Linked {
         ...common,
         yAxis: { low: -1.04 * widest, high: 1.04 * widest, factor: fine.factor, label: `residual, ${fine.unit}` },
         title: "measured − modelled",
-        series: [{ colour: "--wrong", chosen: "--chosen", y: columns.residual, strength: 0.35 }],
+        series: [{ colour: "--wrong", chosen: "--chosen", y: columns.residual, strength: 0.3 }],
         picked: 0,
         noise: data.noise && 2 * data.noise,
       });

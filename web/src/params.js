@@ -56,7 +56,7 @@ export class Params {
         make("th", { scope: "row", title: param.odd ?? param.name }, param.name, odd),
         make("td", {}, slider),
         make("td", { class: "value", title: `95 % interval ${between} ${param.unit}` }, value),
-        make("td", { class: "soft unit", text: param.unit }),
+        make("td", { class: "soft unit", text: param.unit, title: param.unit }),
       );
     });
     this.place.replaceChildren(make("table", { class: "params" }, make("tbody", {}, ...lines)));

@@ -49,8 +49,10 @@ function dotOffsets({ dot, width }) {
   return Array.from({ length: dot * dot }, (_, at) => Math.floor(at / dot) * width + (at % dot));
 }
 
+const USUAL = 4; // times the mean count of points on a pixel have the full colour
+
 /**
- * Draw a cloud over what is there; where more points meet, the colour is fuller.
+ * Draw a cloud over what is there; where more points meet, the colour is fuller, by the logarithm of how many.
  *
  * @param {Uint32Array} image opaque pixels
  * @param {Int32Array} pixels of `place`
@@ -60,13 +62,17 @@ function dotOffsets({ dot, width }) {
  */
 export function drawCloud(image, pixels, frame, colour, strength) {
   const counts = new Uint16Array(image.length);
+  let [points, hit] = [0, 0];
   for (const offset of dotOffsets(frame)) {
     for (let i = 0; i < pixels.length; i++) {
-      if (pixels[i] >= 0) counts[pixels[i] + offset]++;
+      if (pixels[i] < 0) continue;
+      points++;
+      if (counts[pixels[i] + offset]++ === 0) hit++;
     }
   }
-  const full = 64;
-  const weights = Float32Array.from({ length: full + 1 }, (_, n) => 1 - (1 - strength) ** n);
+  const full = Math.max(2, Math.ceil((USUAL * points) / Math.max(1, hit)));
+  const rise = (1 - strength) / Math.log(full);
+  const weights = Float32Array.from({ length: full + 1 }, (_, n) => strength + rise * Math.log(Math.max(1, n)));
   for (let at = 0; at < counts.length; at++) {
     if (counts[at] > 0) image[at] = mixed(image[at], colour, weights[Math.min(counts[at], full)]);
   }

@@ -336,9 +336,8 @@ function showLadder(place3, state) {
   const head = make(
     "div",
     { class: "rung head" },
-    make("span", { text: "" }),
-    make("span", { text: floor === null ? "noise floor unknown" : `noise floor ┆ ${shown(floor)} ${scale.unit}` }),
-    make("span", { class: "figure", text: "RMS" }),
+    make("span", { class: "legend", text: floor === null ? "noise floor unknown" : `┆ noise floor ${shown(floor)}` }),
+    make("span", { class: "figure", text: `RMS, ${scale.unit}` }),
     make("span", { class: "figure", text: "unseen" })
   );
   place3.replaceChildren(head, make("ol", {}, ...rungs));
@@ -602,15 +601,20 @@ function place(xs, ys, frame) {
 function dotOffsets({ dot, width }) {
   return Array.from({ length: dot * dot }, (_, at) => Math.floor(at / dot) * width + at % dot);
 }
+var USUAL = 4;
 function drawCloud(image, pixels, frame, colour, strength) {
   const counts = new Uint16Array(image.length);
+  let [points, hit] = [0, 0];
   for (const offset of dotOffsets(frame)) {
     for (let i = 0; i < pixels.length; i++) {
-      if (pixels[i] >= 0) counts[pixels[i] + offset]++;
+      if (pixels[i] < 0) continue;
+      points++;
+      if (counts[pixels[i] + offset]++ === 0) hit++;
     }
   }
-  const full = 64;
-  const weights = Float32Array.from({ length: full + 1 }, (_, n) => 1 - (1 - strength) ** n);
+  const full = Math.max(2, Math.ceil(USUAL * points / Math.max(1, hit)));
+  const rise = (1 - strength) / Math.log(full);
+  const weights = Float32Array.from({ length: full + 1 }, (_, n) => strength + rise * Math.log(Math.max(1, n)));
   for (let at = 0; at < counts.length; at++) {
     if (counts[at] > 0) image[at] = mixed(image[at], colour, weights[Math.min(counts[at], full)]);
   }
@@ -820,6 +824,7 @@ var Linked = class {
     this.chosen = null;
     this.signature = null;
     this.waiting = false;
+    this.widest = 0;
     new ResizeObserver(() => this.redraw()).observe(this.element);
   }
   /**
@@ -829,12 +834,17 @@ var Linked = class {
    */
   show(data, view) {
     const { columns } = data;
-    if (this.data?.columns.t.length !== columns.t.length) this.clear();
+    if (this.data?.columns.t.length !== columns.t.length) {
+      this.clear();
+      this.widest = 0;
+    }
     this.data = data;
     this.signature = null;
     const word = data.axis === "linear" ? "force" : "torque";
     const rest = limits([columns.residual], { around: 0 });
-    const widest = Math.max(-rest[0], rest[1], 2 * (data.noise ?? 0));
+    const reach = Math.max(-rest[0], rest[1], 2 * (data.noise ?? 0));
+    if (data.fitted) this.widest = Math.max(this.widest, reach);
+    const widest = view.held ? Math.max(this.widest, reach) : reach;
     for (const [at, row] of ROWS.entries()) {
       const axis = data.axis === "linear" ? "linear" : "rotary";
       const [low, high] = limits([columns[row.column]], { air: 0.01 });
@@ -845,9 +855,9 @@ var Linked = class {
       const [lowest, highest] = limits([measured, modelled]);
       const scale = torqueScale(data.unit, Math.max(-lowest, highest));
       const series = [
-        { colour: "--measured", chosen: "--chosen", y: measured, strength: 0.45 },
+        { colour: "--measured", chosen: "--chosen", y: measured, strength: 0.4 },
         ...view.band && columns.band ? band(modelled, columns.band) : [],
-        { colour: "--modelled", chosen: "--modelled", y: modelled, strength: 0.5 }
+        { colour: "--modelled", chosen: "--modelled", y: modelled, strength: 0.35 }
       ];
       this.torques[at].show({
         ...common,
@@ -862,7 +872,7 @@ var Linked = class {
         ...common,
         yAxis: { low: -1.04 * widest, high: 1.04 * widest, factor: fine.factor, label: `residual, ${fine.unit}` },
         title: "measured − modelled",
-        series: [{ colour: "--wrong", chosen: "--chosen", y: columns.residual, strength: 0.35 }],
+        series: [{ colour: "--wrong", chosen: "--chosen", y: columns.residual, strength: 0.3 }],
         picked: 0,
         noise: data.noise && 2 * data.noise
       });
@@ -1006,7 +1016,7 @@ var Params = class {
         make("th", { scope: "row", title: param.odd ?? param.name }, param.name, odd),
         make("td", {}, slider),
         make("td", { class: "value", title: `95 % interval ${between2} ${param.unit}` }, value),
-        make("td", { class: "soft unit", text: param.unit })
+        make("td", { class: "soft unit", text: param.unit, title: param.unit })
       );
     });
     this.place.replaceChildren(make("table", { class: "params" }, make("tbody", {}, ...lines)));
@@ -1148,7 +1158,7 @@ var App = class {
   constructor() {
     this.store = new Store();
     this.state = null;
-    this.view = { isolated: false, band: false };
+    this.view = { isolated: false, band: false, held: true };
     this.drawn = "";
     this.deed = { what: "first picture", start: 0 };
     this.linked = new Linked((words) => byId("chosen").textContent = words ?? BRUSH_HINT);
@@ -1162,6 +1172,7 @@ var App = class {
       ask: () => this.ask("diagnose")
     });
     this.looking = new AbortController();
+    this.looked = null;
   }
   start() {
     const heard = {
@@ -1190,7 +1201,7 @@ var App = class {
     for (
       const option of
       /** @type {(keyof App["view"])[]} */
-      ["isolated", "band"]
+      ["isolated", "band", "held"]
     ) {
       const box = (
         /** @type {HTMLInputElement} */
@@ -1262,13 +1273,18 @@ var App = class {
     const view = this.view;
     const { what, start } = this.deed ?? { what: "data", start: performance.now() };
     this.deed = null;
-    timed(what, () => this.linked.show({ columns, unit, axis, noise: state.noise_floor }, view), start);
+    this.look(null);
+    const fitted = !state.params.some(({ dragged }) => dragged);
+    const data = { columns, unit, axis, noise: state.noise_floor, fitted };
+    timed(what, () => this.linked.show(data, view), start);
   }
   /**
    * Show what an effect would explain.
    * @param {string | null} effect
    */
   async look(effect) {
+    if (effect === this.looked) return;
+    this.looked = effect;
     this.looking.abort();
     this.looking = new AbortController();
     const { signal } = this.looking;
