@@ -16,6 +16,7 @@ export class Candidates {
     this.deeds = deeds;
     this.shown = "";
     this.at = 0;
+    this.inside = false; // whether the keys were here when the list went away
     /** @type {HTMLElement[]} */
     this.items = [];
     place.addEventListener("keydown", (event) => this.key(event));
@@ -26,7 +27,7 @@ export class Candidates {
     const shown = JSON.stringify([candidates, node, job?.id]);
     if (shown === this.shown) return;
     this.shown = shown;
-    const focused = this.items.some((item) => item === document.activeElement);
+    this.inside ||= this.place.contains(document.activeElement);
     this.at = 0;
     this.items = candidates.rows.map((row, at) => this.item(row, at));
     const ask = make("button", {
@@ -42,7 +43,8 @@ export class Candidates {
       list,
       ...remainder(candidates.unexplained),
     );
-    if (focused) this.items[0]?.focus();
+    if (this.inside && document.activeElement === document.body) (this.items[0] ?? ask).focus();
+    if (this.items.length > 0 || document.activeElement !== document.body) this.inside = false;
   }
 
   /** @param {Candidate} row @param {number} at */

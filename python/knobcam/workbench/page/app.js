@@ -129,6 +129,7 @@ var Candidates = class {
     this.deeds = deeds;
     this.shown = "";
     this.at = 0;
+    this.inside = false;
     this.items = [];
     place3.addEventListener("keydown", (event) => this.key(event));
   }
@@ -137,7 +138,7 @@ var Candidates = class {
     const shown = JSON.stringify([candidates, node, job?.id]);
     if (shown === this.shown) return;
     this.shown = shown;
-    const focused = this.items.some((item) => item === document.activeElement);
+    this.inside ||= this.place.contains(document.activeElement);
     this.at = 0;
     this.items = candidates.rows.map((row, at) => this.item(row, at));
     const ask = make("button", {
@@ -151,7 +152,8 @@ var Candidates = class {
       list,
       ...remainder(candidates.unexplained)
     );
-    if (focused) this.items[0]?.focus();
+    if (this.inside && document.activeElement === document.body) (this.items[0] ?? ask).focus();
+    if (this.items.length > 0 || document.activeElement !== document.body) this.inside = false;
   }
   /** @param {Candidate} row @param {number} at */
   item(row, at) {
