@@ -31,7 +31,10 @@ class App {
     byId("plots").append(this.linked.element);
     this.refresh = latest((/** @type {true} */ _) => this.load());
     this.drag = latest((/** @type {Record<string, number>} */ values) => this.ask("params", values, "drag"));
-    this.params = new Params(byId("params"), (values) => this.drag(values));
+    this.params = new Params(byId("params"), {
+      drag: (values) => this.drag(values),
+      drop: (effect) => this.ask("drop", { effect }, "drop"),
+    });
     this.candidates = new Candidates(byId("candidates"), {
       look: (effect) => this.look(effect),
       add: (effect) => this.ask("add", { effect }, "add"),
@@ -221,10 +224,7 @@ function enable(id, possible) {
 function showCaptures(place, { captures, active }) {
   const shown = captures.map(({ id, name, samples, rate_hz, findings }) => {
     const facts = `${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
-    const words = findings.map((finding) =>
-      typeof finding === "string" ? finding : (finding.message ?? finding.text ?? JSON.stringify(finding)),
-    );
-    const odd = words.length > 0 ? make("span", { class: "odd", text: ` ⚠ ${words.length}`, title: words.join("\n") }) : null;
+    const odd = findings.length > 0 ? make("span", { class: "odd", text: ` ⚠ ${findings.length}`, title: findings.join("\n") }) : null;
     const kind = active.includes(id) ? "capture" : "capture soft";
     return make("span", { class: kind, title: name }, make("strong", { text: name }), ` ${facts}`, odd);
   });

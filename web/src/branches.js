@@ -14,8 +14,8 @@ export function showBranches(place, state, chosen) {
   const tabs = state.branches.map(({ id, name, steps, at }) => {
     const step = steps[at];
     const scale = torqueScale(state.unit, step?.rmse ?? 0);
-    const added = steps.slice(1, at + 1).map((one) => one.added).filter(Boolean);
-    const words = added.length > 0 ? `with ${added.join(", ")}` : "nothing added";
+    const changes = steps.slice(1, at + 1).map(({ added, dropped }) => (added ? `+ ${added}` : `− ${dropped}`));
+    const words = changes.join(" ") || "nothing added";
     return make(
       "button",
       {

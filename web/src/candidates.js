@@ -51,12 +51,11 @@ export class Candidates {
   item(row, at) {
     const bar = make("span", { class: "bar" });
     bar.style.width = `${100 * Math.min(1, Math.max(0, row.error_fall))}%`;
-    const alike = [...new Set([...row.equivalent, ...row.confused])];
     const add = make("button", {
       ...{ type: "button", text: "Add", tabindex: -1, "aria-label": `add ${row.effect}` },
       on: { click: () => this.deeds.add(row.effect) },
     });
-    const chance = row.p_value <= 0.05 ? "" : " chance";
+    const chance = beyondChance(row) ? "" : " chance";
     return make(
       "li",
       {
@@ -69,12 +68,12 @@ export class Candidates {
           blur: () => this.deeds.look(null),
         },
       },
-      make("span", { class: "label", text: row.effect }),
+      make("span", { class: "label", text: row.effect, title: row.shows ?? row.effect }),
       make("span", { class: "track" }, bar),
       make("span", { class: "figure", text: `−${percent(Math.max(0, row.error_fall))}`, title: "fall of the RMS error" }),
       add,
       make("span", { class: "evidence soft", text: evidence(row) }),
-      alike.length > 0 ? make("span", { class: "alike soft", text: `hard to tell from ${alike.join(", ")}` }) : null,
+      ...remarks(row).map((text) => make("span", { class: "alike soft", text })),
       ...row.unphysical.map((text) => make("span", { class: "alike odd", text: `⚠ ${text}` })),
     );
   }
@@ -104,9 +103,27 @@ export class Candidates {
 }
 
 /** @param {Candidate} row */
-function evidence({ p_value }) {
-  if (p_value > 0.05) return `chance would do as well: p = ${number(p_value, 2)}`;
-  return p_value < 0.001 ? "beyond chance: p < 0.001" : `beyond chance: p = ${number(p_value, 2)}`;
+function beyondChance({ beyond_chance, p_value }) {
+  return beyond_chance ?? p_value <= 0.05;
+}
+
+/** @param {Candidate} row */
+function evidence(row) {
+  const chance = row.p_value <= 0.001 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
+  return beyondChance(row) ? `beyond chance (${chance})` : `no more than chance (${chance})`;
+}
+
+/**
+ * What else there is to say about a candidate, a line each.
+ * @param {Candidate} row
+ */
+function remarks({ equivalent, confused, note }) {
+  const others = confused.filter((effect) => !equivalent.includes(effect));
+  return [
+    equivalent.length > 0 ? `this capture cannot tell it from ${equivalent.join(", ")}` : "",
+    others.length > 0 ? `often confused with ${others.join(", ")}` : "",
+    note ?? "",
+  ].filter(Boolean);
 }
 
 /** @param {State["candidates"]["unexplained"]} unexplained */

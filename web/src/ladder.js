@@ -18,10 +18,10 @@ export function showLadder(place, state) {
   const scale = torqueScale(state.unit, widest);
   const shown = (/** @type {number} */ value) => number(value * scale.factor);
 
-  const rungs = steps.map(({ added, rmse, rmse_heldout }, at) => {
+  const rungs = steps.map(({ added, dropped, rmse, rmse_heldout }, at) => {
     const now = at === branch?.at;
     const undone = at > (branch?.at ?? 0);
-    const label = added ? `+ ${added}` : "first model";
+    const label = added ? `+ ${added}` : dropped ? `− ${dropped}` : at === 0 ? "first model" : "fitted anew";
     const bar = make("span", { class: "bar" });
     const held = make("span", { class: "held" });
     bar.style.width = `${(100 * rmse) / widest}%`;

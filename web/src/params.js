@@ -10,11 +10,11 @@ const STEPS = 400; // of a slider
 export class Params {
   /**
    * @param {HTMLElement} place
-   * @param {(values: Record<string, number>) => void} dragged
+   * @param {{drag: (values: Record<string, number>) => void, drop: (effect: string) => void}} deeds
    */
-  constructor(place, dragged) {
+  constructor(place, deeds) {
     this.place = place;
-    this.dragged = dragged;
+    this.deeds = deeds;
     /** @type {Map<string, {slider: HTMLInputElement, value: HTMLElement, low: number, high: number}>} */
     this.rows = new Map();
     /** @type {string} */
@@ -39,28 +39,46 @@ export class Params {
   build(params) {
     const focused = document.activeElement?.getAttribute("data-param");
     this.rows.clear();
-    const lines = params.map((param) => {
-      const { low, high } = span(param);
-      const slider = make("input", {
-        ...{ type: "range", min: 0, max: STEPS, step: 1, value: place(param.value, { low, high }) },
-        ...{ "aria-label": param.name, "data-param": param.name, disabled: param.role === "fixed" },
-        on: { input: () => this.drag(param.name) },
-      });
-      const value = make("span", { class: "figure" });
-      this.rows.set(param.name, { slider, value, low, high });
-      const between = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
-      const odd = param.odd ? make("span", { class: "odd", text: "⚠", title: param.odd, "aria-label": param.odd }) : null;
-      return make(
-        "tr",
-        {},
-        make("th", { scope: "row", title: param.odd ?? param.name }, param.name, odd),
-        make("td", {}, slider),
-        make("td", { class: "value", title: `95 % interval ${between} ${param.unit}` }, value),
-        make("td", { class: "soft unit", text: param.unit, title: param.unit }),
-      );
-    });
+    const groups = Map.groupBy(params, ({ name }) => name.split(".")[0]);
+    const lines = [...groups].flatMap(([effect, own]) => [
+      this.heading(effect, groups.size > 1),
+      ...own.map((param) => this.line(param)),
+    ]);
     this.place.replaceChildren(make("table", { class: "params" }, make("tbody", {}, ...lines)));
     if (focused) this.rows.get(focused)?.slider.focus();
+  }
+
+  /** @param {string} effect @param {boolean} removable */
+  heading(effect, removable) {
+    const drop = make("button", {
+      ...{ type: "button", text: "×", title: `remove ${effect}`, "aria-label": `remove ${effect}` },
+      on: { click: () => this.deeds.drop(effect) },
+    });
+    const name = make("th", { scope: "rowgroup", colspan: 3, text: effect });
+    return make("tr", { class: "effect" }, name, make("td", { class: "remove" }, removable ? drop : ""));
+  }
+
+  /** @param {Param} param */
+  line(param) {
+    const { low, high } = span(param);
+    const slider = make("input", {
+      ...{ type: "range", min: 0, max: STEPS, step: 1, value: place(param.value, { low, high }) },
+      ...{ "aria-label": param.name, "data-param": param.name, disabled: param.role === "fixed" },
+      on: { input: () => this.drag(param.name) },
+    });
+    const value = make("span", { class: "figure" });
+    this.rows.set(param.name, { slider, value, low, high });
+    const between = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
+    const odd = param.odd ? make("span", { class: "odd", text: " ⚠", "aria-label": param.odd }) : null;
+    const about = [param.name, param.meaning, param.odd].filter(Boolean).join(": ");
+    return make(
+      "tr",
+      {},
+      make("th", { scope: "row", title: about }, param.name.split(".").slice(1).join("."), odd),
+      make("td", {}, slider),
+      make("td", { class: "value", title: `95 % interval ${between} ${param.unit}` }, value),
+      make("td", { class: "soft unit", text: param.unit, title: param.unit }),
+    );
   }
 
   /** @param {string} name */
@@ -70,7 +88,7 @@ export class Params {
     const value = row.low + (Number(row.slider.value) / STEPS) * (row.high - row.low);
     row.value.textContent = number(value, 4);
     row.value.classList.add("moved");
-    this.dragged({ [name]: value });
+    this.deeds.drag({ [name]: value });
   }
 }
 

@@ -102,8 +102,8 @@ function showBranches(place3, state, chosen) {
   const tabs = state.branches.map(({ id, name, steps, at }) => {
     const step = steps[at];
     const scale = torqueScale(state.unit, step?.rmse ?? 0);
-    const added = steps.slice(1, at + 1).map((one) => one.added).filter(Boolean);
-    const words = added.length > 0 ? `with ${added.join(", ")}` : "nothing added";
+    const changes = steps.slice(1, at + 1).map(({ added, dropped }) => added ? `+ ${added}` : `− ${dropped}`);
+    const words = changes.join(" ") || "nothing added";
     return make(
       "button",
       {
@@ -159,12 +159,11 @@ var Candidates = class {
   item(row, at) {
     const bar = make("span", { class: "bar" });
     bar.style.width = `${100 * Math.min(1, Math.max(0, row.error_fall))}%`;
-    const alike = [.../* @__PURE__ */ new Set([...row.equivalent, ...row.confused])];
     const add = make("button", {
       ...{ type: "button", text: "Add", tabindex: -1, "aria-label": `add ${row.effect}` },
       on: { click: () => this.deeds.add(row.effect) }
     });
-    const chance = row.p_value <= 0.05 ? "" : " chance";
+    const chance = beyondChance(row) ? "" : " chance";
     return make(
       "li",
       {
@@ -177,12 +176,12 @@ var Candidates = class {
           blur: () => this.deeds.look(null)
         }
       },
-      make("span", { class: "label", text: row.effect }),
+      make("span", { class: "label", text: row.effect, title: row.shows ?? row.effect }),
       make("span", { class: "track" }, bar),
       make("span", { class: "figure", text: `−${percent(Math.max(0, row.error_fall))}`, title: "fall of the RMS error" }),
       add,
       make("span", { class: "evidence soft", text: evidence(row) }),
-      alike.length > 0 ? make("span", { class: "alike soft", text: `hard to tell from ${alike.join(", ")}` }) : null,
+      ...remarks(row).map((text) => make("span", { class: "alike soft", text })),
       ...row.unphysical.map((text) => make("span", { class: "alike odd", text: `⚠ ${text}` }))
     );
   }
@@ -211,9 +210,20 @@ var Candidates = class {
     }
   }
 };
-function evidence({ p_value }) {
-  if (p_value > 0.05) return `chance would do as well: p = ${number(p_value, 2)}`;
-  return p_value < 1e-3 ? "beyond chance: p < 0.001" : `beyond chance: p = ${number(p_value, 2)}`;
+function beyondChance({ beyond_chance, p_value }) {
+  return beyond_chance ?? p_value <= 0.05;
+}
+function evidence(row) {
+  const chance = row.p_value <= 1e-3 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
+  return beyondChance(row) ? `beyond chance (${chance})` : `no more than chance (${chance})`;
+}
+function remarks({ equivalent, confused, note }) {
+  const others = confused.filter((effect) => !equivalent.includes(effect));
+  return [
+    equivalent.length > 0 ? `this capture cannot tell it from ${equivalent.join(", ")}` : "",
+    others.length > 0 ? `often confused with ${others.join(", ")}` : "",
+    note ?? ""
+  ].filter(Boolean);
 }
 function remainder(unexplained) {
   if (!unexplained) return [];
@@ -317,10 +327,10 @@ function showLadder(place3, state) {
   const widest = Math.max(...errors.filter(Number.isFinite), floor ?? 0) * 1.02;
   const scale = torqueScale(state.unit, widest);
   const shown = (value) => number(value * scale.factor);
-  const rungs = steps.map(({ added, rmse, rmse_heldout }, at) => {
+  const rungs = steps.map(({ added, dropped, rmse, rmse_heldout }, at) => {
     const now = at === branch?.at;
     const undone = at > (branch?.at ?? 0);
-    const label = added ? `+ ${added}` : "first model";
+    const label = added ? `+ ${added}` : dropped ? `− ${dropped}` : at === 0 ? "first model" : "fitted anew";
     const bar = make("span", { class: "bar" });
     const held = make("span", { class: "held" });
     bar.style.width = `${100 * rmse / widest}%`;
@@ -976,11 +986,11 @@ var STEPS = 400;
 var Params = class {
   /**
    * @param {HTMLElement} place
-   * @param {(values: Record<string, number>) => void} dragged
+   * @param {{drag: (values: Record<string, number>) => void, drop: (effect: string) => void}} deeds
    */
-  constructor(place3, dragged) {
+  constructor(place3, deeds) {
     this.place = place3;
-    this.dragged = dragged;
+    this.deeds = deeds;
     this.rows = /* @__PURE__ */ new Map();
     this.shape = "";
   }
@@ -1001,28 +1011,44 @@ var Params = class {
   build(params) {
     const focused = document.activeElement?.getAttribute("data-param");
     this.rows.clear();
-    const lines = params.map((param) => {
-      const { low, high } = span(param);
-      const slider = make("input", {
-        ...{ type: "range", min: 0, max: STEPS, step: 1, value: place2(param.value, { low, high }) },
-        ...{ "aria-label": param.name, "data-param": param.name, disabled: param.role === "fixed" },
-        on: { input: () => this.drag(param.name) }
-      });
-      const value = make("span", { class: "figure" });
-      this.rows.set(param.name, { slider, value, low, high });
-      const between2 = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
-      const odd = param.odd ? make("span", { class: "odd", text: "⚠", title: param.odd, "aria-label": param.odd }) : null;
-      return make(
-        "tr",
-        {},
-        make("th", { scope: "row", title: param.odd ?? param.name }, param.name, odd),
-        make("td", {}, slider),
-        make("td", { class: "value", title: `95 % interval ${between2} ${param.unit}` }, value),
-        make("td", { class: "soft unit", text: param.unit, title: param.unit })
-      );
-    });
+    const groups = Map.groupBy(params, ({ name }) => name.split(".")[0]);
+    const lines = [...groups].flatMap(([effect, own]) => [
+      this.heading(effect, groups.size > 1),
+      ...own.map((param) => this.line(param))
+    ]);
     this.place.replaceChildren(make("table", { class: "params" }, make("tbody", {}, ...lines)));
     if (focused) this.rows.get(focused)?.slider.focus();
+  }
+  /** @param {string} effect @param {boolean} removable */
+  heading(effect, removable) {
+    const drop = make("button", {
+      ...{ type: "button", text: "×", title: `remove ${effect}`, "aria-label": `remove ${effect}` },
+      on: { click: () => this.deeds.drop(effect) }
+    });
+    const name = make("th", { scope: "rowgroup", colspan: 3, text: effect });
+    return make("tr", { class: "effect" }, name, make("td", { class: "remove" }, removable ? drop : ""));
+  }
+  /** @param {Param} param */
+  line(param) {
+    const { low, high } = span(param);
+    const slider = make("input", {
+      ...{ type: "range", min: 0, max: STEPS, step: 1, value: place2(param.value, { low, high }) },
+      ...{ "aria-label": param.name, "data-param": param.name, disabled: param.role === "fixed" },
+      on: { input: () => this.drag(param.name) }
+    });
+    const value = make("span", { class: "figure" });
+    this.rows.set(param.name, { slider, value, low, high });
+    const between2 = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
+    const odd = param.odd ? make("span", { class: "odd", text: " ⚠", "aria-label": param.odd }) : null;
+    const about = [param.name, param.meaning, param.odd].filter(Boolean).join(": ");
+    return make(
+      "tr",
+      {},
+      make("th", { scope: "row", title: about }, param.name.split(".").slice(1).join("."), odd),
+      make("td", {}, slider),
+      make("td", { class: "value", title: `95 % interval ${between2} ${param.unit}` }, value),
+      make("td", { class: "soft unit", text: param.unit, title: param.unit })
+    );
   }
   /** @param {string} name */
   drag(name) {
@@ -1031,7 +1057,7 @@ var Params = class {
     const value = row.low + Number(row.slider.value) / STEPS * (row.high - row.low);
     row.value.textContent = number(value, 4);
     row.value.classList.add("moved");
-    this.dragged({ [name]: value });
+    this.deeds.drag({ [name]: value });
   }
 };
 function span({ fitted, ci95, lower, upper }) {
@@ -1167,7 +1193,10 @@ var App = class {
     byId("plots").append(this.linked.element);
     this.refresh = latest((_) => this.load());
     this.drag = latest((values) => this.ask("params", values, "drag"));
-    this.params = new Params(byId("params"), (values) => this.drag(values));
+    this.params = new Params(byId("params"), {
+      drag: (values) => this.drag(values),
+      drop: (effect) => this.ask("drop", { effect }, "drop")
+    });
     this.candidates = new Candidates(byId("candidates"), {
       look: (effect) => this.look(effect),
       add: (effect) => this.ask("add", { effect }, "add"),
@@ -1349,10 +1378,7 @@ function enable(id, possible) {
 function showCaptures(place3, { captures, active }) {
   const shown = captures.map(({ id, name, samples, rate_hz, findings }) => {
     const facts = `${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
-    const words = findings.map(
-      (finding) => typeof finding === "string" ? finding : finding.message ?? finding.text ?? JSON.stringify(finding)
-    );
-    const odd = words.length > 0 ? make("span", { class: "odd", text: ` ⚠ ${words.length}`, title: words.join("\n") }) : null;
+    const odd = findings.length > 0 ? make("span", { class: "odd", text: ` ⚠ ${findings.length}`, title: findings.join("\n") }) : null;
     const kind = active.includes(id) ? "capture" : "capture soft";
     return make("span", { class: kind, title: name }, make("strong", { text: name }), ` ${facts}`, odd);
   });
