@@ -33,6 +33,7 @@ PYTHON_ORDER = [
         "selection",
         "learn",
         "plot",
+        "linked",
         "report",
     ),
     *("demo", "cli", "__main__", "__init__"),

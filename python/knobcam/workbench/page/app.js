@@ -1016,7 +1016,8 @@ var Params = class {
       this.heading(effect, groups.size > 1),
       ...own.map((param) => this.line(param))
     ]);
-    this.place.replaceChildren(make("table", { class: "params" }, make("tbody", {}, ...lines)));
+    const widths = make("colgroup", {}, ...["name", "slide", "value", "unit"].map((name) => make("col", { class: name })));
+    this.place.replaceChildren(make("table", { class: "params" }, widths, make("tbody", {}, ...lines)));
     if (focused) this.rows.get(focused)?.slider.focus();
   }
   /** @param {string} effect @param {boolean} removable */
