@@ -180,6 +180,13 @@ class Fit:
         """
         return refit.add(self, effect)
 
+    def drop(self, effect: str) -> Fit:
+        """Return the fit without one of its effects and those that change it, the rest fitted anew.
+
+        Raises InputError for an effect that the model does not have, or that is its only one.
+        """
+        return refit.settle(refit.drop(self, effect))
+
     @property
     def error_fall(self) -> float:
         """The part of the RMS error of `before` that is gone; 0 for a fit that comes from none."""

@@ -54,9 +54,16 @@ def settle(fit: Fit) -> Fit:
 
 
 def drop(fit: Fit, effect: str) -> Fit:
-    """Return the fit without an effect, and without those that change it; the rest fitted anew from there."""
+    """Return the fit without an effect, and without those that change it; the rest fitted anew from there.
+
+    Raises InputError for an effect that the model does not have, or that is its only one.
+    """
+    if effect not in fit.model.effects:
+        raise InputError(f"effect '{effect}' is not in the model, which has {', '.join(fit.model.effects)}")
     catalogue = effects(fit.model.axis)
     kept = [one for one in fit.model.effects if one != effect and catalogue[one].needs != effect]
+    if not kept:
+        raise InputError(f"effect '{effect}' is all that the model has; add another one first")
     model = fit.core.model.only(kept)
     return replace(fit, core=_core.refine(cores(fit), model, False), before=fit)
 

@@ -12,9 +12,10 @@ import warnings
 from typing import TYPE_CHECKING
 
 from ..errors import InputError, KnobcamWarning
+from ..strict_json import as_json
 from . import calibrating, capturing, catalogue, demonstrate, emulating, fitting, learning, recording
 from .arguments import Parser, VersionAction
-from .output import as_json, status
+from .output import status
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

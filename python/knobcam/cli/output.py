@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import math
 import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping
@@ -27,21 +25,6 @@ class Answer(NamedTuple):
     text: str
     document: Mapping[str, Any]
     messages: tuple[str, ...] = ()
-
-
-def as_json(document: Mapping[str, Any]) -> str:
-    """Return the document as JSON; numbers that JSON does not have (nan, inf) become null."""
-    return json.dumps(_plain(document), allow_nan=False, indent=1)
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return str(value) if isinstance(value, Path) else value
 
 
 def status(text: str | None) -> None:

@@ -1,0 +1,24 @@
+"""Documents as JSON that every reader takes."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+
+def as_json(document: Mapping[str, Any], indent: int | None = 1) -> str:
+    """Return the document as JSON; numbers that JSON does not have (nan, inf) become null."""
+    return json.dumps(_plain(document), allow_nan=False, indent=indent)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return str(value) if isinstance(value, Path) else value

@@ -1,0 +1,61 @@
+"""Columns of samples as bytes: a line of JSON, then 32-bit floats, which a browser reads without a copy."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from ..diagnose import Candidate
+    from ..formats.table import FloatArray
+    from .view import View
+
+_MOTION = ("t", "theta", "omega", "alpha", "tau", "tau_raw")
+_MODEL: Mapping[str, Callable[[View, int], FloatArray]] = {
+    "model": lambda view, at: view.torque(at),
+    "residual": lambda view, at: view.residual(at),
+    "band": lambda view, at: view.band(at),
+    "position_part": lambda view, at: view.part(at, "position"),
+    "velocity_part": lambda view, at: view.part(at, "velocity"),
+}
+NAMES = (*_MOTION, *_MODEL)
+_ALIGNED = 4  # bytes of a 32-bit float
+
+
+def columns(view: View, at: int, names: Sequence[str]) -> bytes:
+    """Return columns over all samples of a capture, `at` its place in the fit; NaN at masked samples.
+
+    Measured torque and everything modelled are after the measurement filter, `tau_raw` is before it. Raises
+    InputError for an unknown name.
+    """
+    for name in names:
+        if name not in NAMES:
+            raise InputError(f"names: {name!r} is no column; there are {', '.join(NAMES)}")
+    if not names:
+        raise InputError(f"names is empty; there are {', '.join(NAMES)}")
+    signals = view.fit.prepared[at]
+    found = {}
+    for name in names:
+        found[name] = _MODEL[name](view, at) if name in _MODEL else signals.on_capture(getattr(signals, name))
+    return packed(found)
+
+
+def signature(candidate: Candidate, view: View, at: int) -> bytes:
+    """Return what an effect would explain of the residual on a capture, N m: one column, its id the name."""
+    signals = view.fit.prepared[at]
+    step = candidate.fit.model.core.torque(signals.core) - view.model.core.torque(signals.core)
+    return packed({candidate.effect: signals.on_capture(step)})
+
+
+def packed(found: Mapping[str, FloatArray]) -> bytes:
+    """Return columns of one length as a header line, filled up to whole floats, and their values."""
+    n = len(next(iter(found.values())))
+    head = json.dumps({"names": list(found), "n": n, "dtype": "f32"}).encode() + b"\n"
+    head += bytes(-len(head) % _ALIGNED)
+    return head + b"".join(np.ascontiguousarray(values, dtype="<f4").tobytes() for values in found.values())

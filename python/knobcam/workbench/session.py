@@ -1,0 +1,289 @@
+"""A session at the workbench: captures, fits, branches, what was weighed. Knows nothing of the web."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Callable, Collection, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .. import refit
+from ..capture import load
+from ..diagnose import Diagnosis, diagnose
+from ..effects import effects
+from ..errors import InputError
+from ..fit import Fit, fit
+from .tree import Branch, How, Node, Opened
+from .view import View
+
+if TYPE_CHECKING:
+    from ..capture import Capture
+    from ..formats.columnmap import ColumnMap
+
+Tell = Callable[[str], None]
+"""Told each round of long work; raises where the work is no longer wanted, and then nothing has changed."""
+_VIEWS = 32  # of a dragged parameter that can still be looked at
+_NAME = 80  # characters of a branch's name
+
+
+def _quiet(_: str) -> None:
+    """Tell nobody."""
+
+
+class Session:
+    """What one person does with captures of one knob.
+
+    Every change is made at once or not at all: long work is done on the side, and its fit is then put in
+    place, unless the session has moved on meanwhile. Methods may be called from several threads.
+    `changed` is called after every change.
+    """
+
+    def __init__(self, changed: Callable[[], None] = lambda: None) -> None:
+        self.captures: dict[str, Opened] = {}
+        self.branches: dict[str, Branch] = {}
+        self.branch_id = ""
+        self.revision = 0
+        self.changed = changed
+        self.lock = threading.RLock()
+        self._nodes: dict[str, Node] = {}
+        self._views: dict[str, View] = {}
+        self._diagnoses: dict[str, Diagnosis] = {}
+        self._made = 0
+
+    # What there is
+
+    @property
+    def branch(self) -> Branch:
+        """The branch that is worked on. Raises InputError before the first capture."""
+        if not self.branches:
+            raise InputError("there is no capture yet; open one first")
+        return self.branches[self.branch_id]
+
+    @property
+    def node(self) -> Node:
+        """Where the branch is. Raises InputError before the first capture."""
+        return self.branch.node
+
+    @property
+    def view(self) -> View:
+        """What is looked at. Raises InputError before the first capture."""
+        with self.lock:
+            return self.branch.dragged or self.view_of(self.node.id)
+
+    def view_of(self, view_id: str) -> View:
+        """Return the view of this id; that of a node has the node's. Raises InputError if there is none."""
+        with self.lock:
+            if view_id in self._views:
+                return self._views[view_id]
+            if view_id in self._nodes:
+                node = self._nodes[view_id]
+                return View(node.id, node, node.fit.model)
+        raise InputError(f"node {view_id!r} is not in this session")
+
+    def diagnosis_of(self, node_id: str) -> Diagnosis | None:
+        """Return what was weighed at a node; None where nothing was yet."""
+        return self._diagnoses.get(node_id)
+
+    def place(self, view: View, capture: str) -> int:
+        """Return where a capture is among those of a view. Raises InputError if it is not."""
+        if capture not in view.node.captures:
+            raise InputError(f"capture {capture!r} is not part of this fit")
+        return view.node.captures.index(capture)
+
+    # Captures
+
+    def open(self, path: str, *, map: ColumnMap | None = None, tell: Tell = _quiet, **options: Any) -> str:
+        """Read a capture, take it in together with those that are active, and return its id.
+
+        Options as `knobcam.load` takes them. Raises InputError for what cannot be read or fitted.
+        """
+        tell(f"reading {Path(path).name}")
+        given = {name: value for name, value in {"map": map, **options}.items() if value is not None}
+        capture = load(path, **given)
+        return self.take(capture, Path(path).name, str(Path(path).absolute()), given, tell)
+
+    def take(
+        self,
+        capture: Capture,
+        name: str,
+        path: str = "",
+        options: Mapping[str, Any] | None = None,
+        tell: Tell = _quiet,
+    ) -> str:
+        """Take a capture in together with those that are active, and return its id.
+
+        Raises InputError for one that cannot be fitted together with them.
+        """
+        opened = Opened(self._new("c"), name, capture, path or name, dict(options or {}))
+        active = self.node.captures if self.branches else ()
+        known = {**self.captures, opened.id: opened}
+        node, branch = self._fitted([*active, opened.id], known, tell)
+        with self.lock:
+            self.captures[opened.id] = opened
+            self._put(node, branch)
+        return opened.id
+
+    def use(self, captures: Sequence[str], tell: Tell = _quiet) -> None:
+        """Fit the model to these captures, of those that were opened."""
+        unknown = [one for one in captures if one not in self.captures]
+        if unknown:
+            raise InputError(f"capture {unknown[0]!r} is not in this session")
+        node, branch = self._fitted(captures, self.captures, tell)
+        self._put(node, branch)
+
+    def _fitted(
+        self, ids: Sequence[str], known: Mapping[str, Opened], tell: Tell
+    ) -> tuple[Node, Branch | None]:
+        branch = self.branch if self.branches else None
+        before = branch.node if branch else None
+        # A base model that nobody has changed may still find detents that it lacked.
+        onward = branch is not None and any(one.how != "fitted" for one in branch.done)
+        tell("fitting")
+        fitted = fit([known[one].capture for one in ids], before.fit.model if before and onward else None)
+        return self._node(fitted, tuple(ids), "fitted", onward=onward), branch
+
+    # Effects
+
+    def add(self, effect: str, tell: Tell = _quiet) -> None:
+        """Add an effect and fit anew. Raises InputError for one that the model cannot be given."""
+        branch, node = self.branch, self.node
+        refit.check(effect, node.fit.model)
+        tell(f"adding {effect}")
+        diagnosis = self._diagnoses.get(node.id)
+        weighed = [one for one in diagnosis.candidates if one.effect == effect] if diagnosis else []
+        evidence: dict[str, Any] = {"diagnosis": diagnosis}
+        if weighed:
+            evidence |= {"p_value": weighed[0].p_value, "equivalent": weighed[0].equivalent}
+        # What was weighed has been fitted with the effect already, and only has to settle; where clipped
+        # samples were counted for that, it was a fit of something else.
+        ready = bool(weighed) and diagnosis is not None and diagnosis.fit is node.fit
+        richer = refit.settle(weighed[0].fit) if ready else node.fit.add(effect)
+        tell(f"putting {effect} in place")
+        self._put(self._node(richer, node.captures, "added", effect, **evidence), branch, node)
+
+    def drop(self, effect: str, tell: Tell = _quiet) -> None:
+        """Take an effect out and fit anew. Raises InputError for one that the model does not have."""
+        branch, node = self.branch, self.node
+        tell(f"dropping {effect}")
+        barer = node.fit.drop(effect)
+        tell(f"putting the model without {effect} in place")
+        self._put(self._node(barer, node.captures, "dropped", effect), branch, node)
+
+    def weigh(self, tell: Tell = _quiet) -> Diagnosis:
+        """Return which effects could be missing here; weighed once for each node."""
+        node = self.node
+        known = self._diagnoses.get(node.id)
+        if known is not None:
+            return known
+        tell("weighing what could be missing")
+        # Effects that only describe a torque name no cause, so `learn` leaves them out as well.
+        described = [one for one, row in effects(node.fit.model.axis).items() if row.describes]
+        diagnosis = diagnose(node.fit, without=described)
+        tell("looking where the model fails")
+        _ = diagnosis.comparison.summary  # computed here, where nobody waits for it
+        tell("done")
+        with self.lock:
+            self._diagnoses[node.id] = diagnosis
+            self._touch()
+        return diagnosis
+
+    # Back, forth, aside
+
+    def undo(self) -> None:
+        """Go back to the fit before, the very same. Raises InputError where there is none."""
+        with self.lock:
+            self.branch.step(-1)
+            self._touch()
+
+    def redo(self) -> None:
+        """Go forth to the fit that was undone, the very same. Raises InputError where there is none."""
+        with self.lock:
+            self.branch.step(1)
+            self._touch()
+
+    def fork(self, name: str = "") -> str:
+        """Copy the branch up to where it is, go on in the copy, and return its id."""
+        with self.lock:
+            branch = self.branch
+            branch_id = self._new("b")
+            said = " ".join(name.split())[:_NAME] or f"branch {len(self.branches) + 1}"
+            self.branches[branch_id] = branch.copy(branch_id, said)
+            self.branch_id = branch_id
+            self._touch()
+            return branch_id
+
+    def switch(self, branch_id: str) -> None:
+        """Go on in another branch. Raises InputError if there is none of this id."""
+        with self.lock:
+            if branch_id not in self.branches:
+                raise InputError(f"branch {branch_id!r} is not in this session")
+            self.branch_id = branch_id
+            self._touch()
+
+    # Parameters by hand
+
+    def drag(self, values: Mapping[str, float]) -> None:
+        """Move parameters by hand, without fitting. Raises InputError for a value that none can have."""
+        with self.lock:
+            branch, node = self.branch, self.node
+            moved = {**(branch.dragged.dragged if branch.dragged else {}), **values}
+            model = node.fit.model
+            for name, value in moved.items():
+                if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+                    raise InputError(f"parameter '{name}': {value!r} is no number")
+                model = model.with_value(name, float(value))
+            view = View(f"{node.id}~{self._new('')}", node, model, moved)
+            self._views[view.id] = view
+            for old in list(self._views)[:-_VIEWS]:
+                del self._views[old]
+            branch.dragged = view
+            self._touch()
+
+    def snap(self) -> None:
+        """Put the dragged parameters back to the fit."""
+        with self.lock:
+            self.branch.dragged = None
+            self._touch()
+
+    # What a region holds
+
+    def share(self, capture: str, samples: Collection[int] | np.ndarray[Any, np.dtype[np.uint32]]) -> float:
+        """Return the share of the squared error of all captures that these samples of one of them hold."""
+        view = self.view
+        at = self.place(view, capture)
+        squares = [np.nan_to_num(np.square(view.residual(one))) for one in range(len(view.fit.prepared))]
+        index = np.unique(np.asarray(samples, dtype=np.int64))
+        if len(index) and not 0 <= index[0] <= index[-1] < len(squares[at]):
+            raise InputError(f"indices must be from 0 to {len(squares[at]) - 1}")
+        whole = float(sum(np.sum(one) for one in squares))
+        return float(np.sum(squares[at][index])) / whole if whole > 0.0 else 0.0
+
+    # How it is done
+
+    def _new(self, kind: str) -> str:
+        with self.lock:
+            self._made += 1
+            return f"{kind}{self._made}"
+
+    def _node(self, fitted: Fit, captures: tuple[str, ...], how: How, *told: Any, **evidence: Any) -> Node:
+        return Node(self._new("n"), fitted, captures, how, *told, **evidence)
+
+    def _put(self, node: Node, branch: Branch | None, after: Node | None = None) -> None:
+        """Put a node in place, if its branch is still where the work on it began."""
+        with self.lock:
+            if after is not None and branch is not None and branch.node is not after:
+                raise InputError("the session has moved on meanwhile; nothing was changed")
+            self._nodes[node.id] = node
+            if branch is None:
+                self.branch_id = self._new("b")
+                self.branches[self.branch_id] = Branch(self.branch_id, "main", [node], 0)
+            else:
+                branch.go(node)
+            self._touch()
+
+    def _touch(self) -> None:
+        self.revision += 1
+        self.changed()

@@ -1,0 +1,191 @@
+"""A session as the page is told it: one JSON document."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from ..effects import effects
+from ..refit import describe
+from ..selection import choose, concluded
+from .story import ladder
+
+if TYPE_CHECKING:
+    from ..diagnose import Candidate, Diagnosis
+    from ..effects import Effect
+    from ..fit import Estimate
+    from ..model import Parameter
+    from .session import Session
+    from .tree import Branch, Opened
+    from .view import View
+
+SCHEMA = "knobcam.workbench/1"
+_SURE = 2.0  # standard errors beyond a plausible range
+
+
+def document(session: Session) -> dict[str, Any]:
+    """Return the state of a session; what is not a number is NaN, and JSON has null for it."""
+    with session.lock:
+        known: dict[str, Any] = {
+            "schema": SCHEMA,
+            "revision": session.revision,
+            "captures": [_capture(one) for one in session.captures.values()],
+            "branches": [_branch(one) for one in session.branches.values()],
+        }
+        if not session.branches:
+            return known | _nothing()
+        branch, view = session.branch, session.view
+        diagnosis = session.diagnosis_of(branch.node.id)
+    fitted = view.fit
+    rungs = ladder(branch.done)
+    return known | {
+        "active": list(view.node.captures),
+        "branch": branch.id,
+        "node": view.id,
+        "noise_floor": fitted.noise_floor,
+        "unit": "N m" if fitted.model.axis == "rotary" else "N",
+        "params": _parameters(view),
+        "rmse": view.rmse,
+        "rmse_heldout": view.rmse_heldout,
+        "verdict_text": _verdict(branch, diagnosis),
+        "ladder": [
+            {
+                "label": "first model" if rung.added is None else f"+ {rung.added}",
+                "rmse": rung.rmse,
+                "rmse_heldout": rung.rmse_heldout,
+            }
+            for rung in rungs
+        ],
+        "candidates": _candidates(branch, diagnosis),
+        "warnings": list(fitted.warnings),
+    }
+
+
+def _nothing() -> dict[str, Any]:
+    return {
+        **{"active": [], "branch": None, "node": None, "noise_floor": math.nan, "unit": "N m"},
+        **{"params": [], "rmse": math.nan, "rmse_heldout": math.nan, "ladder": [], "warnings": []},
+        "verdict_text": "Open a capture to begin.",
+        "candidates": {"ready": False, "rows": [], "unexplained": None},
+    }
+
+
+def _capture(opened: Opened) -> dict[str, Any]:
+    capture = opened.capture
+    return {
+        "id": opened.id,
+        "name": opened.name,
+        "samples": capture.samples,
+        "rate_hz": capture.rate_hz,
+        "axis": capture.axis,
+        "findings": [str(finding) for finding in capture.findings],
+    }
+
+
+def _branch(branch: Branch) -> dict[str, Any]:
+    return {
+        "id": branch.id,
+        "name": branch.name,
+        "at": branch.at,
+        "steps": [
+            {
+                "node": node.id,
+                "added": node.effect if node.how == "added" else None,
+                "dropped": node.effect if node.how == "dropped" else None,
+                "rmse": node.fit.rmse,
+                "rmse_heldout": node.fit.rmse_heldout,
+            }
+            for node in branch.steps
+        ],
+    }
+
+
+def _parameters(view: View) -> list[dict[str, Any]]:
+    catalogue = effects(view.model.axis)
+    rows = []
+    for name, now in view.model.params.items():
+        effect, own = name.split(".", 1)
+        info = next(row for row in catalogue[effect].params if row.name == own)
+        estimate = view.fit.params[name]
+        rows.append(
+            {
+                "name": name,
+                "value": now.value,
+                "ci95": list(estimate.ci95) if estimate.determined else None,
+                "unit": now.unit,
+                "role": now.role,
+                "fitted": estimate.value,
+                "dragged": _moved(name, now, view),
+                "lower": info.lower,
+                "upper": info.upper,
+                "meaning": info.meaning,
+                "odd": _odd(name, estimate, info.plausible, view),
+            }
+        )
+    return rows
+
+
+def _moved(name: str, now: Parameter, view: View) -> bool:
+    return name in view.dragged or (bool(view.dragged) and now.role in view.dragged)
+
+
+def _odd(name: str, estimate: Estimate, plausible: tuple[float, float], view: View) -> str | None:
+    """What is doubtful about a fitted value, if anything is."""
+    if name in view.fit.undetermined:
+        return view.fit.undetermined[name]
+    said = [warning for warning in view.fit.warnings if warning.startswith(f"{name} ")]
+    if said:
+        return said[0]
+    low, high = plausible
+    margin = _SURE * estimate.se if estimate.determined else 0.0
+    if low <= estimate.value + margin and estimate.value - margin <= high:
+        return None
+    limits = f"at least {low:g}" if math.isinf(high) else f"{low:g} to {high:g}"
+    return f"{estimate.value:.3g} is unphysical: it should be {limits}"
+
+
+def _verdict(branch: Branch, diagnosis: Diagnosis | None) -> str:
+    if diagnosis is None:
+        return "What could be missing is not weighed yet."
+    if choose(diagnosis) is not None:
+        return diagnosis.summary
+    rungs = ladder(branch.done)
+    selection = concluded(rungs, diagnosis, [*rungs[0].fit.model.effects, "detent"])
+    if selection.unexplained is not None or not selection.found:
+        return diagnosis.summary
+    names = " and ".join(selection.found)
+    return f"{names} {'was' if len(selection.found) == 1 else 'were'} missing. {diagnosis.comparison.summary}"
+
+
+def _candidates(branch: Branch, diagnosis: Diagnosis | None) -> dict[str, Any]:
+    if diagnosis is None:
+        return {"ready": False, "rows": [], "unexplained": None}
+    catalogue = effects(diagnosis.fit.model.axis)
+    unexplained = None
+    if choose(diagnosis) is None:
+        rungs = ladder(branch.done)
+        unexplained = concluded(rungs, diagnosis, rungs[0].fit.model.effects).unexplained
+    return {
+        "ready": True,
+        "rows": [_row(one, catalogue[one.effect]) for one in diagnosis.candidates],
+        "unexplained": None if unexplained is None else unexplained._asdict(),
+        "left_out": dict(diagnosis.left_out),
+    }
+
+
+def _row(one: Candidate, entry: Effect) -> dict[str, Any]:
+    return {
+        "effect": one.effect,
+        "law": entry.law,
+        "shows": entry.shows,
+        "place": one.place,
+        "error_fall": one.error_fall,
+        "rmse_heldout": one.rmse_heldout,
+        "p_value": one.p_value,
+        "beyond_chance": one.beyond_chance,
+        "confused": list(entry.confused),
+        "moved": [{"name": name, **move} for name, move in describe(one.moved).items()],
+        "unphysical": list(one.unphysical),
+        "equivalent": list(one.equivalent),
+        "note": one.note,
+    }

@@ -1,0 +1,92 @@
+"""What a session remembers: captures, fits as nodes, branches that go back and forth along them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal
+
+from ..errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from ..capture import Capture
+    from ..diagnose import Diagnosis
+    from ..fit import Fit
+    from .view import View
+
+How = Literal["fitted", "added", "dropped"]
+
+
+@dataclass(frozen=True, eq=False)
+class Opened:
+    """A capture of a session; `path` and `options` are those by which `knobcam.load` reads it again."""
+
+    id: str
+    name: str
+    capture: Capture
+    path: str
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Node:
+    """A fit, and how it came to be; immutable.
+
+    `how` is what made it: all parameters `fitted` to the `captures`, an `effect` `added` to the node before,
+    or `dropped` from it. `onward` says that a `fitted` one started from the model of the node before.
+    `p_value`, `equivalent` and `diagnosis` are the evidence for an effect that was weighed before it came in.
+    """
+
+    id: str
+    fit: Fit
+    captures: tuple[str, ...]
+    how: How
+    effect: str | None = None
+    onward: bool = False
+    p_value: float = math.nan
+    equivalent: tuple[str, ...] = ()
+    diagnosis: Diagnosis | None = None
+
+
+@dataclass
+class Branch:
+    """A line of nodes; those after `at` were undone and can come back.
+
+    `dragged` is the model of the node with parameters moved by hand, while there are any.
+    """
+
+    id: str
+    name: str
+    steps: list[Node]
+    at: int
+    dragged: View | None = None
+
+    @property
+    def node(self) -> Node:
+        """Where the branch is."""
+        return self.steps[self.at]
+
+    @property
+    def done(self) -> list[Node]:
+        """The nodes up to where the branch is."""
+        return self.steps[: self.at + 1]
+
+    def go(self, node: Node) -> None:
+        """Append a node; what was undone is gone."""
+        self.steps = [*self.done, node]
+        self.at += 1
+        self.dragged = None
+
+    def step(self, by: int) -> None:
+        """Go one node back (-1) or forth (1), to the very same fit."""
+        to = self.at + by
+        if not 0 <= to < len(self.steps):
+            raise InputError("there is nothing to undo" if by < 0 else "there is nothing to redo")
+        self.at = to
+        self.dragged = None
+
+    def copy(self, branch_id: str, name: str) -> Branch:
+        """Return a branch of its own with the same past."""
+        return Branch(branch_id, name, self.done, self.at)

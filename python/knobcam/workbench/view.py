@@ -1,0 +1,78 @@
+"""What is looked at: the model of a node, or the same with parameters that a hand has moved."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..plot.components import effects_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from ..fit import Fit
+    from ..formats.table import FloatArray
+    from ..model import Model
+    from ..plot.components import Part
+    from .tree import Node
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A model held against the captures of a node; immutable. `dragged` are the values that a hand gave."""
+
+    id: str
+    node: Node
+    model: Model
+    dragged: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def fit(self) -> Fit:
+        """The fit that the model came from."""
+        return self.node.fit
+
+    @property
+    def rmse(self) -> float:
+        """RMS error of the model, N m."""
+        return self._moved_rmse if self.dragged else self.fit.rmse
+
+    @property
+    def rmse_heldout(self) -> float:
+        """The same on blocks that the fit did not see; a model moved by hand has seen none of them."""
+        return math.nan if self.dragged else self.fit.rmse_heldout
+
+    @cached_property
+    def _moved_rmse(self) -> float:
+        squares = np.concatenate([np.square(self.residual(at)) for at in range(len(self.fit.prepared))])
+        return math.sqrt(float(np.nanmean(squares)))
+
+    def torque(self, at: int) -> FloatArray:
+        """The model's torque on a capture through the measurement filter, N m, NaN at masked samples."""
+        signals = self.fit.prepared[at]
+        return signals.on_capture(self.model.core.torque(signals.core))
+
+    def residual(self, at: int) -> FloatArray:
+        """Measured minus modelled torque on a capture, N m; NaN at samples that do not count."""
+        if not self.dragged:
+            return self.fit.residuals[at]
+        signals = self.fit.prepared[at]
+        rest = np.where(signals.used, signals.tau - self.model.core.torque(signals.core), np.nan)
+        return signals.on_capture(rest)
+
+    def part(self, at: int, part: Part) -> FloatArray:
+        """Torque of the position or velocity part alone, N m, through the same filter."""
+        signals = self.fit.prepared[at]
+        effects = effects_of(self.model, part)
+        torque = np.zeros(len(signals.rows))
+        if effects:
+            torque = self.model.core.only(effects).torque(signals.core)
+        return signals.on_capture(torque)
+
+    def band(self, at: int) -> FloatArray:
+        """Half-width of the 95 % band of the fitted model's torque, N m."""
+        signals = self.fit.prepared[at]
+        return signals.on_capture(self.fit.band(signals))
