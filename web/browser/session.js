@@ -63,7 +63,9 @@ export async function done(page, what, deed) {
  * @param {[number, number]} to
  */
 export async function brushed(page, plot, from, to) {
-  const box = await page.getByRole("img", { name: plot, exact: true }).boundingBox();
+  const place = page.getByRole("img", { name: plot, exact: true });
+  await place.scrollIntoViewIfNeeded();
+  const box = await place.boundingBox();
   const moves = 20;
   const spot = (share) => [0, 1].map((i) => from[i] + (to[i] - from[i]) * share);
   const go = ([x, y]) => page.mouse.move(box.x + box.width * x, box.y + box.height * y);
