@@ -5,6 +5,7 @@ from __future__ import annotations
 from .candidates import diagnosis
 from .change import before_after
 from .failures import comparison
+from .felt import felt
 from .gallery import save_all, save_story
 from .ladder import ladder
 from .laws import model
@@ -25,6 +26,7 @@ __all__ = [
     "comparison",
     "diagnosis",
     "effect",
+    "felt",
     "fit",
     "haptic_profile",
     "ladder",

@@ -2,6 +2,7 @@
 mod convert;
 mod filter;
 mod fit;
+mod handle;
 mod model;
 mod realtime;
 mod render;
@@ -28,6 +29,7 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(signals::prepare, m)?)?;
     m.add_class::<render::PyRenderer>()?;
     m.add_class::<render::PyHandle>()?;
+    m.add_class::<handle::PyEmulatedHandle>()?;
     m.add_function(wrap_pyfunction!(render::check_stability, m)?)?;
     m.add_class::<fit::PyFit>()?;
     m.add_function(wrap_pyfunction!(fit::locate, m)?)?;
