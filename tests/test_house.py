@@ -23,7 +23,7 @@ PYTHON_ORDER = [
     *("_core", "errors", "tables", "finding", "formats", "quality", "capture", "motions", "plugins"),
     *("effects", "own", "models", "model", "prepare", "simulate", "render", "emulated"),
     *("loop_report", "loop"),
-    *("typical", "refit", "fit", "compare"),
+    *("typical", "rig", "refit", "fit", "compare"),
     *(
         "stiction",
         "plausible",

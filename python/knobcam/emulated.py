@@ -11,6 +11,8 @@ from .errors import InputError
 from .motions import MotionTrack, motion
 from .render import Device
 
+_RATE_HZ = 5000.0
+
 
 def to_and_fro(angle_rad: float = 1.0, speed_rad_s: float = 4.0, ramp_s: float = 0.1) -> MotionTrack:
     """One turn of `angle_rad` forth and back at `speed_rad_s`, to be followed again and again."""
@@ -25,8 +27,8 @@ class EmulatedHandle(_core.EmulatedHandle):
 
     It moves as time goes by on the loop's clock, real or virtual: a loop that is late finds it where the last
     torque took it. `hand` is the motion that a hand follows, again and again from where the handle stands,
-    through a spring (0.5 N m/rad) and a damper (5e-3 N m s/rad); None is no hand. `measures_hand`: whether the
-    device measures the torque of the hand.
+    through a spring (0.5 N m/rad) and a damper (5e-3 N m s/rad); None is no hand. `measures_hand`: whether
+    the device measures the torque of the hand.
     """
 
     def __new__(
@@ -62,7 +64,7 @@ def _followed(hand: MotionTrack | None) -> _core.HandRow | None:
         return None
     if len(hand.t) < 2:
         raise InputError(
-            "hand: is no motion; give at least two samples, such as knobcam.emulated.to_and_fro()"
+            "hand: is no motion; give two samples or more, as kc.motion(...) does"
         )
     theta, omega, alpha = (np.ascontiguousarray(column, dtype=np.float64) for column in hand[1:])
     return theta, omega, alpha, (len(hand.t) - 1) / (hand.t[-1] - hand.t[0])

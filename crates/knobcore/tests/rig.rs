@@ -6,8 +6,8 @@ use knobcore::model::Model;
 use knobcore::model_file;
 use knobcore::param::Axis;
 use knobcore::wire::{
-    Channel, Decoder, Descriptor, Event, Frame, Header, Message, Mode, Point, Points, Sample, Serial, State,
-    Unit, encode, fault,
+    Channel, Decoder, Descriptor, Event, Frame, Header, Message, Mode, Point, Sample, Serial, State, Unit,
+    encode, fault, model_chunks, motion_chunks,
 };
 
 const RATE: f64 = 5000.0;
@@ -78,11 +78,18 @@ struct Host {
     decoder: Decoder,
     commands: u32,
     heard: Vec<Frame>,
+    commands_torque: bool,
 }
 
 impl Host {
     fn new(setup: Setup) -> Self {
-        Self { rig: Rig::new(setup), decoder: Decoder::new(), commands: 0, heard: Vec::new() }
+        Self {
+            rig: Rig::new(setup),
+            decoder: Decoder::new(),
+            commands: 0,
+            heard: Vec::new(),
+            commands_torque: false,
+        }
     }
 
     fn tell(&mut self, message: &Message) {
@@ -102,6 +109,9 @@ impl Host {
     fn wait_alive(&mut self, seconds: f64) {
         for _ in 0..(seconds / 0.05).round() as usize {
             self.tell(&Message::Heartbeat);
+            if self.commands_torque {
+                self.tell(&Message::Torque { torque: 0.01 });
+            }
             self.wait(0.05);
         }
     }
@@ -115,30 +125,17 @@ impl Host {
     }
 
     fn upload_motion(&mut self, track: &Track) {
-        let points: Vec<Point> = (0..track.len())
-            .map(|i| Point {
-                theta: track.theta[i],
-                omega: track.omega[i] as f32,
-                alpha: track.alpha[i] as f32,
-            })
-            .collect();
-        let bytes =
-            |p: &Point| [&p.theta.to_le_bytes()[..], &p.omega.to_le_bytes(), &p.alpha.to_le_bytes()].concat();
-        let check = crc32fast::hash(&points.iter().flat_map(bytes).collect::<Vec<u8>>());
-        let size = Points::new().capacity();
-        for (n, chunk) in points.chunks(size).enumerate() {
-            let points = chunk.iter().copied().collect();
-            let (total, first) = (track.len() as u32, (n * size) as u32);
-            self.tell(&Message::Excite { total, first, check, points });
-        }
+        let point = |i: usize| Point {
+            theta: track.theta[i],
+            omega: track.omega[i] as f32,
+            alpha: track.alpha[i] as f32,
+        };
+        let points: Vec<Point> = (0..track.len()).map(point).collect();
+        motion_chunks(&points).for_each(|chunk| self.tell(&chunk));
     }
 
     fn upload_model(&mut self, text: &str) {
-        let (total, check) = (text.len() as u32, crc32fast::hash(text.as_bytes()));
-        for (n, chunk) in text.as_bytes().chunks(900).enumerate() {
-            let first = 900 * n as u32;
-            self.tell(&Message::Model { total, first, check, bytes: chunk.try_into().unwrap() });
-        }
+        model_chunks(text.as_bytes()).for_each(|chunk| self.tell(&chunk));
     }
 
     fn arm(&mut self, mode: Mode) {
@@ -220,9 +217,7 @@ fn a_silent_host_loses_the_torque_within_the_heartbeat_for_good() {
         host.upload_model(&model_file::write(&knob()));
         host.arm(mode);
         host.tell(&Message::Start { samples: 0 });
-        if mode == Mode::Commanded {
-            host.tell(&Message::Torque { torque: 0.01 });
-        }
+        host.commands_torque = mode == Mode::Commanded;
         host.wait_alive(0.3);
         let refusals = host.refusals();
         assert!(
@@ -284,4 +279,27 @@ fn a_hand_turns_the_knob_until_it_is_told_to_stop() {
     (0..60).for_each(|_| host.wait(0.05));
     assert_eq!(host.samples().len(), 12_345);
     assert_eq!(host.rig.state(), State::Idle);
+}
+
+#[test]
+fn a_heartbeat_alone_does_not_keep_a_torque_that_the_host_commands() {
+    let mut host = Host::new(setup());
+    host.arm(Mode::Commanded);
+    host.tell(&Message::Start { samples: 0 });
+    host.tell(&Message::Torque { torque: 0.01 });
+    host.wait_alive(0.2);
+    assert_eq!((host.rig.motor_torque(), host.rig.state()), (0.0, State::Fault));
+}
+
+#[test]
+fn a_command_that_comes_twice_is_answered_twice_and_carried_out_once() {
+    let mut host = Host::new(setup());
+    let start = encode(Header { sequence: 7, time_us: 3 }, &Message::Start { samples: 100 });
+    host.rig.hear(&start);
+    host.rig.hear(&start);
+    (0..4).for_each(|_| host.wait(0.05));
+    let count = |of: fn(&Message) -> bool| host.heard.iter().filter(|f| of(&f.message)).count();
+    assert_eq!(count(|m| matches!(m, Message::Ack { command: 7 })), 2);
+    assert_eq!(count(|m| matches!(m, Message::Started { .. })), 1);
+    assert_eq!(host.samples().len(), 100);
 }

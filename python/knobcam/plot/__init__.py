@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from .calibration import calibration
 from .candidates import diagnosis
 from .change import before_after
 from .failures import comparison
@@ -22,6 +23,7 @@ from .torques import fit, position, velocity, zoom
 
 __all__ = [
     "before_after",
+    "calibration",
     "capture",
     "comparison",
     "diagnosis",

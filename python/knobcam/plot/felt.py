@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .style import FITTED, MEASURED, Picture, legend_above, number, styled
+from .style import FITTED, ORANGE, Picture, legend_above, number, styled
 from .thin import envelope
 
 if TYPE_CHECKING:
@@ -34,13 +34,13 @@ def felt(report: LoopReport, model: Model, device: Device) -> Picture:
     headline = f"{model.name or 'The model'} on a handle: {number(_MILLI * apart)} mN m RMS from the model"
     figure = Picture(10.0, 4.6, headline)
     left, right = figure.subplots(1, 2)
-    left.plot(last.theta, _MILLI * on_hand, color=MEASURED, lw=1.0, label="felt by the hand")
+    left.plot(last.theta, _MILLI * on_hand, color=ORANGE, lw=1.0, label="felt by the hand")
     left.plot(last.theta, _MILLI * modelled, color=FITTED, lw=0.9, label="the model along this motion")
     left.set_xlabel("angle (rad)")
     left.set_title("Over angle, last second", pad=22.0)
     shown = last.t >= (last.t[-1] - _SHOWN_S if len(last.t) else 0.0)
     for torque, colour, label in (
-        (on_hand, MEASURED, "felt by the hand"),
+        (on_hand, ORANGE, "felt by the hand"),
         (modelled, FITTED, "the model along this motion"),
     ):
         right.plot(*envelope(last.t[shown], _MILLI * torque[shown]), color=colour, lw=1.0, label=label)

@@ -10,7 +10,7 @@ mod obey;
 mod rig;
 mod scene;
 mod sensors;
-mod upload;
+mod stage;
 
 pub use handle::Handle;
 pub use held::{Hand, Held, Shown};

@@ -1,48 +1,83 @@
 //! What the rig does when it is told something.
 
 use super::rig::Rig;
-use super::upload::Chunk;
 use crate::effects::Id;
 use crate::model_file;
 use crate::render::Limits;
-use crate::wire::{Message, Point, State, capability, refusal};
+use crate::wire::{Frame, Message, Mode, Point, State, capability, refusal};
 
 /// Speed that the handle never reaches, rad/s.
 const FASTEST: f64 = 1000.0;
 
 impl Rig {
     /// Carries out a command, and answers it where it is one that is answered.
-    pub(super) fn obey(&mut self, command: u32, message: &Message) {
-        match self.state.after(message).and_then(|next| self.done(message, next)) {
+    pub(super) fn obey(&mut self, frame: Frame) {
+        let (message, command) = (&frame.message, frame.header.sequence);
+        if let Message::Heartbeat | Message::Torque { .. } = message {
+            return self.feed(message);
+        }
+        if let Some((last, answer)) = &self.answered
+            && *last == frame
+        {
+            return self.out.extend_from_slice(&answer.clone());
+        }
+        let (start, state) = (self.out.len(), self.state);
+        match state.after(message).and_then(|next| self.done(message, next)) {
             Ok(()) => match message {
                 Message::Ping => self.say(&Message::Pong { command }),
-                Message::Heartbeat | Message::Torque { .. } | Message::Describe => {}
+                Message::Describe => self.describe(),
                 _ => self.say(&Message::Ack { command }),
             },
             Err(code) => {
                 let why = self.why(code);
                 self.refuse(command, code, &why);
+                self.answered = Some((frame, self.out[start..].to_vec()));
+                return;
             }
         }
+        let answer = self.out[start..].to_vec();
+        match message {
+            Message::Start { .. } => self.tell_started(),
+            Message::Stop => self.end_run(),
+            Message::Disarm => {
+                self.end_run();
+                (self.state, self.armed) = (State::Idle, None);
+            }
+            _ => {}
+        }
+        if self.state != state {
+            self.tell_status();
+        }
+        self.answered = Some((frame, answer));
+    }
+
+    /// The host is alive, and may have said which torque it wants.
+    fn feed(&mut self, message: &Message) {
+        let commanded = matches!(self.armed, Some((Mode::Commanded, _))) && self.state == State::Rendering;
+        if commanded == matches!(message, Message::Torque { .. }) {
+            self.fed_us = self.now_us;
+        }
+        let limit = self.armed.map_or(0.0, |(_, limits)| limits.torque);
+        if let (Message::Torque { torque }, Some(run)) = (message, &mut self.run)
+            && torque.is_finite()
+        {
+            run.scene.command(f64::from(*torque).clamp(-limit, limit));
+        }
+    }
+
+    fn describe(&mut self) {
+        let device = self.setup.descriptor.clone();
+        self.say(&Message::Descriptor { device });
+        self.tell_status();
+        self.tell_fault();
     }
 
     fn done(&mut self, message: &Message, next: State) -> Result<(), u16> {
         match message {
-            Message::Describe => {
-                let device = self.setup.descriptor.clone();
-                self.say(&Message::Descriptor { device });
-                self.tell_status();
-                self.tell_fault();
-            }
             Message::Start { samples } => {
                 let mode = self.armed.filter(|_| next == State::Rendering);
                 self.begin(*samples, mode)?;
                 self.state = next;
-            }
-            Message::Stop => self.end_run(),
-            Message::Disarm => {
-                self.end_run();
-                (self.state, self.armed) = (next, None);
             }
             Message::Clear => (self.state, self.fault) = (next, None),
             Message::Arm { mode, torque_limit, torque_rate_limit } => {
@@ -58,29 +93,22 @@ impl Rig {
                 }
                 let [torque, torque_rate] = [*torque_limit, *torque_rate_limit].map(f64::from);
                 self.armed = Some((*mode, Limits { torque, torque_rate, speed: FASTEST }));
-                self.state = next;
+                (self.state, self.fed_us) = (next, self.now_us);
             }
             Message::Excite { total, first, check, points } => {
                 let finite = |p: &Point| p.theta.is_finite() && p.omega.is_finite() && p.alpha.is_finite();
                 if !points.iter().all(finite) {
                     return Err(refusal::VALUE);
                 }
-                let bytes: Vec<u8> = points.iter().flat_map(point_bytes).collect();
-                let chunk = Chunk { total: *total, first: *first, check: *check };
-                let most = self.setup.descriptor.motion_capacity as usize;
-                self.motion.take(chunk, points, &bytes, most)?;
+                self.motion.take(*total, *first, *check, points)?;
             }
             Message::Model { total, first, check, bytes } => {
-                let chunk = Chunk { total: *total, first: *first, check: *check };
-                let most = self.setup.descriptor.model_capacity as usize;
-                if self.file.take(chunk, bytes, bytes, most)? {
-                    self.read_model()?;
+                if *first == 0 {
+                    self.model = None;
                 }
-            }
-            Message::Torque { torque } => {
-                let limit = self.armed.map_or(0.0, |(_, limits)| limits.torque);
-                if let (Some(run), true) = (&mut self.run, torque.is_finite()) {
-                    run.scene.command(f64::from(*torque).clamp(-limit, limit));
+                self.file.take(*total, *first, *check, bytes)?;
+                if self.file.whole().is_some() {
+                    self.read_model()?;
                 }
             }
             _ => {}
@@ -116,13 +144,4 @@ impl Rig {
             _ => std::mem::take(&mut self.complaint),
         }
     }
-}
-
-/// A point as it stands in a frame.
-fn point_bytes(point: &Point) -> [u8; Point::BYTES] {
-    let mut bytes = [0; Point::BYTES];
-    bytes[..8].copy_from_slice(&point.theta.to_le_bytes());
-    bytes[8..12].copy_from_slice(&point.omega.to_le_bytes());
-    bytes[12..].copy_from_slice(&point.alpha.to_le_bytes());
-    bytes
 }

@@ -1,15 +1,13 @@
 //! The rig: a state machine that hears bytes, lets time go by and speaks bytes.
 
-use super::handle::Handle;
-use super::scene::{Scene, Source, Track, torque};
+use super::scene::{Scene, Track};
 use super::sensors::Sensors;
-use super::upload::Upload;
 use crate::model::Model;
 use crate::random::Noise;
-use crate::render::{Device, Limits, Renderer};
+use crate::render::Limits;
 use crate::wire::{
-    Decoder, Descriptor, Event, Frame, Header, Message, Mode, Point, Samples, State, Text, encode, fault,
-    flag, refusal,
+    Decoder, Descriptor, Event, Frame, Header, Message, Mode, Point, Samples, State, Text, Upload, encode,
+    fault, flag, refusal,
 };
 
 /// What is in the rig's gripper while it measures.
@@ -73,14 +71,16 @@ pub struct Rig {
     pub(super) place: f64,
     decoder: Decoder,
     noise: Noise,
-    now_us: u64,
+    pub(super) now_us: u64,
     next_us: f64,
     status_us: u64,
-    heard_us: u64,
+    pub(super) fed_us: u64,
     sequence: u32,
     motor: f64,
     dropped: bool,
-    out: Vec<u8>,
+    pub(super) out: Vec<u8>,
+    /// The last command that was answered, and the answer.
+    pub(super) answered: Option<(Frame, Vec<u8>)>,
 }
 
 impl Rig {
@@ -90,10 +90,9 @@ impl Rig {
             noise: Noise::new(setup.seed),
             // Runs are told apart over power-ups, too.
             runs: (setup.seed as u16).wrapping_mul(257),
-            setup,
             state: State::Idle,
-            motion: Upload::default(),
-            file: Upload::default(),
+            motion: Upload::new(setup.descriptor.motion_capacity as usize),
+            file: Upload::new(setup.descriptor.model_capacity as usize),
             model: None,
             armed: None,
             fault: None,
@@ -104,11 +103,13 @@ impl Rig {
             now_us: 0,
             next_us: 0.0,
             status_us: 0,
-            heard_us: 0,
+            fed_us: 0,
             sequence: 0,
             motor: 0.0,
             dropped: false,
             out: Vec::new(),
+            answered: None,
+            setup,
         }
     }
 
@@ -133,12 +134,9 @@ impl Rig {
         self.decoder.push(bytes, |event| frames.push(event));
         for event in frames {
             match event {
-                Event::Frame(Frame { header, message }) => {
-                    self.heard_us = self.now_us;
-                    self.obey(header.sequence, &message);
-                }
+                Event::Frame(frame) => self.obey(frame),
                 Event::Unknown { header, .. } => {
-                    self.refuse(header.sequence, refusal::UNKNOWN, "unknown command")
+                    self.refuse(header.sequence, refusal::UNKNOWN, "unknown command");
                 }
                 Event::Foreign { .. } | Event::Corrupt { .. } => {}
             }
@@ -151,7 +149,7 @@ impl Rig {
         while self.now_us < until_us {
             let tick =
                 if self.run.is_some() { (self.next_us.ceil() as u64).max(self.now_us) } else { until_us };
-            let deadline = self.heard_us + 1000 * u64::from(self.setup.descriptor.heartbeat_ms);
+            let deadline = self.fed_us + 1000 * u64::from(self.setup.descriptor.heartbeat_ms);
             let next = tick.min(until_us);
             if self.state.watched() && deadline < next {
                 self.now_us = deadline.max(self.now_us);
@@ -204,75 +202,12 @@ impl Rig {
         });
         self.next_us = self.now_us as f64 + 1e6 / self.setup.descriptor.rate_hz;
         self.status_us = self.now_us + STATUS_US;
-        self.say(&Message::Started { run: self.runs, first: self.sequence });
         Ok(())
     }
 
-    fn scene(&self, mode: Option<(Mode, Limits)>) -> Result<Scene, u16> {
-        let rate = self.setup.descriptor.rate_hz;
-        let place = self.place;
-        let uploaded = || -> Result<Track, u16> {
-            let points = self.motion.whole().ok_or(refusal::MISSING)?;
-            let column = |of: fn(&Point) -> f64| points.iter().map(of).collect();
-            Ok(Track {
-                theta: column(|p| p.theta),
-                omega: column(|p| p.omega.into()),
-                alpha: column(|p| p.alpha.into()),
-            })
-        };
-        let model = || self.model.as_ref().ok_or(refusal::MISSING);
-        let held = |source| Scene::Held {
-            source,
-            handle: Handle::new(self.device(None), 1.0 / rate, place),
-            hand: self.setup.hand.clone(),
-            place,
-            at: 0,
-            pushes: 0.0,
-        };
-        Ok(match mode {
-            None => self.moved(self.setup.hand.clone(), true),
-            Some((Mode::Drive, _)) => self.moved(uploaded()?, false),
-            Some((Mode::RenderDriven, limits)) => {
-                let device = self.device(Some(limits));
-                Scene::driven(model()?, device, uploaded()?, place, rate).map_err(|_| refusal::MODEL)?
-            }
-            Some((Mode::Render, limits)) => {
-                let device = self.device(Some(limits));
-                let knob = Renderer::new(model()?, rate, Some(device), limits).map_err(|_| refusal::MODEL)?;
-                held(Source::Model(Box::new(knob)))
-            }
-            Some((Mode::Commanded, _)) => held(Source::Host(0.0)),
-        })
-    }
-
-    /// A motion that is imposed on what is in the gripper.
-    fn moved(&self, track: Track, again: bool) -> Scene {
-        let rate = self.setup.descriptor.rate_hz;
-        let (tau, track) = match &self.setup.fixture {
-            Fixture::Knob(knob) => (torque(knob, &track, self.place, rate), track),
-            Fixture::Free => (vec![0.0; track.len()], track),
-            Fixture::Anchor(stiffness) => {
-                let still = vec![0.0; track.len()];
-                let tau = track.theta.iter().map(|theta| stiffness * theta).collect();
-                (tau, Track { theta: still.clone(), omega: still.clone(), alpha: still })
-            }
-        };
-        Scene::Moved { track, tau, place: self.place, again, at: 0 }
-    }
-
-    /// The handle as a device to render on.
-    fn device(&self, limits: Option<Limits>) -> Device {
-        let d = &self.setup.descriptor;
-        let [torque, rate] = [d.torque_limit, d.torque_rate_limit].map(f64::from);
-        Device {
-            inertia: d.inertia.into(),
-            damping: d.damping.into(),
-            delay: d.delay_samples.into(),
-            torque_limit: limits.map_or(torque, |limits| limits.torque.min(torque)),
-            torque_rate_limit: limits.map_or(rate, |limits| limits.torque_rate.min(rate)),
-            encoder_step: 1.0 / d.counts_per_rad.abs(),
-            held: false,
-        }
+    /// Says that a run has begun.
+    pub(super) fn tell_started(&mut self) {
+        self.say(&Message::Started { run: self.runs, first: self.sequence });
     }
 
     fn sample(&mut self) {
@@ -328,6 +263,7 @@ impl Rig {
             self.state = self.state.ended();
             let (produced, sent) = (run.produced, run.sent);
             self.say(&Message::Stopped { run: self.runs, produced, sent });
+            self.tell_status();
         }
     }
 
@@ -338,6 +274,7 @@ impl Rig {
         self.armed = None;
         self.fault = Some((code, why));
         self.tell_fault();
+        self.tell_status();
     }
 
     pub(super) fn tell_fault(&mut self) {

@@ -1,5 +1,6 @@
 //! Bindings: convert, delegate, convert. Nothing is computed here.
 mod convert;
+mod emulate;
 mod filter;
 mod fit;
 mod handle;
@@ -30,6 +31,7 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<render::PyRenderer>()?;
     m.add_class::<render::PyHandle>()?;
     m.add_class::<handle::PyEmulatedHandle>()?;
+    m.add_class::<emulate::PyRig>()?;
     m.add_function(wrap_pyfunction!(render::check_stability, m)?)?;
     m.add_class::<fit::PyFit>()?;
     m.add_function(wrap_pyfunction!(fit::locate, m)?)?;

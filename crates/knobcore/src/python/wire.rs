@@ -28,9 +28,14 @@ fn wire_encode<'py>(
     number: u32,
     time_us: u64,
 ) -> PyResult<Bound<'py, PyBytes>> {
+    let frame = encode(Header { sequence: number, time_us }, &self::message(message)?);
+    Ok(PyBytes::new(py, &frame))
+}
+
+/// The message that a dict says.
+pub(super) fn message(dict: &Bound<'_, PyDict>) -> PyResult<Message> {
     let wrong = |error: toml::de::Error| input_error(Error::invalid("message", error.message()));
-    let message: Message = value(message.as_any())?.try_into().map_err(wrong)?;
-    Ok(PyBytes::new(py, &encode(Header { sequence: number, time_us }, &message)))
+    value(dict.as_any())?.try_into().map_err(wrong)
 }
 
 /// The frames that upload a motion, numbered from `number` on.
