@@ -26,6 +26,8 @@ impl Columns<'_> {
 struct Ahead {
     /// Time, angle when the torque acts, direction: beside the speed what an effect looks at.
     motion: [[f64; Block::SAMPLES]; 3],
+    /// Angle of the sample before.
+    before: [f64; Block::SAMPLES],
     moving: Block,
     /// The same at rest, for a model that has to be guarded.
     resting: Block,
@@ -41,8 +43,15 @@ const HALVES: [f64; Block::SAMPLES] = [0.5; Block::SAMPLES];
 impl Ahead {
     fn new() -> Self {
         let (moving, resting) = (Block::new(), Block::new());
-        Self { motion: [ZEROS; 3], moving, resting, asked: [ZEROS; 2], ways: [0.0; Block::SAMPLES / LANES] }
+        let ways = [0.0; Block::SAMPLES / LANES];
+        Self { motion: [ZEROS; 3], before: ZEROS, moving, resting, asked: [ZEROS; 2], ways }
     }
+}
+
+/// A column as whole eights; what is left over at its end is not among them.
+#[inline(always)]
+fn eights(column: &[f64]) -> &[[f64; LANES]] {
+    column.as_chunks::<LANES>().0
 }
 
 impl Renderer {
@@ -78,40 +87,12 @@ impl Renderer {
         state.contact.slides(0.0, state.contact.strain)
     }
 
-    /// The way in which the knob can slide through eight samples, with `tau` in the end: 1, -1, or 0 for none.
-    #[inline(always)]
-    fn glides(&self, columns: &Columns<'_>, at: usize, tau: Pack) -> f64 {
-        let [theta, omega, alpha] = columns.motion;
-        let before = if at > 0 {
-            Pack::load(theta, at - 1)
-        } else {
-            Pack(std::array::from_fn(|i| if i > 0 { theta[i - 1] } else { self.state.before[0] }))
-        };
-        let (theta, omega, alpha) = (Pack::load(theta, at), Pack::load(omega, at), Pack::load(alpha, at));
-        let (most, fastest) = (self.limits.speed * self.dt, self.limits.speed);
-        // One bit a lane and no branch: this is asked of every sample. What is not finite fails.
-        let (mut forth, mut back, mut sane) = (true, true, true);
-        for i in 0..LANES {
-            let by = theta.0[i] - before.0[i];
-            forth &= (by >= 0.0) & (omega.0[i] > 0.0);
-            back &= (by <= 0.0) & (omega.0[i] < 0.0);
-            sane &= (by.abs() <= most) & (omega.0[i].abs() <= fastest);
-            sane &= (alpha.0[i].abs() < f64::INFINITY) & (tau.0[i].abs() < f64::INFINITY);
-        }
-        if let Some(hand) = columns.hand {
-            // A hand that is NaN is not known.
-            let hand = Pack::load(hand, at);
-            for i in 0..LANES {
-                sane &= hand.0[i].abs() != f64::INFINITY;
-            }
-        }
-        f64::from(u8::from(forth & sane)) - f64::from(u8::from(back & sane))
-    }
-
     /// Looks at the samples from `at` on.
     #[inline(always)]
     fn look_ahead(&self, columns: &Columns<'_>, at: usize, count: usize, ahead: &mut Ahead) {
         let [theta, omega, _] = columns.motion.map(|column| &column[at..at + count]);
+        ahead.before[0] = if at > 0 { columns.motion[0][at - 1] } else { self.state.before[0] };
+        ahead.before[1..count].copy_from_slice(&theta[..count - 1]);
         let [clock, there, forward] = &mut ahead.motion;
         for i in 0..count {
             clock[i] = self.clock(self.state.samples + i as u64);
@@ -127,36 +108,58 @@ impl Renderer {
         }
     }
 
-    /// The torque of the block wherever the knob slides, and where it can.
+    /// The torque of the block wherever the knob slides, and where it can: in whole eights of it.
     #[inline(always)]
     fn slide_through(&self, columns: &Columns<'_>, at: usize, ahead: &mut Ahead, out: &mut [f64]) {
         let (inertia, damping) = (Pack::of(self.tuning.own[0]), Pack::of(self.tuning.own[1]));
         let limit = self.limits.torque;
-        for (pack, way) in ahead.ways.iter_mut().enumerate().take(out.len().div_ceil(LANES)) {
-            let from = pack * LANES;
-            let omega = Pack::load(columns.motion[1], at + from);
-            let load = ahead.moving.load(from);
-            let forward = Pack::load(&ahead.motion[2], from);
+        let [theta, omega, alpha] = columns.motion.map(|column| eights(&column[at..at + out.len()]));
+        let Ahead { motion: [_, _, forward], before, moving, resting, asked, ways } = ahead;
+        let (before, forward) = (eights(before), eights(forward));
+        let [torques, inertias] = asked.each_mut().map(|column| column.as_chunks_mut::<LANES>().0);
+        let (out, _) = out.as_chunks_mut::<LANES>();
+        for i in 0..out.len().min(ways.len()) {
+            let (omega, alpha, forward) = (Pack(omega[i]), Pack(alpha[i]), Pack(forward[i]));
+            let load = moving.load(i);
             let drive = if self.guarded {
                 let zero = Pack::of(0.0);
                 let motion = Motion { t: zero, theta: zero, omega, alpha: zero, forward };
-                braked(&load, &motion, ahead.resting.load(from).drive)
+                braked(&load, &motion, resting.load(i).drive)
             } else {
                 load.drive
             };
             let torque = drive + load.friction(forward);
-            torque.store(&mut ahead.asked[0], from);
-            load.inertia.store(&mut ahead.asked[1], from);
-            let alpha = Pack::load(columns.motion[2], at + from);
+            (torques[i], inertias[i]) = (torque.0, load.inertia.0);
             let tau = torque + (load.inertia + inertia) * alpha + damping * omega;
-            let mut cut = tau;
-            for i in 0..LANES {
-                cut.0[i] = if tau.0[i] < -limit { -limit } else { tau.0[i] };
-                cut.0[i] = if cut.0[i] > limit { limit } else { cut.0[i] };
+            for lane in 0..LANES {
+                let cut = if tau.0[lane] < -limit { -limit } else { tau.0[lane] };
+                out[i][lane] = if cut > limit { limit } else { cut };
             }
-            cut.store(out, from);
-            *way = self.glides(columns, at + from, tau);
+            ways[i] = self.glides([before[i], theta[i], omega.0, alpha.0, tau.0]);
         }
+        if let Some(hand) = columns.hand {
+            // A hand that is NaN is not known.
+            for (hand, way) in eights(&hand[at..]).iter().zip(ways) {
+                *way = if hand.iter().any(|tau| tau.is_infinite()) { 0.0 } else { *way };
+            }
+        }
+    }
+
+    /// The way in which the knob can slide through eight samples: 1, -1, or 0 for none. Given are the angle of the
+    /// sample before, angle, speed, acceleration, and the torque that comes out.
+    #[inline(always)]
+    fn glides(&self, [before, theta, omega, alpha, tau]: [[f64; LANES]; 5]) -> f64 {
+        let (most, fastest) = (self.limits.speed * self.dt, self.limits.speed);
+        // One bit a lane and no branch: this is asked of every sample. What is not finite fails.
+        let (mut forth, mut back, mut sane) = (true, true, true);
+        for i in 0..LANES {
+            let by = theta[i] - before[i];
+            forth &= (by >= 0.0) & (omega[i] > 0.0);
+            back &= (by <= 0.0) & (omega[i] < 0.0);
+            sane &= (by.abs() <= most) & (omega[i].abs() <= fastest);
+            sane &= (alpha[i].abs() < f64::INFINITY) & (tau[i].abs() < f64::INFINITY);
+        }
+        f64::from(u8::from(forth & sane)) - f64::from(u8::from(back & sane))
     }
 
     /// Remembers what sliding through `count` samples up to `end` leaves behind.
@@ -203,7 +206,8 @@ impl pulp::NullaryFnOnce for Rendering<'_> {
                 slid = 0;
                 for i in at..(at + LANES).min(end) {
                     let [torque, inertia] = [0, 1].map(|j: usize| ahead.asked[j][i - start]);
-                    out[i] = renderer.advance(columns.sensed(i), Some(Sliding { torque, inertia }));
+                    let known = whole.then_some(Sliding { torque, inertia });
+                    out[i] = renderer.advance(columns.sensed(i), known);
                 }
                 way = renderer.way();
             }
