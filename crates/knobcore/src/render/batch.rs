@@ -150,16 +150,17 @@ impl Renderer {
     #[inline(always)]
     fn glides(&self, [before, theta, omega, alpha, tau]: [[f64; LANES]; 5]) -> f64 {
         let (most, fastest) = (self.limits.speed * self.dt, self.limits.speed);
-        // One bit a lane and no branch: this is asked of every sample. What is not finite fails.
-        let (mut forth, mut back, mut sane) = (true, true, true);
+        // One number a lane and no branch: this is asked of every sample. What is not finite fails.
+        let mut way = 0_i64;
         for i in 0..LANES {
             let by = theta[i] - before[i];
-            forth &= (by >= 0.0) & (omega[i] > 0.0);
-            back &= (by <= 0.0) & (omega[i] < 0.0);
-            sane &= (by.abs() <= most) & (omega[i].abs() <= fastest);
-            sane &= (alpha[i].abs() < f64::INFINITY) & (tau[i].abs() < f64::INFINITY);
+            let sane = (by.abs() <= most) & (omega[i].abs() <= fastest);
+            let sane = sane & (alpha[i].abs() < f64::INFINITY) & (tau[i].abs() < f64::INFINITY);
+            let forth = (by >= 0.0) & (omega[i] > 0.0) & sane;
+            let back = (by <= 0.0) & (omega[i] < 0.0) & sane;
+            way += i64::from(forth) - i64::from(back);
         }
-        f64::from(u8::from(forth & sane)) - f64::from(u8::from(back & sane))
+        (way / LANES as i64) as f64
     }
 
     /// Remembers what sliding through `count` samples up to `end` leaves behind.
