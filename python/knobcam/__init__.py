@@ -35,6 +35,9 @@ if TYPE_CHECKING:
     from .prepare import Prepared, prepare
     from .refit import Moved
     from .render import Device, Renderer, Stability, check_stability
+    from .rig.link import Link
+    from .rig.record import record
+    from .rig.wirelog import WireLog
     from .simulate import SensorNoise, simulate
     from .stiction import Stiction, stiction
 
@@ -55,6 +58,7 @@ __all__ = [
     "KnobcamError",
     "KnobcamWarning",
     "Lack",
+    "Link",
     "LoopReport",
     "Model",
     "MotionTrack",
@@ -70,6 +74,7 @@ __all__ = [
     "Stiction",
     "Story",
     "Unexplained",
+    "WireLog",
     "__version__",
     "check_stability",
     "compare",
@@ -82,6 +87,7 @@ __all__ = [
     "motion",
     "own_effect",
     "prepare",
+    "record",
     "run_loop",
     "simulate",
     "start_loop",
@@ -107,6 +113,7 @@ _HOME = {
     "KnobcamError": "errors",
     "KnobcamWarning": "errors",
     "Lack": "lacks",
+    "Link": "rig.link",
     "LoopReport": "loop_report",
     "Model": "model",
     "MotionTrack": "motions",
@@ -122,6 +129,7 @@ _HOME = {
     "Stiction": "stiction",
     "Story": "learn",
     "Unexplained": "ladder",
+    "WireLog": "rig.wirelog",
     "__version__": "_core",
     "check_stability": "render",
     "compare": "compare",
@@ -134,6 +142,7 @@ _HOME = {
     "motion": "motions",
     "own_effect": "own",
     "prepare": "prepare",
+    "record": "rig.record",
     "run_loop": "loop",
     "simulate": "simulate",
     "start_loop": "loop",

@@ -22,6 +22,7 @@ from .formats.resolve import CONTRACT, resolve
 from .formats.table import BoolArray, FloatArray
 from .formats.units import SI, Axis
 from .quality import check
+from .quality.limits import check_limits
 
 __all__ = ["Capture", "Finding", "load"]
 
@@ -155,7 +156,7 @@ class Capture:
         return plot.capture(self)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write the capture and return the path: .csv, .csv.gz, .parquet, .mat, else the native .npz.
+        """Write the capture and return the path: .csv(.gz), .parquet, .mat, .h5, .hdf5, else the native .npz.
 
         Numbers, mask, axis and meta read back exactly. The file appears whole or not at all; InputError says
         why it cannot be written.
@@ -207,7 +208,9 @@ def load(
     end: float | None = None,
     max_bytes: int = DEFAULT_MAX_BYTES,
 ) -> Capture:
-    """Read a capture: the native file, CSV (.gz), .mat (5 and 7.3), .npy, .npz or Parquet, told by content.
+    """Read a capture: the native file, a wire log, CSV (.gz), .mat, .npy, .npz, HDF5 or Parquet.
+
+    A file is known by its content. Of a wire log the last run is read.
 
     Columns t_s, theta_rad, omega_rad_s, alpha_rad_s2, tau_Nm (or theta_m, omega_m_s, alpha_m_s2, tau_N) are
     understood; any others by `map`, for example `"t=c0, theta=c1/8192 [turn], tau=0.0551*c2"`. `rate` (Hz)
@@ -217,7 +220,20 @@ def load(
     up to `max_bytes`.
     """
     file = Path(path)
-    table = read_table(file, max_bytes)
+    return of_table(file, read_table(file, max_bytes), map=map, axis=axis, rate=rate, start=start, end=end)
+
+
+def of_table(
+    file: Path,
+    table: Table,
+    *,
+    map: ColumnMap | None = None,
+    axis: Axis | None = None,
+    rate: float | None = None,
+    start: float | None = None,
+    end: float | None = None,
+) -> Capture:
+    """Return the capture in the content of a file; options as `load` takes them."""
     native = document.check_schema(table) if map is None else None
     if native is not None:
         if axis is not None and axis != native["axis"]:
@@ -227,13 +243,21 @@ def load(
     columns = resolved.columns
     keep = _between(str(file), columns, rate, start, end)
     rows = np.arange(1, len(columns["theta"]) + 1)
-    if native is None:
+    if table.meta is not None:
+        meta = dict(table.meta)
+    elif native is None:
         meta = _provenance(file, table, {name: str(entry) for name, entry in resolved.entries.items()}, rate)
     else:
         meta = native["meta"]
     part = {name: values[keep] for name, values in columns.items()}
     capture = _checked(part, resolved.axis, rate, meta, rows[keep], str(file))
-    return capture if native is None else _restored(capture, native, table, keep)
+    if native is not None:
+        return _restored(capture, native, table, keep)
+    limits = {name: at[keep] for name, at in table.limits.items() if name in capture.columns}
+    clipped, found = check_limits(limits, capture.mask, rows[keep])
+    return replace(
+        capture, mask=capture.mask & ~clipped, findings=(*table.notes, *capture.findings, *found)
+    )
 
 
 def _restored(capture: Capture, native: Mapping[str, Any], table: Table, keep: slice | BoolArray) -> Capture:

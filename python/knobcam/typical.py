@@ -36,6 +36,7 @@ _SIZES = {
     "detent_harmonics.A2": 0.004,
     "detent_harmonics.A3": 0.002,
     "detent_harmonics.A4": 0.001,
+    "detent_harmonics.A5": 5e-4,
     "detent_harmonics.P": 0.076,
     "directional_detent.A": 0.003,
     "directional_detent.S": 0.5,

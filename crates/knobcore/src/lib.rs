@@ -41,6 +41,8 @@ pub mod realtime;
 
 pub mod wire;
 
+pub mod record;
+
 pub mod emulate;
 
 #[cfg(feature = "python")]

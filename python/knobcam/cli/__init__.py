@@ -12,14 +12,14 @@ import warnings
 from typing import TYPE_CHECKING
 
 from ..errors import InputError, KnobcamWarning
-from . import catalogue, demonstrate, emulating, fitting, learning, recording, rendering
+from . import capturing, catalogue, demonstrate, emulating, fitting, learning, recording, rendering
 from .arguments import Parser, VersionAction
 from .output import as_json, status
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-_GROUPS = (recording, fitting, learning, catalogue, rendering, demonstrate, emulating)
+_GROUPS = (capturing, recording, fitting, learning, catalogue, rendering, demonstrate, emulating)
 _INTERRUPTED = 130  # what a shell reports for a program that Ctrl-C ended
 
 
@@ -50,8 +50,9 @@ def _run(words: list[str]) -> int:
         answer = args.run(args)
     except SystemExit:  # --help and --version
         return 0
-    except KeyboardInterrupt:
-        return _end("interrupted", _INTERRUPTED)
+    except KeyboardInterrupt as interrupt:
+        kept = str(interrupt)  # what a recording says that it has saved
+        return _end(f"interrupted; {kept}" if kept else "interrupted", _INTERRUPTED)
     except BaseException as error:  # a panic of the core is no Exception
         if "--traceback" in words:
             import traceback

@@ -45,7 +45,7 @@ def write_table(
 ) -> None:
     """Write a capture's columns (float64, one length), mask and document in the format of the extension.
 
-    .csv, .csv.gz, .parquet and .mat; anything else is the native .npz. The file appears whole or not at all.
+    .csv, .csv.gz, .parquet, .mat and .h5 or .hdf5; anything else is the native .npz. The file appears whole or not at all.
     """
     name = path.name.lower()
     if name.endswith(".csv"):
@@ -61,6 +61,10 @@ def write_table(
         from .matlab import write_mat5
 
         write_atomically(path, lambda part: write_mat5(part, columns, document))
+    elif name.endswith((".h5", ".hdf5")):
+        from .hdf5 import write_hdf5
+
+        write_atomically(path, lambda part: write_hdf5(part, columns, document))
     else:
         from .numpy_files import write_native
 
@@ -77,7 +81,7 @@ def _head(path: Path) -> bytes:
 
 
 def _read(path: Path, head: bytes, max_bytes: int) -> Table:
-    from . import hdf5, matlab, numpy_files, parquet
+    from . import hdf5, matlab, numpy_files, parquet, wire
 
     if head.startswith(inflate.MAGIC):
         raw = inflate.inflate(str(path), path.read_bytes(), max_bytes)
@@ -92,4 +96,6 @@ def _read(path: Path, head: bytes, max_bytes: int) -> Table:
         return hdf5.read_hdf5(path, max_bytes)
     if head.startswith(parquet.MAGIC):
         return parquet.read_parquet(path, max_bytes)
+    if head.startswith(wire.MAGIC):
+        return wire.read_wire(path)
     return read_text(str(path), "CSV", path.read_bytes())

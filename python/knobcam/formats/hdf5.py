@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,8 @@ from .table import FloatArray, Table, add_array
 MAGIC = b"\x89HDF\r\n\x1a\n"
 USER_BLOCK = 512
 """Bytes of text that MATLAB puts before the HDF5 content."""
+
+_DOCUMENT = "knobcam"
 
 _MAX_DEFLATE = 1032  # zlib cannot shrink by more, so a larger claim is false (Deutsch & Gailly, RFC 1951)
 
@@ -45,4 +49,16 @@ def read_hdf5(path: Path, max_bytes: int) -> Table:
 
     with h5py.File(path, "r") as file:
         file.visititems(visit)
-    return Table(str(path), "MATLAB 7.3 .mat", columns, broken)
+        text = file.attrs.get(_DOCUMENT)
+    document = json.loads(text) if isinstance(text, str) else None
+    kind = "HDF5" if document else "MATLAB 7.3 .mat"
+    return Table(str(path), kind, columns, broken, document if isinstance(document, dict) else None)
+
+
+def write_hdf5(path: Path, columns: Mapping[str, FloatArray], document: Mapping[str, Any]) -> None:
+    """Write `columns` as datasets at the root, the document as an attribute of the root; no time stamps."""
+    h5py = require("h5py", "an HDF5 file")
+    with h5py.File(path, "w", track_order=True) as file:
+        file.attrs[_DOCUMENT] = json.dumps(document)
+        for name, values in columns.items():
+            file.create_dataset(name, data=values, track_times=False)

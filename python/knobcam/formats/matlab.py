@@ -23,6 +23,7 @@ from .table import FloatArray, Table, add_array
 MAGIC = b"MATLAB 5.0 MAT-file"
 
 _DOCUMENT = "knobcam"
+_TEXT = 116  # bytes of text at the start of a file
 _INT32, _UINT32, _MATRIX, _COMPRESSED = 5, 6, 14, 15  # data types, Table 1-1
 _CELL, _STRUCT, _OBJECT, _CHAR, _SPARSE = range(1, 6)  # array types, Table 1-3; numbers are 6 to 15
 _NUMBERS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
@@ -143,3 +144,6 @@ def write_mat5(path: Path, columns: Mapping[str, FloatArray], document: Mapping[
     content[_DOCUMENT] = json.dumps(document)
     with path.open("wb") as file:
         require("scipy.io", "a MATLAB file").savemat(file, content)
+        # In place of the hour and the computer: equal captures are equal files.
+        file.seek(len(MAGIC))
+        file.write(b", written by knobcam".ljust(_TEXT - len(MAGIC)))

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from ..finding import Finding
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -24,7 +25,8 @@ class Table:
 
     Columns may differ in length: only those that a capture uses have to agree. `broken` holds, by column,
     why it cannot be used, so that a text column nobody asks for does no harm. `document` and `mask` are
-    there when knobcam wrote the file.
+    there when knobcam wrote the file. A recording of a rig says more of itself: `meta`, by column of a capture
+    the samples at a sensor's limit, and what is to be known of it (`notes`).
     """
 
     source: str
@@ -33,6 +35,9 @@ class Table:
     broken: Mapping[str, str] = field(default_factory=dict)
     document: Mapping[str, Any] | None = None
     mask: BoolArray | None = None
+    meta: Mapping[str, Any] | None = None
+    limits: Mapping[str, BoolArray] = field(default_factory=dict)
+    notes: tuple[Finding, ...] = ()
 
     def column(self, name: str) -> FloatArray:
         """Return the column called `name`; InputError lists what there is when it is absent or unusable."""

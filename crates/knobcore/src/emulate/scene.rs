@@ -88,7 +88,7 @@ pub(super) enum Scene {
     /// A motion moves a knob (or none), again and again: its torque is known ahead.
     Moved { track: Track, tau: Vec<f64>, place: f64, again: bool, at: usize },
     /// A motion moves the handle, on which a model is rendered.
-    Driven { track: Track, place: f64, at: usize, knob: Box<Renderer>, device: Device, late: f64 },
+    Driven { track: Track, place: f64, at: usize, knob: Box<Renderer>, device: Device },
     /// A hand holds the handle.
     Held { source: Source, handle: Handle, hand: Track, place: f64, at: usize, pushes: f64 },
 }
@@ -106,7 +106,7 @@ impl Scene {
         let limits =
             Limits { torque: device.torque_limit, torque_rate: device.torque_rate_limit, speed: 1000.0 };
         let knob = Box::new(Renderer::new(model, rate_hz, Some(device), limits)?);
-        Ok(Self::Driven { track, place, at: 0, knob, device, late: 0.0 })
+        Ok(Self::Driven { track, place, at: 0, knob, device })
     }
 
     /// The next sample, if there is one; none when the motion is over.
@@ -121,7 +121,7 @@ impl Scene {
                 *at += 1;
                 Some(Instant { sensed: [*place + theta, omega, alpha, push], motor: push })
             }
-            Self::Driven { track, place, at, knob, device, late } => {
+            Self::Driven { track, place, at, knob, device } => {
                 if *at == track.len() {
                     return None;
                 }
@@ -131,11 +131,9 @@ impl Scene {
                 let step = device.encoder_step;
                 let seen = if step > 0.0 { (theta / step).round() * step } else { theta };
                 let motor = knob.step(Sensed { theta: seen, omega, alpha, hand: None });
-                // The motor's torque goes over from one command to the next at this instant.
-                let acts = if *at == 1 { motor } else { 0.5 * (*late + motor) };
-                *late = motor;
+                // Within a sample the motion is read, the motor is told, and then the torque is read.
                 let own = device.inertia * alpha + device.damping * omega;
-                Some(Instant { sensed: [theta, omega, alpha, acts + own], motor })
+                Some(Instant { sensed: [theta, omega, alpha, motor + own], motor })
             }
             Self::Held { source, handle, hand, place, at, pushes } => {
                 let target = hand.at(*at % hand.len().max(1));

@@ -6,6 +6,7 @@ mod fit;
 mod handle;
 mod model;
 mod realtime;
+mod record;
 mod render;
 mod signals;
 mod user;
@@ -26,6 +27,7 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(user::effect_failure, m)?)?;
     m.add_class::<realtime::PyLoop>()?;
     m.add_function(wrap_pyfunction!(realtime::start_loop, m)?)?;
+    m.add_class::<record::PyRecorder>()?;
     m.add_class::<signals::PySignals>()?;
     m.add_function(wrap_pyfunction!(signals::prepare, m)?)?;
     m.add_class::<render::PyRenderer>()?;

@@ -16,6 +16,7 @@ pub(super) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(wire_encode, m)?)?;
     m.add_function(wrap_pyfunction!(wire_motion, m)?)?;
     m.add_function(wrap_pyfunction!(wire_model, m)?)?;
+    m.add_function(wrap_pyfunction!(wire_check, m)?)?;
     m.add_function(wrap_pyfunction!(wire_log, m)?)
 }
 
@@ -36,6 +37,20 @@ fn wire_encode<'py>(
 pub(super) fn message(dict: &Bound<'_, PyDict>) -> PyResult<Message> {
     let wrong = |error: toml::de::Error| input_error(Error::invalid("message", error.message()));
     value(dict.as_any())?.try_into().map_err(wrong)
+}
+
+/// Refuses the DESCRIPTOR of a device whose numbers cannot be.
+#[pyfunction]
+fn wire_check(message: &Bound<'_, PyDict>) -> PyResult<()> {
+    match read_message(message)? {
+        Message::Descriptor { device } => device.check().map_err(input_error),
+        _ => Err(input_error(Error::invalid("message", "is no DESCRIPTOR"))),
+    }
+}
+
+fn read_message(message: &Bound<'_, PyDict>) -> PyResult<Message> {
+    let wrong = |error: toml::de::Error| input_error(Error::invalid("message", error.message()));
+    value(message.as_any())?.try_into().map_err(wrong)
 }
 
 /// The frames that upload a motion, numbered from `number` on.
@@ -199,7 +214,8 @@ fn event_dict<'py>(py: Python<'py>, event: &Event) -> PyResult<Bound<'py, PyDict
     Ok(dict)
 }
 
-fn frame_dict<'py>(py: Python<'py>, frame: &Frame) -> PyResult<Bound<'py, PyDict>> {
+/// A frame as a dict: sequence, time_us, message.
+pub(super) fn frame_dict<'py>(py: Python<'py>, frame: &Frame) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("sequence", frame.header.sequence)?;
     dict.set_item("time_us", frame.header.time_us)?;

@@ -62,7 +62,8 @@ impl Renderer {
         let columns = Columns { motion: motion.map(|column| &column[..rows]), hand };
         let out = &mut out[..rows];
         // The first step after missed periods stands for a longer time; who remembers has to take every step.
-        let single = self.hidden.is_some() || self.own || !self.state.memory.is_empty();
+        let remembers = self.hidden.is_some() || self.own || !self.state.memory.is_empty();
+        let single = remembers || self.tuning.rush_s != 0.0;
         let first = if single { rows } else { rows.min(usize::from(self.state.missed > 0)) };
         for i in 0..first {
             out[i] = self.step(columns.sensed(i));

@@ -61,8 +61,10 @@ impl Device {
 /// What the step does differently on one device and on another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Tuning {
-    /// How far ahead of the measurement the torque acts, s: the model is evaluated there.
+    /// How far ahead of the measurement the torque acts, s: the model is evaluated at the angle there.
     pub ahead_s: f64,
+    /// The same for the speed, which takes the acceleration: only where nothing can ring by it.
+    pub rush_s: f64,
     /// Stiffness that ties a stuck knob to where it stuck, N m/rad.
     pub stiffness: f64,
     /// The same where the torque of the hand is known and does most of the holding.
@@ -94,6 +96,9 @@ const USUAL: [f64; 2] = [3e-5, 0.03];
 const USUAL_COUNT: f64 = 9.8e-6;
 /// A speed that no sensor tells from rest, rad/s.
 pub(super) const SLOWEST: f64 = 1e-3;
+/// A twentieth of the finest step of a velocity (that of the paper's sensor), rad/s: whatever is not zero is
+/// a direction.
+const DIRECTED: f64 = 1e-5;
 /// Rendered inertia that is beyond this share of the device's own is filtered.
 const LIGHT: f64 = 0.3;
 
@@ -104,6 +109,7 @@ impl Tuning {
         let [stiffness, damping] = spring(inertia, dt, nature, USUAL_COUNT);
         Self {
             ahead_s: 0.0,
+            rush_s: 0.0,
             stiffness,
             weak: WEAK * stiffness,
             damping,
@@ -120,6 +126,8 @@ impl Tuning {
     /// where delay and filter have turned its phase round, it has to be well below the device's own inertia.
     pub fn of(device: &Device, nature: &Nature, dt: f64) -> Self {
         let late = device.late_s(dt);
+        // A rig that imposes the motion looks at the torque when it begins to act, a hand feels its mean.
+        let instant = device.delay as f64 * dt;
         let [stiffness, damping] = if device.held {
             firm(nature, device.encoder_step)
         } else {
@@ -136,7 +144,8 @@ impl Tuning {
         let filtered = !device.held && extra > LIGHT;
         let corner = if filtered { turn * std::f64::consts::FRAC_2_PI * extra / LIGHT } else { 0.0 };
         Self {
-            ahead_s: late,
+            ahead_s: if device.held { instant } else { late },
+            rush_s: if device.held { instant } else { 0.0 },
             stiffness,
             weak: WEAK * stiffness,
             damping,
@@ -160,5 +169,5 @@ fn spring(inertia: f64, late_s: f64, nature: &Nature, count: f64) -> [f64; 2] {
 /// The same on a handle whose motion is imposed: nothing can ring, and a reversal is to be as sharp as the sensors.
 fn firm(nature: &Nature, count: f64) -> [f64; 2] {
     let hold = nature.hold.max(f64::MIN_POSITIVE);
-    [PER_COUNT * hold / count.max(USUAL_COUNT), PER_COUNT * hold / SLOWEST]
+    [hold / count.max(USUAL_COUNT), hold / DIRECTED]
 }

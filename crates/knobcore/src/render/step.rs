@@ -266,7 +266,7 @@ impl Renderer {
         }
         let before = if first { tau } else { self.state.tau };
         let tau = self.limits.cut(tau, before, self.dt);
-        (self.state.before, self.state.tau) = ([theta, omega], tau);
+        (self.state.before, self.state.tau) = ([theta, sensed.omega], tau);
         self.state.samples += 1;
         tau
     }

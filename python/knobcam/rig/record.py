@@ -1,0 +1,201 @@
+"""A capture over the port: the motion goes to the rig, what comes back goes into the wire log."""
+
+from __future__ import annotations
+
+import contextlib
+import platform
+import time
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from ..errors import InputError
+from ..formats.wire import RATE_TOLERANCE
+from ..model import Model
+from ..motions import MotionTrack
+from ..motions import motion as make_motion
+from .calibration import usual
+from .leadin import led_in
+from .link import Link
+from .port import BAUD
+from .wirelog import SUFFIX, WireLog, begin
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Callable
+
+    from ..capture import Capture
+    from .figures import Figures
+
+    Watch = Callable[[Figures], object]
+
+BY_HAND = "hand"
+"""The motion that no motor makes: a person turns the knob, and the rig records."""
+
+_LISTENS_S = 0.1  # how often figures are looked at, and Ctrl-C is listened for
+_SILENT_S = 2.0  # without a sample in a run
+_SPAN_S = 0.2  # of the device's clock, before its rate is judged
+_HOLD_S = 10.0  # beyond the length of a run that the rig may stay armed
+
+
+class Plan(NamedTuple):
+    """A run that is to be made: its samples, the motion (None: by hand), the model to render (None: the knob)."""
+
+    samples: int
+    track: MotionTrack | None
+    model: Model | None
+
+    @property
+    def mode(self) -> str | None:
+        """Mode of ARM; None where nothing gives torque."""
+        if self.track is None:
+            return None
+        return "drive" if self.model is None else "render_driven"
+
+
+def log_path(output: str | os.PathLike[str]) -> Path:
+    """Return where the wire log of this output is: itself, or its neighbour."""
+    path = Path(output)
+    name = path.name.removesuffix(".gz")
+    return path.with_name(Path(name).stem + SUFFIX)
+
+
+def record(
+    port: str | Link,
+    motion: str | MotionTrack = "sweep",
+    *,
+    output: str | os.PathLike[str],
+    duration_s: float = 6.0,
+    model: Model | str | os.PathLike[str] | None = None,
+    calibration: Any = None,
+    progress: Watch | None = None,
+    baud: int = BAUD,
+    **options: float,
+) -> Capture:
+    """Record a run of the rig behind `port` and return its capture.
+
+    The wire log (.kcwire) is `output`, or stands beside it; any other `output` is the capture, saved in the
+    format of its extension. `motion` is a name (sweep, multisine, turns, micro, with the `options` of its
+    function) or a track, both led in from rest; `hand` records what a person does. With `model` the rig
+    renders that model while the motion moves it. `calibration` is anything with a `c_cal`; by default the one
+    that is kept of this rig. `progress` is called some ten times a second.
+
+    Raises InputError for everything that is wrong with call, port or rig, and KeyboardInterrupt for Ctrl-C:
+    the samples that had come are then in the log.
+    """
+    log = log_path(output)
+    if log.exists():
+        raise InputError(f"{log}: is there already, and a recording is not written over; choose another name")
+    if model is not None and not isinstance(model, Model):
+        model = Model.load(model)
+    with contextlib.ExitStack() as stack:
+        link = port if isinstance(port, Link) else stack.enter_context(Link(port, baud=baud))
+        plan = make_plan(motion, duration_s, link.rate_hz, model, **options)
+        upload(link, plan)
+        kept = calibration if calibration is not None else usual(link.device["serial"])
+        name = motion if isinstance(motion, str) else "given"
+        begin(log, _header(link, plan, {"name": name, "duration_s": duration_s, **options}, kept))
+        try:
+            run(link, plan, log, progress)
+        except InputError as error:
+            raise InputError(f"{error}; {_what_is_kept(log)}") from error
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(_what_is_kept(log)) from None
+    recorded = WireLog.load(log).capture()
+    if Path(output) != log:
+        recorded.save(output)
+    return recorded
+
+
+def make_plan(
+    motion: str | MotionTrack, duration_s: float, rate_hz: float, model: Model | None = None, **options: float
+) -> Plan:
+    """Return the run of a motion at the rate of a rig."""
+    if isinstance(motion, str):
+        track = make_motion(motion, duration_s, rate_hz, **options)
+        if motion == BY_HAND:
+            if model is not None:
+                raise InputError("model: is rendered along a motion; choose another one than hand")
+            return Plan(len(track.t), None, None)
+    else:
+        track = motion
+    led = led_in(track, rate_hz)
+    return Plan(len(led.t), led, model)
+
+
+def upload(link: Link, plan: Plan) -> None:
+    """Send ahead what the run needs."""
+    if plan.track is not None:
+        link.upload_motion(plan.track)
+    if plan.model is not None:
+        link.upload_model(plan.model)
+
+
+def run(link: Link, plan: Plan, log: Path, progress: Watch | None = None) -> None:
+    """Make the run, whose motion and model the rig has, and record it into `log`, which has its header.
+
+    Torque and run are ended on every way out. A fault that the rig has latched is cleared first: whoever calls
+    asks for this run.
+    """
+    link.log_to(log)
+    if link.fault is not None:
+        link.clear()
+    try:
+        if plan.mode is not None:
+            link.arm(plan.mode, plan.samples / link.rate_hz + _HOLD_S)
+        link.start(plan.samples)
+        _follow(link, plan.samples, progress or (lambda figures: None))
+    finally:
+        with contextlib.suppress(InputError):
+            link.stop()
+        link.log_to(None)
+
+
+def _follow(link: Link, samples: int, progress: Watch) -> None:
+    """Watch a run until it has ended."""
+    before, since = -1, time.monotonic()
+    while link.stopped is None:
+        link.wait(_LISTENS_S)
+        figures = link.figures()
+        progress(figures)
+        link.check()
+        if link.fault is not None:
+            code, text = link.fault
+            raise InputError(f"{link.port}: the rig has stopped with a fault: {text or 'no reason'} ({code})")
+        ours = link.run is not None and figures.run == link.run
+        if ours:
+            _check_rate(link, figures)
+        if not ours or figures.received == before:
+            if time.monotonic() - since > _SILENT_S:
+                if ours and figures.received + figures.missing >= samples:
+                    return  # all is there but the word that it is all
+                raise InputError(f"{link.port}: the rig fell silent in the run; check its cable and power")
+        else:
+            before, since = figures.received, time.monotonic()
+
+
+def _check_rate(link: Link, figures: Figures) -> None:
+    measured = figures.device_rate_hz
+    if measured is None or figures.device_span_s < _SPAN_S:
+        return
+    if abs(measured / link.rate_hz - 1.0) > RATE_TOLERANCE:
+        raise InputError(
+            f"{link.port}: the rig says that it samples at {link.rate_hz:.6g} Hz, its clock says "
+            f"{measured:.6g} Hz; its firmware must be corrected"
+        )
+
+
+def _header(link: Link, plan: Plan, motion: dict[str, Any], calibration: Any) -> dict[str, Any]:
+    c_cal = getattr(calibration, "c_cal", None)
+    return {
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        "host": platform.node(),
+        "port": link.port,
+        "motion": {**motion, "samples": plan.samples},
+        "model": None if plan.model is None else plan.model.text(),
+        "calibration": None if c_cal is None else {"c_cal": c_cal, "date": getattr(calibration, "date", "")},
+    }
+
+
+def _what_is_kept(log: Path) -> str:
+    return f"{WireLog.load(log).samples} samples are kept in {log}"
