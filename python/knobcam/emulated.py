@@ -63,8 +63,6 @@ def _followed(hand: MotionTrack | None) -> _core.HandRow | None:
     if hand is None:
         return None
     if len(hand.t) < 2:
-        raise InputError(
-            "hand: is no motion; give two samples or more, as kc.motion(...) does"
-        )
+        raise InputError("hand: is no motion; give two samples or more, as kc.motion(...) does")
     theta, omega, alpha = (np.ascontiguousarray(column, dtype=np.float64) for column in hand[1:])
     return theta, omega, alpha, (len(hand.t) - 1) / (hand.t[-1] - hand.t[0])

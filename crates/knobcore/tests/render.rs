@@ -273,14 +273,14 @@ fn periods_that_were_missed_are_no_jump_and_a_stuck_knob_stays_where_it_stuck() 
 
     let model = knob(1);
     let holds = value(&model, "karnopp.D_pos");
-    let mut knob = Rendered::new(&model, device(5e-5, 0), RATE, false);
+    let mut knob = Rendered::new(&model, device(5e-5, 2), RATE, false);
     let mut stand = |i: usize| {
         knob.push(0.5 * holds);
         if i.is_multiple_of(10) {
-            // Three periods go by in which the motor holds its last torque.
+            // A period goes by in which the motor is told its last torque again.
             let tau = -knob.knob.state().tau;
-            (0..3).for_each(|_| drop(knob.handle.push(tau, [knob.hand; 2])));
-            knob.knob.missed(3);
+            knob.handle.push(tau, [knob.hand; 2]);
+            knob.knob.missed(1);
         }
         knob.handle.motion()[0]
     };

@@ -3,7 +3,6 @@
 use super::Id;
 use super::sweep::{BLOCK, CHANNELS, Channels, Totals, load_of};
 use crate::motion::Load;
-use crate::scalar::{LANES, Pack};
 
 /// Loads on the moving knob over a block of samples, of effects that remember nothing: effect by effect, so that
 /// each is compiled for whole vectors, and in the order of single samples, so that the sums are the same.
@@ -33,9 +32,9 @@ impl Block {
         }
     }
 
-    /// The load on the eight samples of this number: 0 for the first eight.
+    /// The load on a sample.
     #[inline(always)]
-    pub fn load(&self, eight: usize) -> Load<Pack> {
-        load_of(std::array::from_fn(|channel| Pack(self.0[channel].as_chunks::<LANES>().0[eight])))
+    pub fn load(&self, at: usize) -> Load<f64> {
+        load_of(std::array::from_fn(|channel| self.0[channel][at]))
     }
 }

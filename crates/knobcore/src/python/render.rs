@@ -136,7 +136,7 @@ impl PyRenderer {
             let known = Fault::ALL.into_iter().find(|fault| fault.name() == name);
             known.ok_or_else(|| bad("fault", "is none that this version knows"))
         };
-        let pair = |name: &str| PyResult::Ok(<[f64; 2]>::from(get(name)?.extract::<(f64, f64)>()?));
+        let pair = |name: &str| get(name)?.extract::<[f64; 2]>();
         let state = State {
             samples: get("samples")?.extract()?,
             missed: get("missed")?.extract()?,

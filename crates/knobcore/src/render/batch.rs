@@ -5,7 +5,7 @@ use super::sliding::{Sliding, braked};
 use super::step::{Renderer, Sensed};
 use crate::effects::Block;
 use crate::motion::Motion;
-use crate::scalar::{LANES, Pack, Scalar};
+use crate::scalar::LANES;
 
 /// Columns of a motion: angle, speed, acceleration, and the torque of the hand where it is measured.
 #[derive(Clone, Copy)]
@@ -33,8 +33,8 @@ struct Ahead {
     resting: Block,
     /// Torque without inertia, N m, and inertia, kg m^2.
     asked: [[f64; Block::SAMPLES]; 2],
-    /// For every eight samples the way in which the knob can slide through all of them: 1, -1, or 0 for none.
-    ways: [f64; Block::SAMPLES / LANES],
+    /// The way in which the knob can slide through a sample: 1, -1, or 0 for none.
+    ways: [f64; Block::SAMPLES],
 }
 
 const ZEROS: [f64; Block::SAMPLES] = [0.0; Block::SAMPLES];
@@ -43,15 +43,15 @@ const HALVES: [f64; Block::SAMPLES] = [0.5; Block::SAMPLES];
 impl Ahead {
     fn new() -> Self {
         let (moving, resting) = (Block::new(), Block::new());
-        let ways = [0.0; Block::SAMPLES / LANES];
-        Self { motion: [ZEROS; 3], before: ZEROS, moving, resting, asked: [ZEROS; 2], ways }
+        Self { motion: [ZEROS; 3], before: ZEROS, moving, resting, asked: [ZEROS; 2], ways: ZEROS }
     }
-}
 
-/// A column as whole eights; what is left over at its end is not among them.
-#[inline(always)]
-fn eights(column: &[f64]) -> &[[f64; LANES]] {
-    column.as_chunks::<LANES>().0
+    /// Whether the knob can slide that way through the eight samples from `at` on.
+    #[inline(always)]
+    fn all(&self, at: usize, way: f64) -> bool {
+        let differ = |other: u64, one: &f64| other | (one.to_bits() ^ way.to_bits());
+        self.ways.as_chunks::<LANES>().0[at / LANES].iter().fold(0, differ) == 0
+    }
 }
 
 impl Renderer {
@@ -109,59 +109,44 @@ impl Renderer {
         }
     }
 
-    /// The torque of the block wherever the knob slides, and where it can: in whole eights of it.
+    /// The torque of the block wherever the knob slides, and for each sample the way in which it can.
     #[inline(always)]
     fn slide_through(&self, columns: &Columns<'_>, at: usize, ahead: &mut Ahead, out: &mut [f64]) {
-        let (inertia, damping) = (Pack::of(self.tuning.own[0]), Pack::of(self.tuning.own[1]));
-        let limit = self.limits.torque;
-        let [theta, omega, alpha] = columns.motion.map(|column| eights(&column[at..at + out.len()]));
+        let n = out.len().min(Block::SAMPLES);
+        let [theta, omega, alpha] = columns.motion.map(|column| &column[at..at + n]);
         let Ahead { motion: [_, _, forward], before, moving, resting, asked, ways } = ahead;
-        let (before, forward) = (eights(before), eights(forward));
-        let [torques, inertias] = asked.each_mut().map(|column| column.as_chunks_mut::<LANES>().0);
-        let (out, _) = out.as_chunks_mut::<LANES>();
-        for i in 0..out.len().min(ways.len()) {
-            let (omega, alpha, forward) = (Pack(omega[i]), Pack(alpha[i]), Pack(forward[i]));
+        let [inertia, damping] = self.tuning.own;
+        let (limit, fastest) = (self.limits.torque, self.limits.speed);
+        let most = fastest * self.dt;
+        // No branch within: every sample goes through this.
+        for i in 0..n {
             let load = moving.load(i);
             let drive = if self.guarded {
-                let zero = Pack::of(0.0);
-                let motion = Motion { t: zero, theta: zero, omega, alpha: zero, forward };
+                let motion = Motion { t: 0.0, theta: 0.0, omega: omega[i], alpha: 0.0, forward: forward[i] };
                 braked(&load, &motion, resting.load(i).drive)
             } else {
                 load.drive
             };
-            let torque = drive + load.friction(forward);
-            (torques[i], inertias[i]) = (torque.0, load.inertia.0);
-            let tau = torque + (load.inertia + inertia) * alpha + damping * omega;
-            for lane in 0..LANES {
-                let cut = if tau.0[lane] < -limit { -limit } else { tau.0[lane] };
-                out[i][lane] = if cut > limit { limit } else { cut };
-            }
-            ways[i] = self.glides([before[i], theta[i], omega.0, alpha.0, tau.0]);
+            let torque = drive + load.friction(forward[i]);
+            (asked[0][i], asked[1][i]) = (torque, load.inertia);
+            let tau = torque + (load.inertia + inertia) * alpha[i] + damping * omega[i];
+            let by = theta[i] - before[i];
+            // What is not finite fails.
+            let sane = (by.abs() <= most) & (omega[i].abs() <= fastest);
+            let sane = sane & (alpha[i].abs() < f64::INFINITY) & (tau.abs() < f64::INFINITY);
+            let forth = (by >= 0.0) & (omega[i] > 0.0) & sane;
+            let back = (by <= 0.0) & (omega[i] < 0.0) & sane;
+            let way = if forth { 1.0 } else { 0.0 };
+            ways[i] = if back { -1.0 } else { way };
+            let cut = if tau < -limit { -limit } else { tau };
+            out[i] = if cut > limit { limit } else { cut };
         }
         if let Some(hand) = columns.hand {
             // A hand that is NaN is not known.
-            for (hand, way) in eights(&hand[at..]).iter().zip(ways) {
-                *way = if hand.iter().any(|tau| tau.is_infinite()) { 0.0 } else { *way };
+            for (way, hand) in ways.iter_mut().zip(&hand[at..at + n]) {
+                *way = if hand.is_infinite() { 0.0 } else { *way };
             }
         }
-    }
-
-    /// The way in which the knob can slide through eight samples: 1, -1, or 0 for none. Given are the angle of the
-    /// sample before, angle, speed, acceleration, and the torque that comes out.
-    #[inline(always)]
-    fn glides(&self, [before, theta, omega, alpha, tau]: [[f64; LANES]; 5]) -> f64 {
-        let (most, fastest) = (self.limits.speed * self.dt, self.limits.speed);
-        // One number a lane and no branch: this is asked of every sample. What is not finite fails.
-        let mut way = 0_i64;
-        for i in 0..LANES {
-            let by = theta[i] - before[i];
-            let sane = (by.abs() <= most) & (omega[i].abs() <= fastest);
-            let sane = sane & (alpha[i].abs() < f64::INFINITY) & (tau[i].abs() < f64::INFINITY);
-            let forth = (by >= 0.0) & (omega[i] > 0.0) & sane;
-            let back = (by <= 0.0) & (omega[i] < 0.0) & sane;
-            way += i64::from(forth) - i64::from(back);
-        }
-        (way / LANES as i64) as f64
     }
 
     /// Remembers what sliding through `count` samples up to `end` leaves behind.
@@ -200,7 +185,7 @@ impl pulp::NullaryFnOnce for Rendering<'_> {
             let mut slid = 0;
             for at in (start..end).step_by(LANES) {
                 let whole = at + LANES <= end;
-                if plain && whole && way != 0.0 && ahead.ways[(at - start) / LANES] == way {
+                if plain && whole && way != 0.0 && ahead.all(at - start, way) {
                     slid += LANES;
                     continue;
                 }
@@ -208,8 +193,7 @@ impl pulp::NullaryFnOnce for Rendering<'_> {
                 slid = 0;
                 for i in at..(at + LANES).min(end) {
                     let [torque, inertia] = [0, 1].map(|j: usize| ahead.asked[j][i - start]);
-                    let known = whole.then_some(Sliding { torque, inertia });
-                    out[i] = renderer.advance(columns.sensed(i), known);
+                    out[i] = renderer.advance(columns.sensed(i), Some(Sliding { torque, inertia }));
                 }
                 way = renderer.way();
             }
