@@ -36,6 +36,12 @@ def groove(model: kc.Model) -> float:
     return value(model, "detent.P") * (falling - value(model, "detent.S"))
 
 
+def detent(model: kc.Model, theta: float) -> float:
+    """Torque of the detents, N m."""
+    a, p, s = (value(model, f"detent.{name}") for name in "APS")
+    return a * math.sin(theta / p + s) if a != 0.0 else 0.0
+
+
 def push(hold: float) -> np.ndarray:
     """The hand of the drift test: 0.2 of what holds, and 0.5 of it at 25 Hz."""
     t = np.arange(round(SECONDS * RATE_HZ)) / RATE_HZ
@@ -62,7 +68,7 @@ def rendered_drift(model: kc.Model, measured: bool) -> float:
 
 
 def breakaway(model: kc.Model, sign: float, rate_hz: float, measured: bool) -> float:
-    """Torque of a hand that pushes ever harder when the knob breaks away, N m."""
+    """Torque of a hand that pushes ever harder when the knob breaks away, without that of the detents, N m."""
     renderer = kc.Renderer(model, rate_hz, device=device(0))
     handle = _core.Handle(device(0).row, rate_hz, groove(model))
     hand = 0.0
@@ -70,16 +76,16 @@ def breakaway(model: kc.Model, sign: float, rate_hz: float, measured: bool) -> f
         before, hand = hand, hand + 0.02 / rate_hz
         answer = renderer.step(*handle.sensed(), sign * before if measured else None)
         handle.push(-answer, sign * before, sign * hand)
-    return hand
+    return hand - sign * detent(model, handle.motion[0])
 
 
 def sliding_error(model: kc.Model, sign: float, rate_hz: float) -> float:
-    """Share by which the torque of a steady slow turn is off."""
+    """Share of friction by which the torque of a steady slow turn is off."""
     omega, way = 2.0 * sign, "pos" if sign > 0 else "neg"
     theta = omega * np.arange(round(0.5 * rate_hz)) / rate_hz
     tau = kc.Renderer(model, rate_hz).along(theta, np.full_like(theta, omega))[-1]
-    expected = sign * value(model, f"coulomb.{way}") + value(model, f"viscous.{way}") * omega
-    return abs(tau / expected - 1.0)
+    friction = sign * value(model, f"coulomb.{way}") + value(model, f"viscous.{way}") * omega
+    return abs((tau - detent(model, theta[-1])) / friction - 1.0)
 
 
 def hand_of(seed: int) -> kc.MotionTrack:
@@ -97,7 +103,7 @@ def hand_of(seed: int) -> kc.MotionTrack:
 
 
 def passivity(model: kc.Model, delay: int, track: kc.MotionTrack) -> float:
-    """Work of the hand over 30 s, J: the least that it came to at the end of any second."""
+    """Work of the hand over 30 s, J: the least that it was whenever it was looked at."""
     handle = kc.EmulatedHandle(device(delay), track, theta=groove(model))
     renderer = kc.Renderer(model, RATE_HZ, device=device(delay))
     least = 0.0
