@@ -68,7 +68,7 @@ def rendered_drift(model: kc.Model, measured: bool) -> float:
 
 
 def breakaway(model: kc.Model, sign: float, rate_hz: float, measured: bool) -> float:
-    """Torque of a hand that pushes ever harder when the knob breaks away, without that of the detents, N m."""
+    """Torque of a hand that pushes ever harder when the knob breaks away, less that of the detents, N m."""
     renderer = kc.Renderer(model, rate_hz, device=device(0))
     handle = _core.Handle(device(0).row, rate_hz, groove(model))
     hand = 0.0

@@ -8,14 +8,15 @@ use crate::motion::Load;
 /// each is compiled for whole vectors, and in the order of single samples, so that the sums are the same.
 pub struct Block(Channels);
 
+impl Default for Block {
+    fn default() -> Self {
+        Self([[0.0; BLOCK]; CHANNELS])
+    }
+}
+
 impl Block {
     /// Samples that it holds.
     pub const SAMPLES: usize = BLOCK;
-
-    /// A block without loads.
-    pub fn new() -> Self {
-        Self([[0.0; BLOCK]; CHANNELS])
-    }
 
     /// Brings the loads of effects together over a motion (t, theta, omega, alpha, forward) of at most
     /// [`Block::SAMPLES`]; `plain` where none of them shapes the friction.

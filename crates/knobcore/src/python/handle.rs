@@ -55,7 +55,8 @@ fn followed(
         alpha: alpha.as_slice()?.to_vec(),
     };
     let finite = [&track.theta, &track.omega].into_iter().flatten().all(|x| x.is_finite());
-    if track.is_empty() || track.omega.len() != track.len() || !finite || !(*rate_hz > 0.0) {
+    if track.is_empty() || track.omega.len() != track.len() || !finite || rate_hz.is_nan() || *rate_hz <= 0.0
+    {
         let why = "is no motion; give one finite angle and speed a sample, and a rate above 0";
         return Err(input_error(Error::invalid("hand", why)));
     }

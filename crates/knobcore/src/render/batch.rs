@@ -42,7 +42,7 @@ const HALVES: [f64; Block::SAMPLES] = [0.5; Block::SAMPLES];
 
 impl Ahead {
     fn new() -> Self {
-        let (moving, resting) = (Block::new(), Block::new());
+        let (moving, resting) = (Block::default(), Block::default());
         Self { motion: [ZEROS; 3], before: ZEROS, moving, resting, asked: [ZEROS; 2], ways: ZEROS }
     }
 
