@@ -30,7 +30,10 @@ def register(commands: arguments.Commands) -> None:
     )
     parser.add_argument("--baud", type=arguments.whole, metavar="N", help="bits a second; default 1000000")
     parser.add_argument(
-        "--motion", default="sweep", metavar="NAME", help="sweep, multisine, turns, micro, or hand: you turn it"
+        "--motion",
+        default="sweep",
+        metavar="NAME",
+        help="sweep, multisine, turns, micro, or hand: you turn it",
     )
     parser.add_argument("--duration", type=arguments.number, default=6.0, metavar="S", help="default 6 s")
     parser.add_argument(
@@ -40,10 +43,15 @@ def register(commands: arguments.Commands) -> None:
     arguments.add_output(parser, "capture", required=True)
 
     parser = arguments.add_command(
-        commands, "export", run_export, "Write a wire log, or any capture, as HDF5, Parquet, CSV, .mat or .npz."
+        commands,
+        "export",
+        run_export,
+        "Write a wire log, or any capture, as HDF5, Parquet, CSV, .mat or .npz.",
     )
     parser.add_argument("file", metavar="LOG", help="what to read")
-    parser.add_argument("--run", type=int, metavar="N", help="run of the log: 0 the first, -1 the last (default)")
+    parser.add_argument(
+        "--run", type=int, dest="place", metavar="N", help="of the log: 0 the first, -1 the last (default)"
+    )
     parser.add_argument("--calibration", metavar="FILE", help="default: the one of the recording")
     arguments.add_output(parser, "file", required=True)
 
@@ -84,8 +92,8 @@ def run_export(args: Namespace) -> Answer:
     status(f"reading {args.file}")
     if is_log(args.file):
         calibration = None if args.calibration is None else Calibration.load(args.calibration)
-        recorded = WireLog.load(args.file).capture(-1 if args.run is None else args.run, calibration)
-    elif args.run is not None or args.calibration is not None:
+        recorded = WireLog.load(args.file).capture(-1 if args.place is None else args.place, calibration)
+    elif args.place is not None or args.calibration is not None:
         raise InputError(f"{args.file}: is no wire log; --run and --calibration are for those alone")
     else:
         recorded = load(args.file)

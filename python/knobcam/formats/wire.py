@@ -99,7 +99,9 @@ def table(content: Content, run: int = -1, c_cal: float | None = None) -> Table:
             columns[name] = factor * _values(raw[key], channel)
             limits[key] = _clipped(raw[key], channel)
     if "tau_Nm" not in columns:
-        raise InputError(f"{source}: the rig {device['serial']} has no torque sensor; there is nothing to fit")
+        raise InputError(
+            f"{source}: the rig {device['serial']} has no torque sensor; there is nothing to fit"
+        )
     meta = {
         "source": source,
         "format": "wire log",

@@ -9,6 +9,7 @@ import numpy as np
 from ..motions import MotionTrack
 
 _GENTLE_RAD_S2 = 60.0  # acceleration with which a motion is led in
+_SHORTEST_S = 0.1
 
 
 def led_in(track: MotionTrack, rate_hz: float) -> MotionTrack:
@@ -18,7 +19,9 @@ def led_in(track: MotionTrack, rate_hz: float) -> MotionTrack:
     point at its end, as long as a gentle start takes. Times count on from 0.
     """
     theta, omega, alpha = (float(column[0]) for column in track[1:])
-    seconds = 2.0 * (abs(omega) / _GENTLE_RAD_S2 + math.sqrt(abs(theta) / _GENTLE_RAD_S2))
+    # To gain speed without going far it has to swing back first, which takes four times as long.
+    seconds = 4.0 * (abs(omega) / _GENTLE_RAD_S2 + math.sqrt(abs(theta) / _GENTLE_RAD_S2))
+    seconds = max(seconds, _SHORTEST_S)
     points = max(1, math.ceil(seconds * rate_hz))
     length = points / rate_hz
     u = np.arange(points) / points

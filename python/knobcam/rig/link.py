@@ -97,7 +97,9 @@ class Link:
             while said := self._hear(until):
                 if said["type"] == "DESCRIPTOR":
                     device = said["device"]
-                elif device is not None and said["type"] == "STATUS":
+                elif device is not None and (
+                    said["type"] == "FAULT" or (said["type"] == "STATUS" and self.state != "fault")
+                ):
                     self._accept(device)
                     return
                 elif said["type"] == "NAK" and said["command"] == number:
@@ -150,7 +152,9 @@ class Link:
         if figures.ended:
             raise InputError(f"{self.port}: {figures.ended}; plug the rig in again")
         if figures.log_error:
-            raise InputError(f"the wire log cannot be written any more ({figures.log_error}); free some space")
+            raise InputError(
+                f"the wire log cannot be written any more ({figures.log_error}); free some space"
+            )
 
     def wait(self, seconds: float) -> bool:
         """Listen for so long, or until the rig says something; return whether it did."""

@@ -17,9 +17,10 @@ from ..errors import InputError
 BAUD = 1_000_000
 """Bits a second: twice what 5 kHz need. USB and pseudo-terminals do not care."""
 
-_FD_IS_READ = sys.platform == "linux"
+READS_ITSELF = sys.platform == "linux"
+"""Whether the recorder reads the port on a thread of its own; elsewhere a thread of Python carries bytes."""
+
 _READ_S = 0.01
-_LOCKED = (errno.EAGAIN, errno.EACCES, errno.EBUSY)
 
 
 def ports() -> list[str]:
@@ -33,19 +34,19 @@ class Port:
     Raises InputError, one line, for a port that cannot be opened.
     """
 
-    def __init__(self, name: str, baud: int = BAUD, *, reads_fd: bool = _FD_IS_READ) -> None:
+    def __init__(self, name: str, baud: int = BAUD) -> None:
         self.name = name
         self._serial = _opened(name, baud)
+        self._open = True
         self._pump: threading.Thread | None = None
         try:
-            self.recorder = _core.Recorder(self._serial.fileno() if reads_fd else None)
+            self.recorder = _core.Recorder(self._serial.fileno() if READS_ITSELF else None)
         except BaseException:
             self._serial.close()
             raise
-        if not reads_fd:
+        if not READS_ITSELF:
             self._serial.timeout = _READ_S
             self._pump = threading.Thread(target=self._carry, name="knobcam-port", daemon=True)
-            self._open = True
             self._pump.start()
 
     def close(self) -> None:

@@ -9,6 +9,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from ..errors import InputError
 from ..formats.wire import RATE_TOLERANCE
 from ..model import Model
@@ -34,6 +36,7 @@ BY_HAND = "hand"
 
 _LISTENS_S = 0.1  # how often figures are looked at, and Ctrl-C is listened for
 _SILENT_S = 2.0  # without a sample in a run
+_LAST_WORD_S = 0.5  # for STOPPED, when all samples are there
 _SPAN_S = 0.2  # of the device's clock, before its rate is judged
 _HOLD_S = 10.0  # beyond the length of a run that the rig may stay armed
 
@@ -124,8 +127,9 @@ def make_plan(
 
 
 def upload(link: Link, plan: Plan) -> None:
-    """Send ahead what the run needs."""
+    """Send ahead what the run needs; InputError for a motion that the rig could not measure."""
     if plan.track is not None:
+        _check_speed(link, plan.track)
         link.upload_motion(plan.track)
     if plan.model is not None:
         link.upload_model(plan.model)
@@ -166,12 +170,24 @@ def _follow(link: Link, samples: int, progress: Watch) -> None:
         if ours:
             _check_rate(link, figures)
         if not ours or figures.received == before:
-            if time.monotonic() - since > _SILENT_S:
-                if ours and figures.received + figures.missing >= samples:
-                    return  # all is there but the word that it is all
+            silent = time.monotonic() - since
+            if ours and figures.received + figures.missing >= samples and silent > _LAST_WORD_S:
+                return  # all is there but the word that it is all
+            if silent > _SILENT_S:
                 raise InputError(f"{link.port}: the rig fell silent in the run; check its cable and power")
         else:
             before, since = figures.received, time.monotonic()
+
+
+def _check_speed(link: Link, track: MotionTrack) -> None:
+    channel, fastest = link.device["omega"], float(np.max(np.abs(track.omega)))
+    ends = (channel["scale"] * channel[end] + channel["offset"] for end in ("lower", "upper"))
+    most = min(abs(end) for end in ends)
+    if channel["unit"] != "absent" and fastest > most:
+        raise InputError(
+            f"motion: reaches {fastest:.3g} rad/s, the rig measures up to {most:.3g} rad/s; choose a shorter or "
+            f"slower one"
+        )
 
 
 def _check_rate(link: Link, figures: Figures) -> None:
