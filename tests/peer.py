@@ -21,7 +21,7 @@ def as_it_is(frame: bytes) -> bytes:
 
 
 class Peer:
-    """An emulated rig whose frames, with their delimiter, go through `says` and those it hears through `hears`."""
+    """An emulated rig; each frame that it says goes through `says`, each that it hears through `hears`."""
 
     def __init__(
         self, *, says: Spoil = as_it_is, hears: Spoil = as_it_is, speed: float = 10.0, **options: Any

@@ -97,9 +97,7 @@ def test_a_rig_is_found_by_its_serial_number(rig: EmulatedRig, tmp_path: Path) -
 
 def test_a_calibration_takes_the_place_of_the_nominal_sensitivity(rig: EmulatedRig, tmp_path: Path) -> None:
     twice = SimpleNamespace(c_cal=2 * 1148.0, date="2026-01-01")
-    calibrated = kc.record(
-        rig.port, "sweep", duration_s=1.0, calibration=twice, output=tmp_path / "a.kcwire"
-    )
+    calibrated = kc.record(rig.port, "sweep", duration_s=1.0, calibration=twice, output=tmp_path / "a.kcwire")
     log = kc.WireLog.load(tmp_path / "a.kcwire")
     nominal = log.capture(calibration=SimpleNamespace(c_cal=1148.0))
     assert calibrated.alpha is not None and nominal.alpha is not None

@@ -255,9 +255,7 @@ def of_table(
         return _restored(capture, native, table, keep)
     limits = {name: at[keep] for name, at in table.limits.items() if name in capture.columns}
     clipped, found = check_limits(limits, capture.mask, rows[keep])
-    return replace(
-        capture, mask=capture.mask & ~clipped, findings=(*table.notes, *capture.findings, *found)
-    )
+    return replace(capture, mask=capture.mask & ~clipped, findings=(*table.notes, *capture.findings, *found))
 
 
 def _restored(capture: Capture, native: Mapping[str, Any], table: Table, keep: slice | BoolArray) -> Capture:

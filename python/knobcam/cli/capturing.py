@@ -30,7 +30,10 @@ def register(commands: arguments.Commands) -> None:
     )
     parser.add_argument("--baud", type=arguments.whole, metavar="N", help="bits a second; default 1000000")
     parser.add_argument(
-        "--motion", default="sweep", metavar="NAME", help="sweep, multisine, turns, micro, or hand: you turn it"
+        "--motion",
+        default="sweep",
+        metavar="NAME",
+        help="sweep, multisine, turns, micro, or hand: you turn it",
     )
     parser.add_argument("--duration", type=arguments.number, default=6.0, metavar="S", help="default 6 s")
     parser.add_argument(
@@ -40,7 +43,10 @@ def register(commands: arguments.Commands) -> None:
     arguments.add_output(parser, "capture", required=True)
 
     parser = arguments.add_command(
-        commands, "export", run_export, "Write a wire log, or any capture, as HDF5, Parquet, CSV, .mat or .npz."
+        commands,
+        "export",
+        run_export,
+        "Write a wire log, or any capture, as HDF5, Parquet, CSV, .mat or .npz.",
     )
     parser.add_argument("file", metavar="LOG", help="what to read")
     parser.add_argument(

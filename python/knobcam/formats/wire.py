@@ -31,7 +31,7 @@ _HEADER = 1 << 20
 
 @dataclass(frozen=True)
 class Content:
-    """What a wire log holds: its header, the last DESCRIPTOR, the runs and all else, as the core reads them."""
+    """What a wire log holds: its header, the last DESCRIPTOR, the runs, and all else as the core reads it."""
 
     source: str
     header: Mapping[str, Any]
@@ -99,7 +99,9 @@ def table(content: Content, run: int = -1, c_cal: float | None = None) -> Table:
             columns[name] = factor * _values(raw[key], channel)
             limits[key] = _clipped(raw[key], channel)
     if "tau_Nm" not in columns:
-        raise InputError(f"{source}: the rig {device['serial']} has no torque sensor; there is nothing to fit")
+        raise InputError(
+            f"{source}: the rig {device['serial']} has no torque sensor; there is nothing to fit"
+        )
     meta = {
         "source": source,
         "format": "wire log",
@@ -116,7 +118,7 @@ def table(content: Content, run: int = -1, c_cal: float | None = None) -> Table:
 
 
 def _values(raw: np.ndarray, channel: Mapping[str, Any]) -> FloatArray:
-    values = channel["scale"] * raw.astype(np.float64) + channel["offset"]
+    values: FloatArray = channel["scale"] * raw.astype(np.float64) + channel["offset"]
     values[raw == _NO_READING] = np.nan
     return values
 

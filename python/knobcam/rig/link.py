@@ -63,7 +63,7 @@ class Link:
 
     @classmethod
     def to(cls, serial: str, among: Sequence[str] | None = None, *, baud: int = BAUD) -> Self:
-        """Return the link to the rig of this serial number; `among` are the ports to look at, by default all."""
+        """Return the link to the rig of this serial number; `among`: the ports to look at, by default all."""
         tried = []
         for port in ports() if among is None else among:
             try:
@@ -125,8 +125,8 @@ class Link:
             return f"speaks version {foreign} of the wire protocol, this program version {VERSION}; {way_out}"
         if figures.bytes > 0:
             return (
-                f"sends {figures.bytes} bytes that are no frames: a wrong baud rate, or no rig; check --baud, "
-                "or choose another port"
+                f"sends {figures.bytes} bytes that are no frames: a wrong baud rate, or no rig; "
+                "check --baud, or choose another port"
             )
         return "nothing answers: no rig, or it is switched off; switch it on, or choose another port"
 
@@ -150,7 +150,9 @@ class Link:
         if figures.ended:
             raise InputError(f"{self.port}: {figures.ended}; plug the rig in again")
         if figures.log_error:
-            raise InputError(f"the wire log cannot be written any more ({figures.log_error}); free some space")
+            raise InputError(
+                f"the wire log cannot be written any more ({figures.log_error}); free some space"
+            )
 
     def wait(self, seconds: float) -> bool:
         """Listen for so long, or until the rig says something; return whether it did."""

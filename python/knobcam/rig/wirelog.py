@@ -1,4 +1,4 @@
-"""The wire log: what came over the port as it came. Everything else is worked out from it, again and again."""
+"""The wire log: what came over the port as it came; everything else is worked out from it, any time."""
 
 from __future__ import annotations
 
@@ -78,7 +78,9 @@ class WireLog:
         who = "no rig" if self.device is None else f"rig {self.device['serial']}"
         runs = ", ".join(f"{len(run['index'])} samples" for run in self.runs) or "no samples"
         cut = f", cut off in a frame of {self.counts['pending']} bytes" if self.counts["pending"] else ""
-        return f"WireLog {self.path}: {who}, {len(self.runs)} runs ({runs}), {self.counts['frames']} frames{cut}"
+        return (
+            f"WireLog {self.path}: {who}, {len(self.runs)} runs ({runs}), {self.counts['frames']} frames{cut}"
+        )
 
 
 def is_log(path: str | os.PathLike[str]) -> bool:
@@ -93,7 +95,9 @@ def is_log(path: str | os.PathLike[str]) -> bool:
 def begin(path: Path, header: Mapping[str, Any]) -> None:
     """Make a log that holds its header alone. It appears whole; a log that is there is never written over."""
     if path.exists():
-        raise InputError(f"{path}: is there already, and a recording is not written over; choose another name")
+        raise InputError(
+            f"{path}: is there already, and a recording is not written over; choose another name"
+        )
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         part.write_bytes(wire.header_line({"knobcam": _core.__version__, **header}))
