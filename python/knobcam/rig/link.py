@@ -97,13 +97,17 @@ class Link:
             while said := self._hear(until):
                 if said["type"] == "DESCRIPTOR":
                     device = said["device"]
-                elif device is not None and said["type"] == "STATUS":
+                elif device is not None and said["type"] in ("STATUS", "FAULT"):
+                    if self.state == "fault" and self.fault is None:
+                        continue  # which one follows
                     self._accept(device)
                     return
                 elif said["type"] == "NAK" and said["command"] == number:
                     raise self._refused("DESCRIBE", said)
         if device is None:
             raise InputError(f"{self.port}: {self._stranger()}")
+        if self.state == "fault":
+            self.fault = self.fault or (0, "it does not say which")
         self._accept(device)
 
     def _accept(self, device: Mapping[str, Any]) -> None:
