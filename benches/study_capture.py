@@ -74,7 +74,9 @@ def soak(minutes: float, folder: Path) -> dict[str, Any]:
 def killed(rig: EmulatedRig, log: Path, moment_s: float) -> dict[str, Any]:
     """Kill a recorder so long after its log has appeared, and say what is in it."""
     words = [sys.executable, "-m", "knobcam", "capture", "--port", rig.port, "--motion", "hand"]
-    with subprocess.Popen([*words, "--duration", "600", "-o", str(log)], stderr=subprocess.DEVNULL) as recorder:
+    with subprocess.Popen(
+        [*words, "--duration", "600", "-o", str(log)], stderr=subprocess.DEVNULL
+    ) as recorder:
         while not log.exists() and recorder.poll() is None:
             time.sleep(0.001)
         time.sleep(moment_s)

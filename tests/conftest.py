@@ -36,3 +36,11 @@ def _catalogue_as_it_was() -> Iterator[None]:
     yield
     for name in set(kc.effects()) - before:
         kc.forget_effect(name)
+
+
+@pytest.fixture(autouse=True)
+def _no_calibration_of_somebody_elses(
+    tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Captures look for the calibration of their rig where the user keeps it: here nobody keeps one."""
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path_factory.getbasetemp() / "data"))

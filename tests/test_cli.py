@@ -39,7 +39,7 @@ def pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     def effect(effect: kc.Effect) -> Any:
         return SimpleNamespace(savefig=lambda path: Path(path).write_text(effect.id))
 
-    def save_story(story: kc.Story, folder: Path) -> list[Path]:
+    def save_story(story: kc.Story, folder: Path, rendered: kc.Fit | None = None) -> list[Path]:
         (folder / "story.png").write_bytes(b"picture")
         return [folder / "story.png"]
 
@@ -198,7 +198,8 @@ def test_demo_leaves_capture_model_report_and_pictures_in_a_folder_that_it_names
     folder = tmp_path / "knobcam-demo-knob2"
     ended = knobcam("demo", "--knob", "knob2")
     assert ended.code == 0 and str(folder) in ended.out and "hides stribeck" in ended.out
-    made = ["capture.npz", "model.toml", "report.html", "story.png"]
+    captured = [f"{name}.{kind}" for name in ("capture", "rendered") for kind in ("kcwire", "npz")]
+    made = sorted([*captured, "model.toml", "report.html", "story.png"])
     assert sorted(path.name for path in folder.iterdir()) == made
 
 
@@ -209,7 +210,14 @@ def test_demo_finds_what_it_hid_in_every_knob(knob: str, tmp_path: Path) -> None
     assert document["schema"] == "knobcam.learn/1" and document["verdict"] == "missing"
     assert document["hidden"] == ["stribeck"] and "stribeck" in document["found"]
     assert document["files"]["folder"] == str(tmp_path / "demo")
-    assert all(Path(document["files"][kind]).is_file() for kind in ("capture", "model", "report"))
+    files = [document["files"][kind] for kind in ("log", "capture", "model", "rendered", "report")]
+    assert all(Path(file).is_file() for file in files)
+
+
+@pytest.mark.usefixtures("pictures")
+def test_a_demo_that_is_run_again_records_again(tmp_path: Path) -> None:
+    once, again = (knobcam("demo", "-o", tmp_path / "demo", "--json").document for _ in range(2))
+    assert once["found"] == again["found"]
 
 
 def test_a_process_answers_like_the_function(capture: Path, tmp_path: Path) -> None:

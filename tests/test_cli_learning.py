@@ -103,4 +103,5 @@ def test_demo_hides_the_effect_that_is_asked_for(tmp_path: Path) -> None:
     assert document["verdict"] == "missing"
     assert "position_polynomial" in (*document["found"], *document["ladder"][-1]["equivalent"])
     assert Path(document["files"]["report"]).is_file()
-    assert kc.load(document["files"]["capture"]).samples == 30000
+    assert kc.load(document["files"]["capture"]).samples == kc.load(document["files"]["log"]).samples
+    assert document["rendered"]["rmse"] == pytest.approx(document["noise_floor"], rel=0.05)

@@ -26,11 +26,6 @@ def rig() -> Iterator[EmulatedRig]:
         yield rig
 
 
-@pytest.fixture(autouse=True)
-def _no_calibration_is_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
-
-
 def test_every_sample_of_a_motion_arrives_and_is_what_was_commanded(rig: EmulatedRig, tmp_path: Path) -> None:
     capture = kc.record(rig.port, "sweep", duration_s=3.0, output=tmp_path / "a.npz")
     track = led_in(kc.motion("sweep", 3.0), 5000.0)

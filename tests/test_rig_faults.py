@@ -29,11 +29,6 @@ from knobcam.rig.emulator import EmulatedRig
 KEPT = re.compile(r"(\d+) samples are kept in (\S+)$")
 
 
-@pytest.fixture(autouse=True)
-def _no_calibration_is_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
-
-
 @pytest.fixture
 def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nobody waits long for an answer that will not come."""

@@ -24,11 +24,6 @@ FORMATS = ("npz", "csv", "csv.gz", "mat", "h5", "parquet")
 LONGEST_FRAME = 1030
 
 
-@pytest.fixture(autouse=True)
-def _no_calibration_is_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
-
-
 @pytest.fixture(scope="module")
 def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A log of two short runs, the second with a gap in it."""

@@ -15,7 +15,10 @@ if TYPE_CHECKING:
 def register(commands: arguments.Commands) -> None:
     """Add the command of this file."""
     parser = arguments.add_command(
-        commands, "demo", run, "Hide an effect in an emulated knob, record it, find it: no hardware needed."
+        commands,
+        "demo",
+        run,
+        "Hide an effect in an emulated knob, record it, find it, feel it: no hardware needed.",
     )
     parser.add_argument("--knob", default="3", metavar="1..5|NAME", help="one of the five knobs; default 3")
     parser.add_argument("--effect", metavar="ID", help="what it hides, of `knobcam effects`")
@@ -36,5 +39,7 @@ def run(args: Namespace) -> Answer:
         shown = demo.run(knob, effect, folder, status)
     fitted = shown.story.fit
     text = f"{shown!r}\nreport: {shown.files['report']}\nfiles in {folder.absolute()}"
-    document = shown.story.document() | {"hidden": list(shown.hidden), "files": shown.files}
+    rendered = {"rmse": shown.rendered.rmse, "params": shown.rendered.document()["params"]}
+    document = shown.story.document()
+    document |= {"hidden": list(shown.hidden), "rendered": rendered, "files": shown.files}
     return Answer(text, document, findings(shown.files["capture"], fitted.signals.capture, fitted.signals))

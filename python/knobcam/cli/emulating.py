@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import signal
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -62,6 +63,8 @@ def run(args: Namespace) -> Answer:
         print(port, flush=True)
         status(f"emulating {emulation.serial_number}; Ctrl-C ends it")
 
+    # Whoever ends it, the link goes.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     with contextlib.suppress(KeyboardInterrupt):
         serve(emulation, link=args.link, tell=tell, leash=sys.stdin.fileno() if args.leashed else None)
     return Answer("", {"schema": "knobcam.emulate/1", "serial": emulation.serial_number})

@@ -57,8 +57,11 @@ def save_all(fit: Fit, folder: str | os.PathLike[str], comparison: Comparison | 
     return _save(pictures, Path(folder))
 
 
-def save_story(story: Story, folder: str | os.PathLike[str]) -> list[Path]:
-    """Write the pictures of a story as PNG into a folder, made if need be, and return their paths."""
+def save_story(story: Story, folder: str | os.PathLike[str], rendered: Fit | None = None) -> list[Path]:
+    """Write the pictures of a story as PNG into a folder, made if need be, and return their paths.
+
+    `rendered` is the fit of what a device rendered of it, if one did.
+    """
     pictures: dict[str, Callable[[], Picture]] = {
         "story": lambda: draw_story(story),
         "ladder": lambda: ladder(story),
@@ -68,6 +71,8 @@ def save_story(story: Story, folder: str | os.PathLike[str]) -> list[Path]:
         "diagnosis-last": lambda: diagnosis(story.last),
         "remaining": lambda: remaining(story),
     }
+    if rendered is not None:
+        pictures["rendered"] = lambda: position(rendered)
     if len(story.ladder) == 1:
         del pictures["movements"], pictures["diagnosis-first"]
     return _save(pictures, Path(folder))

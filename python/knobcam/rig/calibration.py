@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 SCHEMA = "knobcam.calibration/1"
 _FEWEST = 1000
+_WHITE = 1.5  # times what neighbouring samples differ by: more is no noise
 
 
 class Run(NamedTuple):
@@ -170,7 +171,8 @@ def spatial(serial: str, runs: Sequence[Run]) -> Calibration:
     """Compare commanded and recorded motion of a free gripper: C_cal, Table 4's motion sensors, phase lag.
 
     C_cal is the least-squares factor between recorded volts and commanded acceleration (Equation 7), run by
-    run. Raises InputError for runs that are too short, or in which the accelerometer was silent.
+    run. A free gripper feels no torque, so what the torque sensor says is its own; with a knob in it that is
+    left out. Raises InputError for runs that are too short, or in which the accelerometer was silent.
     """
     factors, differences = [], []
     for number, run in enumerate(runs, 1):
@@ -202,8 +204,15 @@ def spatial(serial: str, runs: Sequence[Run]) -> Calibration:
         omega_sd_rad_s=sds[1],
         alpha_sd_rad_s2=sds[2],
         lag_s=float(np.mean([run[3] for run in differences])),
+        tau_sd_Nm=_own_noise(np.concatenate([run.recorded.tau[_usable(run, 1)] for run in runs])),
         tests=tuple(runs),
     )
+
+
+def _own_noise(tau: FloatArray) -> float | None:
+    """Standard deviation of a torque that is noise alone; None for one that is not."""
+    sd, quick = float(np.std(tau)), float(np.std(np.diff(tau)) / math.sqrt(2.0))
+    return sd if sd < _WHITE * quick else None
 
 
 def anchored(serial: str, runs: Sequence[Run]) -> Calibration:
