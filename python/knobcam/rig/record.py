@@ -127,7 +127,12 @@ def make_plan(
 
 
 def upload(link: Link, plan: Plan) -> None:
-    """Send ahead what the run needs; InputError for a motion that the rig could not measure."""
+    """Send ahead what the run needs; InputError for a motion that the rig could not measure.
+
+    A fault that the rig has latched is cleared first, because whoever calls asks for this run.
+    """
+    if link.fault is not None:
+        link.clear()
     if plan.track is not None:
         _check_speed(link, plan.track)
         link.upload_motion(plan.track)
@@ -138,12 +143,9 @@ def upload(link: Link, plan: Plan) -> None:
 def run(link: Link, plan: Plan, log: Path, progress: Watch | None = None) -> None:
     """Make the run, whose motion and model the rig has, and record it into `log`, which has its header.
 
-    Torque and run are ended on every way out. A fault that the rig has latched is cleared first, because
-    whoever calls asks for this run.
+    Torque and run are ended on every way out.
     """
     link.log_to(log)
-    if link.fault is not None:
-        link.clear()
     try:
         if plan.mode is not None:
             link.arm(plan.mode, plan.samples / link.rate_hz + _HOLD_S)
