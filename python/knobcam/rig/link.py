@@ -97,9 +97,9 @@ class Link:
             while said := self._hear(until):
                 if said["type"] == "DESCRIPTOR":
                     device = said["device"]
-                elif device is not None and said["type"] in ("STATUS", "FAULT"):
-                    if self.state == "fault" and self.fault is None:
-                        continue  # which one follows
+                elif device is not None and (
+                    said["type"] == "FAULT" or (said["type"] == "STATUS" and self.state != "fault")
+                ):
                     self._accept(device)
                     return
                 elif said["type"] == "NAK" and said["command"] == number:

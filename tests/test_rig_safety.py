@@ -1,0 +1,64 @@
+"""Torque ends with whoever asked for it; the watchdog's time is held in virtual time, in the core's tests."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+
+import pytest
+
+from knobcam.errors import InputError
+from knobcam.rig.emulator import EmulatedRig
+from knobcam.rig.link import Link
+
+RENDERS = """
+import sys, time
+from knobcam.model import Model
+from knobcam.rig.link import Link
+link = Link(sys.argv[1])
+link.upload_model(Model.load("knob4"))
+link.arm("render", 60.0)
+link.start(0)
+print("rendering", flush=True)
+time.sleep(60.0)
+"""
+WITHIN_S = 0.12
+
+
+def test_a_host_that_is_killed_leaves_a_rig_without_torque_and_no_reconnection_arms_it() -> None:
+    with EmulatedRig("knob4") as rig:
+        words = [sys.executable, "-c", RENDERS, rig.port]
+        with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as host:
+            assert host.stdout is not None
+            assert host.stdout.readline() == "rendering\n"
+            host.kill()
+        time.sleep(WITHIN_S)
+        for _ in range(3):
+            with Link.to(rig.serial_number, [rig.port]) as link:
+                assert link.state == "fault"
+                assert link.fault is not None
+                with pytest.raises(InputError, match="fault"):
+                    link.arm("render", 1.0)
+        with Link(rig.port) as link:
+            link.clear()
+            link.describe()
+            assert link.state == "idle", "a fault that is cleared arms nothing"
+
+
+def test_a_program_that_ends_the_link_ends_the_torque_without_a_fault() -> None:
+    with EmulatedRig("knob4") as rig:
+        with Link(rig.port) as link:
+            link.arm("commanded", 10.0)
+            link.start(0)
+        with Link(rig.port) as link:
+            assert (link.state, link.fault) == ("idle", None)
+
+
+def test_a_rig_that_is_unplugged_is_said_to_be_gone() -> None:
+    rig = EmulatedRig("knob4")
+    link = Link(rig.port)
+    rig.kill()
+    with pytest.raises(InputError, match="plug"):
+        link.command("PING")
+    link.close()
