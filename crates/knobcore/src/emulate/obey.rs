@@ -66,7 +66,7 @@ impl Rig {
     }
 
     fn describe(&mut self) {
-        let device = self.setup.descriptor.clone();
+        let device = self.setup.descriptor;
         self.say(&Message::Descriptor { device });
         self.tell_status();
         self.tell_fault();
