@@ -41,7 +41,10 @@ impl Rig {
             Message::Stop => self.end_run(),
             Message::Disarm if state.watched() => {
                 self.end_run();
-                (self.state, self.armed) = (State::Idle, None);
+                self.armed = None;
+                if self.state == State::Armed {
+                    self.state = State::Idle;
+                }
             }
             _ => {}
         }
