@@ -20,6 +20,7 @@ STUDIES = {
     "basin": "No starting values",
     "rig": "Random knobs under the rig's sensors",
     "hidden": "Knobs with something hidden in them",
+    "capture": "Recording",
 }
 
 

@@ -110,7 +110,8 @@ def kills(count: int, folder: Path) -> dict[str, Any]:
         "most_frames_lost": max(row["corrupt_frames"] + (row["bytes_of_a_cut_frame"] > 0) for row in rows),
         "samples_missing_before_the_cut": sum(row["missing"] for row in rows),
         "exports_alike": all(row["exports_alike"] for row in rows),
-        "rows": rows,
+        "moments_s": [row["moment_s"] for row in rows],
+        "samples": [row["samples"] for row in rows],
     }
 
 
@@ -141,8 +142,9 @@ def main() -> None:
     args = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="knobcam-soak-") as folder:
         result = {"soak": soak(args.minutes, Path(folder)), "kills": kills(args.kills, Path(folder))}
-    RESULT.write_text(json.dumps(result, indent=1) + "\n")
-    print(*report(result), sep="\n")
+    lines = list(report(result))
+    RESULT.write_text(json.dumps({"report": lines, **result}) + "\n")
+    print(*lines, sep="\n")
 
 
 if __name__ == "__main__":

@@ -64,7 +64,7 @@ class Peer:
             for frame in frames:
                 self._rig.hear(self._hears(frame))
             before, now = now, time.monotonic()
-            # Where this thread had to wait, time stood still for the rig: a real one does not miss heartbeats.
+            # While this thread has to wait, time stands still for the rig: a real one misses no heartbeat.
             clock += min(now - before, 0.02)
             self._rig.advance(int(clock * self._speed * 1e6))
             if not waiting:

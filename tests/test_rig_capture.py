@@ -17,7 +17,7 @@ from knobcam.rig.emulator import EmulatedRig
 from knobcam.rig.leadin import led_in
 from knobcam.rig.record import log_path
 
-SPEED = 20.0
+SPEED = 8.0
 
 
 @pytest.fixture(scope="module")
