@@ -20,7 +20,9 @@ STUDIES = {
     "basin": "No starting values",
     "rig": "Random knobs under the rig's sensors",
     "hidden": "Knobs with something hidden in them",
+    "capture": "Recording",
     "render": "Rendering",
+    "roundtrip": "Round trips",
 }
 
 

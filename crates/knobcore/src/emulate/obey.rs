@@ -39,7 +39,7 @@ impl Rig {
         match message {
             Message::Start { .. } => self.tell_started(),
             Message::Stop => self.end_run(),
-            Message::Disarm => {
+            Message::Disarm if state.watched() => {
                 self.end_run();
                 self.armed = None;
                 if self.state == State::Armed {
