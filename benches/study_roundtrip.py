@@ -2,9 +2,9 @@
 
     python benches/study_roundtrip.py [--knobs 1 2 3 4 5] [--effects stribeck ...] [--speed 10]
 
-Every knob of the paper with every effect hidden in it. A parameter has come back if the last value is within 5 %
-of the one before, or the 95 % interval holds it: of the learned model that the device rendered, and of the
-emulated knob itself. What no capture determines (a fit says so) is not compared. Writes
+Every knob of the paper with every effect hidden in it. A parameter has come back if the last value is within
+5 % of the one before, or the 95 % interval holds it: of the learned model that the device rendered, and of
+the emulated knob itself. What no capture determines (a fit says so) is not compared. Writes
 benches/results/roundtrip.json.
 """
 
@@ -85,6 +85,34 @@ def trip(knob: str, effect: str, speed: float, folder: Path) -> dict[str, Any]:
     }
 
 
+def report(rows: list[dict[str, Any]]) -> list[str]:
+    """The trips as a table, and how many came back."""
+
+    def names(row: dict[str, Any], key: str) -> str:
+        missing = row[key]
+        return ", ".join(missing) if len(missing) < 4 else f"{len(missing)} of {row['parameters']}"
+
+    lines = [
+        f"{row['knob']} {row['effect']:<18} {row['seconds']:5.1f} s  "
+        f"learned {', '.join(row['found']) or '-'}; again {', '.join(row['found_again']) or '-'}; "
+        f"not as emulated: {names(row, 'not_as_emulated') or 'none'}; "
+        f"not as rendered: {names(row, 'not_as_rendered') or 'none'}"
+        for row in rows
+    ]
+    for kind in ("emulated", "rendered"):
+        whole = sum(not row[f"not_as_{kind}"] for row in rows)
+        count = sum(len(row[f"not_as_{kind}"]) for row in rows)
+        of = sum(row["parameters"] for row in rows)
+        lines.append(
+            f"as {kind}: every parameter back in {whole} of {len(rows)} trips; {of - count} of {of} parameters"
+        )
+    slowest = max(row["seconds"] for row in rows)
+    return [
+        *lines,
+        f"slowest trip {slowest:.0f} s; all by knobcam emulate, capture, learn, capture --model, learn",
+    ]
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--knobs", nargs="+", default=["1", "2", "3", "4", "5"])
@@ -97,7 +125,7 @@ def main() -> None:
             with tempfile.TemporaryDirectory() as folder:
                 rows.append(trip(f"knob{knob}", effect, args.speed, Path(folder)))
             print(json.dumps(rows[-1]), flush=True)
-    RESULTS.write_text(json.dumps({"speed": args.speed, "trips": rows}, indent=1) + "\n")
+    RESULTS.write_text(json.dumps({"report": report(rows), "trips": rows}, indent=1) + "\n")
 
 
 if __name__ == "__main__":

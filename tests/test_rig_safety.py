@@ -5,9 +5,12 @@ from __future__ import annotations
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
+from command import knobcam, refused
 
+import knobcam as kc
 from knobcam.errors import InputError
 from knobcam.rig.emulator import EmulatedRig
 from knobcam.rig.link import Link
@@ -62,3 +65,22 @@ def test_a_rig_that_is_unplugged_is_said_to_be_gone() -> None:
     with pytest.raises(InputError, match="plug"):
         link.command("PING")
     link.close()
+
+
+def test_a_person_feels_a_model_on_the_device_and_it_is_recorded(tmp_path: Path) -> None:
+    log = tmp_path / "felt.kcwire"
+    with EmulatedRig("knob4", speed=10.0) as rig:
+        ended = knobcam("render", "knob4", "--port", rig.port, "--seconds", "2", "--log", log, "--json")
+        assert ended.document["on"]["serial"] == rig.serial_number
+        assert (ended.document["samples"], ended.document["samples_missing"]) == (10_000, 0)
+        assert ended.document["work_J"] > 0.0
+        refused(knobcam("render", "knob4", "--port", rig.port, "--plots", tmp_path / "p"), "--plots")
+        refused(knobcam("render", "knob4", "--port", rig.port, "--seconds", "-1"), "seconds")
+    refused(knobcam("render", "knob4", "--log", log), "--port")
+    assert kc.load(log).samples == 10_000
+
+
+def test_a_model_that_would_ring_is_not_rendered_unless_forced(tmp_path: Path) -> None:
+    stiff = kc.Model.load("knob4").with_value("detent.A", 200.0).save(tmp_path / "stiff.toml")
+    with EmulatedRig("knob4", speed=10.0) as rig:
+        refused(knobcam("render", stiff, "--port", rig.port, "--seconds", "1"), "rings", "--force")

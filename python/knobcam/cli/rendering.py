@@ -1,8 +1,9 @@
-"""`knobcam render`: feel a model, on an emulated handle in an emulated hand."""
+"""`knobcam render`: feel a model, on an emulated handle in an emulated hand, or on the device of a rig."""
 
 from __future__ import annotations
 
 from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import InputError
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from ..loop_report import LoopReport
     from ..model import Model
     from ..render import Device, Stability
+    from ..rig.figures import Figures
 
 
 def register(commands: arguments.Commands) -> None:
@@ -42,12 +44,21 @@ def register(commands: arguments.Commands) -> None:
         metavar="SAMPLES",
         help="from a measurement to its torque; default 1",
     )
+    parser.add_argument("--port", metavar="PORT", help="render on the device of this rig, in your own hand")
+    parser.add_argument(
+        "--log", type=Path, metavar="FILE", help="with --port: keep the wire log there, .kcwire"
+    )
+    parser.add_argument("--force", action="store_true", help="with --port: render what would ring")
     arguments.add_plots(parser)
 
 
 def run(args: Namespace) -> Answer:
     """Check the stability, run the loop, say what it reached."""
     check_folder(args.plots)
+    if args.port is not None:
+        return _on_a_rig(args)
+    if args.log is not None or args.force:
+        raise InputError("--log and --force: belong to a rig; name its port with --port")
     if args.time == "virtual" and args.rt == "enforce":
         raise InputError("--rt enforce: virtual time has no priority to enforce; leave one of them out")
 
@@ -80,6 +91,43 @@ def run(args: Namespace) -> Answer:
     if not report.well:
         messages.append(f"warning: the loop {report.remarks[0]}")
     return Answer(text, document, tuple(messages))
+
+
+def _on_a_rig(args: Namespace) -> Answer:
+    """Let the device render by its own loop, and record what a person feels."""
+    from ..model import Model
+    from ..rig.feel import feel
+
+    if args.plots is not None:
+        raise InputError(
+            "--plots: belongs to the emulated handle; draw the capture of --log with `knobcam fit`"
+        )
+    model = Model.load(args.model)
+
+    def watch(figures: Figures) -> None:
+        status(f"rendering: {figures.received} samples, {figures.missing} lost")
+
+    felt = feel(args.port, model, args.seconds, log=args.log, force=args.force, progress=watch)
+    capture = felt.capture
+    work = float(capture.tau[1:] @ (capture.theta[1:] - capture.theta[:-1]))
+    text = (
+        f"{felt.stability!r}\n\n{felt.serial} rendered it for {capture.duration_s:.3g} s at its own "
+        f"{capture.rate_hz:g} Hz: {capture.samples} samples, {felt.samples_missing} lost on the way, no fault\n"
+        f"the hand's work on the handle: {work:.3g} J"
+    )
+    files: dict[str, object] = {} if args.log is None else {"log": str(args.log)}
+    document = {
+        "schema": "knobcam.render/1",
+        "model": model.name,
+        "on": {"kind": "device", "serial": felt.serial, **asdict(felt.device)},
+        "stability": felt.stability.document(),
+        "samples": capture.samples,
+        "samples_missing": felt.samples_missing,
+        "sample_rate_hz": capture.rate_hz,
+        "work_J": work,
+        "files": files,
+    }
+    return Answer("\n".join([text, *said(files)]), document)
 
 
 def _draw(

@@ -52,7 +52,7 @@ class Plan(NamedTuple):
     def mode(self) -> str | None:
         """Mode of ARM; None where nothing gives torque."""
         if self.track is None:
-            return None
+            return None if self.model is None else "render"
         return "drive" if self.model is None else "render_driven"
 
 
@@ -80,7 +80,7 @@ def record(
     The wire log (.kcwire) is `output`, or stands beside it; any other `output` is the capture, saved in the
     format of its extension. `motion` is a name (sweep, multisine, turns, micro, with the `options` of its
     function) or a track, both led in from rest; `hand` records what a person does. With `model` the rig
-    renders that model while the motion moves it. `calibration` is anything with a `c_cal`; by default the one
+    renders that model while the motion moves it, or a person does. `calibration` is anything with a `c_cal`; by default the one
     that is kept of this rig. `progress` is called some ten times a second.
 
     Raises InputError for everything that is wrong with call, port or rig, and KeyboardInterrupt for Ctrl-C:
@@ -117,9 +117,7 @@ def make_plan(
     if isinstance(motion, str):
         track = make_motion(motion, duration_s, rate_hz, **options)
         if motion == BY_HAND:
-            if model is not None:
-                raise InputError("model: is rendered along a motion; choose another one than hand")
-            return Plan(len(track.t), None, None)
+            return Plan(len(track.t), None, model)
     else:
         track = motion
     led = led_in(track, rate_hz)
