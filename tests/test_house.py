@@ -21,7 +21,8 @@ RUST_ORDER = [
 ]
 PYTHON_ORDER = [
     *("_core", "errors", "tables", "finding", "formats", "quality", "capture", "motions", "plugins"),
-    *("effects", "own", "models", "model", "prepare", "simulate", "render", "loop_report", "loop"),
+    *("effects", "own", "models", "model", "prepare", "simulate", "render", "emulated"),
+    *("loop_report", "loop"),
     *("typical", "rig", "refit", "fit", "compare"),
     *(
         "stiction",

@@ -12,14 +12,24 @@ import warnings
 from typing import TYPE_CHECKING
 
 from ..errors import InputError, KnobcamWarning
-from . import calibrating, capturing, catalogue, demonstrate, emulating, fitting, learning, recording
+from . import (
+    calibrating,
+    capturing,
+    catalogue,
+    demonstrate,
+    emulating,
+    fitting,
+    learning,
+    recording,
+    rendering,
+)
 from .arguments import Parser, VersionAction
 from .output import as_json, status
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-_GROUPS = (capturing, calibrating, recording, fitting, learning, catalogue, demonstrate, emulating)
+_GROUPS = (capturing, calibrating, recording, fitting, learning, rendering, catalogue, demonstrate, emulating)
 _INTERRUPTED = 130  # what a shell reports for a program that Ctrl-C ended
 
 
