@@ -80,8 +80,8 @@ def record(
     The wire log (.kcwire) is `output`, or stands beside it; any other `output` is the capture, saved in the
     format of its extension. `motion` is a name (sweep, multisine, turns, micro, with the `options` of its
     function) or a track, both led in from rest; `hand` records what a person does. With `model` the rig
-    renders that model while the motion moves it, or a person does. `calibration` is anything with a `c_cal`; by default the one
-    that is kept of this rig. `progress` is called some ten times a second.
+    renders that model while the motion moves it, or a person does. `calibration` is anything with a `c_cal`;
+    by default the one that is kept of this rig. `progress` is called some ten times a second.
 
     Raises InputError for everything that is wrong with call, port or rig, and KeyboardInterrupt for Ctrl-C:
     the samples that had come are then in the log.
