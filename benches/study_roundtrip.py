@@ -104,7 +104,7 @@ def report(rows: list[dict[str, Any]]) -> list[str]:
         count = sum(len(row[f"not_as_{kind}"]) for row in rows)
         of = sum(row["parameters"] for row in rows)
         lines.append(
-            f"as {kind}: every parameter back in {whole} of {len(rows)} trips; {of - count} of {of} parameters"
+            f"as {kind}: all parameters back in {whole} of {len(rows)} trips; {of - count} of {of} parameters"
         )
     slowest = max(row["seconds"] for row in rows)
     return [

@@ -99,9 +99,7 @@ def _on_a_rig(args: Namespace) -> Answer:
     from ..rig.feel import feel
 
     if args.plots is not None:
-        raise InputError(
-            "--plots: belongs to the emulated handle; draw the capture of --log with `knobcam fit`"
-        )
+        raise InputError("--plots: is for the emulated handle; draw the capture of --log with `knobcam fit`")
     model = Model.load(args.model)
 
     def watch(figures: Figures) -> None:

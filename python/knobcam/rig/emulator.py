@@ -203,7 +203,7 @@ def _go_on(rig: _core.Rig, master: int, speed: float, leash: int | None) -> None
             waiting = b""
         plugged = heard is not None
         passed, clock = time.monotonic() - clock, time.monotonic()
-        # A rig that runs faster than time waits for a host that is behind; one in real time drops what nobody reads.
+        # A rig that runs faster than time waits for a host that is behind; in real time it drops samples.
         if speed > 1.0:
             passed = 0.0 if waiting else min(passed, _LEAP_S)
         now = before + passed * speed * 1e6

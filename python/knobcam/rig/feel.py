@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 class Felt(NamedTuple):
-    """What was felt: the device, whether the model is stable on it, and the capture of a person who turned it."""
+    """What was felt: the device, whether the model is stable on it, the capture of a person who turned it."""
 
     serial: str
     device: Device
