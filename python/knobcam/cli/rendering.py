@@ -110,7 +110,7 @@ def _on_a_rig(args: Namespace) -> Answer:
     work = float(capture.tau[1:] @ (capture.theta[1:] - capture.theta[:-1]))
     text = (
         f"{felt.stability!r}\n\n{felt.serial} rendered it for {capture.duration_s:.3g} s at its own "
-        f"{capture.rate_hz:g} Hz: {capture.samples} samples, {felt.samples_missing} lost on the way, no fault\n"
+        f"{capture.rate_hz:g} Hz: {capture.samples} samples, {felt.samples_missing} lost on the way\n"
         f"the hand's work on the handle: {work:.3g} J"
     )
     files: dict[str, object] = {} if args.log is None else {"log": str(args.log)}
