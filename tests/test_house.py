@@ -20,8 +20,20 @@ RUST_ORDER = [
     *("diagnose", "stiction", "render", "realtime", "wire", "record", "emulate", "python"),
 ]
 PYTHON_ORDER = [
-    *("_core", "errors", "tables", "finding", "formats", "quality", "capture", "motions", "plugins"),
-    *("effects", "own", "models", "model", "prepare", "simulate", "render", "loop_report", "loop"),
+    *(
+        "_core",
+        "errors",
+        "strict_json",
+        "tables",
+        "finding",
+        "formats",
+        "quality",
+        "capture",
+        "motions",
+        "plugins",
+    ),
+    *("effects", "own", "models", "model", "prepare", "simulate", "render", "emulated"),
+    *("loop_report", "loop"),
     *("typical", "rig", "refit", "fit", "compare"),
     *(
         "stiction",
@@ -34,6 +46,7 @@ PYTHON_ORDER = [
         "learn",
         "plot",
         "report",
+        "workbench",
     ),
     *("demo", "cli", "__main__", "__init__"),
 ]
