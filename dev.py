@@ -6,6 +6,8 @@ python3 dev.py test [OPTION...]   build, then the Rust tests and pytest (OPTION:
 python3 dev.py lint               formatting, clippy, ruff, types
 python3 dev.py check              lint, then test
 python3 dev.py bench [OPTION...]  the benchmarks against their peers
+python3 dev.py page [--check]     the workbench's page; --check: are the committed files what is built?
+python3 dev.py browser            Chromium and what drives it, for the tests in a browser
 python3 dev.py setup              only the set-up: .venv, pinned dependencies, the extension
 python3 dev.py wheel              a release wheel in dist/
 python3 dev.py lock               remake the requirements-*.lock files from pyproject.toml
@@ -19,9 +21,12 @@ import shlex
 import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent
+WEB = ROOT / "web"
+PAGE = ROOT / "python" / "knobcam" / "workbench" / "page"
 VENV = ROOT / ".venv"
 BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
 PYTHON = BIN / ("python.exe" if os.name == "nt" else "python")
@@ -134,6 +139,49 @@ def wheel(_: list[str]) -> None:
     run(BIN / "maturin", "build", "--release", "--locked", "--out", "dist")
 
 
+def npm() -> None:
+    """Make web/node_modules hold what the lock file pins."""
+    if shutil.which("npm") is None:
+        sys.exit("dev.py: npm is not on the PATH; install Node.js 20 or newer (https://nodejs.org)")
+    lock = WEB / "package-lock.json"
+    stamp = WEB / "node_modules" / ".knobcam-stamp"
+    now = hashlib.sha256(lock.read_bytes()).hexdigest()
+    if not stamp.is_file() or stamp.read_text() != now:
+        run("npm", "ci", "--prefix", WEB, "--no-audit", "--no-fund")
+        stamp.write_text(now)
+
+
+def page(options: list[str]) -> None:
+    """Build the browser's side, or check that the committed files are what is built."""
+    npm()
+    run("npm", "run", "--prefix", WEB, "--silent", "types")
+    run("npm", "test", "--prefix", WEB, "--silent")
+    if "--check" not in options:
+        run("node", WEB / "build.js", PAGE)
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        run("node", WEB / "build.js", folder)
+        names = {path.name for place in (Path(folder), PAGE) for path in place.iterdir()}
+        made = {name: Path(folder, name).read_bytes() for name in names if Path(folder, name).is_file()}
+        kept = {name: (PAGE / name).read_bytes() for name in names if (PAGE / name).is_file()}
+        other = sorted(name for name in names if made.get(name) != kept.get(name))
+    if other:
+        sys.exit(f"dev.py: {', '.join(other)}: not what web/ builds; run `python3 dev.py page` and commit it")
+    print("The page is what web/ builds.")
+
+
+def browser(_: list[str]) -> None:
+    """A Chromium (Debian's, unless there is one) and playwright-core, which drives it."""
+    npm()
+    if any(shutil.which(name) for name in ("chromium", "chromium-browser", "google-chrome")):
+        return
+    if shutil.which("apt-get") is None:
+        sys.exit("dev.py: no Chromium on the PATH; install one and try again")
+    prefix = [] if os.geteuid() == 0 else ["sudo"]
+    run(*prefix, "apt-get", "update")
+    run(*prefix, "apt-get", "install", "--yes", "--no-install-recommends", "chromium")
+
+
 def lock(_: list[str]) -> None:
     """Pin every dependency with its hash, for all platforms; the benches keep the pins of the tests."""
     if not PYTHON.is_file():
@@ -148,7 +196,7 @@ def lock(_: list[str]) -> None:
 def main() -> None:
     """Dispatch on the first word."""
     commands = {"demo": demo, "test": test, "lint": lint, "check": check, "bench": bench}
-    commands |= {"setup": lambda _: setup(), "wheel": wheel, "lock": lock}
+    commands |= {"setup": lambda _: setup(), "wheel": wheel, "lock": lock, "page": page, "browser": browser}
     if sys.version_info < (3, 11):  # noqa: UP036 - an older one can start this script
         sys.exit("dev.py: needs Python 3.11 or newer; this is " + sys.version.split()[0])
     if len(sys.argv) < 2 or sys.argv[1] not in commands:

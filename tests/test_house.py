@@ -45,6 +45,7 @@ PYTHON_ORDER = [
         "selection",
         "learn",
         "plot",
+        "linked",
         "report",
         "workbench",
     ),
@@ -68,8 +69,11 @@ def rust_files() -> list[Path]:
 
 
 def written_files() -> list[Path]:
+    """What people wrote; the page of the workbench is built, from `web/`."""
     folders = ("crates", "python", "tests", "benches", "docs", "examples", ".ci")
+    folders = (*folders, "web/src", "web/tests", "web/browser")
     found = [path for folder in folders for path in (ROOT / folder).rglob("*") if path.is_file()]
+    found = [path for path in found if not path.is_relative_to(PYTHON / "workbench" / "page")]
     texts = {".rs", ".py", ".pyi", ".toml", ".md", ".js", ".css", ".html", ""}
     return [*ROOT.glob("*.py"), *ROOT.glob("*.md"), *(path for path in found if path.suffix in texts)]
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from string import Template
 from typing import TYPE_CHECKING
 
+from . import linked
 from ._core import __version__
 from .effects import effect as catalogued
 from .formats.atomic import write_atomically
@@ -42,6 +43,7 @@ def _write_text(path: Path, text: str) -> None:
 
 def html(story: Story) -> str:
     """Return the report of a story: what was found, why, what else it could be, what remains, how sure."""
+    look = linked.section(story)
     page = resources.files("knobcam").joinpath("report.html").read_text("utf-8")
     return Template(page).substitute(
         title=escape(_title(story)),
@@ -51,6 +53,9 @@ def html(story: Story) -> str:
         story=_figure(
             story.plot(), "Error ladder, residual before and after, parameters that moved, the rest."
         ),
+        look=look.markup,
+        look_style=look.style,
+        look_hash=look.script_hash,
         found=_found(story),
         why=_why(story),
         **{"else": _alternatives(story)},

@@ -1,0 +1,1390 @@
+// src/api.js
+var token = new URLSearchParams(location.search).get("token") ?? "";
+async function request(path, options = {}) {
+  const headers = { ...options.headers, "x-knobcam-token": token };
+  let answer;
+  try {
+    answer = await fetch(path, { ...options, headers });
+  } catch (reason) {
+    if (options.signal?.aborted) throw reason;
+    throw new Error("the workbench does not answer; is its command still running?");
+  }
+  if (answer.ok) return answer;
+  const said = await answer.json().catch(() => ({}));
+  throw new Error(typeof said.error === "string" ? said.error : `the workbench answered ${answer.status}`);
+}
+async function fetchState() {
+  return (await request("/api/state")).json();
+}
+async function fetchBytes(path, query, signal) {
+  const answer = await request(`${path}?${new URLSearchParams(query)}`, { signal });
+  return answer.arrayBuffer();
+}
+async function post(verb, body = {}) {
+  const headers = { "content-type": "application/json" };
+  const answer = await request(`/api/${verb}`, { method: "POST", headers, body: JSON.stringify(body) });
+  return answer.json();
+}
+async function upload(file, options = {}) {
+  const headers = { "content-type": "application/octet-stream", "x-filename": encodeURIComponent(file.name) };
+  const query = new URLSearchParams(options);
+  return (await request(`/api/upload?${query}`, { method: "POST", headers, body: file })).json();
+}
+async function download(what) {
+  const answer = await request(`/api/download?${new URLSearchParams({ what })}`);
+  const named = /filename="?([^";]+)"?/.exec(answer.headers.get("content-disposition") ?? "");
+  return { name: named ? named[1] : `knobcam-${what}`, blob: await answer.blob() };
+}
+function listen(heard) {
+  const source = new EventSource(`/api/events?${new URLSearchParams({ token })}`);
+  source.addEventListener("state", () => heard.state());
+  source.addEventListener("progress", (event) => {
+    const { job, what, done } = JSON.parse(event.data);
+    heard.progress({ id: job, what, done });
+  });
+  source.addEventListener("open", () => heard.connected(true));
+  source.addEventListener("error", () => heard.connected(false));
+}
+
+// src/dom.js
+function make(tag, properties = {}, ...children) {
+  const element = document.createElement(tag);
+  const { text, on = {}, ...attributes } = properties;
+  for (const [name, value] of Object.entries(attributes)) {
+    if (value !== null && value !== false && value !== void 0) {
+      element.setAttribute(name, value === true ? "" : String(value));
+    }
+  }
+  for (const [name, listener] of Object.entries(on)) element.addEventListener(name, listener);
+  if (text !== void 0) element.textContent = text;
+  element.append(...children.filter((child) => child !== null));
+  return element;
+}
+function byId(id) {
+  const element = document.getElementById(id);
+  if (!element) throw new Error(`the page has no element ${id}`);
+  return element;
+}
+function styleValue(name) {
+  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+}
+
+// src/numbers.js
+function number(value, digits = 3) {
+  if (value === null || !Number.isFinite(value)) return "–";
+  const size = Math.abs(value);
+  const text = size !== 0 && (size < 1e-3 || size >= 1e5) ? value.toExponential(digits - 1) : plain(value, digits);
+  return text.replaceAll("-", "−");
+}
+function plain(value, digits) {
+  return String(Number(value.toPrecision(digits)));
+}
+function percent(share) {
+  if (!Number.isFinite(share)) return "–";
+  return `${(100 * share).toFixed(share > 0 && share < 0.1 ? 1 : 0)} %`.replaceAll("-", "−");
+}
+function torqueScale(unit, peak) {
+  return unit === "N m" && peak <= 2 ? { factor: 1e3, unit: "mNm" } : { factor: 1, unit };
+}
+function ticks(low, high, count) {
+  const span2 = high - low;
+  if (!(span2 > 0) || !Number.isFinite(span2)) return [];
+  const rough = span2 / Math.max(1, count);
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = power * ([1, 2, 5].find((factor) => factor * power >= rough) ?? 10);
+  const first = Math.ceil(low / step - 1e-9);
+  const last = Math.floor(high / step + 1e-9);
+  return Array.from({ length: last - first + 1 }, (_, at) => (first + at) * step);
+}
+
+// src/branches.js
+function showBranches(place3, state, chosen) {
+  const tabs = state.branches.map(({ id, name, steps, at }) => {
+    const step = steps[at];
+    const scale = torqueScale(state.unit, step?.rmse ?? 0);
+    const changes = steps.slice(1, at + 1).map(({ added, dropped }) => added ? `+ ${added}` : `− ${dropped}`);
+    const words = changes.join(" ") || "nothing added";
+    return make(
+      "button",
+      {
+        ...{ type: "button", class: "branch", "aria-pressed": String(id === state.branch), "data-branch": id },
+        on: { click: () => chosen(id) }
+      },
+      make("strong", { text: name }),
+      make("span", { class: "soft", text: words }),
+      make("span", { class: "figure", text: step ? `${number(step.rmse * scale.factor)} ${scale.unit}` : "–" })
+    );
+  });
+  place3.replaceChildren(...tabs);
+}
+
+// src/candidates.js
+var Candidates = class {
+  /**
+   * @param {HTMLElement} place
+   * @param {{look: (effect: string | null) => void, add: (effect: string) => void, ask: () => void}} deeds
+   */
+  constructor(place3, deeds) {
+    this.place = place3;
+    this.deeds = deeds;
+    this.shown = "";
+    this.at = 0;
+    this.inside = false;
+    this.items = [];
+    place3.addEventListener("keydown", (event) => this.key(event));
+  }
+  /** @param {State} state */
+  show({ candidates, node, job }) {
+    const shown = JSON.stringify([candidates, node, job?.id]);
+    if (shown === this.shown) return;
+    this.shown = shown;
+    this.inside ||= this.place.contains(document.activeElement);
+    this.at = 0;
+    this.items = candidates.rows.map((row, at) => this.item(row, at));
+    const ask = make("button", {
+      ...{ type: "button", text: "What is missing?", disabled: job !== null || node === null },
+      on: { click: this.deeds.ask }
+    });
+    const list = make("ul", { role: "listbox", "aria-label": "candidates", class: "candidates" }, ...this.items);
+    this.place.replaceChildren(
+      ...candidates.ready ? [] : [make("p", { class: "soft" }, job ? `${job.what} …` : ask)],
+      ...candidates.ready && this.items.length === 0 ? [make("p", { class: "well", text: "Nothing is missing beyond chance." })] : [],
+      list,
+      ...remainder(candidates.unexplained)
+    );
+    if (this.inside && document.activeElement === document.body) (this.items[0] ?? ask).focus();
+    if (this.items.length > 0 || document.activeElement !== document.body) this.inside = false;
+  }
+  /** @param {Candidate} row @param {number} at */
+  item(row, at) {
+    const bar = make("span", { class: "bar" });
+    bar.style.width = `${100 * Math.min(1, Math.max(0, row.error_fall))}%`;
+    const add = make("button", {
+      ...{ type: "button", text: "Add", tabindex: -1, "aria-label": `add ${row.effect}` },
+      on: { click: () => this.deeds.add(row.effect) }
+    });
+    const chance = beyondChance(row) ? "" : " chance";
+    return make(
+      "li",
+      {
+        ...{ class: `candidate${chance}`, role: "option", tabindex: at === 0 ? 0 : -1, "data-effect": row.effect },
+        "aria-label": `${row.effect}: error falls by ${percent(row.error_fall)}, p ${number(row.p_value, 2)}`,
+        on: {
+          pointerenter: () => this.deeds.look(row.effect),
+          pointerleave: () => this.deeds.look(null),
+          focus: () => this.focused(at),
+          blur: () => this.deeds.look(null)
+        }
+      },
+      make("span", { class: "label", text: row.effect, title: row.shows ?? row.effect }),
+      make("span", { class: "track" }, bar),
+      make("span", { class: "figure", text: `−${percent(Math.max(0, row.error_fall))}`, title: "fall of the RMS error" }),
+      add,
+      make("span", { class: "evidence soft", text: evidence(row) }),
+      ...remarks(row).map((text) => make("span", { class: "alike soft", text })),
+      ...row.unphysical.map((text) => make("span", { class: "alike odd", text: `⚠ ${text}` }))
+    );
+  }
+  /** @param {number} at */
+  focused(at) {
+    this.at = at;
+    for (const [other, item] of this.items.entries()) {
+      item.tabIndex = other === at ? 0 : -1;
+      item.setAttribute("aria-selected", String(other === at));
+    }
+    this.deeds.look(this.items[at].dataset.effect ?? null);
+  }
+  /** @param {KeyboardEvent} event */
+  key(event) {
+    const moves = { ArrowDown: this.at + 1, ArrowUp: this.at - 1, Home: 0, End: this.items.length - 1 };
+    if (event.key in moves) {
+      const to = moves[
+        /** @type {keyof typeof moves} */
+        event.key
+      ];
+      this.items[Math.min(this.items.length - 1, Math.max(0, to))]?.focus();
+      event.preventDefault();
+    } else if (event.key === "Enter" && event.target === this.items[this.at]) {
+      this.deeds.add(this.items[this.at].dataset.effect ?? "");
+      event.preventDefault();
+    }
+  }
+};
+function beyondChance({ beyond_chance, p_value }) {
+  return beyond_chance ?? p_value <= 0.05;
+}
+function evidence(row) {
+  const chance = row.p_value <= 1e-3 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
+  return beyondChance(row) ? `beyond chance (${chance})` : `no more than chance (${chance})`;
+}
+function remarks({ equivalent, confused, note }) {
+  const others = confused.filter((effect) => !equivalent.includes(effect));
+  return [
+    equivalent.length > 0 ? `this capture cannot tell it from ${equivalent.join(", ")}` : "",
+    others.length > 0 ? `often confused with ${others.join(", ")}` : "",
+    note ?? ""
+  ].filter(Boolean);
+}
+function remainder(unexplained) {
+  if (!unexplained) return [];
+  const { axis, share, hint } = unexplained;
+  const words = `Unexplained over ${axis}: ${percent(share)} of what remains${hint ? ` (${hint})` : ""}.`;
+  return [make("p", { class: "soft", text: words })];
+}
+
+// src/files.js
+var COLUMNS = ["t", "theta", "omega", "alpha", "tau"];
+function opening(heard) {
+  const dialog = (
+    /** @type {HTMLDialogElement} */
+    byId("open-dialog")
+  );
+  const chosen = (
+    /** @type {HTMLInputElement} */
+    byId("open-file")
+  );
+  const path = (
+    /** @type {HTMLInputElement} */
+    byId("open-path")
+  );
+  const fields = COLUMNS.map((name) => make("input", { name, placeholder: `${name}=…`, autocomplete: "off" }));
+  byId("open-map").replaceChildren(
+    ...fields.map((field) => make("label", {}, make("span", { text: field.name }), field))
+  );
+  const options = () => {
+    const map = fields.filter(({ value }) => value.trim()).map(({ name, value }) => `${name}=${value.trim()}`);
+    return map.length > 0 ? { map: map.join(",") } : {};
+  };
+  const take = async (files) => {
+    for (const file of files) {
+      try {
+        heard.say(`reading ${file.name} …`);
+        await upload(
+          file,
+          /** @type {Record<string, string>} */
+          options()
+        );
+        dialog.close();
+        heard.done();
+      } catch (reason) {
+        heard.failed(reason);
+        return;
+      }
+    }
+  };
+  byId("open").addEventListener("click", () => dialog.showModal());
+  byId("open-close").addEventListener("click", () => dialog.close());
+  chosen.addEventListener("change", () => take(chosen.files ?? []));
+  byId("open-form").addEventListener("submit", async (event) => {
+    event.preventDefault();
+    try {
+      if (path.value.trim()) await post("open", { path: path.value.trim(), ...options() });
+      dialog.close();
+      heard.done();
+    } catch (reason) {
+      heard.failed(reason);
+    }
+  });
+  const zone = byId("drop");
+  document.addEventListener("dragover", (event) => {
+    event.preventDefault();
+    zone.hidden = false;
+  });
+  document.addEventListener("dragleave", (event) => {
+    if (!event.relatedTarget) zone.hidden = true;
+  });
+  document.addEventListener("drop", (event) => {
+    event.preventDefault();
+    zone.hidden = true;
+    take(event.dataTransfer?.files ?? []);
+  });
+}
+function saving(heard) {
+  for (const button of document.querySelectorAll("[data-save]")) {
+    button.addEventListener("click", async () => {
+      const what = button.getAttribute("data-save") ?? "";
+      byId("save").removeAttribute("open");
+      try {
+        heard.say(`making the ${what} …`);
+        const { name, blob } = await download(what);
+        const link = make("a", { href: URL.createObjectURL(blob), download: name });
+        link.click();
+        setTimeout(() => URL.revokeObjectURL(link.href), 1e4);
+        heard.say(`saved ${name}`);
+      } catch (reason) {
+        heard.failed(reason);
+      }
+    });
+  }
+}
+
+// src/ladder.js
+function showLadder(place3, state) {
+  const branch = state.branches.find(({ id }) => id === state.branch);
+  const steps = branch?.steps ?? [];
+  const errors = steps.flatMap(({ rmse, rmse_heldout }) => [rmse, rmse_heldout]).concat(state.rmse);
+  const floor = state.noise_floor;
+  const widest = Math.max(...errors.filter(Number.isFinite), floor ?? 0) * 1.02;
+  const scale = torqueScale(state.unit, widest);
+  const shown = (value) => number(value * scale.factor);
+  const rungs = steps.map(({ added, dropped, rmse, rmse_heldout }, at) => {
+    const now = at === branch?.at;
+    const undone = at > (branch?.at ?? 0);
+    const label = added ? `+ ${added}` : dropped ? `− ${dropped}` : at === 0 ? "first model" : "fitted anew";
+    const bar = make("span", { class: "bar" });
+    const held = make("span", { class: "held" });
+    bar.style.width = `${100 * rmse / widest}%`;
+    held.style.left = `${100 * rmse_heldout / widest}%`;
+    const track = make("span", { class: "track" }, bar, held, floorMark(floor, widest));
+    return make(
+      "li",
+      { class: `rung${now ? " now" : ""}${undone ? " undone" : ""}`, "aria-current": now ? "step" : null },
+      make("span", { class: "label", text: label, title: label }),
+      track,
+      make("span", { class: "figure", text: shown(rmse), title: "RMS error" }),
+      make("span", { class: "figure soft", text: shown(rmse_heldout), title: "on blocks that the fit did not see" })
+    );
+  });
+  const head = make(
+    "div",
+    { class: "rung head" },
+    make("span", { class: "legend", text: floor === null ? "noise floor unknown" : `┆ noise floor ${shown(floor)}` }),
+    make("span", { class: "figure", text: `RMS, ${scale.unit}` }),
+    make("span", { class: "figure", text: "unseen" })
+  );
+  place3.replaceChildren(head, make("ol", {}, ...rungs));
+  const dragged = state.params.some((param) => param.dragged);
+  if (dragged) place3.append(make("p", { class: "soft", text: `as dragged: ${shown(state.rmse)} ${scale.unit}` }));
+}
+function floorMark(floor, widest) {
+  if (floor === null) return null;
+  const mark = make("span", { class: "floor" });
+  mark.style.left = `${100 * floor / widest}%`;
+  return mark;
+}
+
+// src/latest.js
+function latest(work) {
+  const next = [];
+  let busy = false;
+  return async (argument) => {
+    next.splice(0, next.length, argument);
+    if (busy) return;
+    busy = true;
+    try {
+      for (let one = next.pop(); one !== void 0; one = next.pop()) await work(one);
+    } finally {
+      busy = false;
+    }
+  };
+}
+
+// src/axes.js
+var MARGIN = { left: 52, right: 10, top: 22, bottom: 34 };
+function drawAxes(brush, size, { x, y, title, colours, noise }) {
+  const { left, top } = MARGIN;
+  const [right, bottom] = [size.width - MARGIN.right, size.height - MARGIN.bottom];
+  brush.clearRect(0, 0, size.width, size.height);
+  brush.font = "11px system-ui, 'DejaVu Sans', sans-serif";
+  brush.lineWidth = 1;
+  const across = (value) => left + (value - x.low) / (x.high - x.low) * (right - left);
+  const up = (value) => bottom - (value - y.low) / (y.high - y.low) * (bottom - top);
+  brush.strokeStyle = colours.line;
+  brush.fillStyle = colours.soft;
+  brush.textAlign = "center";
+  brush.textBaseline = "top";
+  for (const value of ticks(x.low * x.factor, x.high * x.factor, (right - left) / 70)) {
+    const at = Math.round(across(value / x.factor)) + 0.5;
+    stroke(brush, at, top, at, bottom);
+    brush.fillText(number(value, 6), at, bottom + 4);
+  }
+  brush.textAlign = "right";
+  brush.textBaseline = "middle";
+  for (const value of ticks(y.low * y.factor, y.high * y.factor, (bottom - top) / 32)) {
+    const at = Math.round(up(value / y.factor)) + 0.5;
+    stroke(brush, left, at, right, at);
+    brush.fillText(number(value, 6), left - 5, at);
+  }
+  if (noise) {
+    brush.save();
+    brush.strokeStyle = colours.ink;
+    brush.setLineDash([5, 4]);
+    for (const value of [-noise, noise]) {
+      const at = Math.round(up(value)) + 0.5;
+      if (at > top && at < bottom) stroke(brush, left, at, right, at);
+    }
+    brush.restore();
+  }
+  brush.strokeStyle = colours.soft;
+  stroke(brush, left + 0.5, top, left + 0.5, bottom);
+  stroke(brush, left, bottom + 0.5, right, bottom + 0.5);
+  brush.textAlign = "right";
+  brush.textBaseline = "bottom";
+  brush.fillText(x.label, right, size.height - 2);
+  brush.textAlign = "left";
+  brush.fillText(y.label, 4, top - 5);
+  brush.fillStyle = colours.ink;
+  brush.font = "600 12px system-ui, 'DejaVu Sans', sans-serif";
+  brush.textAlign = "right";
+  brush.fillText(title, right, top - 4);
+}
+function stroke(brush, x0, y0, x1, y1) {
+  brush.beginPath();
+  brush.moveTo(x0, y0);
+  brush.lineTo(x1, y1);
+  brush.stroke();
+}
+function limits(columns, { air = 0.03, around = NaN } = {}) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const column of columns) {
+    for (let i = 0; i < column.length; i++) {
+      if (column[i] < low) low = column[i];
+      if (column[i] > high) high = column[i];
+    }
+  }
+  if (around < low) low = around;
+  if (around > high) high = around;
+  if (!(low <= high)) return [-1, 1];
+  const room = high > low ? air * (high - low) : Math.abs(low) || 1;
+  return [low - room, high + room];
+}
+
+// src/brush.js
+var SMALLEST = 4;
+function brushable(plot) {
+  byPointer(plot);
+  plot.element.addEventListener("keydown", (event) => byKeys(plot, event));
+}
+function byPointer(plot) {
+  const { element } = plot;
+  let start = null;
+  const spot = (event) => {
+    const edge = element.getBoundingClientRect();
+    const wide = edge.width - MARGIN.left - MARGIN.right;
+    const high = edge.height - MARGIN.top - MARGIN.bottom;
+    const [x, y] = [event.clientX - edge.left - MARGIN.left, event.clientY - edge.top - MARGIN.top];
+    return { x: clamped(x / wide), y: clamped(y / high), wide, high };
+  };
+  element.addEventListener("pointerdown", (event) => {
+    if (event.button !== 0 || !plot.contents) return;
+    element.setPointerCapture(event.pointerId);
+    const { x, y } = spot(event);
+    const box = plot.region && plot.boxInside(plot.region);
+    const inside = box && x > box.left && x < box.left + box.width && y > box.top && y < box.top + box.height;
+    start = { x, y, moved: inside ? plot.region : null };
+  });
+  element.addEventListener("pointermove", (event) => {
+    if (!start) return;
+    const { x, y, wide, high } = spot(event);
+    if (start.moved) {
+      plot.brushed(plot, shifted(plot, start.moved, x - start.x, y - start.y));
+    } else if (Math.abs(x - start.x) * wide >= SMALLEST && Math.abs(y - start.y) * high >= SMALLEST) {
+      plot.brushed(plot, between(plot, start, { x, y }));
+    }
+  });
+  element.addEventListener("pointerup", (event) => {
+    const { x, y, wide, high } = spot(event);
+    if (start && Math.hypot((x - start.x) * wide, (y - start.y) * high) < SMALLEST) plot.brushed(plot, null);
+    start = null;
+  });
+  element.addEventListener("pointercancel", () => start = null);
+}
+function byKeys(plot, event) {
+  const step = 0.02;
+  const ways = { ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, -step], ArrowDown: [0, step] };
+  if (!(event.key in ways) || !plot.contents || event.ctrlKey || event.altKey || event.metaKey) return;
+  event.preventDefault();
+  const [x, y] = ways[
+    /** @type {keyof typeof ways} */
+    event.key
+  ];
+  if (!plot.region) {
+    plot.brushed(plot, between(plot, { x: 0.4, y: 0.02 }, { x: 0.6, y: 0.98 }));
+  } else if (event.shiftKey) {
+    const box = plot.boxInside(plot.region);
+    const [right, bottom] = [box.left + box.width + x, box.top + box.height + y];
+    plot.brushed(plot, between(plot, { x: box.left, y: box.top }, { x: clamped(right), y: clamped(bottom) }));
+  } else {
+    plot.brushed(plot, shifted(plot, plot.region, x, y));
+  }
+}
+function clamped(share) {
+  return Math.min(1, Math.max(0, share));
+}
+function between(plot, one, other) {
+  const { x, y } = plot.frame;
+  const [left, right] = [Math.min(one.x, other.x), Math.max(one.x, other.x)];
+  const [top, bottom] = [Math.min(one.y, other.y), Math.max(one.y, other.y)];
+  return {
+    x: [x[0] + left * (x[1] - x[0]), x[0] + right * (x[1] - x[0])],
+    y: [y[1] - bottom * (y[1] - y[0]), y[1] - top * (y[1] - y[0])]
+  };
+}
+function shifted(plot, region, right, down) {
+  const { x, y } = plot.frame;
+  const [across, up] = [right * (x[1] - x[0]), -down * (y[1] - y[0])];
+  return { x: [region.x[0] + across, region.x[1] + across], y: [region.y[0] + up, region.y[1] + up] };
+}
+
+// src/pick.js
+var CELL = 16;
+var Pick = class {
+  /**
+   * Sort the points into cells.
+   * @param {Int32Array} pixels of each point, −1 where it is not drawn
+   * @param {number} width of the raster
+   * @param {number} height
+   */
+  constructor(pixels, width, height) {
+    this.pixels = pixels;
+    this.width = width;
+    this.columns = Math.ceil(width / CELL);
+    const cells = this.columns * Math.ceil(height / CELL);
+    const of = new Int32Array(pixels.length);
+    this.starts = new Uint32Array(cells + 1);
+    for (let i = 0; i < pixels.length; i++) {
+      const pixel = pixels[i];
+      if (pixel < 0) {
+        of[i] = -1;
+        continue;
+      }
+      const row = pixel / width | 0;
+      of[i] = (row / CELL | 0) * this.columns + ((pixel - row * width) / CELL | 0);
+      this.starts[of[i] + 1]++;
+    }
+    for (let cell = 0; cell < cells; cell++) this.starts[cell + 1] += this.starts[cell];
+    this.order = new Uint32Array(this.starts[cells]);
+    const next = this.starts.slice();
+    for (let i = 0; i < of.length; i++) if (of[i] >= 0) this.order[next[of[i]]++] = i;
+    this.found = new Uint32Array(this.order.length);
+  }
+  /**
+   * Return the indices of the points in a rectangle; valid until the next call.
+   * @param {Rect} rect
+   * @returns {Uint32Array}
+   */
+  inside({ left, right, top, bottom }) {
+    let count = 0;
+    const [first, last] = [Math.floor(left / CELL), Math.min(Math.floor(right / CELL), this.columns - 1)];
+    const lowest = Math.min(Math.floor(bottom / CELL), Math.floor((this.starts.length - 2) / this.columns));
+    for (let row = Math.floor(top / CELL); row <= lowest; row++) {
+      const whole = row * CELL >= top && (row + 1) * CELL - 1 <= bottom;
+      for (let column = first; column <= last; column++) {
+        const cell = row * this.columns + column;
+        const [from, to] = [this.starts[cell], this.starts[cell + 1]];
+        if (whole && column * CELL >= left && (column + 1) * CELL - 1 <= right) {
+          this.found.set(this.order.subarray(from, to), count);
+          count += to - from;
+          continue;
+        }
+        for (let at = from; at < to; at++) {
+          const pixel = this.pixels[this.order[at]];
+          const y = pixel / this.width | 0;
+          const x = pixel - y * this.width;
+          if (x >= left && x <= right && y >= top && y <= bottom) this.found[count++] = this.order[at];
+        }
+      }
+    }
+    return this.found.subarray(0, count);
+  }
+};
+
+// src/raster.js
+function place(xs, ys, frame) {
+  const { width, height, dot } = frame;
+  const pixels = new Int32Array(xs.length);
+  const [right, bottom] = [width - dot, height - dot];
+  const xStep = right / (frame.x[1] - frame.x[0]);
+  const yStep = bottom / (frame.y[1] - frame.y[0]);
+  const [xLow, yHigh] = [frame.x[0], frame.y[1]];
+  for (let i = 0; i < xs.length; i++) {
+    let column = (xs[i] - xLow) * xStep;
+    let row = (yHigh - ys[i]) * yStep;
+    if (column - column !== 0 || row - row !== 0) {
+      pixels[i] = -1;
+      continue;
+    }
+    column = column < 0 ? 0 : column > right ? right : column + 0.5;
+    row = row < 0 ? 0 : row > bottom ? bottom : row + 0.5;
+    pixels[i] = (row | 0) * width + (column | 0);
+  }
+  return pixels;
+}
+function dotOffsets({ dot, width }) {
+  return Array.from({ length: dot * dot }, (_, at) => Math.floor(at / dot) * width + at % dot);
+}
+var USUAL = 4;
+function drawCloud(image, pixels, frame, colour, strength) {
+  const counts = new Uint16Array(image.length);
+  let [points, hit] = [0, 0];
+  for (const offset of dotOffsets(frame)) {
+    for (let i = 0; i < pixels.length; i++) {
+      if (pixels[i] < 0) continue;
+      points++;
+      if (counts[pixels[i] + offset]++ === 0) hit++;
+    }
+  }
+  const full = Math.max(2, Math.ceil(USUAL * points / Math.max(1, hit)));
+  const rise = (1 - strength) / Math.log(full);
+  const weights = Float32Array.from({ length: full + 1 }, (_, n) => strength + rise * Math.log(Math.max(1, n)));
+  for (let at = 0; at < counts.length; at++) {
+    if (counts[at] > 0) image[at] = mixed(image[at], colour, weights[Math.min(counts[at], full)]);
+  }
+}
+function drawPoints(image, pixels, chosen, frame, colour) {
+  const count = chosen ? chosen.length : pixels.length;
+  for (const offset of dotOffsets(frame)) {
+    for (let at = 0; at < count; at++) {
+      const pixel = pixels[chosen ? chosen[at] : at];
+      if (pixel >= 0) image[pixel + offset] = colour;
+    }
+  }
+}
+function mixed(under, over, share) {
+  let colour = 255;
+  for (const shift of [16, 8, 0]) {
+    const [low, high] = [under >> shift & 255, over >> shift & 255];
+    colour = colour << 8 | Math.round(low + (high - low) * share);
+  }
+  return colour >>> 0;
+}
+function pixelColour(text) {
+  const value = Number.parseInt(text.slice(1), 16);
+  return (4278190080 | (value & 255) << 16 | value & 65280 | value >> 16) >>> 0;
+}
+
+// src/plot.js
+var Plot = class {
+  /**
+   * @param {string} name in words, for those who hear the page
+   * @param {(plot: Plot, region: Region | null) => void} brushed
+   */
+  constructor(name, brushed) {
+    this.brushed = brushed;
+    this.base = make("canvas", { class: "points" });
+    this.light = make("canvas", { class: "points light" });
+    this.axes = make("canvas", { class: "axes" });
+    this.box = make("div", { class: "brush", hidden: true });
+    this.element = make(
+      "div",
+      { class: "plot", tabindex: 0, role: "img", "aria-label": name },
+      ...[this.base, this.light, this.axes, this.box]
+    );
+    this.contents = null;
+    this.frame = { width: 0, height: 0, x: [0, 1], y: [0, 1], dot: 2 };
+    this.placed = [];
+    this.pick = null;
+    this.region = null;
+    this.scale = 1;
+  }
+  /** @param {Contents} contents */
+  show(contents) {
+    this.contents = contents;
+    this.drawAll();
+  }
+  /** Draw everything anew: the data, the size or the colours have changed. */
+  drawAll() {
+    const { clientWidth: width, clientHeight: height } = this.element;
+    if (!this.contents || width < 100 || height < 80) return;
+    const { x, xAxis, yAxis, series } = this.contents;
+    this.scale = globalThis.devicePixelRatio || 1;
+    const inner = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - MARGIN.bottom];
+    const [columns, rows] = inner.map((length) => Math.max(8, Math.round(length * this.scale)));
+    const dot = Math.max(1, Math.round((x.length > 8e3 ? 2 : 3) * this.scale));
+    this.frame = { width: columns, height: rows, x: [xAxis.low, xAxis.high], y: [yAxis.low, yAxis.high], dot };
+    this.placed = series.map(({ y }) => place(x, y, this.frame));
+    this.pick = null;
+    for (const canvas of [this.base, this.light]) {
+      if (canvas.width !== columns || canvas.height !== rows) [canvas.width, canvas.height] = [columns, rows];
+      canvas.style.width = `${inner[0]}px`;
+      canvas.style.height = `${inner[1]}px`;
+    }
+    this.drawBase(series);
+    this.drawFrame(width, height);
+    this.drawBox();
+  }
+  /** @param {Series[]} series */
+  drawBase(series) {
+    const image = new ImageData(this.frame.width, this.frame.height);
+    const pixels = new Uint32Array(image.data.buffer);
+    pixels.fill(pixelColour(styleValue("--paper")));
+    for (const [at, { colour, strength }] of series.entries()) {
+      drawCloud(pixels, this.placed[at], this.frame, pixelColour(styleValue(colour)), strength);
+    }
+    this.base.getContext("2d")?.putImageData(image, 0, 0);
+  }
+  /** @param {number} width @param {number} height */
+  drawFrame(width, height) {
+    this.axes.width = Math.round(width * this.scale);
+    this.axes.height = Math.round(height * this.scale);
+    const brush = this.axes.getContext("2d");
+    if (!brush || !this.contents) return;
+    const { title, xAxis, yAxis, noise } = this.contents;
+    const colours = { ink: styleValue("--ink"), soft: styleValue("--soft"), line: styleValue("--grid") };
+    brush.scale(this.scale, this.scale);
+    drawAxes(brush, { width, height }, { x: xAxis, y: yAxis, title, colours, noise });
+  }
+  /**
+   * Draw the second layer.
+   * @param {Uint32Array | null} chosen indices of samples
+   * @param {{y: Float32Array, colour: string} | null} above a cloud over the others: what an effect would explain
+   */
+  drawLight(chosen, above) {
+    if (!this.contents || this.placed.length === 0) return;
+    this.element.classList.toggle("dimmed", chosen !== null);
+    const image = new ImageData(this.frame.width, this.frame.height);
+    const pixels = new Uint32Array(image.data.buffer);
+    if (chosen) {
+      for (const [at, { chosen: colour }] of this.contents.series.entries()) {
+        if (colour) drawPoints(pixels, this.placed[at], chosen, this.frame, pixelColour(styleValue(colour)));
+      }
+    }
+    if (above) {
+      const spots = place(this.contents.x, above.y, this.frame);
+      drawPoints(pixels, spots, null, this.frame, pixelColour(styleValue(above.colour)));
+    }
+    this.light.getContext("2d")?.putImageData(image, 0, 0);
+  }
+  /**
+   * The samples in the brushed region; valid until the next call.
+   * @returns {Uint32Array | null}
+   */
+  chosen() {
+    if (!this.region || !this.contents || this.placed.length === 0) return null;
+    this.pick ??= new Pick(this.placed[this.contents.picked], this.frame.width, this.frame.height);
+    const { left, top, width, height } = this.boxInside(this.region);
+    const [wide, high] = [this.frame.width, this.frame.height];
+    const half = this.frame.dot / 2;
+    return this.pick.inside({
+      left: Math.max(0, Math.ceil(left * wide - half)),
+      right: Math.min(wide - 1, Math.floor((left + width) * wide - half)),
+      top: Math.max(0, Math.ceil(top * high - half)),
+      bottom: Math.min(high - 1, Math.floor((top + height) * high - half))
+    });
+  }
+  /**
+   * Where a region lies, in shares of the drawn area from the upper left.
+   * @param {Region} region
+   */
+  boxInside(region) {
+    const { x, y } = this.frame;
+    const [left, right] = region.x.map((value) => (value - x[0]) / (x[1] - x[0]));
+    const [bottom, top] = region.y.map((value) => (y[1] - value) / (y[1] - y[0]));
+    return { left, top, width: right - left, height: bottom - top };
+  }
+  /** @param {Region | null} region */
+  setRegion(region) {
+    this.region = region;
+    this.drawBox();
+  }
+  /** Put the rectangle where the region is. */
+  drawBox() {
+    this.box.hidden = this.region === null;
+    if (!this.region) return;
+    const wide = this.element.clientWidth - MARGIN.left - MARGIN.right;
+    const high = this.element.clientHeight - MARGIN.top - MARGIN.bottom;
+    const box = this.boxInside(this.region);
+    const [left, right] = [box.left, box.left + box.width].map((share) => Math.min(1, Math.max(0, share)));
+    const [top, bottom] = [box.top, box.top + box.height].map((share) => Math.min(1, Math.max(0, share)));
+    this.box.style.transform = `translate(${MARGIN.left + left * wide}px, ${MARGIN.top + top * high}px)`;
+    this.box.style.width = `${(right - left) * wide}px`;
+    this.box.style.height = `${(bottom - top) * high}px`;
+  }
+};
+
+// src/timing.js
+var times = [];
+var KEPT = 500;
+function timed(what, draw, start = performance.now()) {
+  requestAnimationFrame(() => {
+    const began = performance.now();
+    draw();
+    const script = performance.now() - began;
+    requestAnimationFrame(() => {
+      times.push({ what, start, script, painted: performance.now() });
+      if (times.length > KEPT) times.shift();
+    });
+  });
+}
+
+// src/linked.js
+var ROWS = (
+  /** @type {const} */
+  [
+    { over: "position", column: "theta", part: "position_part", units: { linear: "m", rotary: "rad" } },
+    { over: "velocity", column: "omega", part: "velocity_part", units: { linear: "m/s", rotary: "rad/s" } },
+    { over: "time", column: "t", part: null, units: { linear: "s", rotary: "s" } }
+  ]
+);
+function columnsOf(view) {
+  const needed = ["t", "theta", "omega", "tau", "model", "residual"];
+  if (view.isolated) needed.push("position_part", "velocity_part");
+  if (view.band) needed.push("band");
+  return needed;
+}
+var Linked = class {
+  /** @param {(words: string | null) => void} told about the chosen samples; null when none are */
+  constructor(told) {
+    this.told = told;
+    const brushed = (plot, region) => this.brush(plot, region);
+    this.torques = ROWS.map(({ over }) => new Plot(`torque over ${over}, measured and modelled`, brushed));
+    this.residuals = ROWS.map(({ over }) => new Plot(`residual over ${over}`, brushed));
+    this.plots = ROWS.flatMap((_, at) => [this.torques[at], this.residuals[at]]);
+    this.element = make("div", { class: "linked" }, ...this.plots.map(({ element }) => element));
+    for (const plot of this.plots) brushable(plot);
+    this.data = null;
+    this.chosen = null;
+    this.signature = null;
+    this.waiting = false;
+    this.widest = 0;
+    new ResizeObserver(() => this.redraw()).observe(this.element);
+  }
+  /**
+   * Show data; the same samples stay chosen where there are as many as before.
+   * @param {Data} data
+   * @param {View} view
+   */
+  show(data, view) {
+    const { columns } = data;
+    if (this.data?.columns.t.length !== columns.t.length) {
+      this.clear();
+      this.widest = 0;
+    }
+    this.data = data;
+    this.signature = null;
+    const word = data.axis === "linear" ? "force" : "torque";
+    const rest = limits([columns.residual], { around: 0 });
+    const reach = Math.max(-rest[0], rest[1], 2 * (data.noise ?? 0));
+    if (data.fitted) this.widest = Math.max(this.widest, reach);
+    const widest = view.held ? Math.max(this.widest, reach) : reach;
+    for (const [at, row] of ROWS.entries()) {
+      const axis = data.axis === "linear" ? "linear" : "rotary";
+      const [low, high] = limits([columns[row.column]], { air: 0.01 });
+      const xAxis = { low, high, factor: 1, label: `${row.over}, ${row.units[axis]}` };
+      const common = { x: columns[row.column], xAxis };
+      const part = view.isolated && row.part ? columns[row.part] : null;
+      const { measured, modelled } = part ? isolated(columns, part) : { measured: columns.tau, modelled: columns.model };
+      const [lowest, highest] = limits([measured, modelled]);
+      const scale = torqueScale(data.unit, Math.max(-lowest, highest));
+      const series = [
+        { colour: "--measured", chosen: "--chosen", y: measured, strength: 0.4 },
+        ...view.band && columns.band ? band(modelled, columns.band) : [],
+        { colour: "--modelled", chosen: "--modelled", y: modelled, strength: 0.35 }
+      ];
+      this.torques[at].show({
+        ...common,
+        yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}, ${scale.unit}` },
+        title: part ? `its part over ${row.over}` : `${word} over ${row.over}`,
+        series,
+        picked: 0,
+        noise: null
+      });
+      const fine = torqueScale(data.unit, widest);
+      this.residuals[at].show({
+        ...common,
+        yAxis: { low: -1.04 * widest, high: 1.04 * widest, factor: fine.factor, label: `residual, ${fine.unit}` },
+        title: "measured − modelled",
+        series: [{ colour: "--wrong", chosen: "--chosen", y: columns.residual, strength: 0.3 }],
+        picked: 0,
+        noise: data.noise && 2 * data.noise
+      });
+    }
+    this.tell();
+    this.drawLight();
+  }
+  /** Draw everything anew, for another size or other colours. */
+  redraw() {
+    for (const plot of this.plots) plot.drawAll();
+    this.drawLight();
+  }
+  /**
+   * Choose what lies in a region of one plot; the next frame shows it.
+   * @param {Plot} plot
+   * @param {Region | null} region
+   */
+  brush(plot, region) {
+    for (const other of this.plots) other.setRegion(other === plot ? region : null);
+    if (this.waiting) return;
+    this.waiting = true;
+    timed("brush", () => {
+      this.waiting = false;
+      const brushed = this.plots.find((one) => one.region);
+      this.chosen = brushed?.chosen() ?? null;
+      this.drawLight();
+      this.tell();
+    });
+  }
+  /** Choose nothing. */
+  clear() {
+    for (const plot of this.plots) plot.setRegion(null);
+    this.chosen = null;
+    this.drawLight();
+    this.tell();
+  }
+  /**
+   * Lay what an effect would explain over the residuals.
+   * @param {Float32Array | null} signature
+   */
+  overlay(signature) {
+    this.signature = signature;
+    this.drawLight();
+  }
+  drawLight() {
+    for (const plot of this.torques) plot.drawLight(this.chosen, null);
+    const above = this.signature && { y: this.signature, colour: "--signature" };
+    for (const plot of this.residuals) plot.drawLight(this.chosen, above);
+  }
+  /** The part of the squared error that the chosen samples have; null where none are chosen. */
+  get share() {
+    if (!this.chosen || !this.data) return null;
+    const { residual } = this.data.columns;
+    let [all, mine] = [0, 0];
+    for (let i = 0; i < residual.length; i++) {
+      if (residual[i] === residual[i]) all += residual[i] ** 2;
+    }
+    for (const i of this.chosen) if (residual[i] === residual[i]) mine += residual[i] ** 2;
+    return all > 0 ? mine / all : 0;
+  }
+  tell() {
+    if (!this.chosen || !this.data) return this.told(null);
+    const samples = this.data.columns.t.length;
+    const part = percent(this.chosen.length / samples);
+    const count = this.chosen.length.toLocaleString("en");
+    return this.told(
+      `${count} samples chosen, ${part} of all: they have ${percent(this.share ?? 0)} of the squared error` + (this.chosen.length > 0 ? ` (RMS ${this.rmsOfChosen()})` : "")
+    );
+  }
+  rmsOfChosen() {
+    const { columns, unit } = (
+      /** @type {Data} */
+      this.data
+    );
+    let [sum, count] = [0, 0];
+    for (const i of this.chosen ?? []) {
+      const value = columns.residual[i];
+      if (value === value) [sum, count] = [sum + value ** 2, count + 1];
+    }
+    const rms = Math.sqrt(sum / Math.max(1, count));
+    const scale = torqueScale(unit, rms);
+    return `${number(rms * scale.factor)} ${scale.unit}`;
+  }
+};
+function isolated({ residual }, part) {
+  return { measured: part.map((value, i) => value + residual[i]), modelled: part };
+}
+function band(modelled, half) {
+  return [-1, 1].map((side) => ({
+    colour: "--band",
+    chosen: null,
+    y: modelled.map((value, i) => value + side * half[i]),
+    strength: 0.6
+  }));
+}
+
+// src/params.js
+var STEPS = 400;
+var Params = class {
+  /**
+   * @param {HTMLElement} place
+   * @param {{drag: (values: Record<string, number>) => void, drop: (effect: string) => void}} deeds
+   */
+  constructor(place3, deeds) {
+    this.place = place3;
+    this.deeds = deeds;
+    this.rows = /* @__PURE__ */ new Map();
+    this.shape = "";
+  }
+  /** @param {Param[]} params */
+  show(params) {
+    const shape = JSON.stringify(params.map(({ name, fitted, lower, upper }) => [name, fitted, lower, upper]));
+    if (shape !== this.shape) this.build(params);
+    this.shape = shape;
+    for (const param of params) {
+      const row = this.rows.get(param.name);
+      if (!row) continue;
+      row.value.textContent = number(param.value, 4);
+      row.value.classList.toggle("moved", param.dragged);
+      if (document.activeElement !== row.slider) row.slider.value = String(place2(param.value, row));
+    }
+  }
+  /** @param {Param[]} params */
+  build(params) {
+    const focused = document.activeElement?.getAttribute("data-param");
+    this.rows.clear();
+    const groups = Map.groupBy(params, ({ name }) => name.split(".")[0]);
+    const lines = [...groups].flatMap(([effect, own]) => [
+      this.heading(effect, groups.size > 1),
+      ...own.map((param) => this.line(param))
+    ]);
+    const widths = make("colgroup", {}, ...["name", "slide", "value", "unit"].map((name) => make("col", { class: name })));
+    this.place.replaceChildren(make("table", { class: "params" }, widths, make("tbody", {}, ...lines)));
+    if (focused) this.rows.get(focused)?.slider.focus();
+  }
+  /** @param {string} effect @param {boolean} removable */
+  heading(effect, removable) {
+    const drop = make("button", {
+      ...{ type: "button", text: "×", title: `remove ${effect}`, "aria-label": `remove ${effect}` },
+      on: { click: () => this.deeds.drop(effect) }
+    });
+    const name = make("th", { scope: "rowgroup", colspan: 3, text: effect });
+    return make("tr", { class: "effect" }, name, make("td", { class: "remove" }, removable ? drop : ""));
+  }
+  /** @param {Param} param */
+  line(param) {
+    const { low, high } = span(param);
+    const slider = make("input", {
+      ...{ type: "range", min: 0, max: STEPS, step: 1, value: place2(param.value, { low, high }) },
+      ...{ "aria-label": param.name, "data-param": param.name, disabled: param.role === "fixed" },
+      on: { input: () => this.drag(param.name) }
+    });
+    const value = make("span", { class: "figure" });
+    this.rows.set(param.name, { slider, value, low, high });
+    const between2 = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
+    const odd = param.odd ? make("span", { class: "odd", text: " ⚠", "aria-label": param.odd }) : null;
+    const about = [param.name, param.meaning, param.odd].filter(Boolean).join(": ");
+    return make(
+      "tr",
+      {},
+      make("th", { scope: "row", title: about }, param.name.split(".").slice(1).join("."), odd),
+      make("td", {}, slider),
+      make("td", { class: "value", title: `95 % interval ${between2} ${param.unit}` }, value),
+      make("td", { class: "soft unit", text: param.unit, title: param.unit })
+    );
+  }
+  /** @param {string} name */
+  drag(name) {
+    const row = this.rows.get(name);
+    if (!row) return;
+    const value = row.low + Number(row.slider.value) / STEPS * (row.high - row.low);
+    row.value.textContent = number(value, 4);
+    row.value.classList.add("moved");
+    this.deeds.drag({ [name]: value });
+  }
+};
+function span({ fitted, ci95, lower, upper }) {
+  const half = ci95 ? 2 * Math.abs(ci95[1] - ci95[0]) : 0;
+  const reach = Math.max(Math.abs(fitted), half, 1e-9);
+  return { low: Math.max(fitted - reach, lower ?? -Infinity), high: Math.min(fitted + reach, upper ?? Infinity) };
+}
+function place2(value, { low, high }) {
+  return high > low ? Math.round(STEPS * (value - low) / (high - low)) : 0;
+}
+
+// src/store.js
+var MOTION = /* @__PURE__ */ new Set(["t", "theta", "omega", "alpha", "tau"]);
+var NODES_KEPT = 32;
+function decode(buffer) {
+  const end = new Uint8Array(buffer).indexOf(10);
+  const head = JSON.parse(new TextDecoder().decode(buffer.slice(0, end)));
+  const start = Math.ceil((end + 1) / 4) * 4;
+  const columns = head.names.map((name, at) => [
+    name,
+    new Float32Array(buffer, start + 4 * at * head.n, head.n)
+  ]);
+  return Object.fromEntries(columns);
+}
+var Store = class {
+  constructor() {
+    this.kept = /* @__PURE__ */ new Map();
+  }
+  /**
+   * Return columns over all captures, one after the other.
+   * @param {string} node
+   * @param {string[]} captures
+   * @param {string[]} names
+   * @returns {Promise<Columns>}
+   */
+  async columns(node, captures, names) {
+    const parts = await Promise.all(captures.map((capture) => this.ofCapture(node, capture, names)));
+    return joined(parts, names);
+  }
+  /**
+   * What an effect would explain of the residual.
+   * @param {string} node
+   * @param {string[]} captures
+   * @param {string} effect
+   * @param {AbortSignal} [signal]
+   * @returns {Promise<Float32Array>}
+   */
+  async signature(node, captures, effect, signal) {
+    const parts = await Promise.all(
+      captures.map(async (capture) => {
+        const key = `${capture} ${node}`;
+        const name2 = `signature of ${effect}`;
+        const known = this.kept.get(key)?.[name2];
+        if (known) return { [name2]: known };
+        const fetched = decode(await fetchBytes("/api/signature", { node, capture, effect }, signal));
+        const column = Object.values(fetched)[0];
+        this.keep(key, { [name2]: column });
+        return { [name2]: column };
+      })
+    );
+    const name = `signature of ${effect}`;
+    return joined(parts, [name])[name];
+  }
+  /** @param {string} node @param {string} capture @param {string[]} names */
+  async ofCapture(node, capture, names) {
+    const key = `${capture} ${node}`;
+    const have = () => ({ ...this.kept.get(capture), ...this.kept.get(key) });
+    const lacking = names.filter((name) => !(name in have()));
+    if (lacking.length > 0) {
+      const fetched = decode(await fetchBytes("/api/arrays", { node, capture, names: lacking.join(",") }));
+      const entries = Object.entries(fetched);
+      this.keep(capture, Object.fromEntries(entries.filter(([name]) => MOTION.has(name))));
+      this.keep(key, Object.fromEntries(entries.filter(([name]) => !MOTION.has(name))));
+    }
+    return have();
+  }
+  /** @param {string} key @param {Columns} columns */
+  keep(key, columns) {
+    const together = { ...this.kept.get(key), ...columns };
+    this.kept.delete(key);
+    this.kept.set(key, together);
+    const nodes = [...this.kept.keys()].filter((one) => one.includes(" "));
+    for (const old of nodes.slice(0, Math.max(0, nodes.length - NODES_KEPT))) this.kept.delete(old);
+  }
+};
+function joined(parts, names) {
+  if (parts.length === 1) return Object.fromEntries(names.map((name) => [name, parts[0][name]]));
+  const whole = {};
+  for (const name of names) {
+    whole[name] = new Float32Array(parts.reduce((total, part) => total + part[name].length, 0));
+    let [at, elapsed] = [0, 0];
+    for (const part of parts) {
+      const column = part[name];
+      if (name === "t") {
+        const start = column[0] ?? 0;
+        for (let i = 0; i < column.length; i++) whole[name][at + i] = column[i] - start + elapsed;
+        elapsed += (column.at(-1) ?? start) - start;
+      } else {
+        whole[name].set(column, at);
+      }
+      at += column.length;
+    }
+  }
+  return whole;
+}
+
+// src/theme.js
+var KEY = "knobcam-theme";
+function themed(changed) {
+  const root = document.documentElement;
+  const system = matchMedia("(prefers-color-scheme: dark)");
+  const kept = localStorage.getItem(KEY);
+  if (kept === "light" || kept === "dark") root.dataset.theme = kept;
+  const dark = () => root.dataset.theme ? root.dataset.theme === "dark" : system.matches;
+  byId("theme").addEventListener("click", () => {
+    root.dataset.theme = dark() ? "light" : "dark";
+    localStorage.setItem(KEY, root.dataset.theme);
+    changed();
+  });
+  system.addEventListener("change", changed);
+}
+
+// src/app.js
+var LOOK_MS = 60;
+var App = class {
+  constructor() {
+    this.store = new Store();
+    this.state = null;
+    this.view = { isolated: false, band: false, held: true };
+    this.drawn = "";
+    this.deed = { what: "first picture", start: 0 };
+    this.linked = new Linked((words) => byId("chosen").textContent = words ?? BRUSH_HINT);
+    byId("plots").append(this.linked.element);
+    this.refresh = latest((_) => this.load());
+    this.drag = latest((values) => this.ask("params", values, "drag"));
+    this.params = new Params(byId("params"), {
+      drag: (values) => this.drag(values),
+      drop: (effect) => this.ask("drop", { effect }, "drop")
+    });
+    this.candidates = new Candidates(byId("candidates"), {
+      look: (effect) => this.look(effect),
+      add: (effect) => this.ask("add", { effect }, "add"),
+      ask: () => this.ask("diagnose")
+    });
+    this.looking = new AbortController();
+    this.looked = null;
+  }
+  start() {
+    const heard = {
+      done: () => this.refresh(true),
+      failed: (reason) => this.failed(reason),
+      say: (words) => this.say(words)
+    };
+    opening(heard);
+    saving(heard);
+    themed(() => this.linked.redraw());
+    this.buttons();
+    document.addEventListener("keydown", (event) => this.key(event));
+    listen({
+      state: () => this.refresh(true),
+      progress: (job) => this.showJob(job),
+      connected: (well) => byId("lost").toggleAttribute("hidden", well)
+    });
+    this.refresh(true);
+  }
+  buttons() {
+    for (const verb of ["undo", "redo", "snap", "cancel"]) {
+      byId(verb).addEventListener("click", () => this.ask(verb, {}, verb));
+    }
+    byId("new-branch").addEventListener("click", () => this.ask("branch", { name: this.branchName() }));
+    byId("clear").addEventListener("click", () => this.linked.clear());
+    for (
+      const option of
+      /** @type {(keyof App["view"])[]} */
+      ["isolated", "band", "held"]
+    ) {
+      const box = (
+        /** @type {HTMLInputElement} */
+        byId(option)
+      );
+      box.addEventListener("change", () => {
+        this.view = { ...this.view, [option]: box.checked };
+        this.refresh(true);
+      });
+    }
+  }
+  branchName() {
+    const taken = new Set(this.state?.branches.map(({ name }) => name));
+    let count = 2;
+    while (taken.has(`branch ${count}`)) count++;
+    return `branch ${count}`;
+  }
+  /**
+   * Ask the server to do something; how long it takes until it is painted is noted under `deed`.
+   * @param {string} verb
+   * @param {object} [body]
+   * @param {string} [deed]
+   */
+  async ask(verb, body = {}, deed) {
+    if (deed) this.deed = { what: deed, start: performance.now() };
+    try {
+      const answer = await post(verb, body);
+      if (answer.revision !== void 0) await this.load();
+    } catch (reason) {
+      this.failed(reason);
+    }
+  }
+  async load() {
+    try {
+      const state = await fetchState();
+      if (this.state && state.revision < this.state.revision) return;
+      this.show(state);
+      await this.draw(state);
+    } catch (reason) {
+      this.failed(reason);
+    }
+  }
+  /** @param {State} state */
+  show(state) {
+    this.state = state;
+    byId("welcome").toggleAttribute("hidden", state.node !== null);
+    byId("verdict").textContent = state.verdict_text;
+    showCaptures(byId("captures"), state);
+    showLadder(byId("ladder"), state);
+    showBranches(byId("branches"), state, (branch2) => this.ask("switch", { branch: branch2 }, "switch"));
+    this.params.show(state.params);
+    this.candidates.show(state);
+    this.showJob(state.job);
+    const branch = state.branches.find(({ id }) => id === state.branch);
+    enable("undo", (branch?.at ?? 0) > 0);
+    enable("redo", branch !== void 0 && branch.at < branch.steps.length - 1);
+    enable("snap", state.params.some(({ dragged }) => dragged));
+    enable("new-branch", state.node !== null);
+  }
+  /** @param {State} state */
+  async draw(state) {
+    const { node, active, unit, captures } = state;
+    const wanted = JSON.stringify([node, active, this.view]);
+    if (node === null || wanted === this.drawn) return;
+    const columns = await this.store.columns(node, active, columnsOf(this.view));
+    if (this.state && this.state.node !== node) return;
+    this.drawn = wanted;
+    const axis = captures.find(({ id }) => active.includes(id))?.axis ?? "rotary";
+    const view = this.view;
+    const { what, start } = this.deed ?? { what: "data", start: performance.now() };
+    this.deed = null;
+    this.look(null);
+    const fitted = !state.params.some(({ dragged }) => dragged);
+    const data = { columns, unit, axis, noise: state.noise_floor, fitted };
+    timed(what, () => this.linked.show(data, view), start);
+  }
+  /**
+   * Show what an effect would explain.
+   * @param {string | null} effect
+   */
+  async look(effect) {
+    if (effect === this.looked) return;
+    this.looked = effect;
+    this.looking.abort();
+    this.looking = new AbortController();
+    const { signal } = this.looking;
+    byId("looked").textContent = effect ? `what ${effect} would explain` : "";
+    byId("looked").toggleAttribute("hidden", effect === null);
+    if (!effect || !this.state?.node) return timed("look away", () => this.linked.overlay(null));
+    const start = performance.now();
+    await new Promise((resolve) => setTimeout(resolve, LOOK_MS));
+    if (signal.aborted) return;
+    try {
+      const column = await this.store.signature(this.state.node, this.state.active, effect, signal);
+      if (!signal.aborted) timed("look", () => this.linked.overlay(column), start);
+    } catch (reason) {
+      if (!signal.aborted) this.failed(reason);
+    }
+  }
+  /** @param {Job | null} job */
+  showJob(job) {
+    byId("job").hidden = job === null;
+    if (!job) return;
+    byId("job-what").textContent = job.what;
+    const bar = (
+      /** @type {HTMLProgressElement} */
+      byId("job-done")
+    );
+    if (job.done === null) bar.removeAttribute("value");
+    else bar.value = job.done;
+  }
+  /** @param {KeyboardEvent} event */
+  key(event) {
+    if (event.target instanceof HTMLInputElement && event.target.type !== "range" && event.key !== "Escape") return;
+    const control = event.ctrlKey || event.metaKey;
+    const key = event.key.toLowerCase();
+    if (event.key === "Escape") {
+      this.linked.clear();
+    } else if (control && (key === "y" || key === "z" && event.shiftKey)) {
+      event.preventDefault();
+      byId("redo").click();
+    } else if (control && key === "z") {
+      event.preventDefault();
+      byId("undo").click();
+    }
+  }
+  /** @param {string} words */
+  say(words) {
+    byId("said").textContent = words;
+    byId("said").classList.remove("wrong");
+  }
+  /** @param {unknown} reason */
+  failed(reason) {
+    this.deed = null;
+    byId("said").textContent = reason instanceof Error ? reason.message : String(reason);
+    byId("said").classList.add("wrong");
+  }
+};
+var BRUSH_HINT = "Drag a rectangle in any plot: its samples light up in all of them.";
+function enable(id, possible) {
+  byId(id).disabled = !possible;
+}
+function showCaptures(place3, { captures, active }) {
+  const shown = captures.map(({ id, name, samples, rate_hz, findings }) => {
+    const facts = `${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
+    const odd = findings.length > 0 ? make("span", { class: "odd", text: ` ⚠ ${findings.length}`, title: findings.join("\n") }) : null;
+    const kind = active.includes(id) ? "capture" : "capture soft";
+    return make("span", { class: kind, title: name }, make("strong", { text: name }), ` ${facts}`, odd);
+  });
+  place3.replaceChildren(...shown);
+}
+var app = new App();
+Object.assign(globalThis, { knobcam: { times, app, download } });
+app.start();

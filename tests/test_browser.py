@@ -1,0 +1,71 @@
+"""The workbench as a person has it: driven by a real browser, from a hidden effect to the saved report."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+import knobcam as kc
+from knobcam.typical import with_typical
+
+ROOT = Path(__file__).parents[1]
+WEB = ROOT / "web"
+CHROME = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+PICTURES = os.environ.get("KNOBCAM_PICTURES")
+"""Where the pictures of the page are kept to be looked at; a temporary folder by default."""
+
+pytestmark = pytest.mark.skipif(
+    CHROME is None or shutil.which("node") is None or not (WEB / "node_modules" / "playwright-core").is_dir(),
+    reason="needs Node.js, Chromium and playwright-core: python3 dev.py browser",
+)
+
+
+def capture_with_stribeck(folder: Path, samples: int) -> Path:
+    """A capture of knob 3 with a Stribeck effect that its model does not have."""
+    knob = with_typical(kc.Model.load("knob3"), kc.effects()["stribeck"])
+    capture = kc.simulate(knob, "sweep", duration_s=samples / 5000.0, rate_hz=5000.0, seed=3)
+    return capture.save(folder / "knob.npz")
+
+
+@contextmanager
+def workbench(*captures: Path) -> Iterator[str]:
+    """The address of a workbench that has captures open."""
+    command = [sys.executable, "-m", "knobcam", "workbench", "--no-browser", *map(str, captures)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
+        assert server.stdout is not None
+        try:
+            address = server.stdout.readline().strip()
+            assert address.startswith("http://127.0.0.1:")
+            yield address
+        finally:
+            server.terminate()
+
+
+def script(name: str, *words: str | Path) -> dict[str, object]:
+    """What a script of web/browser/ has seen."""
+    command = ["node", WEB / "browser" / name, str(CHROME), *words]
+    ran = subprocess.run(command, capture_output=True, text=True, timeout=400, check=False)
+    assert ran.returncode == 0, ran.stderr
+    seen: dict[str, object] = json.loads(ran.stdout)
+    return seen
+
+
+@pytest.fixture
+def pictures(tmp_path: Path) -> Path:
+    folder = Path(PICTURES) if PICTURES else tmp_path / "pictures"
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def test_a_person_finds_the_hidden_effect_in_the_browser(tmp_path: Path, pictures: Path) -> None:
+    with workbench(capture_with_stribeck(tmp_path, 25_000)) as address:
+        seen = script("story.js", address, "stribeck", pictures)
+    assert seen["rmse"][1] < seen["rmse"][2]  # type: ignore[index]  # the right effect explains more

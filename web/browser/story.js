@@ -1,0 +1,87 @@
+/**
+ * The whole story in a browser: `node story.js CHROMIUM ADDRESS EFFECT FOLDER`.
+ *
+ * The page at ADDRESS has a capture of a knob that hides EFFECT. Pictures and the saved report go to FOLDER;
+ * what was seen and how long it took is printed as JSON.
+ */
+
+import assert from "node:assert/strict";
+import { join } from "node:path";
+import { pathToFileURL } from "node:url";
+
+import { brushed, done, opened, painted, stateOf } from "./session.js";
+
+const [chrome, address, effect, folder] = process.argv.slice(2);
+const { browser, page, complaints, requests } = await opened(chrome, address);
+const picture = (name) => page.screenshot({ path: join(folder, `${name}.png`) });
+const figures = {};
+
+figures.first = await painted(page, "first picture");
+const first = await stateOf(page);
+await picture("1-opened");
+
+figures.brush = await brushed(page, "residual over velocity", [0.47, 0.12], [0.62, 0.85]);
+const told = await page.locator("#chosen").textContent();
+assert.match(told, /samples chosen, .* of the squared error/);
+await picture("2-brushed");
+
+const candidates = page.locator(".candidate");
+await candidates.or(page.getByRole("button", { name: "What is missing?" })).first().waitFor({ timeout: 30_000 });
+if ((await candidates.count()) === 0) await page.getByRole("button", { name: "What is missing?" }).click();
+await candidates.first().waitFor({ timeout: 30_000 });
+assert.equal(await candidates.first().getAttribute("data-effect"), effect);
+figures.look = await done(page, "look", () => candidates.first().hover());
+await picture("3-looked-at");
+
+await page.keyboard.press("Escape");
+assert.equal(await page.locator(".brush:visible").count(), 0);
+await candidates.first().focus();
+figures.add = await done(page, "add", () => page.keyboard.press("Enter"));
+const second = await stateOf(page);
+assert.ok(second.rmse < 0.9 * first.rmse, `the error fell from ${first.rmse} to ${second.rmse} only`);
+assert.ok(second.rmse < 1.1 * second.noise_floor, `${second.rmse} is not at the floor ${second.noise_floor}`);
+await picture("4-added");
+
+figures.undo = await done(page, "undo", () => page.keyboard.press("Control+z"));
+assert.deepEqual((await stateOf(page)).params, first.params);
+figures.redo = await done(page, "redo", () => page.keyboard.press("Control+Shift+z"));
+assert.deepEqual((await stateOf(page)).params, second.params);
+await done(page, "undo", () => page.keyboard.press("Control+z"));
+
+await page.getByRole("button", { name: "New branch" }).click();
+await page.locator(".branch").nth(1).waitFor();
+await candidates.nth(1).waitFor({ timeout: 30_000 });
+const other = await candidates.nth(1).getAttribute("data-effect");
+figures.other = await done(page, "add", () => candidates.nth(1).getByRole("button").click());
+const third = await stateOf(page);
+assert.equal(third.branches.length, 2);
+const current = third.branches.find(({ id }) => id === third.branch);
+assert.equal(current.steps[current.at].added, other);
+
+const slider = page.locator(".params input").first();
+await slider.focus();
+figures.drag = await done(page, "drag", () => page.keyboard.press("ArrowRight"));
+assert.ok((await stateOf(page)).rmse >= third.rmse);
+figures.snap = await done(page, "snap", () => page.getByRole("button", { name: "Back to the fit" }).click());
+assert.deepEqual((await stateOf(page)).params, third.params);
+await page.emulateMedia({ colorScheme: "dark" });
+await page.waitForTimeout(300);
+await picture("5-other-branch-dark");
+
+figures.switch = await done(page, "switch", () => page.locator(".branch").first().click());
+await page.locator("#save summary").click();
+const saving = page.waitForEvent("download", { timeout: 30_000 });
+await page.getByRole("button", { name: "Report" }).click();
+const report = join(folder, "report.html");
+await (await saving).saveAs(report);
+const foreign = requests.filter((url) => !url.startsWith(new URL(address).origin) && !url.startsWith("blob:"));
+assert.deepEqual(foreign, [], "the page asks nobody else");
+assert.deepEqual(complaints, [], "the browser has nothing to complain about");
+
+requests.length = 0;
+await page.goto(pathToFileURL(report).href);
+await page.screenshot({ path: join(folder, "6-report.png") });
+assert.deepEqual(requests.filter((url) => !url.startsWith("file:") && !url.startsWith("data:")), []);
+assert.match(await page.textContent("body"), /error/i);
+await browser.close();
+console.log(JSON.stringify({ figures, told, other, rmse: [first.rmse, second.rmse, third.rmse] }));

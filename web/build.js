@@ -1,0 +1,19 @@
+/** Build the page: `node build.js FOLDER`, by default into the package. */
+
+import { build } from "esbuild";
+import { cpSync, mkdirSync, rmSync } from "node:fs";
+import { join } from "node:path";
+import { fileURLToPath } from "node:url";
+
+const here = fileURLToPath(new URL(".", import.meta.url));
+const folder = process.argv[2] ?? join(here, "..", "python", "knobcam", "workbench", "page");
+const common = { bundle: true, target: "es2022", charset: "utf8", legalComments: "inline", logLevel: "warning" };
+const source = (name) => join(here, "src", name);
+
+rmSync(folder, { recursive: true, force: true });
+mkdirSync(folder, { recursive: true });
+for (const name of ["index.html", "icon.svg"]) cpSync(source(name), join(folder, name));
+await build({ ...common, entryPoints: [source("app.js"), source("app.css")], outdir: folder, format: "esm" });
+// What goes into a report's file is small: every report carries it.
+const inside = [source("report.js"), source("plots.css")];
+await build({ ...common, entryPoints: inside, outdir: folder, format: "iife", minify: true });

@@ -1,0 +1,88 @@
+/** The server on this machine: requests that carry the token, and its events. */
+
+/** @typedef {import("./types.js").State} State */
+
+const token = new URLSearchParams(location.search).get("token") ?? "";
+
+/**
+ * @param {string} path
+ * @param {RequestInit} [options]
+ * @returns {Promise<Response>} one that is well; an Error with the server's own words otherwise
+ */
+async function request(path, options = {}) {
+  const headers = { ...options.headers, "x-knobcam-token": token };
+  let answer;
+  try {
+    answer = await fetch(path, { ...options, headers });
+  } catch (reason) {
+    if (options.signal?.aborted) throw reason;
+    throw new Error("the workbench does not answer; is its command still running?");
+  }
+  if (answer.ok) return answer;
+  const said = await answer.json().catch(() => ({}));
+  throw new Error(typeof said.error === "string" ? said.error : `the workbench answered ${answer.status}`);
+}
+
+/** @returns {Promise<State>} */
+export async function fetchState() {
+  return (await request("/api/state")).json();
+}
+
+/**
+ * @param {string} path
+ * @param {Record<string, string>} query
+ * @param {AbortSignal} [signal]
+ */
+export async function fetchBytes(path, query, signal) {
+  const answer = await request(`${path}?${new URLSearchParams(query)}`, { signal });
+  return answer.arrayBuffer();
+}
+
+/**
+ * Ask for something to be done.
+ * @param {string} verb of the API: add, undo, params...
+ * @param {object} [body]
+ * @returns {Promise<{revision?: number, job?: string, path?: string, share?: number}>}
+ */
+export async function post(verb, body = {}) {
+  const headers = { "content-type": "application/json" };
+  const answer = await request(`/api/${verb}`, { method: "POST", headers, body: JSON.stringify(body) });
+  return answer.json();
+}
+
+/**
+ * Hand a file over.
+ * @param {File} file
+ * @param {Record<string, string>} options of the import: column map and units
+ */
+export async function upload(file, options = {}) {
+  const headers = { "content-type": "application/octet-stream", "x-filename": encodeURIComponent(file.name) };
+  const query = new URLSearchParams(options);
+  return (await request(`/api/upload?${query}`, { method: "POST", headers, body: file })).json();
+}
+
+/**
+ * Fetch what is to be saved, and the name that it should have.
+ * @param {string} what model, report, figures or script
+ */
+export async function download(what) {
+  const answer = await request(`/api/download?${new URLSearchParams({ what })}`);
+  const named = /filename="?([^";]+)"?/.exec(answer.headers.get("content-disposition") ?? "");
+  return { name: named ? named[1] : `knobcam-${what}`, blob: await answer.blob() };
+}
+
+/**
+ * Listen to the server.
+ * @param {{state: () => void, progress: (job: import("./types.js").Job) => void,
+ *   connected: (well: boolean) => void}} heard
+ */
+export function listen(heard) {
+  const source = new EventSource(`/api/events?${new URLSearchParams({ token })}`);
+  source.addEventListener("state", () => heard.state());
+  source.addEventListener("progress", (event) => {
+    const { job, what, done } = JSON.parse(event.data);
+    heard.progress({ id: job, what, done });
+  });
+  source.addEventListener("open", () => heard.connected(true));
+  source.addEventListener("error", () => heard.connected(false));
+}

@@ -1,0 +1,237 @@
+/** The workbench's page: what the server tells is shown, what the person does is asked of the server. */
+
+import { download, fetchState, listen, post } from "./api.js";
+import { showBranches } from "./branches.js";
+import { Candidates } from "./candidates.js";
+import { byId, make } from "./dom.js";
+import { opening, saving } from "./files.js";
+import { showLadder } from "./ladder.js";
+import { latest } from "./latest.js";
+import { Linked, columnsOf } from "./linked.js";
+import { Params } from "./params.js";
+import { Store } from "./store.js";
+import { themed } from "./theme.js";
+import { timed, times } from "./timing.js";
+
+/** @typedef {import("./types.js").State} State */
+/** @typedef {import("./types.js").Job} Job */
+
+const LOOK_MS = 60; // a pointer that only passes over a candidate asks for nothing
+
+class App {
+  constructor() {
+    this.store = new Store();
+    /** @type {State | null} */
+    this.state = null;
+    this.view = { isolated: false, band: false, held: true };
+    this.drawn = "";
+    /** @type {{what: string, start: number} | null} what the person did that is not painted yet */
+    this.deed = { what: "first picture", start: 0 };
+    this.linked = new Linked((words) => (byId("chosen").textContent = words ?? BRUSH_HINT));
+    byId("plots").append(this.linked.element);
+    this.refresh = latest((/** @type {true} */ _) => this.load());
+    this.drag = latest((/** @type {Record<string, number>} */ values) => this.ask("params", values, "drag"));
+    this.params = new Params(byId("params"), {
+      drag: (values) => this.drag(values),
+      drop: (effect) => this.ask("drop", { effect }, "drop"),
+    });
+    this.candidates = new Candidates(byId("candidates"), {
+      look: (effect) => this.look(effect),
+      add: (effect) => this.ask("add", { effect }, "add"),
+      ask: () => this.ask("diagnose"),
+    });
+    this.looking = new AbortController();
+    /** @type {string | null} */
+    this.looked = null;
+  }
+
+  start() {
+    const heard = {
+      done: () => this.refresh(true),
+      failed: (/** @type {unknown} */ reason) => this.failed(reason),
+      say: (/** @type {string} */ words) => this.say(words),
+    };
+    opening(heard);
+    saving(heard);
+    themed(() => this.linked.redraw());
+    this.buttons();
+    document.addEventListener("keydown", (event) => this.key(event));
+    listen({
+      state: () => this.refresh(true),
+      progress: (job) => this.showJob(job),
+      connected: (well) => byId("lost").toggleAttribute("hidden", well),
+    });
+    this.refresh(true);
+  }
+
+  buttons() {
+    for (const verb of ["undo", "redo", "snap", "cancel"]) {
+      byId(verb).addEventListener("click", () => this.ask(verb, {}, verb));
+    }
+    byId("new-branch").addEventListener("click", () => this.ask("branch", { name: this.branchName() }));
+    byId("clear").addEventListener("click", () => this.linked.clear());
+    for (const option of /** @type {(keyof App["view"])[]} */ (["isolated", "band", "held"])) {
+      const box = /** @type {HTMLInputElement} */ (byId(option));
+      box.addEventListener("change", () => {
+        this.view = { ...this.view, [option]: box.checked };
+        this.refresh(true);
+      });
+    }
+  }
+
+  branchName() {
+    const taken = new Set(this.state?.branches.map(({ name }) => name));
+    let count = 2;
+    while (taken.has(`branch ${count}`)) count++;
+    return `branch ${count}`;
+  }
+
+  /**
+   * Ask the server to do something; how long it takes until it is painted is noted under `deed`.
+   * @param {string} verb
+   * @param {object} [body]
+   * @param {string} [deed]
+   */
+  async ask(verb, body = {}, deed) {
+    if (deed) this.deed = { what: deed, start: performance.now() };
+    try {
+      const answer = await post(verb, body);
+      if (answer.revision !== undefined) await this.load();
+    } catch (reason) {
+      this.failed(reason);
+    }
+  }
+
+  async load() {
+    try {
+      const state = await fetchState();
+      if (this.state && state.revision < this.state.revision) return;
+      this.show(state);
+      await this.draw(state);
+    } catch (reason) {
+      this.failed(reason);
+    }
+  }
+
+  /** @param {State} state */
+  show(state) {
+    this.state = state;
+    byId("welcome").toggleAttribute("hidden", state.node !== null);
+    byId("verdict").textContent = state.verdict_text;
+    showCaptures(byId("captures"), state);
+    showLadder(byId("ladder"), state);
+    showBranches(byId("branches"), state, (branch) => this.ask("switch", { branch }, "switch"));
+    this.params.show(state.params);
+    this.candidates.show(state);
+    this.showJob(state.job);
+    const branch = state.branches.find(({ id }) => id === state.branch);
+    enable("undo", (branch?.at ?? 0) > 0);
+    enable("redo", branch !== undefined && branch.at < branch.steps.length - 1);
+    enable("snap", state.params.some(({ dragged }) => dragged));
+    enable("new-branch", state.node !== null);
+  }
+
+  /** @param {State} state */
+  async draw(state) {
+    const { node, active, unit, captures } = state;
+    const wanted = JSON.stringify([node, active, this.view]);
+    if (node === null || wanted === this.drawn) return;
+    const columns = await this.store.columns(node, active, columnsOf(this.view));
+    if (this.state && this.state.node !== node) return;
+    this.drawn = wanted;
+    const axis = captures.find(({ id }) => active.includes(id))?.axis ?? "rotary";
+    const view = this.view;
+    const { what, start } = this.deed ?? { what: "data", start: performance.now() };
+    this.deed = null;
+    this.look(null);
+    const fitted = !state.params.some(({ dragged }) => dragged);
+    const data = { columns, unit, axis, noise: state.noise_floor, fitted };
+    timed(what, () => this.linked.show(data, view), start);
+  }
+
+  /**
+   * Show what an effect would explain.
+   * @param {string | null} effect
+   */
+  async look(effect) {
+    if (effect === this.looked) return;
+    this.looked = effect;
+    this.looking.abort();
+    this.looking = new AbortController();
+    const { signal } = this.looking;
+    byId("looked").textContent = effect ? `what ${effect} would explain` : "";
+    byId("looked").toggleAttribute("hidden", effect === null);
+    if (!effect || !this.state?.node) return timed("look away", () => this.linked.overlay(null));
+    const start = performance.now();
+    await new Promise((resolve) => setTimeout(resolve, LOOK_MS));
+    if (signal.aborted) return;
+    try {
+      const column = await this.store.signature(this.state.node, this.state.active, effect, signal);
+      if (!signal.aborted) timed("look", () => this.linked.overlay(column), start);
+    } catch (reason) {
+      if (!signal.aborted) this.failed(reason);
+    }
+  }
+
+  /** @param {Job | null} job */
+  showJob(job) {
+    byId("job").hidden = job === null;
+    if (!job) return;
+    byId("job-what").textContent = job.what;
+    const bar = /** @type {HTMLProgressElement} */ (byId("job-done"));
+    if (job.done === null) bar.removeAttribute("value");
+    else bar.value = job.done;
+  }
+
+  /** @param {KeyboardEvent} event */
+  key(event) {
+    if (event.target instanceof HTMLInputElement && event.target.type !== "range" && event.key !== "Escape") return;
+    const control = event.ctrlKey || event.metaKey;
+    const key = event.key.toLowerCase();
+    if (event.key === "Escape") {
+      this.linked.clear();
+    } else if (control && (key === "y" || (key === "z" && event.shiftKey))) {
+      event.preventDefault();
+      byId("redo").click();
+    } else if (control && key === "z") {
+      event.preventDefault();
+      byId("undo").click();
+    }
+  }
+
+  /** @param {string} words */
+  say(words) {
+    byId("said").textContent = words;
+    byId("said").classList.remove("wrong");
+  }
+
+  /** @param {unknown} reason */
+  failed(reason) {
+    this.deed = null;
+    byId("said").textContent = reason instanceof Error ? reason.message : String(reason);
+    byId("said").classList.add("wrong");
+  }
+}
+
+const BRUSH_HINT = "Drag a rectangle in any plot: its samples light up in all of them.";
+
+/** @param {string} id @param {boolean} possible */
+function enable(id, possible) {
+  /** @type {HTMLButtonElement} */ (byId(id)).disabled = !possible;
+}
+
+/** @param {HTMLElement} place @param {State} state */
+function showCaptures(place, { captures, active }) {
+  const shown = captures.map(({ id, name, samples, rate_hz, findings }) => {
+    const facts = `${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
+    const odd = findings.length > 0 ? make("span", { class: "odd", text: ` ⚠ ${findings.length}`, title: findings.join("\n") }) : null;
+    const kind = active.includes(id) ? "capture" : "capture soft";
+    return make("span", { class: kind, title: name }, make("strong", { text: name }), ` ${facts}`, odd);
+  });
+  place.replaceChildren(...shown);
+}
+
+const app = new App();
+// For those who measure: how long deeds took, and what the plots show.
+Object.assign(globalThis, { knobcam: { times, app, download } });
+app.start();

@@ -1,0 +1,100 @@
+/** Axes around a cloud of points: ticks, grid, labels. */
+
+import { number, ticks } from "./numbers.js";
+
+/** Room around the points, in CSS pixels. */
+export const MARGIN = { left: 52, right: 10, top: 22, bottom: 34 };
+
+/**
+ * @typedef {{low: number, high: number, factor: number, label: string}} Axis
+ * low and high in SI; shown = factor * SI
+ */
+
+/**
+ * Draw ticks, grid lines and labels above the points.
+ * @param {CanvasRenderingContext2D} brush with one unit per CSS pixel
+ * @param {{width: number, height: number}} size of the whole plot, CSS pixels
+ * @param {{x: Axis, y: Axis, title: string, colours: {ink: string, soft: string, line: string},
+ *   noise: number | null}} plot `noise`: a torque that chance reaches, drawn as a pair of lines
+ */
+export function drawAxes(brush, size, { x, y, title, colours, noise }) {
+  const { left, top } = MARGIN;
+  const [right, bottom] = [size.width - MARGIN.right, size.height - MARGIN.bottom];
+  brush.clearRect(0, 0, size.width, size.height);
+  brush.font = "11px system-ui, 'DejaVu Sans', sans-serif";
+  brush.lineWidth = 1;
+
+  const across = (/** @type {number} */ value) => left + ((value - x.low) / (x.high - x.low)) * (right - left);
+  const up = (/** @type {number} */ value) => bottom - ((value - y.low) / (y.high - y.low)) * (bottom - top);
+  brush.strokeStyle = colours.line;
+  brush.fillStyle = colours.soft;
+  brush.textAlign = "center";
+  brush.textBaseline = "top";
+  for (const value of ticks(x.low * x.factor, x.high * x.factor, (right - left) / 70)) {
+    const at = Math.round(across(value / x.factor)) + 0.5;
+    stroke(brush, at, top, at, bottom);
+    brush.fillText(number(value, 6), at, bottom + 4);
+  }
+  brush.textAlign = "right";
+  brush.textBaseline = "middle";
+  for (const value of ticks(y.low * y.factor, y.high * y.factor, (bottom - top) / 32)) {
+    const at = Math.round(up(value / y.factor)) + 0.5;
+    stroke(brush, left, at, right, at);
+    brush.fillText(number(value, 6), left - 5, at);
+  }
+  if (noise) {
+    brush.save();
+    brush.strokeStyle = colours.ink;
+    brush.setLineDash([5, 4]);
+    for (const value of [-noise, noise]) {
+      const at = Math.round(up(value)) + 0.5;
+      if (at > top && at < bottom) stroke(brush, left, at, right, at);
+    }
+    brush.restore();
+  }
+  brush.strokeStyle = colours.soft;
+  stroke(brush, left + 0.5, top, left + 0.5, bottom);
+  stroke(brush, left, bottom + 0.5, right, bottom + 0.5);
+
+  brush.textAlign = "right";
+  brush.textBaseline = "bottom";
+  brush.fillText(x.label, right, size.height - 2);
+  brush.textAlign = "left";
+  brush.fillText(y.label, 4, top - 5);
+  brush.fillStyle = colours.ink;
+  brush.font = "600 12px system-ui, 'DejaVu Sans', sans-serif";
+  brush.textAlign = "right";
+  brush.fillText(title, right, top - 4);
+}
+
+/**
+ * @param {CanvasRenderingContext2D} brush
+ * @param {number} x0 @param {number} y0 @param {number} x1 @param {number} y1
+ */
+function stroke(brush, x0, y0, x1, y1) {
+  brush.beginPath();
+  brush.moveTo(x0, y0);
+  brush.lineTo(x1, y1);
+  brush.stroke();
+}
+
+/**
+ * The limits that hold all finite values, with some air.
+ * @param {Float32Array[]} columns
+ * @param {{air?: number, around?: number}} [options] air: share of the span; around: a value that has to be inside
+ * @returns {[number, number]}
+ */
+export function limits(columns, { air = 0.03, around = NaN } = {}) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const column of columns) {
+    for (let i = 0; i < column.length; i++) {
+      if (column[i] < low) low = column[i];
+      if (column[i] > high) high = column[i];
+    }
+  }
+  if (around < low) low = around;
+  if (around > high) high = around;
+  if (!(low <= high)) return [-1, 1];
+  const room = high > low ? air * (high - low) : Math.abs(low) || 1;
+  return [low - room, high + room];
+}

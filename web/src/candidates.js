@@ -1,0 +1,135 @@
+/** What could be missing: each effect with its evidence; the one that is looked at is laid over the residuals. */
+
+import { make } from "./dom.js";
+import { number, percent } from "./numbers.js";
+
+/** @typedef {import("./types.js").Candidate} Candidate */
+/** @typedef {import("./types.js").State} State */
+
+export class Candidates {
+  /**
+   * @param {HTMLElement} place
+   * @param {{look: (effect: string | null) => void, add: (effect: string) => void, ask: () => void}} deeds
+   */
+  constructor(place, deeds) {
+    this.place = place;
+    this.deeds = deeds;
+    this.shown = "";
+    this.at = 0;
+    this.inside = false; // whether the keys were here when the list went away
+    /** @type {HTMLElement[]} */
+    this.items = [];
+    place.addEventListener("keydown", (event) => this.key(event));
+  }
+
+  /** @param {State} state */
+  show({ candidates, node, job }) {
+    const shown = JSON.stringify([candidates, node, job?.id]);
+    if (shown === this.shown) return;
+    this.shown = shown;
+    this.inside ||= this.place.contains(document.activeElement);
+    this.at = 0;
+    this.items = candidates.rows.map((row, at) => this.item(row, at));
+    const ask = make("button", {
+      ...{ type: "button", text: "What is missing?", disabled: job !== null || node === null },
+      on: { click: this.deeds.ask },
+    });
+    const list = make("ul", { role: "listbox", "aria-label": "candidates", class: "candidates" }, ...this.items);
+    this.place.replaceChildren(
+      ...(candidates.ready ? [] : [make("p", { class: "soft" }, job ? `${job.what} …` : ask)]),
+      ...(candidates.ready && this.items.length === 0
+        ? [make("p", { class: "well", text: "Nothing is missing beyond chance." })]
+        : []),
+      list,
+      ...remainder(candidates.unexplained),
+    );
+    if (this.inside && document.activeElement === document.body) (this.items[0] ?? ask).focus();
+    if (this.items.length > 0 || document.activeElement !== document.body) this.inside = false;
+  }
+
+  /** @param {Candidate} row @param {number} at */
+  item(row, at) {
+    const bar = make("span", { class: "bar" });
+    bar.style.width = `${100 * Math.min(1, Math.max(0, row.error_fall))}%`;
+    const add = make("button", {
+      ...{ type: "button", text: "Add", tabindex: -1, "aria-label": `add ${row.effect}` },
+      on: { click: () => this.deeds.add(row.effect) },
+    });
+    const chance = beyondChance(row) ? "" : " chance";
+    return make(
+      "li",
+      {
+        ...{ class: `candidate${chance}`, role: "option", tabindex: at === 0 ? 0 : -1, "data-effect": row.effect },
+        "aria-label": `${row.effect}: error falls by ${percent(row.error_fall)}, p ${number(row.p_value, 2)}`,
+        on: {
+          pointerenter: () => this.deeds.look(row.effect),
+          pointerleave: () => this.deeds.look(null),
+          focus: () => this.focused(at),
+          blur: () => this.deeds.look(null),
+        },
+      },
+      make("span", { class: "label", text: row.effect, title: row.shows ?? row.effect }),
+      make("span", { class: "track" }, bar),
+      make("span", { class: "figure", text: `−${percent(Math.max(0, row.error_fall))}`, title: "fall of the RMS error" }),
+      add,
+      make("span", { class: "evidence soft", text: evidence(row) }),
+      ...remarks(row).map((text) => make("span", { class: "alike soft", text })),
+      ...row.unphysical.map((text) => make("span", { class: "alike odd", text: `⚠ ${text}` })),
+    );
+  }
+
+  /** @param {number} at */
+  focused(at) {
+    this.at = at;
+    for (const [other, item] of this.items.entries()) {
+      item.tabIndex = other === at ? 0 : -1;
+      item.setAttribute("aria-selected", String(other === at));
+    }
+    this.deeds.look(this.items[at].dataset.effect ?? null);
+  }
+
+  /** @param {KeyboardEvent} event */
+  key(event) {
+    const moves = { ArrowDown: this.at + 1, ArrowUp: this.at - 1, Home: 0, End: this.items.length - 1 };
+    if (event.key in moves) {
+      const to = moves[/** @type {keyof typeof moves} */ (event.key)];
+      this.items[Math.min(this.items.length - 1, Math.max(0, to))]?.focus();
+      event.preventDefault();
+    } else if (event.key === "Enter" && event.target === this.items[this.at]) {
+      this.deeds.add(this.items[this.at].dataset.effect ?? "");
+      event.preventDefault();
+    }
+  }
+}
+
+/** @param {Candidate} row */
+function beyondChance({ beyond_chance, p_value }) {
+  return beyond_chance ?? p_value <= 0.05;
+}
+
+/** @param {Candidate} row */
+function evidence(row) {
+  const chance = row.p_value <= 0.001 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
+  return beyondChance(row) ? `beyond chance (${chance})` : `no more than chance (${chance})`;
+}
+
+/**
+ * What else there is to say about a candidate, a line each.
+ * @param {Candidate} row
+ */
+function remarks({ equivalent, confused, note }) {
+  const others = confused.filter((effect) => !equivalent.includes(effect));
+  return [
+    equivalent.length > 0 ? `this capture cannot tell it from ${equivalent.join(", ")}` : "",
+    others.length > 0 ? `often confused with ${others.join(", ")}` : "",
+    note ?? "",
+  ].filter(Boolean);
+}
+
+/** @param {State["candidates"]["unexplained"]} unexplained */
+function remainder(unexplained) {
+  if (!unexplained) return [];
+  const { axis, share, hint } = unexplained;
+  const words = `Unexplained over ${axis}: ${percent(share)} of what remains${hint ? ` (${hint})` : ""}.`;
+  return [make("p", { class: "soft", text: words })];
+}

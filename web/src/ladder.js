@@ -1,0 +1,57 @@
+/** The error ladder: one rung per step of the branch, down to the noise floor. */
+
+import { make } from "./dom.js";
+import { number, torqueScale } from "./numbers.js";
+
+/** @typedef {import("./types.js").State} State */
+
+/**
+ * @param {HTMLElement} place
+ * @param {State} state
+ */
+export function showLadder(place, state) {
+  const branch = state.branches.find(({ id }) => id === state.branch);
+  const steps = branch?.steps ?? [];
+  const errors = steps.flatMap(({ rmse, rmse_heldout }) => [rmse, rmse_heldout]).concat(state.rmse);
+  const floor = state.noise_floor;
+  const widest = Math.max(...errors.filter(Number.isFinite), floor ?? 0) * 1.02;
+  const scale = torqueScale(state.unit, widest);
+  const shown = (/** @type {number} */ value) => number(value * scale.factor);
+
+  const rungs = steps.map(({ added, dropped, rmse, rmse_heldout }, at) => {
+    const now = at === branch?.at;
+    const undone = at > (branch?.at ?? 0);
+    const label = added ? `+ ${added}` : dropped ? `− ${dropped}` : at === 0 ? "first model" : "fitted anew";
+    const bar = make("span", { class: "bar" });
+    const held = make("span", { class: "held" });
+    bar.style.width = `${(100 * rmse) / widest}%`;
+    held.style.left = `${(100 * rmse_heldout) / widest}%`;
+    const track = make("span", { class: "track" }, bar, held, floorMark(floor, widest));
+    return make(
+      "li",
+      { class: `rung${now ? " now" : ""}${undone ? " undone" : ""}`, "aria-current": now ? "step" : null },
+      make("span", { class: "label", text: label, title: label }),
+      track,
+      make("span", { class: "figure", text: shown(rmse), title: "RMS error" }),
+      make("span", { class: "figure soft", text: shown(rmse_heldout), title: "on blocks that the fit did not see" }),
+    );
+  });
+  const head = make(
+    "div",
+    { class: "rung head" },
+    make("span", { class: "legend", text: floor === null ? "noise floor unknown" : `┆ noise floor ${shown(floor)}` }),
+    make("span", { class: "figure", text: `RMS, ${scale.unit}` }),
+    make("span", { class: "figure", text: "unseen" }),
+  );
+  place.replaceChildren(head, make("ol", {}, ...rungs));
+  const dragged = state.params.some((param) => param.dragged);
+  if (dragged) place.append(make("p", { class: "soft", text: `as dragged: ${shown(state.rmse)} ${scale.unit}` }));
+}
+
+/** @param {number | null} floor @param {number} widest */
+function floorMark(floor, widest) {
+  if (floor === null) return null;
+  const mark = make("span", { class: "floor" });
+  mark.style.left = `${(100 * floor) / widest}%`;
+  return mark;
+}

@@ -1,0 +1,50 @@
+/** Numbers as a person reads them. */
+
+/**
+ * @param {number | null} value
+ * @param {number} [digits] significant ones
+ * @returns {string} with a true minus; a dash where there is none
+ */
+export function number(value, digits = 3) {
+  if (value === null || !Number.isFinite(value)) return "–";
+  const size = Math.abs(value);
+  const text = size !== 0 && (size < 1e-3 || size >= 1e5) ? value.toExponential(digits - 1) : plain(value, digits);
+  return text.replaceAll("-", "−");
+}
+
+/** @param {number} value @param {number} digits */
+function plain(value, digits) {
+  return String(Number(value.toPrecision(digits)));
+}
+
+/** @param {number} share from 0 to 1 */
+export function percent(share) {
+  if (!Number.isFinite(share)) return "–";
+  return `${(100 * share).toFixed(share > 0 && share < 0.1 ? 1 : 0)} %`.replaceAll("-", "−");
+}
+
+/**
+ * A unit for the eye: shown = factor * SI. Small torques in mNm, as the pictures of the package have them.
+ * @param {string} unit "N m" or "N"
+ * @param {number} peak the largest magnitude that is shown, SI
+ */
+export function torqueScale(unit, peak) {
+  return unit === "N m" && peak <= 2 ? { factor: 1000, unit: "mNm" } : { factor: 1, unit };
+}
+
+/**
+ * Round values between two limits, for the ticks of an axis.
+ * @param {number} low
+ * @param {number} high
+ * @param {number} count how many there may be, about
+ */
+export function ticks(low, high, count) {
+  const span = high - low;
+  if (!(span > 0) || !Number.isFinite(span)) return [];
+  const rough = span / Math.max(1, count);
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = power * ([1, 2, 5].find((factor) => factor * power >= rough) ?? 10);
+  const first = Math.ceil(low / step - 1e-9);
+  const last = Math.floor(high / step + 1e-9);
+  return Array.from({ length: last - first + 1 }, (_, at) => (first + at) * step);
+}

@@ -1,0 +1,109 @@
+/** The parameter table: values that can be dragged to feel what each does. */
+
+import { make } from "./dom.js";
+import { number } from "./numbers.js";
+
+/** @typedef {import("./types.js").Param} Param */
+
+const STEPS = 400; // of a slider
+
+export class Params {
+  /**
+   * @param {HTMLElement} place
+   * @param {{drag: (values: Record<string, number>) => void, drop: (effect: string) => void}} deeds
+   */
+  constructor(place, deeds) {
+    this.place = place;
+    this.deeds = deeds;
+    /** @type {Map<string, {slider: HTMLInputElement, value: HTMLElement, low: number, high: number}>} */
+    this.rows = new Map();
+    /** @type {string} */
+    this.shape = "";
+  }
+
+  /** @param {Param[]} params */
+  show(params) {
+    const shape = JSON.stringify(params.map(({ name, fitted, lower, upper }) => [name, fitted, lower, upper]));
+    if (shape !== this.shape) this.build(params);
+    this.shape = shape;
+    for (const param of params) {
+      const row = this.rows.get(param.name);
+      if (!row) continue;
+      row.value.textContent = number(param.value, 4);
+      row.value.classList.toggle("moved", param.dragged);
+      if (document.activeElement !== row.slider) row.slider.value = String(place(param.value, row));
+    }
+  }
+
+  /** @param {Param[]} params */
+  build(params) {
+    const focused = document.activeElement?.getAttribute("data-param");
+    this.rows.clear();
+    const groups = Map.groupBy(params, ({ name }) => name.split(".")[0]);
+    const lines = [...groups].flatMap(([effect, own]) => [
+      this.heading(effect, groups.size > 1),
+      ...own.map((param) => this.line(param)),
+    ]);
+    const widths = make("colgroup", {}, ...["name", "slide", "value", "unit"].map((name) => make("col", { class: name })));
+    this.place.replaceChildren(make("table", { class: "params" }, widths, make("tbody", {}, ...lines)));
+    if (focused) this.rows.get(focused)?.slider.focus();
+  }
+
+  /** @param {string} effect @param {boolean} removable */
+  heading(effect, removable) {
+    const drop = make("button", {
+      ...{ type: "button", text: "×", title: `remove ${effect}`, "aria-label": `remove ${effect}` },
+      on: { click: () => this.deeds.drop(effect) },
+    });
+    const name = make("th", { scope: "rowgroup", colspan: 3, text: effect });
+    return make("tr", { class: "effect" }, name, make("td", { class: "remove" }, removable ? drop : ""));
+  }
+
+  /** @param {Param} param */
+  line(param) {
+    const { low, high } = span(param);
+    const slider = make("input", {
+      ...{ type: "range", min: 0, max: STEPS, step: 1, value: place(param.value, { low, high }) },
+      ...{ "aria-label": param.name, "data-param": param.name, disabled: param.role === "fixed" },
+      on: { input: () => this.drag(param.name) },
+    });
+    const value = make("span", { class: "figure" });
+    this.rows.set(param.name, { slider, value, low, high });
+    const between = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
+    const odd = param.odd ? make("span", { class: "odd", text: " ⚠", "aria-label": param.odd }) : null;
+    const about = [param.name, param.meaning, param.odd].filter(Boolean).join(": ");
+    return make(
+      "tr",
+      {},
+      make("th", { scope: "row", title: about }, param.name.split(".").slice(1).join("."), odd),
+      make("td", {}, slider),
+      make("td", { class: "value", title: `95 % interval ${between} ${param.unit}` }, value),
+      make("td", { class: "soft unit", text: param.unit, title: param.unit }),
+    );
+  }
+
+  /** @param {string} name */
+  drag(name) {
+    const row = this.rows.get(name);
+    if (!row) return;
+    const value = row.low + (Number(row.slider.value) / STEPS) * (row.high - row.low);
+    row.value.textContent = number(value, 4);
+    row.value.classList.add("moved");
+    this.deeds.drag({ [name]: value });
+  }
+}
+
+/**
+ * What a slider reaches: as far again as the value is from zero, or four times its interval, within bounds.
+ * @param {Param} param
+ */
+function span({ fitted, ci95, lower, upper }) {
+  const half = ci95 ? 2 * Math.abs(ci95[1] - ci95[0]) : 0;
+  const reach = Math.max(Math.abs(fitted), half, 1e-9);
+  return { low: Math.max(fitted - reach, lower ?? -Infinity), high: Math.min(fitted + reach, upper ?? Infinity) };
+}
+
+/** @param {number} value @param {{low: number, high: number}} row */
+function place(value, { low, high }) {
+  return high > low ? Math.round((STEPS * (value - low)) / (high - low)) : 0;
+}

@@ -1,0 +1,171 @@
+/**
+ * One plot: a layer of all points that is drawn once per change of the data, a layer of the chosen ones,
+ * axes above, and a rectangle that is dragged.
+ */
+
+import { MARGIN, drawAxes } from "./axes.js";
+import { make, styleValue } from "./dom.js";
+import { Pick } from "./pick.js";
+import { drawCloud, drawPoints, pixelColour, place } from "./raster.js";
+
+/**
+ * @typedef {{colour: string, chosen: string | null, y: Float32Array, strength: number}} Series
+ * `colour`, `chosen`: names in the style sheet of the cloud and of its chosen points (null: these are not drawn)
+ * @typedef {{title: string, x: Float32Array, xAxis: import("./axes.js").Axis, yAxis: import("./axes.js").Axis,
+ *   series: Series[], picked: number, noise: number | null}} Contents
+ * `picked`: the series whose points the brush takes
+ * @typedef {{x: [number, number], y: [number, number]}} Region in data units
+ */
+
+export class Plot {
+  /**
+   * @param {string} name in words, for those who hear the page
+   * @param {(plot: Plot, region: Region | null) => void} brushed
+   */
+  constructor(name, brushed) {
+    this.brushed = brushed;
+    this.base = make("canvas", { class: "points" });
+    this.light = make("canvas", { class: "points light" });
+    this.axes = make("canvas", { class: "axes" });
+    this.box = make("div", { class: "brush", hidden: true });
+    this.element = make(
+      "div",
+      { class: "plot", tabindex: 0, role: "img", "aria-label": name },
+      ...[this.base, this.light, this.axes, this.box],
+    );
+    /** @type {Contents | null} */
+    this.contents = null;
+    /** @type {import("./raster.js").Frame} */
+    this.frame = { width: 0, height: 0, x: [0, 1], y: [0, 1], dot: 2 };
+    /** @type {Int32Array[]} */
+    this.placed = [];
+    /** @type {Pick | null} */
+    this.pick = null;
+    /** @type {Region | null} */
+    this.region = null;
+    this.scale = 1;
+  }
+
+  /** @param {Contents} contents */
+  show(contents) {
+    this.contents = contents;
+    this.drawAll();
+  }
+
+  /** Draw everything anew: the data, the size or the colours have changed. */
+  drawAll() {
+    const { clientWidth: width, clientHeight: height } = this.element;
+    if (!this.contents || width < 100 || height < 80) return;
+    const { x, xAxis, yAxis, series } = this.contents;
+    this.scale = globalThis.devicePixelRatio || 1;
+    const inner = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - MARGIN.bottom];
+    const [columns, rows] = inner.map((length) => Math.max(8, Math.round(length * this.scale)));
+    const dot = Math.max(1, Math.round((x.length > 8000 ? 2 : 3) * this.scale));
+    this.frame = { width: columns, height: rows, x: [xAxis.low, xAxis.high], y: [yAxis.low, yAxis.high], dot };
+    this.placed = series.map(({ y }) => place(x, y, this.frame));
+    this.pick = null;
+
+    for (const canvas of [this.base, this.light]) {
+      if (canvas.width !== columns || canvas.height !== rows) [canvas.width, canvas.height] = [columns, rows];
+      canvas.style.width = `${inner[0]}px`;
+      canvas.style.height = `${inner[1]}px`;
+    }
+    this.drawBase(series);
+    this.drawFrame(width, height);
+    this.drawBox();
+  }
+
+  /** @param {Series[]} series */
+  drawBase(series) {
+    const image = new ImageData(this.frame.width, this.frame.height);
+    const pixels = new Uint32Array(image.data.buffer);
+    pixels.fill(pixelColour(styleValue("--paper")));
+    for (const [at, { colour, strength }] of series.entries()) {
+      drawCloud(pixels, this.placed[at], this.frame, pixelColour(styleValue(colour)), strength);
+    }
+    this.base.getContext("2d")?.putImageData(image, 0, 0);
+  }
+
+  /** @param {number} width @param {number} height */
+  drawFrame(width, height) {
+    this.axes.width = Math.round(width * this.scale);
+    this.axes.height = Math.round(height * this.scale);
+    const brush = this.axes.getContext("2d");
+    if (!brush || !this.contents) return;
+    const { title, xAxis, yAxis, noise } = this.contents;
+    const colours = { ink: styleValue("--ink"), soft: styleValue("--soft"), line: styleValue("--grid") };
+    brush.scale(this.scale, this.scale);
+    drawAxes(brush, { width, height }, { x: xAxis, y: yAxis, title, colours, noise });
+  }
+
+  /**
+   * Draw the second layer.
+   * @param {Uint32Array | null} chosen indices of samples
+   * @param {{y: Float32Array, colour: string} | null} above a cloud over the others: what an effect would explain
+   */
+  drawLight(chosen, above) {
+    if (!this.contents || this.placed.length === 0) return;
+    this.element.classList.toggle("dimmed", chosen !== null);
+    const image = new ImageData(this.frame.width, this.frame.height);
+    const pixels = new Uint32Array(image.data.buffer);
+    if (chosen) {
+      for (const [at, { chosen: colour }] of this.contents.series.entries()) {
+        if (colour) drawPoints(pixels, this.placed[at], chosen, this.frame, pixelColour(styleValue(colour)));
+      }
+    }
+    if (above) {
+      const spots = place(this.contents.x, above.y, this.frame);
+      drawPoints(pixels, spots, null, this.frame, pixelColour(styleValue(above.colour)));
+    }
+    this.light.getContext("2d")?.putImageData(image, 0, 0);
+  }
+
+  /**
+   * The samples in the brushed region; valid until the next call.
+   * @returns {Uint32Array | null}
+   */
+  chosen() {
+    if (!this.region || !this.contents || this.placed.length === 0) return null;
+    this.pick ??= new Pick(this.placed[this.contents.picked], this.frame.width, this.frame.height);
+    const { left, top, width, height } = this.boxInside(this.region);
+    const [wide, high] = [this.frame.width, this.frame.height];
+    const half = this.frame.dot / 2; // a point is taken by its middle
+    return this.pick.inside({
+      left: Math.max(0, Math.ceil(left * wide - half)),
+      right: Math.min(wide - 1, Math.floor((left + width) * wide - half)),
+      top: Math.max(0, Math.ceil(top * high - half)),
+      bottom: Math.min(high - 1, Math.floor((top + height) * high - half)),
+    });
+  }
+
+  /**
+   * Where a region lies, in shares of the drawn area from the upper left.
+   * @param {Region} region
+   */
+  boxInside(region) {
+    const { x, y } = this.frame;
+    const [left, right] = region.x.map((value) => (value - x[0]) / (x[1] - x[0]));
+    const [bottom, top] = region.y.map((value) => (y[1] - value) / (y[1] - y[0]));
+    return { left, top, width: right - left, height: bottom - top };
+  }
+
+  /** @param {Region | null} region */
+  setRegion(region) {
+    this.region = region;
+    this.drawBox();
+  }
+
+  /** Put the rectangle where the region is. */
+  drawBox() {
+    this.box.hidden = this.region === null;
+    if (!this.region) return;
+    const wide = this.element.clientWidth - MARGIN.left - MARGIN.right;
+    const high = this.element.clientHeight - MARGIN.top - MARGIN.bottom;
+    const box = this.boxInside(this.region);
+    const [left, right] = [box.left, box.left + box.width].map((share) => Math.min(1, Math.max(0, share)));
+    const [top, bottom] = [box.top, box.top + box.height].map((share) => Math.min(1, Math.max(0, share)));
+    this.box.style.transform = `translate(${MARGIN.left + left * wide}px, ${MARGIN.top + top * high}px)`;
+    this.box.style.width = `${(right - left) * wide}px`;
+    this.box.style.height = `${(bottom - top) * high}px`;
+  }
+}

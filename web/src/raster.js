@@ -1,0 +1,117 @@
+/**
+ * Clouds of points, drawn into pixels by hand.
+ *
+ * Every point's pixel is worked out once per change of the data; after that a selection of points is a loop
+ * of single writes, which a browser without a graphics card does faster than its emulated one.
+ */
+
+/**
+ * Where a plot's data lie in its raster.
+ * @typedef {{width: number, height: number, x: [number, number], y: [number, number], dot: number}} Frame
+ */
+
+/**
+ * Work out the pixel of each point's upper left corner; −1 for points that are not finite.
+ *
+ * Points beyond the frame land on its edge, so that nothing is hidden.
+ *
+ * @param {Float32Array} xs
+ * @param {Float32Array} ys
+ * @param {Frame} frame
+ * @returns {Int32Array}
+ */
+export function place(xs, ys, frame) {
+  const { width, height, dot } = frame;
+  const pixels = new Int32Array(xs.length);
+  const [right, bottom] = [width - dot, height - dot];
+  const xStep = right / (frame.x[1] - frame.x[0]);
+  const yStep = bottom / (frame.y[1] - frame.y[0]);
+  const [xLow, yHigh] = [frame.x[0], frame.y[1]];
+  for (let i = 0; i < xs.length; i++) {
+    let column = (xs[i] - xLow) * xStep;
+    let row = (yHigh - ys[i]) * yStep;
+    if (column - column !== 0 || row - row !== 0) {
+      pixels[i] = -1;
+      continue;
+    }
+    column = column < 0 ? 0 : column > right ? right : column + 0.5;
+    row = row < 0 ? 0 : row > bottom ? bottom : row + 0.5;
+    pixels[i] = (row | 0) * width + (column | 0);
+  }
+  return pixels;
+}
+
+/**
+ * The pixels of a dot, seen from its upper left corner.
+ * @param {Frame} frame
+ */
+function dotOffsets({ dot, width }) {
+  return Array.from({ length: dot * dot }, (_, at) => Math.floor(at / dot) * width + (at % dot));
+}
+
+const USUAL = 4; // times the mean count of points on a pixel have the full colour
+
+/**
+ * Draw a cloud over what is there; where more points meet, the colour is fuller, by the logarithm of how many.
+ *
+ * @param {Uint32Array} image opaque pixels
+ * @param {Int32Array} pixels of `place`
+ * @param {Frame} frame
+ * @param {number} colour as in `image`
+ * @param {number} strength share of the colour that a single point has
+ */
+export function drawCloud(image, pixels, frame, colour, strength) {
+  const counts = new Uint16Array(image.length);
+  let [points, hit] = [0, 0];
+  for (const offset of dotOffsets(frame)) {
+    for (let i = 0; i < pixels.length; i++) {
+      if (pixels[i] < 0) continue;
+      points++;
+      if (counts[pixels[i] + offset]++ === 0) hit++;
+    }
+  }
+  const full = Math.max(2, Math.ceil((USUAL * points) / Math.max(1, hit)));
+  const rise = (1 - strength) / Math.log(full);
+  const weights = Float32Array.from({ length: full + 1 }, (_, n) => strength + rise * Math.log(Math.max(1, n)));
+  for (let at = 0; at < counts.length; at++) {
+    if (counts[at] > 0) image[at] = mixed(image[at], colour, weights[Math.min(counts[at], full)]);
+  }
+}
+
+/**
+ * Draw some of the points in one full colour.
+ *
+ * @param {Uint32Array} image
+ * @param {Int32Array} pixels of `place`
+ * @param {Uint32Array | null} chosen indices; all points where null
+ * @param {Frame} frame
+ * @param {number} colour
+ */
+export function drawPoints(image, pixels, chosen, frame, colour) {
+  const count = chosen ? chosen.length : pixels.length;
+  for (const offset of dotOffsets(frame)) {
+    for (let at = 0; at < count; at++) {
+      const pixel = pixels[chosen ? chosen[at] : at];
+      if (pixel >= 0) image[pixel + offset] = colour;
+    }
+  }
+}
+
+/** @param {number} under @param {number} over @param {number} share of `over` */
+function mixed(under, over, share) {
+  let colour = 0xff;
+  for (const shift of [16, 8, 0]) {
+    const [low, high] = [(under >> shift) & 0xff, (over >> shift) & 0xff];
+    colour = (colour << 8) | Math.round(low + (high - low) * share);
+  }
+  return colour >>> 0;
+}
+
+/**
+ * A colour of the style sheet as a pixel of an image: bytes red, green, blue, alpha.
+ * @param {string} text `#rrggbb`
+ */
+export function pixelColour(text) {
+  const value = Number.parseInt(text.slice(1), 16);
+  return (0xff000000 | ((value & 0xff) << 16) | (value & 0xff00) | (value >> 16)) >>> 0;
+}

@@ -1,0 +1,120 @@
+/** The samples: fetched once, kept per capture and per node of the session. */
+
+import { fetchBytes } from "./api.js";
+
+/** @typedef {import("./types.js").Columns} Columns */
+
+const MOTION = new Set(["t", "theta", "omega", "alpha", "tau"]); // the same for every model
+const NODES_KEPT = 32; // undo and redo are answered from memory
+
+/**
+ * Read the server's binary answer: a line of JSON, then the columns as 32-bit floats.
+ * @param {ArrayBuffer} buffer
+ * @returns {Columns}
+ */
+export function decode(buffer) {
+  const end = new Uint8Array(buffer).indexOf(10);
+  const head = JSON.parse(new TextDecoder().decode(buffer.slice(0, end)));
+  const start = Math.ceil((end + 1) / 4) * 4;
+  /** @type {[string, Float32Array][]} */
+  const columns = head.names.map((/** @type {string} */ name, /** @type {number} */ at) => [
+    name,
+    new Float32Array(buffer, start + 4 * at * head.n, head.n),
+  ]);
+  return Object.fromEntries(columns);
+}
+
+export class Store {
+  constructor() {
+    /** @type {Map<string, Columns>} columns by capture, or by capture and node */
+    this.kept = new Map();
+  }
+
+  /**
+   * Return columns over all captures, one after the other.
+   * @param {string} node
+   * @param {string[]} captures
+   * @param {string[]} names
+   * @returns {Promise<Columns>}
+   */
+  async columns(node, captures, names) {
+    const parts = await Promise.all(captures.map((capture) => this.ofCapture(node, capture, names)));
+    return joined(parts, names);
+  }
+
+  /**
+   * What an effect would explain of the residual.
+   * @param {string} node
+   * @param {string[]} captures
+   * @param {string} effect
+   * @param {AbortSignal} [signal]
+   * @returns {Promise<Float32Array>}
+   */
+  async signature(node, captures, effect, signal) {
+    const parts = await Promise.all(
+      captures.map(async (capture) => {
+        const key = `${capture} ${node}`;
+        const name = `signature of ${effect}`;
+        const known = this.kept.get(key)?.[name];
+        if (known) return { [name]: known };
+        const fetched = decode(await fetchBytes("/api/signature", { node, capture, effect }, signal));
+        const column = Object.values(fetched)[0];
+        this.keep(key, { [name]: column });
+        return { [name]: column };
+      }),
+    );
+    const name = `signature of ${effect}`;
+    return joined(parts, [name])[name];
+  }
+
+  /** @param {string} node @param {string} capture @param {string[]} names */
+  async ofCapture(node, capture, names) {
+    const key = `${capture} ${node}`;
+    const have = () => ({ ...this.kept.get(capture), ...this.kept.get(key) });
+    const lacking = names.filter((name) => !(name in have()));
+    if (lacking.length > 0) {
+      const fetched = decode(await fetchBytes("/api/arrays", { node, capture, names: lacking.join(",") }));
+      const entries = Object.entries(fetched);
+      this.keep(capture, Object.fromEntries(entries.filter(([name]) => MOTION.has(name))));
+      this.keep(key, Object.fromEntries(entries.filter(([name]) => !MOTION.has(name))));
+    }
+    return have();
+  }
+
+  /** @param {string} key @param {Columns} columns */
+  keep(key, columns) {
+    const together = { ...this.kept.get(key), ...columns };
+    this.kept.delete(key); // so that it is the youngest of the map
+    this.kept.set(key, together);
+    const nodes = [...this.kept.keys()].filter((one) => one.includes(" "));
+    for (const old of nodes.slice(0, Math.max(0, nodes.length - NODES_KEPT))) this.kept.delete(old);
+  }
+}
+
+/**
+ * Put captures one after the other; the time of each goes on where the one before ends.
+ * @param {Columns[]} parts
+ * @param {string[]} names
+ * @returns {Columns}
+ */
+export function joined(parts, names) {
+  if (parts.length === 1) return Object.fromEntries(names.map((name) => [name, parts[0][name]]));
+  /** @type {Columns} */
+  const whole = {};
+  for (const name of names) {
+    whole[name] = new Float32Array(parts.reduce((total, part) => total + part[name].length, 0));
+    let [at, elapsed] = [0, 0];
+    for (const part of parts) {
+      const column = part[name];
+      if (name === "t") {
+        const start = column[0] ?? 0;
+        for (let i = 0; i < column.length; i++) whole[name][at + i] = column[i] - start + elapsed;
+        elapsed += (column.at(-1) ?? start) - start;
+      } else {
+        whole[name].set(column, at);
+      }
+      at += column.length;
+    }
+  }
+  return whole;
+}

@@ -1,0 +1,67 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { Pick } from "../src/pick.js";
+import { drawCloud, drawPoints, pixelColour, place } from "../src/raster.js";
+
+/** Numbers from 0 to 1 that look random and are the same every time. */
+function* numbers(seed) {
+  for (let state = seed; ; ) {
+    state = (state * 1664525 + 1013904223) >>> 0;
+    yield state / 2 ** 32;
+  }
+}
+
+function cloud(count, seed) {
+  const next = numbers(seed);
+  return Float32Array.from({ length: count }, () => next.next().value);
+}
+
+const frame = { width: 203, height: 117, x: [0, 1], y: [0, 1], dot: 2 };
+
+test("a rectangle picks the same points as looking at each of them", () => {
+  const pixels = place(cloud(5000, 1), cloud(5000, 2), frame);
+  const pick = new Pick(pixels, frame.width, frame.height);
+  const next = numbers(3);
+  for (let round = 0; round < 60; round++) {
+    const [a, b, c, d] = Array.from({ length: 4 }, () => next.next().value);
+    const [left, right] = [a, b].sort().map((share) => Math.floor(share * (frame.width - 1)));
+    const [top, bottom] = [c, d].sort().map((share) => Math.floor(share * (frame.height - 1)));
+    const expected = [];
+    pixels.forEach((pixel, i) => {
+      const [x, y] = [pixel % frame.width, Math.floor(pixel / frame.width)];
+      if (x >= left && x <= right && y >= top && y <= bottom) expected.push(i);
+    });
+    const found = Array.from(pick.inside({ left, right, top, bottom })).sort((one, other) => one - other);
+    assert.deepEqual(found, expected);
+  }
+});
+
+test("the whole plot picks every point that is finite and no other", () => {
+  const ys = cloud(100, 4);
+  ys[17] = NaN;
+  const pixels = place(cloud(100, 5), ys, frame);
+  const pick = new Pick(pixels, frame.width, frame.height);
+  const all = pick.inside({ left: 0, right: frame.width - 1, top: 0, bottom: frame.height - 1 });
+  assert.equal(all.length, 99);
+  assert.ok(!all.includes(17));
+});
+
+test("points beyond the frame stand on its edge, the corners included", () => {
+  const last = (frame.height - frame.dot) * frame.width + frame.width - frame.dot;
+  assert.deepEqual(Array.from(place(Float32Array.of(-5, 5, NaN), Float32Array.of(5, -5, 0), frame)), [0, last, -1]);
+});
+
+test("where more points meet the colour is fuller, and what is chosen is drawn in its own", () => {
+  const small = { width: 8, height: 8, x: [0, 1], y: [0, 1], dot: 1 };
+  const [white, blue] = [pixelColour("#ffffff"), pixelColour("#0072b2")];
+  const image = new Uint32Array(64).fill(white);
+  drawCloud(image, Int32Array.of(3, 5, 5, 5, -1), small, blue, 0.4);
+  const red = (pixel) => pixel & 0xff;
+  assert.ok(red(image[5]) < red(image[3]));
+  assert.ok(red(image[3]) < 0xff);
+  assert.equal(image[4], white);
+  drawPoints(image, Int32Array.of(3, 5, -1), Uint32Array.of(1, 2), small, blue);
+  assert.equal(image[5], blue);
+  assert.notEqual(image[3], blue);
+});

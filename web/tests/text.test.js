@@ -1,0 +1,46 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { limits } from "../src/axes.js";
+import { latest } from "../src/latest.js";
+import { number, percent, ticks, torqueScale } from "../src/numbers.js";
+
+test("numbers have a true minus and as many digits as they need", () => {
+  assert.equal(number(-0.00012345), "−1.23e−4");
+  assert.equal(number(1234.5678, 6), "1234.57");
+  assert.equal(number(NaN), "–");
+  assert.equal(number(0), "0");
+  assert.equal(percent(0.046), "4.6 %");
+  assert.equal(percent(-0.5), "−50 %");
+});
+
+test("ticks are round and inside the limits", () => {
+  assert.deepEqual(ticks(-1, 1, 4), [-1, -0.5, 0, 0.5, 1]);
+  assert.deepEqual(ticks(0, 0, 4), []);
+  for (const value of ticks(0.13, 7.7, 6)) assert.ok(value >= 0.13 && value <= 7.7);
+});
+
+test("small torques are told in mNm, forces in N", () => {
+  assert.deepEqual(torqueScale("N m", 0.1), { factor: 1000, unit: "mNm" });
+  assert.deepEqual(torqueScale("N m", 5), { factor: 1, unit: "N m" });
+  assert.deepEqual(torqueScale("N", 0.1), { factor: 1, unit: "N" });
+});
+
+test("limits leave out what is not finite and are never empty", () => {
+  const [low, high] = limits([Float32Array.of(NaN, 1, 3)], { air: 0 });
+  assert.deepEqual([low, high], [1, 3]);
+  assert.deepEqual(limits([Float32Array.of(NaN)]), [-1, 1]);
+  const [below, above] = limits([Float32Array.of(2, 2)]);
+  assert.ok(below < 2 && above > 2);
+});
+
+test("of requests that pile up only the newest is made", async () => {
+  const made = [];
+  const ask = latest(async (value) => {
+    made.push(value);
+    await new Promise((resolve) => setTimeout(resolve, 5));
+  });
+  for (const value of [1, 2, 3, 4]) ask(value);
+  await new Promise((resolve) => setTimeout(resolve, 40));
+  assert.deepEqual(made, [1, 4]);
+});
