@@ -1,7 +1,7 @@
 """Writes BENCHMARKS.md from what this machine measures: `python benches/report.py`.
 
 The statistical part comes from `benches/results`, which `benches/study_recovery.py` and
-`benches/study_hidden.py` write.
+`benches/study_hidden.py` and `benches/study_render.py` write.
 """
 
 import json
@@ -20,6 +20,9 @@ STUDIES = {
     "basin": "No starting values",
     "rig": "Random knobs under the rig's sensors",
     "hidden": "Knobs with something hidden in them",
+    "capture": "Recording",
+    "render": "Rendering",
+    "roundtrip": "Round trips",
 }
 
 
@@ -51,9 +54,10 @@ def ratios() -> list[tuple[str, ...]]:
     import bench_filter
     import bench_fit
     import bench_process
+    import bench_render
 
     cells = []
-    for bench in (bench_filter, bench_fit, bench_bootstrap, bench_process):
+    for bench in (bench_filter, bench_fit, bench_bootstrap, bench_process, bench_render):
         for row in bench.rows():
             print(row, file=sys.stderr)
             reach = "" if row.reach is None else f"{row.reach:g}"
@@ -68,7 +72,9 @@ def lines() -> Iterator[str]:
 
     yield "# Measured"
     yield ""
-    made = " && ".join(f"python benches/{name}.py" for name in ("study_recovery", "study_hidden", "report"))
+    made = " && ".join(
+        f"python benches/{name}.py" for name in ("study_recovery", "study_hidden", "study_render", "report")
+    )
     yield f"Made by `{made}`. {machine()}"
     yield ""
     yield "## Speed"

@@ -20,6 +20,7 @@ EMPS = Path("emps", "DATA_EMPS.mat")
 def main() -> None:
     """Make every picture."""
     story()
+    stability()
     emps()
 
 
@@ -29,6 +30,13 @@ def story() -> None:
     capture = kc.simulate(knob, "sweep")
     target = PICTURES / "story.png"
     kc.learn(capture).plot().savefig(target, dpi=80)
+    print(target)
+
+
+def stability() -> None:
+    """Draw what a delay allows on the handle of docs/render.md."""
+    target = PICTURES / "stability.png"
+    kc.check_stability("knob4", kc.Device(delay_samples=1)).plot().savefig(target, dpi=90)
     print(target)
 
 

@@ -21,7 +21,7 @@ def as_it_is(frame: bytes) -> bytes:
 
 
 class Peer:
-    """An emulated rig whose frames, with their delimiter, go through `says` and those it hears through `hears`."""
+    """An emulated rig; each frame that it says goes through `says`, each that it hears through `hears`."""
 
     def __init__(
         self, *, says: Spoil = as_it_is, hears: Spoil = as_it_is, speed: float = 10.0, **options: Any
@@ -55,7 +55,7 @@ class Peer:
         self.unplug()
 
     def _serve(self) -> None:
-        start, heard, said, waiting = time.monotonic(), b"", b"", b""
+        now, clock, heard, said, waiting = time.monotonic(), 0.0, b"", b"", b""
         while self._plugged:
             time.sleep(0.001)
             with contextlib.suppress(BlockingIOError):
@@ -63,7 +63,10 @@ class Peer:
             frames, heard = whole(heard)
             for frame in frames:
                 self._rig.hear(self._hears(frame))
-            self._rig.advance(int((time.monotonic() - start) * self._speed * 1e6))
+            before, now = now, time.monotonic()
+            # While this thread has to wait, time stands still for the rig: a real one misses no heartbeat.
+            clock += min(now - before, 0.02)
+            self._rig.advance(int(clock * self._speed * 1e6))
             if not waiting:
                 said += self._rig.speak(1 << 12)
                 frames, said = whole(said)

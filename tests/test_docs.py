@@ -9,7 +9,7 @@ import re
 import runpy
 import shlex
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,6 +18,7 @@ import pytest
 from command import knobcam
 
 import knobcam as kc
+from knobcam.rig.emulator import EmulatedRig
 
 ROOT = Path(__file__).resolve().parents[1]
 README = ROOT / "README.md"
@@ -135,7 +136,21 @@ def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "log.csv"
 
 
-@pytest.mark.usefixtures("log")
+@pytest.fixture(scope="module")
+def rig() -> Iterator[EmulatedRig]:
+    with EmulatedRig("knob4", speed=20.0) as rig:
+        yield rig
+
+
+@pytest.fixture
+def port(rig: EmulatedRig, log: Path) -> Path:
+    """The port that the page on captures supposes, beside the log."""
+    port = log.with_name("rig")
+    port.symlink_to(rig.port)
+    return port
+
+
+@pytest.mark.usefixtures("log", "port")
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_every_snippet_of_a_page_runs_and_prints_what_is_shown(
     page: Path, monkeypatch: pytest.MonkeyPatch

@@ -20,8 +20,20 @@ RUST_ORDER = [
     *("diagnose", "stiction", "render", "realtime", "wire", "record", "emulate", "python"),
 ]
 PYTHON_ORDER = [
-    *("_core", "errors", "tables", "finding", "formats", "quality", "capture", "motions", "plugins"),
-    *("effects", "own", "models", "model", "prepare", "simulate", "render", "loop_report", "loop"),
+    *(
+        "_core",
+        "errors",
+        "strict_json",
+        "tables",
+        "finding",
+        "formats",
+        "quality",
+        "capture",
+        "motions",
+        "plugins",
+    ),
+    *("effects", "own", "models", "model", "prepare", "simulate", "render", "emulated"),
+    *("loop_report", "loop"),
     *("typical", "rig", "refit", "fit", "compare"),
     *(
         "stiction",
@@ -35,6 +47,7 @@ PYTHON_ORDER = [
         "plot",
         "linked",
         "report",
+        "workbench",
     ),
     *("demo", "cli", "__main__", "__init__"),
 ]

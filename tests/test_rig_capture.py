@@ -17,18 +17,13 @@ from knobcam.rig.emulator import EmulatedRig
 from knobcam.rig.leadin import led_in
 from knobcam.rig.record import log_path
 
-SPEED = 20.0
+SPEED = 8.0
 
 
 @pytest.fixture(scope="module")
 def rig() -> Iterator[EmulatedRig]:
     with EmulatedRig("knob3", speed=SPEED, noise=False) as rig:
         yield rig
-
-
-@pytest.fixture(autouse=True)
-def _no_calibration_is_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
 
 
 def test_every_sample_of_a_motion_arrives_and_is_what_was_commanded(rig: EmulatedRig, tmp_path: Path) -> None:

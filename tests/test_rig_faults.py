@@ -19,7 +19,7 @@ from typing import Any
 import pytest
 import serial
 from command import knobcam, refused
-from peer import Nth, Peer, as_it_is, changed
+from peer import Nth, Peer, as_it_is, changed, kind
 from wire.make_vectors import stuff
 
 import knobcam as kc
@@ -29,9 +29,10 @@ from knobcam.rig.emulator import EmulatedRig
 KEPT = re.compile(r"(\d+) samples are kept in (\S+)$")
 
 
-@pytest.fixture(autouse=True)
-def _no_calibration_is_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+@pytest.fixture
+def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nobody waits long for an answer that will not come."""
+    monkeypatch.setattr("knobcam.rig.link._WAITS_S", (0.05, 0.05))
 
 
 @pytest.fixture
@@ -92,15 +93,18 @@ def test_two_recorders_do_not_share_a_port(tmp_path: Path) -> None:
         assert "busy" in line and "second recorder" in line
 
 
+@pytest.mark.usefixtures("impatient")
 def test_a_port_with_nothing_behind_it_is_no_rig(silent_port: str) -> None:
     assert "nothing answers" in line_of(lambda: kc.Link(silent_port))
 
 
+@pytest.mark.usefixtures("impatient")
 def test_garbage_is_a_wrong_baud_rate_or_no_rig() -> None:
     with Peer(says=lambda frame: os.urandom(40)) as peer:
         assert "baud rate" in line_of(lambda: kc.Link(peer.port))
 
 
+@pytest.mark.usefixtures("impatient")
 @pytest.mark.parametrize(("version", "words"), [(0, "firmware"), (2, "update knobcam")])
 def test_another_version_is_named_with_who_has_to_be_updated(version: int, words: str) -> None:
     def other(frame: bytes) -> bytes:
@@ -154,21 +158,22 @@ def test_a_motion_that_the_rig_cannot_keep_or_measure_is_refused_before_it_moves
 
 
 def test_a_model_that_the_rig_cannot_render_is_refused_in_its_words(tmp_path: Path) -> None:
-    nak = {"type": "NAK", "code": 9, "text": "effect 'magnet' is not in the firmware"}
+    heard: list[str] = []
 
-    def refusing(frame: bytes) -> bytes:
-        for event in _core.WireDecoder().push(frame):
-            message = {**nak, "command": event["message"]["command"]}
-            return _core.wire_encode(message, event["sequence"], event["time_us"])
+    def hears(frame: bytes) -> bytes:
+        heard.append(kind(frame))
         return frame
 
-    # The first answers are those to the chunks of the motion.
-    with Peer(says=Nth("ACK", {9, 10, 11, 12, 13}, refusing)) as peer:
-        line = line_of(
-            lambda: kc.record(
-                peer.port, "micro", model="knob1", duration_s=0.01, output=tmp_path / "a.kcwire"
-            )
-        )
+    def says(frame: bytes) -> bytes:
+        if kind(frame) != "ACK" or "MODEL" not in heard:
+            return frame
+        [event] = _core.WireDecoder().push(frame)
+        command = event["message"]["command"]
+        nak = {"type": "NAK", "command": command, "code": 9, "text": "effect 'magnet' is not in the firmware"}
+        return _core.wire_encode(nak, event["sequence"], event["time_us"])
+
+    with Peer(hears=hears, says=says) as peer:
+        line = line_of(lambda: kc.record(peer.port, "micro", model="knob1", output=tmp_path / "a.kcwire"))
     assert "refuses MODEL" in line and "magnet" in line
 
 
@@ -193,7 +198,7 @@ def test_a_rig_that_falls_silent_in_a_run_leaves_the_samples(
 def test_a_fault_of_the_rig_ends_the_run_in_its_words_and_the_next_call_clears_it(tmp_path: Path) -> None:
     with Peer(hears=Nth("HEARTBEAT", set(range(8, 60)))) as peer:
         line = line_of(lambda: kc.record(peer.port, "turns", duration_s=50.0, output=tmp_path / "a.kcwire"))
-        assert "fault" in line and "heartbeat" in line and peer.state == "fault"
+        assert "ended the run after" in line and "heartbeat" in line and peer.state == "fault"
         kept(line)
         with kc.Link(peer.port) as link:
             assert link.fault is not None and link.fault[0] == 1
@@ -240,7 +245,7 @@ def test_ctrl_c_keeps_the_samples_and_takes_the_torque_away(tmp_path: Path) -> N
             said = recorder.stderr.read()
         assert recorder.returncode == 130 and said.splitlines()[-1].startswith("knobcam: interrupted; ")
         capture = kept(said.splitlines()[-1])
-        assert capture.meta["account"]["missing"] == 0  # the rest of the run came after the command to stop
+        assert capture.meta["account"]["lost_on_the_way"] == 0  # also what came after the command to stop
         with kc.Link(rig.port) as link:
             assert link.state == "idle" and link.fault is None
 

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from .compare import Comparison, compare
     from .diagnose import Candidate, Diagnosis, diagnose
     from .effects import Effect, effects
+    from .emulated import EmulatedHandle
     from .errors import InputError, KnobcamError, KnobcamWarning
     from .fit import Estimate, Fit, fit
     from .lacks import Lack
@@ -50,6 +51,7 @@ __all__ = [
     "Diagnosis",
     "Disagreement",
     "Effect",
+    "EmulatedHandle",
     "Estimate",
     "Fit",
     "InputError",
@@ -104,6 +106,7 @@ _HOME = {
     "Diagnosis": "diagnose",
     "Disagreement": "agreement",
     "Effect": "effects",
+    "EmulatedHandle": "emulated",
     "Estimate": "fit",
     "Fit": "fit",
     "InputError": "errors",

@@ -102,7 +102,7 @@ def _halt(core: _core.Loop) -> bool:
 
 def start_loop(
     controller: Controller,
-    device: Device,
+    device: Device | _core.EmulatedHandle,
     seconds: float | None = None,
     *,
     rate_hz: float = 5000.0,
@@ -123,6 +123,10 @@ def start_loop(
       row,
     - the device or the controller raises, or the answer is not finite.
 
+    A `Renderer` is stepped by the core as a copy of what it is now: it has to be made for the loop's rate. It
+    is told of the periods that were missed, so that they are no jump of the handle to it. An `EmulatedHandle`
+    needs no Python either.
+
     A process that the system stops cannot write: a device that holds its last torque needs its own watchdog.
 
     `rt`: `enforce` refuses to run without real-time priority, `warn` runs, warns and stamps the report, `off`
@@ -134,8 +138,9 @@ def start_loop(
         raise InputError(f"time={time!r} is unknown; choose {' or '.join(_TIMES)}")
     if time == "virtual" and rt == "enforce":
         raise InputError("rt='enforce': virtual time has no priority to enforce; leave rt out")
+    core_device = isinstance(device, _core.EmulatedHandle)
     for name, taker, calls in (
-        ("device", device, ("read", "write")),
+        ("device", device, () if core_device else ("read", "write")),
         ("controller", controller, ("step",)),
     ):
         lacks = [call for call in calls if not callable(getattr(taker, call, None))]
@@ -153,7 +158,10 @@ def start_loop(
 
 
 def run_loop(
-    controller: Controller, device: Device, seconds: float | None = None, **options: Any
+    controller: Controller,
+    device: Device | _core.EmulatedHandle,
+    seconds: float | None = None,
+    **options: Any,
 ) -> LoopReport:
     """Run a loop to its end and return the report; options as in `start_loop`.
 

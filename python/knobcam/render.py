@@ -181,7 +181,7 @@ class Stability:
             return (
                 f"It rings: at this delay the device allows {self.allowed_stiffness_Nm_rad:.3g} N m/rad and "
                 f"the model has {self.figures['stiffness_Nm_rad']:.3g}; render it on the device's own side "
-                "(`knobcam render --on device`), or soften the model."
+                "(`knobcam render --port`), or soften the model."
             )
         if self.passivity_margin_Nms_rad < 0.0:
             return (

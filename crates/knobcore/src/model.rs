@@ -1,6 +1,6 @@
 //! A model: effects of the catalogue with their parameter values, and which of those may move.
 
-use crate::effects::{Bends, Id, Joint, Part, Place};
+use crate::effects::{Bends, Block, Id, Joint, Part, Place};
 use crate::error::{Error, Result};
 use crate::motion::{Load, Motion};
 use crate::param::{Axis, Kind, Param, Usual};
@@ -282,6 +282,14 @@ impl Model {
             state = rest;
         }
         sum
+    }
+
+    /// The loads on the knob over a block of a motion (t, theta, omega, alpha, forward), of effects that remember
+    /// nothing: the numbers that [`Model::load`] gives for each sample.
+    #[inline(always)]
+    pub fn load_block(&self, p: &[f64], motion: [&[f64]; 5], block: &mut Block) {
+        let parts = self.parts.iter().map(|(id, range)| (*id, p.get(range.clone()).unwrap_or(&[])));
+        block.fill(parts, motion, self.plain);
     }
 
     /// Torque of the effects of a user's own at one instant, N m.

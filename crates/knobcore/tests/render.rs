@@ -254,3 +254,37 @@ fn torque_never_exceeds_its_limit_nor_changes_faster_than_it_may() {
     }
     assert_eq!(most, 0.03);
 }
+
+#[test]
+fn periods_that_were_missed_are_no_jump_and_a_stuck_knob_stays_where_it_stuck() {
+    let limits = Limits { speed: 20.0, ..OPEN };
+    let turning = |i: u32| Sensed { theta: 10.0 * f64::from(i) / RATE, omega: 10.0, alpha: 0.0, hand: None };
+    let after_a_gap = |told: bool| {
+        let mut knob = Renderer::new(&knob(4), RATE, None, limits).unwrap();
+        knob.step(turning(0));
+        if told {
+            knob.missed(50);
+        }
+        knob.step(turning(51));
+        (knob.fault(), knob.state().samples)
+    };
+    assert_eq!(after_a_gap(false).0, Some(Fault::Jump));
+    assert_eq!(after_a_gap(true), (None, 52));
+
+    let model = knob(1);
+    let holds = value(&model, "karnopp.D_pos");
+    let mut knob = Rendered::new(&model, device(5e-5, 2), RATE, false);
+    let mut stand = |i: usize| {
+        knob.push(0.5 * holds);
+        if i.is_multiple_of(10) {
+            // A period goes by in which the motor is told its last torque again.
+            let tau = -knob.knob.state().tau;
+            knob.handle.push(tau, [knob.hand; 2]);
+            knob.knob.missed(1);
+        }
+        knob.handle.motion()[0]
+    };
+    let places: Vec<f64> = (0..20_000).map(&mut stand).collect();
+    assert!((places[19_999] - places[2_000]).abs() < COUNT);
+    assert!(!knob.knob.state().contact.slipping && knob.knob.fault().is_none());
+}

@@ -230,7 +230,13 @@ fn a_silent_host_loses_the_torque_within_the_heartbeat_for_good() {
         assert_eq!(host.rig.motor_torque(), 0.0, "{mode:?}");
         assert_eq!(host.rig.state(), State::Fault);
         // Neither speaking again nor starting again brings torque back.
-        for message in [Message::Heartbeat, Message::Start { samples: 0 }, Message::Describe] {
+        for message in [
+            Message::Heartbeat,
+            Message::Start { samples: 0 },
+            Message::Describe,
+            Message::Disarm,
+            Message::Stop,
+        ] {
             host.tell(&message);
             host.wait(0.01);
             assert_eq!((host.rig.motor_torque(), host.rig.state()), (0.0, State::Fault));

@@ -13,14 +13,28 @@ from typing import TYPE_CHECKING
 
 from ..errors import InputError, KnobcamWarning
 from ..strict_json import as_json
-from . import calibrating, capturing, catalogue, demonstrate, emulating, fitting, learning, recording
+from . import (
+    calibrating,
+    capturing,
+    catalogue,
+    demonstrate,
+    emulating,
+    fitting,
+    learning,
+    recording,
+    rendering,
+    workbench,
+)
 from .arguments import Parser, VersionAction
 from .output import status
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-_GROUPS = (capturing, calibrating, recording, fitting, learning, catalogue, demonstrate, emulating)
+_GROUPS = (
+    *(capturing, calibrating, recording, fitting, learning, rendering),
+    *(workbench, catalogue, demonstrate, emulating),
+)
 _INTERRUPTED = 130  # what a shell reports for a program that Ctrl-C ended
 
 

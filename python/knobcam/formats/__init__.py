@@ -45,7 +45,8 @@ def write_table(
 ) -> None:
     """Write a capture's columns (float64, one length), mask and document in the format of the extension.
 
-    .csv, .csv.gz, .parquet, .mat and .h5 or .hdf5; anything else is the native .npz. The file appears whole or not at all.
+    .csv, .csv.gz, .parquet, .mat and .h5 or .hdf5; anything else is the native .npz. The file appears whole
+    or not at all.
     """
     name = path.name.lower()
     if name.endswith(".csv"):

@@ -8,12 +8,12 @@ from typing import Any
 from ..errors import InputError
 
 
-def require(module: str, purpose: str) -> Any:
+def require(module: str, purpose: str, extra: str = "formats") -> Any:
     """Import `module`, or raise InputError naming what it is for and how to install it."""
     try:
         return import_module(module)
     except ImportError as error:
         package = module.partition(".")[0]
         raise InputError(
-            f'{purpose} needs the package {package}; run: pip install "knobcam[formats]" ({error})'
+            f'{purpose} needs the package {package}; run: pip install "knobcam[{extra}]" ({error})'
         ) from error

@@ -25,8 +25,8 @@ class Table:
 
     Columns may differ in length: only those that a capture uses have to agree. `broken` holds, by column,
     why it cannot be used, so that a text column nobody asks for does no harm. `document` and `mask` are
-    there when knobcam wrote the file. A recording of a rig says more of itself: `meta`, by column of a capture
-    the samples at a sensor's limit, and what is to be known of it (`notes`).
+    there when knobcam wrote the file. A recording of a rig says more of itself: where it came
+    from (`meta`), by column of a capture the samples at a limit of the sensor, and what else is to be known.
     """
 
     source: str

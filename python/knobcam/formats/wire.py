@@ -31,7 +31,7 @@ _HEADER = 1 << 20
 
 @dataclass(frozen=True)
 class Content:
-    """What a wire log holds: its header, the last DESCRIPTOR, the runs and all else, as the core reads them."""
+    """What a wire log holds: its header, the last DESCRIPTOR, the runs, and all else as the core reads it."""
 
     source: str
     header: Mapping[str, Any]
@@ -118,7 +118,7 @@ def table(content: Content, run: int = -1, c_cal: float | None = None) -> Table:
 
 
 def _values(raw: np.ndarray, channel: Mapping[str, Any]) -> FloatArray:
-    values = channel["scale"] * raw.astype(np.float64) + channel["offset"]
+    values: FloatArray = channel["scale"] * raw.astype(np.float64) + channel["offset"]
     values[raw == _NO_READING] = np.nan
     return values
 

@@ -6,6 +6,7 @@ from .calibration import calibration
 from .candidates import diagnosis
 from .change import before_after
 from .failures import comparison
+from .felt import felt
 from .gallery import save_all, save_story
 from .ladder import ladder
 from .laws import model
@@ -27,6 +28,7 @@ __all__ = [
     "comparison",
     "diagnosis",
     "effect",
+    "felt",
     "fit",
     "haptic_profile",
     "ladder",

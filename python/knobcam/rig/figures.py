@@ -8,8 +8,8 @@ from typing import NamedTuple
 class Figures(NamedTuple):
     """A recording at one moment; what follows `run` belongs to that run alone.
 
-    `rate_hz` is how many samples came in the last second of this computer, `device_rate_hz` what the rig's own
-    clock says, over `device_span_s`. `peak_torque` in N m, `clipped` samples of omega, alpha and tau,
+    `rate_hz` is how many samples came in the last second of this computer, `device_rate_hz` what the clock of
+    the rig says, over `device_span_s`. `peak_torque` in N m, `clipped` samples of omega, alpha and tau,
     `temperature` in degrees Celsius.
     """
 

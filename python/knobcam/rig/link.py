@@ -63,7 +63,7 @@ class Link:
 
     @classmethod
     def to(cls, serial: str, among: Sequence[str] | None = None, *, baud: int = BAUD) -> Self:
-        """Return the link to the rig of this serial number; `among` are the ports to look at, by default all."""
+        """Return the link to the rig of this serial number; `among`: the ports to look at, by default all."""
         tried = []
         for port in ports() if among is None else among:
             try:
@@ -97,13 +97,17 @@ class Link:
             while said := self._hear(until):
                 if said["type"] == "DESCRIPTOR":
                     device = said["device"]
-                elif device is not None and said["type"] == "STATUS":
+                elif device is not None and (
+                    said["type"] == "FAULT" or (said["type"] == "STATUS" and self.state != "fault")
+                ):
                     self._accept(device)
                     return
                 elif said["type"] == "NAK" and said["command"] == number:
                     raise self._refused("DESCRIBE", said)
         if device is None:
             raise InputError(f"{self.port}: {self._stranger()}")
+        if self.state == "fault":
+            self.fault = self.fault or (0, "it does not say which")
         self._accept(device)
 
     def _accept(self, device: Mapping[str, Any]) -> None:
@@ -125,8 +129,8 @@ class Link:
             return f"speaks version {foreign} of the wire protocol, this program version {VERSION}; {way_out}"
         if figures.bytes > 0:
             return (
-                f"sends {figures.bytes} bytes that are no frames: a wrong baud rate, or no rig; check --baud, "
-                "or choose another port"
+                f"sends {figures.bytes} bytes that are no frames: a wrong baud rate, or no rig; "
+                "check --baud, or choose another port"
             )
         return "nothing answers: no rig, or it is switched off; switch it on, or choose another port"
 

@@ -42,7 +42,7 @@ _HOLD_S = 10.0  # beyond the length of a run that the rig may stay armed
 
 
 class Plan(NamedTuple):
-    """A run that is to be made: its samples, the motion (None: by hand), the model to render (None: the knob)."""
+    """A run to be made: its samples, the motion (None: by hand), the model to render (None: the knob)."""
 
     samples: int
     track: MotionTrack | None
@@ -52,7 +52,7 @@ class Plan(NamedTuple):
     def mode(self) -> str | None:
         """Mode of ARM; None where nothing gives torque."""
         if self.track is None:
-            return None
+            return None if self.model is None else "render"
         return "drive" if self.model is None else "render_driven"
 
 
@@ -80,8 +80,8 @@ def record(
     The wire log (.kcwire) is `output`, or stands beside it; any other `output` is the capture, saved in the
     format of its extension. `motion` is a name (sweep, multisine, turns, micro, with the `options` of its
     function) or a track, both led in from rest; `hand` records what a person does. With `model` the rig
-    renders that model while the motion moves it. `calibration` is anything with a `c_cal`; by default the one
-    that is kept of this rig. `progress` is called some ten times a second.
+    renders that model while the motion moves it, or a person does. `calibration` is anything with a `c_cal`;
+    by default the one that is kept of this rig. `progress` is called some ten times a second.
 
     Raises InputError for everything that is wrong with call, port or rig, and KeyboardInterrupt for Ctrl-C:
     the samples that had come are then in the log.
@@ -117,9 +117,7 @@ def make_plan(
     if isinstance(motion, str):
         track = make_motion(motion, duration_s, rate_hz, **options)
         if motion == BY_HAND:
-            if model is not None:
-                raise InputError("model: is rendered along a motion; choose another one than hand")
-            return Plan(len(track.t), None, None)
+            return Plan(len(track.t), None, model)
     else:
         track = motion
     led = led_in(track, rate_hz)
@@ -127,7 +125,12 @@ def make_plan(
 
 
 def upload(link: Link, plan: Plan) -> None:
-    """Send ahead what the run needs; InputError for a motion that the rig could not measure."""
+    """Send ahead what the run needs; InputError for a motion that the rig could not measure.
+
+    A fault that the rig has latched is cleared first, because whoever calls asks for this run.
+    """
+    if link.fault is not None:
+        link.clear()
     if plan.track is not None:
         _check_speed(link, plan.track)
         link.upload_motion(plan.track)
@@ -138,12 +141,9 @@ def upload(link: Link, plan: Plan) -> None:
 def run(link: Link, plan: Plan, log: Path, progress: Watch | None = None) -> None:
     """Make the run, whose motion and model the rig has, and record it into `log`, which has its header.
 
-    Torque and run are ended on every way out. A fault that the rig has latched is cleared first: whoever calls
-    asks for this run.
+    Torque and run are ended on every way out.
     """
     link.log_to(log)
-    if link.fault is not None:
-        link.clear()
     try:
         if plan.mode is not None:
             link.arm(plan.mode, plan.samples / link.rate_hz + _HOLD_S)
@@ -163,9 +163,6 @@ def _follow(link: Link, samples: int, progress: Watch) -> None:
         figures = link.figures()
         progress(figures)
         link.check()
-        if link.fault is not None:
-            code, text = link.fault
-            raise InputError(f"{link.port}: the rig has stopped with a fault: {text or 'no reason'} ({code})")
         ours = link.run is not None and figures.run == link.run
         if ours:
             _check_rate(link, figures)
@@ -177,6 +174,14 @@ def _follow(link: Link, samples: int, progress: Watch) -> None:
                 raise InputError(f"{link.port}: the rig fell silent in the run; check its cable and power")
         else:
             before, since = figures.received, time.monotonic()
+    produced = link.stopped["produced"]
+    if produced < samples:
+        while link.wait(_LAST_WORD_S) and link.fault is None:
+            pass
+        code, text = link.fault or (0, "it does not say why")
+        raise InputError(
+            f"{link.port}: the rig ended the run after {produced} of {samples} samples: {text} ({code})"
+        )
 
 
 def _check_speed(link: Link, track: MotionTrack) -> None:
@@ -185,8 +190,8 @@ def _check_speed(link: Link, track: MotionTrack) -> None:
     most = min(abs(end) for end in ends)
     if channel["unit"] != "absent" and fastest > most:
         raise InputError(
-            f"motion: reaches {fastest:.3g} rad/s, the rig measures up to {most:.3g} rad/s; choose a shorter or "
-            f"slower one"
+            f"motion: reaches {fastest:.3g} rad/s, the rig measures up to {most:.3g} rad/s; "
+            "choose a shorter or slower one"
         )
 
 

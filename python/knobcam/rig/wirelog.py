@@ -1,4 +1,4 @@
-"""The wire log: what came over the port as it came. Everything else is worked out from it, again and again."""
+"""The wire log: what came over the port as it came; everything else is worked out from it, any time."""
 
 from __future__ import annotations
 

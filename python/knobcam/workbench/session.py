@@ -95,36 +95,46 @@ class Session:
 
     # Captures
 
-    def open(self, path: str, *, map: ColumnMap | None = None, tell: Tell = _quiet, **options: Any) -> str:
-        """Read a capture, take it in together with those that are active, and return its id.
+    def open(
+        self, *paths: str, map: ColumnMap | None = None, tell: Tell = _quiet, **options: Any
+    ) -> tuple[str, ...]:
+        """Read captures, take them in together with those that are active, and return their ids.
 
         Options as `knobcam.load` takes them. Raises InputError for what cannot be read or fitted.
         """
-        tell(f"reading {Path(path).name}")
         given = {name: value for name, value in {"map": map, **options}.items() if value is not None}
-        capture = load(path, **given)
-        return self.take(capture, Path(path).name, str(Path(path).absolute()), given, tell)
+        opened = []
+        for path in paths:
+            tell(f"reading {Path(path).name}")
+            whole = str(Path(path).absolute())
+            opened.append(Opened(self._new("c"), Path(path).name, load(path, **given), whole, given))
+        self._take(opened, tell)
+        return tuple(one.id for one in opened)
 
     def take(
         self,
         capture: Capture,
         name: str,
-        path: str = "",
         options: Mapping[str, Any] | None = None,
         tell: Tell = _quiet,
     ) -> str:
         """Take a capture in together with those that are active, and return its id.
 
-        Raises InputError for one that cannot be fitted together with them.
+        `name` and `options` are by which it can be read again. Raises InputError for one that cannot be
+        fitted together with the others.
         """
-        opened = Opened(self._new("c"), name, capture, path or name, dict(options or {}))
-        active = self.node.captures if self.branches else ()
-        known = {**self.captures, opened.id: opened}
-        node, branch = self._fitted([*active, opened.id], known, tell)
-        with self.lock:
-            self.captures[opened.id] = opened
-            self._put(node, branch)
+        opened = Opened(self._new("c"), name, capture, name, dict(options or {}))
+        self._take([opened], tell)
         return opened.id
+
+    def _take(self, opened: Sequence[Opened], tell: Tell) -> None:
+        new = {one.id: one for one in opened}
+        active = self.node.captures if self.branches else ()
+        node, branch = self._fitted([*active, *new], {**self.captures, **new}, tell)
+        tell("putting the fit in place")
+        with self.lock:
+            self.captures |= new
+            self._put(node, branch)
 
     def use(self, captures: Sequence[str], tell: Tell = _quiet) -> None:
         """Fit the model to these captures, of those that were opened."""
@@ -172,9 +182,9 @@ class Session:
         tell(f"putting the model without {effect} in place")
         self._put(self._node(barer, node.captures, "dropped", effect), branch, node)
 
-    def weigh(self, tell: Tell = _quiet) -> Diagnosis:
-        """Return which effects could be missing here; weighed once for each node."""
-        node = self.node
+    def weigh(self, tell: Tell = _quiet, node: Node | None = None) -> Diagnosis:
+        """Return which effects could be missing at a node, by default here; weighed once for each."""
+        node = node or self.node
         known = self._diagnoses.get(node.id)
         if known is not None:
             return known

@@ -32,6 +32,7 @@
 //! ```
 
 mod backlash;
+mod block;
 mod compliance;
 mod coulomb;
 mod detent;
@@ -68,6 +69,7 @@ use crate::scalar::Scalar;
 use registry::{info, keep, registry, starts, take};
 use sweep::{Gradient, Totals};
 
+pub use block::Block;
 pub use registry::Info;
 pub use survey::Survey;
 pub use sweep::{Part, Sweep};

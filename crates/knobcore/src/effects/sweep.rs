@@ -10,10 +10,10 @@ use crate::scalar::{Dual, LANES, Pack, Scalar};
 use std::ops::Range;
 
 /// Samples that are evaluated at a time: their channels stay in the first cache.
-const BLOCK: usize = 256;
+pub(super) const BLOCK: usize = 256;
 /// Channels of a load that a moving knob feels: drive, inertia, dry friction backward and forward; press, level,
 /// friction per press, lag.
-const CHANNELS: usize = 8;
+pub(super) const CHANNELS: usize = 8;
 /// The first of them, which suffice where nothing shapes the friction.
 const PLAIN: usize = 4;
 /// The channel that multiplies.
@@ -161,12 +161,14 @@ fn channels<T: Scalar>(load: &Load<T>) -> [T; CHANNELS] {
 }
 
 #[inline(always)]
-fn load_of<T: Scalar>([drive, inertia, back, forth, press, level, mu, lag]: [T; CHANNELS]) -> Load<T> {
+pub(super) fn load_of<T: Scalar>(
+    [drive, inertia, back, forth, press, level, mu, lag]: [T; CHANNELS],
+) -> Load<T> {
     Load { drive, inertia, resist: [back, forth], press, level, mu, lag, ..Load::none() }
 }
 
 /// A block of every channel.
-type Channels = [[f64; BLOCK]; CHANNELS];
+pub(super) type Channels = [[f64; BLOCK]; CHANNELS];
 
 /// The loads over a block, coming together.
 pub(super) struct Totals<'a> {
@@ -178,7 +180,13 @@ pub(super) struct Totals<'a> {
 }
 
 impl<'a> Totals<'a> {
-    fn new(whole: [&'a [f64]; 5], block: Range<usize>, plain: bool, channels: &'a mut Channels) -> Self {
+    #[inline(always)]
+    pub(super) fn new(
+        whole: [&'a [f64]; 5],
+        block: Range<usize>,
+        plain: bool,
+        channels: &'a mut Channels,
+    ) -> Self {
         for (channel, column) in channels.iter_mut().enumerate().take(if plain { PLAIN } else { CHANNELS }) {
             column.fill(if channel == LEVEL { 1.0 } else { 0.0 });
         }

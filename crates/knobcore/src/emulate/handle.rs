@@ -46,17 +46,23 @@ impl Handle {
     pub fn push(&mut self, motor: f64, hand: [f64; 2]) -> f64 {
         self.late.push_back(motor.max(-self.device.torque_limit).min(self.device.torque_limit));
         let acts = self.late.pop_front().unwrap_or(0.0);
-        let (h, start, mut work) = (self.dt / SUBSTEPS as f64, self.omega, 0.0);
-        for step in 0..SUBSTEPS {
-            let share = (step as f64 + 0.5) / SUBSTEPS as f64;
-            let tau = hand[0] + share * (hand[1] - hand[0]);
-            let push = tau + acts - self.device.damping * self.omega;
+        self.turn(self.dt, acts, |share, _| hand[0] + share * (hand[1] - hand[0]))
+    }
+
+    /// Time goes by, s, under a torque of the motor that acts at once, and under that of a hand, which answers the
+    /// share of the time that is over and the angle and speed then. Returns the work of the hand, J.
+    pub fn turn(&mut self, seconds: f64, motor: f64, hand: impl Fn(f64, [f64; 2]) -> f64) -> f64 {
+        let steps = (SUBSTEPS as f64 * seconds / self.dt).ceil().max(1.0);
+        let (h, start, mut work) = (seconds / steps, self.omega, 0.0);
+        for step in 0..steps as usize {
+            let tau = hand((step as f64 + 0.5) / steps, [self.theta, self.omega]);
+            let push = tau + motor - self.device.damping * self.omega;
             let omega = self.omega + h * push / self.device.inertia;
             let by = 0.5 * h * (self.omega + omega);
             (self.theta, self.omega) = (self.theta + by, omega);
             work += tau * by;
         }
-        self.alpha = (self.omega - start) / self.dt;
+        self.alpha = (self.omega - start) / seconds;
         work
     }
 

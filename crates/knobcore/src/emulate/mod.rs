@@ -5,6 +5,7 @@
 //! time at all.
 
 mod handle;
+mod held;
 mod obey;
 mod rig;
 mod scene;
@@ -12,6 +13,7 @@ mod sensors;
 mod stage;
 
 pub use handle::Handle;
+pub use held::{Hand, Held, Shown};
 pub use rig::{Fixture, Rig, Setup};
 pub use scene::Track;
 pub use sensors::Sensors;

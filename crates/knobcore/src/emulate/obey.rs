@@ -39,9 +39,12 @@ impl Rig {
         match message {
             Message::Start { .. } => self.tell_started(),
             Message::Stop => self.end_run(),
-            Message::Disarm => {
+            Message::Disarm if state.watched() => {
                 self.end_run();
-                (self.state, self.armed) = (State::Idle, None);
+                self.armed = None;
+                if self.state == State::Armed {
+                    self.state = State::Idle;
+                }
             }
             _ => {}
         }
@@ -66,7 +69,7 @@ impl Rig {
     }
 
     fn describe(&mut self) {
-        let device = self.setup.descriptor.clone();
+        let device = self.setup.descriptor;
         self.say(&Message::Descriptor { device });
         self.tell_status();
         self.tell_fault();

@@ -29,7 +29,7 @@ impl Track {
         self.theta.is_empty()
     }
 
-    fn at(&self, i: usize) -> [f64; 3] {
+    pub(super) fn at(&self, i: usize) -> [f64; 3] {
         [&self.theta, &self.omega, &self.alpha].map(|column| column.get(i).copied().unwrap_or(0.0))
     }
 }
@@ -70,8 +70,8 @@ pub(super) fn torque(knob: &Model, track: &Track, place: f64, rate_hz: f64) -> V
     predict::torque_raw(knob, &signals)
 }
 
-/// A hand that follows its own motion and holds the handle through a spring and a damper.
-const HAND: [f64; 2] = [0.5, 5e-3];
+/// A hand that follows its own motion and holds the handle through a spring and a damper: N m/rad, N m s/rad.
+pub(super) const HAND: [f64; 2] = [0.5, 5e-3];
 
 /// Where the torque on a free handle comes from.
 #[derive(Debug, Clone)]

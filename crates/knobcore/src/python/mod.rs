@@ -3,6 +3,7 @@ mod convert;
 mod emulate;
 mod filter;
 mod fit;
+mod handle;
 mod model;
 mod realtime;
 mod record;
@@ -31,6 +32,7 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(signals::prepare, m)?)?;
     m.add_class::<render::PyRenderer>()?;
     m.add_class::<render::PyHandle>()?;
+    m.add_class::<handle::PyEmulatedHandle>()?;
     m.add_class::<emulate::PyRig>()?;
     m.add_function(wrap_pyfunction!(render::check_stability, m)?)?;
     m.add_class::<fit::PyFit>()?;

@@ -5,6 +5,7 @@ use super::user::watched;
 use crate::effects::Id;
 use crate::model::{Model, Role};
 use crate::param::Axis;
+use crate::predict::{Columns, Seeds, raw};
 use crate::simulate::{self, Hand};
 use crate::{model_file, predict};
 use pyo3::prelude::*;
@@ -122,6 +123,25 @@ impl PyModel {
     fn torque<'py>(&self, py: Python<'py>, signals: &PySignals, filtered: bool) -> PyResult<Floats<'py>> {
         let of = if filtered { predict::torque } else { predict::torque_raw };
         watched(py, &self.0, || of(&self.0, &signals.prepared.signals)).map(|tau| array(py, &tau))
+    }
+
+    /// Raw torque on the motion of prepared signals, N m, and its derivative to each free parameter, in the order
+    /// of `rows`.
+    fn sensitivities<'py>(
+        &self,
+        py: Python<'py>,
+        signals: &PySignals,
+    ) -> PyResult<(Floats<'py>, Vec<Floats<'py>>)> {
+        let signals = &signals.prepared.signals;
+        let slots = self.0.slots().iter().enumerate();
+        let free: Vec<usize> = slots.filter(|(_, slot)| slot.role == Role::Free).map(|(i, _)| i).collect();
+        let mut columns = Columns::default();
+        watched(py, &self.0, || {
+            let seeds = Seeds::of(&self.0, &free);
+            raw(&self.0, &self.0.values(), &seeds, signals, 0..signals.t.len(), &mut columns);
+        })?;
+        let (torque, slopes) = columns.split();
+        Ok((array(py, torque), slopes.iter().map(|column| array(py, column)).collect()))
     }
 }
 

@@ -1,17 +1,21 @@
 //! Bindings of the render loop, and Python objects that take part in it.
 use super::convert::{Floats, array, input_error};
+use super::handle::PyEmulatedHandle;
+use super::render::PyRenderer;
 use crate::error::{Error, Result};
 use crate::realtime::{
     Controller, Histogram, Plan, Plant, Realtime, Row, Running, Standing, SystemClock, Tally, Ticks,
     VirtualClock, real_time_priority, start,
 };
-use crate::render::Sensed;
+use crate::render::{Renderer, Sensed};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::time::Duration;
 
 const NS: f64 = 1e-9;
+/// Rates that are closer than this share are the same.
+const SAME_RATE: f64 = 1e-6;
 
 /// A Python object with `read() -> (theta, omega, alpha, hand or None)` and `write(tau)`. Each call takes the GIL,
 /// and waits for it while other Python code holds it.
@@ -60,12 +64,62 @@ fn attached<R>(name: &str, call: impl FnOnce(Python<'_>) -> PyResult<R>) -> Resu
     done.unwrap_or_else(|| Err(Error::invalid(name, "Python is ending")))
 }
 
-fn device(object: &Bound<'_, PyAny>) -> PyResult<Box<dyn Plant + Send>> {
+/// A renderer as it is, without Python; one with effects of a user's own calls them, and what fails is its fault.
+struct Rendering {
+    renderer: Renderer,
+    failed: Option<Error>,
+}
+
+impl Controller for Rendering {
+    fn step(&mut self, sensed: Sensed) -> f64 {
+        if !self.renderer.calls_out() {
+            return self.renderer.step(sensed);
+        }
+        let model = self.renderer.model().clone();
+        model.watched(|| self.renderer.step(sensed)).unwrap_or_else(|error| {
+            self.failed = Some(error);
+            0.0
+        })
+    }
+
+    fn fault(&self) -> Option<Error> {
+        self.failed.clone().or_else(|| Controller::fault(&self.renderer))
+    }
+
+    fn missed(&mut self, periods: u64) {
+        self.renderer.missed(periods);
+    }
+}
+
+/// A handle of the core, or whatever Python object can be read and written.
+fn device(object: &Bound<'_, PyAny>, plan: &Plan, ticks: Option<&Ticks>) -> PyResult<Box<dyn Plant + Send>> {
+    if let Ok(handle) = object.cast::<PyEmulatedHandle>() {
+        let handle = handle.borrow();
+        return Ok(match ticks {
+            Some(ticks) => Box::new(handle.held(plan.period(), VirtualClock::new(ticks.clone()))),
+            None => Box::new(handle.held(plan.period(), SystemClock::default())),
+        });
+    }
     let (read, write) = (object.getattr("read")?.unbind(), object.getattr("write")?.unbind());
     Ok(Box::new(PyDevice { read, write }))
 }
 
-fn controller(object: &Bound<'_, PyAny>) -> PyResult<Box<dyn Controller + Send>> {
+/// A copy of a renderer, as it is now, unless its step is a user's own; or whatever Python object can step.
+fn controller(object: &Bound<'_, PyAny>, plan: &Plan) -> PyResult<Box<dyn Controller + Send>> {
+    if let Ok(knob) = object.cast::<PyRenderer>()
+        && object.get_type().getattr("step")?.is(&object.py().get_type::<PyRenderer>().getattr("step")?)
+    {
+        let renderer = knob.borrow().renderer.clone();
+        let rate = renderer.rate_hz();
+        if (rate / plan.rate_hz - 1.0).abs() > SAME_RATE {
+            let why = format!(
+                "renders at {rate} Hz and the loop runs at {} Hz; give both the same rate",
+                plan.rate_hz
+            );
+            return Err(input_error(Error::invalid("controller", why)));
+        }
+        return Ok(Box::new(Rendering { renderer, failed: None }));
+    }
     Ok(Box::new(PyController { step: object.getattr("step")?.unbind(), fault: None }))
 }
 
@@ -88,12 +142,15 @@ pub fn start_loop(
     missed_share: f64,
     missed_run: Option<u64>,
 ) -> PyResult<PyLoop> {
-    let (controller, device) = (controller(controller_object)?, device(device_object)?);
     let plan = Plan { rate_hz, seconds, watchdog_s, missed_share, missed_run };
+    let plan = plan.checked().map_err(input_error)?;
+    let ticks = Ticks::default();
+    let controller = controller(controller_object, &plan)?;
+    let device = device(device_object, &plan, virtual_time.then_some(&ticks))?;
     let rt = Realtime::parse(rt).map_err(input_error)?;
     let running = py.detach(|| {
         if virtual_time {
-            let clock = VirtualClock::new(Ticks::default());
+            let clock = VirtualClock::new(ticks);
             start(plan, Realtime::Off, real_time_priority, controller, device, clock)
         } else {
             start(plan, rt, real_time_priority, controller, device, SystemClock::default())

@@ -1,11 +1,11 @@
 //! Bindings of the render step and of the emulated handle.
-use super::convert::{Column, Floats, array, input_error};
+use super::convert::{Column, Floats, input_error};
 use super::model::PyModel;
 use super::user::watched;
-use crate::effects::Id;
 use crate::emulate::Handle;
 use crate::error::Error;
 use crate::render::{Contact, Device, Fault, Limits, Renderer, Sensed, State, check_stability as check};
+use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -21,7 +21,6 @@ pub fn device(row: DeviceRow) -> Device {
 #[pyclass(name = "Renderer", module = "knobcam._core", subclass)]
 pub struct PyRenderer {
     pub renderer: Renderer,
-    own: bool,
 }
 
 #[pymethods]
@@ -36,9 +35,8 @@ impl PyRenderer {
         speed_limit: f64,
     ) -> PyResult<Self> {
         let limits = Limits { torque: torque_limit, torque_rate: torque_rate_limit, speed: speed_limit };
-        let renderer =
-            Renderer::new(&model.0, rate_hz, device_row.map(device), limits).map_err(input_error)?;
-        Ok(Self { renderer, own: model.0.effects().any(|id| matches!(id, Id::User(_))) })
+        let device = device_row.map(device);
+        Ok(Self { renderer: Renderer::new(&model.0, rate_hz, device, limits).map_err(input_error)? })
     }
 
     /// The torque by which the knob answers, N m (the motor applies its negative). Angle rad, velocity rad/s,
@@ -53,7 +51,7 @@ impl PyRenderer {
         tau_other: Option<f64>,
     ) -> PyResult<f64> {
         let sensed = Sensed { theta, omega, alpha, hand: tau_other };
-        if !self.own {
+        if !self.renderer.calls_out() {
             return Ok(self.renderer.step(sensed));
         }
         let model = self.renderer.model().clone();
@@ -78,10 +76,18 @@ impl PyRenderer {
             let why = "differ in length; give one value a sample in each";
             return Err(input_error(Error::invalid("theta, omega, alpha, tau_other", why)));
         }
-        let mut tau = vec![0.0; motion[0].len()];
+        let tau = PyArray1::zeros(py, motion[0].len(), false);
         let model = self.renderer.model().clone();
-        watched(py, &model, || self.renderer.render(motion, hand, &mut tau))?;
-        Ok(array(py, &tau))
+        let mut out = tau.readwrite();
+        let out = out.as_slice_mut()?;
+        watched(py, &model, || self.renderer.render(motion, hand, out))?;
+        Ok(tau)
+    }
+
+    /// Periods went by without a step: the next one stands for all of them, so that what the handle moved
+    /// meanwhile is no jump. A loop says so by itself.
+    fn missed(&mut self, periods: u64) {
+        self.renderer.missed(periods);
     }
 
     /// Forgets everything, faults too.
@@ -106,6 +112,7 @@ impl PyRenderer {
         let state = self.renderer.state();
         let row = PyDict::new(py);
         row.set_item("samples", state.samples)?;
+        row.set_item("missed", state.missed)?;
         row.set_item("before", (state.before[0], state.before[1]))?;
         row.set_item("between", state.between)?;
         row.set_item("alpha", state.alpha)?;
@@ -129,9 +136,10 @@ impl PyRenderer {
             let known = Fault::ALL.into_iter().find(|fault| fault.name() == name);
             known.ok_or_else(|| bad("fault", "is none that this version knows"))
         };
-        let pair = |name: &str| PyResult::Ok(<[f64; 2]>::from(get(name)?.extract::<(f64, f64)>()?));
+        let pair = |name: &str| get(name)?.extract::<[f64; 2]>();
         let state = State {
             samples: get("samples")?.extract()?,
+            missed: get("missed")?.extract()?,
             before: pair("before")?,
             between: get("between")?.extract()?,
             alpha: get("alpha")?.extract()?,

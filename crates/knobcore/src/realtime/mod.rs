@@ -57,6 +57,9 @@ pub trait Controller {
 
     /// What the controller found wrong, if anything; it ends the loop.
     fn fault(&self) -> Option<Error>;
+
+    /// Periods were skipped since the last step.
+    fn missed(&mut self, _periods: u64) {}
 }
 
 impl<D: Plant + ?Sized> Plant for Box<D> {
@@ -77,6 +80,10 @@ impl<C: Controller + ?Sized> Controller for Box<C> {
     fn fault(&self) -> Option<Error> {
         (**self).fault()
     }
+
+    fn missed(&mut self, periods: u64) {
+        (**self).missed(periods);
+    }
 }
 
 impl Controller for Renderer {
@@ -86,5 +93,9 @@ impl Controller for Renderer {
 
     fn fault(&self) -> Option<Error> {
         Self::fault(self).map(|fault| Error::invalid(fault.name(), fault.text()))
+    }
+
+    fn missed(&mut self, periods: u64) {
+        Self::missed(self, periods);
     }
 }

@@ -89,6 +89,7 @@ impl Loop {
             let left = periods - pace.n() - 1;
             let skipped = pace.advance(done).min(left);
             self.tally.note(done.saturating_sub(woke), skipped);
+            controller.missed(skipped);
             if let Err(ending) = self.in_time("back from a write", deadline, done) {
                 return ending;
             }

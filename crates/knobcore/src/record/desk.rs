@@ -106,10 +106,15 @@ impl Desk {
         self.news.notify_all();
     }
 
-    /// Changes what lies on the desk, and says that there is news.
+    /// Changes what lies on the desk; whoever waits for a message is told of a new one.
     pub(super) fn write<R>(&self, change: impl FnOnce(&mut Papers) -> R) -> R {
-        let done = change(&mut self.lock());
-        self.news.notify_all();
+        let mut papers = self.lock();
+        let done = change(&mut papers);
+        let news = !papers.messages.is_empty();
+        drop(papers);
+        if news {
+            self.news.notify_all();
+        }
         done
     }
 

@@ -83,3 +83,46 @@ fn attend(mut session: Session, port: &OwnedFd, bell: &OwnedFd) -> String {
 fn gone(error: Errno) -> String {
     format!("the device is gone ({})", std::io::Error::from(error))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::Desk;
+    use crate::wire::{Header, Message, encode};
+    use std::io::{Read, Write};
+    use std::os::unix::net::UnixStream;
+    use std::time::Duration;
+
+    fn served() -> (UnixStream, Arc<Desk>, Waker, JoinHandle<()>) {
+        let (rig, port) = UnixStream::pair().unwrap();
+        let desk = Arc::new(Desk::default());
+        let (waker, thread) = serve(Session::new(desk.clone(), Instant::now()), port.into()).unwrap();
+        (rig, desk, waker, thread)
+    }
+
+    #[test]
+    fn bytes_go_both_ways() {
+        let (mut rig, desk, waker, thread) = served();
+        desk.send(b"question").unwrap();
+        waker.wake();
+        let mut heard = [0; 8];
+        rig.read_exact(&mut heard).unwrap();
+        assert_eq!(&heard, b"question");
+        rig.write_all(&encode(Header::default(), &Message::Pong { command: 5 })).unwrap();
+        let frame = desk.next_message(Duration::from_secs(5)).unwrap();
+        assert_eq!(frame.message, Message::Pong { command: 5 });
+        desk.stop();
+        waker.wake();
+        thread.join().unwrap();
+        assert!(desk.figures().ended.unwrap().contains("stopped"));
+    }
+
+    #[test]
+    fn a_port_that_is_gone_ends_it_and_whoever_waits_is_told_at_once() {
+        let (rig, desk, _waker, thread) = served();
+        drop(rig);
+        assert!(desk.next_message(Duration::from_secs(60)).is_none());
+        thread.join().unwrap();
+        assert!(desk.figures().ended.unwrap().contains("gone"));
+    }
+}

@@ -110,3 +110,113 @@ impl Session {
             .max(Duration::from_millis(1))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wire::{Sample, Samples, State};
+    use std::io::{Error, Result, Write};
+    use std::sync::Mutex;
+
+    /// A file that others look into; it takes so many bytes.
+    #[derive(Clone)]
+    struct Shared(Arc<Mutex<Vec<u8>>>, usize);
+
+    impl Write for Shared {
+        fn write(&mut self, bytes: &[u8]) -> Result<usize> {
+            let mut file = self.0.lock().unwrap();
+            if file.len() == self.1 {
+                return Err(Error::other("no space left"));
+            }
+            let taken = bytes.len().min(self.1 - file.len());
+            file.extend_from_slice(&bytes[..taken]);
+            Ok(taken)
+        }
+
+        fn flush(&mut self) -> Result<()> {
+            Ok(())
+        }
+    }
+
+    fn logged(room: usize) -> (Session, Shared) {
+        let desk = Arc::new(Desk::default());
+        let file = Shared(Arc::default(), room);
+        desk.log_to(Some(Box::new(file.clone())));
+        (Session::new(desk, Instant::now()), file)
+    }
+
+    fn data(first: u32) -> Vec<u8> {
+        let sample = Sample { count: 0, omega: 1, alpha: 2, tau: 3 };
+        let header = Header { sequence: first, time_us: u64::from(first) * 200 };
+        let samples: Samples = std::iter::repeat_n(sample, 25).collect();
+        encode(header, &Message::Data { run: 7, samples }).to_vec()
+    }
+
+    fn status() -> Vec<u8> {
+        let status = Message::Status { state: State::Recording, temperature: 31.5, flags: 0 };
+        encode(Header::default(), &status).to_vec()
+    }
+
+    #[test]
+    fn what_came_is_in_the_log_as_it_came_whole_or_not() {
+        let (mut session, file) = logged(usize::MAX);
+        let stream = [b"noise\0".to_vec(), data(0), data(25)[..50].to_vec()].concat();
+        for piece in stream.chunks(7) {
+            session.receive(piece, Instant::now());
+        }
+        assert_eq!(*file.0.lock().unwrap(), stream);
+        let figures = session.desk().figures();
+        assert_eq!((figures.bytes, figures.logged), (stream.len() as u64, stream.len() as u64));
+        assert_eq!((figures.frames, figures.corrupt, figures.received), (1, 1, 25));
+    }
+
+    #[test]
+    fn a_full_disk_is_told_and_the_conversation_goes_on() {
+        let (mut session, file) = logged(100);
+        for first in [0, 25] {
+            session.receive(&data(first), Instant::now());
+        }
+        let figures = session.desk().figures();
+        assert_eq!(file.0.lock().unwrap().len(), 100);
+        assert!(figures.log_error.is_some_and(|why| why.contains("no space left")));
+        assert_eq!(figures.received, 50);
+    }
+
+    #[test]
+    fn heartbeats_come_every_25_ms_as_long_as_they_were_asked_for_and_no_longer() {
+        let (mut session, _) = logged(0);
+        let start = Instant::now();
+        assert!(session.outgoing(start).is_empty());
+        session.desk().beat_until(Some(start + Duration::from_millis(200)));
+        let spoken = (100..300).map(|ms| session.outgoing(start + Duration::from_millis(ms)));
+        assert_eq!(spoken.filter(|bytes| !bytes.is_empty()).count(), 4);
+    }
+
+    #[test]
+    fn what_nobody_fetches_takes_no_more_memory() {
+        let (mut session, _) = logged(usize::MAX);
+        for _ in 0..3000 {
+            session.receive(&status(), Instant::now());
+        }
+        let figures = session.desk().figures();
+        let fetched = std::iter::from_fn(|| session.desk().next_message(Duration::ZERO)).count() as u64;
+        assert_eq!(fetched + figures.forgotten, 3000);
+        assert!(fetched <= 1024);
+        assert_eq!((figures.state, figures.temperature), (Some(State::Recording), Some(31.5)));
+        let flood = vec![0; 1 << 20];
+        assert!(session.desk().send(&flood).is_ok() && session.desk().send(b"more").is_err());
+    }
+
+    #[test]
+    fn figures_tell_the_rate_of_the_last_second_and_that_of_the_devices_clock() {
+        let (mut session, _) = logged(usize::MAX);
+        let start = Instant::now();
+        for frame in 0..400_u32 {
+            session.receive(&data(25 * frame), start + Duration::from_millis(u64::from(frame) * 5));
+        }
+        let figures = session.desk().figures();
+        assert!((figures.rate_hz / 5000.0 - 1.0).abs() < 0.06, "{}", figures.rate_hz);
+        assert!(figures.device_rate_hz.is_some_and(|rate| (rate - 5000.0).abs() < 1e-6));
+        assert_eq!((figures.run, figures.received, figures.missing), (Some(7), 10_000, 0));
+    }
+}

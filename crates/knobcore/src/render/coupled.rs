@@ -4,7 +4,7 @@ use super::device::Tuning;
 use crate::coupling::{Dry, Follower, Span};
 use crate::model::Model;
 
-/// Steps of the hidden knob per sample.
+/// Steps of the hidden knob per period.
 const SUBSTEPS: usize = 4;
 
 /// The hidden knob and the shaft's motion one sample before.
@@ -24,8 +24,17 @@ impl Hidden {
 
     /// Torque on the shaft, N m, but for the inertia of the shaft itself, which comes beside it. The mean of the
     /// first and of the last step takes out what the midpoint rule leaves of a stiff spring.
-    pub fn follow(&mut self, model: &Model, p: &[f64], state: &mut [f64], at: [f64; 3]) -> (f64, f64) {
-        let span = Span { from: self.before, to: at, substeps: SUBSTEPS };
+    /// `missed` periods lie between the sample before and this one.
+    pub fn follow(
+        &mut self,
+        model: &Model,
+        p: &[f64],
+        state: &mut [f64],
+        at: [f64; 3],
+        missed: u64,
+    ) -> (f64, f64) {
+        let substeps = SUBSTEPS * (missed as usize + 1);
+        let span = Span { from: self.before, to: at, substeps };
         self.before = at;
         let force = self.follower.follow(model, p, state, &span, None);
         (force.map_or(0.0, |[first, last]| 0.5 * (first + last)), self.follower.shafts)

@@ -117,13 +117,17 @@ impl Loop {
         let top = std::f64::consts::PI / self.dt;
         let steps = (FINE * (top / 0.1).ln()) as usize;
         let mut worst = std::f64::consts::PI;
-        let mut before = self.at(0.1).0;
+        let (mut before, mut last) = self.at(0.1);
         for step in 1..=steps {
             let (size, phase) = self.at(0.1 * (step as f64 / FINE).exp());
             if (before - 1.0) * (size - 1.0) <= 0.0 && before != size {
                 worst = worst.min(std::f64::consts::PI + phase);
             }
-            before = size;
+            (before, last) = (size, phase);
+        }
+        if before >= 1.0 {
+            // Still that strong at half the sampling rate: the delay has turned it round on the way.
+            worst = worst.min((std::f64::consts::PI + last).min(0.0));
         }
         worst
     }

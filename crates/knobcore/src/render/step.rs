@@ -10,7 +10,6 @@ use crate::effects::Id;
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::motion::{Load, Motion};
-use crate::scalar::{Pack, Scalar};
 
 /// What a force-feedback device senses at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,8 +27,10 @@ pub struct Sensed {
 /// All that the step remembers; with the model it decides everything that comes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State {
-    /// Samples since the reset.
+    /// Periods since the reset, also those that were missed.
     pub samples: u64,
+    /// Periods that were missed since the last step.
+    pub missed: u64,
     /// Angle and speed at the sample before.
     pub before: [f64; 2],
     /// Angle between the counts of the encoder at the sample before, rad.
@@ -55,7 +56,6 @@ pub struct State {
 pub struct Renderer {
     pub(super) model: Model,
     pub(super) p: Vec<f64>,
-    pub(super) packs: Vec<Pack>,
     pub(super) dt: f64,
     pub(super) tuning: Tuning,
     pub(super) limits: Limits,
@@ -65,6 +65,9 @@ pub struct Renderer {
     pub(super) spare: Vec<f64>,
     pub(super) state: State,
 }
+
+/// Missed periods in a row over which a knob behind a joint is still followed.
+const LONGEST_GAP: u64 = 100;
 
 impl Renderer {
     /// Renders a model at `rate_hz`, on a known device or on any.
@@ -100,6 +103,7 @@ impl Renderer {
         let hidden = Hidden::new(model, &p, &memory, &tuning, [0.0; 3]);
         let state = State {
             samples: 0,
+            missed: 0,
             before: [0.0; 2],
             between: 0.0,
             alpha: 0.0,
@@ -110,7 +114,6 @@ impl Renderer {
             fault: None,
         };
         Ok(Self {
-            packs: p.iter().map(|x| Pack::of(*x)).collect(),
             own: model.effects().any(|id| matches!(id, Id::User(_))),
             guarded: !nature.dissipates,
             spare: state.memory.clone(),
@@ -128,7 +131,8 @@ impl Renderer {
     pub fn reset(&mut self) {
         let state = &mut self.state;
         state.memory.fill(0.0);
-        (state.samples, state.before, state.between) = (0, [0.0; 2], 0.0);
+        (state.samples, state.missed) = (0, 0);
+        (state.before, state.between) = ([0.0; 2], 0.0);
         (state.alpha, state.tau) = (0.0, 0.0);
         (state.contact, state.knob, state.fault) = (Contact::default(), [0.0; 2], None);
     }
@@ -173,9 +177,24 @@ impl Renderer {
         &self.model
     }
 
+    /// Whether the model has effects that are not of the catalogue: a step then calls a user's own function.
+    pub fn calls_out(&self) -> bool {
+        self.own
+    }
+
     /// Samples per second.
     pub fn rate_hz(&self) -> f64 {
         1.0 / self.dt
+    }
+
+    /// Periods went by without a step: the next one stands for all of them.
+    ///
+    /// What the handle moved meanwhile is then no jump, time goes on, and a stuck knob is still held where it
+    /// stuck. The torque may change by no more than it may within one period.
+    pub fn missed(&mut self, periods: u64) {
+        if self.state.samples > 0 {
+            self.state.missed = self.state.missed.saturating_add(periods);
+        }
     }
 
     /// The torque by which the knob answers, N m; call it once a sample.
@@ -202,29 +221,36 @@ impl Renderer {
             return self.give_up(Fault::NotFinite);
         }
         let first = self.state.samples == 0;
+        let missed = std::mem::take(&mut self.state.missed);
+        self.state.samples += missed;
+        let since = (missed + 1) as f64 * self.dt;
         let jump = if first { 0.0 } else { theta - self.state.before[0] };
-        if jump.abs() > self.limits.speed * self.dt || omega.abs() > self.limits.speed {
+        if jump.abs() > self.limits.speed * since || omega.abs() > self.limits.speed {
             return self.give_up(Fault::Jump);
         }
         // Between two counts the speed tells the angle better than the encoder does.
         let half = 0.5 * self.tuning.count;
-        let between = (self.state.between + omega * self.dt).max(theta - half).min(theta + half);
+        let between = (self.state.between + omega * since).max(theta - half).min(theta + half);
         let between = if first { theta } else { between };
         let by = if first { 0.0 } else { between - self.state.between };
         self.state.between = between;
         let fresh = self.tuning.freshness;
+        let fresh = if missed == 0 { fresh } else { 1.0 - (1.0 - fresh).powf((missed + 1) as f64) };
         let filtered = self.state.alpha + fresh * (alpha - self.state.alpha);
         let felt = if first || fresh == 1.0 { alpha } else { filtered };
         self.state.alpha = felt;
         let clock = self.clock(self.state.samples);
         let there = theta + omega * self.tuning.ahead_s;
         let mut asked = if let Some(hidden) = &mut self.hidden {
-            if first {
+            // A knob that was not followed for so long may be anywhere: it starts again with the shaft.
+            let lost = first || missed > LONGEST_GAP;
+            let followed = if lost { 0 } else { missed };
+            if lost {
                 hidden
                     .put([clock - self.dt, there - omega * self.dt, omega], [there - omega * self.dt, omega]);
             }
             let (torque, inertia) =
-                hidden.follow(&self.model, &self.p, &mut self.state.memory, [clock, there, omega]);
+                hidden.follow(&self.model, &self.p, &mut self.state.memory, [clock, there, omega], followed);
             self.state.knob = hidden.knob();
             Sliding { torque, inertia }
         } else {

@@ -66,6 +66,27 @@ fn a_batch_is_single_steps_to_the_last_bit() {
 }
 
 #[test]
+fn a_batch_lets_go_at_the_sample_where_single_steps_do() {
+    let mut noise = Noise::new(15);
+    let model = plausible_knob(Id::Detent, &mut noise);
+    let steps: Vec<Sensed> = (0..900).map(sensed).collect();
+    for broken in [800, 803] {
+        let mut omega: Vec<f64> = steps.iter().map(|s| s.omega).collect();
+        omega[broken] = f64::NAN;
+        let column = |of: fn(&Sensed) -> f64| steps.iter().map(of).collect::<Vec<f64>>();
+        let (theta, alpha) = (column(|s| s.theta), column(|s| s.alpha));
+        let mut knob = renderer(&model);
+        let mut batch = vec![1.0; steps.len()];
+        knob.render([&theta, &omega, &alpha], None, &mut batch);
+        let mut one = renderer(&model);
+        let single =
+            (0..900).map(|i| one.step(Sensed { omega: omega[i], ..steps[i] }).to_bits()).collect::<Vec<_>>();
+        assert_eq!(batch.iter().map(|tau| tau.to_bits()).collect::<Vec<_>>(), single);
+        assert!(batch[broken..].iter().all(|tau| *tau == 0.0) && batch[broken - 1] != 0.0);
+    }
+}
+
+#[test]
 fn a_state_that_is_put_back_goes_on_as_before() {
     let mut noise = Noise::new(13);
     for id in felt() {

@@ -1,0 +1,146 @@
+"""`knobcam render`: feel a model, on an emulated handle in an emulated hand, or on the device of a rig."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..errors import InputError
+from . import arguments
+from .fitting import said
+from .output import Answer, check_folder, status, writing
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
+    from ..loop_report import LoopReport
+    from ..model import Model
+    from ..render import Device, Stability
+    from ..rig.figures import Figures
+
+
+def register(commands: arguments.Commands) -> None:
+    """Add the command of this file."""
+    parser = arguments.add_command(
+        commands, "render", run, "Feel a model: render it in a loop on an emulated handle that a hand turns."
+    )
+    parser.add_argument("model", metavar="MODEL", help="model file, or knob1 to knob5")
+    parser.add_argument("--seconds", type=arguments.number, default=5.0, metavar="S", help="default 5 s")
+    parser.add_argument("--rate", type=arguments.number, default=5000.0, metavar="HZ", help="default 5000 Hz")
+    parser.add_argument(
+        "--rt",
+        choices=("warn", "enforce", "off"),
+        default="warn",
+        help="real-time priority: go on without (warn), refuse without (enforce), do not ask; default warn",
+    )
+    parser.add_argument(
+        "--time", choices=("real", "virtual"), default="real", help="of the loop; virtual waits for nothing"
+    )
+    parser.add_argument(
+        "--delay",
+        type=arguments.whole,
+        default=1,
+        metavar="SAMPLES",
+        help="from a measurement to its torque; default 1",
+    )
+    parser.add_argument("--port", metavar="PORT", help="render on the device of this rig, in your own hand")
+    parser.add_argument(
+        "--log", type=Path, metavar="FILE", help="with --port: keep the wire log there, .kcwire"
+    )
+    parser.add_argument("--force", action="store_true", help="with --port: render what would ring")
+    arguments.add_plots(parser)
+
+
+def run(args: Namespace) -> Answer:
+    """Check the stability, run the loop, say what it reached."""
+    check_folder(args.plots)
+    if args.port is not None:
+        return _on_a_rig(args)
+    if args.log is not None or args.force:
+        raise InputError("--log and --force: belong to a rig; name its port with --port")
+    if args.time == "virtual" and args.rt == "enforce":
+        raise InputError("--rt enforce: virtual time has no priority to enforce; leave one of them out")
+
+    from ..emulated import EmulatedHandle, to_and_fro
+    from ..loop import run_loop
+    from ..model import Model
+    from ..render import Device, Renderer, check_stability
+
+    model, device = Model.load(args.model), Device(delay_samples=args.delay)
+    stability = check_stability(model, device, rate=args.rate)
+    renderer = Renderer(model, args.rate, device=device)
+    handle = EmulatedHandle(device, to_and_fro())
+    status(f"rendering for {args.seconds:g} s")
+    report = run_loop(renderer, handle, args.seconds, rate_hz=args.rate, rt=args.rt, time=args.time)
+    files: dict[str, object] = {}
+    if args.plots is not None:
+        files["pictures"] = _draw(args, report, model, device, stability)
+    work = f"the hand's work on the handle: {handle.work_J:.3g} J in {report.periods / args.rate:.3g} s"
+    text = "\n".join([repr(stability), "", repr(report), work, *said(files)])
+    document = {
+        "schema": "knobcam.render/1",
+        "model": model.name,
+        "on": {"kind": "emulated", **asdict(device)},
+        "stability": stability.document(),
+        "loop": report.document(),
+        "work_J": handle.work_J,
+        "files": files,
+    }
+    messages = [] if stability.stable else [f"warning: {stability.verdict}"]
+    if not report.well:
+        messages.append(f"warning: the loop {report.remarks[0]}")
+    return Answer(text, document, tuple(messages))
+
+
+def _on_a_rig(args: Namespace) -> Answer:
+    """Let the device render by its own loop, and record what a person feels."""
+    from ..model import Model
+    from ..rig.feel import feel
+
+    if args.plots is not None:
+        raise InputError("--plots: is for the emulated handle; draw the capture of --log with `knobcam fit`")
+    model = Model.load(args.model)
+
+    def watch(figures: Figures) -> None:
+        status(f"rendering: {figures.received} samples, {figures.missing} lost")
+
+    felt = feel(args.port, model, args.seconds, log=args.log, force=args.force, progress=watch)
+    capture = felt.capture
+    work = float(capture.tau[1:] @ (capture.theta[1:] - capture.theta[:-1]))
+    text = (
+        f"{felt.stability!r}\n\n{felt.serial} rendered it for {capture.duration_s:.3g} s at its own "
+        f"{capture.rate_hz:g} Hz: {capture.samples} samples, {felt.samples_missing} lost on the way\n"
+        f"the hand's work on the handle: {work:.3g} J"
+    )
+    files: dict[str, object] = {} if args.log is None else {"log": str(args.log)}
+    document = {
+        "schema": "knobcam.render/1",
+        "model": model.name,
+        "on": {"kind": "device", "serial": felt.serial, **asdict(felt.device)},
+        "stability": felt.stability.document(),
+        "samples": capture.samples,
+        "samples_missing": felt.samples_missing,
+        "sample_rate_hz": capture.rate_hz,
+        "work_J": work,
+        "files": files,
+    }
+    return Answer("\n".join([text, *said(files)]), document)
+
+
+def _draw(
+    args: Namespace, report: LoopReport, model: Model, device: Device, stability: Stability
+) -> list[str]:
+    from .. import plot
+
+    status("drawing")
+    figures = {
+        "timing": plot.timing(report),
+        "felt": plot.felt(report, model, device),
+        "stability": plot.stability(stability),
+    }
+    with writing(args.plots):
+        args.plots.mkdir(exist_ok=True)
+        for name, figure in figures.items():
+            figure.savefig(args.plots / f"{name}.png")
+    return [str(args.plots / f"{name}.png") for name in figures]

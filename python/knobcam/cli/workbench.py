@@ -1,0 +1,65 @@
+"""`knobcam workbench`: the loop of `learn` by hand and eye, in a browser."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+from typing import TYPE_CHECKING
+
+from . import arguments
+from .output import Answer, status
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
+
+def register(commands: arguments.Commands) -> None:
+    """Add the command of this file."""
+    parser = arguments.add_command(
+        commands,
+        "workbench",
+        run,
+        "Open the page on which a model is completed by hand and eye; its first line is the address.",
+    )
+    parser.add_argument("captures", nargs="*", metavar="CAPTURE", help="several are of one knob")
+    parser.add_argument(
+        "--port", type=arguments.whole, default=0, metavar="N", help="on this machine; default any free one"
+    )
+    parser.add_argument("--no-browser", action="store_true", help="only print the address")
+    arguments.add_reading(parser)
+
+
+def run(args: Namespace) -> Answer:
+    """Serve until interrupted."""
+    from ..formats.optional import require
+
+    for package in ("starlette", "uvicorn"):
+        require(package, "the workbench", "all")
+
+    from ..workbench.bench import Bench
+    from ..workbench.serving import serve
+
+    bench = Bench()
+    if args.captures:
+        options = {"axis": args.coordinate, "rate": args.rate, "start": args.start, "end": args.end}
+        bench.session.open(*args.captures, map=args.map, **options)
+
+    def tell(address: str) -> None:
+        print(address, flush=True)
+        status("Ctrl-C ends the workbench")
+        if not args.no_browser:
+            threading.Thread(target=_show, args=(address,), daemon=True).start()
+
+    serve(bench, args.port, tell)
+    status(None)
+    if bench.busy:  # the core cannot be interrupted: it would keep the process, or fall over its end
+        sys.stdout.flush()
+        os._exit(0)
+    return Answer("", {"schema": "knobcam.workbench/1"})
+
+
+def _show(address: str) -> None:
+    import webbrowser
+
+    webbrowser.open(address)

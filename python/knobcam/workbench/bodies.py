@@ -1,0 +1,104 @@
+"""What requests carry, checked before anything is done with it."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import json
+import re
+from typing import TYPE_CHECKING, Any
+from urllib.parse import unquote
+
+import numpy as np
+
+from ..errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from starlette.requests import Request
+
+_JSON_BYTES = 16_000_000  # the indices of a million samples, and room to spare
+_NAME = 100  # characters of a file's name
+_OPTIONS = ("map", "axis", "rate", "start", "end")
+
+
+class TooLarge(InputError):
+    """A body is longer than it may be; it is not read to its end."""
+
+    def __init__(self, limit: int) -> None:
+        super().__init__(f"more than {limit // 1_000_000} MB; leave samples or columns out")
+
+
+async def read_json(request: Request) -> dict[str, Any]:
+    """Return the JSON object in a body. Raises InputError for anything else."""
+    parts = bytearray()
+    async for part in request.stream():
+        parts += part
+        if len(parts) > _JSON_BYTES:
+            raise TooLarge(_JSON_BYTES)
+    try:
+        body = json.loads(parts or b"{}")
+    except (ValueError, RecursionError):
+        raise InputError("the body is no JSON") from None
+    if not isinstance(body, dict):
+        raise InputError("the body is no JSON object")
+    return body
+
+
+async def receive(request: Request, target: Path, limit: int) -> None:
+    """Write a body into a file as it comes; TooLarge as soon as it is longer than `limit` bytes."""
+    announced = request.headers.get("content-length", "")
+    if announced.isdecimal() and int(announced) > limit:
+        raise TooLarge(limit)
+    size = 0
+    with target.open("xb") as file:
+        async for part in request.stream():
+            size += len(part)
+            if size > limit:
+                raise TooLarge(limit)
+            file.write(part)
+
+
+def text(body: Mapping[str, Any], name: str, default: str | None = None) -> str:
+    """Return a text of a body. Raises InputError where it is missing or something else."""
+    value = body.get(name, default)
+    if not isinstance(value, str) or "\0" in value:
+        raise InputError(f"{name}={value!r} is no text")
+    return value
+
+
+def file_name(header: str) -> str:
+    """Return the bare name of a file from what a browser says; no folder, no control character in it."""
+    bare = re.split(r"[/\\]", unquote(header))[-1]
+    kept = "".join(letter for letter in bare if letter.isprintable())[:_NAME].strip()
+    return kept if kept.strip(".") else "capture"
+
+
+def reading(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the options of `knobcam.load` that a query or body holds. Raises InputError for broken ones."""
+    options: dict[str, Any] = {}
+    for name in _OPTIONS:
+        value = given.get(name)
+        if value is None or value == "":
+            continue
+        if name in ("map", "axis"):
+            options[name] = text(given, name)
+            continue
+        try:
+            options[name] = float(value)
+        except (TypeError, ValueError):
+            raise InputError(f"{name}={value!r} is no number; give one in SI") from None
+    if options.get("axis", "rotary") not in ("rotary", "linear"):
+        raise InputError(f"axis={options['axis']!r} is unknown; choose rotary or linear")
+    return options
+
+
+def indices(body: Mapping[str, Any]) -> np.ndarray[Any, np.dtype[np.uint32]]:
+    """Return the indices in a body: base64 of 32-bit numbers, the lowest byte first."""
+    try:
+        raw = base64.b64decode(text(body, "indices"), validate=True)
+        return np.frombuffer(raw, dtype="<u4")
+    except (binascii.Error, ValueError) as error:
+        raise InputError(f"indices: {error}; give base64 of 32-bit numbers") from None

@@ -1,0 +1,292 @@
+"""The page's server: requests in, the session's answers out. Nothing is computed here."""
+
+from __future__ import annotations
+
+import asyncio
+import secrets
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import suppress
+from dataclasses import replace
+from importlib import resources
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, cast
+
+from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
+from starlette.responses import Response, StreamingResponse
+from starlette.routing import Route
+from starlette.types import ASGIApp
+
+from ..capture import load
+from ..errors import InputError
+from ..strict_json import as_json
+from . import arrays, saving
+from .bench import Bench
+from .bodies import TooLarge, file_name, indices, read_json, reading, receive, text
+from .guard import Guard
+from .jobs import Job
+
+UPLOAD_BYTES = 200_000_000
+_TYPES = {
+    ".html": "text/html; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".svg": "image/svg+xml",
+    ".txt": "text/plain; charset=utf-8",
+}
+_KEPT_ALIVE_S = 15.0
+Answers = Callable[[Request], Awaitable[Response]]
+
+
+def page_files() -> dict[str, bytes]:
+    """Return the files that the page is made of, by name."""
+    folder = resources.files(__package__).joinpath("page")
+    found = folder.iterdir() if folder.is_dir() else ()
+    return {one.name: one.read_bytes() for one in found if Path(one.name).suffix in _TYPES}
+
+
+def application(bench: Bench, token: str, port: int, upload_bytes: int = UPLOAD_BYTES) -> ASGIApp:
+    """Return the server of a bench, which answers to those alone who have the token."""
+    files = page_files()
+    server = _Server(bench, files, upload_bytes)
+    posts: dict[str, Answers] = {
+        **{"add": server.add, "drop": server.drop, "undo": server.undo, "redo": server.redo},
+        **{"branch": server.branch, "switch": server.switch, "params": server.params, "snap": server.snap},
+        **{"diagnose": server.diagnose, "cancel": server.cancel, "share": server.share, "use": server.use},
+        **{"open": server.open, "upload": server.upload, "save": server.save},
+    }
+    gets: dict[str, Answers] = {
+        **{"state": server.state, "arrays": server.arrays, "signature": server.signature},
+        **{"events": server.events, "download": server.download},
+    }
+    routes = [
+        Route("/", server.page),
+        *(Route(f"/{name}", server.page) for name in files),
+        *(Route(f"/api/{name}", answer) for name, answer in gets.items()),
+        *(Route(f"/api/{name}", answer, methods=["POST"]) for name, answer in posts.items()),
+    ]
+    handlers: dict[Any, Any] = {InputError: _wrong, HTTPException: _unknown, Exception: _failed}
+    free = [f"/{name}" for name in files if name != "index.html"]
+    return Guard(Starlette(routes=routes, exception_handlers=handlers), token, port, free)
+
+
+def new_token() -> str:
+    """Return a token that nobody guesses."""
+    return secrets.token_urlsafe(32)
+
+
+def _json(document: dict[str, Any], status: int = 200) -> Response:
+    return Response(as_json(document, indent=None), status, media_type="application/json")
+
+
+async def _wrong(_: Request, error: Exception) -> Response:
+    return _json({"error": str(error)}, 413 if isinstance(error, TooLarge) else 400)
+
+
+async def _unknown(_: Request, error: Exception) -> Response:
+    status = error.status_code if isinstance(error, HTTPException) else 500
+    return _json({"error": "there is nothing of that name"}, status)
+
+
+async def _failed(_: Request, error: Exception) -> Response:
+    said = " ".join(f"{type(error).__name__}: {error}".split())
+    return _json({"error": f"the program failed ({said}); please report it"}, 500)
+
+
+class _Server:
+    """The answers, one method for each name of the interface."""
+
+    def __init__(self, bench: Bench, files: dict[str, bytes], upload_bytes: int) -> None:
+        self.bench = bench
+        self.session = bench.session
+        self.files = files
+        self.upload_bytes = upload_bytes
+
+    async def page(self, request: Request) -> Response:
+        """A file of the page, which is in memory: no name leads to any other file."""
+        name = request.url.path.removeprefix("/") or "index.html"
+        if name not in self.files:
+            raise HTTPException(404)
+        return Response(self.files[name], headers={"content-type": _TYPES[Path(name).suffix]})
+
+    async def state(self, _: Request) -> Response:
+        """Everything that the page shows but the samples."""
+        return _json(await run_in_threadpool(self.bench.document))
+
+    async def arrays(self, request: Request) -> Response:
+        """Columns of a capture at a node."""
+        asked = request.query_params
+        view = self.session.view_of(asked.get("node", ""))
+        at = self.session.place(view, asked.get("capture", ""))
+        names = [name for name in asked.get("names", "").split(",") if name]
+        return _bytes(await run_in_threadpool(arrays.columns, view, at, names))
+
+    async def signature(self, request: Request) -> Response:
+        """What a weighed effect would explain of a capture's residual."""
+        asked = request.query_params
+        view = self.session.view_of(asked.get("node", ""))
+        at = self.session.place(view, asked.get("capture", ""))
+        diagnosis = self.session.diagnosis_of(view.node.id)
+        effect = asked.get("effect", "")
+        weighed = [one for one in diagnosis.candidates if one.effect == effect] if diagnosis else []
+        if not weighed:
+            raise InputError(f"effect {effect!r} is not weighed at this node")
+        return _bytes(await run_in_threadpool(arrays.signature, weighed[0], view, at))
+
+    async def add(self, request: Request) -> Response:
+        """Add an effect."""
+        effect = text(await read_json(request), "effect")
+        return await self._long(f"adding {effect}", lambda job: self.session.add(effect, job.tell))
+
+    async def drop(self, request: Request) -> Response:
+        """Take an effect out."""
+        effect = text(await read_json(request), "effect")
+        return await self._long(f"dropping {effect}", lambda job: self.session.drop(effect, job.tell))
+
+    async def use(self, request: Request) -> Response:
+        """Fit to these of the captures that were opened."""
+        captures = (await read_json(request)).get("captures")
+        if not isinstance(captures, list) or not all(isinstance(one, str) for one in captures):
+            raise InputError("captures: give a list of their ids")
+        return await self._long("fitting", lambda job: self.session.use(captures, job.tell))
+
+    async def undo(self, _: Request) -> Response:
+        """Go one step back."""
+        return await self._short(self.session.undo)
+
+    async def redo(self, _: Request) -> Response:
+        """Go one step forth."""
+        return await self._short(self.session.redo)
+
+    async def branch(self, request: Request) -> Response:
+        """Copy the branch and go on in the copy."""
+        name = text(await read_json(request), "name", "")
+        return await self._short(self.session.fork, name)
+
+    async def switch(self, request: Request) -> Response:
+        """Go on in another branch."""
+        return await self._short(self.session.switch, text(await read_json(request), "branch"))
+
+    async def params(self, request: Request) -> Response:
+        """Move parameters by hand."""
+        return await self._short(self.session.drag, await read_json(request))
+
+    async def snap(self, _: Request) -> Response:
+        """Put them back to the fit."""
+        return await self._short(self.session.snap)
+
+    async def diagnose(self, _: Request) -> Response:
+        """Weigh what could be missing; answers at once."""
+        return self._now(job=self.bench.weigh().id)
+
+    async def cancel(self, _: Request) -> Response:
+        """Give up what is being done."""
+        self.bench.cancel()
+        return self._now()
+
+    async def share(self, request: Request) -> Response:
+        """The share of the squared error that some samples hold."""
+        body = await read_json(request)
+        capture, samples = text(body, "capture"), indices(body)
+        return self._now(share=await run_in_threadpool(self.session.share, capture, samples))
+
+    async def open(self, request: Request) -> Response:
+        """Read a capture by its path on this machine."""
+        body = await read_json(request)
+        path, options = text(body, "path"), reading(body)
+
+        def work(job: Job) -> tuple[str, ...]:
+            return self.session.open(path, tell=job.tell, **options)
+
+        return await self._long("reading", work)
+
+    async def upload(self, request: Request) -> Response:
+        """Read a capture that the browser hands over, by the importers and their limits."""
+        name = file_name(request.headers.get("x-filename", ""))
+        options = reading(request.query_params)
+        with TemporaryDirectory(prefix="knobcam-") as folder:
+            target = Path(folder) / "capture"
+            await receive(request, target, self.upload_bytes)
+
+            def work(job: Job) -> str:
+                try:
+                    capture = load(target, max_bytes=self.upload_bytes, **options)
+                except InputError as error:
+                    raise InputError(str(error).replace(str(target), name)) from error
+                if capture.meta.get("source") == str(target):
+                    capture = replace(capture, meta={**capture.meta, "source": name})
+                return self.session.take(capture, name, options, job.tell)
+
+            return await self._long(f"reading {name}", work)
+
+    async def save(self, request: Request) -> Response:
+        """Write the model, report, figures or script to a path on this machine."""
+        body = await read_json(request)
+        what, path = text(body, "what"), Path(text(body, "path"))
+        target = await self._done(
+            f"saving the {what}", lambda job: saving.save(self.session, what, path, job.tell)
+        )
+        return self._now(path=str(target))
+
+    async def download(self, request: Request) -> Response:
+        """The same as a file for the browser."""
+        what = request.query_params.get("what", "")
+        with TemporaryDirectory(prefix="knobcam-") as folder:
+            path = Path(folder) / saving.FILES.get(what, "none")
+            await self._done(
+                f"making the {what}", lambda job: saving.save(self.session, what, path, job.tell)
+            )
+            content = path.read_bytes()
+        named = {"content-disposition": f'attachment; filename="{path.name}"'}
+        return Response(content, media_type="application/octet-stream", headers=named)
+
+    async def _saved(self, what: str, path: Path) -> Path:
+        def work(job: Job) -> Path:
+            return saving.save(self.session, what, path, job.tell)
+
+        return cast(Path, await self._done(f"making the {what}", work))
+
+    async def events(self, _: Request) -> Response:
+        """What happens, as it happens."""
+        return StreamingResponse(self._events(), media_type="text/event-stream")
+
+    async def _events(self) -> AsyncIterator[str]:
+        loop, heard = asyncio.get_running_loop(), asyncio.Queue[str]()
+
+        def hear(event: str, content: dict[str, Any]) -> None:
+            line = f"event: {event}\ndata: {as_json(content, indent=None)}\n\n"
+            with suppress(RuntimeError):  # the server has ended
+                loop.call_soon_threadsafe(heard.put_nowait, line)
+
+        self.bench.listeners.add(hear)
+        try:
+            hear("state", {"revision": self.session.revision})
+            while True:
+                try:
+                    yield await asyncio.wait_for(heard.get(), _KEPT_ALIVE_S)
+                except TimeoutError:
+                    yield ": still here\n\n"
+        finally:
+            self.bench.listeners.discard(hear)
+
+    def _now(self, **more: Any) -> Response:
+        return _json({"revision": self.session.revision, **more})
+
+    async def _short(self, change: Callable[..., Any], *given: Any) -> Response:
+        await run_in_threadpool(change, *given)
+        return self._now()
+
+    async def _long(self, what: str, work: Callable[[Job], Any]) -> Response:
+        await self._done(what, work)
+        return self._now()
+
+    async def _done(self, what: str, work: Callable[[Job], Any]) -> Any:
+        """Let the worker do it, and wait without keeping anybody else waiting."""
+        return await asyncio.shield(asyncio.wrap_future(self.bench.work.start(what, work).result))
+
+
+def _bytes(content: bytes) -> Response:
+    return Response(content, media_type="application/octet-stream")

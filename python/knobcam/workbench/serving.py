@@ -1,0 +1,46 @@
+"""The workbench as a process: a port on the loopback interface, until it is interrupted."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import socket
+from collections.abc import Callable
+
+import uvicorn
+
+from ..errors import InputError
+from .bench import Bench
+from .server import application, new_token
+
+HOST = "127.0.0.1"
+
+
+def serve(bench: Bench, port: int, tell: Callable[[str], None]) -> None:
+    """Serve a bench on a port of this machine (0: any that is free) and tell its address; ends by Ctrl-C.
+
+    Raises InputError where the port cannot be had.
+    """
+    try:
+        listening = socket.create_server((HOST, port))
+    except (OSError, OverflowError) as error:
+        why = getattr(error, "strerror", None) or error
+        raise InputError(f"--port {port}: cannot be had ({why}); choose another, or leave it out") from error
+    token = new_token()
+    with listening, contextlib.suppress(KeyboardInterrupt):
+        # Whoever ends it, it ends the same way.
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
+        at = listening.getsockname()[1]
+        config = uvicorn.Config(
+            application(bench, token, at),
+            log_level="critical",
+            access_log=False,
+            server_header=False,
+            proxy_headers=False,
+            lifespan="off",
+            ws="none",
+            timeout_graceful_shutdown=1,  # pages that listen for events never hang up by themselves
+        )
+        tell(f"http://{HOST}:{at}/?token={token}")
+        uvicorn.Server(config).run([listening])
+    bench.close()
