@@ -10,6 +10,7 @@ from . import state
 from .jobs import Job, Worker
 from .session import Session
 
+_AFTER_S = 1.0  # so that a page that has just been told of a fit can draw it first
 Hear = Callable[[str, dict[str, Any]], None]
 """Called with the name of an event and its content, from any thread."""
 
@@ -20,7 +21,7 @@ class Bench:
     def __init__(self) -> None:
         self.session = Session(self._changed)
         self.work = Worker("knobcam-work", self._moved)
-        self.weighing = Worker("knobcam-weighing", self._moved)
+        self.weighing = Worker("knobcam-weighing", self._moved, humble=True)
         self.listeners: set[Hear] = set()
         self._weighed = ""
         self._lock = threading.Lock()
@@ -30,13 +31,16 @@ class Bench:
         job = self.work.current or self.weighing.current
         return state.document(self.session) | {"job": None if job is None else _described(job)}
 
-    def weigh(self) -> Job:
+    def weigh(self, after_s: float = 0.0) -> Job:
         """Weigh what could be missing where the session is; what was weighed elsewhere is given up."""
         node = self.session.node
+
+        def work(job: Job) -> None:
+            job.rest(after_s)
+            self.session.weigh(job.tell, node)
+
         self.weighing.cancel()
-        return self.weighing.start(
-            "weighing what could be missing", lambda job: self.session.weigh(job.tell, node)
-        )
+        return self.weighing.start("weighing what could be missing", work)
 
     def cancel(self) -> None:
         """Give up what is being done: what a person waits for, else the weighing."""
@@ -60,7 +64,7 @@ class Bench:
                 self._weighed = at
                 self.weighing.cancel()
                 if session.diagnosis_of(at) is None:
-                    self.weigh()
+                    self.weigh(_AFTER_S)
         self._say("state", {"revision": session.revision})
 
     def _moved(self, job: Job) -> None:

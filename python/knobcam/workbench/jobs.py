@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import itertools
+import os
 import queue
+import sys
 import threading
 from collections.abc import Callable
 from concurrent.futures import Future
@@ -13,6 +15,7 @@ from typing import Any
 from ..errors import InputError
 
 _numbers = itertools.count(1)
+_HUMBLE = 15  # niceness: others have about thirty times its share
 
 
 class Cancelled(InputError):
@@ -41,6 +44,11 @@ class Job:
             raise Cancelled
         self.what = what
         self.told(self)
+
+    def rest(self, seconds: float) -> None:
+        """Wait before going on. Raises Cancelled if the work is no longer wanted."""
+        if self._given_up.wait(seconds):
+            raise Cancelled
 
     def cancel(self) -> None:
         """Give the work up: it ends before its next round, and who waits for it is told at once."""
@@ -72,10 +80,14 @@ class Job:
 
 
 class Worker:
-    """One thread that does one job after the other. `told` is called whenever a job begins, moves or ends."""
+    """One thread that does one job after the other. `told` is called whenever a job begins, moves or ends.
 
-    def __init__(self, name: str, told: Callable[[Job], None]) -> None:
+    A `humble` one, and the threads of the core that it starts, leave the processors to whoever needs them.
+    """
+
+    def __init__(self, name: str, told: Callable[[Job], None], humble: bool = False) -> None:
         self._told = told
+        self._humble = humble
         self._waiting: queue.SimpleQueue[Job | None] = queue.SimpleQueue()
         self._jobs: list[Job] = []
         self._thread = threading.Thread(target=self._serve, name=name, daemon=True)
@@ -111,6 +123,8 @@ class Worker:
         self._waiting.put(None)
 
     def _serve(self) -> None:
+        if self._humble and sys.platform == "linux":  # where a thread has a niceness of its own
+            os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _HUMBLE)
         while (job := self._waiting.get()) is not None:
             self._running.set()
             job.run()

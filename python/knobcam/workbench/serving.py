@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import signal
 import socket
 from collections.abc import Callable
@@ -21,9 +22,14 @@ def serve(bench: Bench, port: int, tell: Callable[[str], None]) -> None:
 
     Raises InputError where the port cannot be had.
     """
+    # With its protocol named: asyncio sends small answers without delay on sockets that are surely TCP.
+    listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     try:
-        listening = socket.create_server((HOST, port))
+        if os.name == "posix":  # elsewhere it would let two programs share the port
+            listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listening.bind((HOST, port))
     except (OSError, OverflowError) as error:
+        listening.close()
         why = getattr(error, "strerror", None) or error
         raise InputError(f"--port {port}: cannot be had ({why}); choose another, or leave it out") from error
     token = new_token()

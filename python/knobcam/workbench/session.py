@@ -192,11 +192,10 @@ class Session:
         # Effects that only describe a torque name no cause, so `learn` leaves them out as well.
         described = [one for one, row in effects(node.fit.model.axis).items() if row.describes]
         diagnosis = diagnose(node.fit, without=described)
-        tell("looking where the model fails")
         _ = diagnosis.comparison.summary  # computed here, where nobody waits for it
-        tell("done")
+        self._diagnoses[node.id] = diagnosis  # whoever comes back to the node has it, wanted now or not
+        tell("weighed what could be missing")
         with self.lock:
-            self._diagnoses[node.id] = diagnosis
             self._touch()
         return diagnosis
 
