@@ -19,6 +19,9 @@ export async function opened(chrome, address) {
   const requests = [];
   page.on("console", (message) => message.type() === "error" && complaints.push(message.text()));
   page.on("pageerror", (error) => complaints.push(error.message));
+  page.on("response", async (answer) => {
+    if (answer.status() >= 400) complaints.push(`${answer.url()} ${await answer.text().catch(() => "")}`);
+  });
   page.on("request", (request) => requests.push(request.url()));
   await page.goto(address);
   return { browser, page, complaints, requests };
