@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import knobcam as kc
@@ -83,8 +84,11 @@ def test_files_are_handed_over_in_the_browser_and_their_names_never_become_marku
     good = capture_with_stribeck(tmp_path, 10_000).rename(
         tmp_path / "<img src=x onerror=\"document.title='hit'\">.npz"
     )
-    broken = tmp_path / "<b>words.csv"
-    broken.write_text("not a capture\n1\n")
+    broken = tmp_path / "<b>columns.csv"
+    capture = kc.load(good)
+    rows = np.column_stack([capture.t, np.degrees(capture.theta), 1000.0 * capture.tau])
+    np.savetxt(broken, rows, delimiter=",", header="t,angle,moment", comments="")
     with workbench() as address:
         seen = script("files.js", address, good, broken, pictures)
-    assert broken.name in seen["refused"]
+    assert "theta" in seen["refused"]
+    assert seen["mapped"] == capture.samples
