@@ -4,33 +4,31 @@ from __future__ import annotations
 
 import base64
 import contextlib
-import importlib
 import json
 import os
 import pickle
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
+import httpx
 import numpy as np
 import pytest
-from command import run
+from command import knobcam, refused
 
 import knobcam as kc
 from knobcam.errors import InputError
+from knobcam.workbench import bench as benches
+from knobcam.workbench import server
+from knobcam.workbench.guard import HEADER
+from knobcam.workbench.serving import listen, web_server
 
-TestClient = importlib.import_module("starlette.testclient").TestClient
-from knobcam.workbench import bench as benches  # noqa: E402
-from knobcam.workbench import server  # noqa: E402
-from knobcam.workbench.guard import HEADER  # noqa: E402
-from knobcam.workbench.serving import serve  # noqa: E402
-
-PORT = 4321
 TOKEN = "a-token-that-nobody-guesses"
 HOSTILE = "<img src=x onerror=alert(1)>\"'&\u2028"
 
@@ -43,10 +41,18 @@ def bench() -> Iterator[benches.Bench]:
 
 
 @pytest.fixture
-def client(bench: benches.Bench) -> Any:
-    app = server.application(bench, TOKEN, PORT, upload_bytes=2_000_000)
-    headers = {HEADER: TOKEN}
-    return TestClient(app, f"http://127.0.0.1:{PORT}", headers=headers, raise_server_exceptions=False)
+def client(bench: benches.Bench) -> Iterator[httpx.Client]:
+    with listen(0) as listening:
+        port = listening.getsockname()[1]
+        serving = web_server(server.application(bench, TOKEN, port, upload_bytes=2_000_000))
+        thread = threading.Thread(target=serving.run, args=([listening],))
+        thread.start()
+        with httpx.Client(
+            base_url=f"http://127.0.0.1:{port}", headers={HEADER: TOKEN}, timeout=60.0
+        ) as client:
+            yield client
+        serving.should_exit = True
+        thread.join()
 
 
 @pytest.fixture
@@ -72,7 +78,7 @@ def wrong(answer: Any, status: int, words: str) -> None:
 
 
 def test_the_page_is_for_those_who_have_the_token(client: Any):
-    for headers in ({HEADER: ""}, {HEADER: "wrong"}, {HEADER: TOKEN + "é"}):
+    for headers in ({HEADER: ""}, {HEADER: "wrong"}, {HEADER: (TOKEN + "é").encode()}):
         for path in ("/", "/api/state", "/api/events", "/api/arrays"):
             wrong(client.get(path, headers=headers), 403, "token")
         wrong(client.post("/api/undo", headers=headers), 403, "token")
@@ -86,21 +92,25 @@ def test_two_servers_have_two_tokens():
 
 
 @pytest.mark.parametrize(
-    "host", ["evil.example", f"evil.example:{PORT}", "127.0.0.1", "127.0.0.1:80", "", f"0.0.0.0:{PORT}"]
+    "host",
+    ["evil.example", "evil.example:{}", "127.0.0.1", "127.0.0.1:80", "", "0.0.0.0:{}", "LOCALHOST.:{}"],
 )
 def test_a_name_that_was_bound_to_this_machine_from_outside_is_refused(client: Any, host: str):
-    wrong(client.get("/api/state", headers={"host": host}), 403, "this machine alone")
+    headers = {"host": host.format(client.base_url.port)}
+    wrong(client.get("/api/state", headers=headers), 403, "this machine alone")
 
 
 @pytest.mark.parametrize(
-    "origin", ["http://evil.example", "null", f"https://127.0.0.1:{PORT}", f"http://localhost:{PORT}", ""]
+    "origin",
+    ["http://evil.example", "null", "https://127.0.0.1:{}", "http://localhost:{}", "http://127.0.0.1", ""],
 )
 def test_a_foreign_page_is_refused_even_with_the_token(client: Any, origin: str):
-    wrong(client.post("/api/cancel", headers={"origin": origin}), 403, "own page alone")
+    headers = {"origin": origin.format(client.base_url.port)}
+    wrong(client.post("/api/cancel", headers=headers), 403, "own page alone")
 
 
 def test_the_own_page_is_answered_under_both_names_of_this_machine(client: Any):
-    for host in (f"127.0.0.1:{PORT}", f"localhost:{PORT}"):
+    for host in (f"127.0.0.1:{client.base_url.port}", f"localhost:{client.base_url.port}"):
         headers = {"host": host, "origin": f"http://{host}"}
         assert client.get("/api/state", headers=headers).status_code == 200
 
@@ -281,6 +291,7 @@ def test_a_file_that_is_too_large_is_refused_while_it_comes(client: Any):
 
     wrong(client.post("/api/upload", content=bytes(2_000_001)), 413, "more than 2 MB")
     wrong(client.post("/api/upload", content=endless()), 413, "more than 2 MB")
+    assert read < 50_000_000
 
 
 class Bomb:
@@ -322,12 +333,21 @@ def test_text_from_files_is_text_in_json_and_nowhere_else(client: Any, bench: be
 
 
 def test_an_effect_of_somebody_elses_with_a_hostile_law_is_text(opened: Any, bench: benches.Bench):
-    @kc.own_effect("hostile", law=HOSTILE, source=HOSTILE, shows=HOSTILE, parameters=[])
-    def hostile(p: Any, motion: Any) -> Any:
-        return motion.theta
+    own = kc.OwnParameter("N m/rad", linear=True, meaning=HOSTILE)
 
+    @kc.own_effect("hostile", law=HOSTILE, source=HOSTILE, shows=HOSTILE, k=own)
+    def hostile(motion: kc.OwnMotion, k: float) -> Any:
+        return k * motion.theta**3
+
+    with pytest.raises(InputError):
+        kc.own_effect(HOSTILE, law="k", k=own)(hostile)
+    bench.session.add("hostile")
+    bench.session.weigh()
     answer = opened.get("/api/state")
     assert answer.headers["content-type"] == "application/json"
+    row = next(row for row in answer.json()["params"] if row["name"] == "hostile.k")
+    assert row["meaning"] == " ".join(HOSTILE.split())
+    assert answer.json()["candidates"]["ready"]
 
 
 def test_what_can_be_saved_can_be_fetched(opened: Any, tmp_path: Path):
@@ -362,33 +382,23 @@ def test_a_failure_of_the_program_is_one_line_as_well(opened: Any, bench: benche
     wrong(opened.post("/api/add", json={"effect": "stribeck"}), 500, "ZeroDivisionError: by nought")
 
 
-def test_a_port_that_is_taken_is_told_in_one_line(bench: benches.Bench):
-    import socket
-
-    with socket.create_server(("127.0.0.1", 0)) as taken, pytest.raises(InputError, match="cannot be had"):
-        serve(bench, taken.getsockname()[1], print)
+def test_a_port_that_is_taken_is_told_in_one_line():
+    with listen(0) as taken, pytest.raises(InputError, match="cannot be had"):
+        listen(taken.getsockname()[1])
     with pytest.raises(InputError, match="cannot be had"):
-        serve(bench, 70_000, print)
+        listen(70_000)
 
 
 def test_a_capture_that_is_not_there_ends_the_command(tmp_path: Path):
-    ended = run("workbench", "--no-browser", str(tmp_path / "none.csv"))
-    assert ended.code == 2
-    assert ended.out == ""
-    assert ended.err.count("\n") == 1
+    refused(knobcam("workbench", "--no-browser", tmp_path / "none.csv"), "none.csv")
 
 
 def test_without_its_packages_the_workbench_says_what_to_install(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(sys.modules, "uvicorn", None)
-    ended = run("workbench", "--no-browser")
-    assert ended.code == 2
-    assert 'pip install "knobcam[all]"' in ended.err
-    assert ended.err.count("\n") == 1
+    refused(knobcam("workbench", "--no-browser"), 'pip install "knobcam[all]"')
 
 
 def test_the_command_prints_its_address_tells_what_happens_and_ends_by_an_interrupt(small: Path):
-    import httpx
-
     words = [sys.executable, "-m", "knobcam", "workbench", "--no-browser", str(small)]
     with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         try:
