@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from .compare import Comparison
     from .diagnose import Diagnosis
     from .formats.table import FloatArray
+    from .linked import Look
     from .stiction import Stiction
 
 Z95 = 1.959963984540054
@@ -208,6 +209,12 @@ class Fit:
         from . import plot
 
         return plot.fit(self)
+
+    def look(self) -> Look:
+        """Return linked plots to brush in: torque and residual over position, velocity and time."""
+        from .linked import Look
+
+        return Look((("fit", self),))
 
     def document(self) -> dict[str, Any]:
         """Return the JSON document of `knobcam fit --json`."""

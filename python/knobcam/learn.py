@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from .compare import Comparison
+    from .linked import Look
 
 Verdict = Literal["complete", "missing", "unexplained"]
 _BAR = 24  # characters of the longest
@@ -117,6 +118,14 @@ class Story:
         from . import plot
 
         return plot.story(self)
+
+    def look(self) -> Look:
+        """Return linked plots to brush in, for every rung of the ladder."""
+        from .linked import Look
+
+        return Look(
+            tuple((f"+ {rung.added}" if rung.added else "first model", rung.fit) for rung in self.ladder)
+        )
 
     def report(self, path: str | os.PathLike[str]) -> Path:
         """Write the whole story as one HTML file that needs nothing else, and return its path."""

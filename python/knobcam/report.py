@@ -12,7 +12,6 @@ from pathlib import Path
 from string import Template
 from typing import TYPE_CHECKING
 
-from . import linked
 from ._core import __version__
 from .effects import effect as catalogued
 from .formats.atomic import write_atomically
@@ -43,7 +42,7 @@ def _write_text(path: Path, text: str) -> None:
 
 def html(story: Story) -> str:
     """Return the report of a story: what was found, why, what else it could be, what remains, how sure."""
-    look = linked.section(story)
+    look = story.look().section()
     page = resources.files("knobcam").joinpath("report.html").read_text("utf-8")
     return Template(page).substitute(
         title=escape(_title(story)),

@@ -19,6 +19,9 @@ export async function opened(chrome, address) {
   const requests = [];
   page.on("console", (message) => message.type() === "error" && complaints.push(message.text()));
   page.on("pageerror", (error) => complaints.push(error.message));
+  page.on("response", async (answer) => {
+    if (answer.status() >= 400) complaints.push(`${answer.url()} ${await answer.text().catch(() => "")}`);
+  });
   page.on("request", (request) => requests.push(request.url()));
   await page.goto(address);
   return { browser, page, complaints, requests };
@@ -63,7 +66,9 @@ export async function done(page, what, deed) {
  * @param {[number, number]} to
  */
 export async function brushed(page, plot, from, to) {
-  const box = await page.getByRole("img", { name: plot, exact: true }).boundingBox();
+  const place = page.getByRole("img", { name: plot, exact: true });
+  await place.scrollIntoViewIfNeeded();
+  const box = await place.boundingBox();
   const moves = 20;
   const spot = (share) => [0, 1].map((i) => from[i] + (to[i] - from[i]) * share);
   const go = ([x, y]) => page.mouse.move(box.x + box.width * x, box.y + box.height * y);

@@ -80,8 +80,12 @@ assert.deepEqual(complaints, [], "the browser has nothing to complain about");
 
 requests.length = 0;
 await page.goto(pathToFileURL(report).href);
-await page.screenshot({ path: join(folder, "6-report.png") });
+await page.screenshot({ path: join(folder, "6-report.png"), fullPage: true });
 assert.deepEqual(requests.filter((url) => !url.startsWith("file:") && !url.startsWith("data:")), []);
-assert.match(await page.textContent("body"), /error/i);
+const before = await page.locator("#look p").textContent();
+figures.report = await brushed(page, "residual over velocity", [0.47, 0.12], [0.62, 0.85]);
+assert.notEqual(await page.locator("#look p").textContent(), before, "a brush works in the report");
+await page.locator("#look").screenshot({ path: join(folder, "7-report-brushed.png") });
+assert.deepEqual(complaints, []);
 await browser.close();
 console.log(JSON.stringify({ figures, told, other, rmse: [first.rmse, second.rmse, third.rmse] }));

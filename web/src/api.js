@@ -73,12 +73,12 @@ export async function download(what) {
 
 /**
  * Listen to the server.
- * @param {{state: () => void, progress: (job: import("./types.js").Job) => void,
+ * @param {{state: (revision: number) => void, progress: (job: import("./types.js").Job) => void,
  *   connected: (well: boolean) => void}} heard
  */
 export function listen(heard) {
   const source = new EventSource(`/api/events?${new URLSearchParams({ token })}`);
-  source.addEventListener("state", () => heard.state());
+  source.addEventListener("state", (event) => heard.state(JSON.parse(event.data).revision));
   source.addEventListener("progress", (event) => {
     const { job, what, done } = JSON.parse(event.data);
     heard.progress({ id: job, what, done });

@@ -2,8 +2,9 @@
 
 import { download, fetchState, listen, post } from "./api.js";
 import { showBranches } from "./branches.js";
+import { showCaptures } from "./captures.js";
 import { Candidates } from "./candidates.js";
-import { byId, make } from "./dom.js";
+import { byId } from "./dom.js";
 import { opening, saving } from "./files.js";
 import { showLadder } from "./ladder.js";
 import { latest } from "./latest.js";
@@ -23,13 +24,15 @@ class App {
     this.store = new Store();
     /** @type {State | null} */
     this.state = null;
+    /** @type {Job | null} what the server is busy with */
+    this.job = null;
     this.view = { isolated: false, band: false, held: true };
     this.drawn = "";
     /** @type {{what: string, start: number} | null} what the person did that is not painted yet */
     this.deed = { what: "first picture", start: 0 };
     this.linked = new Linked((words) => (byId("chosen").textContent = words ?? BRUSH_HINT));
     byId("plots").append(this.linked.element);
-    this.refresh = latest((/** @type {true} */ _) => this.load());
+    this.refresh = latest((/** @type {number} */ revision) => this.load(revision));
     this.drag = latest((/** @type {Record<string, number>} */ values) => this.ask("params", values, "drag"));
     this.params = new Params(byId("params"), {
       drag: (values) => this.drag(values),
@@ -47,7 +50,7 @@ class App {
 
   start() {
     const heard = {
-      done: () => this.refresh(true),
+      done: () => this.refresh(Infinity),
       failed: (/** @type {unknown} */ reason) => this.failed(reason),
       say: (/** @type {string} */ words) => this.say(words),
     };
@@ -57,11 +60,11 @@ class App {
     this.buttons();
     document.addEventListener("keydown", (event) => this.key(event));
     listen({
-      state: () => this.refresh(true),
+      state: (revision) => this.refresh(revision),
       progress: (job) => this.showJob(job),
       connected: (well) => byId("lost").toggleAttribute("hidden", well),
     });
-    this.refresh(true);
+    this.refresh(0);
   }
 
   buttons() {
@@ -74,7 +77,7 @@ class App {
       const box = /** @type {HTMLInputElement} */ (byId(option));
       box.addEventListener("change", () => {
         this.view = { ...this.view, [option]: box.checked };
-        this.refresh(true);
+        this.refresh(Infinity);
       });
     }
   }
@@ -96,16 +99,20 @@ class App {
     if (deed) this.deed = { what: deed, start: performance.now() };
     try {
       const answer = await post(verb, body);
-      if (answer.revision !== undefined) await this.load();
+      if (answer.revision !== undefined) this.refresh(answer.revision);
     } catch (reason) {
       this.failed(reason);
     }
   }
 
-  async load() {
+  /**
+   * Show the newest state, unless what is shown is as new as `revision` and no job can have ended since.
+   * @param {number} revision
+   */
+  async load(revision) {
+    if (this.state && this.state.revision >= revision && !this.job) return;
     try {
       const state = await fetchState();
-      if (this.state && state.revision < this.state.revision) return;
       this.show(state);
       await this.draw(state);
     } catch (reason) {
@@ -118,7 +125,7 @@ class App {
     this.state = state;
     byId("welcome").toggleAttribute("hidden", state.node !== null);
     byId("verdict").textContent = state.verdict_text;
-    showCaptures(byId("captures"), state);
+    showCaptures(byId("captures"), state, (captures) => this.ask("use", { captures }, "captures"));
     showLadder(byId("ladder"), state);
     showBranches(byId("branches"), state, (branch) => this.ask("switch", { branch }, "switch"));
     this.params.show(state.params);
@@ -175,6 +182,7 @@ class App {
 
   /** @param {Job | null} job */
   showJob(job) {
+    this.job = job;
     byId("job").hidden = job === null;
     if (!job) return;
     byId("job-what").textContent = job.what;
@@ -218,17 +226,6 @@ const BRUSH_HINT = "Drag a rectangle in any plot: its samples light up in all of
 /** @param {string} id @param {boolean} possible */
 function enable(id, possible) {
   /** @type {HTMLButtonElement} */ (byId(id)).disabled = !possible;
-}
-
-/** @param {HTMLElement} place @param {State} state */
-function showCaptures(place, { captures, active }) {
-  const shown = captures.map(({ id, name, samples, rate_hz, findings }) => {
-    const facts = `${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
-    const odd = findings.length > 0 ? make("span", { class: "odd", text: ` ⚠ ${findings.length}`, title: findings.join("\n") }) : null;
-    const kind = active.includes(id) ? "capture" : "capture soft";
-    return make("span", { class: kind, title: name }, make("strong", { text: name }), ` ${facts}`, odd);
-  });
-  place.replaceChildren(...shown);
 }
 
 const app = new App();

@@ -13,8 +13,8 @@ import { timed } from "./timing.js";
 /**
  * What the plots are made of.
  * @typedef {{columns: Columns, unit: string, axis: string, noise: number | null, fitted: boolean}} Data
- * `columns`: t, theta, omega, tau, model, residual; for isolated components also position_part and
- * velocity_part; for the band also band. `fitted`: no parameter is dragged away from the fit
+ * `columns`: t, theta, omega, tau, residual; for isolated components also position_part and velocity_part; for
+ * the band also band. `fitted`: no parameter is dragged away from the fit
  * @typedef {{isolated: boolean, band: boolean, held: boolean}} View
  * `held`: the residuals keep the scale of the worst fit, so that they are seen to fall
  */
@@ -31,7 +31,7 @@ const ROWS = /** @type {const} */ ([
  * @returns {string[]}
  */
 export function columnsOf(view) {
-  const needed = ["t", "theta", "omega", "tau", "model", "residual"];
+  const needed = ["t", "theta", "omega", "tau", "residual"];
   if (view.isolated) needed.push("position_part", "velocity_part");
   if (view.band) needed.push("band");
   return needed;
@@ -65,6 +65,7 @@ export class Linked {
    */
   show(data, view) {
     const { columns } = data;
+    const model = columns.tau.map((tau, i) => tau - columns.residual[i]);
     if (this.data?.columns.t.length !== columns.t.length) {
       this.clear();
       this.widest = 0;
@@ -82,7 +83,7 @@ export class Linked {
       const xAxis = { low, high, factor: 1, label: `${row.over}, ${row.units[axis]}` };
       const common = { x: columns[row.column], xAxis };
       const part = view.isolated && row.part ? columns[row.part] : null;
-      const { measured, modelled } = part ? isolated(columns, part) : { measured: columns.tau, modelled: columns.model };
+      const { measured, modelled } = part ? isolated(columns, part) : { measured: columns.tau, modelled: model };
       const [lowest, highest] = limits([measured, modelled]);
       const scale = torqueScale(data.unit, Math.max(-lowest, highest));
       const series = [

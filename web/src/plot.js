@@ -48,21 +48,28 @@ export class Plot {
 
   /** @param {Contents} contents */
   show(contents) {
-    this.contents = contents;
-    this.drawAll();
+    this.drawAll(contents);
   }
 
-  /** Draw everything anew: the data, the size or the colours have changed. */
-  drawAll() {
+  /**
+   * Draw everything anew: the data, the size or the colours have changed.
+   * @param {Contents | null} [contents]
+   */
+  drawAll(contents = this.contents) {
     const { clientWidth: width, clientHeight: height } = this.element;
-    if (!this.contents || width < 100 || height < 80) return;
-    const { x, xAxis, yAxis, series } = this.contents;
+    const [before, frame] = [this.contents, JSON.stringify(this.frame)];
+    this.contents = contents;
+    if (!contents || width < 100 || height < 80) return;
+    const { x, xAxis, yAxis, series } = contents;
     this.scale = globalThis.devicePixelRatio || 1;
     const inner = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - MARGIN.bottom];
     const [columns, rows] = inner.map((length) => Math.max(8, Math.round(length * this.scale)));
     const dot = Math.max(1, Math.round((x.length > 8000 ? 2 : 3) * this.scale));
     this.frame = { width: columns, height: rows, x: [xAxis.low, xAxis.high], y: [yAxis.low, yAxis.high], dot };
-    this.placed = series.map(({ y }) => place(x, y, this.frame));
+    const same = before?.x === x && frame === JSON.stringify(this.frame);
+    this.placed = series.map(({ y }, at) =>
+      same && before.series[at]?.y === y ? this.placed[at] : place(x, y, this.frame),
+    );
     this.pick = null;
 
     for (const canvas of [this.base, this.light]) {

@@ -32,9 +32,7 @@ const buttons = kept.rungs.map(({ label, rmse }, at) => {
 
 /** @param {number} rung */
 function show(rung) {
-  const residual = column(kept.columns.length + rung);
-  const model = measured.tau.map((tau, i) => tau - residual[i]);
-  const columns = { ...measured, residual, model };
+  const columns = { ...measured, residual: column(kept.columns.length + rung) };
   linked.show({ ...kept, columns, fitted: true }, { isolated: false, band: false, held: true });
   for (const [at, button] of buttons.entries()) button.setAttribute("aria-pressed", String(at === rung));
 }

@@ -37,7 +37,7 @@ async function download(what) {
 }
 function listen(heard) {
   const source = new EventSource(`/api/events?${new URLSearchParams({ token })}`);
-  source.addEventListener("state", () => heard.state());
+  source.addEventListener("state", (event) => heard.state(JSON.parse(event.data).revision));
   source.addEventListener("progress", (event) => {
     const { job, what, done } = JSON.parse(event.data);
     heard.progress({ id: job, what, done });
@@ -103,7 +103,7 @@ function showBranches(place3, state, chosen) {
     const step = steps[at];
     const scale = torqueScale(state.unit, step?.rmse ?? 0);
     const changes = steps.slice(1, at + 1).map(({ added, dropped }) => added ? `+ ${added}` : `− ${dropped}`);
-    const words = changes.join(" ") || "nothing added";
+    const words2 = changes.join(" ") || "nothing added";
     return make(
       "button",
       {
@@ -111,11 +111,39 @@ function showBranches(place3, state, chosen) {
         on: { click: () => chosen(id) }
       },
       make("strong", { text: name }),
-      make("span", { class: "soft", text: words }),
+      make("span", { class: "soft", text: words2 }),
       make("span", { class: "figure", text: step ? `${number(step.rmse * scale.factor)} ${scale.unit}` : "–" })
     );
   });
   place3.replaceChildren(...tabs);
+}
+
+// src/captures.js
+function showCaptures(place3, { captures, active }, use) {
+  if (captures.length === 1) {
+    const [only] = captures;
+    place3.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only)));
+    return;
+  }
+  const toggled = (id) => active.includes(id) ? active.filter((one) => one !== id) : [...active, id];
+  const buttons = captures.map(
+    (capture) => make(
+      "button",
+      {
+        ...{ type: "button", class: "capture", title: `fit to ${capture.name} too, or not` },
+        "aria-pressed": String(active.includes(capture.id)),
+        disabled: active.length === 1 && active[0] === capture.id,
+        on: { click: () => use(toggled(capture.id)) }
+      },
+      ...words(capture)
+    )
+  );
+  place3.replaceChildren(...buttons);
+}
+function words({ name, samples, rate_hz, findings }) {
+  const facts = ` ${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
+  const odd = make("span", { class: "odd", text: ` ⚠ ${findings.length}`, title: findings.join("\n") });
+  return [make("strong", { text: name }), facts, ...findings.length > 0 ? [odd] : []];
 }
 
 // src/candidates.js
@@ -228,8 +256,8 @@ function remarks({ equivalent, confused, note }) {
 function remainder(unexplained) {
   if (!unexplained) return [];
   const { axis, share, hint } = unexplained;
-  const words = `Unexplained over ${axis}: ${percent(share)} of what remains${hint ? ` (${hint})` : ""}.`;
-  return [make("p", { class: "soft", text: words })];
+  const words2 = `Unexplained over ${axis}: ${percent(share)} of what remains${hint ? ` (${hint})` : ""}.`;
+  return [make("p", { class: "soft", text: words2 })];
 }
 
 // src/files.js
@@ -679,20 +707,27 @@ var Plot = class {
   }
   /** @param {Contents} contents */
   show(contents) {
-    this.contents = contents;
-    this.drawAll();
+    this.drawAll(contents);
   }
-  /** Draw everything anew: the data, the size or the colours have changed. */
-  drawAll() {
+  /**
+   * Draw everything anew: the data, the size or the colours have changed.
+   * @param {Contents | null} [contents]
+   */
+  drawAll(contents = this.contents) {
     const { clientWidth: width, clientHeight: height } = this.element;
-    if (!this.contents || width < 100 || height < 80) return;
-    const { x, xAxis, yAxis, series } = this.contents;
+    const [before, frame] = [this.contents, JSON.stringify(this.frame)];
+    this.contents = contents;
+    if (!contents || width < 100 || height < 80) return;
+    const { x, xAxis, yAxis, series } = contents;
     this.scale = globalThis.devicePixelRatio || 1;
     const inner = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - MARGIN.bottom];
     const [columns, rows] = inner.map((length) => Math.max(8, Math.round(length * this.scale)));
     const dot = Math.max(1, Math.round((x.length > 8e3 ? 2 : 3) * this.scale));
     this.frame = { width: columns, height: rows, x: [xAxis.low, xAxis.high], y: [yAxis.low, yAxis.high], dot };
-    this.placed = series.map(({ y }) => place(x, y, this.frame));
+    const same = before?.x === x && frame === JSON.stringify(this.frame);
+    this.placed = series.map(
+      ({ y }, at) => same && before.series[at]?.y === y ? this.placed[at] : place(x, y, this.frame)
+    );
     this.pick = null;
     for (const canvas of [this.base, this.light]) {
       if (canvas.width !== columns || canvas.height !== rows) [canvas.width, canvas.height] = [columns, rows];
@@ -817,7 +852,7 @@ var ROWS = (
   ]
 );
 function columnsOf(view) {
-  const needed = ["t", "theta", "omega", "tau", "model", "residual"];
+  const needed = ["t", "theta", "omega", "tau", "residual"];
   if (view.isolated) needed.push("position_part", "velocity_part");
   if (view.band) needed.push("band");
   return needed;
@@ -846,6 +881,7 @@ var Linked = class {
    */
   show(data, view) {
     const { columns } = data;
+    const model = columns.tau.map((tau, i) => tau - columns.residual[i]);
     if (this.data?.columns.t.length !== columns.t.length) {
       this.clear();
       this.widest = 0;
@@ -863,7 +899,7 @@ var Linked = class {
       const xAxis = { low, high, factor: 1, label: `${row.over}, ${row.units[axis]}` };
       const common = { x: columns[row.column], xAxis };
       const part = view.isolated && row.part ? columns[row.part] : null;
-      const { measured, modelled } = part ? isolated(columns, part) : { measured: columns.tau, modelled: columns.model };
+      const { measured, modelled } = part ? isolated(columns, part) : { measured: columns.tau, modelled: model };
       const [lowest, highest] = limits([measured, modelled]);
       const scale = torqueScale(data.unit, Math.max(-lowest, highest));
       const series = [
@@ -1187,12 +1223,13 @@ var App = class {
   constructor() {
     this.store = new Store();
     this.state = null;
+    this.job = null;
     this.view = { isolated: false, band: false, held: true };
     this.drawn = "";
     this.deed = { what: "first picture", start: 0 };
-    this.linked = new Linked((words) => byId("chosen").textContent = words ?? BRUSH_HINT);
+    this.linked = new Linked((words2) => byId("chosen").textContent = words2 ?? BRUSH_HINT);
     byId("plots").append(this.linked.element);
-    this.refresh = latest((_) => this.load());
+    this.refresh = latest((revision) => this.load(revision));
     this.drag = latest((values) => this.ask("params", values, "drag"));
     this.params = new Params(byId("params"), {
       drag: (values) => this.drag(values),
@@ -1208,9 +1245,9 @@ var App = class {
   }
   start() {
     const heard = {
-      done: () => this.refresh(true),
+      done: () => this.refresh(Infinity),
       failed: (reason) => this.failed(reason),
-      say: (words) => this.say(words)
+      say: (words2) => this.say(words2)
     };
     opening(heard);
     saving(heard);
@@ -1218,11 +1255,11 @@ var App = class {
     this.buttons();
     document.addEventListener("keydown", (event) => this.key(event));
     listen({
-      state: () => this.refresh(true),
+      state: (revision) => this.refresh(revision),
       progress: (job) => this.showJob(job),
       connected: (well) => byId("lost").toggleAttribute("hidden", well)
     });
-    this.refresh(true);
+    this.refresh(0);
   }
   buttons() {
     for (const verb of ["undo", "redo", "snap", "cancel"]) {
@@ -1241,7 +1278,7 @@ var App = class {
       );
       box.addEventListener("change", () => {
         this.view = { ...this.view, [option]: box.checked };
-        this.refresh(true);
+        this.refresh(Infinity);
       });
     }
   }
@@ -1261,15 +1298,19 @@ var App = class {
     if (deed) this.deed = { what: deed, start: performance.now() };
     try {
       const answer = await post(verb, body);
-      if (answer.revision !== void 0) await this.load();
+      if (answer.revision !== void 0) this.refresh(answer.revision);
     } catch (reason) {
       this.failed(reason);
     }
   }
-  async load() {
+  /**
+   * Show the newest state, unless what is shown is as new as `revision` and no job can have ended since.
+   * @param {number} revision
+   */
+  async load(revision) {
+    if (this.state && this.state.revision >= revision && !this.job) return;
     try {
       const state = await fetchState();
-      if (this.state && state.revision < this.state.revision) return;
       this.show(state);
       await this.draw(state);
     } catch (reason) {
@@ -1281,7 +1322,7 @@ var App = class {
     this.state = state;
     byId("welcome").toggleAttribute("hidden", state.node !== null);
     byId("verdict").textContent = state.verdict_text;
-    showCaptures(byId("captures"), state);
+    showCaptures(byId("captures"), state, (captures) => this.ask("use", { captures }, "captures"));
     showLadder(byId("ladder"), state);
     showBranches(byId("branches"), state, (branch2) => this.ask("switch", { branch: branch2 }, "switch"));
     this.params.show(state.params);
@@ -1335,6 +1376,7 @@ var App = class {
   }
   /** @param {Job | null} job */
   showJob(job) {
+    this.job = job;
     byId("job").hidden = job === null;
     if (!job) return;
     byId("job-what").textContent = job.what;
@@ -1361,8 +1403,8 @@ var App = class {
     }
   }
   /** @param {string} words */
-  say(words) {
-    byId("said").textContent = words;
+  say(words2) {
+    byId("said").textContent = words2;
     byId("said").classList.remove("wrong");
   }
   /** @param {unknown} reason */
@@ -1375,15 +1417,6 @@ var App = class {
 var BRUSH_HINT = "Drag a rectangle in any plot: its samples light up in all of them.";
 function enable(id, possible) {
   byId(id).disabled = !possible;
-}
-function showCaptures(place3, { captures, active }) {
-  const shown = captures.map(({ id, name, samples, rate_hz, findings }) => {
-    const facts = `${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
-    const odd = findings.length > 0 ? make("span", { class: "odd", text: ` ⚠ ${findings.length}`, title: findings.join("\n") }) : null;
-    const kind = active.includes(id) ? "capture" : "capture soft";
-    return make("span", { class: kind, title: name }, make("strong", { text: name }), ` ${facts}`, odd);
-  });
-  place3.replaceChildren(...shown);
 }
 var app = new App();
 Object.assign(globalThis, { knobcam: { times, app, download } });

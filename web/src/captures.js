@@ -1,0 +1,41 @@
+/** The captures that are open, and which of them the model is fitted to. */
+
+import { make } from "./dom.js";
+
+/** @typedef {import("./types.js").State} State */
+/** @typedef {import("./types.js").CaptureInfo} CaptureInfo */
+
+/**
+ * @param {HTMLElement} place
+ * @param {State} state
+ * @param {(captures: string[]) => void} use called with the ids to fit to
+ */
+export function showCaptures(place, { captures, active }, use) {
+  if (captures.length === 1) {
+    const [only] = captures;
+    place.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only)));
+    return;
+  }
+  const toggled = (/** @type {string} */ id) =>
+    active.includes(id) ? active.filter((one) => one !== id) : [...active, id];
+  const buttons = captures.map((capture) =>
+    make(
+      "button",
+      {
+        ...{ type: "button", class: "capture", title: `fit to ${capture.name} too, or not` },
+        "aria-pressed": String(active.includes(capture.id)),
+        disabled: active.length === 1 && active[0] === capture.id,
+        on: { click: () => use(toggled(capture.id)) },
+      },
+      ...words(capture),
+    ),
+  );
+  place.replaceChildren(...buttons);
+}
+
+/** @param {CaptureInfo} capture */
+function words({ name, samples, rate_hz, findings }) {
+  const facts = ` ${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
+  const odd = make("span", { class: "odd", text: ` ⚠ ${findings.length}`, title: findings.join("\n") });
+  return [make("strong", { text: name }), facts, ...(findings.length > 0 ? [odd] : [])];
+}
