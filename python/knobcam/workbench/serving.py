@@ -7,12 +7,16 @@ import os
 import signal
 import socket
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import uvicorn
 
 from ..errors import InputError
 from .bench import Bench
 from .server import application, new_token
+
+if TYPE_CHECKING:
+    from starlette.types import ASGIApp
 
 HOST = "127.0.0.1"
 
@@ -22,31 +26,43 @@ def serve(bench: Bench, port: int, tell: Callable[[str], None]) -> None:
 
     Raises InputError where the port cannot be had.
     """
+    token = new_token()
+    with listen(port) as listening, contextlib.suppress(KeyboardInterrupt):
+        # Whoever ends it, it ends the same way.
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
+        at = listening.getsockname()[1]
+        server = web_server(application(bench, token, at))
+        tell(f"http://{HOST}:{at}/?token={token}")
+        server.run([listening])
+    bench.close()
+
+
+def listen(port: int) -> socket.socket:
+    """Return a socket that is bound on the loopback interface alone. Raises InputError where it cannot be."""
     # With its protocol named: asyncio sends small answers without delay on sockets that are surely TCP.
     listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     try:
         if os.name == "posix":  # elsewhere it would let two programs share the port
             listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listening.bind((HOST, port))
+        listening.listen()
     except (OSError, OverflowError) as error:
         listening.close()
         why = getattr(error, "strerror", None) or error
         raise InputError(f"--port {port}: cannot be had ({why}); choose another, or leave it out") from error
-    token = new_token()
-    with listening, contextlib.suppress(KeyboardInterrupt):
-        # Whoever ends it, it ends the same way.
-        signal.signal(signal.SIGTERM, signal.default_int_handler)
-        at = listening.getsockname()[1]
-        config = uvicorn.Config(
-            application(bench, token, at),
-            log_level="critical",
-            access_log=False,
-            server_header=False,
-            proxy_headers=False,
-            lifespan="off",
-            ws="none",
-            timeout_graceful_shutdown=1,  # pages that listen for events never hang up by themselves
-        )
-        tell(f"http://{HOST}:{at}/?token={token}")
-        uvicorn.Server(config).run([listening])
-    bench.close()
+    return listening
+
+
+def web_server(app: ASGIApp) -> uvicorn.Server:
+    """Return what serves the application: plain HTTP, and silent."""
+    config = uvicorn.Config(
+        app,
+        log_level="critical",
+        access_log=False,
+        server_header=False,
+        proxy_headers=False,
+        lifespan="off",
+        ws="none",
+        timeout_graceful_shutdown=1,  # pages that listen for events never hang up by themselves
+    )
+    return uvicorn.Server(config)

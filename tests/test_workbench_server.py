@@ -1,0 +1,425 @@
+"""The workbench's server: who may talk to it, what it takes, and what it never lets through."""
+
+from __future__ import annotations
+
+import base64
+import contextlib
+import json
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+import httpx
+import numpy as np
+import pytest
+from command import knobcam, refused
+
+import knobcam as kc
+from knobcam.errors import InputError
+from knobcam.workbench import bench as benches
+from knobcam.workbench import server
+from knobcam.workbench.guard import HEADER
+from knobcam.workbench.serving import listen, web_server
+
+TOKEN = "a-token-that-nobody-guesses"
+HOSTILE = "<img src=x onerror=alert(1)>\"'&\u2028"
+
+
+@pytest.fixture
+def bench() -> Iterator[benches.Bench]:
+    bench = benches.Bench()
+    yield bench
+    bench.close()
+
+
+@pytest.fixture
+def client(bench: benches.Bench) -> Iterator[httpx.Client]:
+    with listen(0) as listening:
+        port = listening.getsockname()[1]
+        serving = web_server(server.application(bench, TOKEN, port, upload_bytes=2_000_000))
+        thread = threading.Thread(target=serving.run, args=([listening],))
+        thread.start()
+        with httpx.Client(
+            base_url=f"http://127.0.0.1:{port}", headers={HEADER: TOKEN}, timeout=60.0
+        ) as client:
+            yield client
+        serving.should_exit = True
+        thread.join()
+
+
+@pytest.fixture
+def opened(client: Any, bench: benches.Bench, sprung: kc.Capture) -> Any:
+    bench.session.take(sprung, "sprung")
+    return client
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A capture of a linear axis and 1 s."""
+    folder = tmp_path_factory.mktemp("captures")
+    return kc.simulate("knob4", "sweep", duration_s=1.0).save(folder / "small.npz")
+
+
+def wrong(answer: Any, status: int, words: str) -> None:
+    """The answer is JSON with one line that says what is wrong."""
+    assert answer.status_code == status, answer.text
+    assert answer.headers["content-type"] == "application/json"
+    said = answer.json()["error"]
+    assert words in said
+    assert "\n" not in said
+
+
+def test_the_page_is_for_those_who_have_the_token(client: Any):
+    for headers in ({HEADER: ""}, {HEADER: "wrong"}, {HEADER: (TOKEN + "é").encode()}):
+        for path in ("/", "/api/state", "/api/events", "/api/arrays"):
+            wrong(client.get(path, headers=headers), 403, "token")
+        wrong(client.post("/api/undo", headers=headers), 403, "token")
+    assert client.get(f"/?token={TOKEN}", headers={HEADER: ""}).status_code == 200
+    wrong(client.get("/?token=wrong&token=" + TOKEN, headers={HEADER: ""}), 403, "token")
+
+
+def test_two_servers_have_two_tokens():
+    assert server.new_token() != server.new_token()
+    assert len(server.new_token()) > 40
+
+
+@pytest.mark.parametrize(
+    "host",
+    ["evil.example", "evil.example:{}", "127.0.0.1", "127.0.0.1:80", "", "0.0.0.0:{}", "LOCALHOST.:{}"],
+)
+def test_a_name_that_was_bound_to_this_machine_from_outside_is_refused(client: Any, host: str):
+    headers = {"host": host.format(client.base_url.port)}
+    wrong(client.get("/api/state", headers=headers), 403, "this machine alone")
+
+
+@pytest.mark.parametrize(
+    "origin",
+    ["http://evil.example", "null", "https://127.0.0.1:{}", "http://localhost:{}", "http://127.0.0.1", ""],
+)
+def test_a_foreign_page_is_refused_even_with_the_token(client: Any, origin: str):
+    headers = {"origin": origin.format(client.base_url.port)}
+    wrong(client.post("/api/cancel", headers=headers), 403, "own page alone")
+
+
+def test_the_own_page_is_answered_under_both_names_of_this_machine(client: Any):
+    for host in (f"127.0.0.1:{client.base_url.port}", f"localhost:{client.base_url.port}"):
+        headers = {"host": host, "origin": f"http://{host}"}
+        assert client.get("/api/state", headers=headers).status_code == 200
+
+
+def test_every_answer_forbids_the_browser_whatever_the_page_does_not_need(client: Any):
+    for path in ("/", "/app.js", "/api/state", "/nowhere", "/api/arrays?node=x"):
+        headers = client.get(path).headers
+        assert headers["content-security-policy"].startswith("default-src 'self'")
+        assert "unsafe" not in headers["content-security-policy"]
+        assert headers["x-content-type-options"] == "nosniff"
+        assert headers["referrer-policy"] == "no-referrer"
+        assert headers["cache-control"] == "no-store"
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/..%2fserver.py",
+        "/../server.py",
+        "/page",
+        "/page/",
+        "/api",
+        "/api/",
+        "/%2e%2e/guard.py",
+        "//etc/passwd",
+    ],
+)
+def test_no_path_leads_to_a_folder_or_to_another_file(client: Any, path: str):
+    wrong(client.get(path), 404, "nothing of that name")
+
+
+def test_the_page_is_served_with_types_that_are_no_guess(client: Any):
+    assert client.get("/").headers["content-type"].startswith("text/html")
+    assert client.get("/app.js").headers["content-type"].startswith("text/javascript")
+    assert client.get("/app.css", headers={HEADER: ""}).headers["content-type"].startswith("text/css")
+
+
+def test_the_state_is_strict_json_before_and_after_a_capture(client: Any, small: Path):
+    assert client.get("/api/state").json()["node"] is None
+    assert client.post("/api/open", json={"path": str(small)}).json()["revision"] > 0
+    document = client.get("/api/state").json()
+    assert document["schema"] == "knobcam.workbench/1"
+    assert [one["name"] for one in document["captures"]] == ["small.npz"]
+    assert document["job"] is None or document["job"]["id"].startswith("j")
+
+
+def test_an_effect_is_added_undone_and_redone(opened: Any):
+    before = opened.get("/api/state").json()
+    assert opened.post("/api/add", json={"effect": "return_spring"}).status_code == 200
+    after = opened.get("/api/state").json()
+    assert after["rmse"] < before["rmse"]
+    opened.post("/api/undo")
+    again = opened.get("/api/state").json()
+    assert again["params"] == before["params"]  # numbers of JSON are those of the fit to the last bit
+    assert again["node"] == before["node"]
+    opened.post("/api/redo")
+    assert opened.get("/api/state").json()["params"] == after["params"]
+    opened.post("/api/branch", json={"name": "aside"})
+    opened.post("/api/drop", json={"effect": "return_spring"})
+    assert len(opened.get("/api/state").json()["branches"]) == 2
+    opened.post("/api/switch", json={"branch": before["branch"]})
+    assert opened.get("/api/state").json()["node"] == after["node"]
+
+
+def test_candidates_come_by_themselves(opened: Any, bench: benches.Bench):
+    opened.post("/api/diagnose")
+    job = bench.weighing.current
+    if job is not None:
+        job.result.result(60.0)
+    state = opened.get("/api/state").json()
+    assert state["candidates"]["ready"]
+    top = state["candidates"]["rows"][0]
+    assert top["effect"] == "return_spring"
+    query = {"node": state["node"], "capture": state["active"][0], "effect": top["effect"]}
+    assert opened.get("/api/signature", params=query).status_code == 200
+    wrong(opened.get("/api/signature", params=query | {"effect": HOSTILE}), 400, "is not weighed")
+
+
+def test_samples_come_as_a_line_of_json_and_floats(opened: Any, sprung: kc.Capture):
+    state = opened.get("/api/state").json()
+    query = {"node": state["node"], "capture": state["active"][0], "names": "theta,residual"}
+    content = opened.get("/api/arrays", params=query).content
+    head = json.loads(content.split(b"\n")[0])
+    assert head == {"names": ["theta", "residual"], "n": sprung.samples, "dtype": "f32"}
+    assert len(content) % 4 == 0
+    for change in ({"node": "n99"}, {"capture": HOSTILE}, {"names": HOSTILE}, {"names": ""}):
+        wrong(opened.get("/api/arrays", params=query | change), 400, "")
+
+
+def test_a_dragged_parameter_has_a_node_of_its_own_to_fetch(opened: Any):
+    fitted = opened.get("/api/state").json()
+    opened.post("/api/params", json={"viscous.pos": 0.01})
+    moved = opened.get("/api/state").json()
+    assert moved["node"] != fitted["node"]
+    assert moved["rmse"] > fitted["rmse"]
+    assert moved["rmse_heldout"] is None
+    query = {"capture": moved["active"][0], "names": "model"}
+    model = [
+        opened.get("/api/arrays", params=query | {"node": one["node"]}).content for one in (fitted, moved)
+    ]
+    assert model[0] != model[1]
+    opened.post("/api/snap")
+    assert opened.get("/api/state").json()["node"] == fitted["node"]
+
+
+def test_the_share_of_a_region_is_told(opened: Any, sprung: kc.Capture):
+    capture = opened.get("/api/state").json()["active"][0]
+    every = np.arange(sprung.samples, dtype="<u4").tobytes()
+    body = {"capture": capture, "indices": base64.b64encode(every).decode()}
+    assert opened.post("/api/share", json=body).json()["share"] == pytest.approx(1.0)
+    wrong(opened.post("/api/share", json=body | {"indices": "x"}), 400, "indices")
+    wrong(opened.post("/api/share", json=body | {"indices": "AAA="}), 400, "indices")
+
+
+@pytest.mark.parametrize(
+    ("verb", "body"),
+    [
+        ("add", {}),
+        ("add", {"effect": 3}),
+        ("add", {"effect": HOSTILE}),
+        ("add", {"effect": "coulomb"}),
+        ("drop", {"effect": "stribeck"}),
+        ("switch", {"branch": "b99"}),
+        ("params", {"nope.x": 1.0}),
+        ("params", {"detent.P": "1"}),
+        ("open", {"path": "/no/such\nfile"}),
+        ("open", {"path": "a\0b"}),
+        ("open", {"path": ".", "rate": "fast"}),
+        ("open", {"path": "x", "axis": HOSTILE}),
+        ("use", {"captures": "c1"}),
+        ("use", {"captures": []}),
+        ("save", {"what": "model", "path": "/no/such/folder/x"}),
+        ("save", {"what": HOSTILE, "path": "x"}),
+        ("undo", {}),
+        ("redo", {}),
+    ],
+)
+def test_a_wrong_input_is_answered_with_one_line_and_changes_nothing(opened: Any, verb: str, body: Any):
+    before = opened.get("/api/state").json()
+    wrong(opened.post(f"/api/{verb}", json=body), 400, "")
+    after = opened.get("/api/state").json()
+    assert after["branches"] == before["branches"]
+    assert after["captures"] == before["captures"]
+
+
+@pytest.mark.parametrize("body", [b"{", b"[1]", b"\xff", b'"add"', b"[" * 100_000])
+def test_a_body_that_is_no_object_is_answered_with_one_line(opened: Any, body: bytes):
+    wrong(opened.post("/api/add", content=body), 400, "JSON")
+
+
+def test_a_file_that_is_handed_over_becomes_a_capture(client: Any, small: Path):
+    name = quote("../../my <b>knob</b>.npz")
+    answer = client.post("/api/upload", content=small.read_bytes(), headers={"x-filename": name})
+    assert answer.status_code == 200, answer.text
+    # No folder of the name is left, and what is left of it is text.
+    assert [one["name"] for one in client.get("/api/state").json()["captures"]] == ["b>.npz"]
+
+
+def test_a_foreign_file_is_read_by_its_map(client: Any, tmp_path: Path):
+    capture = kc.simulate("knob4", "sweep", duration_s=1.0)
+    rows = np.column_stack([capture.t, np.degrees(capture.theta), capture.tau])
+    np.savetxt(tmp_path / "x.csv", rows, delimiter=",", header="time,deg,M", comments="")
+    content = (tmp_path / "x.csv").read_bytes()
+    wrong(client.post("/api/upload", content=content, headers={"x-filename": "x.csv"}), 400, "x.csv")
+    query = {"map": "t=time, theta=deg [deg], tau=M"}
+    answer = client.post("/api/upload", params=query, content=content, headers={"x-filename": "x.csv"})
+    assert answer.status_code == 200, answer.text
+
+
+def test_a_file_that_is_too_large_is_refused_while_it_comes(client: Any):
+    read = 0
+
+    def endless() -> Iterator[bytes]:
+        nonlocal read
+        while read < 50_000_000:
+            read += 100_000
+            yield bytes(100_000)
+
+    wrong(client.post("/api/upload", content=bytes(2_000_001)), 413, "more than 2 MB")
+    wrong(client.post("/api/upload", content=endless()), 413, "more than 2 MB")
+    assert read < 50_000_000
+
+
+class Bomb:
+    def __reduce__(self) -> tuple[Any, ...]:
+        return os.mkdir, ("unpickled",)
+
+
+def test_what_is_handed_over_is_never_unpickled(client: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+    objects = np.array([Bomb()], dtype=object)
+    np.savez(tmp_path / "bomb.npz", theta_rad=objects, tau_Nm=objects, allow_pickle=True)
+    np.save(tmp_path / "bomb.npy", objects, allow_pickle=True)
+    contents = [(tmp_path / name).read_bytes() for name in ("bomb.npz", "bomb.npy")]
+    for content in [*contents, pickle.dumps(Bomb())]:
+        wrong(client.post("/api/upload", content=content, headers={"x-filename": "bomb"}), 400, "bomb")
+    assert not (tmp_path / "unpickled").exists()
+
+
+def test_text_from_files_is_text_in_json_and_nowhere_else(client: Any, bench: benches.Bench, tmp_path: Path):
+    """Names, metadata and branches reach the page as strings of JSON that no browser takes for markup."""
+    capture = kc.simulate("knob4", "sweep", duration_s=1.0)
+    hostile = kc.Capture.from_arrays(
+        t=capture.t, theta=capture.theta, tau=capture.tau, meta={"source": HOSTILE, HOSTILE: HOSTILE}
+    )
+    content = hostile.save(tmp_path / "x.npz").read_bytes()
+    client.post("/api/upload", content=content, headers={"x-filename": quote(HOSTILE.replace("/", ""))})
+    client.post("/api/branch", json={"name": HOSTILE})
+    answer = client.get("/api/state")
+    assert answer.headers["content-type"] == "application/json"
+    assert answer.json()["branches"][1]["name"] == " ".join(HOSTILE.split())
+    assert answer.json()["captures"][0]["name"].startswith("<img src=x")
+    assert "<img" not in client.get("/").text
+    report = client.get("/api/download?what=report")
+    assert report.headers["content-type"] == "application/octet-stream"
+    assert report.headers["content-disposition"] == 'attachment; filename="knobcam-report.html"'
+    assert "<img src=x" not in report.text
+    compile(client.get("/api/download?what=script").text, "session.py", "exec")
+    assert bench.session.captures
+
+
+def test_an_effect_of_somebody_elses_with_a_hostile_law_is_text(opened: Any, bench: benches.Bench):
+    own = kc.OwnParameter("N m/rad", linear=True, meaning=HOSTILE)
+
+    @kc.own_effect("hostile", law=HOSTILE, source=HOSTILE, shows=HOSTILE, k=own)
+    def hostile(motion: kc.OwnMotion, k: float) -> Any:
+        return k * motion.theta**3
+
+    with pytest.raises(InputError):
+        kc.own_effect(HOSTILE, law="k", k=own)(hostile)
+    bench.session.add("hostile")
+    bench.session.weigh()
+    answer = opened.get("/api/state")
+    assert answer.headers["content-type"] == "application/json"
+    row = next(row for row in answer.json()["params"] if row["name"] == "hostile.k")
+    assert row["meaning"] == " ".join(HOSTILE.split())
+    assert answer.json()["candidates"]["ready"]
+
+
+def test_what_can_be_saved_can_be_fetched(opened: Any, tmp_path: Path):
+    for what, start in (("model", b"axis"), ("script", b'"""A session'), ("report", b"<!DOCTYPE html>")):
+        answer = opened.get("/api/download", params={"what": what})
+        assert answer.status_code == 200
+        assert start in answer.content[:300]
+    target = tmp_path / "model.toml"
+    saved = opened.post("/api/save", json={"what": "model", "path": str(target)}).json()
+    assert saved["path"] == str(target)
+    assert kc.Model.load(target).effects
+    wrong(opened.post("/api/save", json={"what": "model", "path": str(target)}), 400, "exists already")
+    wrong(opened.get("/api/download", params={"what": "../../x"}), 400, "cannot be saved")
+
+
+def test_work_is_cancelled_and_nothing_changed(opened: Any, bench: benches.Bench):
+    before = opened.get("/api/state").json()
+    job = bench.work.start("waiting", lambda job: [job.rest(60.0)])
+    assert opened.get("/api/state").json()["job"] == {"id": job.id, "what": "waiting", "done": None}
+    assert opened.post("/api/cancel").status_code == 200
+    with pytest.raises(InputError, match="cancelled"):
+        job.result.result(10.0)
+    after = opened.get("/api/state").json()
+    assert (after["node"], after["params"]) == (before["node"], before["params"])
+
+
+def test_a_failure_of_the_program_is_one_line_as_well(opened: Any, bench: benches.Bench, monkeypatch: Any):
+    def broken(*_: Any) -> None:
+        raise ZeroDivisionError("by\nnought")
+
+    monkeypatch.setattr(bench.session, "add", broken)
+    wrong(opened.post("/api/add", json={"effect": "stribeck"}), 500, "ZeroDivisionError: by nought")
+
+
+def test_a_port_that_is_taken_is_told_in_one_line():
+    with listen(0) as taken, pytest.raises(InputError, match="cannot be had"):
+        listen(taken.getsockname()[1])
+    with pytest.raises(InputError, match="cannot be had"):
+        listen(70_000)
+
+
+def test_a_capture_that_is_not_there_ends_the_command(tmp_path: Path):
+    refused(knobcam("workbench", "--no-browser", tmp_path / "none.csv"), "none.csv")
+
+
+def test_without_its_packages_the_workbench_says_what_to_install(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setitem(sys.modules, "uvicorn", None)
+    refused(knobcam("workbench", "--no-browser"), 'pip install "knobcam[all]"')
+
+
+def test_the_command_prints_its_address_tells_what_happens_and_ends_by_an_interrupt(small: Path):
+    words = [sys.executable, "-m", "knobcam", "workbench", "--no-browser", str(small)]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            address = process.stdout.readline().strip()
+            base, token = address.split("/?token=")
+            assert base.startswith("http://127.0.0.1:")
+            headers = {HEADER: token}
+            assert httpx.get(address).status_code == 200
+            assert httpx.get(f"{base}/").status_code == 403
+            assert httpx.get(f"{base}/api/state", headers=headers).json()["node"] is not None
+            with httpx.stream("GET", f"{base}/api/events?token={token}", timeout=30.0) as events:
+                lines = (line for line in events.iter_lines() if line.startswith("event:"))
+                assert next(lines) == "event: state"
+                httpx.post(f"{base}/api/diagnose", headers=headers)
+                assert "event: progress" in (next(lines), next(lines), next(lines))
+                started = time.monotonic()
+                process.send_signal(signal.SIGINT)
+                with contextlib.suppress(httpx.HTTPError):
+                    list(lines)
+            assert process.wait(20.0) == 0
+            assert time.monotonic() - started < 10.0
+            assert process.stderr.read() == ""
+        finally:
+            process.kill()

@@ -1,0 +1,348 @@
+"""The workbench without its page: a session that adds, drops, undoes, forks, and is saved."""
+
+from __future__ import annotations
+
+import json
+import runpy
+import threading
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import knobcam as kc
+from knobcam.errors import InputError
+from knobcam.strict_json import as_json
+from knobcam.workbench import arrays, saving, state
+from knobcam.workbench.jobs import Cancelled, Job, Worker
+from knobcam.workbench.session import Session
+from knobcam.workbench.story import ladder
+
+
+def quiet(_: str) -> None:
+    return
+
+
+@pytest.fixture(scope="module")
+def recording(sprung: kc.Capture, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return sprung.save(tmp_path_factory.mktemp("captures") / "sprung.npz")
+
+
+@pytest.fixture
+def session(recording: Path) -> Session:
+    session = Session()
+    session.open(str(recording))
+    return session
+
+
+@pytest.fixture(scope="module")
+def weighed(recording: Path) -> Session:
+    """With the first node weighed; whoever changes it goes back."""
+    session = Session()
+    session.open(str(recording))
+    session.weigh()
+    return session
+
+
+def told(session: Session) -> dict:
+    return json.loads(as_json(state.document(session)))
+
+
+def test_a_capture_is_fitted_when_it_is_opened(session: Session, sprung: kc.Capture):
+    assert session.node.fit.rmse == kc.fit(sprung).rmse
+    assert [step["added"] for step in told(session)["branches"][0]["steps"]] == [None]
+
+
+def test_without_a_capture_there_is_nothing_to_do():
+    session = Session()
+    assert told(session)["node"] is None
+    for attempt in (session.undo, session.weigh, session.snap, lambda: session.add("stribeck")):
+        with pytest.raises(InputError, match="open one first"):
+            attempt()
+
+
+def test_adding_the_missing_effect_brings_the_error_to_the_floor(weighed: Session):
+    top = told(weighed)["candidates"]["rows"][0]
+    assert top["effect"] == "return_spring"
+    weighed.add(top["effect"])
+    fit = weighed.node.fit
+    assert fit.rmse < 1.05 * fit.noise_floor < weighed.branch.steps[0].fit.rmse
+    assert [rung["label"] for rung in told(weighed)["ladder"]] == ["first model", "+ return_spring"]
+    weighed.undo()
+
+
+def test_an_effect_that_was_weighed_is_fitted_to_the_last_bit_as_one_that_was_not(weighed: Session):
+    plain = weighed.node.fit.add("return_spring")
+    weighed.add("return_spring")
+    assert weighed.node.fit.model.text() == plain.model.text()
+    assert weighed.node.diagnosis is not None
+    assert weighed.node.p_value <= 0.05
+    weighed.undo()
+
+
+def test_undo_and_redo_restore_the_very_same_fits(session: Session):
+    first = session.node
+    before = told(session)["params"]
+    session.add("return_spring")
+    second = session.node
+    session.undo()
+    assert session.node is first
+    assert told(session)["params"] == before
+    session.redo()
+    assert session.node is second
+    with pytest.raises(InputError, match="nothing to redo"):
+        session.redo()
+    session.undo()
+    with pytest.raises(InputError, match="nothing to undo"):
+        session.undo()
+
+
+def test_what_was_undone_is_gone_once_something_else_is_added(session: Session):
+    session.add("return_spring")
+    session.undo()
+    session.add("offset" if "offset" in session.node.fit.model.effects else "quadratic_drag")
+    assert [node.effect for node in session.branch.steps] == [None, "quadratic_drag"]
+
+
+def test_dropping_what_was_added_gives_the_error_back(session: Session):
+    first = session.node.fit.rmse
+    session.add("return_spring")
+    session.drop("return_spring")
+    assert session.node.fit.rmse == pytest.approx(first, rel=1e-6)
+    assert told(session)["branches"][0]["steps"][-1]["dropped"] == "return_spring"
+    with pytest.raises(InputError, match="is not in the model"):
+        session.drop("return_spring")
+
+
+def test_a_model_keeps_its_last_effect(session: Session):
+    *others, last = session.node.fit.model.effects
+    for effect in others:
+        if effect in session.node.fit.model.effects:
+            session.drop(effect)
+    with pytest.raises(InputError, match="all that the model has"):
+        session.drop(last)
+
+
+def test_two_branches_go_their_own_ways_from_a_common_past(session: Session):
+    session.add("return_spring")
+    other = session.fork("with  drag")
+    session.add("quadratic_drag")
+    session.switch(next(iter(session.branches)))
+    rows = told(session)["branches"]
+    assert [[step["added"] for step in row["steps"]] for row in rows] == [
+        [None, "return_spring"],
+        [None, "return_spring", "quadratic_drag"],
+    ]
+    assert session.branches[other].name == "with drag"
+    assert session.branches[other].steps[1] is session.branch.steps[1]
+    with pytest.raises(InputError, match="is not in this session"):
+        session.switch("b99")
+
+
+def test_a_dragged_parameter_changes_the_error_and_snaps_back(session: Session):
+    fitted = session.node.fit
+    value = fitted.params["viscous.pos"].value
+    session.drag({"viscous.pos": value + 1e-3})
+    row = next(row for row in told(session)["params"] if row["name"] == "viscous.pos")
+    assert (row["value"], row["fitted"], row["dragged"]) == (value + 1e-3, value, True)
+    rest = session.view.residual(0)
+    assert session.view.rmse == pytest.approx(np.sqrt(np.nanmean(np.square(rest))))
+    assert session.view.rmse > 1.05 * fitted.rmse
+    assert session.node.fit is fitted
+    session.snap()
+    assert session.view.model == fitted.model
+    assert session.view.rmse == fitted.rmse
+
+
+def test_a_view_that_was_dragged_away_is_still_itself(session: Session):
+    session.drag({"viscous.pos": 0.01})
+    first = session.view
+    session.drag({"viscous.neg": 0.02})
+    assert session.view.id != first.id
+    assert session.view_of(first.id) is first
+    assert dict(session.view.dragged) == {"viscous.pos": 0.01, "viscous.neg": 0.02}
+    with pytest.raises(InputError, match="is not in this session"):
+        session.view_of("n1000")
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), "1", True, None, 1e300])
+def test_a_parameter_cannot_be_dragged_to_what_is_no_number(session: Session, value: object):
+    revision = session.revision
+    with pytest.raises(InputError):
+        session.drag({"detent.P": value})
+    assert session.revision == revision
+
+
+def test_captures_of_one_knob_are_fitted_together_and_one_can_be_left_out(
+    session: Session, sprung: kc.Capture
+):
+    knob = kc.Model.load("knob4").with_effect("return_spring").with_value("return_spring.k", 0.004)
+    session.add("return_spring")
+    other = session.take(kc.simulate(knob, "sweep", seed=7), "other")
+    assert len(session.node.fit.prepared) == 2
+    assert "return_spring" in session.node.fit.model.effects
+    session.use([other])
+    assert session.node.captures == (other,)
+    assert [rung["label"] for rung in told(session)["ladder"]] == ["first model"]
+    session.undo()
+    session.undo()
+    assert len(session.node.fit.prepared) == 1
+    with pytest.raises(InputError, match="is not in this session"):
+        session.use(["c99"])
+    with pytest.raises(InputError, match="captures 1 and 2 are the same"):
+        session.take(sprung, "again")
+    assert set(session.captures) == {*session.branch.steps[-1].captures, *session.branch.steps[0].captures}
+
+
+def test_work_that_is_given_up_between_rounds_changes_nothing(session: Session):
+    before, revision = session.node, session.revision
+
+    def stop(what: str) -> None:
+        if what.startswith("putting"):
+            raise Cancelled
+
+    for attempt in (
+        lambda: session.add("return_spring", stop),
+        lambda: session.drop("viscous", stop),
+        lambda: session.take(kc.simulate("knob4", seed=3), "other", tell=stop),
+    ):
+        with pytest.raises(Cancelled):
+            attempt()
+    assert (session.node, session.revision, len(session.captures)) == (before, revision, 1)
+
+
+def test_a_fit_that_comes_after_the_session_moved_on_is_not_put_in_place(session: Session):
+    session.add("return_spring")
+
+    def meanwhile(what: str) -> None:
+        if what.startswith("putting"):
+            session.undo()
+
+    with pytest.raises(InputError, match="has moved on"):
+        session.add("quadratic_drag", meanwhile)
+    assert session.node is session.branch.steps[0]
+
+
+def test_columns_are_those_of_the_fit(session: Session):
+    content = arrays.columns(session.view, 0, ["theta", "residual", "model", "tau", "position_part", "band"])
+    line, _, _ = content.partition(b"\n")
+    head = json.loads(line)
+    start = -(-(len(line) + 1) // 4) * 4
+    values = np.frombuffer(content[start:], dtype="<f4").reshape(len(head["names"]), head["n"])
+    found = dict(zip(head["names"], values, strict=True))
+    fit = session.node.fit
+    assert head["dtype"] == "f32"
+    np.testing.assert_array_equal(found["residual"], fit.residuals[0].astype("f4"))
+    counts = np.isfinite(fit.residual)
+    np.testing.assert_allclose((found["tau"] - found["model"])[counts], fit.residual[counts], atol=1e-7)
+    assert np.nanstd(found["position_part"]) > 0.0
+    for names in (["nope"], []):
+        with pytest.raises(InputError, match="names"):
+            arrays.columns(session.view, 0, names)
+
+
+def test_a_signature_is_what_the_effect_takes_off_the_residual(weighed: Session):
+    diagnosis = weighed.diagnosis_of(weighed.node.id)
+    assert diagnosis is not None
+    content = arrays.signature(diagnosis["return_spring"], weighed.view, 0)
+    line, _, _ = content.partition(b"\n")
+    head = json.loads(line)
+    column = np.frombuffer(content[-4 * head["n"] :], dtype="<f4")
+    before, after = weighed.node.fit.residual, diagnosis["return_spring"].fit.residual
+    counts = np.isfinite(before)
+    np.testing.assert_allclose(column[counts], (before - after)[counts], atol=1e-7)
+    assert head["names"] == ["return_spring"]
+
+
+def test_all_samples_hold_the_whole_error_and_none_hold_none(session: Session):
+    capture = session.node.captures[0]
+    n = session.captures[capture].capture.samples
+    assert session.share(capture, range(n)) == pytest.approx(1.0)
+    assert session.share(capture, []) == 0.0
+    halves = [session.share(capture, range(n // 2)), session.share(capture, range(n // 2, n))]
+    assert sum(halves) == pytest.approx(1.0)
+    assert session.share(capture, [5, 5, 5]) == session.share(capture, [5])
+    with pytest.raises(InputError, match="from 0 to"):
+        session.share(capture, [n])
+
+
+def test_the_script_of_a_session_makes_the_same_model_to_the_last_bit(
+    weighed: Session, tmp_path: Path, capsys
+):
+    knob = kc.Model.load("knob4").with_effect("return_spring").with_value("return_spring.k", 0.004)
+    second = kc.simulate(knob, "sweep", seed=7).save(tmp_path / 'a "quoted" name.npz')
+    weighed.fork("scripted")
+    weighed.add("return_spring")
+    weighed.add("quadratic_drag")
+    weighed.drop("quadratic_drag")
+    weighed.open(str(second))
+    path = saving.save(weighed, "script", tmp_path / "session.py", quiet)
+    made = runpy.run_path(str(path))["fit"]
+    assert "return_spring" in capsys.readouterr().out
+    assert made.model.text() == weighed.node.fit.model.text()
+    weighed.switch(next(iter(weighed.branches)))
+
+
+def test_a_model_a_report_and_pictures_are_saved(weighed: Session, tmp_path: Path):
+    weighed.fork("saved")
+    weighed.add("return_spring")
+    model = saving.save(weighed, "model", tmp_path / "knob.toml", quiet)
+    assert kc.Model.load(model) == weighed.node.fit.model
+    report = saving.save(weighed, "report", tmp_path / "report.html", quiet).read_text()
+    assert "return_spring was missing" in report
+    pictures = saving.save(weighed, "figures", tmp_path / "figures.zip", quiet)
+    with zipfile.ZipFile(pictures) as archive:
+        names = archive.namelist()
+    assert len(names) > 10
+    assert all(name.endswith(".png") for name in names)
+    with pytest.raises(InputError, match="exists already"):
+        saving.save(weighed, "model", model, quiet)
+    with pytest.raises(InputError, match="cannot be saved"):
+        saving.save(weighed, "pickle", tmp_path / "x", quiet)
+    with pytest.raises(InputError, match="there is no folder"):
+        saving.save(weighed, "model", tmp_path / "none" / "x", quiet)
+    weighed.switch(next(iter(weighed.branches)))
+
+
+def test_a_rung_that_lost_an_effect_says_so(session: Session):
+    session.add("return_spring")
+    session.drop("viscous")
+    rungs = ladder(session.branch.done)
+    assert [(rung.added, rung.dropped) for rung in rungs] == [(None, ()), ("return_spring", ("viscous",))]
+    assert rungs[1].fit.before is rungs[0].fit
+
+
+def test_a_job_that_is_cancelled_ends_at_its_next_round_and_the_next_one_is_done():
+    begun, go_on, rounds = threading.Event(), threading.Event(), []
+    worker = Worker("test", lambda _: None)
+
+    def work(job: Job) -> None:
+        begun.set()
+        go_on.wait(10.0)
+        job.tell("second round")
+        rounds.append("second")
+
+    job = worker.start("first", work)
+    assert begun.wait(10.0)
+    assert worker.current is job
+    worker.cancel()
+    with pytest.raises(Cancelled):
+        job.result.result(10.0)
+    assert worker.current is None
+    go_on.set()
+    assert worker.start("next", lambda _: "done").result.result(10.0) == "done"
+    assert rounds == []
+    worker.close()
+
+
+def test_a_job_that_fails_tells_why_and_the_thread_lives_on():
+    worker = Worker("test", lambda _: None)
+
+    def broken(_: Job) -> None:
+        raise ZeroDivisionError("by nought")
+
+    with pytest.raises(ZeroDivisionError, match="by nought"):
+        worker.start("broken", broken).result.result(10.0)
+    assert worker.start("next", lambda _: 1).result.result(10.0) == 1
+    worker.close()
