@@ -1,8 +1,8 @@
 """How fast the workbench's page is in a browser: `python benches/study_page.py [SAMPLES...]`.
 
-A headless Chromium with software rendering goes through the story of `web/browser/story.js`. "painted" is from
-the person's deed to the beginning of the frame after the one that drew it, "script" how long the main thread
-was busy with drawing; of a brush, the slowest of its moves.
+A headless Chromium with software rendering goes through the story of `web/browser/story.js`. "painted" is
+from the deed to the beginning of the frame after the one that drew it, "script" how long the main thread was
+busy with drawing; of a brush, the slowest of its moves.
 """
 
 from __future__ import annotations
