@@ -55,6 +55,7 @@ export class Linked {
     this.signature = null;
     this.waiting = false;
     this.widest = 0;
+    this.squares = 0; // of the residual, all together
     new ResizeObserver(() => this.redraw()).observe(this.element);
   }
 
@@ -72,6 +73,7 @@ export class Linked {
     }
     this.data = data;
     this.signature = null;
+    this.squares = columns.residual.reduce((sum, value) => (value === value ? sum + value * value : sum), 0);
     const word = data.axis === "linear" ? "force" : "torque";
     const rest = limits([columns.residual], { around: 0 });
     const reach = Math.max(-rest[0], rest[1], 2 * (data.noise ?? 0));
@@ -160,39 +162,30 @@ export class Linked {
     for (const plot of this.residuals) plot.drawLight(this.chosen, above);
   }
 
-  /** The part of the squared error that the chosen samples have; null where none are chosen. */
+  /** The part of the squared error that the chosen samples have, and their RMS; null where none are chosen. */
   get share() {
     if (!this.chosen || !this.data) return null;
     const { residual } = this.data.columns;
-    let [all, mine] = [0, 0];
-    for (let i = 0; i < residual.length; i++) {
-      if (residual[i] === residual[i]) all += residual[i] ** 2;
+    let [sum, count] = [0, 0];
+    for (let at = 0; at < this.chosen.length; at++) {
+      const value = residual[this.chosen[at]];
+      if (value !== value) continue;
+      sum += value * value;
+      count++;
     }
-    for (const i of this.chosen) if (residual[i] === residual[i]) mine += residual[i] ** 2;
-    return all > 0 ? mine / all : 0;
+    return { ofError: this.squares > 0 ? sum / this.squares : 0, rms: Math.sqrt(sum / Math.max(1, count)) };
   }
 
   tell() {
-    if (!this.chosen || !this.data) return this.told(null);
-    const samples = this.data.columns.t.length;
-    const part = percent(this.chosen.length / samples);
-    const count = this.chosen.length.toLocaleString("en");
+    const { chosen, data, share } = this;
+    if (!chosen || !data || !share) return this.told(null);
+    const part = percent(chosen.length / data.columns.t.length);
+    const scale = torqueScale(data.unit, share.rms);
+    const rms = chosen.length > 0 ? ` (RMS ${number(share.rms * scale.factor)} ${scale.unit})` : "";
+    const count = chosen.length.toLocaleString("en");
     return this.told(
-      `${count} samples chosen, ${part} of all: they have ${percent(this.share ?? 0)} of the squared error` +
-        (this.chosen.length > 0 ? ` (RMS ${this.rmsOfChosen()})` : ""),
+      `${count} samples chosen, ${part} of all: they have ${percent(share.ofError)} of the squared error${rms}`,
     );
-  }
-
-  rmsOfChosen() {
-    const { columns, unit } = /** @type {Data} */ (this.data);
-    let [sum, count] = [0, 0];
-    for (const i of this.chosen ?? []) {
-      const value = columns.residual[i];
-      if (value === value) [sum, count] = [sum + value ** 2, count + 1];
-    }
-    const rms = Math.sqrt(sum / Math.max(1, count));
-    const scale = torqueScale(unit, rms);
-    return `${number(rms * scale.factor)} ${scale.unit}`;
   }
 }
 

@@ -41,14 +41,6 @@ export function place(xs, ys, frame) {
   return pixels;
 }
 
-/**
- * The pixels of a dot, seen from its upper left corner.
- * @param {Frame} frame
- */
-function dotOffsets({ dot, width }) {
-  return Array.from({ length: dot * dot }, (_, at) => Math.floor(at / dot) * width + (at % dot));
-}
-
 const USUAL = 4; // times the mean count of points on a pixel have the full colour
 
 /**
@@ -63,12 +55,14 @@ const USUAL = 4; // times the mean count of points on a pixel have the full colo
 export function drawCloud(image, pixels, frame, colour, strength) {
   const counts = new Uint16Array(image.length);
   let [points, hit] = [0, 0];
-  for (const offset of dotOffsets(frame)) {
-    for (let i = 0; i < pixels.length; i++) {
-      if (pixels[i] < 0) continue;
-      points++;
-      if (counts[pixels[i] + offset]++ === 0) hit++;
+  const { dot, width } = frame;
+  for (let i = 0; i < pixels.length; i++) {
+    if (pixels[i] < 0) continue;
+    for (let row = 0; row < dot; row++) {
+      const first = pixels[i] + row * width;
+      for (let at = first; at < first + dot; at++) if (counts[at]++ === 0) hit++;
     }
+    points += dot * dot;
   }
   const full = Math.max(2, Math.ceil((USUAL * points) / Math.max(1, hit)));
   const rise = (1 - strength) / Math.log(full);
@@ -88,11 +82,14 @@ export function drawCloud(image, pixels, frame, colour, strength) {
  * @param {number} colour
  */
 export function drawPoints(image, pixels, chosen, frame, colour) {
+  const { dot, width } = frame;
   const count = chosen ? chosen.length : pixels.length;
-  for (const offset of dotOffsets(frame)) {
-    for (let at = 0; at < count; at++) {
-      const pixel = pixels[chosen ? chosen[at] : at];
-      if (pixel >= 0) image[pixel + offset] = colour;
+  for (let i = 0; i < count; i++) {
+    const pixel = pixels[chosen ? chosen[i] : i];
+    if (pixel < 0) continue;
+    for (let row = 0; row < dot; row++) {
+      const first = pixel + row * width;
+      for (let at = first; at < first + dot; at++) image[at] = colour;
     }
   }
 }

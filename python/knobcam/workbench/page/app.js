@@ -672,19 +672,18 @@ function place(xs, ys, frame) {
   }
   return pixels;
 }
-function dotOffsets({ dot, width }) {
-  return Array.from({ length: dot * dot }, (_, at) => Math.floor(at / dot) * width + at % dot);
-}
 var USUAL = 4;
 function drawCloud(image, pixels, frame, colour, strength) {
   const counts = new Uint16Array(image.length);
   let [points, hit] = [0, 0];
-  for (const offset of dotOffsets(frame)) {
-    for (let i = 0; i < pixels.length; i++) {
-      if (pixels[i] < 0) continue;
-      points++;
-      if (counts[pixels[i] + offset]++ === 0) hit++;
+  const { dot, width } = frame;
+  for (let i = 0; i < pixels.length; i++) {
+    if (pixels[i] < 0) continue;
+    for (let row = 0; row < dot; row++) {
+      const first = pixels[i] + row * width;
+      for (let at = first; at < first + dot; at++) if (counts[at]++ === 0) hit++;
     }
+    points += dot * dot;
   }
   const full = Math.max(2, Math.ceil(USUAL * points / Math.max(1, hit)));
   const rise = (1 - strength) / Math.log(full);
@@ -694,11 +693,14 @@ function drawCloud(image, pixels, frame, colour, strength) {
   }
 }
 function drawPoints(image, pixels, chosen, frame, colour) {
+  const { dot, width } = frame;
   const count = chosen ? chosen.length : pixels.length;
-  for (const offset of dotOffsets(frame)) {
-    for (let at = 0; at < count; at++) {
-      const pixel = pixels[chosen ? chosen[at] : at];
-      if (pixel >= 0) image[pixel + offset] = colour;
+  for (let i = 0; i < count; i++) {
+    const pixel = pixels[chosen ? chosen[i] : i];
+    if (pixel < 0) continue;
+    for (let row = 0; row < dot; row++) {
+      const first = pixel + row * width;
+      for (let at = first; at < first + dot; at++) image[at] = colour;
     }
   }
 }
@@ -911,6 +913,7 @@ var Linked = class {
     this.signature = null;
     this.waiting = false;
     this.widest = 0;
+    this.squares = 0;
     new ResizeObserver(() => this.redraw()).observe(this.element);
   }
   /**
@@ -927,6 +930,7 @@ var Linked = class {
     }
     this.data = data;
     this.signature = null;
+    this.squares = columns.residual.reduce((sum, value) => value === value ? sum + value * value : sum, 0);
     const word = data.axis === "linear" ? "force" : "torque";
     const rest = limits([columns.residual], { around: 0 });
     const reach = Math.max(-rest[0], rest[1], 2 * (data.noise ?? 0));
@@ -1009,39 +1013,29 @@ var Linked = class {
     const above = this.signature && { y: this.signature, colour: "--signature" };
     for (const plot of this.residuals) plot.drawLight(this.chosen, above);
   }
-  /** The part of the squared error that the chosen samples have; null where none are chosen. */
+  /** The part of the squared error that the chosen samples have, and their RMS; null where none are chosen. */
   get share() {
     if (!this.chosen || !this.data) return null;
     const { residual } = this.data.columns;
-    let [all, mine] = [0, 0];
-    for (let i = 0; i < residual.length; i++) {
-      if (residual[i] === residual[i]) all += residual[i] ** 2;
+    let [sum, count] = [0, 0];
+    for (let at = 0; at < this.chosen.length; at++) {
+      const value = residual[this.chosen[at]];
+      if (value !== value) continue;
+      sum += value * value;
+      count++;
     }
-    for (const i of this.chosen) if (residual[i] === residual[i]) mine += residual[i] ** 2;
-    return all > 0 ? mine / all : 0;
+    return { ofError: this.squares > 0 ? sum / this.squares : 0, rms: Math.sqrt(sum / Math.max(1, count)) };
   }
   tell() {
-    if (!this.chosen || !this.data) return this.told(null);
-    const samples = this.data.columns.t.length;
-    const part = percent(this.chosen.length / samples);
-    const count = this.chosen.length.toLocaleString("en");
+    const { chosen, data, share } = this;
+    if (!chosen || !data || !share) return this.told(null);
+    const part = percent(chosen.length / data.columns.t.length);
+    const scale = torqueScale(data.unit, share.rms);
+    const rms = chosen.length > 0 ? ` (RMS ${number(share.rms * scale.factor)} ${scale.unit})` : "";
+    const count = chosen.length.toLocaleString("en");
     return this.told(
-      `${count} samples chosen, ${part} of all: they have ${percent(this.share ?? 0)} of the squared error` + (this.chosen.length > 0 ? ` (RMS ${this.rmsOfChosen()})` : "")
+      `${count} samples chosen, ${part} of all: they have ${percent(share.ofError)} of the squared error${rms}`
     );
-  }
-  rmsOfChosen() {
-    const { columns, unit } = (
-      /** @type {Data} */
-      this.data
-    );
-    let [sum, count] = [0, 0];
-    for (const i of this.chosen ?? []) {
-      const value = columns.residual[i];
-      if (value === value) [sum, count] = [sum + value ** 2, count + 1];
-    }
-    const rms = Math.sqrt(sum / Math.max(1, count));
-    const scale = torqueScale(unit, rms);
-    return `${number(rms * scale.factor)} ${scale.unit}`;
   }
 };
 function isolated({ residual }, part) {
