@@ -10,7 +10,9 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 import knobcam as kc
@@ -49,12 +51,12 @@ def workbench(*captures: Path) -> Iterator[str]:
             server.terminate()
 
 
-def script(name: str, *words: str | Path) -> dict[str, object]:
+def script(name: str, *words: str | Path) -> dict[str, Any]:
     """What a script of web/browser/ has seen."""
     command = ["node", WEB / "browser" / name, str(CHROME), *words]
     ran = subprocess.run(command, capture_output=True, text=True, timeout=400, check=False)
     assert ran.returncode == 0, ran.stderr
-    seen: dict[str, object] = json.loads(ran.stdout)
+    seen: dict[str, Any] = json.loads(ran.stdout)
     return seen
 
 
@@ -68,4 +70,25 @@ def pictures(tmp_path: Path) -> Path:
 def test_a_person_finds_the_hidden_effect_in_the_browser(tmp_path: Path, pictures: Path) -> None:
     with workbench(capture_with_stribeck(tmp_path, 25_000)) as address:
         seen = script("story.js", address, "stribeck", pictures)
-    assert seen["rmse"][1] < seen["rmse"][2]  # type: ignore[index]  # the right effect explains more
+    first, right, other = seen["rmse"]
+    assert right < other < first
+    figures = seen["figures"]
+    assert figures["first"]["painted"] < 2500.0
+    assert figures["brush"]["painted"] < 250.0
+    assert figures["brush"]["script"] < 30.0
+
+
+def test_files_are_handed_over_in_the_browser_and_their_names_never_become_markup(
+    tmp_path: Path, pictures: Path
+) -> None:
+    good = capture_with_stribeck(tmp_path, 10_000).rename(
+        tmp_path / "<img src=x onerror=\"document.title='hit'\">.npz"
+    )
+    broken = tmp_path / "<b>columns.csv"
+    capture = kc.load(good)
+    rows = np.column_stack([capture.t, np.degrees(capture.theta), 1000.0 * capture.tau])
+    np.savetxt(broken, rows, delimiter=",", header="t,angle,moment", comments="")
+    with workbench() as address:
+        seen = script("files.js", address, good, broken, pictures)
+    assert "theta" in seen["refused"]
+    assert seen["mapped"] == capture.samples

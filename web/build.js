@@ -7,7 +7,10 @@ import { fileURLToPath } from "node:url";
 
 const here = fileURLToPath(new URL(".", import.meta.url));
 const folder = process.argv[2] ?? join(here, "..", "python", "knobcam", "workbench", "page");
-const common = { bundle: true, target: "es2022", charset: "utf8", legalComments: "inline", logLevel: "warning" };
+const common = {
+  ...{ bundle: true, target: "es2022", charset: "utf8", legalComments: "inline", logLevel: "warning" },
+  absWorkingDir: here, // the same files wherever the command is given
+};
 const source = (name) => join(here, "src", name);
 
 rmSync(folder, { recursive: true, force: true });

@@ -142,6 +142,7 @@ class App {
   async draw(state) {
     const { node, active, unit, captures } = state;
     const wanted = JSON.stringify([node, active, this.view]);
+    if (node === null) this.deed = null; // there is nothing to paint
     if (node === null || wanted === this.drawn) return;
     const columns = await this.store.columns(node, active, columnsOf(this.view));
     if (this.state && this.state.node !== node) return;

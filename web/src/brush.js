@@ -31,6 +31,7 @@ function byPointer(plot) {
   element.addEventListener("pointerdown", (event) => {
     if (event.button !== 0 || !plot.contents) return;
     element.setPointerCapture(event.pointerId);
+    plot.sorted();
     const { x, y } = spot(event);
     const box = plot.region && plot.boxInside(plot.region);
     const inside =

@@ -94,7 +94,7 @@ export class Linked {
       this.torques[at].show({
         ...common,
         yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}, ${scale.unit}` },
-        title: part ? `its part over ${row.over}` : `${word} over ${row.over}`,
+        title: part ? `what depends on ${row.over} alone` : `${word} over ${row.over}`,
         series,
         picked: 0,
         noise: null,

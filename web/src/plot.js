@@ -127,17 +127,23 @@ export class Plot {
     this.light.getContext("2d")?.putImageData(image, 0, 0);
   }
 
+  /** Sort the points for the brush, once per change of the data: when it is put on, before it moves. */
+  sorted() {
+    const picked = this.placed[this.contents?.picked ?? 0] ?? new Int32Array(0);
+    this.pick ??= new Pick(picked, this.frame.width, this.frame.height);
+    return this.pick;
+  }
+
   /**
    * The samples in the brushed region; valid until the next call.
    * @returns {Uint32Array | null}
    */
   chosen() {
     if (!this.region || !this.contents || this.placed.length === 0) return null;
-    this.pick ??= new Pick(this.placed[this.contents.picked], this.frame.width, this.frame.height);
     const { left, top, width, height } = this.boxInside(this.region);
     const [wide, high] = [this.frame.width, this.frame.height];
     const half = this.frame.dot / 2; // a point is taken by its middle
-    return this.pick.inside({
+    return this.sorted().inside({
       left: Math.max(0, Math.ceil(left * wide - half)),
       right: Math.min(wide - 1, Math.floor((left + width) * wide - half)),
       top: Math.max(0, Math.ceil(top * high - half)),

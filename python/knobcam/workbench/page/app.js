@@ -275,15 +275,30 @@ function opening(heard) {
     /** @type {HTMLInputElement} */
     byId("open-path")
   );
-  const fields = COLUMNS.map((name) => make("input", { name, placeholder: `${name}=…`, autocomplete: "off" }));
+  const told = byId("open-said");
+  let waiting = [];
+  const fields = COLUMNS.map((name) => make("input", { name, list: "open-columns", autocomplete: "off" }));
   byId("open-map").replaceChildren(
     ...fields.map((field) => make("label", {}, make("span", { text: field.name }), field))
   );
   const options = () => {
     const map = fields.filter(({ value }) => value.trim()).map(({ name, value }) => `${name}=${value.trim()}`);
-    return map.length > 0 ? { map: map.join(",") } : {};
+    return map.length > 0 ? { map: map.join(", ") } : {};
+  };
+  const opened = (name) => {
+    dialog.close();
+    if (waiting.length === 0) for (const field of fields) field.value = "";
+    told.textContent = "";
+    heard.say(`opened ${name}`);
+    heard.done();
+  };
+  const refused = (reason) => {
+    heard.failed(reason);
+    told.textContent = reason instanceof Error ? reason.message : String(reason);
+    if (!dialog.open) dialog.showModal();
   };
   const take = async (files) => {
+    waiting = files;
     for (const file of files) {
       try {
         heard.say(`reading ${file.name} …`);
@@ -292,25 +307,32 @@ function opening(heard) {
           /** @type {Record<string, string>} */
           options()
         );
-        dialog.close();
-        heard.done();
+        waiting = waiting.filter((one) => one !== file);
+        opened(file.name);
       } catch (reason) {
-        heard.failed(reason);
+        const names = await columnsOf(file);
+        showColumns(names);
+        for (const field of fields) if (!field.value && names.includes(field.name)) field.value = field.name;
+        refused(reason);
         return;
       }
     }
   };
   byId("open").addEventListener("click", () => dialog.showModal());
   byId("open-close").addEventListener("click", () => dialog.close());
-  chosen.addEventListener("change", () => take(chosen.files ?? []));
+  chosen.addEventListener("change", () => {
+    take([...chosen.files ?? []]);
+    chosen.value = "";
+  });
   byId("open-form").addEventListener("submit", async (event) => {
     event.preventDefault();
+    const named = path.value.trim();
+    if (!named) return take(waiting);
     try {
-      if (path.value.trim()) await post("open", { path: path.value.trim(), ...options() });
-      dialog.close();
-      heard.done();
+      await post("open", { path: named, ...options() });
+      return opened(named);
     } catch (reason) {
-      heard.failed(reason);
+      return refused(reason);
     }
   });
   const zone = byId("drop");
@@ -324,8 +346,19 @@ function opening(heard) {
   document.addEventListener("drop", (event) => {
     event.preventDefault();
     zone.hidden = true;
-    take(event.dataTransfer?.files ?? []);
+    take([...event.dataTransfer?.files ?? []]);
   });
+}
+async function columnsOf(file) {
+  const start = await file.slice(0, 8192).text();
+  const line = start.split(/\r?\n/).find((one) => one.trim() && !one.startsWith("#")) ?? "";
+  const names = line.split(/[,;\t]/).map((name) => name.trim().replace(/^"(.*)"$/, "$1"));
+  return names.length > 1 && !/[\0\ufffd]/.test(line) ? names : [];
+}
+function showColumns(names) {
+  byId("open-columns").replaceChildren(...names.map((name) => make("option", { value: name })));
+  byId("open-found").textContent = names.length > 0 ? `In the file: ${names.join(", ")}.` : "";
+  if (names.length > 0) byId("open-more").setAttribute("open", "");
 }
 function saving(heard) {
   for (const button of document.querySelectorAll("[data-save]")) {
@@ -496,6 +529,7 @@ function byPointer(plot) {
   element.addEventListener("pointerdown", (event) => {
     if (event.button !== 0 || !plot.contents) return;
     element.setPointerCapture(event.pointerId);
+    plot.sorted();
     const { x, y } = spot(event);
     const box = plot.region && plot.boxInside(plot.region);
     const inside = box && x > box.left && x < box.left + box.width && y > box.top && y < box.top + box.height;
@@ -780,17 +814,22 @@ var Plot = class {
     }
     this.light.getContext("2d")?.putImageData(image, 0, 0);
   }
+  /** Sort the points for the brush, once per change of the data: when it is put on, before it moves. */
+  sorted() {
+    const picked = this.placed[this.contents?.picked ?? 0] ?? new Int32Array(0);
+    this.pick ??= new Pick(picked, this.frame.width, this.frame.height);
+    return this.pick;
+  }
   /**
    * The samples in the brushed region; valid until the next call.
    * @returns {Uint32Array | null}
    */
   chosen() {
     if (!this.region || !this.contents || this.placed.length === 0) return null;
-    this.pick ??= new Pick(this.placed[this.contents.picked], this.frame.width, this.frame.height);
     const { left, top, width, height } = this.boxInside(this.region);
     const [wide, high] = [this.frame.width, this.frame.height];
     const half = this.frame.dot / 2;
-    return this.pick.inside({
+    return this.sorted().inside({
       left: Math.max(0, Math.ceil(left * wide - half)),
       right: Math.min(wide - 1, Math.floor((left + width) * wide - half)),
       top: Math.max(0, Math.ceil(top * high - half)),
@@ -851,7 +890,7 @@ var ROWS = (
     { over: "time", column: "t", part: null, units: { linear: "s", rotary: "s" } }
   ]
 );
-function columnsOf(view) {
+function columnsOf2(view) {
   const needed = ["t", "theta", "omega", "tau", "residual"];
   if (view.isolated) needed.push("position_part", "velocity_part");
   if (view.band) needed.push("band");
@@ -910,7 +949,7 @@ var Linked = class {
       this.torques[at].show({
         ...common,
         yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}, ${scale.unit}` },
-        title: part ? `its part over ${row.over}` : `${word} over ${row.over}`,
+        title: part ? `what depends on ${row.over} alone` : `${word} over ${row.over}`,
         series,
         picked: 0,
         noise: null
@@ -1338,8 +1377,9 @@ var App = class {
   async draw(state) {
     const { node, active, unit, captures } = state;
     const wanted = JSON.stringify([node, active, this.view]);
+    if (node === null) this.deed = null;
     if (node === null || wanted === this.drawn) return;
-    const columns = await this.store.columns(node, active, columnsOf(this.view));
+    const columns = await this.store.columns(node, active, columnsOf2(this.view));
     if (this.state && this.state.node !== node) return;
     this.drawn = wanted;
     const axis = captures.find(({ id }) => active.includes(id))?.axis ?? "rotary";

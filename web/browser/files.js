@@ -1,0 +1,56 @@
+/**
+ * Files handed over in the browser: `node files.js CHROMIUM ADDRESS GOOD BROKEN FOLDER`.
+ *
+ * The workbench at ADDRESS has nothing open. GOOD is a capture whose name would be markup; BROKEN is one whose
+ * columns angle (degrees) and moment (mN m) have to be mapped.
+ */
+
+import assert from "node:assert/strict";
+import { basename, join } from "node:path";
+
+import { done, opened, stateOf } from "./session.js";
+
+const [chrome, address, good, broken, folder] = process.argv.slice(2);
+const { browser, page, complaints } = await opened(chrome, address);
+await page.locator("#welcome").waitFor();
+await page.screenshot({ path: join(folder, "8-welcome.png") });
+
+await page.getByRole("button", { name: "Open…" }).click();
+await page.screenshot({ path: join(folder, "9-open.png") });
+await page.locator("#open-file").setInputFiles(broken);
+await page.locator("#said.wrong").waitFor();
+const refused = await page.locator("#said").textContent();
+assert.equal((await stateOf(page)).captures.length, 0);
+assert.match(await page.locator("#open-found").textContent(), /angle, moment/);
+await page.screenshot({ path: join(folder, "9-map.png") });
+await page.locator("[name=theta]").fill("angle [deg]");
+await page.locator("[name=tau]").fill("moment/1000");
+const mapping = page.getByRole("button", { name: "Open", exact: true });
+await done(page, "data", () => mapping.click());
+const mapped = (await stateOf(page)).captures[0].samples;
+
+await page.getByRole("button", { name: "Open…" }).click();
+await page.locator("#open-file").setInputFiles(good);
+const second = page.locator("button.capture").nth(1);
+await second.waitFor({ timeout: 60_000 });
+const name = await second.locator("strong").textContent();
+assert.equal(name, basename(good));
+await done(page, "captures", () => page.locator("button.capture[aria-pressed=false]").or(second).first().click());
+assert.equal(await page.locator("#captures img, #captures script, main img[src]").count(), 0);
+assert.equal(await page.title(), "knobcam workbench");
+assert.ok(await page.locator("#welcome").isHidden());
+
+for (const option of ["isolated parts", "95 % band"]) await done(page, "data", () => page.getByLabel(option).check());
+await page.screenshot({ path: join(folder, "10-isolated.png") });
+
+const plot = page.getByRole("img", { name: "residual over time", exact: true });
+await plot.focus();
+await done(page, "brush", () => page.keyboard.press("ArrowRight"));
+const byKeys = await page.locator("#chosen").textContent();
+assert.match(byKeys, /of the squared error/);
+await page.keyboard.press("Escape");
+
+await page.getByRole("button", { name: "light or dark" }).click();
+assert.equal(await page.locator("html").getAttribute("data-theme"), "dark");
+await browser.close();
+console.log(JSON.stringify({ refused, mapped, name, byKeys, failures: complaints.length }));
