@@ -55,6 +55,49 @@ impl<T: Scalar> Motion<T> {
     }
 }
 
+/// A way in which a load acts on a moving knob: a field of [`Load`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Channel {
+    /// `drive`.
+    Drive,
+    /// `inertia`.
+    Inertia,
+    /// `resist`, backward.
+    Back,
+    /// `resist`, forward.
+    Forth,
+    /// `press`.
+    Press,
+    /// `level`.
+    Level,
+    /// `mu`.
+    Mu,
+    /// `lag`.
+    Lag,
+}
+
+impl Channel {
+    /// Every channel. The first four suffice where nothing shapes the friction.
+    pub const ALL: &'static [Self] =
+        &[Self::Drive, Self::Inertia, Self::Back, Self::Forth, Self::Press, Self::Level, Self::Mu, Self::Lag];
+
+    /// Which of all channels are among these.
+    pub const fn among(these: &[Self]) -> [bool; Self::ALL.len()] {
+        let (mut mask, mut i) = ([false; Self::ALL.len()], 0);
+        while i < these.len() {
+            mask[these[i] as usize] = true;
+            i += 1;
+        }
+        mask
+    }
+
+    /// Whether one of these channels shapes the friction of other effects.
+    pub const fn shape_friction(these: &[Self]) -> bool {
+        let mask = Self::among(these);
+        mask[Self::Level as usize] || mask[Self::Mu as usize] || mask[Self::Lag as usize]
+    }
+}
+
 /// What an effect asks of the rig. Loads of several effects come together in [`Load::plus`].
 #[derive(Debug, Clone, Copy)]
 pub struct Load<T> {

@@ -53,9 +53,10 @@ def run(args: Namespace) -> Answer:
 
     serve(bench, args.port, tell)
     status(None)
-    if bench.busy:  # the core cannot be interrupted: it would keep the process, or fall over its end
+    if bench.busy:  # nobody wants to wait for what is given up, and the core cannot be interrupted
         sys.stdout.flush()
         os._exit(0)
+    bench.close()
     return Answer("", {"schema": "knobcam.workbench/1"})
 
 

@@ -52,7 +52,7 @@ class Bench:
         return self.work.busy or self.weighing.busy
 
     def close(self) -> None:
-        """Give everything up."""
+        """Give everything up, and wait for the threads to end."""
         self.work.close()
         self.weighing.close()
 

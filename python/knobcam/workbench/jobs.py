@@ -118,9 +118,10 @@ class Worker:
             job.cancel()
 
     def close(self) -> None:
-        """Give up everything, and let the thread end."""
+        """Give up everything, and wait for the thread to end: the core cannot be interrupted."""
         self.cancel()
         self._waiting.put(None)
+        self._thread.join()
 
     def _serve(self) -> None:
         if self._humble and sys.platform == "linux":  # where a thread has a niceness of its own

@@ -34,7 +34,6 @@ def serve(bench: Bench, port: int, tell: Callable[[str], None]) -> None:
         server = web_server(application(bench, token, at))
         tell(f"http://{HOST}:{at}/?token={token}")
         server.run([listening])
-    bench.close()
 
 
 def listen(port: int) -> socket.socket:

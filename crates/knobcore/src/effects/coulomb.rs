@@ -1,7 +1,7 @@
 //! Coulomb friction: a level per direction, whatever the speed.
 
 use super::{Effect, LoadEffect};
-use crate::motion::{Load, Motion};
+use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
@@ -15,6 +15,7 @@ impl Effect<2> for Coulomb {
     const LAW: &'static str = "+pos for omega > 0, -neg for omega < 0";
     const SOURCE: &'static str = "Coulomb 1785; C_vel of Equation 1 of the haptic-camera paper";
     const SHOWS: &'static str = "as a step of the torque wherever the direction changes";
+    const TOUCHES: &'static [Channel] = &[Channel::Back, Channel::Forth];
     const PARAMS: [Param; 2] = [
         Param::linear("neg", Unit::of(1, 0, 0), "dry friction moving backward, a magnitude"),
         Param::linear("pos", Unit::of(1, 0, 0), "dry friction moving forward, a magnitude"),

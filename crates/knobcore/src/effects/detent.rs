@@ -1,7 +1,7 @@
 //! Detents: evenly spaced valleys that the knob falls into.
 
 use super::{Effect, LoadEffect};
-use crate::motion::{Load, Motion};
+use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
@@ -13,7 +13,7 @@ impl Effect<3> for Detent {
     const LAW: &'static str = "A sin(theta/P + S)";
     const SOURCE: &'static str = "position part of Equation 1 of the haptic-camera paper";
     const SHOWS: &'static str = "over position, repeating every 2 pi P";
-    const PRESSES: bool = true;
+    const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::Press];
     const PARAMS: [Param; 3] = [
         Param::linear("A", Unit::of(1, 0, 0), "amplitude"),
         Param::shape("P", Unit::of(0, 1, 0), [1e-9, 1e6], 0.1, "period over 2 pi"),

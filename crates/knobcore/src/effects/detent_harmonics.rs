@@ -1,7 +1,7 @@
 //! Detent harmonics: valleys that are no pure sine.
 
 use super::{Effect, LoadEffect};
-use crate::motion::{Load, Motion};
+use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit, Usual};
 use crate::scalar::Scalar;
 
@@ -15,7 +15,7 @@ impl Effect<9> for DetentHarmonics {
     const SHOWS: &'static str = "over position, two to five times per detent";
     const CONFUSED: &'static [&'static str] = &["load_friction", "directional_detent"];
     const NEEDS: Option<&'static str> = Some("detent");
-    const PRESSES: bool = true;
+    const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::Press];
     const PARAMS: [Param; 9] = [
         Param::linear("A2", Unit::of(1, 0, 0), "amplitude at twice per detent"),
         Param::phase("S2", 0, "phase at twice per detent"),

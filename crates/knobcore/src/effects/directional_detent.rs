@@ -1,7 +1,7 @@
 //! Directional detents: gain and phase differ with the direction of motion.
 
 use super::{Effect, LoadEffect};
-use crate::motion::{Load, Motion};
+use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit, Usual};
 use crate::scalar::Scalar;
 
@@ -19,6 +19,7 @@ impl Effect<3> for DirectionalDetent {
     const SHOWS: &'static str = "over position, differently in each direction";
     const CONFUSED: &'static [&'static str] = &["backlash", "torque_lag", "position_friction"];
     const NEEDS: Option<&'static str> = Some("detent");
+    const TOUCHES: &'static [Channel] = &[Channel::Drive];
     const PARAMS: [Param; 3] = [
         Param::linear("A", Unit::of(1, 0, 0), "half the difference between the directions"),
         Param::phase("S", 0, "phase of the difference"),

@@ -1,7 +1,7 @@
 //! End stop: a stiff ramp beyond an angle, on each side.
 
 use super::{Effect, LoadEffect, Survey};
-use crate::motion::{Load, Motion};
+use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
@@ -17,6 +17,7 @@ impl Effect<6> for EndStop {
         "unilateral spring and damper; Hunt & Crossley 1975; Colgate & Schenkel 1997 (virtual wall)";
     const SHOWS: &'static str = "over position, at the ends of the range";
     const CONFUSED: &'static [&'static str] = &["position_polynomial", "return_spring"];
+    const TOUCHES: &'static [Channel] = &[Channel::Drive];
     const PARAMS: [Param; 6] = [
         Param::shape("k_lo", Unit::of(1, -1, 0), [0.0, 1e9], 0.0, "stiffness of the lower stop"),
         Param::shape("lo", Unit::of(0, 1, 0), [-1e6, 1e6], -1e6, "where the lower stop begins"),

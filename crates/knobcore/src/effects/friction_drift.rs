@@ -1,7 +1,7 @@
 //! Friction drift: a knob that warms up.
 
 use super::{Effect, LoadEffect, Survey};
-use crate::motion::{Load, Motion};
+use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
@@ -15,7 +15,7 @@ impl Effect<2> for FrictionDrift {
         "first-order warm-up; Armstrong-Helouvry, Dupont & Canudas de Wit 1994, section 2";
     const SHOWS: &'static str = "over time, with the sign of the motion";
     const CONFUSED: &'static [&'static str] = &["torque_drift", "position_friction"];
-    const SHAPES_FRICTION: bool = true;
+    const TOUCHES: &'static [Channel] = &[Channel::Level];
     const PARAMS: [Param; 2] = [
         Param::shape("rise", Unit::NUMBER, [-0.99, 100.0], 0.0, "excess at the start, a share of Coulomb"),
         Param::shape("tau", Unit::of(0, 0, 1), [1e-3, 1e6], 1.0, "time constant"),

@@ -1,7 +1,7 @@
 //! Inertia: the torque that accelerates the knob.
 
 use super::{Effect, LoadEffect};
-use crate::motion::{Load, Motion};
+use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
@@ -13,6 +13,7 @@ impl Effect<1> for Inertia {
     const LAW: &'static str = "M alpha";
     const SOURCE: &'static str = "Newton; the acceleration part of Equation 1 of the haptic-camera paper";
     const SHOWS: &'static str = "in proportion to acceleration";
+    const TOUCHES: &'static [Channel] = &[Channel::Inertia];
     const PARAMS: [Param; 1] = [Param::linear("M", Unit::of(1, -1, 2), "moment of inertia")];
 }
 

@@ -1,7 +1,7 @@
 //! Load-dependent friction: what presses the surfaces together makes them rub.
 
 use super::{Bends, Effect, LoadEffect};
-use crate::motion::{Load, Motion};
+use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
@@ -16,8 +16,8 @@ impl Effect<1> for LoadFriction {
     const SHOWS: &'static str = "wherever the detent pushes, with the sign of the motion";
     const CONFUSED: &'static [&'static str] = &["detent_harmonics", "position_friction"];
     const NEEDS: Option<&'static str> = Some("detent");
-    const SHAPES_FRICTION: bool = true;
     const BENDS: Option<Bends> = Some(Bends::Press);
+    const TOUCHES: &'static [Channel] = &[Channel::Mu];
     const PARAMS: [Param; 1] =
         [Param::shape("mu", Unit::NUMBER, [-10.0, 10.0], 0.0, "friction per detent torque")
             .plausibly(0.0, f64::INFINITY)];

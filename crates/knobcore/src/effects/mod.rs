@@ -63,7 +63,7 @@ mod viscous;
 mod wavelet;
 
 use crate::error::{Error, Result};
-use crate::motion::{Load, Motion};
+use crate::motion::{Channel, Load, Motion};
 use crate::param::Param;
 use crate::scalar::Scalar;
 use registry::{info, keep, registry, starts, take};
@@ -122,10 +122,8 @@ pub trait Effect<const N: usize> {
     const CONFUSED: &'static [&'static str] = &[];
     /// The effect that it modifies and cannot be without.
     const NEEDS: Option<&'static str> = None;
-    /// Whether it acts through the `level`, `mu` or `lag` of a [`Load`].
-    const SHAPES_FRICTION: bool = false;
-    /// Whether it acts through the `press` of a [`Load`].
-    const PRESSES: bool = false;
+    /// Channels of its load that may differ from those of [`Load::none`]; work on the others is left out.
+    const TOUCHES: &'static [Channel] = Channel::ALL;
     /// What else it makes nonlinear.
     const BENDS: Option<Bends> = None;
     /// Whether it describes whatever is there, and names no cause.

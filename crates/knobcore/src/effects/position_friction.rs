@@ -1,7 +1,7 @@
 //! Position-dependent friction: the level of dry friction varies along the way.
 
 use super::{Effect, LoadEffect, Survey};
-use crate::motion::{Load, Motion};
+use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
@@ -21,7 +21,7 @@ impl Effect<9> for PositionFriction {
     const SOURCE: &'static str = "Popovic & Goldenberg 1998 (friction over position by its spectrum)";
     const SHOWS: &'static str = "over position, with the sign of the motion";
     const CONFUSED: &'static [&'static str] = &["friction_drift", "load_friction", "directional_detent"];
-    const SHAPES_FRICTION: bool = true;
+    const TOUCHES: &'static [Channel] = &[Channel::Level];
     const PARAMS: [Param; 9] = [
         Param::shape("P", Unit::of(0, 1, 0), [1e-6, 1e6], 1.0, "period over 2 pi"),
         wave("a1", "sine once per period, a share of Coulomb"),

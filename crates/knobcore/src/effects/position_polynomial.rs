@@ -1,7 +1,7 @@
 //! Position polynomial: any smooth torque over position.
 
 use super::{Effect, LoadEffect};
-use crate::motion::{Load, Motion};
+use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
@@ -15,6 +15,7 @@ impl Effect<3> for PositionPolynomial {
     const LAW: &'static str = "p1 theta + p2 theta^2 + p3 theta^3";
     const SOURCE: &'static str = "the polynomials named beside Equation 1 of the haptic-camera paper";
     const SHOWS: &'static str = "over position, smoothly";
+    const TOUCHES: &'static [Channel] = &[Channel::Drive];
     const PARAMS: [Param; 3] = [
         Param::linear("p1", Unit::of(1, -1, 0), "slope"),
         Param::linear("p2", Unit::of(1, -2, 0), "curvature"),

@@ -1,7 +1,7 @@
 //! Presliding: friction builds up over a distance after each reversal.
 
 use super::{Effect, MemoryEffect, Survey};
-use crate::motion::{Load, Motion};
+use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
@@ -24,7 +24,7 @@ impl Effect<7> for Presliding {
                                   Canudas de Wit, Olsson, Astrom & Lischinsky 1995";
     const SHOWS: &'static str = "over the first few hundredths of a radian after each reversal";
     const CONFUSED: &'static [&'static str] = &["torque_lag", "backlash", "compliance", "stribeck"];
-    const SHAPES_FRICTION: bool = true;
+    const TOUCHES: &'static [Channel] = &[Channel::Lag];
     const PARAMS: [Param; 7] = [
         Param::shape("s", Unit::of(0, 1, 0), [1e-7, 1e3], 0.1, "longest presliding distance"),
         share("w1", "share of friction that builds up over s"),

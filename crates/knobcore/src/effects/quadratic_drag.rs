@@ -1,7 +1,7 @@
 //! Quadratic drag: a fluid that the knob stirs.
 
 use super::{Effect, LoadEffect};
-use crate::motion::{Load, Motion};
+use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
@@ -14,6 +14,7 @@ impl Effect<1> for QuadraticDrag {
     const SOURCE: &'static str = "Rayleigh 1876; Olsson, Astrom, Canudas de Wit, Gafvert & Lischinsky 1998";
     const SHOWS: &'static str = "at high speed";
     const CONFUSED: &'static [&'static str] = &["stribeck", "viscous"];
+    const TOUCHES: &'static [Channel] = &[Channel::Drive];
     const PARAMS: [Param; 1] = [Param::linear("d", Unit::of(1, -2, 2), "drag").plausibly(0.0, f64::INFINITY)];
 }
 

@@ -1,7 +1,7 @@
 //! Regional: a force-displacement line of its own in each region of the way.
 
 use super::{Effect, LoadEffect, Survey};
-use crate::motion::{Load, Motion};
+use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
@@ -30,6 +30,7 @@ impl Effect<11> for Regional {
     const SHOWS: &'static str = "over position, by region; a description, not a cause";
     const CONFUSED: &'static [&'static str] = &["wavelet", "position_polynomial", "end_stop"];
     const DESCRIBES: bool = true;
+    const TOUCHES: &'static [Channel] = &[Channel::Drive];
     const PARAMS: [Param; 11] = [
         border("b1", "first border"),
         border("b2", "middle border"),

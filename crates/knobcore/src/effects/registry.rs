@@ -1,6 +1,7 @@
 //! How one line per effect becomes the catalogue: what every effect says of itself, and the dispatch to it.
 
 use super::{Bends, Effect, Place, Survey};
+use crate::motion::Channel;
 use crate::param::Param;
 use crate::scalar::Scalar;
 
@@ -23,9 +24,11 @@ pub struct Info {
     pub confused: &'static [&'static str],
     /// See [`Effect::NEEDS`].
     pub needs: Option<&'static str>,
-    /// See [`Effect::SHAPES_FRICTION`].
+    /// See [`Effect::TOUCHES`].
+    pub touches: &'static [Channel],
+    /// Whether it shapes the friction of other effects; see [`Effect::TOUCHES`].
     pub shapes_friction: bool,
-    /// See [`Effect::PRESSES`].
+    /// Whether it presses the sliding surfaces together; see [`Effect::TOUCHES`].
     pub presses: bool,
     /// See [`Effect::BENDS`].
     pub bends: Option<Bends>,
@@ -58,8 +61,9 @@ pub(super) const fn info<const N: usize, E: Effect<N>>(place: Place, params: &'s
         params,
         confused: E::CONFUSED,
         needs: E::NEEDS,
-        shapes_friction: E::SHAPES_FRICTION,
-        presses: E::PRESSES,
+        touches: E::TOUCHES,
+        shapes_friction: matches!(place, Place::Load) && Channel::shape_friction(E::TOUCHES),
+        presses: matches!(place, Place::Load) && Channel::among(E::TOUCHES)[Channel::Press as usize],
         bends: E::BENDS,
         describes: E::DESCRIBES,
     }

@@ -1,7 +1,7 @@
 //! Return spring: the ramp of the paper, K theta about a rest angle.
 
 use super::{Effect, LoadEffect};
-use crate::motion::{Load, Motion};
+use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
@@ -16,6 +16,7 @@ impl Effect<2> for ReturnSpring {
     const LAW: &'static str = "k (theta - theta0)";
     const SOURCE: &'static str = "Hooke 1678; the ramp named beside Equation 1 of the haptic-camera paper";
     const SHOWS: &'static str = "over position, as a straight line";
+    const TOUCHES: &'static [Channel] = &[Channel::Drive];
     const PARAMS: [Param; 2] = [
         Param::linear("k", Unit::of(1, -1, 0), "stiffness"),
         Param::shape("theta0", Unit::of(0, 1, 0), [-1e6, 1e6], 0.0, "rest angle"),

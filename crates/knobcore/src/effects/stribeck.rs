@@ -1,7 +1,7 @@
 //! Stribeck friction: dry friction rises towards zero speed.
 
 use super::{Effect, LoadEffect, Survey};
-use crate::motion::{Load, Motion};
+use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
@@ -20,7 +20,7 @@ impl Effect<3> for Stribeck {
         "Stribeck 1902; Bo & Pavelescu 1982; Armstrong-Helouvry, Dupont & Canudas de Wit 1994, Equation 4";
     const SHOWS: &'static str = "at low speed, on both sides of every reversal";
     const CONFUSED: &'static [&'static str] = &["presliding", "quadratic_drag", "viscous"];
-    const SHAPES_FRICTION: bool = true;
+    const TOUCHES: &'static [Channel] = &[Channel::Level];
     const PARAMS: [Param; 3] = [
         Param::shape("rise", Unit::NUMBER, [-0.99, 100.0], 0.0, "rise towards rest, a share of Coulomb")
             .plausibly(0.0, f64::INFINITY),

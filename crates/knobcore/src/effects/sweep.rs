@@ -5,7 +5,7 @@
 //! however the loads act on each other.
 
 use super::{Id, LateEffect, LoadEffect, MemoryEffect, SensorEffect};
-use crate::motion::{Load, Motion};
+use crate::motion::{Channel, Load, Motion};
 use crate::scalar::{Dual, LANES, Pack, Scalar};
 use std::ops::Range;
 
@@ -13,11 +13,11 @@ use std::ops::Range;
 pub(super) const BLOCK: usize = 256;
 /// Channels of a load that a moving knob feels: drive, inertia, dry friction backward and forward; press, level,
 /// friction per press, lag.
-pub(super) const CHANNELS: usize = 8;
+pub(super) const CHANNELS: usize = Channel::ALL.len();
 /// The first of them, which suffice where nothing shapes the friction.
 const PLAIN: usize = 4;
 /// The channel that multiplies.
-const LEVEL: usize = 5;
+const LEVEL: usize = Channel::Level as usize;
 /// Derivatives of a sensor: its parameters (fewer than this), and last the torque that it senses.
 const SENSOR_LANES: usize = 12;
 /// Derivative columns that pass through a late sensor at a time.
@@ -198,14 +198,21 @@ impl<'a> Totals<'a> {
     }
 
     #[inline(always)]
-    fn join(&mut self, at: usize, load: &Load<Pack>) {
-        if self.plain { self.joined::<PLAIN>(at, load) } else { self.joined::<CHANNELS>(at, load) }
+    fn join(&mut self, at: usize, load: &Load<Pack>, touches: [bool; CHANNELS]) {
+        if self.plain {
+            self.joined::<PLAIN>(at, load, touches)
+        } else {
+            self.joined::<CHANNELS>(at, load, touches)
+        }
     }
 
     #[inline(always)]
-    fn joined<const C: usize>(&mut self, at: usize, load: &Load<Pack>) {
+    fn joined<const C: usize>(&mut self, at: usize, load: &Load<Pack>, touches: [bool; CHANNELS]) {
         let own = channels(load);
         for (channel, (column, own)) in self.channels.iter_mut().zip(own).take(C).enumerate() {
+            if !touches[channel] {
+                continue;
+            }
             let before = Pack::load(column, at);
             (if channel == LEVEL { before * own } else { before + own }).store(column, at);
         }
@@ -222,7 +229,7 @@ impl<'a> Totals<'a> {
         let p: [Pack; N] = std::array::from_fn(|i| Pack::of(p.get(i).copied().unwrap_or(0.0)));
         for at in (0..self.block.len()).step_by(LANES) {
             let load = E::load(&p, &self.motion(at));
-            self.join(at, &load);
+            self.join(at, &load, const { Channel::among(E::TOUCHES) });
         }
     }
 
@@ -240,7 +247,7 @@ impl<'a> Totals<'a> {
             });
             let own: [[f64; CHANNELS]; LANES] = loads.map(|load| channels(&load));
             let packs = std::array::from_fn(|c| Pack(std::array::from_fn(|lane| own[lane][c])));
-            self.join(at, &load_of(packs));
+            self.join(at, &load_of(packs), const { Channel::among(E::TOUCHES) });
         }
     }
 
@@ -301,20 +308,33 @@ pub(super) struct Gradient<'a> {
 impl Gradient<'_> {
     /// Chain rule: derivatives of the torque where those of an effect's own load are given.
     #[inline(always)]
-    fn through<const N: usize>(&self, at: usize, load: &Load<Dual<Pack, N>>) -> [Pack; N] {
+    fn through<const N: usize>(
+        &self,
+        at: usize,
+        load: &Load<Dual<Pack, N>>,
+        touches: [bool; CHANNELS],
+    ) -> [Pack; N] {
         if self.totals.plain {
-            self.summed::<N, PLAIN>(at, load)
+            self.summed::<N, PLAIN>(at, load, touches)
         } else {
-            self.summed::<N, CHANNELS>(at, load)
+            self.summed::<N, CHANNELS>(at, load, touches)
         }
     }
 
     /// The chain rule over the first `C` channels.
     #[inline(always)]
-    fn summed<const N: usize, const C: usize>(&self, at: usize, load: &Load<Dual<Pack, N>>) -> [Pack; N] {
+    fn summed<const N: usize, const C: usize>(
+        &self,
+        at: usize,
+        load: &Load<Dual<Pack, N>>,
+        touches: [bool; CHANNELS],
+    ) -> [Pack; N] {
         let own = channels(load);
         let mut sums = [Pack::of(0.0); N];
         for (channel, own) in own.iter().enumerate().take(C) {
+            if !touches[channel] {
+                continue;
+            }
             let mut by = Pack::load(&self.by[channel], at);
             if channel == LEVEL {
                 // The derivative of a product by one of its factors.
@@ -335,7 +355,7 @@ impl Gradient<'_> {
         let p: [Dual<Pack, N>; N] = seeded(p);
         for at in (0..self.totals.block.len()).step_by(LANES) {
             let load = E::load(&p, &self.totals.motion(at).map(Dual::constant));
-            let slopes = self.through(at, &load);
+            let slopes = self.through(at, &load, const { Channel::among(E::TOUCHES) });
             self.add(columns, at, &slopes);
         }
     }
@@ -349,16 +369,22 @@ impl Gradient<'_> {
     ) {
         let p: [Dual<f64, N>; N] = seeded(p);
         let mut own: [Dual<f64, N>; M] = std::array::from_fn(|m| dual_from(&state[m * (1 + N)..]));
+        let touches = const { Channel::among(E::TOUCHES) };
         for at in (0..self.totals.block.len()).step_by(LANES) {
             let motion = self.totals.motion(at);
-            let loads: [[Dual<f64, N>; CHANNELS]; LANES] = std::array::from_fn(|lane| {
-                channels(&E::load(&p, &mut own, &motion.map(|x| Dual::constant(x.0[lane]))))
+            let loads: [Load<Dual<f64, N>>; LANES] =
+                std::array::from_fn(|lane| E::load(&p, &mut own, &motion.map(|x| Dual::constant(x.0[lane]))));
+            let loads = loads.map(|load| channels(&load));
+            let packs: [Dual<Pack, N>; CHANNELS] = std::array::from_fn(|c| {
+                if !touches[c] {
+                    return Dual::constant(Pack::of(0.0));
+                }
+                Dual {
+                    v: Pack(std::array::from_fn(|lane| loads[lane][c].v)),
+                    d: std::array::from_fn(|i| Pack(std::array::from_fn(|lane| loads[lane][c].d[i]))),
+                }
             });
-            let packs: [Dual<Pack, N>; CHANNELS] = std::array::from_fn(|c| Dual {
-                v: Pack(std::array::from_fn(|lane| loads[lane][c].v)),
-                d: std::array::from_fn(|i| Pack(std::array::from_fn(|lane| loads[lane][c].d[i]))),
-            });
-            let slopes = self.through(at, &load_of(packs));
+            let slopes = self.through(at, &load_of(packs), touches);
             self.add(columns, at, &slopes);
         }
         for (slots, value) in state.chunks_mut(1 + N).zip(own) {

@@ -1,7 +1,7 @@
 //! Unbalance: once per revolution, by gravity or runout.
 
 use super::{Effect, LoadEffect};
-use crate::motion::{Load, Motion};
+use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
@@ -14,6 +14,7 @@ impl Effect<2> for Unbalance {
     const SOURCE: &'static str = "a mass off the axis under gravity, m g r; runout";
     const SHOWS: &'static str = "over position, once per revolution";
     const CONFUSED: &'static [&'static str] = &["return_spring", "position_polynomial"];
+    const TOUCHES: &'static [Channel] = &[Channel::Drive];
     const PARAMS: [Param; 2] =
         [Param::linear("a", Unit::of(1, 0, 0), "amplitude"), Param::phase("phi", 0, "phase")];
 }

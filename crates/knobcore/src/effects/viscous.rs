@@ -1,7 +1,7 @@
 //! Viscous friction: proportional to the speed, with a coefficient per direction.
 
 use super::{Effect, LoadEffect};
-use crate::motion::{Load, Motion};
+use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
@@ -16,6 +16,7 @@ impl Effect<2> for Viscous {
     const LAW: &'static str = "neg omega for omega < 0, pos omega for omega > 0";
     const SOURCE: &'static str = "Reynolds 1886; B_vel of Equation 1 of the haptic-camera paper";
     const SHOWS: &'static str = "in proportion to speed";
+    const TOUCHES: &'static [Channel] = &[Channel::Drive];
     const PARAMS: [Param; 2] = [
         Param::linear("neg", Unit::of(1, -1, 1), "viscous coefficient moving backward"),
         Param::linear("pos", Unit::of(1, -1, 1), "viscous coefficient moving forward"),

@@ -1,7 +1,7 @@
 //! Wavelet: torque over position without a law, in the spatial-frequency domain.
 
 use super::{Effect, LoadEffect, Survey};
-use crate::motion::{Load, Motion};
+use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit, Usual};
 use crate::scalar::Scalar;
 
@@ -41,6 +41,7 @@ impl Effect<COUNT> for Wavelet {
     const SHOWS: &'static str = "over position, any shape; a description, not a cause";
     const CONFUSED: &'static [&'static str] = &["regional", "position_polynomial"];
     const DESCRIBES: bool = true;
+    const TOUCHES: &'static [Channel] = &[Channel::Drive];
     const PARAMS: [Param; COUNT] = params();
 
     fn starts(survey: &Survey) -> Vec<[f64; COUNT]> {

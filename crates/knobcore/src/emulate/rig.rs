@@ -39,7 +39,7 @@ pub struct Setup {
 /// Samples of a DATA frame.
 const BATCH: usize = 25;
 /// Bytes that wait to be read before samples are dropped.
-const ROOM: usize = 1 << 16;
+const ROOM: usize = 1 << 18;
 /// From one STATUS to the next, microseconds.
 const STATUS_US: u64 = 1_000_000;
 /// Temperature of a rig that does not get warm, degrees Celsius.

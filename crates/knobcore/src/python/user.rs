@@ -3,6 +3,7 @@ use super::convert::{Column, array, input_error};
 use crate::effects::{Id, Info, Place, Torque, User};
 use crate::error::{Error, Result};
 use crate::model::Model;
+use crate::motion::Channel;
 use crate::param::{Kind, Param, Unit};
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
@@ -43,6 +44,7 @@ pub fn register_effect(
         params: params.leak(),
         confused: &[],
         needs: None,
+        touches: &[Channel::Drive],
         shapes_friction: false,
         presses: false,
         bends: None,

@@ -1,6 +1,7 @@
 //! What holds of every effect of the catalogue.
 
 use super::*;
+use knobcore::motion::{Channel, Load};
 
 /// No joint is rigid: the stiffest may differ by this share of the torque, which the samples at a reversal make.
 const RIGID: f64 = 1e-2;
@@ -36,6 +37,28 @@ fn resistance_static_friction_inertia_and_stick_band_are_never_negative() {
                 assert!(least.into_iter().all(|x| x >= 0.0), "{}: {load:?}", name(id));
             }
         }
+    }
+}
+
+#[test]
+fn a_load_touches_no_channel_that_it_does_not_name() {
+    let mut noise = Noise::new(5);
+    let channels = |load: Load<f64>| {
+        let [back, forth] = load.resist;
+        [load.drive, load.inertia, back, forth, load.press, load.level, load.mu, load.lag]
+    };
+    for &id in Id::BUILT_IN.iter().filter(|id| id.info().place == Place::Load) {
+        let (touched, mut moved) = (Channel::among(id.info().touches), [false; Channel::ALL.len()]);
+        for _ in 0..5 {
+            let p = plausible(id, &mut noise);
+            let mut state = vec![0.0; id.states()];
+            for i in (0..CYCLE).step_by(3) {
+                let load = channels(id.load(&p, &mut state, &motion(i as f64 / RATE_HZ)));
+                let silent = channels(Load::none());
+                (0..load.len()).for_each(|c| moved[c] |= load[c] != silent[c]);
+            }
+        }
+        assert_eq!(touched, moved, "{}", name(id));
     }
 }
 

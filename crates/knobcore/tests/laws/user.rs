@@ -20,6 +20,7 @@ fn register(id: &'static str, torque: Torque) -> Id {
         params: PARAMS,
         confused: &[],
         needs: None,
+        touches: &[knobcore::motion::Channel::Drive],
         shapes_friction: false,
         presses: false,
         bends: None,

@@ -1,0 +1,44 @@
+"""A workbench's server on a port of its own, as a test talks to it."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import httpx
+
+from knobcam.workbench.bench import Bench
+from knobcam.workbench.guard import HEADER
+from knobcam.workbench.server import application
+from knobcam.workbench.serving import listen, web_server
+
+TOKEN = "a-token-that-nobody-guesses"
+HOSTILE = "<img src=x onerror=alert(1)>\"'&\u2028"
+UPLOAD_BYTES = 2_000_000
+
+
+@contextmanager
+def served(bench: Bench) -> Iterator[httpx.Client]:
+    """Serve a bench and give the client that has its token."""
+    with listen(0) as listening:
+        port = listening.getsockname()[1]
+        serving = web_server(application(bench, TOKEN, port, upload_bytes=UPLOAD_BYTES))
+        thread = threading.Thread(target=serving.run, args=([listening],))
+        thread.start()
+        with httpx.Client(
+            base_url=f"http://127.0.0.1:{port}", headers={HEADER: TOKEN}, timeout=60.0
+        ) as client:
+            yield client
+        serving.should_exit = True
+        thread.join()
+    bench.close()
+
+
+def wrong(answer: httpx.Response, status: int, words: str) -> None:
+    """Assert that the answer is JSON with one line that says what is wrong."""
+    assert answer.status_code == status, answer.text
+    assert answer.headers["content-type"] == "application/json"
+    said = answer.json()["error"]
+    assert words in said
+    assert "\n" not in said
