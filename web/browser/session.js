@@ -40,7 +40,7 @@ export async function painted(page, what, before = 0) {
       return times.length > before ? times.at(-1) : null;
     },
     [what, before],
-    { timeout: 30_000 },
+    { timeout: 60_000 },
   );
   const { start, script, painted: end } = await handle.jsonValue();
   return { script, painted: end - start };

@@ -1352,6 +1352,7 @@ var App = class {
   }
   /** @param {State} state */
   show(state) {
+    if (this.state?.node !== state.node) this.look(null);
     this.state = state;
     byId("welcome").toggleAttribute("hidden", state.node !== null);
     byId("verdict").textContent = state.verdict_text;
@@ -1380,7 +1381,6 @@ var App = class {
     const view = this.view;
     const { what, start } = this.deed ?? { what: "data", start: performance.now() };
     this.deed = null;
-    this.look(null);
     const fitted = !state.params.some(({ dragged }) => dragged);
     const data = { columns, unit, axis, noise: state.noise_floor, fitted };
     timed(what, () => this.linked.show(data, view), start);
@@ -1397,12 +1397,13 @@ var App = class {
     const { signal } = this.looking;
     byId("looked").textContent = effect ? `what ${effect} would explain` : "";
     byId("looked").toggleAttribute("hidden", effect === null);
-    if (!effect || !this.state?.node) return timed("look away", () => this.linked.overlay(null));
+    const node = this.state?.node;
+    if (!effect || !node) return timed("look away", () => this.linked.overlay(null));
     const start = performance.now();
     await new Promise((resolve) => setTimeout(resolve, LOOK_MS));
-    if (signal.aborted) return;
+    if (signal.aborted || this.state?.node !== node) return;
     try {
-      const column = await this.store.signature(this.state.node, this.state.active, effect, signal);
+      const column = await this.store.signature(node, this.state.active, effect, signal);
       if (!signal.aborted) timed("look", () => this.linked.overlay(column), start);
     } catch (reason) {
       if (!signal.aborted) this.failed(reason);
