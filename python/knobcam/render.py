@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from .formats.table import FloatArray
 
 
+_MOST_DELAY = 1000  # samples
+
+
 @dataclass(frozen=True)
 class Device:
     """A force-feedback device: what a motor with its handle adds to whatever it renders.
@@ -41,8 +44,8 @@ class Device:
     @property
     def row(self) -> _core.DeviceRow:
         """The same as the core takes it."""
-        if self.delay_samples < 0:
-            raise InputError(f"device delay: is {self.delay_samples} samples; give 0 or more")
+        if not 0 <= self.delay_samples <= _MOST_DELAY:
+            raise InputError(f"device delay: is {self.delay_samples} samples; give 0 to {_MOST_DELAY}")
         return (
             self.inertia_kg_m2,
             self.damping_Nms_rad,
@@ -115,6 +118,14 @@ class Renderer(_core.Renderer):
         state = self.state
         doing = self.fault or ("sliding" if state["slipping"] else "sticking")
         return f"Renderer at {self.rate_hz:g} Hz after {state['samples']} samples: {doing}"
+
+
+def check_rotary(model: Model) -> None:
+    """Raise InputError for a model of a linear axis: the devices turn."""
+    if model.axis != "rotary":
+        raise InputError(
+            f"model '{model.name}': is of a {model.axis} axis, and the device turns; give a rotary one"
+        )
 
 
 def _column(values: ArrayLike) -> FloatArray:

@@ -79,6 +79,8 @@ def _run(words: list[str]) -> int:
         what = " ".join(f"{type(error).__name__}: {error}".split())
         return _end(f"the program failed ({what}); --traceback shows where, please report it", 1)
     status(None)
+    if answer is None:  # it has said all while it ran
+        return 0
     for message in answer.messages:
         print(message, file=sys.stderr)
     print(as_json(answer.document) if args.json else answer.text)

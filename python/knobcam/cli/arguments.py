@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     Commands = argparse._SubParsersAction[Any]  # argparse has no public name for it
 
 
+_LARGEST = 2**53  # whole numbers that a program of any language tells apart
+
+
 class Parser(argparse.ArgumentParser):
     """An argument parser that raises what is wrong with the call as InputError."""
 
@@ -41,7 +44,7 @@ class VersionAction(argparse.Action):
 
 
 def add_command(
-    commands: Commands, name: str, run: Callable[[argparse.Namespace], Answer], about: str
+    commands: Commands, name: str, run: Callable[[argparse.Namespace], Answer | None], about: str
 ) -> argparse.ArgumentParser:
     """Return the parser of a new command, with what every command takes."""
     parser: argparse.ArgumentParser = commands.add_parser(
@@ -135,6 +138,8 @@ def whole(text: str) -> int:
     """Return a whole number from 0 for argparse."""
     if not text.isdecimal():
         raise argparse.ArgumentTypeError(f"{text!r} is no whole number from 0")
+    if int(text) > _LARGEST:
+        raise argparse.ArgumentTypeError(f"{text!r} is too large; the most is {_LARGEST}")
     return int(text)
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from . import arguments
-from .output import Answer, status
+from .output import as_json, status
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -45,8 +45,8 @@ def register(commands: arguments.Commands) -> None:
     parser.add_argument("--leashed", action="store_true", help="end when standard input is closed")
 
 
-def run(args: Namespace) -> Answer:
-    """Serve until interrupted."""
+def run(args: Namespace) -> None:
+    """Serve until interrupted; all that it says comes first."""
     from ..rig.emulator import Emulation, serve
 
     emulation = Emulation(
@@ -60,11 +60,11 @@ def run(args: Namespace) -> Answer:
     )
 
     def tell(port: str) -> None:
-        print(port, flush=True)
+        document = {"schema": "knobcam.emulate/1", "port": port, "serial": emulation.serial_number}
+        print(as_json(document) if args.json else port, flush=True)
         status(f"emulating {emulation.serial_number}; Ctrl-C ends it")
 
     # Whoever ends it, the link goes.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     with contextlib.suppress(KeyboardInterrupt):
         serve(emulation, link=args.link, tell=tell, leash=sys.stdin.fileno() if args.leashed else None)
-    return Answer("", {"schema": "knobcam.emulate/1", "serial": emulation.serial_number})

@@ -65,14 +65,17 @@ def run(args: Namespace) -> Answer:
     from ..emulated import EmulatedHandle, to_and_fro
     from ..loop import run_loop
     from ..model import Model
-    from ..render import Device, Renderer, check_stability
+    from ..render import Device, Renderer, check_rotary, check_stability
 
     model, device = Model.load(args.model), Device(delay_samples=args.delay)
+    check_rotary(model)
     stability = check_stability(model, device, rate=args.rate)
     renderer = Renderer(model, args.rate, device=device)
     handle = EmulatedHandle(device, to_and_fro())
     status(f"rendering for {args.seconds:g} s")
     report = run_loop(renderer, handle, args.seconds, rate_hz=args.rate, rt=args.rt, time=args.time)
+    if report.ending == "fault":
+        raise InputError(f"{args.model}: the step let go after {report.steps} samples: {report.why}")
     files: dict[str, object] = {}
     if args.plots is not None:
         files["pictures"] = _draw(args, report, model, device, stability)
@@ -98,6 +101,9 @@ def _on_a_rig(args: Namespace) -> Answer:
     from ..model import Model
     from ..rig.feel import feel
 
+    for name, usual in (("rate", 5000.0), ("rt", "warn"), ("time", "real"), ("delay", 1)):
+        if getattr(args, name) != usual:
+            raise InputError(f"--{name}: is for the emulated handle; the device behind a port has its own")
     if args.plots is not None:
         raise InputError("--plots: is for the emulated handle; draw the capture of --log with `knobcam fit`")
     model = Model.load(args.model)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 from collections.abc import Mapping
 from pathlib import Path
@@ -56,9 +57,14 @@ def read_hdf5(path: Path, max_bytes: int) -> Table:
 
 
 def write_hdf5(path: Path, columns: Mapping[str, FloatArray], document: Mapping[str, Any]) -> None:
-    """Write `columns` as datasets at the root, the document as an attribute of the root; no time stamps."""
+    """Write `columns` as datasets at the root, the document as an attribute of the root; no time stamps.
+
+    The file is made in memory: the library does not survive a disk that is full.
+    """
     h5py = require("h5py", "an HDF5 file")
-    with h5py.File(path, "w", track_order=True) as file:
+    whole = io.BytesIO()
+    with h5py.File(whole, "w", track_order=True) as file:
         file.attrs[_DOCUMENT] = json.dumps(document)
         for name, values in columns.items():
             file.create_dataset(name, data=values, track_times=False)
+    path.write_bytes(whole.getvalue())

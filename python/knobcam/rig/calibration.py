@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 SCHEMA = "knobcam.calibration/1"
 _FEWEST = 1000
+_FOLLOWS = 0.02  # of the commanded motion may be left between it and the recorded one
 _WHITE = 1.5  # times what neighbouring samples differ by: more is no noise
 
 
@@ -177,8 +178,16 @@ def spatial(serial: str, runs: Sequence[Run]) -> Calibration:
     factors, differences = [], []
     for number, run in enumerate(runs, 1):
         at = _usable(run, number)
+        left = np.std(run.recorded.theta[at] - run.commanded.theta[at]) / np.std(run.commanded.theta[at])
+        if left > _FOLLOWS:
+            raise InputError(
+                f"run {number}: the gripper did not follow the motion; free it for the spatial test, or run "
+                "--test torque"
+            )
         volts, wanted = run.recorded.columns["alpha"][at] / run.c_cal, run.commanded.alpha[at]
         if not np.any(volts):
+            raise InputError(f"run {number}: the accelerometer says nothing; check its cable")
+        if wanted @ volts == 0.0:
             raise InputError(f"run {number}: the accelerometer says nothing; check its cable")
         # The noise is in the volts: regressed the other way round it would pull the factor towards zero.
         factor = float(wanted @ wanted / (wanted @ volts))

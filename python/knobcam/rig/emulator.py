@@ -177,14 +177,16 @@ def serve(
         _go_on(rig, master, emulation.speed, leash)
     finally:
         os.close(master)
-        if link is not None:
-            link.unlink(missing_ok=True)
+        if link is not None and link.is_symlink() and str(link.readlink()) == port:
+            link.unlink()
 
 
 def _make_link(link: Path, port: str) -> None:
+    if link.exists():
+        raise InputError(f"{link}: is there already, maybe of another emulated rig; choose another --link")
     try:
-        if link.is_symlink():
-            link.unlink()
+        # What leads nowhere is of a rig that was killed.
+        link.unlink(missing_ok=True)
         link.symlink_to(port)
     except OSError as error:
         raise InputError(f"{link}: {error.strerror or error}; choose another --link") from None

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..errors import InputError
-from ..render import Device, Stability, check_stability
+from ..render import Device, Stability, check_rotary, check_stability
 from .link import Link
 from .port import BAUD
 from .record import BY_HAND, record
@@ -65,13 +65,18 @@ def feel(
     `force` is given, and for all that is wrong with port or rig; torque is ended on every way out.
     """
     if not (math.isfinite(seconds) and seconds > 0.0):
-        raise InputError(f"seconds={seconds:g}: give a time above 0")
+        raise InputError(f"seconds={seconds:g}: give a finite time above 0")
+    check_rotary(model)
     with contextlib.ExitStack() as stack:
         link = port if isinstance(port, Link) else stack.enter_context(Link(port, baud=baud))
         device = device_of(link.device)
         stability = check_stability(model, device, rate=link.rate_hz)
         if not stability.stable and not force:
-            raise InputError(f"{link.port}: {stability.verdict} --force renders it nevertheless")
+            raise InputError(
+                f"{link.port}: the model rings on it: the device allows "
+                f"{stability.allowed_stiffness_Nm_rad:.3g} N m/rad, the model has "
+                f"{stability.figures['stiffness_Nm_rad']:.3g}; soften the model, or --force it"
+            )
         output = log or Path(stack.enter_context(tempfile.TemporaryDirectory())) / "felt.kcwire"
         capture = record(link, BY_HAND, output=output, duration_s=seconds, model=model, progress=progress)
         return Felt(str(link.device["serial"]), device, stability, capture)

@@ -16,6 +16,7 @@ from ..formats.wire import RATE_TOLERANCE
 from ..model import Model
 from ..motions import MotionTrack
 from ..motions import motion as make_motion
+from ..render import check_rotary
 from .calibration import usual
 from .leadin import led_in
 from .link import Link
@@ -125,10 +126,12 @@ def make_plan(
 
 
 def upload(link: Link, plan: Plan) -> None:
-    """Send ahead what the run needs; InputError for a motion that the rig could not measure.
+    """Send ahead what the run needs; InputError for a motion or a model that is not for this rig.
 
     A fault that the rig has latched is cleared first, because whoever calls asks for this run.
     """
+    if plan.model is not None:
+        check_rotary(plan.model)
     if link.fault is not None:
         link.clear()
     if plan.track is not None:

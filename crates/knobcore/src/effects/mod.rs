@@ -40,6 +40,7 @@ mod detent_harmonics;
 mod directional_detent;
 mod end_stop;
 mod friction_drift;
+mod gradient;
 mod inertia;
 mod karnopp;
 mod load_friction;
@@ -66,8 +67,9 @@ use crate::error::{Error, Result};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::Param;
 use crate::scalar::Scalar;
+use gradient::Gradient;
 use registry::{info, keep, registry, starts, take};
-use sweep::{Gradient, Totals};
+use sweep::Totals;
 
 pub use block::Block;
 pub use registry::Info;

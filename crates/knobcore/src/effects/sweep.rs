@@ -4,6 +4,7 @@
 //! every channel of the load; by the chain rule each effect then needs derivatives to its own parameters only,
 //! however the loads act on each other.
 
+use super::gradient::Gradient;
 use super::{Id, LateEffect, LoadEffect, MemoryEffect, SensorEffect};
 use crate::motion::{Channel, Load, Motion};
 use crate::scalar::{Dual, LANES, Pack, Scalar};
@@ -15,9 +16,9 @@ pub(super) const BLOCK: usize = 256;
 /// friction per press, lag.
 pub(super) const CHANNELS: usize = Channel::ALL.len();
 /// The first of them, which suffice where nothing shapes the friction.
-const PLAIN: usize = 4;
+pub(super) const PLAIN: usize = 4;
 /// The channel that multiplies.
-const LEVEL: usize = Channel::Level as usize;
+pub(super) const LEVEL: usize = Channel::Level as usize;
 /// Derivatives of a sensor: its parameters (fewer than this), and last the torque that it senses.
 const SENSOR_LANES: usize = 12;
 /// Derivative columns that pass through a late sensor at a time.
@@ -150,12 +151,12 @@ fn add(slopes: &mut [Vec<f64>], columns: &[Option<usize>], at: usize, more: &[Pa
 
 /// Parameters that are differentiated by, one lane each.
 #[inline(always)]
-fn seeded<V: Scalar, const N: usize, const L: usize>(p: &[f64]) -> [Dual<V, L>; N] {
+pub(super) fn seeded<V: Scalar, const N: usize, const L: usize>(p: &[f64]) -> [Dual<V, L>; N] {
     std::array::from_fn(|i| Dual::seeded(p.get(i).copied().unwrap_or(0.0), Some(i)))
 }
 
 #[inline(always)]
-fn channels<T: Scalar>(load: &Load<T>) -> [T; CHANNELS] {
+pub(super) fn channels<T: Scalar>(load: &Load<T>) -> [T; CHANNELS] {
     let [back, forth] = load.resist;
     [load.drive, load.inertia, back, forth, load.press, load.level, load.mu, load.lag]
 }
@@ -172,11 +173,11 @@ pub(super) type Channels = [[f64; BLOCK]; CHANNELS];
 
 /// The loads over a block, coming together.
 pub(super) struct Totals<'a> {
-    whole: [&'a [f64]; 5],
-    motion: [&'a [f64]; 5],
-    block: Range<usize>,
-    channels: &'a mut Channels,
-    plain: bool,
+    pub whole: [&'a [f64]; 5],
+    pub motion: [&'a [f64]; 5],
+    pub block: Range<usize>,
+    pub channels: &'a mut Channels,
+    pub plain: bool,
 }
 
 impl<'a> Totals<'a> {
@@ -219,7 +220,7 @@ impl<'a> Totals<'a> {
     }
 
     #[inline(always)]
-    fn motion(&self, at: usize) -> Motion<Pack> {
+    pub(super) fn motion(&self, at: usize) -> Motion<Pack> {
         let [t, theta, omega, alpha, forward] = self.motion.map(|column| Pack::load(column, at));
         Motion { t, theta, omega, alpha, forward }
     }
@@ -296,127 +297,4 @@ fn spend_by<const C: usize>(
     for (column, slope) in by.iter_mut().zip(tau.d) {
         slope.store(column, at);
     }
-}
-
-/// The gradient of the torque to the channels of the load over a block.
-pub(super) struct Gradient<'a> {
-    totals: Totals<'a>,
-    by: &'a mut Channels,
-    slopes: &'a mut [Vec<f64>],
-}
-
-impl Gradient<'_> {
-    /// Chain rule: derivatives of the torque where those of an effect's own load are given.
-    #[inline(always)]
-    fn through<const N: usize>(
-        &self,
-        at: usize,
-        load: &Load<Dual<Pack, N>>,
-        touches: [bool; CHANNELS],
-    ) -> [Pack; N] {
-        if self.totals.plain {
-            self.summed::<N, PLAIN>(at, load, touches)
-        } else {
-            self.summed::<N, CHANNELS>(at, load, touches)
-        }
-    }
-
-    /// The chain rule over the first `C` channels.
-    #[inline(always)]
-    fn summed<const N: usize, const C: usize>(
-        &self,
-        at: usize,
-        load: &Load<Dual<Pack, N>>,
-        touches: [bool; CHANNELS],
-    ) -> [Pack; N] {
-        let own = channels(load);
-        let mut sums = [Pack::of(0.0); N];
-        for (channel, own) in own.iter().enumerate().take(C) {
-            if !touches[channel] {
-                continue;
-            }
-            let mut by = Pack::load(&self.by[channel], at);
-            if channel == LEVEL {
-                // The derivative of a product by one of its factors.
-                by = by * Pack::load(&self.totals.channels[LEVEL], at) / own.v;
-            }
-            for (sum, slope) in sums.iter_mut().zip(own.d) {
-                *sum = *sum + by * slope;
-            }
-        }
-        sums
-    }
-
-    #[inline(always)]
-    pub(super) fn chain<const N: usize, E: LoadEffect<N>>(&mut self, p: &[f64], columns: &[Option<usize>]) {
-        if columns.iter().all(Option::is_none) {
-            return;
-        }
-        let p: [Dual<Pack, N>; N] = seeded(p);
-        for at in (0..self.totals.block.len()).step_by(LANES) {
-            let load = E::load(&p, &self.totals.motion(at).map(Dual::constant));
-            let slopes = self.through(at, &load, const { Channel::among(E::TOUCHES) });
-            self.add(columns, at, &slopes);
-        }
-    }
-
-    #[inline(always)]
-    pub(super) fn chain_remembering<const N: usize, const M: usize, E: MemoryEffect<N, M>>(
-        &mut self,
-        p: &[f64],
-        columns: &[Option<usize>],
-        state: &mut [f64],
-    ) {
-        let p: [Dual<f64, N>; N] = seeded(p);
-        let mut own: [Dual<f64, N>; M] = std::array::from_fn(|m| dual_from(&state[m * (1 + N)..]));
-        let touches = const { Channel::among(E::TOUCHES) };
-        for at in (0..self.totals.block.len()).step_by(LANES) {
-            let motion = self.totals.motion(at);
-            let loads: [Load<Dual<f64, N>>; LANES] =
-                std::array::from_fn(|lane| E::load(&p, &mut own, &motion.map(|x| Dual::constant(x.0[lane]))));
-            let loads = loads.map(|load| channels(&load));
-            let packs: [Dual<Pack, N>; CHANNELS] = std::array::from_fn(|c| {
-                if !touches[c] {
-                    return Dual::constant(Pack::of(0.0));
-                }
-                Dual {
-                    v: Pack(std::array::from_fn(|lane| loads[lane][c].v)),
-                    d: std::array::from_fn(|i| Pack(std::array::from_fn(|lane| loads[lane][c].d[i]))),
-                }
-            });
-            let slopes = self.through(at, &load_of(packs), touches);
-            self.add(columns, at, &slopes);
-        }
-        for (slots, value) in state.chunks_mut(1 + N).zip(own) {
-            slots[0] = value.v;
-            slots[1..].copy_from_slice(&value.d);
-        }
-    }
-
-    pub(super) fn chain_user(&mut self, columns: &[Option<usize>], slopes: &[f64]) {
-        let block = self.totals.block.clone();
-        let asked = columns.iter().filter_map(|column| *column);
-        for (column, own) in asked.zip(slopes.chunks(self.totals.whole[0].len().max(1))) {
-            let Some(column) = self.slopes.get_mut(column) else { continue };
-            for (slope, own) in column[block.clone()].iter_mut().zip(&own[block.clone()]) {
-                *slope += own;
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn add(&mut self, columns: &[Option<usize>], at: usize, more: &[Pack]) {
-        let block = self.totals.block.clone();
-        for (column, slope) in columns.iter().zip(more) {
-            if let Some(column) = column.and_then(|c| self.slopes.get_mut(c)) {
-                let column = &mut column[block.clone()];
-                (Pack::load(column, at) + *slope).store(column, at);
-            }
-        }
-    }
-}
-
-fn dual_from<const N: usize>(slots: &[f64]) -> Dual<f64, N> {
-    let slot = |i: usize| slots.get(i).copied().unwrap_or(0.0);
-    Dual { v: slot(0), d: std::array::from_fn(|i| slot(1 + i)) }
 }
