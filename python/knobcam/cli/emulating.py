@@ -8,8 +8,9 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..strict_json import as_json
 from . import arguments
-from .output import as_json, status
+from .output import status
 
 if TYPE_CHECKING:
     from argparse import Namespace
