@@ -73,7 +73,15 @@ def lines() -> Iterator[str]:
     yield "# Measured"
     yield ""
     made = " && ".join(
-        f"python benches/{name}.py" for name in ("study_recovery", "study_hidden", "study_render", "report")
+        f"python benches/{name}.py"
+        for name in (
+            "study_recovery",
+            "study_hidden",
+            "study_capture",
+            "study_render",
+            "study_roundtrip",
+            "report",
+        )
     )
     yield f"Made by `{made}`. {machine()}"
     yield ""

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from knobcam.rig.emulator import EmulatedRig, Emulation
+from knobcam.simulate import RIG
 
 EFFECTS = ("stribeck", "presliding", "quadratic_drag", "return_spring", "position_friction")
 RESULTS = Path(__file__).parent / "results" / "roundtrip.json"
@@ -73,6 +74,8 @@ def trip(knob: str, effect: str, speed: float, folder: Path) -> dict[str, Any]:
         again = knobcam("learn", folder / "felt.npz")
     before, after = learned["ladder"][-1]["params"], again["ladder"][-1]["params"]
     true = positive({name: p.value for name, p in model.params.items()})
+    # The rig's own sensor saturates, whatever knob is in it.
+    true["saturation.limit"] = RIG.tau_limit
     return {
         "knob": knob,
         "effect": effect,
@@ -119,12 +122,16 @@ def main() -> None:
     parser.add_argument("--effects", nargs="+", default=EFFECTS)
     parser.add_argument("--speed", type=float, default=10.0, help="times real time of the emulated rig")
     args = parser.parse_args()
-    rows = []
+    # Trips of other knobs and effects, if any were made before, are kept.
+    known = json.loads(RESULTS.read_text())["trips"] if RESULTS.is_file() else []
+    asked = {(f"knob{knob}", effect) for knob in args.knobs for effect in args.effects}
+    rows = [row for row in known if (row["knob"], row["effect"]) not in asked]
     for knob in args.knobs:
         for effect in args.effects:
             with tempfile.TemporaryDirectory() as folder:
                 rows.append(trip(f"knob{knob}", effect, args.speed, Path(folder)))
             print(json.dumps(rows[-1]), flush=True)
+    rows.sort(key=lambda row: row["knob"])
     RESULTS.write_text(json.dumps({"report": report(rows), "trips": rows}, indent=1) + "\n")
 
 
