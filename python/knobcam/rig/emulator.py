@@ -30,7 +30,7 @@ from ..simulate import RIG
 from ..typical import with_typical
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable
     from types import TracebackType
 
 FIXTURES = ("knob", "free", "anchor")
@@ -285,14 +285,3 @@ class EmulatedRig:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
-
-
-def emulate(argv: Sequence[str]) -> int:
-    """Run `knobcam emulate` with these arguments."""
-    from ..cli import main
-
-    return main(["emulate", *argv])
-
-
-if __name__ == "__main__":
-    sys.exit(emulate(sys.argv[1:]))

@@ -36,9 +36,7 @@ impl Handle {
 
     /// What its sensors say, with the torque of the hand if it measures that.
     pub fn sensed(&self, hand: Option<f64>) -> Sensed {
-        let step = self.device.encoder_step;
-        let theta = if step > 0.0 { (self.theta / step).round() * step } else { self.theta };
-        Sensed { theta, omega: self.omega, alpha: self.alpha, hand }
+        Sensed { theta: self.device.counted(self.theta), omega: self.omega, alpha: self.alpha, hand }
     }
 
     /// One sample goes by: the motor is told to apply `motor` (N m), and the hand's torque goes from one value to

@@ -1,7 +1,7 @@
 //! The emulated handle as a device of the render loop: time goes by on it as on the loop's clock.
 
 use super::handle::Handle;
-use super::scene::{HAND, Track};
+use super::scene::{Track, grip};
 use crate::error::Result;
 use crate::realtime::{Clock, Plant};
 use crate::render::{Device, Sensed};
@@ -25,13 +25,12 @@ pub struct Hand {
 
 impl Hand {
     /// Torque at `t` seconds on a handle that is at an angle (from the start) and a speed, N m.
-    fn torque(&self, t: f64, [theta, omega]: [f64; 2]) -> f64 {
+    fn torque(&self, t: f64, handle: [f64; 2]) -> f64 {
         let n = self.track.len().max(1);
         let place = t * self.rate_hz;
         let (at, share) = (place as usize, place.fract());
         let [from, to] = [self.track.at(at % n), self.track.at((at + 1) % n)];
-        let [goal, speed] = [0, 1].map(|i| from[i] + share * (to[i] - from[i]));
-        HAND[0] * (goal - theta) + HAND[1] * (speed - omega)
+        grip([0, 1].map(|i| from[i] + share * (to[i] - from[i])), handle)
     }
 }
 

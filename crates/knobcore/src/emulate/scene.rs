@@ -3,6 +3,7 @@
 use super::handle::Handle;
 use crate::error::Result;
 use crate::model::Model;
+use crate::motion::Motion;
 use crate::predict;
 use crate::render::{Device, Limits, Renderer, Sensed};
 use crate::signals::Signals;
@@ -47,19 +48,7 @@ pub(super) fn torque(knob: &Model, track: &Track, place: f64, rate_hz: f64) -> V
         theta: track.theta.iter().map(|theta| place + theta).collect(),
         omega: track.omega.clone(),
         alpha: track.alpha.clone(),
-        forward: track
-            .omega
-            .iter()
-            .map(|w| {
-                if *w > 0.0 {
-                    1.0
-                } else if *w < 0.0 {
-                    0.0
-                } else {
-                    0.5
-                }
-            })
-            .collect(),
+        forward: track.omega.iter().map(|w| Motion::exact(0.0, 0.0, *w, 0.0).forward).collect(),
         omega_sd: vec![0.0; n],
         tau_raw: vec![0.0; n],
         tau: vec![0.0; n],
@@ -71,7 +60,12 @@ pub(super) fn torque(knob: &Model, track: &Track, place: f64, rate_hz: f64) -> V
 }
 
 /// A hand that follows its own motion and holds the handle through a spring and a damper: N m/rad, N m s/rad.
-pub(super) const HAND: [f64; 2] = [0.5, 5e-3];
+const HAND: [f64; 2] = [0.5, 5e-3];
+
+/// Torque of a hand that wants to be at an angle and a speed, on a handle that is at others, N m.
+pub(super) fn grip([goal, speed]: [f64; 2], [theta, omega]: [f64; 2]) -> f64 {
+    HAND[0] * (goal - theta) + HAND[1] * (speed - omega)
+}
 
 /// Where the torque on a free handle comes from.
 #[derive(Debug, Clone)]
@@ -128,9 +122,7 @@ impl Scene {
                 let [theta, omega, alpha] = track.at(*at);
                 let theta = *place + theta;
                 *at += 1;
-                let step = device.encoder_step;
-                let seen = if step > 0.0 { (theta / step).round() * step } else { theta };
-                let motor = knob.step(Sensed { theta: seen, omega, alpha, hand: None });
+                let motor = knob.step(Sensed { theta: device.counted(theta), omega, alpha, hand: None });
                 // Within a sample the motion is read, the motor is told, and then the torque is read.
                 let own = device.inertia * alpha + device.damping * omega;
                 Some(Instant { sensed: [theta, omega, alpha, motor + own], motor })
@@ -145,7 +137,7 @@ impl Scene {
                     Source::Host(tau) => *tau,
                 };
                 let before = *pushes;
-                *pushes = HAND[0] * (*place + target[0] - theta) + HAND[1] * (target[1] - omega);
+                *pushes = grip([*place + target[0], target[1]], [theta, omega]);
                 handle.push(motor, [before, *pushes]);
                 Some(Instant { sensed: [theta, omega, alpha, before], motor })
             }

@@ -25,6 +25,12 @@ pub struct Device {
 }
 
 impl Device {
+    /// An angle as its encoder tells it, rad.
+    pub fn counted(&self, theta: f64) -> f64 {
+        let step = self.encoder_step;
+        if step > 0.0 { (theta / step).round() * step } else { theta }
+    }
+
     /// From a measurement to the middle of the sample in which the torque that answers it acts, s.
     pub fn late_s(&self, dt: f64) -> f64 {
         (self.delay as f64 + 0.5) * dt
