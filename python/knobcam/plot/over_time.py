@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import InputError
-from .style import BLUE, PALE, WRONG, Picture, legend_above, motion_units, source_of, styled, torque_scale
+from .style import BLUE, PALE, Picture, legend_above, motion_units, shade, source_of, styled, torque_scale
 from .thin import envelope
 
 if TYPE_CHECKING:
@@ -136,19 +136,9 @@ def _limits(axes: Axes, good: FloatArray) -> None:
 
 
 def _mark(axes: Axes, t: FloatArray, masked: BoolArray) -> None:
-    """Shade the runs of masked samples over the whole height; short ones stay visible by their edge."""
+    """Shade the runs of masked samples."""
     if not masked.any():
         return
     edges = np.flatnonzero(np.diff(np.concatenate([[False], masked, [False]]).astype(np.int8)))
     runs = [(float(t[a]), float(t[b - 1] - t[a])) for a, b in zip(edges[::2], edges[1::2], strict=True)]
-    axes.broken_barh(
-        runs,
-        (0.0, 1.0),
-        transform=axes.get_xaxis_transform(),
-        facecolor=WRONG,
-        edgecolor=WRONG,
-        lw=0.7,
-        alpha=0.35,
-        zorder=0.5,
-        label=f"masked ({int(masked.sum())} of {len(masked)} samples)",
-    )
+    shade(axes, runs, f"masked ({int(masked.sum())} of {len(masked)} samples)")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache, wraps
 from pathlib import Path
 from textwrap import fill
@@ -193,3 +193,18 @@ def legend_above(axes: Axes) -> None:
     for handle in legend.legend_handles:
         if isinstance(handle, Line2D) and handle.get_marker() != "None":
             handle.set(alpha=1.0, markersize=7.0)  # the dots of a cloud are too small to name a colour
+
+
+def shade(axes: Axes, runs: Sequence[tuple[float, float]], label: str) -> None:
+    """Shade stretches (start, length) over the whole height; short ones stay visible by their edge."""
+    axes.broken_barh(
+        runs,
+        (0.0, 1.0),
+        transform=axes.get_xaxis_transform(),
+        facecolor=WRONG,
+        edgecolor=WRONG,
+        lw=0.7,
+        alpha=0.35,
+        zorder=0.5,
+        label=label,
+    )

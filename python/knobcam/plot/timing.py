@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .style import BLUE, ORANGE, WRONG, Picture, legend_above, number, plain, styled
+from .style import BLUE, ORANGE, WRONG, Picture, legend_above, number, plain, shade, styled
 from .thin import envelope
 
 if TYPE_CHECKING:
@@ -63,17 +63,7 @@ def _timeline(axes: Axes, report: LoopReport) -> None:
     if before.size:
         gaps = [(deadlines[i] + period, deadlines[i + 1] - deadlines[i] - period) for i in before]
         missed = round(sum(length for _, length in gaps) / period)
-        axes.broken_barh(
-            gaps,
-            (0.0, 1.0),
-            transform=axes.get_xaxis_transform(),
-            facecolor=WRONG,
-            edgecolor=WRONG,
-            lw=0.7,
-            alpha=0.35,
-            zorder=0.5,
-            label=f"missed ({missed} periods)",
-        )
+        shade(axes, gaps, f"missed ({missed} periods)")
     axes.set_ylim(bottom=0.0)
     axes.set_title("Last second", pad=22.0)
     axes.set_xlabel("time since the start (s)")
