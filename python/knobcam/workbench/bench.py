@@ -9,6 +9,7 @@ from typing import Any
 from . import state
 from .jobs import Job, Worker
 from .session import Session
+from .tree import Start
 
 _PAUSE_S = 0.02
 _AFTER_S = 1.0  # so that a page that has just been told of a fit can draw it first
@@ -19,8 +20,8 @@ Hear = Callable[[str, dict[str, Any]], None]
 class Bench:
     """One session, a thread for what a person waits for, and one that weighs what is missing meanwhile."""
 
-    def __init__(self) -> None:
-        self.session = Session(self._changed)
+    def __init__(self, start: Start | None = None) -> None:
+        self.session = Session(self._changed, start)
         self.work = Worker("knobcam-work", self._moved)
         self.weighing = Worker("knobcam-weighing", self._moved, humble=True)
         self.listeners: set[Hear] = set()
