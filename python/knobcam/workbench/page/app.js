@@ -20,6 +20,9 @@ async function fetchBytes(path, query, signal) {
   const answer = await request(`${path}?${new URLSearchParams(query)}`, { signal });
   return answer.arrayBuffer();
 }
+async function fetchPicture(effect) {
+  return (await request(`/api/picture?${new URLSearchParams({ effect })}`)).blob();
+}
 async function post(verb, body = {}) {
   const headers = { "content-type": "application/json" };
   const answer = await request(`/api/${verb}`, { method: "POST", headers, body: JSON.stringify(body) });
@@ -160,7 +163,8 @@ function words({ name, samples, rate_hz, findings }) {
 var Candidates = class {
   /**
    * @param {HTMLElement} place
-   * @param {{look: (effect: string | null) => void, add: (effect: string) => void, ask: () => void}} deeds
+   * @param {{look: (effect: string | null) => void, add: (effect: string) => void, ask: () => void,
+   *   about: (row: Candidate) => void}} deeds
    */
   constructor(place3, deeds) {
     this.place = place3;
@@ -169,6 +173,7 @@ var Candidates = class {
     this.at = 0;
     this.inside = false;
     this.items = [];
+    this.rows = [];
     place3.addEventListener("keydown", (event) => this.key(event));
   }
   /** @param {State} state */
@@ -178,6 +183,7 @@ var Candidates = class {
     this.shown = shown;
     this.inside ||= this.place.contains(document.activeElement);
     this.at = 0;
+    this.rows = candidates.rows;
     this.items = candidates.rows.map((row, at) => this.item(row, at));
     const ask = make("button", {
       ...{ type: "button", text: "What is missing?", disabled: job !== null || node === null },
@@ -201,7 +207,11 @@ var Candidates = class {
       ...{ type: "button", text: "Add", tabindex: -1, "aria-label": `add ${row.effect}` },
       on: { click: () => this.deeds.add(row.effect) }
     });
-    const chance = beyondChance(row) ? "" : " chance";
+    const about2 = make("button", {
+      ...{ type: "button", text: "?", tabindex: -1, "aria-label": `about ${row.effect}`, title: "what it is (key: ?)" },
+      on: { click: () => this.deeds.about(row) }
+    });
+    const chance = row.beyond_chance ? "" : " chance";
     return make(
       "li",
       {
@@ -217,7 +227,7 @@ var Candidates = class {
       make("span", { class: "label", text: row.effect, title: row.shows ?? row.effect }),
       make("span", { class: "track" }, bar),
       make("span", { class: "figure", text: `−${percent(Math.max(0, row.error_fall))}`, title: "fall of the RMS error" }),
-      add,
+      make("span", { class: "deeds" }, about2, add),
       make("span", { class: "evidence soft", text: evidence(row) }),
       ...remarks(row).map((text) => make("span", { class: "alike soft", text })),
       ...row.unphysical.map((text) => make("span", { class: "alike odd", text: `⚠ ${text}` }))
@@ -245,15 +255,14 @@ var Candidates = class {
     } else if (event.key === "Enter" && event.target === this.items[this.at]) {
       this.deeds.add(this.items[this.at].dataset.effect ?? "");
       event.preventDefault();
+    } else if (event.key === "?") {
+      if (this.rows[this.at]) this.deeds.about(this.rows[this.at]);
     }
   }
 };
-function beyondChance({ beyond_chance, p_value }) {
-  return beyond_chance ?? p_value <= 0.05;
-}
 function evidence(row) {
   const chance = row.p_value <= 1e-3 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
-  return beyondChance(row) ? `beyond chance (${chance})` : `no more than chance (${chance})`;
+  return row.beyond_chance ? `beyond chance (${chance})` : `no more than chance (${chance})`;
 }
 function remarks({ equivalent, confused, note }) {
   const others = confused.filter((effect) => !equivalent.includes(effect));
@@ -270,10 +279,65 @@ function remainder(unexplained) {
   return [make("p", { class: "soft", text: words2 })];
 }
 
+// src/effects.js
+var pictures = /* @__PURE__ */ new Map();
+var AnyEffect = class {
+  /** @param {(effect: string) => void} add */
+  constructor(add) {
+    this.select = /** @type {HTMLSelectElement} */
+    byId("any-effect");
+    this.absent = [];
+    byId("any").addEventListener("submit", (event) => {
+      event.preventDefault();
+      if (this.select.value) add(this.select.value);
+    });
+    byId("any-about").addEventListener("click", () => {
+      const chosen = this.absent.find(({ effect }) => effect === this.select.value);
+      if (chosen) about(chosen);
+    });
+    byId("about-close").addEventListener("click", () => dialog().close());
+  }
+  /** @param {Effect[]} absent */
+  show(absent) {
+    byId("any").hidden = absent.length === 0;
+    const names = (effects) => effects.map(({ effect }) => effect).join();
+    if (names(absent) !== names(this.absent)) {
+      this.select.replaceChildren(...absent.map(({ effect }) => make("option", { value: effect, text: effect })));
+    }
+    this.absent = absent;
+  }
+};
+function about({ effect, place: place3, law, source, shows, confused }) {
+  const picture = make("img", { alt: `what ${effect} adds to the torque of a small knob`, src: pictures.get(effect) });
+  byId("about-title").textContent = effect;
+  byId("about-text").replaceChildren(
+    make("p", {}, make("code", { text: law })),
+    make("p", { text: `Acts on: ${place3}. Shows: ${shows}.` }),
+    confused.length > 0 ? make("p", { text: `Easily confused with ${confused.join(", ")}.` }) : "",
+    make("p", { class: "soft", text: source }),
+    picture
+  );
+  dialog().showModal();
+  if (pictures.has(effect)) return;
+  fetchPicture(effect).then(
+    (blob) => {
+      pictures.set(effect, URL.createObjectURL(blob));
+      picture.src = pictures.get(effect) ?? "";
+    },
+    (reason) => picture.replaceWith(make("p", { class: "wrong", text: String(reason.message ?? reason) }))
+  );
+}
+function dialog() {
+  return (
+    /** @type {HTMLDialogElement} */
+    byId("about")
+  );
+}
+
 // src/files.js
 var COLUMNS = ["t", "theta", "omega", "alpha", "tau"];
 function opening(heard) {
-  const dialog = (
+  const dialog2 = (
     /** @type {HTMLDialogElement} */
     byId("open-dialog")
   );
@@ -296,7 +360,7 @@ function opening(heard) {
     return map.length > 0 ? { map: map.join(", ") } : {};
   };
   const opened = (name) => {
-    dialog.close();
+    dialog2.close();
     if (waiting.length === 0) for (const field of fields) field.value = "";
     told.textContent = "";
     heard.say(`opened ${name}`);
@@ -305,7 +369,7 @@ function opening(heard) {
   const refused = (reason) => {
     heard.failed(reason);
     told.textContent = reason instanceof Error ? reason.message : String(reason);
-    if (!dialog.open) dialog.showModal();
+    if (!dialog2.open) dialog2.showModal();
   };
   const take = async (files) => {
     waiting = files;
@@ -328,8 +392,8 @@ function opening(heard) {
       }
     }
   };
-  byId("open").addEventListener("click", () => dialog.showModal());
-  byId("open-close").addEventListener("click", () => dialog.close());
+  byId("open").addEventListener("click", () => dialog2.showModal());
+  byId("open-close").addEventListener("click", () => dialog2.close());
   chosen.addEventListener("change", () => {
     take([...chosen.files ?? []]);
     chosen.value = "";
@@ -1287,11 +1351,11 @@ var Params = class {
     this.rows.set(param.name, { slider, value, low, high });
     const between2 = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
     const odd = param.odd ? make("span", { class: "odd", text: " ⚠", "aria-label": param.odd }) : null;
-    const about = [param.name, param.meaning, param.odd].filter(Boolean).join(": ");
+    const about2 = [param.name, param.meaning, param.odd].filter(Boolean).join(": ");
     return make(
       "tr",
       {},
-      make("th", { scope: "row", title: about }, param.name.split(".").slice(1).join("."), odd),
+      make("th", { scope: "row", title: about2 }, param.name.split(".").slice(1).join("."), odd),
       make("td", {}, slider),
       make("td", { class: "value", title: `95 % interval ${between2} ${param.unit}` }, value),
       make("td", { class: "soft unit", text: param.unit, title: param.unit })
@@ -1449,8 +1513,10 @@ var App = class {
     this.candidates = new Candidates(byId("candidates"), {
       look: (effect) => this.look(effect),
       add: (effect) => this.ask("add", { effect }, "add"),
-      ask: () => this.ask("diagnose")
+      ask: () => this.ask("diagnose"),
+      about
     });
+    this.any = new AnyEffect((effect) => this.ask("add", { effect }, "add"));
     this.looking = new AbortController();
     this.looked = null;
   }
@@ -1541,6 +1607,7 @@ var App = class {
     this.showBranches(state);
     this.params.show(state.params);
     this.candidates.show(state);
+    this.any.show(state.absent);
     this.showJob(state.job);
     const branch = state.branches.find(({ id }) => id === state.branch);
     enable("undo", (branch?.at ?? 0) > 0);
