@@ -8,6 +8,9 @@ import { byId, make } from "./dom.js";
 /** @type {Map<string, string>} addresses of pictures that were fetched */
 const pictures = new Map();
 
+/** @type {Record<string, string>} */
+const PLACES = { load: "torque of the knob", coupling: "joint between shaft and knob", sensor: "torque sensor" };
+
 /** Let any effect that the model lacks be chosen. */
 export class AnyEffect {
   /** @param {(effect: string) => void} add */
@@ -41,14 +44,12 @@ export class AnyEffect {
  * Show what an effect is and where it shows.
  * @param {Effect} effect
  */
-export function about({ effect, place, law, source, shows, confused }) {
-  const picture = make("img", { alt: `what ${effect} adds to the torque of a small knob`, src: pictures.get(effect) });
+export function about({ effect, place, law, source, shows }) {
+  const alt = `${law}: what it adds to the torque of a small knob; it shows ${shows}`;
+  const picture = make("img", { alt, src: pictures.get(effect) });
   byId("about-title").textContent = effect;
   byId("about-text").replaceChildren(
-    make("p", {}, make("code", { text: law })),
-    make("p", { text: `Acts on: ${place}. Shows: ${shows}.` }),
-    confused.length > 0 ? make("p", { text: `Easily confused with ${confused.join(", ")}.` }) : "",
-    make("p", { class: "soft", text: source }),
+    make("p", { class: "soft", text: `Acts on the ${PLACES[place] ?? place}. ${source}` }),
     picture,
   );
   dialog().showModal();

@@ -281,6 +281,7 @@ function remainder(unexplained) {
 
 // src/effects.js
 var pictures = /* @__PURE__ */ new Map();
+var PLACES = { load: "torque of the knob", coupling: "joint between shaft and knob", sensor: "torque sensor" };
 var AnyEffect = class {
   /** @param {(effect: string) => void} add */
   constructor(add) {
@@ -307,14 +308,12 @@ var AnyEffect = class {
     this.absent = absent;
   }
 };
-function about({ effect, place: place3, law, source, shows, confused }) {
-  const picture = make("img", { alt: `what ${effect} adds to the torque of a small knob`, src: pictures.get(effect) });
+function about({ effect, place: place3, law, source, shows }) {
+  const alt = `${law}: what it adds to the torque of a small knob; it shows ${shows}`;
+  const picture = make("img", { alt, src: pictures.get(effect) });
   byId("about-title").textContent = effect;
   byId("about-text").replaceChildren(
-    make("p", {}, make("code", { text: law })),
-    make("p", { text: `Acts on: ${place3}. Shows: ${shows}.` }),
-    confused.length > 0 ? make("p", { text: `Easily confused with ${confused.join(", ")}.` }) : "",
-    make("p", { class: "soft", text: source }),
+    make("p", { class: "soft", text: `Acts on the ${PLACES[place3] ?? place3}. ${source}` }),
     picture
   );
   dialog().showModal();
