@@ -101,23 +101,30 @@ class Candidate:
         same = f"cannot be told from {', '.join(self.equivalent)}" if self.equivalent else ""
         return "; ".join(part for part in (same, *self.unphysical, self.note) if part)
 
-    def document(self) -> dict[str, Any]:
-        """Return it as the diagnosis's document has it."""
-        params = self.fit.document()["params"]
+    def evidence(self) -> dict[str, Any]:
+        """Return what speaks for it and against it, as the pages list it."""
+        entry = catalogued(self.effect, self.fit.model.axis)
         return {
             "effect": self.effect,
-            "place": self.place,
+            "law": entry.law,
+            "shows": entry.shows,
+            "place": entry.place,
             "beyond_chance": self.beyond_chance,
             "p_value": self.p_value,
             "error_fall": self.error_fall,
-            "rmse": self.rmse,
             "rmse_heldout": self.rmse_heldout,
-            "params": {name: params[name] for name in self.parameters},
             "moved": describe(self.moved),
             "equivalent": list(self.equivalent),
+            "confused": list(entry.confused),
             "unphysical": list(self.unphysical),
             "note": self.note,
         }
+
+    def document(self) -> dict[str, Any]:
+        """Return it as the diagnosis's document has it."""
+        params = self.fit.document()["params"]
+        own = {name: params[name] for name in self.parameters}
+        return self.evidence() | {"rmse": self.rmse, "params": own}
 
 
 @dataclass(frozen=True, eq=False, repr=False)

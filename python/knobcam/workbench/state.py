@@ -6,13 +6,11 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from ..effects import effects
-from ..refit import describe
 from ..selection import choose, concluded
 from .story import ladder
 
 if TYPE_CHECKING:
-    from ..diagnose import Candidate, Diagnosis
-    from ..effects import Effect
+    from ..diagnose import Diagnosis
     from ..fit import Estimate
     from ..model import Parameter
     from .session import Session
@@ -160,32 +158,13 @@ def _verdict(branch: Branch, diagnosis: Diagnosis | None) -> str:
 def _candidates(branch: Branch, diagnosis: Diagnosis | None) -> dict[str, Any]:
     if diagnosis is None:
         return {"ready": False, "rows": [], "unexplained": None}
-    catalogue = effects(diagnosis.fit.model.axis)
     unexplained = None
     if choose(diagnosis) is None:
         rungs = ladder(branch.done)
         unexplained = concluded(rungs, diagnosis, rungs[0].fit.model.effects).unexplained
     return {
         "ready": True,
-        "rows": [_row(one, catalogue[one.effect]) for one in diagnosis.candidates],
+        "rows": [one.evidence() for one in diagnosis.candidates],
         "unexplained": None if unexplained is None else unexplained._asdict(),
         "left_out": dict(diagnosis.left_out),
-    }
-
-
-def _row(one: Candidate, entry: Effect) -> dict[str, Any]:
-    return {
-        "effect": one.effect,
-        "law": entry.law,
-        "shows": entry.shows,
-        "place": one.place,
-        "error_fall": one.error_fall,
-        "rmse_heldout": one.rmse_heldout,
-        "p_value": one.p_value,
-        "beyond_chance": one.beyond_chance,
-        "confused": list(entry.confused),
-        "moved": [{"name": name, **move} for name, move in describe(one.moved).items()],
-        "unphysical": list(one.unphysical),
-        "equivalent": list(one.equivalent),
-        "note": one.note,
     }
