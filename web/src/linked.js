@@ -56,7 +56,8 @@ export class Linked {
     this.waiting = false;
     this.widest = 0;
     this.squares = 0; // of the residual, all together
-    new ResizeObserver(() => this.redraw()).observe(this.element);
+    this.sized = new ResizeObserver(() => this.redraw());
+    this.sized.observe(this.element);
   }
 
   /**
@@ -141,8 +142,16 @@ export class Linked {
 
   /** Choose nothing. */
   clear() {
+    this.choose(null);
+  }
+
+  /**
+   * Choose samples that no rectangle on this page has chosen.
+   * @param {Uint32Array | null} chosen indices
+   */
+  choose(chosen) {
     for (const plot of this.plots) plot.setRegion(null);
-    this.chosen = null;
+    this.chosen = chosen;
     this.drawLight();
     this.tell();
   }

@@ -9,7 +9,7 @@
  * @typedef {{name: string, value: number, ci95: [number, number] | null, unit: string, role: string,
  *   fitted: number, dragged: boolean, lower: number | null, upper: number | null, odd: string | null,
  *   meaning?: string}} Param
- * @typedef {{effect: string, error_fall: number, p_value: number, confused: string[], moved: unknown[],
+ * @typedef {{effect: string, error_fall: number, p_value: number, confused: string[],
  *   unphysical: string[], equivalent: string[],
  *   beyond_chance?: boolean, law?: string, shows?: string, note?: string}} Candidate
  * @typedef {{axis: string, share: number, hint: string}} Unexplained
