@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from .compare import Comparison
     from .fit import Estimate, Fit
+    from .linked import Look
     from .refit import Moved
 
 CHANCE = 0.05
@@ -176,6 +177,13 @@ class Diagnosis:
         from . import plot
 
         return plot.diagnosis(self)
+
+    def look(self) -> Look:
+        """Return linked plots to brush in, the candidates beside them."""
+        from .linked import Look
+        from .samples import Shown
+
+        return Look((Shown("fit", self.fit, self),))
 
     def document(self) -> dict[str, Any]:
         """Return the JSON document of `knobcam diagnose --json`."""

@@ -9,11 +9,13 @@ import { number, percent } from "./numbers.js";
 export class Candidates {
   /**
    * @param {HTMLElement} place
-   * @param {{look: (effect: string | null) => void, add: (effect: string) => void, ask: () => void}} deeds
+   * @param {{look: (effect: string | null) => void, take: (effect: string) => void, ask?: () => void}} deeds
+   * @param {string} taking what it is called to take one
    */
-  constructor(place, deeds) {
+  constructor(place, deeds, taking) {
     this.place = place;
     this.deeds = deeds;
+    this.taking = taking;
     this.shown = "";
     this.at = 0;
     this.inside = false; // whether the keys were here when the list went away
@@ -22,7 +24,7 @@ export class Candidates {
     place.addEventListener("keydown", (event) => this.key(event));
   }
 
-  /** @param {State} state */
+  /** @param {Pick<State, "candidates" | "node" | "job">} state */
   show({ candidates, node, job }) {
     const shown = JSON.stringify([candidates, node, job?.id]);
     if (shown === this.shown) return;
@@ -32,7 +34,7 @@ export class Candidates {
     this.items = candidates.rows.map((row, at) => this.item(row, at));
     const ask = make("button", {
       ...{ type: "button", text: "What is missing?", disabled: job !== null || node === null },
-      on: { click: this.deeds.ask },
+      on: { click: () => this.deeds.ask?.() },
     });
     const list = make("ul", { role: "listbox", "aria-label": "candidates", class: "candidates" }, ...this.items);
     this.place.replaceChildren(
@@ -51,9 +53,9 @@ export class Candidates {
   item(row, at) {
     const bar = make("span", { class: "bar" });
     bar.style.width = `${100 * Math.min(1, Math.max(0, row.error_fall))}%`;
-    const add = make("button", {
-      ...{ type: "button", text: "Add", tabindex: -1, "aria-label": `add ${row.effect}` },
-      on: { click: () => this.deeds.add(row.effect) },
+    const take = make("button", {
+      ...{ type: "button", text: this.taking, tabindex: -1, "aria-label": `${this.taking} ${row.effect}` },
+      on: { click: () => this.deeds.take(row.effect) },
     });
     const chance = beyondChance(row) ? "" : " chance";
     return make(
@@ -71,7 +73,7 @@ export class Candidates {
       make("span", { class: "label", text: row.effect, title: row.shows ?? row.effect }),
       make("span", { class: "track" }, bar),
       make("span", { class: "figure", text: `−${percent(Math.max(0, row.error_fall))}`, title: "fall of the RMS error" }),
-      add,
+      take,
       make("span", { class: "evidence soft", text: evidence(row) }),
       ...remarks(row).map((text) => make("span", { class: "alike soft", text })),
       ...row.unphysical.map((text) => make("span", { class: "alike odd", text: `⚠ ${text}` })),
@@ -96,7 +98,7 @@ export class Candidates {
       this.items[Math.min(this.items.length - 1, Math.max(0, to))]?.focus();
       event.preventDefault();
     } else if (event.key === "Enter" && event.target === this.items[this.at]) {
-      this.deeds.add(this.items[this.at].dataset.effect ?? "");
+      this.deeds.take(this.items[this.at].dataset.effect ?? "");
       event.preventDefault();
     }
   }
