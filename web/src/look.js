@@ -89,15 +89,22 @@ export class Look {
 
   /** @param {string} effect to keep; the one that is kept already is let go */
   hold(effect) {
-    this.held = this.held === effect ? null : effect;
-    this.deeds.look(this.held);
+    this.keep(this.held === effect ? null : effect);
   }
 
   /** Choose nothing, hold nothing. */
   clear() {
-    this.held = null;
-    this.deeds.look(null);
+    this.keep(null);
     this.linked.clear();
+  }
+
+  /** @param {string | null} effect */
+  keep(effect) {
+    this.held = effect;
+    for (const item of this.candidates.items) {
+      item.querySelector("button")?.setAttribute("aria-pressed", String(item.dataset.effect === effect));
+    }
+    this.deeds.look(effect);
   }
 }
 
