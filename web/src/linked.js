@@ -68,7 +68,7 @@ export class Linked {
   show(data, view) {
     const { columns } = data;
     const model = columns.tau.map((tau, i) => tau - columns.residual[i]);
-    if (this.data?.columns.t.length !== columns.t.length) {
+    if (this.data && this.data.columns.t.length !== columns.t.length) {
       this.clear();
       this.widest = 0;
     }

@@ -85,8 +85,8 @@ function render({ model, el }) {
   Object.assign(host, { knobcam: { times, look } }); // for those who measure
   el.append(host);
   paint();
-  look.show(model.get("rung"));
   look.linked.choose(indicesOf(chosen));
+  heard["change:rung"]();
 
   return () => {
     for (const [event, hear] of Object.entries(heard)) model.off(event, hear);
