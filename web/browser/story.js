@@ -58,6 +58,24 @@ assert.equal(third.branches.length, 2);
 const current = third.branches.find(({ id }) => id === third.branch);
 assert.equal(current.steps[current.at].added, other);
 
+figures.beside = await done(page, "beside", () => page.getByRole("checkbox", { name: "side by side" }).check());
+assert.equal(await page.locator(".plot:visible").count(), 9);
+await brushed(page, "residual over velocity of the branch beside", [0.47, 0.12], [0.62, 0.85]);
+assert.match(await page.locator("#chosen").textContent(), /of the squared error.*; in main: RMS/);
+await picture("5-side-by-side");
+await page.keyboard.press("Escape");
+await page.getByRole("checkbox", { name: "side by side" }).uncheck();
+
+await brushed(page, "residual over time", [0.3, 0.2], [0.5, 0.8]);
+figures.closer = await done(page, "zoom", () => page.keyboard.press("z"));
+const seen = await page.evaluate(() => window.knobcam.app.linked.residuals[2].frame.x);
+assert.ok(seen[1] - seen[0] < 0.4 * third.captures[0].samples / third.captures[0].rate_hz);
+await picture("6-zoomed");
+await page.getByRole("img", { name: "residual over time", exact: true }).hover();
+figures.wheel = await done(page, "zoom", () => page.mouse.wheel(0, -300));
+await done(page, "zoom", () => page.getByRole("button", { name: "Zoom" }).click());
+await page.keyboard.press("Escape");
+
 const slider = page.locator(".params input").first();
 await slider.focus();
 figures.drag = await done(page, "drag", () => page.keyboard.press("ArrowRight"));
@@ -66,7 +84,7 @@ figures.snap = await done(page, "snap", () => page.getByRole("button", { name: "
 assert.deepEqual((await stateOf(page)).params, third.params);
 await page.emulateMedia({ colorScheme: "dark" });
 await page.waitForTimeout(300);
-await picture("5-other-branch-dark");
+await picture("7-other-branch-dark");
 
 figures.switch = await done(page, "switch", () => page.locator(".branch").first().click());
 await done(page, "redo", () => page.keyboard.press("Control+Shift+z"));

@@ -60,7 +60,7 @@ def _report(session: Session, target: Path, tell: Tell) -> None:
 
 def _script(session: Session, target: Path, tell: Tell) -> None:
     tell("writing the script")
-    text = script(session.branch.done, session.captures)
+    text = script(session.branch.done, session.captures, session.start)
     write_atomically(target, lambda part: _put(part, text))
 
 

@@ -98,24 +98,34 @@ function ticks(low, high, count) {
 }
 
 // src/branches.js
-function showBranches(place3, state, chosen) {
-  const tabs = state.branches.map(({ id, name, steps, at }) => {
+function showBranches(place3, state, beside, deeds) {
+  const focused = document.activeElement?.getAttribute("data-beside");
+  const cards = state.branches.map(({ id, name, steps, at }) => {
     const step = steps[at];
     const scale = torqueScale(state.unit, step?.rmse ?? 0);
     const changes = steps.slice(1, at + 1).map(({ added, dropped }) => added ? `+ ${added}` : `− ${dropped}`);
     const words2 = changes.join(" ") || "nothing added";
-    return make(
+    const card = make(
       "button",
       {
         ...{ type: "button", class: "branch", "aria-pressed": String(id === state.branch), "data-branch": id },
-        on: { click: () => chosen(id) }
+        on: { click: () => deeds.choose(id) }
       },
       make("strong", { text: name }),
       make("span", { class: "soft", text: words2 }),
       make("span", { class: "figure", text: step ? `${number(step.rmse * scale.factor)} ${scale.unit}` : "–" })
     );
+    if (id === state.branch) return make("div", { class: "card" }, card);
+    const box = make("input", {
+      ...{ type: "checkbox", checked: id === beside, "data-beside": id },
+      on: { change: () => deeds.beside(id === beside ? null : id) }
+    });
+    return make("div", { class: "card" }, card, make("label", {}, box, " side by side"));
   });
-  place3.replaceChildren(...tabs);
+  place3.replaceChildren(...cards);
+  if (focused) {
+    place3.querySelector(`[data-beside="${CSS.escape(focused)}"]`)?.focus();
+  }
 }
 
 // src/captures.js
@@ -512,6 +522,87 @@ function limits(columns, { air = 0.03, around = NaN } = {}) {
   return [low - room, high + room];
 }
 
+// src/contents.js
+var ROWS = (
+  /** @type {const} */
+  [
+    { over: "position", column: "theta", part: "position_part", units: { linear: "m", rotary: "rad" } },
+    { over: "velocity", column: "omega", part: "velocity_part", units: { linear: "m/s", rotary: "rad/s" } },
+    { over: "time", column: "t", part: null, units: { linear: "s", rotary: "s" } }
+  ]
+);
+var NAME = 32;
+function columnsOf2(view) {
+  const needed = ["t", "theta", "omega", "tau", "residual"];
+  if (view.isolated) needed.push("position_part", "velocity_part");
+  if (view.band) needed.push("band");
+  return needed;
+}
+function reachOf({ columns, beside, noise }) {
+  const [low, high] = limits(beside ? [columns.residual, beside.residual] : [columns.residual], { around: 0 });
+  return Math.max(-low, high, 2 * (noise ?? 0));
+}
+function rowsOf(data, view, widest) {
+  const { columns, beside } = data;
+  const axis = data.axis === "linear" ? "linear" : "rotary";
+  const word = axis === "linear" ? "force" : "torque";
+  const model = less(columns.tau, columns.residual);
+  const other = beside ? less(columns.tau, beside.residual) : null;
+  return ROWS.map((row) => {
+    const x = columns[row.column];
+    const [low, high] = limits([x], { air: 0.01 });
+    const common = { x, xAxis: { low, high, factor: 1, label: `${row.over}, ${row.units[axis]}` }, picked: 0 };
+    const part = view.isolated && row.part ? columns[row.part] : null;
+    const { measured, modelled } = part ? isolated(columns, part) : { measured: columns.tau, modelled: model };
+    const series = [
+      { colour: "--measured", chosen: "--chosen", y: measured, strength: 0.4 },
+      ...view.band && columns.band ? band(modelled, columns.band) : [],
+      ...other && !part ? [{ colour: "--beside", chosen: "--beside", y: other, strength: 0.35 }] : [],
+      { colour: "--modelled", chosen: "--modelled", y: modelled, strength: 0.35 }
+    ];
+    const [lowest, highest] = limits([measured, modelled]);
+    const scale = torqueScale(data.unit, Math.max(-lowest, highest));
+    const torque = {
+      ...common,
+      yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}, ${scale.unit}` },
+      title: part ? `what depends on ${row.over} alone` : `${word} over ${row.over}`,
+      series,
+      noise: null
+    };
+    const fine = torqueScale(data.unit, widest);
+    const rest = (y, colour, title) => ({
+      ...common,
+      yAxis: { low: -1.04 * widest, high: 1.04 * widest, factor: fine.factor, label: `residual, ${fine.unit}` },
+      title,
+      series: [{ colour, chosen: "--chosen", y, strength: 0.3 }],
+      noise: data.noise && 2 * data.noise
+    });
+    const own = beside && data.name ? `residual, ${short(data.name)}` : "measured − modelled";
+    return {
+      torque,
+      residual: rest(columns.residual, "--wrong", own),
+      beside: beside ? rest(beside.residual, "--beside", `residual, ${short(beside.name)}`) : null
+    };
+  });
+}
+function less(from, what) {
+  return from.map((value, i) => value - what[i]);
+}
+function short(name) {
+  return name.length > NAME ? `${name.slice(0, NAME)}…` : name;
+}
+function isolated({ residual }, part) {
+  return { measured: part.map((value, i) => value + residual[i]), modelled: part };
+}
+function band(modelled, half) {
+  return [-1, 1].map((side) => ({
+    colour: "--band",
+    chosen: null,
+    y: modelled.map((value, i) => value + side * half[i]),
+    strength: 0.6
+  }));
+}
+
 // src/brush.js
 var SMALLEST = 4;
 function brushable(plot) {
@@ -661,10 +752,12 @@ function place(xs, ys, frame) {
   const xStep = right / (frame.x[1] - frame.x[0]);
   const yStep = bottom / (frame.y[1] - frame.y[0]);
   const [xLow, yHigh] = [frame.x[0], frame.y[1]];
+  const { x: cutX, y: cutY } = frame.part ?? { x: false, y: false };
   for (let i = 0; i < xs.length; i++) {
     let column = (xs[i] - xLow) * xStep;
     let row = (yHigh - ys[i]) * yStep;
-    if (column - column !== 0 || row - row !== 0) {
+    const hidden = cutX && (column < 0 || column > right) || cutY && (row < 0 || row > bottom);
+    if (column - column !== 0 || row - row !== 0 || hidden) {
       pixels[i] = -1;
       continue;
     }
@@ -720,6 +813,7 @@ function pixelColour(text) {
 }
 
 // src/plot.js
+var FEW = 8e3;
 var Plot = class {
   /**
    * @param {string} name in words, for those who hear the page
@@ -764,8 +858,10 @@ var Plot = class {
     this.scale = globalThis.devicePixelRatio || 1;
     const inner = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - MARGIN.bottom];
     const [columns, rows] = inner.map((length) => Math.max(8, Math.round(length * this.scale)));
-    const dot = Math.max(1, Math.round((x.length > 8e3 ? 2 : 3) * this.scale));
-    this.frame = { width: columns, height: rows, x: [xAxis.low, xAxis.high], y: [yAxis.low, yAxis.high], dot };
+    const part = { x: xAxis.part ?? false, y: yAxis.part ?? false };
+    const many = x.length > FEW && !(part.x && fewBetween(x, xAxis));
+    const dot = Math.max(1, Math.round((many ? 2 : 3) * this.scale));
+    this.frame = { width: columns, height: rows, x: [xAxis.low, xAxis.high], y: [yAxis.low, yAxis.high], dot, part };
     const same = before?.x === x && frame === JSON.stringify(this.frame);
     this.placed = series.map(
       ({ y }, at) => same && before.series[at]?.y === y ? this.placed[at] : place(x, y, this.frame)
@@ -873,6 +969,11 @@ var Plot = class {
     this.box.style.height = `${(bottom - top) * high}px`;
   }
 };
+function fewBetween(x, { low, high }) {
+  let count = 0;
+  for (let i = 0; i < x.length && count <= FEW; i++) if (x[i] >= low && x[i] <= high) count++;
+  return count <= FEW;
+}
 
 // src/timing.js
 var times = [];
@@ -889,35 +990,83 @@ function timed(what, draw, start = performance.now()) {
   });
 }
 
-// src/linked.js
-var ROWS = (
-  /** @type {const} */
-  [
-    { over: "position", column: "theta", part: "position_part", units: { linear: "m", rotary: "rad" } },
-    { over: "velocity", column: "omega", part: "velocity_part", units: { linear: "m/s", rotary: "rad/s" } },
-    { over: "time", column: "t", part: null, units: { linear: "s", rotary: "s" } }
-  ]
-);
-function columnsOf2(view) {
-  const needed = ["t", "theta", "omega", "tau", "residual"];
-  if (view.isolated) needed.push("position_part", "velocity_part");
-  if (view.band) needed.push("band");
-  return needed;
+// src/zoom.js
+var CLOSEST = 1e-4;
+var WHEEL = 15e-4;
+var LINE = 16;
+var KEY = 1.5;
+function zoomable(plot, deeds) {
+  const { element } = plot;
+  element.addEventListener(
+    "wheel",
+    (event) => {
+      if (!plot.contents || event.ctrlKey) return;
+      event.preventDefault();
+      const edge = element.getBoundingClientRect();
+      const wide = edge.width - MARGIN.left - MARGIN.right;
+      const at = Math.min(1, Math.max(0, (event.clientX - edge.left - MARGIN.left) / wide));
+      const unit = event.deltaMode === WheelEvent.DOM_DELTA_PIXEL ? 1 : LINE;
+      const across = event.shiftKey ? event.deltaX || event.deltaY : event.deltaX;
+      if (Math.abs(across) > Math.abs(event.deltaY) || event.shiftKey) deeds.pan(plot, unit * across / wide);
+      else deeds.zoom(plot, at, Math.exp(WHEEL * unit * event.deltaY));
+    },
+    { passive: false }
+  );
+  element.addEventListener("dblclick", () => deeds.whole(plot));
+  element.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    if (event.key === "+" || event.key === "=") deeds.zoom(plot, 0.5, 1 / KEY);
+    else if (event.key === "-") deeds.zoom(plot, 0.5, KEY);
+    else if (event.key === "0") deeds.whole(plot);
+    else return;
+    event.preventDefault();
+  });
 }
+function zoomed([low, high], whole, at, factor) {
+  const all = whole[1] - whole[0];
+  const span2 = Math.max(CLOSEST * all, factor * (high - low));
+  if (!(span2 < all)) return null;
+  const fixed = low + at * (high - low);
+  return within([fixed - at * span2, fixed + (1 - at) * span2], whole);
+}
+function panned([low, high], whole, share) {
+  const step = share * (high - low);
+  return within([low + step, high + step], whole);
+}
+function within([low, high], [lowest, highest]) {
+  const back = Math.max(0, lowest - low) - Math.max(0, high - highest);
+  return [low + back, high + back];
+}
+
+// src/linked.js
 var Linked = class {
   /** @param {(words: string | null) => void} told about the chosen samples; null when none are */
   constructor(told) {
     this.told = told;
     const brushed = (plot, region) => this.brush(plot, region);
-    this.torques = ROWS.map(({ over }) => new Plot(`torque over ${over}, measured and modelled`, brushed));
-    this.residuals = ROWS.map(({ over }) => new Plot(`residual over ${over}`, brushed));
-    this.plots = ROWS.flatMap((_, at) => [this.torques[at], this.residuals[at]]);
+    const plots = (name) => ROWS.map(({ over }) => new Plot(name(over), brushed));
+    this.torques = plots((over) => `torque over ${over}, measured and modelled`);
+    this.residuals = plots((over) => `residual over ${over}`);
+    this.besides = plots((over) => `residual over ${over} of the branch beside`);
+    this.rows = ROWS.map((_, at) => [this.torques[at], this.residuals[at], this.besides[at]]);
+    this.plots = this.rows.flat();
     this.element = make("div", { class: "linked" }, ...this.plots.map(({ element }) => element));
-    for (const plot of this.plots) brushable(plot);
+    const deeds = {
+      zoom: (plot, at, factor) => this.look(plot, (seen, whole) => zoomed(seen, whole, at, factor)),
+      pan: (plot, share) => this.look(plot, (seen, whole) => panned(seen, whole, share)),
+      whole: (plot) => this.look(plot, () => null)
+    };
+    for (const plot of this.plots) {
+      brushable(plot);
+      zoomable(plot, deeds);
+    }
     this.data = null;
+    this.shown = [];
+    this.seen = ROWS.map(() => null);
+    this.heights = /* @__PURE__ */ new Map();
     this.chosen = null;
     this.signature = null;
-    this.waiting = false;
+    this.waiting = /* @__PURE__ */ new Set();
     this.widest = 0;
     this.squares = 0;
     this.sized = new ResizeObserver(() => this.redraw());
@@ -930,58 +1079,70 @@ var Linked = class {
    */
   show(data, view) {
     const { columns } = data;
-    const model = columns.tau.map((tau, i) => tau - columns.residual[i]);
     if (this.data && this.data.columns.t.length !== columns.t.length) {
       this.clear();
+      this.seen.fill(null);
+      this.heights.clear();
       this.widest = 0;
     }
     this.data = data;
     this.signature = null;
-    this.squares = columns.residual.reduce((sum, value) => value === value ? sum + value * value : sum, 0);
-    const word = data.axis === "linear" ? "force" : "torque";
-    const rest = limits([columns.residual], { around: 0 });
-    const reach = Math.max(-rest[0], rest[1], 2 * (data.noise ?? 0));
+    this.squares = squaresOf(columns.residual);
+    const reach = reachOf(data);
     if (data.fitted) this.widest = Math.max(this.widest, reach);
-    const widest = view.held ? Math.max(this.widest, reach) : reach;
-    for (const [at, row] of ROWS.entries()) {
-      const axis = data.axis === "linear" ? "linear" : "rotary";
-      const [low, high] = limits([columns[row.column]], { air: 0.01 });
-      const xAxis = { low, high, factor: 1, label: `${row.over}, ${row.units[axis]}` };
-      const common = { x: columns[row.column], xAxis };
-      const part = view.isolated && row.part ? columns[row.part] : null;
-      const { measured, modelled } = part ? isolated(columns, part) : { measured: columns.tau, modelled: model };
-      const [lowest, highest] = limits([measured, modelled]);
-      const scale = torqueScale(data.unit, Math.max(-lowest, highest));
-      const series = [
-        { colour: "--measured", chosen: "--chosen", y: measured, strength: 0.4 },
-        ...view.band && columns.band ? band(modelled, columns.band) : [],
-        { colour: "--modelled", chosen: "--modelled", y: modelled, strength: 0.35 }
-      ];
-      this.torques[at].show({
-        ...common,
-        yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}, ${scale.unit}` },
-        title: part ? `what depends on ${row.over} alone` : `${word} over ${row.over}`,
-        series,
-        picked: 0,
-        noise: null
-      });
-      const fine = torqueScale(data.unit, widest);
-      this.residuals[at].show({
-        ...common,
-        yAxis: { low: -1.04 * widest, high: 1.04 * widest, factor: fine.factor, label: `residual, ${fine.unit}` },
-        title: "measured − modelled",
-        series: [{ colour: "--wrong", chosen: "--chosen", y: columns.residual, strength: 0.3 }],
-        picked: 0,
-        noise: data.noise && 2 * data.noise
-      });
-    }
+    this.element.classList.toggle("both", Boolean(data.beside));
+    if (!data.beside) for (const plot of this.besides) plot.setRegion(null);
+    this.shown = rowsOf(data, view, view.held ? Math.max(this.widest, reach) : reach);
+    for (const at of ROWS.keys()) this.drawRow(at);
     this.tell();
     this.drawLight();
+  }
+  /** @param {number} at which row */
+  drawRow(at) {
+    const row = this.shown[at];
+    for (const [column, contents] of [row.torque, row.residual, row.beside].entries()) {
+      const plot = this.rows[at][column];
+      const [xAxis, yAxis] = [within2(contents?.xAxis, this.seen[at]), within2(contents?.yAxis, this.heights.get(plot))];
+      if (contents && xAxis && yAxis) plot.show({ ...contents, xAxis, yAxis });
+    }
   }
   /** Draw everything anew, for another size or other colours. */
   redraw() {
     for (const plot of this.plots) plot.drawAll();
     this.drawLight();
+  }
+  /**
+   * Look at another part of the x axis that a plot shares with its row.
+   * @param {Plot} plot
+   * @param {(seen: Range, whole: Range) => Range | null} change
+   */
+  look(plot, change) {
+    const at = this.rows.findIndex((row) => row.includes(plot));
+    if (!this.shown[at]) return;
+    const { low, high } = this.shown[at].torque.xAxis;
+    this.seen[at] = change(this.seen[at] ?? [low, high], [low, high]);
+    if (!this.seen[at]) for (const other of this.rows[at]) this.heights.delete(other);
+    this.later("zoom", () => {
+      this.drawRow(at);
+      this.drawLight();
+    });
+  }
+  /** Look at the brushed region as near as it fits; at everything, where none is brushed. */
+  lookCloser() {
+    const plot = this.plots.find(({ region }) => region);
+    const at = this.rows.findIndex((row) => plot && row.includes(plot));
+    if (plot?.region) {
+      this.seen[at] = plot.region.x;
+      this.heights.set(plot, plot.region.y);
+      for (const one of this.plots) one.setRegion(null);
+    } else {
+      this.seen.fill(null);
+      this.heights.clear();
+    }
+    this.later("zoom", () => {
+      if (this.data) for (const row of ROWS.keys()) this.drawRow(row);
+      this.drawLight();
+    });
   }
   /**
    * Choose what lies in a region of one plot; the next frame shows it.
@@ -990,14 +1151,24 @@ var Linked = class {
    */
   brush(plot, region) {
     for (const other of this.plots) other.setRegion(other === plot ? region : null);
-    if (this.waiting) return;
-    this.waiting = true;
-    timed("brush", () => {
-      this.waiting = false;
+    this.later("brush", () => {
       const brushed = this.plots.find((one) => one.region);
       this.chosen = brushed?.chosen() ?? null;
       this.drawLight();
       this.tell();
+    });
+  }
+  /**
+   * Draw in the next frame; what comes meanwhile is drawn with it.
+   * @param {string} what
+   * @param {() => void} draw
+   */
+  later(what, draw) {
+    if (this.waiting.has(what)) return;
+    this.waiting.add(what);
+    timed(what, () => {
+      this.waiting.delete(what);
+      draw();
     });
   }
   /** Choose nothing. */
@@ -1023,7 +1194,8 @@ var Linked = class {
     this.drawLight();
   }
   drawLight() {
-    for (const plot of this.torques) plot.drawLight(this.chosen, null);
+    const besides = this.data?.beside ? this.besides : [];
+    for (const plot of [...this.torques, ...besides]) plot.drawLight(this.chosen, null);
     const above = this.signature && { y: this.signature, colour: "--signature" };
     for (const plot of this.residuals) plot.drawLight(this.chosen, above);
   }
@@ -1031,37 +1203,42 @@ var Linked = class {
   get share() {
     if (!this.chosen || !this.data) return null;
     const { residual } = this.data.columns;
-    let [sum, count] = [0, 0];
-    for (let at = 0; at < this.chosen.length; at++) {
-      const value = residual[this.chosen[at]];
-      if (value !== value) continue;
-      sum += value * value;
-      count++;
-    }
+    const { sum, count } = chosenSquares(residual, this.chosen);
     return { ofError: this.squares > 0 ? sum / this.squares : 0, rms: Math.sqrt(sum / Math.max(1, count)) };
   }
   tell() {
     const { chosen, data, share } = this;
     if (!chosen || !data || !share) return this.told(null);
     const part = percent(chosen.length / data.columns.t.length);
-    const scale = torqueScale(data.unit, share.rms);
-    const rms = chosen.length > 0 ? ` (RMS ${number(share.rms * scale.factor)} ${scale.unit})` : "";
+    const rms = (value) => {
+      const scale = torqueScale(data.unit, value);
+      return `RMS ${number(value * scale.factor)} ${scale.unit}`;
+    };
+    const own = chosen.length > 0 ? ` (${rms(share.rms)})` : "";
     const count = chosen.length.toLocaleString("en");
-    return this.told(
-      `${count} samples chosen, ${part} of all: they have ${percent(share.ofError)} of the squared error${rms}`
-    );
+    let words2 = `${count} samples chosen, ${part} of all: they have ${percent(share.ofError)} of the squared error${own}`;
+    if (data.beside && chosen.length > 0) {
+      const { sum, count: counted } = chosenSquares(data.beside.residual, chosen);
+      words2 += `; in ${data.beside.name}: ${rms(Math.sqrt(sum / Math.max(1, counted)))}`;
+    }
+    return this.told(words2);
   }
 };
-function isolated({ residual }, part) {
-  return { measured: part.map((value, i) => value + residual[i]), modelled: part };
+function within2(axis, seen) {
+  return axis && seen ? { ...axis, low: seen[0], high: seen[1], part: true } : axis;
 }
-function band(modelled, half) {
-  return [-1, 1].map((side) => ({
-    colour: "--band",
-    chosen: null,
-    y: modelled.map((value, i) => value + side * half[i]),
-    strength: 0.6
-  }));
+function squaresOf(residual) {
+  return residual.reduce((sum, value) => value === value ? sum + value * value : sum, 0);
+}
+function chosenSquares(residual, chosen) {
+  let [sum, count] = [0, 0];
+  for (let at = 0; at < chosen.length; at++) {
+    const value = residual[chosen[at]];
+    if (value !== value) continue;
+    sum += value * value;
+    count++;
+  }
+  return { sum, count };
 }
 
 // src/params.js
@@ -1249,16 +1426,16 @@ function joined(parts, names) {
 }
 
 // src/theme.js
-var KEY = "knobcam-theme";
+var KEY2 = "knobcam-theme";
 function themed(changed) {
   const root = document.documentElement;
   const system = matchMedia("(prefers-color-scheme: dark)");
-  const kept = localStorage.getItem(KEY);
+  const kept = localStorage.getItem(KEY2);
   if (kept === "light" || kept === "dark") root.dataset.theme = kept;
   const dark = () => root.dataset.theme ? root.dataset.theme === "dark" : system.matches;
   byId("theme").addEventListener("click", () => {
     root.dataset.theme = dark() ? "light" : "dark";
-    localStorage.setItem(KEY, root.dataset.theme);
+    localStorage.setItem(KEY2, root.dataset.theme);
     changed();
   });
   system.addEventListener("change", changed);
@@ -1273,6 +1450,7 @@ var App = class {
     this.job = null;
     this.view = { isolated: false, band: false, held: true };
     this.drawn = "";
+    this.beside = null;
     this.deed = { what: "first picture", start: 0 };
     this.linked = new Linked((words2) => byId("chosen").textContent = words2 ?? BRUSH_HINT);
     byId("plots").append(this.linked.element);
@@ -1315,6 +1493,7 @@ var App = class {
     }
     byId("new-branch").addEventListener("click", () => this.ask("branch", { name: this.branchName() }));
     byId("clear").addEventListener("click", () => this.linked.clear());
+    byId("closer").addEventListener("click", () => this.linked.lookCloser());
     for (
       const option of
       /** @type {(keyof App["view"])[]} */
@@ -1373,7 +1552,8 @@ var App = class {
     byId("verdict").textContent = state.verdict_text;
     showCaptures(byId("captures"), state, (captures) => this.ask("use", { captures }, "captures"));
     showLadder(byId("ladder"), state);
-    showBranches(byId("branches"), state, (branch2) => this.ask("switch", { branch: branch2 }, "switch"));
+    if (state.branch === this.beside || !state.branches.some(({ id }) => id === this.beside)) this.beside = null;
+    this.showBranches(state);
     this.params.show(state.params);
     this.candidates.show(state);
     this.showJob(state.job);
@@ -1386,10 +1566,13 @@ var App = class {
   /** @param {State} state */
   async draw(state) {
     const { node, active, unit, captures } = state;
-    const wanted = JSON.stringify([node, active, this.view]);
+    const other = state.branches.find(({ id }) => id === this.beside);
+    const otherNode = other?.steps[other.at]?.node;
+    const wanted = JSON.stringify([node, active, this.view, otherNode, other?.name]);
     if (node === null) this.deed = null;
     if (node === null || wanted === this.drawn) return;
     const columns = await this.store.columns(node, active, columnsOf2(this.view));
+    const rest = otherNode ? await this.store.columns(otherNode, active, ["residual"]) : null;
     if (this.state && this.state.node !== node) return;
     this.drawn = wanted;
     const axis = captures.find(({ id }) => active.includes(id))?.axis ?? "rotary";
@@ -1397,8 +1580,28 @@ var App = class {
     const { what, start } = this.deed ?? { what: "data", start: performance.now() };
     this.deed = null;
     const fitted = !state.params.some(({ dragged }) => dragged);
-    const data = { columns, unit, axis, noise: state.noise_floor, fitted };
+    const name = state.branches.find(({ id }) => id === state.branch)?.name;
+    const beside = other && rest ? { name: other.name, residual: rest.residual } : null;
+    this.legend(beside?.name ?? null);
+    const data = { columns, unit, axis, noise: state.noise_floor, fitted, name, beside };
     timed(what, () => this.linked.show(data, view), start);
+  }
+  /** @param {State} state */
+  showBranches(state) {
+    showBranches(byId("branches"), state, this.beside, {
+      choose: (branch) => this.ask("switch", { branch }, "switch"),
+      beside: (branch) => {
+        this.beside = branch;
+        this.deed = { what: "beside", start: performance.now() };
+        this.showBranches(state);
+        this.refresh(Infinity);
+      }
+    });
+  }
+  /** @param {string | null} name of the branch beside, null for none */
+  legend(name) {
+    byId("beside").hidden = name === null;
+    byId("beside-name").textContent = name ?? "";
   }
   /**
    * Show what an effect would explain.
@@ -1444,6 +1647,8 @@ var App = class {
     const key = event.key.toLowerCase();
     if (event.key === "Escape") {
       this.linked.clear();
+    } else if (!control && !event.altKey && key === "z") {
+      this.linked.lookCloser();
     } else if (control && (key === "y" || key === "z" && event.shiftKey)) {
       event.preventDefault();
       byId("redo").click();
