@@ -70,7 +70,7 @@ await page.evaluate(async () => {
   render();
 });
 const inView = (at, selector) => page.locator("body > div").nth(at).locator(selector);
-const words = (at) => inView(at, ".look > p").first().textContent();
+const words = (at) => inView(at, ".below p").textContent();
 const figures = { first: await painted(page, "data") };
 assert.equal(await own(), before, "no style of the widget gets out");
 assert.equal(await inView(0, ".plot:visible").count(), 6, "no style of the notebook gets in");
@@ -82,6 +82,15 @@ const [said] = /^[\d,]+/.exec(await words(0));
 assert.equal(await page.evaluate(() => window.notebook.chosen()), Number(said.replaceAll(",", "")));
 const saved = await page.evaluate(() => window.notebook.model.saved);
 assert.ok(saved < 20, `${saved} messages for 20 moves`);
+
+const drawn = () => page.evaluate(() => window.knobcam.look.linked.seen.filter(Boolean).length);
+await page.mouse.wheel(0, -300);
+await page.waitForTimeout(200);
+assert.equal(await drawn(), 1, "the wheel zooms the plot that was clicked");
+await inView(0, ".plot:visible").nth(5).hover();
+await page.mouse.wheel(0, 1);
+await page.waitForTimeout(200);
+assert.equal(await drawn(), 1, "over any other it scrolls the notebook");
 
 const first = inView(0, ".candidate").first();
 await first.hover();

@@ -50,10 +50,14 @@ export class Look {
       { look: (effect) => deeds.look(effect ?? this.held), take: (effect) => this.hold(effect) },
       "Hold",
     );
+    const closer = make("button", {
+      ...{ type: "button", text: "Zoom", title: "Z: see the rectangle alone, or everything again" },
+      on: { click: () => this.linked.lookCloser() },
+    });
     const weighed = head.rungs.some(({ candidates }) => candidates);
     this.element = make(
       "div",
-      { class: "look", on: { keydown: (event) => event.key === "Escape" && this.clear() } },
+      { class: "look", on: { keydown: (event) => this.key(event) } },
       make("div", { class: "rungs" }, ...this.buttons, ...keys(), this.looked),
       make(
         "div",
@@ -61,9 +65,11 @@ export class Look {
         this.linked.element,
         weighed ? make("section", { class: "missing", "aria-label": "what could be missing" }, candidates) : null,
       ),
-      words,
+      make("div", { class: "below" }, words, closer),
       head.n < head.all ? make("p", { class: "soft", text: thinned(head) }) : null,
     );
+    // Around these plots there is something to scroll: the wheel is theirs only once they are clicked.
+    this.element.addEventListener("wheel", (event) => within(event) || event.stopPropagation(), { capture: true });
   }
 
   /** @param {number} rung */
@@ -87,6 +93,12 @@ export class Look {
     timed("look", () => this.linked.overlay(signature));
   }
 
+  /** @param {KeyboardEvent} event */
+  key({ key, ctrlKey, altKey, metaKey }) {
+    if (key === "Escape") this.clear();
+    if (key === "z" && !ctrlKey && !altKey && !metaKey) this.linked.lookCloser();
+  }
+
   /** @param {string} effect to keep; the one that is kept already is let go */
   hold(effect) {
     this.keep(this.held === effect ? null : effect);
@@ -106,6 +118,11 @@ export class Look {
     }
     this.deeds.look(effect);
   }
+}
+
+/** @param {WheelEvent} event @returns {boolean} whether it is over the plot that has the focus */
+function within({ target }) {
+  return target instanceof Element && target.closest(".plot")?.matches(":focus") === true;
 }
 
 function keys() {
