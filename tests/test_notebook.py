@@ -111,6 +111,12 @@ def test_samples_that_are_not_there_are_refused(look: Look) -> None:
             look.chosen = [rows]
 
 
+def test_a_mask_is_refused_rather_than_taken_for_indices(look: Look) -> None:
+    for rows in (np.array([True, False]), [0.5]):
+        with pytest.raises(kc.InputError, match="flatnonzero"):
+            look.chosen = [rows]
+
+
 def test_a_candidate_that_is_looked_at_is_answered_with_what_it_would_explain(look: Look) -> None:
     effect = look.rungs[0].effects[0]
     told(look, looked=effect)

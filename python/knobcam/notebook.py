@@ -73,13 +73,15 @@ class Widget(anywidget.AnyWidget):
 
     @traitlets.validate("chosen")
     def _sorted(self, proposal: Any) -> tuple[IntArray, ...]:
-        chosen = tuple(np.unique(np.asarray(rows, np.intp)) for rows in proposal["value"])
-        if len(chosen) != len(self.counts):
-            raise InputError(f"chosen has {len(chosen)} arrays; there are {len(self.counts)} captures")
-        for rows, count in zip(chosen, self.counts, strict=True):
-            if len(rows) and not 0 <= rows[0] <= rows[-1] < count:
+        given = [np.atleast_1d(rows) for rows in proposal["value"]]
+        if len(given) != len(self.counts):
+            raise InputError(f"chosen has {len(given)} arrays; there are {len(self.counts)} captures")
+        for rows, count in zip(given, self.counts, strict=True):
+            if rows.size and rows.dtype.kind not in "iu":
+                raise InputError(f"chosen: {rows.dtype} is no index; give numpy.flatnonzero(mask) of a mask")
+            if rows.size and not 0 <= rows.min() <= rows.max() < count:
                 raise InputError(f"chosen: samples are counted from 0 to {count - 1}")
-        return chosen
+        return tuple(np.unique(rows).astype(np.intp) for rows in given)
 
     @traitlets.observe("looked", "rung")
     def _answer(self, _: Any) -> None:
