@@ -101,9 +101,15 @@ await page.waitForTimeout(200);
 assert.match(await inView(0, ".rungs").textContent(), /would explain/, "what is held stays");
 await page.screenshot({ path: join(folder, "11-widget.png") });
 
-const ground = () => inView(0, ".plot").first().evaluate((plot) => getComputedStyle(plot).backgroundColor);
+const ground = () =>
+  inView(0, "canvas.points").first().evaluate((canvas) => canvas.getContext("2d").getImageData(0, 0, 1, 1).data.join());
 const light = await ground();
-await page.evaluate(() => (document.body.dataset.jpThemeLight = "false"));
+await page.evaluate(async () => {
+  document.body.style.display = "none"; // for a moment, as JupyterLab does
+  document.body.dataset.jpThemeLight = "false";
+  await new Promise((resolve) => setTimeout(resolve));
+  document.body.style.display = "";
+});
 await page.waitForTimeout(300);
 assert.notEqual(await ground(), light, "it follows the notebook's theme");
 await page.screenshot({ path: join(folder, "12-widget-dark.png") });

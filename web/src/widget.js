@@ -78,7 +78,7 @@ function render({ model, el }) {
     const theme = notebookTheme();
     if (theme) host.dataset.theme = theme;
     else delete host.dataset.theme;
-    look.linked.redraw();
+    requestAnimationFrame(() => look.linked.redraw()); // JupyterLab hides everything while it changes the theme
   };
   const unwatch = themeWatched(paint);
   for (const [event, hear] of Object.entries(heard)) model.on(event, hear);
