@@ -34,7 +34,9 @@ class Shown(NamedTuple):
         """Return what a candidate would explain of the residual, N m, the captures one after the other."""
         if self.weighed is None:
             raise KeyError(effect)
-        return self.fit.residual - self.weighed[effect].fit.residual
+        core = self.weighed[effect].fit.model.core
+        parts = [one.on_capture(core.torque(one.core) - one.tau) for one in self.fit.prepared]
+        return self.fit.residual + np.concatenate(parts)
 
     def document(self) -> dict[str, Any]:
         """Return what a page lists of it."""

@@ -16,7 +16,6 @@ import { timed } from "./timing.js";
  */
 
 const HINT = "Drag a rectangle in any plot: its samples light up in all of them. Escape clears.";
-const NONE = { ready: true, rows: [], unexplained: null };
 
 export class Look {
   /**
@@ -24,7 +23,7 @@ export class Look {
    * @param {Columns} measured t, theta, omega, tau
    * @param {Float32Array[]} residuals of each rung
    * @param {{rung: (at: number) => void, look: (effect: string | null) => void,
-   *   chosen?: (indices: Uint32Array | null) => void}} deeds of the person
+   *   chosen?: () => void}} deeds of the person
    */
   constructor(head, measured, residuals, deeds) {
     this.head = head;
@@ -36,7 +35,7 @@ export class Look {
     const words = make("p", { class: "soft", "aria-live": "polite", text: HINT });
     this.linked = new Linked((said) => {
       words.textContent = said ?? HINT;
-      deeds.chosen?.(this.linked.chosen);
+      deeds.chosen?.();
     });
     this.buttons = head.rungs.map(({ label, rmse }, at) => {
       const scale = torqueScale(head.unit, rmse);
@@ -44,9 +43,9 @@ export class Look {
       return make("button", { type: "button", text, on: { click: () => deeds.rung(at) } });
     });
     this.looked = make("span", { class: "key" });
-    const candidates = make("div", {});
+    this.missing = make("section", { class: "missing", "aria-label": "what could be missing" });
     this.candidates = new Candidates(
-      candidates,
+      this.missing,
       { look: (effect) => deeds.look(effect ?? this.held), take: (effect) => this.hold(effect) },
       "Hold",
     );
@@ -59,12 +58,7 @@ export class Look {
       "div",
       { class: "look", on: { keydown: (event) => this.key(event) } },
       make("div", { class: "rungs" }, ...this.buttons, ...keys(), this.looked),
-      make(
-        "div",
-        { class: weighed ? "beside" : "" },
-        this.linked.element,
-        weighed ? make("section", { class: "missing", "aria-label": "what could be missing" }, candidates) : null,
-      ),
+      make("div", { class: weighed ? "beside" : "" }, this.linked.element, weighed ? this.missing : null),
       make("div", { class: "below" }, words, closer),
       head.n < head.all ? make("p", { class: "soft", text: thinned(head) }) : null,
     );
@@ -78,7 +72,9 @@ export class Look {
     const columns = { ...measured, residual: residuals[rung] };
     this.held = null;
     for (const [at, button] of this.buttons.entries()) button.setAttribute("aria-pressed", String(at === rung));
-    this.candidates.show({ candidates: head.rungs[rung].candidates ?? NONE, node: String(rung), job: null });
+    const { candidates } = head.rungs[rung];
+    this.missing.hidden = candidates === null;
+    if (candidates) this.candidates.show({ candidates, node: String(rung), job: null });
     timed("data", () => this.linked.show({ ...head, columns, fitted: true }, { isolated: false, band: false, held: true }));
   }
 

@@ -27,8 +27,9 @@ async function main() {
   let looked = null;
   const look = new Look(kept, measured, residuals, {
     rung: (at) => {
-      shown = at;
+      [shown, looked] = [at, null];
       look.show(at);
+      look.overlay(null, null);
     },
     look: async (effect) => {
       looked = effect;
