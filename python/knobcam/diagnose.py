@@ -104,19 +104,14 @@ class Candidate:
 
     def evidence(self) -> dict[str, Any]:
         """Return what speaks for it and against it, as the pages list it."""
-        entry = catalogued(self.effect, self.fit.model.axis)
         return {
-            "effect": self.effect,
-            "law": entry.law,
-            "shows": entry.shows,
-            "place": entry.place,
+            **catalogued(self.effect, self.fit.model.axis).document(),
             "beyond_chance": self.beyond_chance,
             "p_value": self.p_value,
             "error_fall": self.error_fall,
             "rmse_heldout": self.rmse_heldout,
             "moved": describe(self.moved),
             "equivalent": list(self.equivalent),
-            "confused": list(entry.confused),
             "unphysical": list(self.unphysical),
             "note": self.note,
         }

@@ -32,6 +32,11 @@ await candidates.first().waitFor({ timeout: 60_000 });
 assert.equal(await candidates.first().getAttribute("data-effect"), effect);
 figures.look = await done(page, "look", () => candidates.first().hover());
 await picture("3-looked-at");
+await candidates.first().focus();
+await page.keyboard.press("?");
+await page.waitForFunction(() => document.querySelector("#about img")?.naturalWidth > 500);
+await picture("3-about");
+await page.getByRole("button", { name: "Close" }).click();
 
 await page.keyboard.press("Escape");
 assert.equal(await page.locator(".brush:visible").count(), 0);
@@ -52,7 +57,7 @@ await page.getByRole("button", { name: "New branch" }).click();
 await page.locator(".branch").nth(1).waitFor();
 await candidates.nth(1).waitFor({ timeout: 60_000 });
 const other = await candidates.nth(1).getAttribute("data-effect");
-figures.other = await done(page, "add", () => candidates.nth(1).getByRole("button").click());
+figures.other = await done(page, "add", () => candidates.nth(1).getByRole("button", { name: "add" }).click());
 const third = await stateOf(page);
 assert.equal(third.branches.length, 2);
 const current = third.branches.find(({ id }) => id === third.branch);
@@ -100,7 +105,7 @@ assert.deepEqual(complaints, [], "the browser has nothing to complain about");
 await page.goto("about:blank"); // what the workbench still asks for on the way out is its own
 requests.length = 0;
 await page.goto(pathToFileURL(report).href);
-await page.screenshot({ path: join(folder, "6-report.png"), fullPage: true });
+await page.screenshot({ path: join(folder, "8-report.png"), fullPage: true });
 assert.deepEqual(requests.filter((url) => !url.startsWith("file:") && !url.startsWith("data:")), []);
 const before = await page.locator("#look .below p").textContent();
 await page.getByRole("button", { name: `+ ${effect}` }).click();
@@ -109,7 +114,7 @@ assert.notEqual(await page.locator("#look .below p").textContent(), before, "a b
 const weighed = page.locator("#look .candidate").first();
 await weighed.hover();
 await page.getByText(`what ${await weighed.getAttribute("data-effect")} would explain`).waitFor();
-await page.locator("#look").screenshot({ path: join(folder, "7-report-brushed.png") });
+await page.locator("#look").screenshot({ path: join(folder, "9-report-brushed.png") });
 assert.deepEqual(complaints, []);
 await browser.close();
 console.log(JSON.stringify({ figures, told, other, rmse: [first.rmse, second.rmse, third.rmse] }));

@@ -5,6 +5,7 @@ import { showBranches } from "./branches.js";
 import { showCaptures } from "./captures.js";
 import { Candidates } from "./candidates.js";
 import { byId } from "./dom.js";
+import { AnyEffect, about } from "./effects.js";
 import { opening, saving } from "./files.js";
 import { showLadder } from "./ladder.js";
 import { latest } from "./latest.js";
@@ -45,8 +46,10 @@ class App {
       look: (/** @type {string | null} */ effect) => this.look(effect),
       take: (/** @type {string} */ effect) => this.ask("add", { effect }, "add"),
       ask: () => this.ask("diagnose"),
+      about,
     };
     this.candidates = new Candidates(byId("candidates"), deeds, "Add");
+    this.any = new AnyEffect((effect) => this.ask("add", { effect }, "add"));
     this.looking = new AbortController();
     /** @type {string | null} */
     this.looked = null;
@@ -137,6 +140,7 @@ class App {
     this.showBranches(state);
     this.params.show(state.params);
     this.candidates.show(state);
+    this.any.show(state.absent);
     this.showJob(state.job);
     const branch = state.branches.find(({ id }) => id === state.branch);
     enable("undo", (branch?.at ?? 0) > 0);

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import zipfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -14,6 +15,7 @@ from .script import script
 from .story import story
 
 if TYPE_CHECKING:
+    from ..effects import Effect
     from ..learn import Story
     from .session import Session, Tell
 
@@ -45,6 +47,13 @@ def save(session: Session, what: str, path: Path, tell: Tell) -> Path:
 def told(session: Session, tell: Tell) -> Story:
     """Return the story of the current branch; what is not weighed yet is weighed for it."""
     return story(session.branch.done, session.weigh(tell))
+
+
+def drawn(effect: Effect) -> bytes:
+    """Return the picture of where an effect shows, as PNG."""
+    with io.BytesIO() as stream:
+        effect.plot().savefig(stream, format="png", dpi=90)
+        return stream.getvalue()
 
 
 def _model(session: Session, target: Path, tell: Tell) -> None:

@@ -6,13 +6,15 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from ..effects import effects
+from ..errors import InputError
 from ..selection import choose, concluded
 from .story import ladder
 
 if TYPE_CHECKING:
     from ..diagnose import Diagnosis
+    from ..effects import Effect
     from ..fit import Estimate
-    from ..model import Parameter
+    from ..model import Model, Parameter
     from .session import Session
     from .tree import Branch, Opened
     from .view import View
@@ -56,7 +58,21 @@ def document(session: Session) -> dict[str, Any]:
         ],
         "candidates": _candidates(branch, diagnosis),
         "warnings": list(fitted.warnings),
+        "absent": [one.document() for one in absent(fitted.model)],
     }
+
+
+def absent(model: Model) -> list[Effect]:
+    """Return the effects that a model could be given."""
+    return [one for one in effects(model.axis).values() if one.id not in model.effects and _fits(one, model)]
+
+
+def _fits(effect: Effect, model: Model) -> bool:
+    try:
+        model.with_effect(effect.id)
+    except InputError:
+        return False
+    return True
 
 
 def _nothing() -> dict[str, Any]:
@@ -64,6 +80,7 @@ def _nothing() -> dict[str, Any]:
         **{"active": [], "branch": None, "node": None, "noise_floor": math.nan, "unit": "N m"},
         **{"params": [], "rmse": math.nan, "rmse_heldout": math.nan, "ladder": [], "warnings": []},
         "verdict_text": "Open a capture to begin.",
+        "absent": [],
         "candidates": {"ready": False, "rows": [], "unexplained": None},
     }
 

@@ -1,4 +1,11 @@
 // src/api.js
+var Refusal = class extends Error {
+  /** @param {string} words @param {import("./types.js").FileColumn[] | null} columns */
+  constructor(words2, columns) {
+    super(words2);
+    this.columns = columns;
+  }
+};
 var token = new URLSearchParams(location.search).get("token") ?? "";
 async function request(path, options = {}) {
   const headers = { ...options.headers, "x-knobcam-token": token };
@@ -11,7 +18,8 @@ async function request(path, options = {}) {
   }
   if (answer.ok) return answer;
   const said = await answer.json().catch(() => ({}));
-  throw new Error(typeof said.error === "string" ? said.error : `the workbench answered ${answer.status}`);
+  const words2 = typeof said.error === "string" ? said.error : `the workbench answered ${answer.status}`;
+  throw new Refusal(words2, Array.isArray(said.columns) ? said.columns : null);
 }
 async function fetchState() {
   return (await request("/api/state")).json();
@@ -19,6 +27,9 @@ async function fetchState() {
 async function fetchBytes(path, query, signal) {
   const answer = await request(`${path}?${new URLSearchParams(query)}`, { signal });
   return answer.arrayBuffer();
+}
+async function fetchPicture(effect) {
+  return (await request(`/api/picture?${new URLSearchParams({ effect })}`)).blob();
 }
 async function post(verb, body = {}) {
   const headers = { "content-type": "application/json" };
@@ -160,7 +171,8 @@ function words({ name, samples, rate_hz, findings }) {
 var Candidates = class {
   /**
    * @param {HTMLElement} place
-   * @param {{look: (effect: string | null) => void, take: (effect: string) => void, ask?: () => void}} deeds
+   * @param {{look: (effect: string | null) => void, take: (effect: string) => void, ask?: () => void,
+   *   about?: (row: Candidate) => void}} deeds
    * @param {string} taking what it is called to take one
    */
   constructor(place3, deeds, taking) {
@@ -171,6 +183,7 @@ var Candidates = class {
     this.at = 0;
     this.inside = false;
     this.items = [];
+    this.rows = [];
     place3.addEventListener("keydown", (event) => this.key(event));
   }
   /** @param {Pick<State, "candidates" | "node" | "job">} state */
@@ -180,6 +193,7 @@ var Candidates = class {
     this.shown = shown;
     this.inside ||= this.place.contains(document.activeElement);
     this.at = 0;
+    this.rows = candidates.rows;
     this.items = candidates.rows.map((row, at) => this.item(row, at));
     const ask = make("button", {
       ...{ type: "button", text: "What is missing?", disabled: job !== null || node === null },
@@ -203,7 +217,11 @@ var Candidates = class {
       ...{ type: "button", text: this.taking, tabindex: -1, "aria-label": `${this.taking} ${row.effect}` },
       on: { click: () => this.deeds.take(row.effect) }
     });
-    const chance = beyondChance(row) ? "" : " chance";
+    const about2 = make("button", {
+      ...{ type: "button", text: "?", tabindex: -1, "aria-label": `about ${row.effect}`, title: "what it is (key: ?)" },
+      on: { click: () => this.deeds.about?.(row) }
+    });
+    const chance = row.beyond_chance ? "" : " chance";
     return make(
       "li",
       {
@@ -219,7 +237,7 @@ var Candidates = class {
       make("span", { class: "label", text: row.effect, title: row.shows ?? row.effect }),
       make("span", { class: "track" }, bar),
       make("span", { class: "figure", text: `−${percent(Math.max(0, row.error_fall))}`, title: "fall of the RMS error" }),
-      take,
+      make("span", { class: "deeds" }, this.deeds.about ? about2 : null, take),
       make("span", { class: "evidence soft", text: evidence(row) }),
       ...remarks(row).map((text) => make("span", { class: "alike soft", text })),
       ...row.unphysical.map((text) => make("span", { class: "alike odd", text: `⚠ ${text}` }))
@@ -247,15 +265,14 @@ var Candidates = class {
     } else if (event.key === "Enter" && event.target === this.items[this.at]) {
       this.deeds.take(this.items[this.at].dataset.effect ?? "");
       event.preventDefault();
+    } else if (event.key === "?") {
+      if (this.rows[this.at]) this.deeds.about?.(this.rows[this.at]);
     }
   }
 };
-function beyondChance({ beyond_chance, p_value }) {
-  return beyond_chance ?? p_value <= 0.05;
-}
 function evidence(row) {
   const chance = row.p_value <= 1e-3 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
-  return beyondChance(row) ? `beyond chance (${chance})` : `no more than chance (${chance})`;
+  return row.beyond_chance ? `beyond chance (${chance})` : `no more than chance (${chance})`;
 }
 function remarks({ equivalent, confused, note }) {
   const others = confused.filter((effect) => !equivalent.includes(effect));
@@ -272,10 +289,149 @@ function remainder(unexplained) {
   return [make("p", { class: "soft", text: words2 })];
 }
 
+// src/effects.js
+var pictures = /* @__PURE__ */ new Map();
+var PLACES = { load: "torque of the knob", coupling: "joint between shaft and knob", sensor: "torque sensor" };
+var AnyEffect = class {
+  /** @param {(effect: string) => void} add */
+  constructor(add) {
+    this.select = /** @type {HTMLSelectElement} */
+    byId("any-effect");
+    this.absent = [];
+    byId("any").addEventListener("submit", (event) => {
+      event.preventDefault();
+      if (this.select.value) add(this.select.value);
+    });
+    byId("any-about").addEventListener("click", () => {
+      const chosen = this.absent.find(({ effect }) => effect === this.select.value);
+      if (chosen) about(chosen);
+    });
+    byId("about-close").addEventListener("click", () => dialog().close());
+  }
+  /** @param {Effect[]} absent */
+  show(absent) {
+    byId("any").hidden = absent.length === 0;
+    const names = (effects) => effects.map(({ effect }) => effect).join();
+    if (names(absent) !== names(this.absent)) {
+      this.select.replaceChildren(...absent.map(({ effect }) => make("option", { value: effect, text: effect })));
+    }
+    this.absent = absent;
+  }
+};
+function about({ effect, place: place3, law, source, shows }) {
+  const alt = `${law}: what it adds to the torque of a small knob; it shows ${shows}`;
+  const picture = make("img", { alt, src: pictures.get(effect) });
+  byId("about-title").textContent = effect;
+  byId("about-text").replaceChildren(
+    make("p", { class: "soft", text: `Acts on the ${PLACES[place3] ?? place3}. ${source}` }),
+    picture
+  );
+  dialog().showModal();
+  if (pictures.has(effect)) return;
+  fetchPicture(effect).then(
+    (blob) => {
+      pictures.set(effect, URL.createObjectURL(blob));
+      picture.src = pictures.get(effect) ?? "";
+    },
+    (reason) => picture.replaceWith(make("p", { class: "wrong", text: String(reason.message ?? reason) }))
+  );
+}
+function dialog() {
+  return (
+    /** @type {HTMLDialogElement} */
+    byId("about")
+  );
+}
+
+// src/mapping.js
+var TARGETS = {
+  t: ["s", "ms", "us", "min"],
+  theta: ["rad", "deg", "turn", "m", "mm", "um"],
+  omega: ["rad/s", "deg/s", "rpm", "m/s", "mm/s"],
+  alpha: ["rad/s^2", "deg/s^2", "m/s^2", "mm/s^2"],
+  tau: ["N m", "mNm", "N", "mN"]
+};
+var SIZE = { width: 110, height: 34 };
+var Mapping = class {
+  /** @param {HTMLElement} place of the fields @param {HTMLElement} found place of the file's columns */
+  constructor(place3, found) {
+    this.found = found;
+    this.fields = Object.entries(TARGETS).map(([name, units]) => {
+      const text = make("input", { name, type: "text", autocomplete: "off", spellcheck: "false", "aria-label": name });
+      const unit = make(
+        "select",
+        { "aria-label": `unit of ${name}`, name: `${name}-unit` },
+        make("option", { value: "", text: "SI" }),
+        ...units.map((one) => make("option", { value: one, text: one }))
+      );
+      text.addEventListener("focus", () => this.at = text);
+      place3.append(make("div", {}, make("span", { text: name }), text, unit));
+      return { name, text, unit };
+    });
+    this.at = this.fields[0].text;
+  }
+  /** What the import is to be told; nothing where nothing is filled in. */
+  options() {
+    const filled = this.fields.filter(({ text }) => text.value.trim());
+    const map = filled.map(({ name, text, unit }) => {
+      const written = text.value.trim();
+      return `${name}=${written}${unit.value && !written.endsWith("]") ? ` [${unit.value}]` : ""}`;
+    });
+    const options = map.length > 0 ? { map: map.join(", ") } : {};
+    return options;
+  }
+  clear() {
+    for (const { text, unit } of this.fields) text.value = unit.value = "";
+    this.found.replaceChildren();
+  }
+  /**
+   * Show the columns of a file; those that are named as in a capture are filled in.
+   * @param {FileColumn[]} columns
+   */
+  show(columns) {
+    this.found.replaceChildren(...columns.map((column) => this.tile(column)));
+    for (const { name, text } of this.fields) {
+      if (!text.value && columns.some((column) => column.name === name)) text.value = name;
+    }
+    this.at = this.fields.find(({ text }) => !text.value)?.text ?? this.at;
+  }
+  /** @param {FileColumn} column */
+  tile({ name, rows, low, high, outline }) {
+    const range = `${number(low)} … ${number(high)}`;
+    const canvas = make("canvas", { "aria-hidden": "true", ...SIZE });
+    draw(canvas, outline);
+    return make(
+      "button",
+      {
+        ...{ type: "button", "aria-label": `${name}: ${range}, ${rows} rows`, title: "put into the chosen field" },
+        on: { click: () => this.put(name) }
+      },
+      make("strong", { text: name }),
+      canvas,
+      make("span", { class: "soft", text: range })
+    );
+  }
+  /** @param {string} column name that goes into the field, of which the next free one is then chosen */
+  put(column) {
+    this.at.value = /^[A-Za-z_]\w*$/.test(column) ? column : `\`${column}\``;
+    this.at = this.fields.find(({ text }) => !text.value)?.text ?? this.at;
+    this.at.focus();
+  }
+};
+function draw(canvas, outline) {
+  const brush = canvas.getContext("2d");
+  if (!brush) return;
+  const step = SIZE.width / Math.max(1, outline.length);
+  brush.fillStyle = "#0072b2";
+  for (const [at, [low, high]] of outline.entries()) {
+    const top = (1 - high) * (SIZE.height - 3);
+    brush.fillRect(at * step, top, Math.max(1, step), Math.max(2, (high - low) * (SIZE.height - 3)));
+  }
+}
+
 // src/files.js
-var COLUMNS = ["t", "theta", "omega", "alpha", "tau"];
 function opening(heard) {
-  const dialog = (
+  const dialog2 = (
     /** @type {HTMLDialogElement} */
     byId("open-dialog")
   );
@@ -289,17 +445,10 @@ function opening(heard) {
   );
   const told = byId("open-said");
   let waiting = [];
-  const fields = COLUMNS.map((name) => make("input", { name, list: "open-columns", autocomplete: "off" }));
-  byId("open-map").replaceChildren(
-    ...fields.map((field) => make("label", {}, make("span", { text: field.name }), field))
-  );
-  const options = () => {
-    const map = fields.filter(({ value }) => value.trim()).map(({ name, value }) => `${name}=${value.trim()}`);
-    return map.length > 0 ? { map: map.join(", ") } : {};
-  };
+  const mapping = new Mapping(byId("open-map"), byId("open-columns"));
   const opened = (name) => {
-    dialog.close();
-    if (waiting.length === 0) for (const field of fields) field.value = "";
+    dialog2.close();
+    if (waiting.length === 0) mapping.clear();
     told.textContent = "";
     heard.say(`opened ${name}`);
     heard.done();
@@ -307,31 +456,28 @@ function opening(heard) {
   const refused = (reason) => {
     heard.failed(reason);
     told.textContent = reason instanceof Error ? reason.message : String(reason);
-    if (!dialog.open) dialog.showModal();
+    if (reason instanceof Refusal && reason.columns) {
+      mapping.show(reason.columns);
+      byId("open-more").setAttribute("open", "");
+    }
+    if (!dialog2.open) dialog2.showModal();
   };
   const take = async (files) => {
     waiting = files;
     for (const file of files) {
       try {
         heard.say(`reading ${file.name} …`);
-        await upload(
-          file,
-          /** @type {Record<string, string>} */
-          options()
-        );
+        await upload(file, mapping.options());
         waiting = waiting.filter((one) => one !== file);
         opened(file.name);
       } catch (reason) {
-        const names = await columnsOf(file);
-        showColumns(names);
-        for (const field of fields) if (!field.value && names.includes(field.name)) field.value = field.name;
         refused(reason);
         return;
       }
     }
   };
-  byId("open").addEventListener("click", () => dialog.showModal());
-  byId("open-close").addEventListener("click", () => dialog.close());
+  byId("open").addEventListener("click", () => dialog2.showModal());
+  byId("open-close").addEventListener("click", () => dialog2.close());
   chosen.addEventListener("change", () => {
     take([...chosen.files ?? []]);
     chosen.value = "";
@@ -341,7 +487,7 @@ function opening(heard) {
     const named = path.value.trim();
     if (!named) return take(waiting);
     try {
-      await post("open", { path: named, ...options() });
+      await post("open", { path: named, ...mapping.options() });
       return opened(named);
     } catch (reason) {
       return refused(reason);
@@ -360,17 +506,6 @@ function opening(heard) {
     zone.hidden = true;
     take([...event.dataTransfer?.files ?? []]);
   });
-}
-async function columnsOf(file) {
-  const start = await file.slice(0, 8192).text();
-  const line = start.split(/\r?\n/).find((one) => one.trim() && !one.startsWith("#")) ?? "";
-  const names = line.split(/[,;\t]/).map((name) => name.trim().replace(/^"(.*)"$/, "$1"));
-  return names.length > 1 && !/[\0\ufffd]/.test(line) ? names : [];
-}
-function showColumns(names) {
-  byId("open-columns").replaceChildren(...names.map((name) => make("option", { value: name })));
-  byId("open-found").textContent = names.length > 0 ? `In the file: ${names.join(", ")}.` : "";
-  if (names.length > 0) byId("open-more").setAttribute("open", "");
 }
 function saving(heard) {
   for (const button of document.querySelectorAll("[data-save]")) {
@@ -532,7 +667,7 @@ var ROWS = (
   ]
 );
 var NAME = 32;
-function columnsOf2(view) {
+function columnsOf(view) {
   const needed = ["t", "theta", "omega", "tau", "residual"];
   if (view.isolated) needed.push("position_part", "velocity_part");
   if (view.band) needed.push("band");
@@ -978,10 +1113,10 @@ function fewBetween(x, { low, high }) {
 // src/timing.js
 var times = [];
 var KEPT = 500;
-function timed(what, draw, start = performance.now()) {
+function timed(what, draw2, start = performance.now()) {
   requestAnimationFrame(() => {
     const began = performance.now();
-    draw();
+    draw2();
     const script = performance.now() - began;
     requestAnimationFrame(() => {
       times.push({ what, start, script, painted: performance.now() });
@@ -1163,12 +1298,12 @@ var Linked = class {
    * @param {string} what
    * @param {() => void} draw
    */
-  later(what, draw) {
+  later(what, draw2) {
     if (this.waiting.has(what)) return;
     this.waiting.add(what);
     timed(what, () => {
       this.waiting.delete(what);
-      draw();
+      draw2();
     });
   }
   /** Choose nothing. */
@@ -1301,11 +1436,11 @@ var Params = class {
     this.rows.set(param.name, { slider, value, low, high });
     const between2 = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
     const odd = param.odd ? make("span", { class: "odd", text: " ⚠", "aria-label": param.odd }) : null;
-    const about = [param.name, param.meaning, param.odd].filter(Boolean).join(": ");
+    const about2 = [param.name, param.meaning, param.odd].filter(Boolean).join(": ");
     return make(
       "tr",
       {},
-      make("th", { scope: "row", title: about }, param.name.split(".").slice(1).join("."), odd),
+      make("th", { scope: "row", title: about2 }, param.name.split(".").slice(1).join("."), odd),
       make("td", {}, slider),
       make("td", { class: "value", title: `95 % interval ${between2} ${param.unit}` }, value),
       make("td", { class: "soft unit", text: param.unit, title: param.unit })
@@ -1463,9 +1598,11 @@ var App = class {
     const deeds = {
       look: (effect) => this.look(effect),
       take: (effect) => this.ask("add", { effect }, "add"),
-      ask: () => this.ask("diagnose")
+      ask: () => this.ask("diagnose"),
+      about
     };
     this.candidates = new Candidates(byId("candidates"), deeds, "Add");
+    this.any = new AnyEffect((effect) => this.ask("add", { effect }, "add"));
     this.looking = new AbortController();
     this.looked = null;
   }
@@ -1556,6 +1693,7 @@ var App = class {
     this.showBranches(state);
     this.params.show(state.params);
     this.candidates.show(state);
+    this.any.show(state.absent);
     this.showJob(state.job);
     const branch = state.branches.find(({ id }) => id === state.branch);
     enable("undo", (branch?.at ?? 0) > 0);
@@ -1571,7 +1709,7 @@ var App = class {
     const wanted = JSON.stringify([node, active, this.view, otherNode, other?.name]);
     if (node === null) this.deed = null;
     if (node === null || wanted === this.drawn) return;
-    const columns = await this.store.columns(node, active, columnsOf2(this.view));
+    const columns = await this.store.columns(node, active, columnsOf(this.view));
     const rest = otherNode ? await this.store.columns(otherNode, active, ["residual"]) : null;
     if (this.state && this.state.node !== node) return;
     this.drawn = wanted;
