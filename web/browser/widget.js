@@ -74,6 +74,7 @@ const words = (at) => inView(at, ".below p").textContent();
 const figures = { first: await painted(page, "data") };
 assert.equal(await own(), before, "no style of the widget gets out");
 assert.equal(await inView(0, ".plot:visible").count(), 6, "no style of the notebook gets in");
+assert.match(await inView(0, ".look").textContent(), /25,000 of 1,000,000 samples are shown, taken at random/);
 
 figures.brush = await brushed(page, "residual over velocity", [0.47, 0.12], [0.62, 0.85]);
 await page.waitForFunction(() => window.notebook.chosen() > 0);

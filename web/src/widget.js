@@ -70,28 +70,40 @@ function render({ model, el }) {
     look.overlay(fits ? overlay.effect : null, fits ? floatsOf(overlay.floats) : null);
   }
 
-  // A root of its own, so that no style of the notebook comes in and none of these goes out.
+  for (const [event, hear] of Object.entries(heard)) model.on(event, hear);
+  const leave = framed(el, look);
+  look.linked.choose(indicesOf(chosen));
+  heard["change:rung"]();
+
+  return () => {
+    for (const [event, hear] of Object.entries(heard)) model.off(event, hear);
+    for (const waiting of [telling, looking]) waiting(null);
+    leave();
+  };
+}
+
+/**
+ * Put the plots into a root of their own, so that no style of the notebook comes in and none of these goes out.
+ * @param {HTMLElement} el
+ * @param {Look} look
+ * @returns {() => void} what takes them away
+ */
+function framed(el, look) {
   const host = make("div", { "data-lm-suppress-shortcuts": "true" }); // the keys are the plots', not JupyterLab's
   const root = host.attachShadow({ mode: "open" });
   root.append(make("style", { text: plotsStyle + partsStyle + lookStyle }), look.element);
+  Object.assign(host, { knobcam: { times, look } }); // for those who measure
+  el.append(host);
   const paint = () => {
     const theme = notebookTheme();
     if (theme) host.dataset.theme = theme;
     else delete host.dataset.theme;
     requestAnimationFrame(() => look.linked.redraw()); // JupyterLab hides everything while it changes the theme
   };
-  const unwatch = themeWatched(paint);
-  for (const [event, hear] of Object.entries(heard)) model.on(event, hear);
-  Object.assign(host, { knobcam: { times, look } }); // for those who measure
-  el.append(host);
   paint();
-  look.linked.choose(indicesOf(chosen));
-  heard["change:rung"]();
-
+  const unwatch = themeWatched(paint);
   return () => {
-    for (const [event, hear] of Object.entries(heard)) model.off(event, hear);
     unwatch();
-    for (const waiting of [telling, looking]) waiting(null);
     look.linked.sized.disconnect();
     host.remove();
   };
