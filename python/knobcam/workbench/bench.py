@@ -8,6 +8,7 @@ from typing import Any
 
 from . import state
 from .jobs import Job, Worker
+from .recorder import Recorder
 from .session import Session
 
 _AFTER_S = 1.0  # so that a page that has just been told of a fit can draw it first
@@ -16,12 +17,13 @@ Hear = Callable[[str, dict[str, Any]], None]
 
 
 class Bench:
-    """One session, a thread for what a person waits for, and one that weighs what is missing meanwhile."""
+    """One session, a thread for what a person waits for, one that weighs meanwhile, and one that records."""
 
     def __init__(self) -> None:
         self.session = Session(self._changed)
         self.work = Worker("knobcam-work", self._moved)
         self.weighing = Worker("knobcam-weighing", self._moved, humble=True)
+        self.recorder = Recorder(self.session, self._moved)
         self.listeners: set[Hear] = set()
         self._weighed = ""
         self._lock = threading.Lock()
@@ -29,7 +31,8 @@ class Bench:
     def document(self) -> dict[str, Any]:
         """Return the state of the session, and what is being done."""
         job = self.work.current or self.weighing.current
-        return state.document(self.session) | {"job": None if job is None else _described(job)}
+        busy = {"job": None if job is None else _described(job), "recording": self.recorder.busy}
+        return state.document(self.session) | busy
 
     def weigh(self, after_s: float = 0.0) -> Job:
         """Weigh what could be missing where the session is; what was weighed elsewhere is given up."""
@@ -52,7 +55,8 @@ class Bench:
         return self.work.busy or self.weighing.busy
 
     def close(self) -> None:
-        """Give everything up, and wait for the threads to end."""
+        """Give everything up, and wait for the threads to end; a rig that records is disarmed first."""
+        self.recorder.close()
         self.work.close()
         self.weighing.close()
 
@@ -70,7 +74,8 @@ class Bench:
     def _moved(self, job: Job) -> None:
         if job.active:
             told = _described(job)
-            self._say("progress", {"job": told["id"], "what": told["what"], "done": told["done"]})
+            progress = {"job": told["id"], "what": told["what"], "done": told["done"]}
+            self._say("progress", progress | {"recording": job is self.recorder.job})
         else:
             self._say("state", {"revision": self.session.revision})
 

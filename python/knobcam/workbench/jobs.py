@@ -38,11 +38,12 @@ class Job:
     _given_up: threading.Event = field(default_factory=threading.Event)
     _ending: threading.Lock = field(default_factory=threading.Lock)
 
-    def tell(self, what: str) -> None:
-        """Say which round begins. Raises Cancelled if the work is no longer wanted."""
+    def tell(self, what: str, done: float | None = None) -> None:
+        """Say which round begins, or how far it is. Raises Cancelled if the work is no longer wanted."""
         if self._given_up.is_set():
             raise Cancelled
         self.what = what
+        self.done = done
         self.told(self)
 
     def rest(self, seconds: float) -> None:

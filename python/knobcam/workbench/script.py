@@ -27,6 +27,8 @@ def script(done: Sequence[Node], captures: Mapping[str, Opened]) -> str:
 
 
 def _load(opened: Opened) -> str:
+    if opened.made:
+        return opened.made
     # repr() makes a literal of any text, so that no name can be more than a name.
     given = [repr(opened.path), *(f"{name}={value!r}" for name, value in opened.options.items())]
     return f"kc.load({', '.join(given)})"

@@ -117,13 +117,17 @@ class Session:
         name: str,
         options: Mapping[str, Any] | None = None,
         tell: Tell = _quiet,
+        *,
+        made: str = "",
+        hidden: tuple[str, ...] = (),
     ) -> str:
         """Take a capture in together with those that are active, and return its id.
 
-        `name` and `options` are by which it can be read again. Raises InputError for one that cannot be
+        `name` and `options` are by which it can be read again, or `made` is the Python that makes it;
+        `hidden` are the effects in it that somebody is to find. Raises InputError for one that cannot be
         fitted together with the others.
         """
-        opened = Opened(self._new("c"), name, capture, name, dict(options or {}))
+        opened = Opened(self._new("c"), name, capture, name, dict(options or {}), made, hidden)
         self._take([opened], tell)
         return opened.id
 
