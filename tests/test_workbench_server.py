@@ -209,6 +209,32 @@ def test_work_is_cancelled_and_nothing_changed(opened: httpx.Client, bench: Benc
     assert (after["node"], after["params"]) == (before["node"], before["params"])
 
 
+def test_weighing_says_how_far_it_is_rests_while_a_person_waits_and_ends_when_it_is_given_up(
+    opened: httpx.Client, bench: Bench
+):
+    job = bench.weigh()
+
+    def told_before(share: float) -> None:
+        while job.active and not (job.done is not None and job.done > share):
+            time.sleep(0.005)
+
+    told_before(0.0)
+    waited = bench.work.start("waiting", lambda work: work.rest(0.5))
+    time.sleep(0.2)  # until it has noticed
+    share = job.done
+    time.sleep(0.2)
+    assert job.active and share is not None and 0.0 < share < 1.0 and job.done == share
+    waited.result.result(5.0)
+    told_before(share)
+    assert opened.post("/api/cancel").status_code == 200
+    assert not job.active
+    deadline = time.monotonic() + 5.0
+    while bench.busy and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert not bench.busy
+    assert bench.session.diagnosis_of(bench.session.node.id) is None
+
+
 def test_a_failure_of_the_program_is_one_line_as_well(opened: httpx.Client, bench: Bench, monkeypatch: Any):
     def broken(*_: Any) -> None:
         raise ZeroDivisionError("by\nnought")

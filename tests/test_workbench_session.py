@@ -20,7 +20,7 @@ from knobcam.workbench.session import Session
 from knobcam.workbench.story import ladder
 
 
-def quiet(_: str) -> None:
+def quiet(_: str, __: float | None = None) -> None:
     return
 
 

@@ -11,6 +11,7 @@ from .jobs import Job, Worker
 from .recorder import Recorder
 from .session import Session
 
+_PAUSE_S = 0.02
 _AFTER_S = 1.0  # so that a page that has just been told of a fit can draw it first
 Hear = Callable[[str, dict[str, Any]], None]
 """Called with the name of an event and its content, from any thread."""
@@ -39,8 +40,15 @@ class Bench:
         node = self.session.node
 
         def work(job: Job) -> None:
+            def tell(what: str, done: float | None = None) -> None:
+                job.tell(what, done)
+                while self.work.current is not None:  # whatever a person waits for goes first
+                    job.rest(_PAUSE_S)
+                if self.session.diagnosis_of(node.id) is not None:  # and may have been just this
+                    job.cancel()
+
             job.rest(after_s)
-            self.session.weigh(job.tell, node)
+            self.session.weigh(tell, node)
 
         self.weighing.cancel()
         return self.weighing.start("weighing what could be missing", work)

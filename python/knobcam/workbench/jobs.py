@@ -15,6 +15,7 @@ from typing import Any
 from ..errors import InputError
 
 _numbers = itertools.count(1)
+_FINE = 0.01  # of a job; smaller steps are not worth telling
 _HUMBLE = 15  # niceness: others have about thirty times its share
 
 
@@ -39,11 +40,12 @@ class Job:
     _ending: threading.Lock = field(default_factory=threading.Lock)
 
     def tell(self, what: str, done: float | None = None) -> None:
-        """Say which round begins, or how far it is. Raises Cancelled if the work is no longer wanted."""
+        """Say what is being done, and how much of it is. Raises Cancelled if the work is no longer wanted."""
         if self._given_up.is_set():
             raise Cancelled
-        self.what = what
-        self.done = done
+        if what == self.what and done is not None and self.done is not None and done < self.done + _FINE:
+            return
+        self.what, self.done = what, done
         self.told(self)
 
     def rest(self, seconds: float) -> None:
