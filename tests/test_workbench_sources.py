@@ -1,13 +1,9 @@
-"""Captures without a file at hand: simulated, from an emulated rig, from a rig on a port; watched and stopped."""
+"""Captures without a file at hand: simulated, from an emulated rig, from one on a port; watched, stopped."""
 
 from __future__ import annotations
 
 import json
-import os
 import runpy
-import signal
-import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,17 +12,10 @@ from typing import Any
 import httpx
 import numpy as np
 import pytest
-from peer import Peer
-from workbench_server import HOSTILE, served, wrong
+from workbench_server import served
 
 import knobcam as kc
-from knobcam.motions import MOTIONS
-from knobcam.rig import emulator, port
-from knobcam.rig.tail import Tail
-from knobcam.workbench import sources
 from knobcam.workbench.bench import Bench
-from knobcam.workbench.guard import HEADER
-from knobcam.workbench.thinning import Thinned
 
 SPEED = 8.0
 EMULATED = {"source": "emulated", "knob": "knob3", "duration_s": 4.0, "speed": SPEED}

@@ -6,10 +6,13 @@ import { showCaptures } from "./captures.js";
 import { Candidates } from "./candidates.js";
 import { byId } from "./dom.js";
 import { opening, saving } from "./files.js";
+import { showHidden, unhiding } from "./hidden.js";
 import { showLadder } from "./ladder.js";
 import { latest } from "./latest.js";
 import { Linked, columnsOf } from "./linked.js";
+import { Live } from "./live.js";
 import { Params } from "./params.js";
+import { preparing, sources } from "./sources.js";
 import { Store } from "./store.js";
 import { themed } from "./theme.js";
 import { timed, times } from "./timing.js";
@@ -46,6 +49,8 @@ class App {
     this.looking = new AbortController();
     /** @type {string | null} */
     this.looked = null;
+    /** @type {Live | null} */
+    this.live = null;
   }
 
   start() {
@@ -56,12 +61,18 @@ class App {
     };
     opening(heard);
     saving(heard);
+    unhiding(heard.failed);
+    this.live = new Live({ ...heard, open: (path) => this.ask("open", { path }, "data") });
+    sources({
+      ...{ made: heard.done, say: heard.say, recording: () => this.live?.follow() },
+      open: () => this.state?.captures.length ?? 0,
+    });
     themed(() => this.linked.redraw());
     this.buttons();
     document.addEventListener("keydown", (event) => this.key(event));
     listen({
       state: (revision) => this.refresh(revision),
-      progress: (job) => this.showJob(job),
+      progress: (job) => (job.recording ? this.showRecording(job) : this.showJob(job)),
       connected: (well) => byId("lost").toggleAttribute("hidden", well),
     });
     this.refresh(0);
@@ -126,6 +137,8 @@ class App {
     this.state = state;
     byId("welcome").toggleAttribute("hidden", state.node !== null);
     byId("verdict").textContent = state.verdict_text;
+    if (state.recording) this.live?.follow();
+    showHidden(state);
     showCaptures(byId("captures"), state, (captures) => this.ask("use", { captures }, "captures"));
     showLadder(byId("ladder"), state);
     showBranches(byId("branches"), state, (branch) => this.ask("switch", { branch }, "switch"));
@@ -193,12 +206,20 @@ class App {
     else bar.value = job.done;
   }
 
+  /** @param {Job} job */
+  showRecording({ what }) {
+    preparing(what);
+    this.live?.phase(what);
+  }
+
   /** @param {KeyboardEvent} event */
   key(event) {
     if (event.target instanceof HTMLInputElement && event.target.type !== "range" && event.key !== "Escape") return;
     const control = event.ctrlKey || event.metaKey;
     const key = event.key.toLowerCase();
-    if (event.key === "Escape") {
+    if (event.key === "Escape" && this.live?.following) {
+      this.live.stop(true); // a motor turns, and Escape is what a hand finds without looking
+    } else if (event.key === "Escape") {
       this.linked.clear();
     } else if (control && (key === "y" || (key === "z" && event.shiftKey))) {
       event.preventDefault();

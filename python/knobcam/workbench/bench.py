@@ -42,7 +42,8 @@ class Bench:
         def work(job: Job) -> None:
             def tell(what: str, done: float | None = None) -> None:
                 job.tell(what, done)
-                while self.work.current is not None:  # whatever a person waits for goes first
+                # Whatever a person waits for goes first, and so does a rig that records.
+                while self.work.current is not None or self.recorder.busy:
                     job.rest(_PAUSE_S)
                 if self.session.diagnosis_of(node.id) is not None:  # and may have been just this
                     job.cancel()

@@ -69,6 +69,14 @@ def text(body: Mapping[str, Any], name: str, default: str | None = None) -> str:
     return value
 
 
+def flag(body: Mapping[str, Any], name: str, default: bool) -> bool:
+    """Return a truth of a body. Raises InputError for anything else."""
+    value = body.get(name, default)
+    if not isinstance(value, bool):
+        raise InputError(f"{name}={value!r}: give true or false")
+    return value
+
+
 def number(body: Mapping[str, Any], name: str, default: float, low: float, high: float) -> float:
     """Return a number of a body, between two limits. Raises InputError for anything else."""
     value = body.get(name, default)

@@ -40,7 +40,7 @@ class Live:
         self.failure: Exception | None = None
         self._figures: Figures | None = None
         self._tail: Tail | None = None
-        self._thinned = Thinned(1, "tau")
+        self._thinned = Thinned(1)
         self._lock = threading.Lock()
 
     def see(self, figures: Figures) -> None:
@@ -48,7 +48,7 @@ class Live:
         with self._lock:
             if self._tail is None:
                 self._tail = Tail(self.log)
-                self._thinned = Thinned(max(1, -(-2 * self._tail.planned // _SHOWN)), "tau")
+                self._thinned = Thinned(max(1, -(-self._tail.planned // _SHOWN)))
             self._figures = figures
         if not self.begun.done():
             self.begun.set_result(None)
@@ -80,7 +80,7 @@ class Live:
         told: dict[str, Any] = {
             "what": self.what,
             "log": str(self.log),
-            "stretch": self._thinned.stretch,
+            "every": self._thinned.every,
             "done": self.done,
             "ended": self.ended.is_set(),
             "error": self.failure and " ".join(str(self.failure).split()),

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING
 
 from ..errors import InputError
 from ..rig.record import Enough
-from .jobs import Cancelled, Job
+from .jobs import Job
 from .live import Live
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from ..capture import Capture
     from ..rig.figures import Figures
     from .session import Session
     from .sources import Source
@@ -39,13 +38,17 @@ class Recorder:
         """Whether a recording goes on, be it one that was given up and is being disarmed."""
         return self._thread.is_alive()
 
-    def start(self, source: Source, log: Path) -> Live:
-        """Begin to record and return at once. Raises InputError while another recording goes on."""
+    def start(self, source: Source, log: Path, together: bool) -> Live:
+        """Begin to record and return at once; `together`: with the captures that are open, of the same knob.
+
+        Raises InputError while another recording goes on.
+        """
         with self._lock:
             if self.busy:
                 raise InputError("a recording is under way; stop it first")
             live = Live(f"{source.name}, {source.motion}", log)
-            job = Job(f"recording {live.what}", lambda job: self._work(job, live, source), told=self._told)
+            doing = f"recording {live.what}"
+            job = Job(doing, lambda job: self._work(job, live, source, together), told=self._told)
 
             def run() -> None:
                 job.run()
@@ -73,7 +76,7 @@ class Recorder:
         if self.busy:
             self._thread.join()
 
-    def _work(self, job: Job, live: Live, source: Source) -> None:
+    def _work(self, job: Job, live: Live, source: Source, together: bool) -> None:
         def watch(figures: Figures) -> None:
             live.see(figures)
             job.tell(f"recording {live.what}", live.done)
@@ -82,16 +85,13 @@ class Recorder:
 
         try:
             capture = source.record(live.log, job.tell, watch)
-            live.capture = self._taken(job, live, source, capture)
+            made, hidden = f"kc.load({str(live.log)!r})", source.hidden
+            try:
+                live.capture = self._session.take(
+                    capture, live.log.name, None, job.tell, made=made, hidden=hidden, together=together
+                )
+            except InputError as error:
+                raise InputError(f"{error}; the recording is kept in {live.log}") from error
         except Exception as error:
             live.failure = error
             raise
-
-    def _taken(self, job: Job, live: Live, source: Source, capture: Capture) -> str:
-        try:
-            made = f"kc.load({str(live.log)!r})"
-            return self._session.take(capture, live.log.name, None, job.tell, made=made, hidden=source.hidden)
-        except Cancelled:
-            raise
-        except InputError as error:
-            raise InputError(f"{error}; the recording is kept in {live.log}") from error

@@ -10,7 +10,7 @@ from starlette.concurrency import run_in_threadpool
 from ..errors import InputError
 from . import sources
 from .answers import bytes_answer, finished, json_answer
-from .bodies import read_json, text
+from .bodies import flag, read_json, text
 
 if TYPE_CHECKING:
     from starlette.requests import Request
@@ -36,12 +36,14 @@ class Recording:
         """Simulate a knob and take its capture in."""
         body = await read_json(request)
         source = await run_in_threadpool(sources.simulated, body)
+        together = flag(body, "together", False)
         name = f"{source.name}, simulated {source.motion}"
 
         def work(job: Job) -> str:
             capture = source.capture()
+            made, hidden = source.made, source.hidden
             return self.bench.session.take(
-                capture, name, None, job.tell, made=source.made, hidden=source.hidden
+                capture, name, None, job.tell, made=made, hidden=hidden, together=together
             )
 
         await finished(self.bench.work.start(f"simulating {source.name}", work))
@@ -52,16 +54,13 @@ class Recording:
         body = await read_json(request)
         source = await run_in_threadpool(sources.recorded, body)
         log = await run_in_threadpool(sources.new_log, text(body, "folder", ""), source)
-        live = self.bench.recorder.start(source, log)
+        live = self.bench.recorder.start(source, log, flag(body, "together", False))
         await asyncio.shield(asyncio.wrap_future(live.begun))
         return self._now(log=str(log))
 
     async def stop(self, request: Request) -> Response:
         """End the recording; `keep`: take in what came."""
-        keep = (await read_json(request)).get("keep", True)
-        if not isinstance(keep, bool):
-            raise InputError(f"keep={keep!r}: give true or false")
-        self.bench.recorder.stop(keep)
+        self.bench.recorder.stop(flag(await read_json(request), "keep", True))
         return self._now()
 
     async def live(self, request: Request) -> Response:

@@ -17,7 +17,7 @@ from ..rig.port import BAUD, ports
 from ..rig.record import record
 from ..rig.wirelog import SUFFIX
 from ..simulate import simulate
-from .bodies import number, text, whole
+from .bodies import flag, number, text, whole
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -187,7 +187,7 @@ def _knob(body: Mapping[str, Any]) -> tuple[str, tuple[str, ...]]:
     knob, named = text(body, "knob", "knob3"), body.get("effects", [])
     if not isinstance(named, list) or not all(isinstance(one, str) for one in named):
         raise InputError("effects: give a list of ids of the catalogue")
-    if body.get("surprise") is True:
+    if flag(body, "surprise", False):
         if named:
             raise InputError("a surprise is what nobody has chosen; choose no effects, or no surprise")
         named = [secrets.choice(hideable(knob))]

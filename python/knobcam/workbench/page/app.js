@@ -13,8 +13,11 @@ async function request(path, options = {}) {
   const said = await answer.json().catch(() => ({}));
   throw new Error(typeof said.error === "string" ? said.error : `the workbench answered ${answer.status}`);
 }
-async function fetchState() {
-  return (await request("/api/state")).json();
+async function ask(what, query = {}) {
+  return (await request(`/api/${what}?${new URLSearchParams(query)}`)).json();
+}
+function fetchState() {
+  return ask("state");
 }
 async function fetchBytes(path, query, signal) {
   const answer = await request(`${path}?${new URLSearchParams(query)}`, { signal });
@@ -39,8 +42,8 @@ function listen(heard) {
   const source = new EventSource(`/api/events?${new URLSearchParams({ token })}`);
   source.addEventListener("state", (event) => heard.state(JSON.parse(event.data).revision));
   source.addEventListener("progress", (event) => {
-    const { job, what, done } = JSON.parse(event.data);
-    heard.progress({ id: job, what, done });
+    const { job, what, done, recording } = JSON.parse(event.data);
+    heard.progress({ id: job, what, done, recording });
   });
   source.addEventListener("open", () => heard.connected(true));
   source.addEventListener("error", () => heard.connected(false));
@@ -103,7 +106,7 @@ function showBranches(place3, state, chosen) {
     const step = steps[at];
     const scale = torqueScale(state.unit, step?.rmse ?? 0);
     const changes = steps.slice(1, at + 1).map(({ added, dropped }) => added ? `+ ${added}` : `− ${dropped}`);
-    const words2 = changes.join(" ") || "nothing added";
+    const words3 = changes.join(" ") || "nothing added";
     return make(
       "button",
       {
@@ -111,7 +114,7 @@ function showBranches(place3, state, chosen) {
         on: { click: () => chosen(id) }
       },
       make("strong", { text: name }),
-      make("span", { class: "soft", text: words2 }),
+      make("span", { class: "soft", text: words3 }),
       make("span", { class: "figure", text: step ? `${number(step.rmse * scale.factor)} ${scale.unit}` : "–" })
     );
   });
@@ -169,18 +172,18 @@ var Candidates = class {
     this.inside ||= this.place.contains(document.activeElement);
     this.at = 0;
     this.items = candidates.rows.map((row, at) => this.item(row, at));
-    const ask = make("button", {
+    const ask2 = make("button", {
       ...{ type: "button", text: "What is missing?", disabled: job !== null || node === null },
       on: { click: this.deeds.ask }
     });
     const list = make("ul", { role: "listbox", "aria-label": "candidates", class: "candidates" }, ...this.items);
     this.place.replaceChildren(
-      ...candidates.ready ? [] : [make("p", { class: "soft" }, job ? `${job.what} …` : ask)],
+      ...candidates.ready ? [] : [make("p", { class: "soft" }, job ? `${job.what} …` : ask2)],
       ...candidates.ready && this.items.length === 0 ? [make("p", { class: "well", text: "Nothing is missing beyond chance." })] : [],
       list,
       ...remainder(candidates.unexplained)
     );
-    if (this.inside && document.activeElement === document.body) (this.items[0] ?? ask).focus();
+    if (this.inside && document.activeElement === document.body) (this.items[0] ?? ask2).focus();
     if (this.items.length > 0 || document.activeElement !== document.body) this.inside = false;
   }
   /** @param {Candidate} row @param {number} at */
@@ -256,8 +259,8 @@ function remarks({ equivalent, confused, note }) {
 function remainder(unexplained) {
   if (!unexplained) return [];
   const { axis, share, hint } = unexplained;
-  const words2 = `Unexplained over ${axis}: ${percent(share)} of what remains${hint ? ` (${hint})` : ""}.`;
-  return [make("p", { class: "soft", text: words2 })];
+  const words3 = `Unexplained over ${axis}: ${percent(share)} of what remains${hint ? ` (${hint})` : ""}.`;
+  return [make("p", { class: "soft", text: words3 })];
 }
 
 // src/files.js
@@ -279,7 +282,7 @@ function opening(heard) {
   let waiting = [];
   const fields = COLUMNS.map((name) => make("input", { name, list: "open-columns", autocomplete: "off" }));
   byId("open-map").replaceChildren(
-    ...fields.map((field) => make("label", {}, make("span", { text: field.name }), field))
+    ...fields.map((field2) => make("label", {}, make("span", { text: field2.name }), field2))
   );
   const options = () => {
     const map = fields.filter(({ value }) => value.trim()).map(({ name, value }) => `${name}=${value.trim()}`);
@@ -287,7 +290,7 @@ function opening(heard) {
   };
   const opened = (name) => {
     dialog.close();
-    if (waiting.length === 0) for (const field of fields) field.value = "";
+    if (waiting.length === 0) for (const field2 of fields) field2.value = "";
     told.textContent = "";
     heard.say(`opened ${name}`);
     heard.done();
@@ -312,7 +315,7 @@ function opening(heard) {
       } catch (reason) {
         const names = await columnsOf(file);
         showColumns(names);
-        for (const field of fields) if (!field.value && names.includes(field.name)) field.value = field.name;
+        for (const field2 of fields) if (!field2.value && names.includes(field2.name)) field2.value = field2.name;
         refused(reason);
         return;
       }
@@ -377,6 +380,25 @@ function saving(heard) {
       }
     });
   }
+}
+
+// src/hidden.js
+var hiding = [];
+function unhiding(failed) {
+  byId("unhide").addEventListener("click", async () => {
+    try {
+      const told = await Promise.all(hiding.map((capture) => ask("hidden", { capture })));
+      byId("unhidden").textContent = [...new Set(told.map(({ hidden }) => hidden.join(" and ")))].join("; ");
+    } catch (reason) {
+      failed(reason);
+    }
+  });
+}
+function showHidden({ captures, active }) {
+  const now = captures.filter(({ id, hides }) => hides && active.includes(id)).map(({ id }) => id);
+  byId("hides").hidden = now.length === 0;
+  if (now.join() !== hiding.join()) byId("unhidden").textContent = "";
+  hiding = now;
 }
 
 // src/ladder.js
@@ -1050,6 +1072,275 @@ function band(modelled, half) {
   }));
 }
 
+// src/store.js
+var MOTION = /* @__PURE__ */ new Set(["t", "theta", "omega", "alpha", "tau"]);
+var NODES_KEPT = 32;
+function decode(buffer) {
+  return unpacked(buffer).columns;
+}
+function unpacked(buffer) {
+  const end = new Uint8Array(buffer).indexOf(10);
+  const head = JSON.parse(new TextDecoder().decode(buffer.slice(0, end)));
+  const start = Math.ceil((end + 1) / 4) * 4;
+  const columns = head.names.map((name, at) => [
+    name,
+    new Float32Array(buffer, start + 4 * at * head.n, head.n)
+  ]);
+  return { head, columns: Object.fromEntries(columns) };
+}
+var Store = class {
+  constructor() {
+    this.kept = /* @__PURE__ */ new Map();
+  }
+  /**
+   * Return columns over all captures, one after the other.
+   * @param {string} node
+   * @param {string[]} captures
+   * @param {string[]} names
+   * @returns {Promise<Columns>}
+   */
+  async columns(node, captures, names) {
+    const parts = await Promise.all(captures.map((capture) => this.ofCapture(node, capture, names)));
+    return joined(parts, names);
+  }
+  /**
+   * What an effect would explain of the residual.
+   * @param {string} node
+   * @param {string[]} captures
+   * @param {string} effect
+   * @param {AbortSignal} [signal]
+   * @returns {Promise<Float32Array>}
+   */
+  async signature(node, captures, effect, signal) {
+    const parts = await Promise.all(
+      captures.map(async (capture) => {
+        const key = `${capture} ${node}`;
+        const name2 = `signature of ${effect}`;
+        const known = this.kept.get(key)?.[name2];
+        if (known) return { [name2]: known };
+        const fetched = decode(await fetchBytes("/api/signature", { node, capture, effect }, signal));
+        const column = Object.values(fetched)[0];
+        this.keep(key, { [name2]: column });
+        return { [name2]: column };
+      })
+    );
+    const name = `signature of ${effect}`;
+    return joined(parts, [name])[name];
+  }
+  /** @param {string} node @param {string} capture @param {string[]} names */
+  async ofCapture(node, capture, names) {
+    const key = `${capture} ${node}`;
+    const have = () => ({ ...this.kept.get(capture), ...this.kept.get(key) });
+    const lacking = names.filter((name) => !(name in have()));
+    if (lacking.length > 0) {
+      const fetched = decode(await fetchBytes("/api/arrays", { node, capture, names: lacking.join(",") }));
+      const entries = Object.entries(fetched);
+      this.keep(capture, Object.fromEntries(entries.filter(([name]) => MOTION.has(name))));
+      this.keep(key, Object.fromEntries(entries.filter(([name]) => !MOTION.has(name))));
+    }
+    return have();
+  }
+  /** @param {string} key @param {Columns} columns */
+  keep(key, columns) {
+    const together = { ...this.kept.get(key), ...columns };
+    this.kept.delete(key);
+    this.kept.set(key, together);
+    const nodes = [...this.kept.keys()].filter((one) => one.includes(" "));
+    for (const old of nodes.slice(0, Math.max(0, nodes.length - NODES_KEPT))) this.kept.delete(old);
+  }
+};
+function joined(parts, names) {
+  if (parts.length === 1) return Object.fromEntries(names.map((name) => [name, parts[0][name]]));
+  const whole = {};
+  for (const name of names) {
+    whole[name] = new Float32Array(parts.reduce((total, part) => total + part[name].length, 0));
+    let [at, elapsed] = [0, 0];
+    for (const part of parts) {
+      const column = part[name];
+      if (name === "t") {
+        const start = column[0] ?? 0;
+        for (let i = 0; i < column.length; i++) whole[name][at + i] = column[i] - start + elapsed;
+        elapsed += (column.at(-1) ?? start) - start;
+      } else {
+        whole[name].set(column, at);
+      }
+      at += column.length;
+    }
+  }
+  return whole;
+}
+
+// src/live.js
+var PAUSE_MS = 120;
+var PLOTS = (
+  /** @type {const} */
+  [
+    { y: "tau", x: "t", name: "torque over time", colour: "--measured" },
+    { y: "tau", x: "theta", name: "torque over position", colour: "--measured" },
+    { y: "theta", x: "t", name: "angle over time", colour: "--modelled" },
+    { y: "omega", x: "t", name: "velocity over time", colour: "--signature" }
+  ]
+);
+var WORDS = { tau: "torque", theta: "angle, rad", omega: "velocity, rad/s", t: "time, s" };
+var Live = class {
+  /**
+   * @param {{done: () => void, failed: (reason: unknown) => void, say: (words: string) => void,
+   *   open: (path: string) => void}} heard
+   */
+  constructor(heard) {
+    this.heard = heard;
+    this.plots = PLOTS.map(({ name }) => new Plot(`${name}, as it is recorded`, () => {
+    }));
+    byId("live-plots").append(...this.plots.map(({ element }) => element));
+    this.columns = {};
+    this.told = null;
+    this.waiting = false;
+    this.following = false;
+    this.unwanted = false;
+    byId("live-stop").addEventListener("click", () => this.stop(true));
+    byId("live-cancel").addEventListener("click", () => this.stop(false));
+    byId("live-close").addEventListener("click", () => this.close());
+    byId("live-open").addEventListener("click", () => {
+      this.close();
+      if (this.told) heard.open(this.told.log);
+    });
+    new ResizeObserver(() => this.draw()).observe(byId("live-plots"));
+  }
+  /** Show the recording until it has ended. */
+  async follow() {
+    if (this.following) return;
+    this.following = true;
+    this.unwanted = false;
+    this.columns = {};
+    this.enable(true);
+    byId("live-said").textContent = "";
+    byId("live").hidden = false;
+    byId("live-stop").focus();
+    try {
+      do
+        await this.look();
+      while (!this.told?.ended && await pause());
+      this.ended();
+    } catch (reason) {
+      byId("live-said").textContent = reason instanceof Error ? reason.message : String(reason);
+      this.enable(false);
+    } finally {
+      this.following = false;
+    }
+  }
+  /** Fetch what came since the last time, and show it in the next frame. */
+  async look() {
+    const since = String(this.columns.t?.length ?? 0);
+    const { head, columns } = unpacked(await fetchBytes("/api/live", { since }));
+    this.told = head.live;
+    for (const [name, more] of Object.entries(columns)) this.columns[name] = joined2(this.columns[name], more);
+    if (this.waiting) return;
+    this.waiting = true;
+    timed("live", () => {
+      this.waiting = false;
+      this.tell();
+      this.draw();
+    });
+  }
+  /** @param {boolean} keep */
+  async stop(keep) {
+    this.unwanted = !keep;
+    this.enable(false);
+    this.phase(keep ? "stopping" : "disarming");
+    try {
+      await post("stop", { keep });
+    } catch (reason) {
+      this.heard.failed(reason);
+    }
+  }
+  /** Say what is being done. @param {string} what */
+  phase(what) {
+    byId("live-what").textContent = what;
+  }
+  ended() {
+    const { error, log, capture } = this.told ?? {};
+    if (capture !== null || this.unwanted) {
+      this.close();
+      this.heard.say(error ?? `recorded ${log}`);
+      this.heard.done();
+      return;
+    }
+    this.phase("the recording has ended");
+    byId("live-said").textContent = error ?? "";
+    byId("live-open").hidden = !this.told?.received;
+    byId("live-close").hidden = false;
+    byId("live-close").focus();
+  }
+  close() {
+    for (const id of ["live", "live-open", "live-close"]) byId(id).hidden = true;
+  }
+  /** @param {boolean} possible */
+  enable(possible) {
+    for (const id of ["live-stop", "live-cancel"]) {
+      byId(id).disabled = !possible;
+    }
+  }
+  /** The figures in words. */
+  tell() {
+    if (!this.told) return;
+    const { what, log, every, done, elapsed_s, total_s, received = 0, missing = 0, rate_hz } = this.told;
+    if (byId("live-what").textContent === "") this.phase(what);
+    const bar = (
+      /** @type {HTMLProgressElement} */
+      byId("live-done")
+    );
+    if (done === null) bar.removeAttribute("value");
+    else bar.value = done;
+    byId("live-time").textContent = `${seconds(elapsed_s)} of ${seconds(total_s)}`;
+    const { peak_torque: peak, temperature, clipped = {} } = this.told;
+    const scale = torqueScale("N m", peak ?? 0);
+    const figures = [
+      `${received.toLocaleString("en")} samples`,
+      `${missing.toLocaleString("en")} lost`,
+      `${Math.round(rate_hz ?? 0).toLocaleString("en")} Hz`
+    ];
+    if (peak) figures.push(`peak ${number(peak * scale.factor)} ${scale.unit}`);
+    for (const [name, count] of Object.entries(clipped)) if (count) figures.push(`${name} saturated ${count} times`);
+    if (typeof temperature === "number") figures.push(`${Math.round(temperature)} °C`);
+    byId("live-figures").textContent = figures.join(" · ");
+    byId("live-figures").classList.toggle("wrong", missing > 0);
+    const drawn = every > 1 ? `Drawn here: one of every ${every} samples. ` : "";
+    byId("live-note").textContent = `${drawn}All of them are kept in ${log}`;
+  }
+  draw() {
+    const { t } = this.columns;
+    if (!t || t.length === 0 || byId("live").hidden) return;
+    for (const [at, { x, y, name, colour }] of PLOTS.entries()) {
+      const [low, high] = limits([this.columns[y]]);
+      const across = x === "t" ? [0, this.told?.total_s ?? t[t.length - 1]] : limits([this.columns[x]]);
+      const scale = y === "tau" ? torqueScale("N m", Math.max(-low, high)) : null;
+      this.plots[at].show({
+        title: name,
+        x: this.columns[x],
+        xAxis: { low: across[0], high: across[1], factor: 1, label: WORDS[x] },
+        yAxis: { low, high, factor: scale?.factor ?? 1, label: scale ? `${WORDS[y]}, ${scale.unit}` : WORDS[y] },
+        series: [{ colour, chosen: null, y: this.columns[y], strength: 0.6 }],
+        picked: 0,
+        noise: null
+      });
+    }
+  }
+};
+function joined2(before, more) {
+  if (!before) return more;
+  if (more.length === 0) return before;
+  const whole = new Float32Array(before.length + more.length);
+  whole.set(before);
+  whole.set(more, before.length);
+  return whole;
+}
+function seconds(value) {
+  return value === void 0 ? "–" : `${value.toFixed(1)} s`;
+}
+function pause() {
+  return new Promise((resolve) => setTimeout(() => resolve(true), PAUSE_MS));
+}
+
 // src/params.js
 var STEPS = 400;
 var Params = class {
@@ -1139,99 +1430,157 @@ function place2(value, { low, high }) {
   return high > low ? Math.round(STEPS * (value - low) / (high - low)) : 0;
 }
 
-// src/store.js
-var MOTION = /* @__PURE__ */ new Set(["t", "theta", "omega", "alpha", "tau"]);
-var NODES_KEPT = 32;
-function decode(buffer) {
-  const end = new Uint8Array(buffer).indexOf(10);
-  const head = JSON.parse(new TextDecoder().decode(buffer.slice(0, end)));
-  const start = Math.ceil((end + 1) / 4) * 4;
-  const columns = head.names.map((name, at) => [
-    name,
-    new Float32Array(buffer, start + 4 * at * head.n, head.n)
-  ]);
-  return Object.fromEntries(columns);
-}
-var Store = class {
-  constructor() {
-    this.kept = /* @__PURE__ */ new Map();
-  }
-  /**
-   * Return columns over all captures, one after the other.
-   * @param {string} node
-   * @param {string[]} captures
-   * @param {string[]} names
-   * @returns {Promise<Columns>}
-   */
-  async columns(node, captures, names) {
-    const parts = await Promise.all(captures.map((capture) => this.ofCapture(node, capture, names)));
-    return joined(parts, names);
-  }
-  /**
-   * What an effect would explain of the residual.
-   * @param {string} node
-   * @param {string[]} captures
-   * @param {string} effect
-   * @param {AbortSignal} [signal]
-   * @returns {Promise<Float32Array>}
-   */
-  async signature(node, captures, effect, signal) {
-    const parts = await Promise.all(
-      captures.map(async (capture) => {
-        const key = `${capture} ${node}`;
-        const name2 = `signature of ${effect}`;
-        const known = this.kept.get(key)?.[name2];
-        if (known) return { [name2]: known };
-        const fetched = decode(await fetchBytes("/api/signature", { node, capture, effect }, signal));
-        const column = Object.values(fetched)[0];
-        this.keep(key, { [name2]: column });
-        return { [name2]: column };
-      })
+// src/sources.js
+var NUMBERS = /* @__PURE__ */ new Set(["duration_s", "speed", "seed", "baud"]);
+function sources(heard) {
+  const dialog = (
+    /** @type {HTMLDialogElement} */
+    byId("new-dialog")
+  );
+  const form = (
+    /** @type {HTMLFormElement} */
+    byId("new-form")
+  );
+  const go = (
+    /** @type {HTMLButtonElement} */
+    byId("new-go")
+  );
+  const told = byId("new-said");
+  let known = null;
+  let busy = false;
+  const shown = () => {
+    if (!known) return;
+    const source = valueOf(form, "source");
+    for (const part of form.querySelectorAll("[data-for]")) {
+      part.toggleAttribute("hidden", !part.getAttribute("data-for")?.split(" ").includes(source));
+    }
+    byId("new-together").hidden = heard.open() === 0;
+    go.textContent = source === "simulated" ? "Simulate" : "Record";
+    fill(form, "motion", Object.entries(known.motions[source]).map(([name, words3]) => [name, `${name}: ${words3}`]));
+    byId("new-warning").hidden ||= valueOf(form, "motion") === "hand" && !valueOf(form, "model").trim();
+    byId("new-effects").hidden = valueOf(form, "hides") !== "chosen";
+    const hideable = known.knobs.find(({ name }) => name === valueOf(form, "knob"))?.hideable ?? [];
+    for (const box of byId("new-effects").querySelectorAll("input")) box.disabled = !hideable.includes(box.value);
+  };
+  const opened = async () => {
+    dialog.showModal();
+    told.textContent = "";
+    try {
+      known = /** @type {Sources} */
+      await ask("sources");
+    } catch (reason) {
+      told.textContent = words2(reason);
+      return;
+    }
+    fill(form, "knob", known.knobs.map(({ name, words: words3 }) => [name, words3]), "knob3");
+    const { hideable } = known.knobs[0];
+    const every = [.../* @__PURE__ */ new Set([...hideable, ...known.knobs.flatMap((knob) => knob.hideable)])];
+    if (!byId("new-effects").querySelector("input")) byId("new-effects").append(...every.map(effectBox(known.effects)));
+    byId("new-ports").replaceChildren(...known.ports.map(({ port: port2, words: words3 }) => make("option", { value: port2, text: words3 })));
+    byId("new-found").textContent = found(known.ports);
+    const port = field(form, "port");
+    if (!port.value && known.ports.length === 1) port.value = known.ports[0].port;
+    if (!field(form, "folder").value) field(form, "folder").value = known.folder;
+    const emulated = (
+      /** @type {HTMLInputElement} */
+      form.querySelector("[value=emulated]")
     );
-    const name = `signature of ${effect}`;
-    return joined(parts, [name])[name];
-  }
-  /** @param {string} node @param {string} capture @param {string[]} names */
-  async ofCapture(node, capture, names) {
-    const key = `${capture} ${node}`;
-    const have = () => ({ ...this.kept.get(capture), ...this.kept.get(key) });
-    const lacking = names.filter((name) => !(name in have()));
-    if (lacking.length > 0) {
-      const fetched = decode(await fetchBytes("/api/arrays", { node, capture, names: lacking.join(",") }));
-      const entries = Object.entries(fetched);
-      this.keep(capture, Object.fromEntries(entries.filter(([name]) => MOTION.has(name))));
-      this.keep(key, Object.fromEntries(entries.filter(([name]) => !MOTION.has(name))));
-    }
-    return have();
-  }
-  /** @param {string} key @param {Columns} columns */
-  keep(key, columns) {
-    const together = { ...this.kept.get(key), ...columns };
-    this.kept.delete(key);
-    this.kept.set(key, together);
-    const nodes = [...this.kept.keys()].filter((one) => one.includes(" "));
-    for (const old of nodes.slice(0, Math.max(0, nodes.length - NODES_KEPT))) this.kept.delete(old);
-  }
-};
-function joined(parts, names) {
-  if (parts.length === 1) return Object.fromEntries(names.map((name) => [name, parts[0][name]]));
-  const whole = {};
-  for (const name of names) {
-    whole[name] = new Float32Array(parts.reduce((total, part) => total + part[name].length, 0));
-    let [at, elapsed] = [0, 0];
-    for (const part of parts) {
-      const column = part[name];
-      if (name === "t") {
-        const start = column[0] ?? 0;
-        for (let i = 0; i < column.length; i++) whole[name][at + i] = column[i] - start + elapsed;
-        elapsed += (column.at(-1) ?? start) - start;
+    emulated.disabled = known.no_emulated_rig !== null;
+    byId("new-absent").textContent = known.no_emulated_rig && `No emulated rig here: ${known.no_emulated_rig}.`;
+    byId("new-absent").hidden = known.no_emulated_rig === null;
+    shown();
+  };
+  const wait = (waiting) => {
+    busy = waiting;
+    go.disabled = waiting;
+    byId("new-doing").textContent = "";
+  };
+  byId("new").addEventListener("click", opened);
+  byId("new-first").addEventListener("click", opened);
+  form.addEventListener("change", shown);
+  byId("new-close").addEventListener("click", () => dialog.close());
+  dialog.addEventListener("close", () => {
+    if (busy) post("stop", { keep: false }).catch(() => {
+    });
+  });
+  form.addEventListener("submit", async (event) => {
+    event.preventDefault();
+    const asked = wanted(form);
+    told.textContent = "";
+    wait(true);
+    try {
+      if (asked.source === "simulated") {
+        await post("simulate", asked);
+        heard.say("made a capture");
       } else {
-        whole[name].set(column, at);
+        await post("record", asked);
       }
-      at += column.length;
+      wait(false);
+      dialog.close();
+      (asked.source === "simulated" ? heard.made : heard.recording)();
+    } catch (reason) {
+      wait(false);
+      told.textContent = words2(reason);
     }
+  });
+}
+function preparing(what) {
+  const { open } = (
+    /** @type {HTMLDialogElement} */
+    byId("new-dialog")
+  );
+  byId("new-doing").textContent = open ? `${what} …` : "";
+}
+function wanted(form) {
+  const body = {};
+  for (const [name, value] of new FormData(form)) {
+    if (typeof value === "string" && name !== "effects") body[name] = NUMBERS.has(name) ? numeric(value) : value;
   }
-  return whole;
+  const chosen = [...form.querySelectorAll("#new-effects input:checked:not(:disabled)")];
+  body.surprise = body.hides === "surprise";
+  body.effects = body.hides === "chosen" ? chosen.map((box) => (
+    /** @type {HTMLInputElement} */
+    box.value
+  )) : [];
+  body.together = "together" in body;
+  return body;
+}
+function numeric(value) {
+  const number2 = Number(value);
+  return value.trim() && Number.isFinite(number2) ? number2 : value;
+}
+function effectBox(shows) {
+  return (name) => make(
+    "label",
+    { title: shows[name] ?? "" },
+    make("input", { type: "checkbox", name: "effects", value: name }),
+    ` ${name}`
+  );
+}
+function found(ports) {
+  if (ports.length === 0) return "This computer has no serial port now; a path can be typed all the same.";
+  return ports.map(({ port, words: words3 }) => words3 && words3 !== "n/a" ? `${port} (${words3})` : port).join(", ");
+}
+function fill(form, name, choices, first) {
+  const list = (
+    /** @type {HTMLSelectElement} */
+    form.elements.namedItem(name)
+  );
+  const before = list.value || first;
+  list.replaceChildren(...choices.map(([value, text]) => make("option", { value, text })));
+  if (choices.some(([value]) => value === before)) list.value = before ?? "";
+}
+function field(form, name) {
+  return (
+    /** @type {HTMLInputElement} */
+    form.elements.namedItem(name)
+  );
+}
+function valueOf(form, name) {
+  return String(new FormData(form).get(name) ?? "");
+}
+function words2(reason) {
+  return reason instanceof Error ? reason.message : String(reason);
 }
 
 // src/theme.js
@@ -1260,7 +1609,7 @@ var App = class {
     this.view = { isolated: false, band: false, held: true };
     this.drawn = "";
     this.deed = { what: "first picture", start: 0 };
-    this.linked = new Linked((words2) => byId("chosen").textContent = words2 ?? BRUSH_HINT);
+    this.linked = new Linked((words3) => byId("chosen").textContent = words3 ?? BRUSH_HINT);
     byId("plots").append(this.linked.element);
     this.refresh = latest((revision) => this.load(revision));
     this.drag = latest((values) => this.ask("params", values, "drag"));
@@ -1275,21 +1624,28 @@ var App = class {
     });
     this.looking = new AbortController();
     this.looked = null;
+    this.live = null;
   }
   start() {
     const heard = {
       done: () => this.refresh(Infinity),
       failed: (reason) => this.failed(reason),
-      say: (words2) => this.say(words2)
+      say: (words3) => this.say(words3)
     };
     opening(heard);
     saving(heard);
+    unhiding(heard.failed);
+    this.live = new Live({ ...heard, open: (path) => this.ask("open", { path }, "data") });
+    sources({
+      ...{ made: heard.done, say: heard.say, recording: () => this.live?.follow() },
+      open: () => this.state?.captures.length ?? 0
+    });
     themed(() => this.linked.redraw());
     this.buttons();
     document.addEventListener("keydown", (event) => this.key(event));
     listen({
       state: (revision) => this.refresh(revision),
-      progress: (job) => this.showJob(job),
+      progress: (job) => job.recording ? this.showRecording(job) : this.showJob(job),
       connected: (well) => byId("lost").toggleAttribute("hidden", well)
     });
     this.refresh(0);
@@ -1356,6 +1712,8 @@ var App = class {
     this.state = state;
     byId("welcome").toggleAttribute("hidden", state.node !== null);
     byId("verdict").textContent = state.verdict_text;
+    if (state.recording) this.live?.follow();
+    showHidden(state);
     showCaptures(byId("captures"), state, (captures) => this.ask("use", { captures }, "captures"));
     showLadder(byId("ladder"), state);
     showBranches(byId("branches"), state, (branch2) => this.ask("switch", { branch: branch2 }, "switch"));
@@ -1371,12 +1729,12 @@ var App = class {
   /** @param {State} state */
   async draw(state) {
     const { node, active, unit, captures } = state;
-    const wanted = JSON.stringify([node, active, this.view]);
+    const wanted2 = JSON.stringify([node, active, this.view]);
     if (node === null) this.deed = null;
-    if (node === null || wanted === this.drawn) return;
+    if (node === null || wanted2 === this.drawn) return;
     const columns = await this.store.columns(node, active, columnsOf2(this.view));
     if (this.state && this.state.node !== node) return;
-    this.drawn = wanted;
+    this.drawn = wanted2;
     const axis = captures.find(({ id }) => active.includes(id))?.axis ?? "rotary";
     const view = this.view;
     const { what, start } = this.deed ?? { what: "data", start: performance.now() };
@@ -1422,12 +1780,19 @@ var App = class {
     if (job.done === null) bar.removeAttribute("value");
     else bar.value = job.done;
   }
+  /** @param {Job} job */
+  showRecording({ what }) {
+    preparing(what);
+    this.live?.phase(what);
+  }
   /** @param {KeyboardEvent} event */
   key(event) {
     if (event.target instanceof HTMLInputElement && event.target.type !== "range" && event.key !== "Escape") return;
     const control = event.ctrlKey || event.metaKey;
     const key = event.key.toLowerCase();
-    if (event.key === "Escape") {
+    if (event.key === "Escape" && this.live?.following) {
+      this.live.stop(true);
+    } else if (event.key === "Escape") {
       this.linked.clear();
     } else if (control && (key === "y" || key === "z" && event.shiftKey)) {
       event.preventDefault();
@@ -1438,8 +1803,8 @@ var App = class {
     }
   }
   /** @param {string} words */
-  say(words2) {
-    byId("said").textContent = words2;
+  say(words3) {
+    byId("said").textContent = words3;
     byId("said").classList.remove("wrong");
   }
   /** @param {unknown} reason */
