@@ -207,9 +207,10 @@ class App {
   }
 
   /** @param {Job} job */
-  showRecording({ what }) {
+  showRecording({ what, done }) {
     preparing(what);
     this.live?.phase(what);
+    if (done !== null && !this.live?.following) this.live?.follow(); // one that another page has begun
   }
 
   /** @param {KeyboardEvent} event */

@@ -53,7 +53,7 @@ export class Live {
 
   /** Show the recording until it has ended. */
   async follow() {
-    if (this.following) return;
+    if (this.following) return byId("live-stop").focus(); // which a dialog that closes takes away
     this.following = true;
     this.unwanted = false;
     this.columns = {};
@@ -161,7 +161,7 @@ export class Live {
     if (!t || t.length === 0 || byId("live").hidden) return;
     for (const [at, { x, y, name, colour }] of PLOTS.entries()) {
       const [low, high] = limits([this.columns[y]]);
-      const across = x === "t" ? [0, this.told?.total_s ?? t[t.length - 1]] : limits([this.columns[x]]);
+      const across = x === "t" ? [0, span(t[t.length - 1], this.told?.total_s)] : limits([this.columns[x]]);
       const scale = y === "tau" ? torqueScale("N m", Math.max(-low, high)) : null;
       this.plots[at].show({
         title: name,
@@ -184,6 +184,15 @@ function joined(before, more) {
   whole.set(before);
   whole.set(more, before.length);
   return whole;
+}
+
+/**
+ * How much time an axis shows: it doubles whenever it is full, up to the whole run.
+ * @param {number} elapsed
+ * @param {number} [total]
+ */
+function span(elapsed, total = Infinity) {
+  return Math.min(total, Math.max(2, 2 ** Math.ceil(Math.log2(elapsed))));
 }
 
 /** @param {number | undefined} value */

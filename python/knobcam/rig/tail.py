@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from .. import _core
+from ..errors import InputError
 from ..formats import wire
 
 if TYPE_CHECKING:
@@ -33,10 +34,16 @@ class Tail:
         self._read = raw.index(b"\n", len(wire.MAGIC)) + 1
 
     def more(self) -> dict[str, FloatArray]:
-        """Return the columns of the samples that came since the last call, in SI; none for no sample."""
-        with self._log.open("rb") as file:
-            file.seek(self._read)
-            came = file.read()
+        """Return the columns of the samples that came since the last call, in SI; none for no sample.
+
+        Raises InputError where the log cannot be read any more.
+        """
+        try:
+            with self._log.open("rb") as file:
+                file.seek(self._read)
+                came = file.read()
+        except OSError as error:
+            raise InputError(f"{self._log}: cannot be read ({error.strerror or error})") from None
         whole = came[: came.rfind(_END) + 1]
         self._read += len(whole)
         found = _core.wire_log(whole)

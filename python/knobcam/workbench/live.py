@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from ..rig.figures import Figures
 
-_SHOWN = 12_000  # samples of a whole run: more than a plot has columns of pixels
+_SHOWN = 40_000  # samples of a whole run, which a page draws in a few ms
 _COLUMNS = {"t": "t_s", "theta": "theta_rad", "omega": "omega_rad_s", "tau": "tau_Nm"}
 
 
