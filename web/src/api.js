@@ -48,6 +48,14 @@ export async function fetchBytes(path, query, signal) {
 }
 
 /**
+ * The picture of where an effect shows.
+ * @param {string} effect
+ */
+export async function fetchPicture(effect) {
+  return (await request(`/api/picture?${new URLSearchParams({ effect })}`)).blob();
+}
+
+/**
  * Ask for something to be done.
  * @param {string} verb of the API: add, undo, params...
  * @param {object} [body]

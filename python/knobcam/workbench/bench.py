@@ -10,6 +10,7 @@ from . import state
 from .jobs import Job, Worker
 from .recorder import Recorder
 from .session import Session
+from .tree import Start
 
 _PAUSE_S = 0.02
 _AFTER_S = 1.0  # so that a page that has just been told of a fit can draw it first
@@ -20,8 +21,8 @@ Hear = Callable[[str, dict[str, Any]], None]
 class Bench:
     """One session, a thread for what a person waits for, one that weighs meanwhile, and one that records."""
 
-    def __init__(self) -> None:
-        self.session = Session(self._changed)
+    def __init__(self, start: Start | None = None) -> None:
+        self.session = Session(self._changed, start)
         self.work = Worker("knobcam-work", self._moved)
         self.weighing = Worker("knobcam-weighing", self._moved, humble=True)
         self.recorder = Recorder(self.session, self._moved)

@@ -21,6 +21,7 @@ from starlette.routing import Route
 from starlette.types import ASGIApp
 
 from ..capture import load
+from ..effects import effect as catalogued
 from ..errors import InputError
 from ..strict_json import as_json
 from . import arrays, saving
@@ -62,7 +63,8 @@ def application(bench: Bench, token: str, port: int, upload_bytes: int = UPLOAD_
     }
     gets: dict[str, Answers] = {
         **{"state": server.state, "arrays": server.arrays, "signature": server.signature},
-        **{"events": server.events, "download": server.download, **recording.gets},
+        **{"events": server.events, "download": server.download, "picture": server.picture},
+        **recording.gets,
     }
     routes = [
         Route("/", server.page),
@@ -102,6 +104,7 @@ class _Server:
         self.session = bench.session
         self.files = files
         self.upload_bytes = upload_bytes
+        self.pictures: dict[str, bytes] = {}
 
     async def page(self, request: Request) -> Response:
         """A file of the page, which is in memory: no name leads to any other file."""
@@ -133,6 +136,16 @@ class _Server:
         if not weighed:
             raise InputError(f"effect {effect!r} is not weighed at this node")
         return bytes_answer(await run_in_threadpool(arrays.signature, weighed[0], view, at))
+
+    async def picture(self, request: Request) -> Response:
+        """Where an effect of the catalogue shows."""
+        effect = catalogued(request.query_params.get("effect", ""))
+        if effect.id not in self.pictures:
+            # On the one thread that draws: the style of a picture is a setting of all.
+            self.pictures[effect.id] = await self._done(
+                f"drawing {effect.id}", lambda _: saving.drawn(effect)
+            )
+        return Response(self.pictures[effect.id], media_type="image/png")
 
     async def add(self, request: Request) -> Response:
         """Add an effect."""

@@ -16,7 +16,7 @@ from ..diagnose import Diagnosis, diagnose
 from ..effects import effects
 from ..errors import InputError
 from ..fit import Fit, fit
-from .tree import Branch, How, Node, Opened
+from .tree import Branch, How, Node, Opened, Start
 from .view import View
 
 if TYPE_CHECKING:
@@ -47,7 +47,8 @@ class Session:
     `changed` is called after every change.
     """
 
-    def __init__(self, changed: Callable[[], None] = lambda: None) -> None:
+    def __init__(self, changed: Callable[[], None] = lambda: None, start: Start | None = None) -> None:
+        self.start = start or Start()
         self.captures: dict[str, Opened] = {}
         self.branches: dict[str, Branch] = {}
         self.branch_id = ""
@@ -164,7 +165,8 @@ class Session:
         # effects of its own.
         onward = same_knob and branch is not None and any(one.how != "fitted" for one in branch.done)
         tell("fitting")
-        fitted = fit([known[one].capture for one in ids], before.fit.model if before and onward else None)
+        model = before.fit.model if before and onward else self.start.model
+        fitted = fit([known[one].capture for one in ids], model, **self.start.options)
         return self._node(fitted, tuple(ids), "fitted", onward=onward), branch
 
     # Effects
