@@ -92,3 +92,22 @@ def test_files_are_handed_over_in_the_browser_and_their_names_never_become_marku
         seen = script("files.js", address, good, broken, pictures)
     assert "theta" in seen["refused"]
     assert seen["mapped"] == capture.samples
+
+
+def test_a_capture_is_made_in_the_page_and_grows_before_the_eyes(tmp_path: Path, pictures: Path) -> None:
+    logs = tmp_path / "logs"
+    logs.mkdir()
+    with workbench() as address:
+        seen = script("live.js", address, "stribeck", logs, pictures)
+    assert seen["wrong"] == "duration_s=-3: give a number from 0.1 to 600"
+    shares, shown = zip(*seen["grown"], strict=True)
+    assert list(shares) == sorted(set(shares)) and list(shown) == sorted(set(shown))
+    whole, stopped, simulated = seen["captures"]
+    assert whole["samples"] == seen["first"]["received"] == kc.load(logs / whole["name"]).samples
+    assert seen["first"]["missing"] == 0
+    assert seen["top"] == seen["hidden"] == "stribeck"
+    assert seen["captured"] < 20_000.0
+    assert stopped["samples"] == kc.load(logs / stopped["name"]).samples
+    assert 0.0 < seen["stopped"]["done"] < 1.0
+    assert simulated["samples"] == 20_000
+    assert seen["updates"]["median"] < 30.0

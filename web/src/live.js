@@ -153,7 +153,7 @@ export class Live {
     byId("live-figures").textContent = figures.join(" · ");
     byId("live-figures").classList.toggle("wrong", missing > 0);
     const drawn = every > 1 ? `Drawn here: one of every ${every} samples. ` : "";
-    byId("live-note").textContent = `${drawn}All of them are kept in ${log}`;
+    byId("live-note").textContent = `${drawn}The wire log has everything: ${log}`;
   }
 
   draw() {

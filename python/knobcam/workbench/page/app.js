@@ -109,7 +109,8 @@ function showBranches(place3, state, beside, deeds) {
   const cards = state.branches.map(({ id, name, steps, at }) => {
     const step = steps[at];
     const scale = torqueScale(state.unit, step?.rmse ?? 0);
-    const changes = steps.slice(1, at + 1).map(({ added, dropped }) => added ? `+ ${added}` : `− ${dropped}`);
+    const changed = steps.slice(1, at + 1).filter(({ added, dropped }) => added || dropped);
+    const changes = changed.map(({ added, dropped }) => added ? `+ ${added}` : `− ${dropped}`);
     const words3 = changes.join(" ") || "nothing added";
     const card = make(
       "button",
@@ -1545,7 +1546,7 @@ var Live = class {
     byId("live-figures").textContent = figures.join(" · ");
     byId("live-figures").classList.toggle("wrong", missing > 0);
     const drawn = every > 1 ? `Drawn here: one of every ${every} samples. ` : "";
-    byId("live-note").textContent = `${drawn}All of them are kept in ${log}`;
+    byId("live-note").textContent = `${drawn}The wire log has everything: ${log}`;
   }
   draw() {
     const { t } = this.columns;
