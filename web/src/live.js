@@ -57,7 +57,8 @@ export class Live {
     this.following = true;
     this.unwanted = false;
     this.columns = {};
-    this.enable(true);
+    this.phase("");
+    this.offer(["live-stop", "live-cancel"]);
     byId("live-said").textContent = "";
     byId("live").hidden = false;
     byId("live-stop").focus();
@@ -67,7 +68,7 @@ export class Live {
       this.ended();
     } catch (reason) {
       byId("live-said").textContent = reason instanceof Error ? reason.message : String(reason);
-      this.enable(false);
+      this.offer(["live-close"]);
     } finally {
       this.following = false;
     }
@@ -91,7 +92,7 @@ export class Live {
   /** @param {boolean} keep */
   async stop(keep) {
     this.unwanted = !keep;
-    this.enable(false);
+    this.offer([]);
     this.phase(keep ? "stopping" : "disarming");
     try {
       await post("stop", { keep });
@@ -115,20 +116,17 @@ export class Live {
     }
     this.phase("the recording has ended");
     byId("live-said").textContent = error ?? "";
-    byId("live-open").hidden = !this.told?.received;
-    byId("live-close").hidden = false;
+    this.offer(this.told?.received ? ["live-open", "live-close"] : ["live-close"]);
     byId("live-close").focus();
   }
 
   close() {
-    for (const id of ["live", "live-open", "live-close"]) byId(id).hidden = true;
+    byId("live").hidden = true;
   }
 
-  /** @param {boolean} possible */
-  enable(possible) {
-    for (const id of ["live-stop", "live-cancel"]) {
-      /** @type {HTMLButtonElement} */ (byId(id)).disabled = !possible;
-    }
+  /** Show these buttons and no others. @param {string[]} ids */
+  offer(ids) {
+    for (const id of ["live-stop", "live-cancel", "live-open", "live-close"]) byId(id).hidden = !ids.includes(id);
   }
 
   /** The figures in words. */
