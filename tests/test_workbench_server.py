@@ -284,3 +284,32 @@ def test_the_command_prints_its_address_tells_what_happens_and_ends_by_an_interr
             assert process.stderr.read() == ""
         finally:
             process.kill()
+
+
+def test_a_file_with_other_columns_is_refused_with_what_they_look_like(client: httpx.Client, tmp_path: Path):
+    path = tmp_path / "log.npz"
+    t = np.arange(6000) / 6000.0
+    turned = np.where(t < 0.5, np.nan, np.sin(40.0 * t))
+    np.savez(
+        path,
+        zeit=t,
+        winkel=turned,
+        still=np.full(6000, 3.0),
+        empty=np.full(6000, np.nan),
+        one=np.float64(1.0),
+    )
+    answers = [
+        client.post("/api/open", json={"path": str(path)}),
+        client.post("/api/upload", content=path.read_bytes(), headers={"x-filename": HOSTILE.encode()}),
+    ]
+    for answer in answers:
+        assert answer.status_code == 400
+        assert "the file has zeit, winkel" in answer.json()["error"]
+        told = {column["name"]: column for column in answer.json()["columns"]}
+        assert list(told) == ["zeit", "winkel", "still", "empty"]
+        assert (told["zeit"]["low"], told["zeit"]["rows"]) == (0.0, 6000)
+        assert told["zeit"]["outline"][0][0] == 0.0 and told["zeit"]["outline"][-1][1] == 1.0
+        assert len(told["winkel"]["outline"]) == 30  # of 60 pieces half are gaps
+        assert told["still"]["outline"][0] == [0.0, 0.0] and told["empty"]["outline"] == []
+    wrong(client.post("/api/open", json={"path": str(tmp_path / "none.npz")}), 400, "cannot be read")
+    assert "columns" not in client.post("/api/open", json={"path": str(tmp_path / "none.npz")}).json()

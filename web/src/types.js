@@ -23,6 +23,12 @@
  */
 
 /**
+ * A column of a file that is no capture yet; `outline` has the lowest and highest of its pieces, from 0 to 1.
+ * @typedef {{name: string, rows: number, low: number | null, high: number | null,
+ *   outline: [number, number][]}} FileColumn
+ */
+
+/**
  * A rectangle in pixels of a plot's raster, all edges inside it.
  * @typedef {{left: number, right: number, top: number, bottom: number}} Rect
  */

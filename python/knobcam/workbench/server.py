@@ -23,13 +23,15 @@ from starlette.types import ASGIApp
 from ..capture import load
 from ..effects import effect as catalogued
 from ..errors import InputError
+from ..formats import DEFAULT_MAX_BYTES
 from ..strict_json import as_json
 from . import arrays, saving
 from .answers import bytes_answer, finished, json_answer
 from .bench import Bench
 from .bodies import TooLarge, file_name, indices, read_json, reading, receive, text
 from .guard import Guard
-from .jobs import Job
+from .jobs import Cancelled, Job
+from .preview import Unmapped, explained
 from .recording import Recording
 
 UPLOAD_BYTES = 200_000_000
@@ -83,7 +85,8 @@ def new_token() -> str:
 
 
 async def _wrong(_: Request, error: Exception) -> Response:
-    return json_answer({"error": str(error)}, 413 if isinstance(error, TooLarge) else 400)
+    columns = {"columns": error.columns} if isinstance(error, Unmapped) else {}
+    return json_answer({"error": str(error), **columns}, 413 if isinstance(error, TooLarge) else 400)
 
 
 async def _unknown(_: Request, error: Exception) -> Response:
@@ -210,7 +213,12 @@ class _Server:
         path, options = text(body, "path"), reading(body)
 
         def work(job: Job) -> tuple[str, ...]:
-            return self.session.open(path, tell=job.tell, **options)
+            try:
+                return self.session.open(path, tell=job.tell, **options)
+            except Cancelled:
+                raise
+            except InputError as error:
+                raise explained(error, Path(path), options, DEFAULT_MAX_BYTES) from error
 
         return await self._long("reading", work)
 
@@ -226,7 +234,8 @@ class _Server:
                 try:
                     capture = load(target, max_bytes=self.upload_bytes, **options)
                 except InputError as error:
-                    raise InputError(str(error).replace(str(target), name)) from error
+                    said = InputError(str(error).replace(str(target), name))
+                    raise explained(said, target, options, self.upload_bytes) from error
                 if capture.meta.get("source") == str(target):
                     capture = replace(capture, meta={**capture.meta, "source": name})
                 return self.session.take(capture, name, options, job.tell)

@@ -1,4 +1,11 @@
 // src/api.js
+var Refusal = class extends Error {
+  /** @param {string} words @param {import("./types.js").FileColumn[] | null} columns */
+  constructor(words3, columns) {
+    super(words3);
+    this.columns = columns;
+  }
+};
 var token = new URLSearchParams(location.search).get("token") ?? "";
 async function request(path, options = {}) {
   const headers = { ...options.headers, "x-knobcam-token": token };
@@ -11,7 +18,8 @@ async function request(path, options = {}) {
   }
   if (answer.ok) return answer;
   const said = await answer.json().catch(() => ({}));
-  throw new Error(typeof said.error === "string" ? said.error : `the workbench answered ${answer.status}`);
+  const words3 = typeof said.error === "string" ? said.error : `the workbench answered ${answer.status}`;
+  throw new Refusal(words3, Array.isArray(said.columns) ? said.columns : null);
 }
 async function ask(what, query = {}) {
   return (await request(`/api/${what}?${new URLSearchParams(query)}`)).json();
@@ -337,8 +345,93 @@ function dialog() {
   );
 }
 
+// src/mapping.js
+var TARGETS = {
+  t: ["s", "ms", "us", "min"],
+  theta: ["rad", "deg", "turn", "m", "mm", "um"],
+  omega: ["rad/s", "deg/s", "rpm", "m/s", "mm/s"],
+  alpha: ["rad/s^2", "deg/s^2", "m/s^2", "mm/s^2"],
+  tau: ["N m", "mNm", "N", "mN"]
+};
+var SIZE = { width: 110, height: 34 };
+var Mapping = class {
+  /** @param {HTMLElement} place of the fields @param {HTMLElement} found place of the file's columns */
+  constructor(place3, found2) {
+    this.found = found2;
+    this.fields = Object.entries(TARGETS).map(([name, units]) => {
+      const text = make("input", { name, type: "text", autocomplete: "off", spellcheck: "false", "aria-label": name });
+      const unit = make(
+        "select",
+        { "aria-label": `unit of ${name}`, name: `${name}-unit` },
+        make("option", { value: "", text: "SI" }),
+        ...units.map((one) => make("option", { value: one, text: one }))
+      );
+      text.addEventListener("focus", () => this.at = text);
+      place3.append(make("div", {}, make("span", { text: name }), text, unit));
+      return { name, text, unit };
+    });
+    this.at = this.fields[0].text;
+  }
+  /** What the import is to be told; nothing where nothing is filled in. */
+  options() {
+    const filled = this.fields.filter(({ text }) => text.value.trim());
+    const map = filled.map(({ name, text, unit }) => {
+      const written = text.value.trim();
+      return `${name}=${written}${unit.value && !written.endsWith("]") ? ` [${unit.value}]` : ""}`;
+    });
+    const options = map.length > 0 ? { map: map.join(", ") } : {};
+    return options;
+  }
+  clear() {
+    for (const { text, unit } of this.fields) text.value = unit.value = "";
+    this.found.replaceChildren();
+  }
+  /**
+   * Show the columns of a file; those that are named as in a capture are filled in.
+   * @param {FileColumn[]} columns
+   */
+  show(columns) {
+    this.found.replaceChildren(...columns.map((column) => this.tile(column)));
+    for (const { name, text } of this.fields) {
+      if (!text.value && columns.some((column) => column.name === name)) text.value = name;
+    }
+    this.at = this.fields.find(({ text }) => !text.value)?.text ?? this.at;
+  }
+  /** @param {FileColumn} column */
+  tile({ name, rows, low, high, outline }) {
+    const range = `${number(low)} … ${number(high)}`;
+    const canvas = make("canvas", { "aria-hidden": "true", ...SIZE });
+    draw(canvas, outline);
+    return make(
+      "button",
+      {
+        ...{ type: "button", "aria-label": `${name}: ${range}, ${rows} rows`, title: "put into the chosen field" },
+        on: { click: () => this.put(name) }
+      },
+      make("strong", { text: name }),
+      canvas,
+      make("span", { class: "soft", text: range })
+    );
+  }
+  /** @param {string} column name that goes into the field, of which the next free one is then chosen */
+  put(column) {
+    this.at.value = /^[A-Za-z_]\w*$/.test(column) ? column : `\`${column}\``;
+    this.at = this.fields.find(({ text }) => !text.value)?.text ?? this.at;
+    this.at.focus();
+  }
+};
+function draw(canvas, outline) {
+  const brush = canvas.getContext("2d");
+  if (!brush) return;
+  const step = SIZE.width / Math.max(1, outline.length);
+  brush.fillStyle = "#0072b2";
+  for (const [at, [low, high]] of outline.entries()) {
+    const top = (1 - high) * (SIZE.height - 3);
+    brush.fillRect(at * step, top, Math.max(1, step), Math.max(2, (high - low) * (SIZE.height - 3)));
+  }
+}
+
 // src/files.js
-var COLUMNS = ["t", "theta", "omega", "alpha", "tau"];
 function opening(heard) {
   const dialog2 = (
     /** @type {HTMLDialogElement} */
@@ -354,17 +447,10 @@ function opening(heard) {
   );
   const told = byId("open-said");
   let waiting = [];
-  const fields = COLUMNS.map((name) => make("input", { name, list: "open-columns", autocomplete: "off" }));
-  byId("open-map").replaceChildren(
-    ...fields.map((field2) => make("label", {}, make("span", { text: field2.name }), field2))
-  );
-  const options = () => {
-    const map = fields.filter(({ value }) => value.trim()).map(({ name, value }) => `${name}=${value.trim()}`);
-    return map.length > 0 ? { map: map.join(", ") } : {};
-  };
+  const mapping = new Mapping(byId("open-map"), byId("open-columns"));
   const opened = (name) => {
     dialog2.close();
-    if (waiting.length === 0) for (const field2 of fields) field2.value = "";
+    if (waiting.length === 0) mapping.clear();
     told.textContent = "";
     heard.say(`opened ${name}`);
     heard.done();
@@ -372,6 +458,10 @@ function opening(heard) {
   const refused = (reason) => {
     heard.failed(reason);
     told.textContent = reason instanceof Error ? reason.message : String(reason);
+    if (reason instanceof Refusal && reason.columns) {
+      mapping.show(reason.columns);
+      byId("open-more").setAttribute("open", "");
+    }
     if (!dialog2.open) dialog2.showModal();
   };
   const take = async (files) => {
@@ -379,17 +469,10 @@ function opening(heard) {
     for (const file of files) {
       try {
         heard.say(`reading ${file.name} …`);
-        await upload(
-          file,
-          /** @type {Record<string, string>} */
-          options()
-        );
+        await upload(file, mapping.options());
         waiting = waiting.filter((one) => one !== file);
         opened(file.name);
       } catch (reason) {
-        const names = await columnsOf(file);
-        showColumns(names);
-        for (const field2 of fields) if (!field2.value && names.includes(field2.name)) field2.value = field2.name;
         refused(reason);
         return;
       }
@@ -406,7 +489,7 @@ function opening(heard) {
     const named = path.value.trim();
     if (!named) return take(waiting);
     try {
-      await post("open", { path: named, ...options() });
+      await post("open", { path: named, ...mapping.options() });
       return opened(named);
     } catch (reason) {
       return refused(reason);
@@ -425,17 +508,6 @@ function opening(heard) {
     zone.hidden = true;
     take([...event.dataTransfer?.files ?? []]);
   });
-}
-async function columnsOf(file) {
-  const start = await file.slice(0, 8192).text();
-  const line = start.split(/\r?\n/).find((one) => one.trim() && !one.startsWith("#")) ?? "";
-  const names = line.split(/[,;\t]/).map((name) => name.trim().replace(/^"(.*)"$/, "$1"));
-  return names.length > 1 && !/[\0\ufffd]/.test(line) ? names : [];
-}
-function showColumns(names) {
-  byId("open-columns").replaceChildren(...names.map((name) => make("option", { value: name })));
-  byId("open-found").textContent = names.length > 0 ? `In the file: ${names.join(", ")}.` : "";
-  if (names.length > 0) byId("open-more").setAttribute("open", "");
 }
 function saving(heard) {
   for (const button of document.querySelectorAll("[data-save]")) {
@@ -616,7 +688,7 @@ var ROWS = (
   ]
 );
 var NAME = 32;
-function columnsOf2(view) {
+function columnsOf(view) {
   const needed = ["t", "theta", "omega", "tau", "residual"];
   if (view.isolated) needed.push("position_part", "velocity_part");
   if (view.band) needed.push("band");
@@ -1058,10 +1130,10 @@ function fewBetween(x, { low, high }) {
 // src/timing.js
 var times = [];
 var KEPT = 500;
-function timed(what, draw, start = performance.now()) {
+function timed(what, draw2, start = performance.now()) {
   requestAnimationFrame(() => {
     const began = performance.now();
-    draw();
+    draw2();
     const script = performance.now() - began;
     requestAnimationFrame(() => {
       times.push({ what, start, script, painted: performance.now() });
@@ -1242,12 +1314,12 @@ var Linked = class {
    * @param {string} what
    * @param {() => void} draw
    */
-  later(what, draw) {
+  later(what, draw2) {
     if (this.waiting.has(what)) return;
     this.waiting.add(what);
     timed(what, () => {
       this.waiting.delete(what);
-      draw();
+      draw2();
     });
   }
   /** Choose nothing. */
@@ -1453,7 +1525,8 @@ var Live = class {
     this.following = true;
     this.unwanted = false;
     this.columns = {};
-    this.enable(true);
+    this.phase("");
+    this.offer(["live-stop", "live-cancel"]);
     byId("live-said").textContent = "";
     byId("live").hidden = false;
     byId("live-stop").focus();
@@ -1464,7 +1537,7 @@ var Live = class {
       this.ended();
     } catch (reason) {
       byId("live-said").textContent = reason instanceof Error ? reason.message : String(reason);
-      this.enable(false);
+      this.offer(["live-close"]);
     } finally {
       this.following = false;
     }
@@ -1486,7 +1559,7 @@ var Live = class {
   /** @param {boolean} keep */
   async stop(keep) {
     this.unwanted = !keep;
-    this.enable(false);
+    this.offer([]);
     this.phase(keep ? "stopping" : "disarming");
     try {
       await post("stop", { keep });
@@ -1508,18 +1581,15 @@ var Live = class {
     }
     this.phase("the recording has ended");
     byId("live-said").textContent = error ?? "";
-    byId("live-open").hidden = !this.told?.received;
-    byId("live-close").hidden = false;
+    this.offer(this.told?.received ? ["live-open", "live-close"] : ["live-close"]);
     byId("live-close").focus();
   }
   close() {
-    for (const id of ["live", "live-open", "live-close"]) byId(id).hidden = true;
+    byId("live").hidden = true;
   }
-  /** @param {boolean} possible */
-  enable(possible) {
-    for (const id of ["live-stop", "live-cancel"]) {
-      byId(id).disabled = !possible;
-    }
+  /** Show these buttons and no others. @param {string[]} ids */
+  offer(ids) {
+    for (const id of ["live-stop", "live-cancel", "live-open", "live-close"]) byId(id).hidden = !ids.includes(id);
   }
   /** The figures in words. */
   tell() {
@@ -1984,7 +2054,7 @@ var App = class {
     const wanted2 = JSON.stringify([node, active, this.view, otherNode, other?.name]);
     if (node === null) this.deed = null;
     if (node === null || wanted2 === this.drawn) return;
-    const columns = await this.store.columns(node, active, columnsOf2(this.view));
+    const columns = await this.store.columns(node, active, columnsOf(this.view));
     const rest = otherNode ? await this.store.columns(otherNode, active, ["residual"]) : null;
     if (this.state && this.state.node !== node) return;
     this.drawn = wanted2;
