@@ -20,6 +20,7 @@ import pytest
 from workbench_server import HOSTILE, served, wrong
 
 import knobcam as kc
+from knobcam.hiding import hideable
 from knobcam.rig import port as port_module
 from knobcam.rig.calibration import Calibration
 from knobcam.rig.emulator import EmulatedRig
@@ -185,6 +186,15 @@ def test_the_script_of_a_recorded_capture_reads_its_wire_log(client: httpx.Clien
     again = begun(client, **EMULATED | {"duration_s": 2.0}, folder=str(tmp_path))
     assert [log.name, again.name] == ["knob3-sweep-1.kcwire", "knob3-sweep-2.kcwire"]
     ended(client)
+
+
+@pytest.mark.parametrize("knob", kc.KNOBS)
+def test_whatever_is_offered_can_be_hidden(knob: str) -> None:
+    bare = kc.Model.load(knob)
+    for effect in hideable(knob):
+        assert set(kc.hiding(knob, effect).effects) - set(bare.effects) == {effect}
+    with pytest.raises(kc.InputError, match="a model has one of them"):
+        kc.hiding(knob, "backlash", "compliance")
 
 
 def test_a_surprise_is_told_to_who_asks_and_to_nobody_else(client: httpx.Client, bench: Bench) -> None:

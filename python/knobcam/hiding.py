@@ -42,7 +42,7 @@ def hiding(knob: str, *hidden: str) -> Model:
     model = Model.load(name)
     for effect in hidden:
         entry = catalogued(effect)
-        why = f"{name} has it anyway" if effect in model.effects else _no_find(entry)
+        why = f"{name} has it anyway" if effect in model.effects else _unfound(entry)
         if why:
             raise InputError(f"effect '{effect}' is nothing to hide: {why}; choose another")
         model = with_typical(model, entry)
@@ -51,12 +51,16 @@ def hiding(knob: str, *hidden: str) -> Model:
 
 def hideable(knob: str) -> list[str]:
     """Return the effects that can be hidden in one of the five knobs."""
-    model = Model.load(knob_name(knob))
-    return [one for one, entry in effects().items() if one not in model.effects and not _no_find(entry)]
+    has = Model.load(knob_name(knob)).effects
+    return [
+        name
+        for name, entry in effects().items()
+        if name not in has and entry.needs in (None, *has) and not _unfound(entry)
+    ]
 
 
-def _no_find(entry: Effect) -> str | None:
-    """Why finding this effect would say nothing; None where it would."""
+def _unfound(entry: Effect) -> str | None:
+    """Why nobody looks for this effect; None where somebody does."""
     if entry.describes:
         return "it describes a torque over position, whatever the cause"
     return _NOT_NAMED.get(entry.id)

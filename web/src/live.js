@@ -13,7 +13,7 @@ import { timed } from "./timing.js";
  * @typedef {{what: string, log: string, every: number, done: number | null, ended: boolean,
  *   error: string | null, capture: string | null, elapsed_s?: number, total_s?: number, received?: number,
  *   missing?: number, rate_hz?: number, peak_torque?: number | null, clipped?: Record<string, number>,
- *   temperature?: number | null}} Told
+ *   temperature?: number | null, torque_limit?: number}} Told
  */
 
 const PAUSE_MS = 120; // between the answer to one question and the next question
@@ -138,14 +138,14 @@ export class Live {
     if (done === null) bar.removeAttribute("value");
     else bar.value = done;
     byId("live-time").textContent = `${seconds(elapsed_s)} of ${seconds(total_s)}`;
-    const { peak_torque: peak, temperature, clipped = {} } = this.told;
+    const { peak_torque: peak, torque_limit: limit = 0, temperature, clipped = {} } = this.told;
     const scale = torqueScale("N m", peak ?? 0);
     const figures = [
       `${received.toLocaleString("en")} samples`,
       `${missing.toLocaleString("en")} lost`,
       `${Math.round(rate_hz ?? 0).toLocaleString("en")} Hz`,
     ];
-    if (peak) figures.push(`peak ${number(peak * scale.factor)} ${scale.unit}`);
+    if (peak) figures.push(`peak ${number(peak * scale.factor)} ${scale.unit}, allowed ${number(limit * scale.factor)}`);
     for (const [name, count] of Object.entries(clipped)) if (count) figures.push(`${name} saturated ${count} times`);
     if (typeof temperature === "number") figures.push(`${Math.round(temperature)} °C`);
     byId("live-figures").textContent = figures.join(" · ");

@@ -88,7 +88,8 @@ class Live:
         }
         if self._figures is None or self._tail is None or self._tail.device is None:
             return told
-        figures, rate = self._figures, self._tail.device["rate_hz"]
+        figures, device = self._figures, self._tail.device
+        rate = device["rate_hz"]
         return told | {
             "elapsed_s": (figures.received + figures.missing) / rate,
             "total_s": self._tail.planned / rate,
@@ -96,6 +97,7 @@ class Live:
             "missing": figures.missing,
             "rate_hz": figures.rate_hz,
             "peak_torque": figures.peak_torque,
+            "torque_limit": device["torque_limit"],
             "clipped": dict(zip(("omega", "alpha", "tau"), figures.clipped, strict=True)),
             "temperature": figures.temperature,
         }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import secrets
 from dataclasses import dataclass
@@ -176,10 +177,8 @@ def new_log(folder: str, source: Source) -> Path:
         raise InputError(f"folder {str(place)!r}: there is none; make it first, or choose another")
     if not os.access(place, os.W_OK):
         raise InputError(f"folder {str(place)!r}: cannot be written to; choose another")
-    number_ = 1
-    while (log := place / f"{source.name}-{source.motion}-{number_}{SUFFIX}").exists():
-        number_ += 1
-    return log
+    logs = (place / f"{source.name}-{source.motion}-{count}{SUFFIX}" for count in itertools.count(1))
+    return next(log for log in logs if not log.exists())
 
 
 def _knob(body: Mapping[str, Any]) -> tuple[str, tuple[str, ...]]:
