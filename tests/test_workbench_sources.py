@@ -94,10 +94,11 @@ def rows_of(client: httpx.Client) -> list[dict[str, Any]]:
     return captures
 
 
+@pytest.mark.parametrize("hidden", [[], ["return_spring", "stribeck"]])
 def test_a_knob_is_simulated_and_the_script_makes_the_same_capture(
-    client: httpx.Client, bench: Bench, tmp_path: Path
+    client: httpx.Client, bench: Bench, tmp_path: Path, hidden: list[str]
 ) -> None:
-    body = {"knob": "knob4", "effects": ["return_spring"], "motion": "turns", "duration_s": 3.0, "seed": 7}
+    body = {"knob": "knob4", "effects": hidden, "motion": "turns", "duration_s": 3.0, "seed": 7}
     assert client.post("/api/simulate", json=body).status_code == 200
     state = client.get("/api/state").json()
     assert state["captures"][0]["name"] == "knob4, simulated turns"

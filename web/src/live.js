@@ -18,10 +18,10 @@ import { timed } from "./timing.js";
 
 const PAUSE_MS = 120; // between the answer to one question and the next question
 const PLOTS = /** @type {const} */ ([
-  { y: "tau", x: "t", name: "torque over time", colour: "--measured" },
-  { y: "tau", x: "theta", name: "torque over position", colour: "--measured" },
-  { y: "theta", x: "t", name: "angle over time", colour: "--modelled" },
-  { y: "omega", x: "t", name: "velocity over time", colour: "--signature" },
+  { y: "tau", x: "t", name: "torque over time" },
+  { y: "tau", x: "theta", name: "torque over position" },
+  { y: "theta", x: "t", name: "angle over time" },
+  { y: "omega", x: "t", name: "velocity over time" },
 ]);
 const WORDS = { tau: "torque", theta: "angle, rad", omega: "velocity, rad/s", t: "time, s" };
 
@@ -79,7 +79,7 @@ export class Live {
     const since = String(this.columns.t?.length ?? 0);
     const { head, columns } = unpacked(await fetchBytes("/api/live", { since }));
     this.told = head.live;
-    for (const [name, more] of Object.entries(columns)) this.columns[name] = joined(this.columns[name], more);
+    for (const [name, more] of Object.entries(columns)) this.columns[name] = appended(this.columns[name], more);
     if (this.waiting) return; // a page that nobody looks at draws nothing
     this.waiting = true;
     timed("live", () => {
@@ -157,7 +157,7 @@ export class Live {
   draw() {
     const { t } = this.columns;
     if (!t || t.length === 0 || byId("live").hidden) return;
-    for (const [at, { x, y, name, colour }] of PLOTS.entries()) {
+    for (const [at, { x, y, name }] of PLOTS.entries()) {
       const [low, high] = limits([this.columns[y]]);
       const across = x === "t" ? [0, span(t[t.length - 1], this.told?.total_s)] : limits([this.columns[x]]);
       const scale = y === "tau" ? torqueScale("N m", Math.max(-low, high)) : null;
@@ -166,7 +166,7 @@ export class Live {
         x: this.columns[x],
         xAxis: { low: across[0], high: across[1], factor: 1, label: WORDS[x] },
         yAxis: { low, high, factor: scale?.factor ?? 1, label: scale ? `${WORDS[y]}, ${scale.unit}` : WORDS[y] },
-        series: [{ colour, chosen: null, y: this.columns[y], strength: 0.6 }],
+        series: [{ colour: "--measured", chosen: null, y: this.columns[y], strength: 0.6 }],
         picked: 0,
         noise: null,
       });
@@ -175,7 +175,7 @@ export class Live {
 }
 
 /** @param {Float32Array | undefined} before @param {Float32Array} more */
-function joined(before, more) {
+function appended(before, more) {
   if (!before) return more;
   if (more.length === 0) return before;
   const whole = new Float32Array(before.length + more.length);

@@ -81,8 +81,8 @@ class Simulated:
     def made(self) -> str:
         """The Python that makes the same capture."""
         names = ", ".join(repr(name) for name in (self.name, *self.hidden))
-        given = f"{self.motion!r}, duration_s={self.duration_s!r}, seed={self.seed}"
-        return f"kc.simulate(kc.hiding({names}), {given})"
+        knob = f"kc.hiding({names})" if self.hidden else names
+        return f"kc.simulate({knob}, {self.motion!r}, duration_s={self.duration_s!r}, seed={self.seed})"
 
 
 @dataclass(frozen=True)

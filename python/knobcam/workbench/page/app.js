@@ -1488,10 +1488,10 @@ var PAUSE_MS = 120;
 var PLOTS = (
   /** @type {const} */
   [
-    { y: "tau", x: "t", name: "torque over time", colour: "--measured" },
-    { y: "tau", x: "theta", name: "torque over position", colour: "--measured" },
-    { y: "theta", x: "t", name: "angle over time", colour: "--modelled" },
-    { y: "omega", x: "t", name: "velocity over time", colour: "--signature" }
+    { y: "tau", x: "t", name: "torque over time" },
+    { y: "tau", x: "theta", name: "torque over position" },
+    { y: "theta", x: "t", name: "angle over time" },
+    { y: "omega", x: "t", name: "velocity over time" }
   ]
 );
 var WORDS = { tau: "torque", theta: "angle, rad", omega: "velocity, rad/s", t: "time, s" };
@@ -1547,7 +1547,7 @@ var Live = class {
     const since = String(this.columns.t?.length ?? 0);
     const { head, columns } = unpacked(await fetchBytes("/api/live", { since }));
     this.told = head.live;
-    for (const [name, more] of Object.entries(columns)) this.columns[name] = joined2(this.columns[name], more);
+    for (const [name, more] of Object.entries(columns)) this.columns[name] = appended(this.columns[name], more);
     if (this.waiting) return;
     this.waiting = true;
     timed("live", () => {
@@ -1621,7 +1621,7 @@ var Live = class {
   draw() {
     const { t } = this.columns;
     if (!t || t.length === 0 || byId("live").hidden) return;
-    for (const [at, { x, y, name, colour }] of PLOTS.entries()) {
+    for (const [at, { x, y, name }] of PLOTS.entries()) {
       const [low, high] = limits([this.columns[y]]);
       const across = x === "t" ? [0, span(t[t.length - 1], this.told?.total_s)] : limits([this.columns[x]]);
       const scale = y === "tau" ? torqueScale("N m", Math.max(-low, high)) : null;
@@ -1630,14 +1630,14 @@ var Live = class {
         x: this.columns[x],
         xAxis: { low: across[0], high: across[1], factor: 1, label: WORDS[x] },
         yAxis: { low, high, factor: scale?.factor ?? 1, label: scale ? `${WORDS[y]}, ${scale.unit}` : WORDS[y] },
-        series: [{ colour, chosen: null, y: this.columns[y], strength: 0.6 }],
+        series: [{ colour: "--measured", chosen: null, y: this.columns[y], strength: 0.6 }],
         picked: 0,
         noise: null
       });
     }
   }
 };
-function joined2(before, more) {
+function appended(before, more) {
   if (!before) return more;
   if (more.length === 0) return before;
   const whole = new Float32Array(before.length + more.length);
