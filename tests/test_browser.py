@@ -112,3 +112,23 @@ def test_a_brush_in_a_notebook_is_heard_in_python_and_nothing_stays_behind(
     figures = script("widget.js", module, tmp_path / "state.json", pictures)["figures"]
     assert figures["brush"]["painted"] < 250.0
     assert figures["brush"]["script"] < 30.0
+
+
+def test_a_capture_is_made_in_the_page_and_grows_before_the_eyes(tmp_path: Path, pictures: Path) -> None:
+    logs = tmp_path / "logs"
+    logs.mkdir()
+    with workbench() as address:
+        seen = script("live.js", address, "stribeck", logs, pictures)
+    assert seen["wrong"] == "duration_s=-3: give a number from 0.1 to 600"
+    shares, shown = zip(*seen["grown"], strict=True)
+    assert list(shares) == sorted(shares) and list(shown) == sorted(shown)
+    assert min(len(set(shares)), len(set(shown))) > 4
+    whole, stopped, simulated = seen["captures"]
+    assert whole["samples"] == seen["first"]["received"] == kc.load(logs / whole["name"]).samples
+    assert whole["samples"] + seen["first"]["missing"] == 30_500
+    assert seen["top"] == seen["hidden"] == "stribeck"
+    assert seen["captured"] < 20_000.0
+    assert stopped["samples"] == kc.load(logs / stopped["name"]).samples
+    assert 0.0 < seen["stopped"]["done"] < 1.0
+    assert simulated["samples"] == 20_000
+    assert seen["updates"]["median"] < 30.0

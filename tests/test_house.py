@@ -34,7 +34,7 @@ PYTHON_ORDER = [
     ),
     *("effects", "own", "models", "model", "prepare", "simulate", "render", "emulated"),
     *("loop_report", "loop"),
-    *("typical", "rig", "refit", "fit", "compare"),
+    *("typical", "hiding", "rig", "refit", "fit", "compare"),
     *(
         "stiction",
         "plausible",

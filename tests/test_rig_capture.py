@@ -14,8 +14,9 @@ from peer import Nth, Peer
 import knobcam as kc
 from knobcam.rig import port as port_module
 from knobcam.rig.emulator import EmulatedRig
+from knobcam.rig.figures import Figures
 from knobcam.rig.leadin import led_in
-from knobcam.rig.record import log_path
+from knobcam.rig.record import Enough, log_path
 
 SPEED = 8.0
 
@@ -37,6 +38,17 @@ def test_every_sample_of_a_motion_arrives_and_is_what_was_commanded(rig: Emulate
     np.testing.assert_allclose(capture.theta, start + track.theta, atol=1e-5)
     np.testing.assert_allclose(capture.omega, track.omega, atol=3e-4)
     np.testing.assert_allclose(capture.alpha, track.alpha, atol=0.4)
+
+
+def test_who_has_seen_enough_ends_the_run_and_has_what_came(rig: EmulatedRig, tmp_path: Path) -> None:
+    def watch(figures: Figures) -> None:
+        if figures.received > 5000:
+            raise Enough
+
+    capture = kc.record(rig.port, "turns", duration_s=30.0, output=tmp_path / "a.npz", progress=watch)
+    account = capture.meta["account"]
+    assert 5000 < capture.samples == account["received"] == account["produced"] < 150_000
+    assert kc.load(tmp_path / "a.npz").samples == capture.samples
 
 
 def test_the_torque_is_that_of_the_knob(rig: EmulatedRig, tmp_path: Path) -> None:

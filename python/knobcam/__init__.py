@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from .emulated import EmulatedHandle
     from .errors import InputError, KnobcamError, KnobcamWarning
     from .fit import Estimate, Fit, fit
+    from .hiding import hiding
     from .lacks import Lack
     from .ladder import Rung, Unexplained
     from .learn import Story, learn
@@ -82,6 +83,7 @@ __all__ = [
     "effects",
     "fit",
     "forget_effect",
+    "hiding",
     "learn",
     "load",
     "motion",
@@ -137,6 +139,7 @@ _HOME = {
     "effects": "effects",
     "fit": "fit",
     "forget_effect": "own",
+    "hiding": "hiding",
     "learn": "learn",
     "load": "capture",
     "motion": "motions",

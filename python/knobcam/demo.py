@@ -6,16 +6,14 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from .effects import effect as catalogued
 from .effects import effects
-from .errors import InputError
 from .fit import fit
+from .hiding import hiding
 from .learn import learn
-from .model import KNOBS, Model
+from .model import Model
 from .rig.emulator import EmulatedRig
 from .rig.record import record
 from .tables import text_table
-from .typical import with_typical
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -29,14 +27,6 @@ HIDDEN = "stribeck"
 """What the knob hides when nothing else is asked for."""
 FASTER = 10.0
 """Times real time that the emulated rig of a demonstration runs at."""
-
-
-_NOT_NAMED = {
-    "detent": "it belongs to the base model, which is fitted with it where it shows",
-    "karnopp": "it does not show in a prediction from motion",
-    "offset": "the two Coulomb levels take it up",
-}
-"""Effects that no search names, and why."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -77,32 +67,6 @@ def _with_positive_amplitude(knob: Model) -> dict[str, float]:
         values["detent.A"] *= -1.0
         values["detent.S"] += math.pi if values["detent.S"] <= 0.0 else -math.pi
     return values
-
-
-def knob_name(text: str) -> str:
-    """Return the name of one of the five knobs from its name or number.
-
-    Raises InputError for any other.
-    """
-    name = f"knob{text}" if text.isdecimal() else text
-    if name not in KNOBS:
-        raise InputError(f"knob={text!r} is none of the five; choose 1 to {len(KNOBS)}")
-    return name
-
-
-def hiding(knob: str, effect: str) -> Model:
-    """Return one of the five knobs with an effect hidden in it, of a typical size.
-
-    Raises InputError for an effect that the knob has anyway, that the catalogue does not have, or that is
-    nothing to find.
-    """
-    model, entry = Model.load(knob), catalogued(effect)
-    why = f"{knob} has it anyway" if effect in model.effects else _NOT_NAMED.get(effect)
-    if entry.describes:
-        why = "it describes a torque over position, whatever the cause"
-    if why:
-        raise InputError(f"effect '{effect}' is nothing to hide: {why}; choose another")
-    return with_typical(model, entry)
 
 
 def run(knob: str, effect: str, folder: Path, status: Callable[[str], None]) -> Demo:

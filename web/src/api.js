@@ -33,9 +33,18 @@ async function request(path, options = {}) {
   throw new Refusal(words, Array.isArray(said.columns) ? said.columns : null);
 }
 
+/**
+ * Ask for a document.
+ * @param {string} what
+ * @param {Record<string, string>} [query]
+ */
+export async function ask(what, query = {}) {
+  return (await request(`/api/${what}?${new URLSearchParams(query)}`)).json();
+}
+
 /** @returns {Promise<State>} */
-export async function fetchState() {
-  return (await request("/api/state")).json();
+export function fetchState() {
+  return ask("state");
 }
 
 /**
@@ -60,7 +69,7 @@ export async function fetchPicture(effect) {
  * Ask for something to be done.
  * @param {string} verb of the API: add, undo, params...
  * @param {object} [body]
- * @returns {Promise<{revision?: number, job?: string, path?: string, share?: number}>}
+ * @returns {Promise<{revision?: number, job?: string, path?: string, log?: string, share?: number}>}
  */
 export async function post(verb, body = {}) {
   const headers = { "content-type": "application/json" };
@@ -98,8 +107,8 @@ export function listen(heard) {
   const source = new EventSource(`/api/events?${new URLSearchParams({ token })}`);
   source.addEventListener("state", (event) => heard.state(JSON.parse(event.data).revision));
   source.addEventListener("progress", (event) => {
-    const { job, what, done } = JSON.parse(event.data);
-    heard.progress({ id: job, what, done });
+    const { job, what, done, recording } = JSON.parse(event.data);
+    heard.progress({ id: job, what, done, recording });
   });
   source.addEventListener("open", () => heard.connected(true));
   source.addEventListener("error", () => heard.connected(false));

@@ -7,11 +7,14 @@ import { Candidates } from "./candidates.js";
 import { byId } from "./dom.js";
 import { AnyEffect, about } from "./effects.js";
 import { opening, saving } from "./files.js";
+import { showHidden, unhiding } from "./hidden.js";
 import { showLadder } from "./ladder.js";
 import { latest } from "./latest.js";
 import { columnsOf } from "./contents.js";
 import { Linked } from "./linked.js";
+import { Live } from "./live.js";
 import { Params } from "./params.js";
+import { preparing, sources } from "./sources.js";
 import { Store } from "./store.js";
 import { themed } from "./theme.js";
 import { timed, times } from "./timing.js";
@@ -53,6 +56,8 @@ class App {
     this.looking = new AbortController();
     /** @type {string | null} */
     this.looked = null;
+    /** @type {Live | null} */
+    this.live = null;
   }
 
   start() {
@@ -63,12 +68,18 @@ class App {
     };
     opening(heard);
     saving(heard);
+    unhiding(heard.failed);
+    this.live = new Live({ ...heard, open: (path) => this.ask("open", { path }, "data") });
+    sources({
+      ...{ made: heard.done, say: heard.say, recording: () => this.live?.follow() },
+      open: () => this.state?.captures.length ?? 0,
+    });
     themed(() => this.linked.redraw());
     this.buttons();
     document.addEventListener("keydown", (event) => this.key(event));
     listen({
       state: (revision) => this.refresh(revision),
-      progress: (job) => this.showJob(job),
+      progress: (job) => (job.recording ? this.showRecording(job) : this.showJob(job)),
       connected: (well) => byId("lost").toggleAttribute("hidden", well),
     });
     this.refresh(0);
@@ -134,6 +145,8 @@ class App {
     this.state = state;
     byId("welcome").toggleAttribute("hidden", state.node !== null);
     byId("verdict").textContent = state.verdict_text;
+    if (state.recording) this.live?.follow();
+    showHidden(state);
     showCaptures(byId("captures"), state, (captures) => this.ask("use", { captures }, "captures"));
     showLadder(byId("ladder"), state);
     if (state.branch === this.beside || !state.branches.some(({ id }) => id === this.beside)) this.beside = null;
@@ -228,12 +241,21 @@ class App {
     else bar.value = job.done;
   }
 
+  /** @param {Job} job */
+  showRecording({ what, done }) {
+    preparing(what);
+    this.live?.phase(what);
+    if (done !== null && !this.live?.following) this.live?.follow(); // one that another page has begun
+  }
+
   /** @param {KeyboardEvent} event */
   key(event) {
     if (event.target instanceof HTMLInputElement && event.target.type !== "range" && event.key !== "Escape") return;
     const control = event.ctrlKey || event.metaKey;
     const key = event.key.toLowerCase();
-    if (event.key === "Escape") {
+    if (event.key === "Escape" && this.live?.following) {
+      this.live.stop(true); // a motor turns, and Escape is what a hand finds without looking
+    } else if (event.key === "Escape") {
       this.linked.clear();
     } else if (!control && !event.altKey && key === "z") {
       this.linked.lookCloser();

@@ -16,7 +16,8 @@ export function showBranches(place, state, beside, deeds) {
   const cards = state.branches.map(({ id, name, steps, at }) => {
     const step = steps[at];
     const scale = torqueScale(state.unit, step?.rmse ?? 0);
-    const changes = steps.slice(1, at + 1).map(({ added, dropped }) => (added ? `+ ${added}` : `− ${dropped}`));
+    const changed = steps.slice(1, at + 1).filter(({ added, dropped }) => added || dropped); // not only fitted anew
+    const changes = changed.map(({ added, dropped }) => (added ? `+ ${added}` : `− ${dropped}`));
     const words = changes.join(" ") || "nothing added";
     const card = make(
       "button",

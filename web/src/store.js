@@ -13,6 +13,15 @@ const NODES_KEPT = 32; // undo and redo are answered from memory
  * @returns {Columns}
  */
 export function decode(buffer) {
+  return unpacked(buffer).columns;
+}
+
+/**
+ * The same, with the whole line of JSON.
+ * @param {ArrayBuffer} buffer
+ * @returns {{head: any, columns: Columns}}
+ */
+export function unpacked(buffer) {
   const end = new Uint8Array(buffer).indexOf(10);
   const head = JSON.parse(new TextDecoder().decode(buffer.slice(0, end)));
   const start = Math.ceil((end + 1) / 4) * 4;
@@ -21,7 +30,7 @@ export function decode(buffer) {
     name,
     new Float32Array(buffer, start + 4 * at * head.n, head.n),
   ]);
-  return Object.fromEntries(columns);
+  return { head, columns: Object.fromEntries(columns) };
 }
 
 export class Store {

@@ -2,7 +2,7 @@
  * What the server tells: the document of `GET /api/state`. Torques in N m (forces in N on a linear axis).
  *
  * @typedef {{id: string, name: string, samples: number, rate_hz: number, axis: string,
- *   findings: string[]}} CaptureInfo
+ *   findings: string[], hides: boolean}} CaptureInfo
  * @typedef {{node: string, added: string | null, dropped?: string | null, rmse: number,
  *   rmse_heldout: number}} Step
  * @typedef {{id: string, name: string, steps: Step[], at: number}} Branch
@@ -14,12 +14,12 @@
  * @typedef {Effect & {error_fall: number, p_value: number, unphysical: string[],
  *   equivalent: string[], beyond_chance: boolean, note: string}} Candidate
  * @typedef {{axis: string, share: number, hint: string}} Unexplained
- * @typedef {{id: string, what: string, done: number | null}} Job
+ * @typedef {{id: string, what: string, done: number | null, recording?: boolean}} Job
  * @typedef {{schema: string, captures: CaptureInfo[], active: string[], branches: Branch[], branch: string,
  *   node: string | null, noise_floor: number | null, unit: string, params: Param[], rmse: number,
  *   rmse_heldout: number, verdict_text: string,
  *   candidates: {ready: boolean, rows: Candidate[], unexplained: Unexplained | null},
- *   job: Job | null, revision: number, warnings?: string[], absent: Effect[]}} State
+ *   job: Job | null, recording: boolean, revision: number, warnings?: string[], absent: Effect[]}} State
  */
 
 /**

@@ -58,27 +58,22 @@ def register(commands: arguments.Commands) -> None:
 
 def run_capture(args: Namespace) -> Answer:
     """Record a run."""
-    from ..rig.calibration import Calibration
-    from ..rig.link import Link
     from ..rig.port import BAUD
     from ..rig.record import log_path, record
 
     log = log_path(args.output)
     check_file(args.output)
-    calibration = None if args.calibration is None else Calibration.load(args.calibration)
-    baud = BAUD if args.baud is None else args.baud
     status("looking for the rig")
-    scheme, _, serial = args.port.partition(":")
-    with Link.to(serial, baud=baud) if scheme == "serial" else Link(args.port, baud=baud) as link:
-        recorded = record(
-            link,
-            args.motion,
-            output=args.output,
-            duration_s=args.duration,
-            model=args.model,
-            calibration=calibration,
-            progress=_Teller(),
-        )
+    recorded = record(
+        args.port,
+        args.motion,
+        output=args.output,
+        duration_s=args.duration,
+        model=args.model,
+        calibration=args.calibration,
+        progress=_Teller(),
+        baud=BAUD if args.baud is None else args.baud,
+    )
     return _answer(recorded, args.output, log)
 
 

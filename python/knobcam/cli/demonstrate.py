@@ -30,9 +30,10 @@ def register(commands: arguments.Commands) -> None:
 def run(args: Namespace) -> Answer:
     """Run the demonstration and print where its files are."""
     from .. import demo
+    from ..hiding import hiding, knob_name
 
-    knob, effect = demo.knob_name(args.knob), args.effect or demo.HIDDEN
-    demo.hiding(knob, effect)  # refuses before anything is written
+    knob, effect = knob_name(args.knob), args.effect or demo.HIDDEN
+    hiding(knob, effect)  # refuses before anything is written
     folder = args.output or Path(f"knobcam-demo-{knob}")
     check_folder(folder)
     with writing(folder):

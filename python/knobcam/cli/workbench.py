@@ -58,6 +58,7 @@ def run(args: Namespace) -> Answer:
 
     serve(bench, args.port, tell)
     status(None)
+    bench.recorder.close()
     if bench.busy:  # nobody wants to wait for what is given up, and the core cannot be interrupted
         sys.stdout.flush()
         os._exit(0)

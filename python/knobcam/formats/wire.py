@@ -90,14 +90,7 @@ def table(content: Content, run: int = -1, c_cal: float | None = None) -> Table:
         raise InputError(f"{source}: no sample came in this run; check the rig and capture again")
     rate, notes = _rate(raw, device["rate_hz"])
     calibration = _calibration(content, device, c_cal)
-    columns = {"t_s": raw["index"] / rate, "theta_rad": raw["count"] / device["counts_per_rad"]}
-    limits: dict[str, BoolArray] = {}
-    for name, key in (("omega_rad_s", "omega"), ("alpha_rad_s2", "alpha"), ("tau_Nm", "tau")):
-        channel = device[key]
-        if channel["unit"] != "absent":
-            factor = calibration["c_cal"] if key == "alpha" else 1.0
-            columns[name] = factor * _values(raw[key], channel)
-            limits[key] = _clipped(raw[key], channel)
+    columns, limits = in_si(raw, device, rate, calibration["c_cal"])
     if "tau_Nm" not in columns:
         raise InputError(
             f"{source}: the rig {device['serial']} has no torque sensor; there is nothing to fit"
@@ -115,6 +108,21 @@ def table(content: Content, run: int = -1, c_cal: float | None = None) -> Table:
         "notes": "",
     }
     return Table(source, "wire log", columns, meta=meta, limits=limits, notes=(*notes, *_losses(raw)))
+
+
+def in_si(
+    raw: Mapping[str, Any], device: Mapping[str, Any], rate_hz: float, c_cal: float
+) -> tuple[dict[str, FloatArray], dict[str, BoolArray]]:
+    """Return the columns of raw samples in SI, NaN where there is no reading, and which were at a limit."""
+    columns = {"t_s": raw["index"] / rate_hz, "theta_rad": raw["count"] / device["counts_per_rad"]}
+    limits: dict[str, BoolArray] = {}
+    for name, key in (("omega_rad_s", "omega"), ("alpha_rad_s2", "alpha"), ("tau_Nm", "tau")):
+        channel = device[key]
+        if channel["unit"] != "absent":
+            factor = c_cal if key == "alpha" else 1.0
+            columns[name] = factor * _values(raw[key], channel)
+            limits[key] = _clipped(raw[key], channel)
+    return columns, limits
 
 
 def _values(raw: np.ndarray, channel: Mapping[str, Any]) -> FloatArray:

@@ -147,6 +147,13 @@ def _resting(track: MotionTrack, ramp_s: float = 0.5) -> MotionTrack:
     return MotionTrack(track.t, theta, omega, alpha)
 
 
+def absent() -> str | None:
+    """Why no rig can be emulated on this system; None where one can."""
+    if os.name != "posix":
+        return "this system has no pseudo-terminals; use Linux, macOS or WSL"
+    return None
+
+
 def serve(
     emulation: Emulation,
     *,
@@ -159,8 +166,8 @@ def serve(
     `tell` is called once with the path of the port; `link` becomes a symbolic link to it.
     Raises InputError where there are no pseudo-terminals, or the link cannot be made.
     """
-    if os.name != "posix":
-        raise InputError("emulate: this system has no pseudo-terminals; use Linux, macOS or WSL")
+    if why := absent():
+        raise InputError(f"emulate: {why}")
     import tty
 
     rig = emulation.checked().rig()

@@ -62,6 +62,12 @@ class Link:
             raise
 
     @classmethod
+    def at(cls, place: str, *, baud: int = BAUD) -> Self:
+        """Return the link to a port, or to the rig of a serial number, which is written `serial:NUMBER`."""
+        scheme, _, serial = place.partition(":")
+        return cls.to(serial, baud=baud) if scheme == "serial" else cls(place, baud=baud)
+
+    @classmethod
     def to(cls, serial: str, among: Sequence[str] | None = None, *, baud: int = BAUD) -> Self:
         """Return the link to the rig of this serial number; `among`: the ports to look at, by default all."""
         tried = []

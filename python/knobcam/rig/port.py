@@ -23,9 +23,10 @@ READS_ITSELF = sys.platform == "linux"
 _READ_S = 0.01
 
 
-def ports() -> list[str]:
-    """Return the serial ports of this computer."""
-    return sorted(port.device for port in list_ports.comports())
+def ports() -> dict[str, str]:
+    """Return the serial ports of this computer, by name, with what is plugged in there."""
+    found = sorted(list_ports.comports(), key=lambda port: port.device)
+    return {port.device: str(port.description or "") for port in found}
 
 
 class Port:
@@ -99,5 +100,5 @@ def _why(name: str, baud: int, error: Exception) -> str:
 def _listed() -> str:
     found = ports()
     if found:
-        return f"this computer has {', '.join(found[:8])}"
+        return f"this computer has {', '.join(list(found)[:8])}"
     return "this computer has no serial port; plug the rig in, or run `knobcam emulate`"

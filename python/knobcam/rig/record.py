@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import platform
 import time
 from datetime import UTC, datetime
@@ -17,14 +18,13 @@ from ..model import Model
 from ..motions import MotionTrack
 from ..motions import motion as make_motion
 from ..render import check_rotary
-from .calibration import usual
+from .calibration import Calibration, usual
 from .leadin import led_in
 from .link import Link
 from .port import BAUD
 from .wirelog import SUFFIX, WireLog, begin
 
 if TYPE_CHECKING:
-    import os
     from collections.abc import Callable
 
     from ..capture import Capture
@@ -40,6 +40,10 @@ _SILENT_S = 2.0  # without a sample in a run
 _LAST_WORD_S = 0.5  # for STOPPED, when all samples are there
 _SPAN_S = 0.2  # of the device's clock, before its rate is judged
 _HOLD_S = 10.0  # beyond the length of a run that the rig may stay armed
+
+
+class Enough(Exception):
+    """Raised by who watches a recording: the run ends here, and what has come is the capture."""
 
 
 class Plan(NamedTuple):
@@ -81,8 +85,9 @@ def record(
     The wire log (.kcwire) is `output`, or stands beside it; any other `output` is the capture, saved in the
     format of its extension. `motion` is a name (sweep, multisine, turns, micro, with the `options` of its
     function) or a track, both led in from rest; `hand` records what a person does. With `model` the rig
-    renders that model while the motion moves it, or a person does. `calibration` is anything with a `c_cal`;
-    by default the one that is kept of this rig. `progress` is called some ten times a second.
+    renders that model while the motion moves it, or a person does. `calibration` is anything with a `c_cal`,
+    or a file of it; by default the one that is kept of this rig. `port` may be `serial:NUMBER`. `progress` is
+    called some ten times a second and may raise `Enough`.
 
     Raises InputError for everything that is wrong with call, port or rig, and KeyboardInterrupt for Ctrl-C:
     the samples that had come are then in the log.
@@ -92,8 +97,10 @@ def record(
         raise InputError(f"{log}: is there already, and a recording is not written over; choose another name")
     if model is not None and not isinstance(model, Model):
         model = Model.load(model)
+    if isinstance(calibration, str | os.PathLike):
+        calibration = Calibration.load(calibration)
     with contextlib.ExitStack() as stack:
-        link = port if isinstance(port, Link) else stack.enter_context(Link(port, baud=baud))
+        link = port if isinstance(port, Link) else stack.enter_context(Link.at(port, baud=baud))
         plan = make_plan(motion, duration_s, link.rate_hz, model, **options)
         upload(link, plan)
         kept = calibration if calibration is not None else usual(link.device["serial"])
@@ -101,6 +108,8 @@ def record(
         begin(log, _header(link, plan, {"name": name, "duration_s": duration_s, **options}, kept))
         try:
             run(link, plan, log, progress)
+        except Enough:
+            pass
         except InputError as error:
             raise InputError(f"{error}; {_what_is_kept(log)}") from error
         except KeyboardInterrupt:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..errors import InputError
+from ..strict_json import as_json
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -53,9 +53,9 @@ def signature(candidate: Candidate, view: View, at: int) -> bytes:
     return packed({candidate.effect: signals.on_capture(step)})
 
 
-def packed(found: Mapping[str, FloatArray]) -> bytes:
+def packed(found: Mapping[str, FloatArray], **more: Any) -> bytes:
     """Return columns of one length as a header line, filled up to whole floats, and their values."""
     n = len(next(iter(found.values())))
-    head = json.dumps({"names": list(found), "n": n, "dtype": "f32"}).encode() + b"\n"
+    head = as_json({"names": list(found), "n": n, "dtype": "f32", **more}, indent=None).encode() + b"\n"
     head += bytes(-len(head) % _ALIGNED)
     return head + b"".join(np.ascontiguousarray(values, dtype="<f4").tobytes() for values in found.values())

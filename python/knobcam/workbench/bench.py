@@ -8,6 +8,7 @@ from typing import Any
 
 from . import state
 from .jobs import Job, Worker
+from .recorder import Recorder
 from .session import Session
 from .tree import Start
 
@@ -18,12 +19,13 @@ Hear = Callable[[str, dict[str, Any]], None]
 
 
 class Bench:
-    """One session, a thread for what a person waits for, and one that weighs what is missing meanwhile."""
+    """One session, a thread for what a person waits for, one that weighs meanwhile, and one that records."""
 
     def __init__(self, start: Start | None = None) -> None:
         self.session = Session(self._changed, start)
         self.work = Worker("knobcam-work", self._moved)
         self.weighing = Worker("knobcam-weighing", self._moved, humble=True)
+        self.recorder = Recorder(self.session, self._moved)
         self.listeners: set[Hear] = set()
         self._weighed = ""
         self._lock = threading.Lock()
@@ -31,7 +33,8 @@ class Bench:
     def document(self) -> dict[str, Any]:
         """Return the state of the session, and what is being done."""
         job = self.work.current or self.weighing.current
-        return state.document(self.session) | {"job": None if job is None else _described(job)}
+        busy = {"job": None if job is None else _described(job), "recording": self.recorder.busy}
+        return state.document(self.session) | busy
 
     def weigh(self, after_s: float = 0.0) -> Job:
         """Weigh what could be missing where the session is; what was weighed elsewhere is given up."""
@@ -40,7 +43,8 @@ class Bench:
         def work(job: Job) -> None:
             def tell(what: str, done: float | None = None) -> None:
                 job.tell(what, done)
-                while self.work.current is not None:  # whatever a person waits for goes first
+                # Whatever a person waits for goes first, and so does a rig that records.
+                while self.work.current is not None or self.recorder.busy:
                     job.rest(_PAUSE_S)
                 if self.session.diagnosis_of(node.id) is not None:  # and may have been just this
                     job.cancel()
@@ -61,7 +65,8 @@ class Bench:
         return self.work.busy or self.weighing.busy
 
     def close(self) -> None:
-        """Give everything up, and wait for the threads to end."""
+        """Give everything up, and wait for the threads to end; a rig that records is disarmed first."""
+        self.recorder.close()
         self.work.close()
         self.weighing.close()
 
@@ -79,7 +84,8 @@ class Bench:
     def _moved(self, job: Job) -> None:
         if job.active:
             told = _described(job)
-            self._say("progress", {"job": told["id"], "what": told["what"], "done": told["done"]})
+            progress = {"job": told["id"], "what": told["what"], "done": told["done"]}
+            self._say("progress", progress | {"recording": job is self.recorder.job})
         else:
             self._say("state", {"revision": self.session.revision})
 

@@ -69,6 +69,30 @@ def text(body: Mapping[str, Any], name: str, default: str | None = None) -> str:
     return value
 
 
+def flag(body: Mapping[str, Any], name: str, default: bool) -> bool:
+    """Return a truth of a body. Raises InputError for anything else."""
+    value = body.get(name, default)
+    if not isinstance(value, bool):
+        raise InputError(f"{name}={value!r}: give true or false")
+    return value
+
+
+def number(body: Mapping[str, Any], name: str, default: float, low: float, high: float) -> float:
+    """Return a number of a body, between two limits. Raises InputError for anything else."""
+    value = body.get(name, default)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not low <= value <= high:
+        raise InputError(f"{name}={value!r}: give a number from {low:g} to {high:g}")
+    return float(value)
+
+
+def whole(body: Mapping[str, Any], name: str, default: int, low: int, high: int) -> int:
+    """Return a whole number of a body, between two limits. Raises InputError for anything else."""
+    value = number(body, name, default, low, high)
+    if value != int(value):
+        raise InputError(f"{name}={value!r}: give a whole number")
+    return int(value)
+
+
 def file_name(header: str) -> str:
     """Return the bare name of a file from what a browser says; no folder, no control character in it."""
     bare = re.split(r"[/\\]", unquote(header))[-1]

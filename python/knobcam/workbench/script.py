@@ -28,6 +28,8 @@ def script(done: Sequence[Node], captures: Mapping[str, Opened], start: Start) -
 
 
 def _load(opened: Opened) -> str:
+    if opened.made:
+        return opened.made
     # repr() makes a literal of any text, so that no name can be more than a name.
     given = [repr(opened.path), *(f"{name}={value!r}" for name, value in opened.options.items())]
     handed_over = "" if Path(opened.path).is_absolute() else "  # handed over: put it where this runs"

@@ -26,11 +26,13 @@ from ..errors import InputError
 from ..formats import DEFAULT_MAX_BYTES
 from ..strict_json import as_json
 from . import arrays, saving
+from .answers import bytes_answer, finished, json_answer
 from .bench import Bench
 from .bodies import TooLarge, file_name, indices, read_json, reading, receive, text
 from .guard import Guard
 from .jobs import Cancelled, Job
 from .preview import Unmapped, explained
+from .recording import Recording
 
 UPLOAD_BYTES = 200_000_000
 _TYPES = {
@@ -54,16 +56,17 @@ def page_files() -> dict[str, bytes]:
 def application(bench: Bench, token: str, port: int, upload_bytes: int = UPLOAD_BYTES) -> ASGIApp:
     """Return the server of a bench, which answers to those alone who have the token."""
     files = page_files()
-    server = _Server(bench, files, upload_bytes)
+    server, recording = _Server(bench, files, upload_bytes), Recording(bench)
     posts: dict[str, Answers] = {
         **{"add": server.add, "drop": server.drop, "undo": server.undo, "redo": server.redo},
         **{"branch": server.branch, "switch": server.switch, "params": server.params, "snap": server.snap},
         **{"diagnose": server.diagnose, "cancel": server.cancel, "share": server.share, "use": server.use},
-        **{"open": server.open, "upload": server.upload, "save": server.save},
+        **{"open": server.open, "upload": server.upload, "save": server.save, **recording.posts},
     }
     gets: dict[str, Answers] = {
         **{"state": server.state, "arrays": server.arrays, "signature": server.signature},
         **{"events": server.events, "download": server.download, "picture": server.picture},
+        **recording.gets,
     }
     routes = [
         Route("/", server.page),
@@ -81,23 +84,19 @@ def new_token() -> str:
     return secrets.token_urlsafe(32)
 
 
-def _json(document: dict[str, Any], status: int = 200) -> Response:
-    return Response(as_json(document, indent=None), status, media_type="application/json")
-
-
 async def _wrong(_: Request, error: Exception) -> Response:
     columns = {"columns": error.columns} if isinstance(error, Unmapped) else {}
-    return _json({"error": str(error), **columns}, 413 if isinstance(error, TooLarge) else 400)
+    return json_answer({"error": str(error), **columns}, 413 if isinstance(error, TooLarge) else 400)
 
 
 async def _unknown(_: Request, error: Exception) -> Response:
     status = error.status_code if isinstance(error, HTTPException) else 500
-    return _json({"error": "there is nothing of that name"}, status)
+    return json_answer({"error": "there is nothing of that name"}, status)
 
 
 async def _failed(_: Request, error: Exception) -> Response:
     said = " ".join(f"{type(error).__name__}: {error}".split())
-    return _json({"error": f"the program failed ({said}); please report it"}, 500)
+    return json_answer({"error": f"the program failed ({said}); please report it"}, 500)
 
 
 class _Server:
@@ -119,7 +118,7 @@ class _Server:
 
     async def state(self, _: Request) -> Response:
         """Everything that the page shows but the samples."""
-        return _json(await run_in_threadpool(self.bench.document))
+        return json_answer(await run_in_threadpool(self.bench.document))
 
     async def arrays(self, request: Request) -> Response:
         """Columns of a capture at a node."""
@@ -127,7 +126,7 @@ class _Server:
         view = self.session.view_of(asked.get("node", ""))
         at = self.session.place(view, asked.get("capture", ""))
         names = [name for name in asked.get("names", "").split(",") if name]
-        return _bytes(await run_in_threadpool(arrays.columns, view, at, names))
+        return bytes_answer(await run_in_threadpool(arrays.columns, view, at, names))
 
     async def signature(self, request: Request) -> Response:
         """What a weighed effect would explain of a capture's residual."""
@@ -139,7 +138,7 @@ class _Server:
         weighed = [one for one in diagnosis.candidates if one.effect == effect] if diagnosis else []
         if not weighed:
             raise InputError(f"effect {effect!r} is not weighed at this node")
-        return _bytes(await run_in_threadpool(arrays.signature, weighed[0], view, at))
+        return bytes_answer(await run_in_threadpool(arrays.signature, weighed[0], view, at))
 
     async def picture(self, request: Request) -> Response:
         """Where an effect of the catalogue shows."""
@@ -294,7 +293,7 @@ class _Server:
             self.bench.listeners.discard(hear)
 
     def _now(self, **more: Any) -> Response:
-        return _json({"revision": self.session.revision, **more})
+        return json_answer({"revision": self.session.revision, **more})
 
     async def _short(self, change: Callable[..., Any], *given: Any) -> Response:
         await run_in_threadpool(change, *given)
@@ -305,9 +304,5 @@ class _Server:
         return self._now()
 
     async def _done(self, what: str, work: Callable[[Job], Any]) -> Any:
-        """Let the worker do it, and wait without keeping anybody else waiting."""
-        return await asyncio.shield(asyncio.wrap_future(self.bench.work.start(what, work).result))
-
-
-def _bytes(content: bytes) -> Response:
-    return Response(content, media_type="application/octet-stream")
+        """Let the worker do it, and wait for that."""
+        return await finished(self.bench.work.start(what, work))

@@ -124,20 +124,25 @@ class Session:
         name: str,
         options: Mapping[str, Any] | None = None,
         tell: Tell = _quiet,
+        *,
+        made: str = "",
+        hidden: tuple[str, ...] = (),
+        together: bool = True,
     ) -> str:
-        """Take a capture in together with those that are active, and return its id.
+        """Take a capture in together with those that are active, or for itself, and return its id.
 
-        `name` and `options` are by which it can be read again. Raises InputError for one that cannot be
-        fitted together with the others.
+        `name` and `options` are by which it can be read again, or `made` is the Python that makes it;
+        `hidden` are the effects in it that somebody is to find. Raises InputError for one that cannot be
+        fitted.
         """
-        opened = Opened(self._new("c"), name, capture, name, dict(options or {}))
-        self._take([opened], tell)
+        opened = Opened(self._new("c"), name, capture, name, dict(options or {}), made, hidden)
+        self._take([opened], tell, together)
         return opened.id
 
-    def _take(self, opened: Sequence[Opened], tell: Tell) -> None:
+    def _take(self, opened: Sequence[Opened], tell: Tell, together: bool = True) -> None:
         new = {one.id: one for one in opened}
-        active = self.node.captures if self.branches else ()
-        node, branch = self._fitted([*active, *new], {**self.captures, **new}, tell)
+        active = self.node.captures if self.branches and together else ()
+        node, branch = self._fitted([*active, *new], {**self.captures, **new}, tell, together)
         tell("putting the fit in place")
         with self.lock:
             self.captures |= new
@@ -152,12 +157,13 @@ class Session:
         self._put(node, branch)
 
     def _fitted(
-        self, ids: Sequence[str], known: Mapping[str, Opened], tell: Tell
+        self, ids: Sequence[str], known: Mapping[str, Opened], tell: Tell, same_knob: bool = True
     ) -> tuple[Node, Branch | None]:
         branch = self.branch if self.branches else None
         before = branch.node if branch else None
-        # A base model that nobody has changed may still find detents that it lacked.
-        onward = branch is not None and any(one.how != "fitted" for one in branch.done)
+        # A base model that nobody has changed may still find detents that it lacked, and another knob has
+        # effects of its own.
+        onward = same_knob and branch is not None and any(one.how != "fitted" for one in branch.done)
         tell("fitting")
         model = before.fit.model if before and onward else self.start.model
         fitted = fit([known[one].capture for one in ids], model, **self.start.options)

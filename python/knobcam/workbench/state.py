@@ -94,6 +94,7 @@ def _capture(opened: Opened) -> dict[str, Any]:
         "rate_hz": capture.rate_hz,
         "axis": capture.axis,
         "findings": [str(finding) for finding in capture.findings],
+        "hides": bool(opened.hidden),
     }
 
 

@@ -22,13 +22,19 @@ How = Literal["fitted", "added", "dropped"]
 
 @dataclass(frozen=True, eq=False)
 class Opened:
-    """A capture of a session; `path` and `options` are those by which `knobcam.load` reads it again."""
+    """A capture of a session; `path` and `options` are those by which `knobcam.load` reads it again.
+
+    One that is no file has the Python that makes it again as `made`. `hidden` are the effects that were put
+    into its knob for somebody to find.
+    """
 
     id: str
     name: str
     capture: Capture
     path: str
     options: Mapping[str, Any] = field(default_factory=dict)
+    made: str = ""
+    hidden: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,8 +1,8 @@
 // src/api.js
 var Refusal = class extends Error {
   /** @param {string} words @param {import("./types.js").FileColumn[] | null} columns */
-  constructor(words2, columns) {
-    super(words2);
+  constructor(words3, columns) {
+    super(words3);
     this.columns = columns;
   }
 };
@@ -18,11 +18,14 @@ async function request(path, options = {}) {
   }
   if (answer.ok) return answer;
   const said = await answer.json().catch(() => ({}));
-  const words2 = typeof said.error === "string" ? said.error : `the workbench answered ${answer.status}`;
-  throw new Refusal(words2, Array.isArray(said.columns) ? said.columns : null);
+  const words3 = typeof said.error === "string" ? said.error : `the workbench answered ${answer.status}`;
+  throw new Refusal(words3, Array.isArray(said.columns) ? said.columns : null);
 }
-async function fetchState() {
-  return (await request("/api/state")).json();
+async function ask(what, query = {}) {
+  return (await request(`/api/${what}?${new URLSearchParams(query)}`)).json();
+}
+function fetchState() {
+  return ask("state");
 }
 async function fetchBytes(path, query, signal) {
   const answer = await request(`${path}?${new URLSearchParams(query)}`, { signal });
@@ -50,8 +53,8 @@ function listen(heard) {
   const source = new EventSource(`/api/events?${new URLSearchParams({ token })}`);
   source.addEventListener("state", (event) => heard.state(JSON.parse(event.data).revision));
   source.addEventListener("progress", (event) => {
-    const { job, what, done } = JSON.parse(event.data);
-    heard.progress({ id: job, what, done });
+    const { job, what, done, recording } = JSON.parse(event.data);
+    heard.progress({ id: job, what, done, recording });
   });
   source.addEventListener("open", () => heard.connected(true));
   source.addEventListener("error", () => heard.connected(false));
@@ -98,9 +101,9 @@ function torqueScale(unit, peak) {
   return unit === "N m" && peak <= 2 ? { factor: 1e3, unit: "mNm" } : { factor: 1, unit };
 }
 function ticks(low, high, count) {
-  const span2 = high - low;
-  if (!(span2 > 0) || !Number.isFinite(span2)) return [];
-  const rough = span2 / Math.max(1, count);
+  const span3 = high - low;
+  if (!(span3 > 0) || !Number.isFinite(span3)) return [];
+  const rough = span3 / Math.max(1, count);
   const power = 10 ** Math.floor(Math.log10(rough));
   const step = power * ([1, 2, 5].find((factor) => factor * power >= rough) ?? 10);
   const first = Math.ceil(low / step - 1e-9);
@@ -114,8 +117,9 @@ function showBranches(place3, state, beside, deeds) {
   const cards = state.branches.map(({ id, name, steps, at }) => {
     const step = steps[at];
     const scale = torqueScale(state.unit, step?.rmse ?? 0);
-    const changes = steps.slice(1, at + 1).map(({ added, dropped }) => added ? `+ ${added}` : `− ${dropped}`);
-    const words2 = changes.join(" ") || "nothing added";
+    const changed = steps.slice(1, at + 1).filter(({ added, dropped }) => added || dropped);
+    const changes = changed.map(({ added, dropped }) => added ? `+ ${added}` : `− ${dropped}`);
+    const words3 = changes.join(" ") || "nothing added";
     const card = make(
       "button",
       {
@@ -123,7 +127,7 @@ function showBranches(place3, state, beside, deeds) {
         on: { click: () => deeds.choose(id) }
       },
       make("strong", { text: name }),
-      make("span", { class: "soft", text: words2 }),
+      make("span", { class: "soft", text: words3 }),
       make("span", { class: "figure", text: step ? `${number(step.rmse * scale.factor)} ${scale.unit}` : "–" })
     );
     if (id === state.branch) return make("div", { class: "card" }, card);
@@ -195,18 +199,18 @@ var Candidates = class {
     this.at = 0;
     this.rows = candidates.rows;
     this.items = candidates.rows.map((row, at) => this.item(row, at));
-    const ask = make("button", {
+    const ask2 = make("button", {
       ...{ type: "button", text: "What is missing?", disabled: job !== null || node === null },
       on: { click: () => this.deeds.ask?.() }
     });
     const list = make("ul", { role: "listbox", "aria-label": "candidates", class: "candidates" }, ...this.items);
     this.place.replaceChildren(
-      ...candidates.ready ? [] : [make("p", { class: "soft" }, job ? `${job.what} …` : ask)],
+      ...candidates.ready ? [] : [make("p", { class: "soft" }, job ? `${job.what} …` : ask2)],
       ...candidates.ready && this.items.length === 0 ? [make("p", { class: "well", text: "Nothing is missing beyond chance." })] : [],
       list,
       ...remainder(candidates.unexplained)
     );
-    if (this.inside && document.activeElement === document.body) (this.items[0] ?? ask).focus();
+    if (this.inside && document.activeElement === document.body) (this.items[0] ?? ask2).focus();
     if (this.items.length > 0 || document.activeElement !== document.body) this.inside = false;
   }
   /** @param {Candidate} row @param {number} at */
@@ -285,8 +289,8 @@ function remarks({ equivalent, confused, note }) {
 function remainder(unexplained) {
   if (!unexplained) return [];
   const { axis, share, hint } = unexplained;
-  const words2 = `Unexplained over ${axis}: ${percent(share)} of what remains${hint ? ` (${hint})` : ""}.`;
-  return [make("p", { class: "soft", text: words2 })];
+  const words3 = `Unexplained over ${axis}: ${percent(share)} of what remains${hint ? ` (${hint})` : ""}.`;
+  return [make("p", { class: "soft", text: words3 })];
 }
 
 // src/effects.js
@@ -354,8 +358,8 @@ var TARGETS = {
 var SIZE = { width: 110, height: 34 };
 var Mapping = class {
   /** @param {HTMLElement} place of the fields @param {HTMLElement} found place of the file's columns */
-  constructor(place3, found) {
-    this.found = found;
+  constructor(place3, found2) {
+    this.found = found2;
     this.fields = Object.entries(TARGETS).map(([name, units]) => {
       const text = make("input", { name, type: "text", autocomplete: "off", spellcheck: "false", "aria-label": name });
       const unit = make(
@@ -524,6 +528,25 @@ function saving(heard) {
       }
     });
   }
+}
+
+// src/hidden.js
+var hiding = [];
+function unhiding(failed) {
+  byId("unhide").addEventListener("click", async () => {
+    try {
+      const told = await Promise.all(hiding.map((capture) => ask("hidden", { capture })));
+      byId("unhidden").textContent = [...new Set(told.map(({ hidden }) => hidden.join(" and ")))].join("; ");
+    } catch (reason) {
+      failed(reason);
+    }
+  });
+}
+function showHidden({ captures, active }) {
+  const now = captures.filter(({ id, hides }) => hides && active.includes(id)).map(({ id }) => id);
+  byId("hides").hidden = now.length === 0;
+  if (now.join() !== hiding.join()) byId("unhidden").textContent = "";
+  hiding = now;
 }
 
 // src/ladder.js
@@ -1159,10 +1182,10 @@ function zoomable(plot, deeds) {
 }
 function zoomed([low, high], whole, at, factor) {
   const all = whole[1] - whole[0];
-  const span2 = Math.max(CLOSEST * all, factor * (high - low));
-  if (!(span2 < all)) return null;
+  const span3 = Math.max(CLOSEST * all, factor * (high - low));
+  if (!(span3 < all)) return null;
   const fixed = low + at * (high - low);
-  return within([fixed - at * span2, fixed + (1 - at) * span2], whole);
+  return within([fixed - at * span3, fixed + (1 - at) * span3], whole);
 }
 function panned([low, high], whole, share) {
   const step = share * (high - low);
@@ -1351,12 +1374,12 @@ var Linked = class {
     };
     const own = chosen.length > 0 ? ` (${rms(share.rms)})` : "";
     const count = chosen.length.toLocaleString("en");
-    let words2 = `${count} samples chosen, ${part} of all: they have ${percent(share.ofError)} of the squared error${own}`;
+    let words3 = `${count} samples chosen, ${part} of all: they have ${percent(share.ofError)} of the squared error${own}`;
     if (data.beside && chosen.length > 0) {
       const { sum, count: counted } = chosenSquares(data.beside.residual, chosen);
-      words2 += `; in ${data.beside.name}: ${rms(Math.sqrt(sum / Math.max(1, counted)))}`;
+      words3 += `; in ${data.beside.name}: ${rms(Math.sqrt(sum / Math.max(1, counted)))}`;
     }
-    return this.told(words2);
+    return this.told(words3);
   }
 };
 function within2(axis, seen) {
@@ -1376,99 +1399,13 @@ function chosenSquares(residual, chosen) {
   return { sum, count };
 }
 
-// src/params.js
-var STEPS = 400;
-var Params = class {
-  /**
-   * @param {HTMLElement} place
-   * @param {{drag: (values: Record<string, number>) => void, drop: (effect: string) => void}} deeds
-   */
-  constructor(place3, deeds) {
-    this.place = place3;
-    this.deeds = deeds;
-    this.rows = /* @__PURE__ */ new Map();
-    this.shape = "";
-  }
-  /** @param {Param[]} params */
-  show(params) {
-    const shape = JSON.stringify(params.map(({ name, fitted, lower, upper }) => [name, fitted, lower, upper]));
-    if (shape !== this.shape) this.build(params);
-    this.shape = shape;
-    for (const param of params) {
-      const row = this.rows.get(param.name);
-      if (!row) continue;
-      row.value.textContent = number(param.value, 4);
-      row.value.classList.toggle("moved", param.dragged);
-      if (document.activeElement !== row.slider) row.slider.value = String(place2(param.value, row));
-    }
-  }
-  /** @param {Param[]} params */
-  build(params) {
-    const focused = document.activeElement?.getAttribute("data-param");
-    this.rows.clear();
-    const groups = Map.groupBy(params, ({ name }) => name.split(".")[0]);
-    const lines = [...groups].flatMap(([effect, own]) => [
-      this.heading(effect, groups.size > 1),
-      ...own.map((param) => this.line(param))
-    ]);
-    const widths = make("colgroup", {}, ...["name", "slide", "value", "unit"].map((name) => make("col", { class: name })));
-    this.place.replaceChildren(make("table", { class: "params" }, widths, make("tbody", {}, ...lines)));
-    if (focused) this.rows.get(focused)?.slider.focus();
-  }
-  /** @param {string} effect @param {boolean} removable */
-  heading(effect, removable) {
-    const drop = make("button", {
-      ...{ type: "button", text: "×", title: `remove ${effect}`, "aria-label": `remove ${effect}` },
-      on: { click: () => this.deeds.drop(effect) }
-    });
-    const name = make("th", { scope: "rowgroup", colspan: 3, text: effect });
-    return make("tr", { class: "effect" }, name, make("td", { class: "remove" }, removable ? drop : ""));
-  }
-  /** @param {Param} param */
-  line(param) {
-    const { low, high } = span(param);
-    const slider = make("input", {
-      ...{ type: "range", min: 0, max: STEPS, step: 1, value: place2(param.value, { low, high }) },
-      ...{ "aria-label": param.name, "data-param": param.name, disabled: param.role === "fixed" },
-      on: { input: () => this.drag(param.name) }
-    });
-    const value = make("span", { class: "figure" });
-    this.rows.set(param.name, { slider, value, low, high });
-    const between2 = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
-    const odd = param.odd ? make("span", { class: "odd", text: " ⚠", "aria-label": param.odd }) : null;
-    const about2 = [param.name, param.meaning, param.odd].filter(Boolean).join(": ");
-    return make(
-      "tr",
-      {},
-      make("th", { scope: "row", title: about2 }, param.name.split(".").slice(1).join("."), odd),
-      make("td", {}, slider),
-      make("td", { class: "value", title: `95 % interval ${between2} ${param.unit}` }, value),
-      make("td", { class: "soft unit", text: param.unit, title: param.unit })
-    );
-  }
-  /** @param {string} name */
-  drag(name) {
-    const row = this.rows.get(name);
-    if (!row) return;
-    const value = row.low + Number(row.slider.value) / STEPS * (row.high - row.low);
-    row.value.textContent = number(value, 4);
-    row.value.classList.add("moved");
-    this.deeds.drag({ [name]: value });
-  }
-};
-function span({ fitted, ci95, lower, upper }) {
-  const half = ci95 ? 2 * Math.abs(ci95[1] - ci95[0]) : 0;
-  const reach = Math.max(Math.abs(fitted), half, 1e-9);
-  return { low: Math.max(fitted - reach, lower ?? -Infinity), high: Math.min(fitted + reach, upper ?? Infinity) };
-}
-function place2(value, { low, high }) {
-  return high > low ? Math.round(STEPS * (value - low) / (high - low)) : 0;
-}
-
 // src/store.js
 var MOTION = /* @__PURE__ */ new Set(["t", "theta", "omega", "alpha", "tau"]);
 var NODES_KEPT = 32;
 function decode(buffer) {
+  return unpacked(buffer).columns;
+}
+function unpacked(buffer) {
   const end = new Uint8Array(buffer).indexOf(10);
   const head = JSON.parse(new TextDecoder().decode(buffer.slice(0, end)));
   const start = Math.ceil((end + 1) / 4) * 4;
@@ -1476,7 +1413,7 @@ function decode(buffer) {
     name,
     new Float32Array(buffer, start + 4 * at * head.n, head.n)
   ]);
-  return Object.fromEntries(columns);
+  return { head, columns: Object.fromEntries(columns) };
 }
 var Store = class {
   constructor() {
@@ -1560,6 +1497,420 @@ function joined(parts, names) {
   return whole;
 }
 
+// src/live.js
+var PAUSE_MS = 120;
+var PLOTS = (
+  /** @type {const} */
+  [
+    { y: "tau", x: "t", name: "torque over time" },
+    { y: "tau", x: "theta", name: "torque over position" },
+    { y: "theta", x: "t", name: "angle over time" },
+    { y: "omega", x: "t", name: "velocity over time" }
+  ]
+);
+var WORDS = { tau: "torque", theta: "angle, rad", omega: "velocity, rad/s", t: "time, s" };
+var Live = class {
+  /**
+   * @param {{done: () => void, failed: (reason: unknown) => void, say: (words: string) => void,
+   *   open: (path: string) => void}} heard
+   */
+  constructor(heard) {
+    this.heard = heard;
+    this.plots = PLOTS.map(({ name }) => new Plot(`${name}, as it is recorded`, () => {
+    }));
+    byId("live-plots").append(...this.plots.map(({ element }) => element));
+    this.columns = {};
+    this.told = null;
+    this.waiting = false;
+    this.following = false;
+    this.unwanted = false;
+    byId("live-stop").addEventListener("click", () => this.stop(true));
+    byId("live-cancel").addEventListener("click", () => this.stop(false));
+    byId("live-close").addEventListener("click", () => this.close());
+    byId("live-open").addEventListener("click", () => {
+      this.close();
+      if (this.told) heard.open(this.told.log);
+    });
+    new ResizeObserver(() => this.draw()).observe(byId("live-plots"));
+  }
+  /** Show the recording until it has ended. */
+  async follow() {
+    if (this.following) return byId("live-stop").focus();
+    this.following = true;
+    this.unwanted = false;
+    this.columns = {};
+    this.phase("");
+    this.offer(["live-stop", "live-cancel"]);
+    byId("live-said").textContent = "";
+    byId("live").hidden = false;
+    byId("live-stop").focus();
+    try {
+      do
+        await this.look();
+      while (!this.told?.ended && await pause());
+      this.ended();
+    } catch (reason) {
+      byId("live-said").textContent = reason instanceof Error ? reason.message : String(reason);
+      this.offer(["live-close"]);
+    } finally {
+      this.following = false;
+    }
+  }
+  /** Fetch what came since the last time, and show it in the next frame. */
+  async look() {
+    const since = String(this.columns.t?.length ?? 0);
+    const { head, columns } = unpacked(await fetchBytes("/api/live", { since }));
+    this.told = head.live;
+    for (const [name, more] of Object.entries(columns)) this.columns[name] = appended(this.columns[name], more);
+    if (this.waiting) return;
+    this.waiting = true;
+    timed("live", () => {
+      this.waiting = false;
+      this.tell();
+      this.draw();
+    });
+  }
+  /** @param {boolean} keep */
+  async stop(keep) {
+    this.unwanted = !keep;
+    this.offer([]);
+    this.phase(keep ? "stopping" : "disarming");
+    try {
+      await post("stop", { keep });
+    } catch (reason) {
+      this.heard.failed(reason);
+    }
+  }
+  /** Say what is being done. @param {string} what */
+  phase(what) {
+    byId("live-what").textContent = what;
+  }
+  ended() {
+    const { error, log, capture } = this.told ?? {};
+    if (capture !== null || this.unwanted) {
+      this.close();
+      this.heard.say(error ?? `recorded ${log}`);
+      this.heard.done();
+      return;
+    }
+    this.phase("the recording has ended");
+    byId("live-said").textContent = error ?? "";
+    this.offer(this.told?.received ? ["live-open", "live-close"] : ["live-close"]);
+    byId("live-close").focus();
+  }
+  close() {
+    byId("live").hidden = true;
+  }
+  /** Show these buttons and no others. @param {string[]} ids */
+  offer(ids) {
+    for (const id of ["live-stop", "live-cancel", "live-open", "live-close"]) byId(id).hidden = !ids.includes(id);
+  }
+  /** The figures in words. */
+  tell() {
+    if (!this.told) return;
+    const { what, log, every, done, elapsed_s, total_s, received = 0, missing = 0, rate_hz } = this.told;
+    if (byId("live-what").textContent === "") this.phase(what);
+    const bar = (
+      /** @type {HTMLProgressElement} */
+      byId("live-done")
+    );
+    if (done === null) bar.removeAttribute("value");
+    else bar.value = done;
+    byId("live-time").textContent = `${seconds(elapsed_s)} of ${seconds(total_s)}`;
+    const { peak_torque: peak, torque_limit: limit = 0, temperature, clipped = {} } = this.told;
+    const scale = torqueScale("N m", peak ?? 0);
+    const figures = [
+      `${received.toLocaleString("en")} samples`,
+      `${missing.toLocaleString("en")} lost`,
+      `${Math.round(rate_hz ?? 0).toLocaleString("en")} Hz`
+    ];
+    if (peak) figures.push(`peak ${number(peak * scale.factor)} ${scale.unit}, allowed ${number(limit * scale.factor)}`);
+    for (const [name, count] of Object.entries(clipped)) if (count) figures.push(`${name} saturated ${count} times`);
+    if (typeof temperature === "number") figures.push(`${Math.round(temperature)} °C`);
+    byId("live-figures").textContent = figures.join(" · ");
+    byId("live-figures").classList.toggle("wrong", missing > 0);
+    const drawn = every > 1 ? `Drawn here: one of every ${every} samples. ` : "";
+    byId("live-note").textContent = `${drawn}The wire log has everything: ${log}`;
+  }
+  draw() {
+    const { t } = this.columns;
+    if (!t || t.length === 0 || byId("live").hidden) return;
+    for (const [at, { x, y, name }] of PLOTS.entries()) {
+      const [low, high] = limits([this.columns[y]]);
+      const across = x === "t" ? [0, span(t[t.length - 1], this.told?.total_s)] : limits([this.columns[x]]);
+      const scale = y === "tau" ? torqueScale("N m", Math.max(-low, high)) : null;
+      this.plots[at].show({
+        title: name,
+        x: this.columns[x],
+        xAxis: { low: across[0], high: across[1], factor: 1, label: WORDS[x] },
+        yAxis: { low, high, factor: scale?.factor ?? 1, label: scale ? `${WORDS[y]}, ${scale.unit}` : WORDS[y] },
+        series: [{ colour: "--measured", chosen: null, y: this.columns[y], strength: 0.6 }],
+        picked: 0,
+        noise: null
+      });
+    }
+  }
+};
+function appended(before, more) {
+  if (!before) return more;
+  if (more.length === 0) return before;
+  const whole = new Float32Array(before.length + more.length);
+  whole.set(before);
+  whole.set(more, before.length);
+  return whole;
+}
+function span(elapsed, total = Infinity) {
+  return Math.min(total, Math.max(2, 2 ** Math.ceil(Math.log2(elapsed))));
+}
+function seconds(value) {
+  return value === void 0 ? "–" : `${value.toFixed(1)} s`;
+}
+function pause() {
+  return new Promise((resolve) => setTimeout(() => resolve(true), PAUSE_MS));
+}
+
+// src/params.js
+var STEPS = 400;
+var Params = class {
+  /**
+   * @param {HTMLElement} place
+   * @param {{drag: (values: Record<string, number>) => void, drop: (effect: string) => void}} deeds
+   */
+  constructor(place3, deeds) {
+    this.place = place3;
+    this.deeds = deeds;
+    this.rows = /* @__PURE__ */ new Map();
+    this.shape = "";
+  }
+  /** @param {Param[]} params */
+  show(params) {
+    const shape = JSON.stringify(params.map(({ name, fitted, lower, upper }) => [name, fitted, lower, upper]));
+    if (shape !== this.shape) this.build(params);
+    this.shape = shape;
+    for (const param of params) {
+      const row = this.rows.get(param.name);
+      if (!row) continue;
+      row.value.textContent = number(param.value, 4);
+      row.value.classList.toggle("moved", param.dragged);
+      if (document.activeElement !== row.slider) row.slider.value = String(place2(param.value, row));
+    }
+  }
+  /** @param {Param[]} params */
+  build(params) {
+    const focused = document.activeElement?.getAttribute("data-param");
+    this.rows.clear();
+    const groups = Map.groupBy(params, ({ name }) => name.split(".")[0]);
+    const lines = [...groups].flatMap(([effect, own]) => [
+      this.heading(effect, groups.size > 1),
+      ...own.map((param) => this.line(param))
+    ]);
+    const widths = make("colgroup", {}, ...["name", "slide", "value", "unit"].map((name) => make("col", { class: name })));
+    this.place.replaceChildren(make("table", { class: "params" }, widths, make("tbody", {}, ...lines)));
+    if (focused) this.rows.get(focused)?.slider.focus();
+  }
+  /** @param {string} effect @param {boolean} removable */
+  heading(effect, removable) {
+    const drop = make("button", {
+      ...{ type: "button", text: "×", title: `remove ${effect}`, "aria-label": `remove ${effect}` },
+      on: { click: () => this.deeds.drop(effect) }
+    });
+    const name = make("th", { scope: "rowgroup", colspan: 3, text: effect });
+    return make("tr", { class: "effect" }, name, make("td", { class: "remove" }, removable ? drop : ""));
+  }
+  /** @param {Param} param */
+  line(param) {
+    const { low, high } = span2(param);
+    const slider = make("input", {
+      ...{ type: "range", min: 0, max: STEPS, step: 1, value: place2(param.value, { low, high }) },
+      ...{ "aria-label": param.name, "data-param": param.name, disabled: param.role === "fixed" },
+      on: { input: () => this.drag(param.name) }
+    });
+    const value = make("span", { class: "figure" });
+    this.rows.set(param.name, { slider, value, low, high });
+    const between2 = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
+    const odd = param.odd ? make("span", { class: "odd", text: " ⚠", "aria-label": param.odd }) : null;
+    const about2 = [param.name, param.meaning, param.odd].filter(Boolean).join(": ");
+    return make(
+      "tr",
+      {},
+      make("th", { scope: "row", title: about2 }, param.name.split(".").slice(1).join("."), odd),
+      make("td", {}, slider),
+      make("td", { class: "value", title: `95 % interval ${between2} ${param.unit}` }, value),
+      make("td", { class: "soft unit", text: param.unit, title: param.unit })
+    );
+  }
+  /** @param {string} name */
+  drag(name) {
+    const row = this.rows.get(name);
+    if (!row) return;
+    const value = row.low + Number(row.slider.value) / STEPS * (row.high - row.low);
+    row.value.textContent = number(value, 4);
+    row.value.classList.add("moved");
+    this.deeds.drag({ [name]: value });
+  }
+};
+function span2({ fitted, ci95, lower, upper }) {
+  const half = ci95 ? 2 * Math.abs(ci95[1] - ci95[0]) : 0;
+  const reach = Math.max(Math.abs(fitted), half, 1e-9);
+  return { low: Math.max(fitted - reach, lower ?? -Infinity), high: Math.min(fitted + reach, upper ?? Infinity) };
+}
+function place2(value, { low, high }) {
+  return high > low ? Math.round(STEPS * (value - low) / (high - low)) : 0;
+}
+
+// src/sources.js
+var NUMBERS = /* @__PURE__ */ new Set(["duration_s", "speed", "seed", "baud"]);
+function sources(heard) {
+  const dialog2 = (
+    /** @type {HTMLDialogElement} */
+    byId("new-dialog")
+  );
+  const form = (
+    /** @type {HTMLFormElement} */
+    byId("new-form")
+  );
+  const go = (
+    /** @type {HTMLButtonElement} */
+    byId("new-go")
+  );
+  const told = byId("new-said");
+  let known = null;
+  let busy = false;
+  const shown = () => {
+    if (!known) return;
+    const source = valueOf(form, "source");
+    for (const part of form.querySelectorAll("[data-for]")) {
+      part.toggleAttribute("hidden", !part.getAttribute("data-for")?.split(" ").includes(source));
+    }
+    byId("new-together").hidden = heard.open() === 0;
+    go.textContent = source === "simulated" ? "Simulate" : "Record";
+    fill(form, "motion", Object.entries(known.motions[source]).map(([name, words3]) => [name, `${name}: ${words3}`]));
+    byId("new-warning").hidden ||= valueOf(form, "motion") === "hand" && !valueOf(form, "model").trim();
+    byId("new-effects").hidden = valueOf(form, "hides") !== "chosen";
+    const hideable = known.knobs.find(({ name }) => name === valueOf(form, "knob"))?.hideable ?? [];
+    for (const box of byId("new-effects").querySelectorAll("input")) box.disabled = !hideable.includes(box.value);
+  };
+  const opened = async () => {
+    dialog2.showModal();
+    told.textContent = "";
+    try {
+      known = /** @type {Sources} */
+      await ask("sources");
+    } catch (reason) {
+      told.textContent = words2(reason);
+      return;
+    }
+    fill(form, "knob", known.knobs.map(({ name, words: words3 }) => [name, words3]), "knob3");
+    const { hideable } = known.knobs[0];
+    const every = [.../* @__PURE__ */ new Set([...hideable, ...known.knobs.flatMap((knob) => knob.hideable)])];
+    if (!byId("new-effects").querySelector("input")) byId("new-effects").append(...every.map(effectBox(known.effects)));
+    byId("new-ports").replaceChildren(...known.ports.map(({ port: port2, words: words3 }) => make("option", { value: port2, text: words3 })));
+    byId("new-found").textContent = found(known.ports);
+    const port = field(form, "port");
+    if (!port.value && known.ports.length === 1) port.value = known.ports[0].port;
+    if (!field(form, "folder").value) field(form, "folder").value = known.folder;
+    const emulated = (
+      /** @type {HTMLInputElement} */
+      form.querySelector("[value=emulated]")
+    );
+    emulated.disabled = known.no_emulated_rig !== null;
+    byId("new-absent").textContent = known.no_emulated_rig && `No emulated rig here: ${known.no_emulated_rig}.`;
+    byId("new-absent").hidden = known.no_emulated_rig === null;
+    shown();
+  };
+  const wait = (waiting) => {
+    busy = waiting;
+    go.disabled = waiting;
+    byId("new-doing").textContent = "";
+  };
+  byId("new").addEventListener("click", opened);
+  byId("new-first").addEventListener("click", opened);
+  form.addEventListener("change", shown);
+  byId("new-close").addEventListener("click", () => dialog2.close());
+  dialog2.addEventListener("close", () => {
+    if (busy) post("stop", { keep: false }).catch(() => {
+    });
+  });
+  form.addEventListener("submit", async (event) => {
+    event.preventDefault();
+    const asked = wanted(form);
+    told.textContent = "";
+    wait(true);
+    try {
+      if (asked.source === "simulated") {
+        await post("simulate", asked);
+        heard.say("made a capture");
+      } else {
+        await post("record", asked);
+      }
+      wait(false);
+      dialog2.close();
+      (asked.source === "simulated" ? heard.made : heard.recording)();
+    } catch (reason) {
+      wait(false);
+      told.textContent = words2(reason);
+    }
+  });
+}
+function preparing(what) {
+  const { open } = (
+    /** @type {HTMLDialogElement} */
+    byId("new-dialog")
+  );
+  byId("new-doing").textContent = open ? `${what} …` : "";
+}
+function wanted(form) {
+  const body = {};
+  for (const [name, value] of new FormData(form)) {
+    if (typeof value === "string" && name !== "effects") body[name] = NUMBERS.has(name) ? numeric(value) : value;
+  }
+  const chosen = [...form.querySelectorAll("#new-effects input:checked:not(:disabled)")];
+  body.surprise = body.hides === "surprise";
+  body.effects = body.hides === "chosen" ? chosen.map((box) => (
+    /** @type {HTMLInputElement} */
+    box.value
+  )) : [];
+  body.together = "together" in body;
+  return body;
+}
+function numeric(value) {
+  const number2 = Number(value);
+  return value.trim() && Number.isFinite(number2) ? number2 : value;
+}
+function effectBox(shows) {
+  return (name) => make(
+    "label",
+    { title: shows[name] ?? "" },
+    make("input", { type: "checkbox", name: "effects", value: name }),
+    ` ${name}`
+  );
+}
+function found(ports) {
+  if (ports.length === 0) return "This computer has no serial port now; a path can be typed all the same.";
+  return ports.map(({ port, words: words3 }) => words3 && words3 !== "n/a" ? `${port} (${words3})` : port).join(", ");
+}
+function fill(form, name, choices, first) {
+  const list = (
+    /** @type {HTMLSelectElement} */
+    form.elements.namedItem(name)
+  );
+  const before = list.value || first;
+  list.replaceChildren(...choices.map(([value, text]) => make("option", { value, text })));
+  if (choices.some(([value]) => value === before)) list.value = before ?? "";
+}
+function field(form, name) {
+  return (
+    /** @type {HTMLInputElement} */
+    form.elements.namedItem(name)
+  );
+}
+function valueOf(form, name) {
+  return String(new FormData(form).get(name) ?? "");
+}
+function words2(reason) {
+  return reason instanceof Error ? reason.message : String(reason);
+}
+
 // src/theme.js
 var KEY2 = "knobcam-theme";
 function themed(changed) {
@@ -1587,7 +1938,7 @@ var App = class {
     this.drawn = "";
     this.beside = null;
     this.deed = { what: "first picture", start: 0 };
-    this.linked = new Linked((words2) => byId("chosen").textContent = words2 ?? BRUSH_HINT);
+    this.linked = new Linked((words3) => byId("chosen").textContent = words3 ?? BRUSH_HINT);
     byId("plots").append(this.linked.element);
     this.refresh = latest((revision) => this.load(revision));
     this.drag = latest((values) => this.ask("params", values, "drag"));
@@ -1605,21 +1956,28 @@ var App = class {
     this.any = new AnyEffect((effect) => this.ask("add", { effect }, "add"));
     this.looking = new AbortController();
     this.looked = null;
+    this.live = null;
   }
   start() {
     const heard = {
       done: () => this.refresh(Infinity),
       failed: (reason) => this.failed(reason),
-      say: (words2) => this.say(words2)
+      say: (words3) => this.say(words3)
     };
     opening(heard);
     saving(heard);
+    unhiding(heard.failed);
+    this.live = new Live({ ...heard, open: (path) => this.ask("open", { path }, "data") });
+    sources({
+      ...{ made: heard.done, say: heard.say, recording: () => this.live?.follow() },
+      open: () => this.state?.captures.length ?? 0
+    });
     themed(() => this.linked.redraw());
     this.buttons();
     document.addEventListener("keydown", (event) => this.key(event));
     listen({
       state: (revision) => this.refresh(revision),
-      progress: (job) => this.showJob(job),
+      progress: (job) => job.recording ? this.showRecording(job) : this.showJob(job),
       connected: (well) => byId("lost").toggleAttribute("hidden", well)
     });
     this.refresh(0);
@@ -1687,6 +2045,8 @@ var App = class {
     this.state = state;
     byId("welcome").toggleAttribute("hidden", state.node !== null);
     byId("verdict").textContent = state.verdict_text;
+    if (state.recording) this.live?.follow();
+    showHidden(state);
     showCaptures(byId("captures"), state, (captures) => this.ask("use", { captures }, "captures"));
     showLadder(byId("ladder"), state);
     if (state.branch === this.beside || !state.branches.some(({ id }) => id === this.beside)) this.beside = null;
@@ -1706,13 +2066,13 @@ var App = class {
     const { node, active, unit, captures } = state;
     const other = state.branches.find(({ id }) => id === this.beside);
     const otherNode = other?.steps[other.at]?.node;
-    const wanted = JSON.stringify([node, active, this.view, otherNode, other?.name]);
+    const wanted2 = JSON.stringify([node, active, this.view, otherNode, other?.name]);
     if (node === null) this.deed = null;
-    if (node === null || wanted === this.drawn) return;
+    if (node === null || wanted2 === this.drawn) return;
     const columns = await this.store.columns(node, active, columnsOf(this.view));
     const rest = otherNode ? await this.store.columns(otherNode, active, ["residual"]) : null;
     if (this.state && this.state.node !== node) return;
-    this.drawn = wanted;
+    this.drawn = wanted2;
     const axis = captures.find(({ id }) => active.includes(id))?.axis ?? "rotary";
     const view = this.view;
     const { what, start } = this.deed ?? { what: "data", start: performance.now() };
@@ -1778,12 +2138,20 @@ var App = class {
     if (job.done === null) bar.removeAttribute("value");
     else bar.value = job.done;
   }
+  /** @param {Job} job */
+  showRecording({ what, done }) {
+    preparing(what);
+    this.live?.phase(what);
+    if (done !== null && !this.live?.following) this.live?.follow();
+  }
   /** @param {KeyboardEvent} event */
   key(event) {
     if (event.target instanceof HTMLInputElement && event.target.type !== "range" && event.key !== "Escape") return;
     const control = event.ctrlKey || event.metaKey;
     const key = event.key.toLowerCase();
-    if (event.key === "Escape") {
+    if (event.key === "Escape" && this.live?.following) {
+      this.live.stop(true);
+    } else if (event.key === "Escape") {
       this.linked.clear();
     } else if (!control && !event.altKey && key === "z") {
       this.linked.lookCloser();
@@ -1796,8 +2164,8 @@ var App = class {
     }
   }
   /** @param {string} words */
-  say(words2) {
-    byId("said").textContent = words2;
+  say(words3) {
+    byId("said").textContent = words3;
     byId("said").classList.remove("wrong");
   }
   /** @param {unknown} reason */
