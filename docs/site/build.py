@@ -11,20 +11,29 @@ import shutil
 import sys
 from pathlib import Path
 
-from pages import ROOT, Maker, pages, stage
+from catalogue import catalogue
+from commands import commands
+from pages import ROOT, pages, stage
+from reference import exam, examples, names
 from sphinx.cmd.build import main as sphinx
-
-MAKERS: dict[str, Maker] = {}
 
 
 def build(folder: Path) -> int:
     """Make the site in `folder`/html, anew, and return the exit code of Sphinx; a warning is an error."""
     for name in ("source", "doctrees", "html"):
         shutil.rmtree(folder / name, ignore_errors=True)
-    stage(folder / "source", MAKERS)
+    source = folder / "source"
+    makers = {
+        "commands": lambda _: commands(),
+        "catalogue": lambda _: catalogue(source),
+        "examples": lambda _: examples(),
+        "names": names,
+        "exam": exam,
+    }
+    stage(source, makers)
     strict = ["--fail-on-warning", "--keep-going", "--nitpicky", "--quiet"]
     places = ["--conf-dir", str(Path(__file__).parent), "--doctree-dir", str(folder / "doctrees")]
-    return sphinx([*strict, *places, str(folder / "source"), str(folder / "html")])
+    return sphinx([*strict, *places, str(source), str(folder / "html")])
 
 
 def main() -> None:

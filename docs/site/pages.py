@@ -40,8 +40,10 @@ def stage(folder: Path, makers: dict[str, Maker]) -> None:
 
 
 def _staged(page: Path, folder: Path, makers: dict[str, Maker]) -> str:
-    text = _MARK.sub(lambda mark: makers[mark["name"]](mark["words"].split()), page.read_text("utf-8"))
+    text = page.read_text("utf-8")
+    # Links first: what is made leads to pages of the site already.
     text = _LINK.sub(lambda link: link["head"] + _lead(link["target"], page, folder), text)
+    text = _MARK.sub(lambda mark: makers[mark["name"]](mark["words"].split()), text)
     return text + navigation(text) if page.stem == "index" else text
 
 
