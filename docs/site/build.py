@@ -14,7 +14,7 @@ from pathlib import Path
 from catalogue import catalogue
 from commands import commands
 from pages import ROOT, pages, stage
-from reference import exam, examples, names
+from reference import exam, examples, measured, names
 from sphinx.cmd.build import main as sphinx
 
 
@@ -29,6 +29,7 @@ def build(folder: Path) -> int:
         "examples": lambda _: examples(),
         "names": names,
         "exam": exam,
+        "measured": measured,
     }
     stage(source, makers)
     strict = ["--fail-on-warning", "--keep-going", "--nitpicky", "--quiet"]

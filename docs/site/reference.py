@@ -33,10 +33,18 @@ def examples() -> str:
     return "\n".join(lines)
 
 
+def measured(words: list[str]) -> str:
+    """Return what stands under a heading of BENCHMARKS.md."""
+    title = " ".join(words)
+    _, found, rest = MEASURED.read_text("utf-8").partition(f"\n## {title}\n")
+    if not found:
+        raise LookupError(f"{MEASURED.name}: has no section {title!r}")
+    return rest.partition("\n## ")[0].strip()
+
+
 def exam(words: list[str]) -> str:
     """Return the part of the examination's figures that begins with a word; columns become a table."""
-    section = MEASURED.read_text("utf-8").partition("## Knobs with something hidden in them")[2]
-    parts = section.split("```")[1].strip().split("\n\n")
+    parts = measured(["Knobs with something hidden in them"]).strip("`\n").split("\n\n")
     head, *rows = next(part for part in parts if part.split()[0] == words[0]).splitlines()
     if "|" not in head:
         return "\n".join(["```text", *rows, "```"])
