@@ -14,6 +14,9 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from test_browser import capture_with_stribeck, script, workbench
 
+UNWEIGHED = ("return_spring", "quadratic_drag", "stribeck", "friction_drift", "presliding")
+"""Two linear effects and three others, added while what is missing is being weighed."""
+
 
 def main() -> None:
     for samples in [int(word) for word in sys.argv[1:]] or [25_000, 250_000]:
@@ -21,9 +24,13 @@ def main() -> None:
             capture = capture_with_stribeck(Path(folder), samples)
             with workbench(capture) as address:
                 seen = script("story.js", address, "stribeck", folder)
+            with workbench(capture) as address:
+                unweighed = script("adding.js", address, *UNWEIGHED)
         print(f"{samples} samples; the other branch has {seen['other']}")
         for what, times in seen["figures"].items():
             print(f"  {what:<8} painted {times['painted']:6.0f} ms, script {times['script']:5.0f} ms")
+        for effect, times in unweighed["figures"].items():
+            print(f"  add {effect}, not weighed yet: painted {times['painted']:6.0f} ms")
 
 
 if __name__ == "__main__":

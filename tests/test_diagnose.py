@@ -52,6 +52,21 @@ def test_an_effect_left_out_of_the_catalogue_is_not_weighed(bent: kc.Fit) -> Non
     assert [one.effect for one in alone.candidates] == ["return_spring"]
 
 
+def test_weighing_tells_how_far_it_is_and_ends_when_whoever_is_told_raises(bent: kc.Fit) -> None:
+    told: list[float] = []
+    kc.diagnose(bent, progress=told.append)
+    assert told[0] == 0.0 and told == sorted(told) and 0.5 < told[-1] <= 1.0
+
+    def enough(share: float) -> None:
+        told.append(share)
+        raise KeyError("enough")
+
+    told.clear()
+    with pytest.raises(KeyError, match="enough"):
+        kc.diagnose(bent, progress=enough)
+    assert len(told) == 1
+
+
 @pytest.mark.parametrize("argument", ["without", "only"])
 def test_an_unknown_effect_to_leave_out_or_to_weigh_is_named(bent: kc.Fit, argument: str) -> None:
     with pytest.raises(kc.InputError, match=rf"{argument}: effect 'magic' is not in the catalogue"):

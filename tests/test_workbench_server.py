@@ -209,6 +209,32 @@ def test_work_is_cancelled_and_nothing_changed(opened: httpx.Client, bench: Benc
     assert (after["node"], after["params"]) == (before["node"], before["params"])
 
 
+def test_weighing_says_how_far_it_is_rests_while_a_person_waits_and_ends_when_it_is_given_up(
+    opened: httpx.Client, bench: Bench
+):
+    job = bench.weigh()
+
+    def told_before(share: float) -> None:
+        while job.active and not (job.done is not None and job.done > share):
+            time.sleep(0.005)
+
+    told_before(0.0)
+    waited = bench.work.start("waiting", lambda work: work.rest(0.5))
+    time.sleep(0.2)  # until it has noticed
+    share = job.done
+    time.sleep(0.2)
+    assert job.active and share is not None and 0.0 < share < 1.0 and job.done == share
+    waited.result.result(5.0)
+    told_before(share)
+    assert opened.post("/api/cancel").status_code == 200
+    assert not job.active
+    deadline = time.monotonic() + 5.0
+    while bench.busy and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert not bench.busy
+    assert bench.session.diagnosis_of(bench.session.node.id) is None
+
+
 def test_a_failure_of_the_program_is_one_line_as_well(opened: httpx.Client, bench: Bench, monkeypatch: Any):
     def broken(*_: Any) -> None:
         raise ZeroDivisionError("by\nnought")
@@ -258,3 +284,32 @@ def test_the_command_prints_its_address_tells_what_happens_and_ends_by_an_interr
             assert process.stderr.read() == ""
         finally:
             process.kill()
+
+
+def test_a_file_with_other_columns_is_refused_with_what_they_look_like(client: httpx.Client, tmp_path: Path):
+    path = tmp_path / "log.npz"
+    t = np.arange(6000) / 6000.0
+    turned = np.where(t < 0.5, np.nan, np.sin(40.0 * t))
+    np.savez(
+        path,
+        zeit=t,
+        winkel=turned,
+        still=np.full(6000, 3.0),
+        empty=np.full(6000, np.nan),
+        one=np.float64(1.0),
+    )
+    answers = [
+        client.post("/api/open", json={"path": str(path)}),
+        client.post("/api/upload", content=path.read_bytes(), headers={"x-filename": HOSTILE.encode()}),
+    ]
+    for answer in answers:
+        assert answer.status_code == 400
+        assert "the file has zeit, winkel" in answer.json()["error"]
+        told = {column["name"]: column for column in answer.json()["columns"]}
+        assert list(told) == ["zeit", "winkel", "still", "empty"]
+        assert (told["zeit"]["low"], told["zeit"]["rows"]) == (0.0, 6000)
+        assert told["zeit"]["outline"][0][0] == 0.0 and told["zeit"]["outline"][-1][1] == 1.0
+        assert len(told["winkel"]["outline"]) == 30  # of 60 pieces half are gaps
+        assert told["still"]["outline"][0] == [0.0, 0.0] and told["empty"]["outline"] == []
+    wrong(client.post("/api/open", json={"path": str(tmp_path / "none.npz")}), 400, "cannot be read")
+    assert "columns" not in client.post("/api/open", json={"path": str(tmp_path / "none.npz")}).json()

@@ -18,9 +18,10 @@ from knobcam.workbench import arrays, saving, state
 from knobcam.workbench.jobs import Cancelled, Job, Worker
 from knobcam.workbench.session import Session
 from knobcam.workbench.story import ladder
+from knobcam.workbench.tree import Start
 
 
-def quiet(_: str) -> None:
+def quiet(_: str, __: float | None = None) -> None:
     return
 
 
@@ -282,6 +283,20 @@ def test_the_script_of_a_session_makes_the_same_model_to_the_last_bit(
     assert "return_spring" in capsys.readouterr().out
     assert made.model.text() == weighed.node.fit.model.text()
     weighed.switch(next(iter(weighed.branches)))
+
+
+def test_a_session_starts_from_a_model_and_its_script_does_too(recording: Path, tmp_path: Path, capsys):
+    path = kc.Model.load("knob4").with_effect("quadratic_drag").save(tmp_path / "start.toml")
+    start = Start(kc.Model.load(path), str(path), {"prepare": "paper", "torque_edge_hz": 400.0})
+    session = Session(start=start)
+    session.open(str(recording))
+    assert "quadratic_drag" in session.node.fit.model.effects
+    assert session.node.fit.prepared[0].method == "paper"
+    session.add("return_spring")
+    session.open(str(kc.load(recording).save(tmp_path / "other.npz")), end=2.0)
+    script = saving.save(session, "script", tmp_path / "session.py", quiet)
+    assert runpy.run_path(str(script))["fit"].model.text() == session.node.fit.model.text()
+    assert "quadratic_drag" in capsys.readouterr().out
 
 
 def test_a_model_a_report_and_pictures_are_saved(weighed: Session, tmp_path: Path):

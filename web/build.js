@@ -2,11 +2,11 @@
 
 import { build } from "esbuild";
 import { cpSync, mkdirSync, rmSync } from "node:fs";
-import { join } from "node:path";
+import { join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
 
 const here = fileURLToPath(new URL(".", import.meta.url));
-const folder = process.argv[2] ?? join(here, "..", "python", "knobcam", "workbench", "page");
+const folder = process.argv[2] ? resolve(process.argv[2]) : join(here, "..", "python", "knobcam", "workbench", "page");
 const common = {
   ...{ bundle: true, target: "es2022", charset: "utf8", legalComments: "inline", logLevel: "warning" },
   absWorkingDir: here, // the same files wherever the command is given

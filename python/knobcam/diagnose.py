@@ -16,7 +16,7 @@ from .refit import cores, describe, percent, with_clipped
 from .tables import html_table, text_table
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping
+    from collections.abc import Callable, Collection, Mapping
 
     from matplotlib.figure import Figure
 
@@ -228,17 +228,24 @@ class Diagnosis:
         )
 
 
-def diagnose(fit: Fit, *, only: Collection[str] | None = None, without: Collection[str] = ()) -> Diagnosis:
+def diagnose(
+    fit: Fit,
+    *,
+    only: Collection[str] | None = None,
+    without: Collection[str] = (),
+    progress: Callable[[float], object] | None = None,
+) -> Diagnosis:
     """Return which effects of the catalogue could be missing from a fit, ranked with evidence.
 
-    `only` weighs these effects alone, `without` takes some out of the catalogue. Raises InputError for an
+    `only` weighs these effects alone, `without` takes some out of the catalogue. `progress` is told the share
+    of the work that is done, 0 to 1, from any thread; what it raises ends the work. Raises InputError for an
     effect that the catalogue does not have.
     """
     out = set(check_effects("without", without, fit.model.axis))
     if only is not None:
         out |= set(effects(fit.model.axis)) - set(check_effects("only", only, fit.model.axis))
     fit = with_clipped(fit) if "saturation" not in out else fit
-    candidates, left_out = _candidates(fit, out)
+    candidates, left_out = _candidates(fit, out, progress)
     return Diagnosis(fit, tuple(sorted(candidates, key=lambda one: not one.beyond_chance)), left_out)
 
 
@@ -259,7 +266,9 @@ def p_in_words(p_value: float) -> str:
     return "< 0.001" if p_value < 0.001 else f"{p_value:.3f}"
 
 
-def _candidates(fit: Fit, without: Collection[str]) -> tuple[list[Candidate], dict[str, str]]:
+def _candidates(
+    fit: Fit, without: Collection[str], progress: Callable[[float], object] | None
+) -> tuple[list[Candidate], dict[str, str]]:
     """Return every absent effect fitted, the one that explains most first, and why some are not."""
     catalogue = effects(fit.model.axis)
     have = fit.model.effects
@@ -279,7 +288,7 @@ def _candidates(fit: Fit, without: Collection[str]) -> tuple[list[Candidate], di
             left_out[one] = "a constant torque is what the difference of the Coulomb levels makes"
         else:
             absent.append(one)
-    weighed = _core.diagnose(cores(fit), fit.model.core, absent)
+    weighed = _core.diagnose(cores(fit), fit.model.core, absent, progress)
     found = [
         Candidate(one, replace(fit, core=core, before=fit), p_value, gain, count, note=note)
         for one, core, gain, count, p_value, note in weighed

@@ -14,7 +14,7 @@ from .prepare import prepare
 from .tables import text_table
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from .fit import Fit
     from .model import Model
@@ -27,16 +27,16 @@ class Moved(NamedTuple):
     by_percent: float
 
 
-def add(fit: Fit, effect: str) -> Fit:
+def add(fit: Fit, effect: str, progress: Callable[[float], object] | None = None) -> Fit:
     """Return the fit of the same captures with one effect more, every free parameter fitted anew.
 
-    Raises InputError for an effect that the model has already, that the catalogue does not have, or that
-    cannot be fitted beside this model.
+    `progress` is asked from time to time; what it raises ends the work. Raises InputError for an effect that
+    the model has already, that the catalogue does not have, or that cannot be fitted beside this model.
     """
     check(effect, fit.model)
     fit.model.with_effect(effect)  # says why not, if it does not go with the model
     fit = with_clipped(fit) if effect == "saturation" else fit
-    (_, core, _, _, _, note), *_ = _core.diagnose(cores(fit), fit.model.core, [effect])
+    (_, core, _, _, _, note), *_ = _core.diagnose(cores(fit), fit.model.core, [effect], progress)
     if core is None:
         raise InputError(f"effect '{effect}': {note}")
     return settle(replace(fit, core=core, before=fit))

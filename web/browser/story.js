@@ -32,6 +32,11 @@ await candidates.first().waitFor({ timeout: 60_000 });
 assert.equal(await candidates.first().getAttribute("data-effect"), effect);
 figures.look = await done(page, "look", () => candidates.first().hover());
 await picture("3-looked-at");
+await candidates.first().focus();
+await page.keyboard.press("?");
+await page.waitForFunction(() => document.querySelector("#about img")?.naturalWidth > 500);
+await picture("3-about");
+await page.getByRole("button", { name: "Close" }).click();
 
 await page.keyboard.press("Escape");
 assert.equal(await page.locator(".brush:visible").count(), 0);
@@ -52,11 +57,29 @@ await page.getByRole("button", { name: "New branch" }).click();
 await page.locator(".branch").nth(1).waitFor();
 await candidates.nth(1).waitFor({ timeout: 60_000 });
 const other = await candidates.nth(1).getAttribute("data-effect");
-figures.other = await done(page, "add", () => candidates.nth(1).getByRole("button").click());
+figures.other = await done(page, "add", () => candidates.nth(1).getByRole("button", { name: "add" }).click());
 const third = await stateOf(page);
 assert.equal(third.branches.length, 2);
 const current = third.branches.find(({ id }) => id === third.branch);
 assert.equal(current.steps[current.at].added, other);
+
+figures.beside = await done(page, "beside", () => page.getByRole("checkbox", { name: "side by side" }).check());
+assert.equal(await page.locator(".plot:visible").count(), 9);
+await brushed(page, "residual over velocity of the branch beside", [0.47, 0.12], [0.62, 0.85]);
+assert.match(await page.locator("#chosen").textContent(), /of the squared error.*; in main: RMS/);
+await picture("5-side-by-side");
+await page.keyboard.press("Escape");
+await page.getByRole("checkbox", { name: "side by side" }).uncheck();
+
+await brushed(page, "residual over time", [0.3, 0.2], [0.5, 0.8]);
+figures.closer = await done(page, "zoom", () => page.keyboard.press("z"));
+const seen = await page.evaluate(() => window.knobcam.app.linked.residuals[2].frame.x);
+assert.ok(seen[1] - seen[0] < 0.4 * third.captures[0].samples / third.captures[0].rate_hz);
+await picture("6-zoomed");
+await page.getByRole("img", { name: "residual over time", exact: true }).hover();
+figures.wheel = await done(page, "zoom", () => page.mouse.wheel(0, -300));
+await done(page, "zoom", () => page.getByRole("button", { name: "Zoom" }).click());
+await page.keyboard.press("Escape");
 
 const slider = page.locator(".params input").first();
 await slider.focus();
@@ -66,7 +89,7 @@ figures.snap = await done(page, "snap", () => page.getByRole("button", { name: "
 assert.deepEqual((await stateOf(page)).params, third.params);
 await page.emulateMedia({ colorScheme: "dark" });
 await page.waitForTimeout(300);
-await picture("5-other-branch-dark");
+await picture("7-other-branch-dark");
 
 figures.switch = await done(page, "switch", () => page.locator(".branch").first().click());
 await done(page, "redo", () => page.keyboard.press("Control+Shift+z"));
@@ -81,13 +104,13 @@ assert.deepEqual(complaints, [], "the browser has nothing to complain about");
 
 requests.length = 0;
 await page.goto(pathToFileURL(report).href);
-await page.screenshot({ path: join(folder, "6-report.png"), fullPage: true });
+await page.screenshot({ path: join(folder, "8-report.png"), fullPage: true });
 assert.deepEqual(requests.filter((url) => !url.startsWith("file:") && !url.startsWith("data:")), []);
 const before = await page.locator("#look p").textContent();
 await page.getByRole("button", { name: `+ ${effect}` }).click();
 figures.report = await brushed(page, "residual over velocity", [0.47, 0.12], [0.62, 0.85]);
 assert.notEqual(await page.locator("#look p").textContent(), before, "a brush works in the report");
-await page.locator("#look").screenshot({ path: join(folder, "7-report-brushed.png") });
+await page.locator("#look").screenshot({ path: join(folder, "9-report-brushed.png") });
 assert.deepEqual(complaints, []);
 await browser.close();
 console.log(JSON.stringify({ figures, told, other, rmse: [first.rmse, second.rmse, third.rmse] }));

@@ -2,6 +2,15 @@
 
 /** @typedef {import("./types.js").State} State */
 
+/** What the server says is wrong; `columns` of a file that it could not take for a capture. */
+export class Refusal extends Error {
+  /** @param {string} words @param {import("./types.js").FileColumn[] | null} columns */
+  constructor(words, columns) {
+    super(words);
+    this.columns = columns;
+  }
+}
+
 const token = new URLSearchParams(location.search).get("token") ?? "";
 
 /**
@@ -20,7 +29,8 @@ async function request(path, options = {}) {
   }
   if (answer.ok) return answer;
   const said = await answer.json().catch(() => ({}));
-  throw new Error(typeof said.error === "string" ? said.error : `the workbench answered ${answer.status}`);
+  const words = typeof said.error === "string" ? said.error : `the workbench answered ${answer.status}`;
+  throw new Refusal(words, Array.isArray(said.columns) ? said.columns : null);
 }
 
 /** @returns {Promise<State>} */
@@ -36,6 +46,14 @@ export async function fetchState() {
 export async function fetchBytes(path, query, signal) {
   const answer = await request(`${path}?${new URLSearchParams(query)}`, { signal });
   return answer.arrayBuffer();
+}
+
+/**
+ * The picture of where an effect shows.
+ * @param {string} effect
+ */
+export async function fetchPicture(effect) {
+  return (await request(`/api/picture?${new URLSearchParams({ effect })}`)).blob();
 }
 
 /**

@@ -5,10 +5,12 @@ import { showBranches } from "./branches.js";
 import { showCaptures } from "./captures.js";
 import { Candidates } from "./candidates.js";
 import { byId } from "./dom.js";
+import { AnyEffect, about } from "./effects.js";
 import { opening, saving } from "./files.js";
 import { showLadder } from "./ladder.js";
 import { latest } from "./latest.js";
-import { Linked, columnsOf } from "./linked.js";
+import { columnsOf } from "./contents.js";
+import { Linked } from "./linked.js";
 import { Params } from "./params.js";
 import { Store } from "./store.js";
 import { themed } from "./theme.js";
@@ -28,6 +30,8 @@ class App {
     this.job = null;
     this.view = { isolated: false, band: false, held: true };
     this.drawn = "";
+    /** @type {string | null} the branch that is shown beside the current one */
+    this.beside = null;
     /** @type {{what: string, start: number} | null} what the person did that is not painted yet */
     this.deed = { what: "first picture", start: 0 };
     this.linked = new Linked((words) => (byId("chosen").textContent = words ?? BRUSH_HINT));
@@ -42,7 +46,9 @@ class App {
       look: (effect) => this.look(effect),
       add: (effect) => this.ask("add", { effect }, "add"),
       ask: () => this.ask("diagnose"),
+      about,
     });
+    this.any = new AnyEffect((effect) => this.ask("add", { effect }, "add"));
     this.looking = new AbortController();
     /** @type {string | null} */
     this.looked = null;
@@ -73,6 +79,7 @@ class App {
     }
     byId("new-branch").addEventListener("click", () => this.ask("branch", { name: this.branchName() }));
     byId("clear").addEventListener("click", () => this.linked.clear());
+    byId("closer").addEventListener("click", () => this.linked.lookCloser());
     for (const option of /** @type {(keyof App["view"])[]} */ (["isolated", "band", "held"])) {
       const box = /** @type {HTMLInputElement} */ (byId(option));
       box.addEventListener("change", () => {
@@ -128,9 +135,11 @@ class App {
     byId("verdict").textContent = state.verdict_text;
     showCaptures(byId("captures"), state, (captures) => this.ask("use", { captures }, "captures"));
     showLadder(byId("ladder"), state);
-    showBranches(byId("branches"), state, (branch) => this.ask("switch", { branch }, "switch"));
+    if (state.branch === this.beside || !state.branches.some(({ id }) => id === this.beside)) this.beside = null;
+    this.showBranches(state);
     this.params.show(state.params);
     this.candidates.show(state);
+    this.any.show(state.absent);
     this.showJob(state.job);
     const branch = state.branches.find(({ id }) => id === state.branch);
     enable("undo", (branch?.at ?? 0) > 0);
@@ -142,10 +151,13 @@ class App {
   /** @param {State} state */
   async draw(state) {
     const { node, active, unit, captures } = state;
-    const wanted = JSON.stringify([node, active, this.view]);
+    const other = state.branches.find(({ id }) => id === this.beside);
+    const otherNode = other?.steps[other.at]?.node;
+    const wanted = JSON.stringify([node, active, this.view, otherNode, other?.name]);
     if (node === null) this.deed = null; // there is nothing to paint
     if (node === null || wanted === this.drawn) return;
     const columns = await this.store.columns(node, active, columnsOf(this.view));
+    const rest = otherNode ? await this.store.columns(otherNode, active, ["residual"]) : null;
     if (this.state && this.state.node !== node) return;
     this.drawn = wanted;
     const axis = captures.find(({ id }) => active.includes(id))?.axis ?? "rotary";
@@ -153,8 +165,30 @@ class App {
     const { what, start } = this.deed ?? { what: "data", start: performance.now() };
     this.deed = null;
     const fitted = !state.params.some(({ dragged }) => dragged);
-    const data = { columns, unit, axis, noise: state.noise_floor, fitted };
+    const name = state.branches.find(({ id }) => id === state.branch)?.name;
+    const beside = other && rest ? { name: other.name, residual: rest.residual } : null;
+    this.legend(beside?.name ?? null);
+    const data = { columns, unit, axis, noise: state.noise_floor, fitted, name, beside };
     timed(what, () => this.linked.show(data, view), start);
+  }
+
+  /** @param {State} state */
+  showBranches(state) {
+    showBranches(byId("branches"), state, this.beside, {
+      choose: (branch) => this.ask("switch", { branch }, "switch"),
+      beside: (branch) => {
+        this.beside = branch;
+        this.deed = { what: "beside", start: performance.now() };
+        this.showBranches(state);
+        this.refresh(Infinity);
+      },
+    });
+  }
+
+  /** @param {string | null} name of the branch beside, null for none */
+  legend(name) {
+    byId("beside").hidden = name === null;
+    byId("beside-name").textContent = name ?? "";
   }
 
   /**
@@ -200,6 +234,8 @@ class App {
     const key = event.key.toLowerCase();
     if (event.key === "Escape") {
       this.linked.clear();
+    } else if (!control && !event.altKey && key === "z") {
+      this.linked.lookCloser();
     } else if (control && (key === "y" || (key === "z" && event.shiftKey))) {
       event.preventDefault();
       byId("redo").click();

@@ -6,8 +6,8 @@ import { number, ticks } from "./numbers.js";
 export const MARGIN = { left: 52, right: 10, top: 22, bottom: 34 };
 
 /**
- * @typedef {{low: number, high: number, factor: number, label: string}} Axis
- * low and high in SI; shown = factor * SI
+ * @typedef {{low: number, high: number, factor: number, label: string, part?: boolean}} Axis
+ * low and high in SI; shown = factor * SI. `part`: points beyond are not meant to be seen
  */
 
 /**

@@ -1,4 +1,4 @@
-/** Branches of the session beside each other: what each has, and how far its error fell. */
+/** Branches of the session: what each has, how far its error fell, and which is shown beside the current one. */
 
 import { make } from "./dom.js";
 import { number, torqueScale } from "./numbers.js";
@@ -8,24 +8,35 @@ import { number, torqueScale } from "./numbers.js";
 /**
  * @param {HTMLElement} place
  * @param {State} state
- * @param {(branch: string) => void} chosen
+ * @param {string | null} beside the branch beside the current one
+ * @param {{choose: (branch: string) => void, beside: (branch: string | null) => void}} deeds
  */
-export function showBranches(place, state, chosen) {
-  const tabs = state.branches.map(({ id, name, steps, at }) => {
+export function showBranches(place, state, beside, deeds) {
+  const focused = document.activeElement?.getAttribute("data-beside");
+  const cards = state.branches.map(({ id, name, steps, at }) => {
     const step = steps[at];
     const scale = torqueScale(state.unit, step?.rmse ?? 0);
     const changes = steps.slice(1, at + 1).map(({ added, dropped }) => (added ? `+ ${added}` : `− ${dropped}`));
     const words = changes.join(" ") || "nothing added";
-    return make(
+    const card = make(
       "button",
       {
         ...{ type: "button", class: "branch", "aria-pressed": String(id === state.branch), "data-branch": id },
-        on: { click: () => chosen(id) },
+        on: { click: () => deeds.choose(id) },
       },
       make("strong", { text: name }),
       make("span", { class: "soft", text: words }),
       make("span", { class: "figure", text: step ? `${number(step.rmse * scale.factor)} ${scale.unit}` : "–" }),
     );
+    if (id === state.branch) return make("div", { class: "card" }, card);
+    const box = make("input", {
+      ...{ type: "checkbox", checked: id === beside, "data-beside": id },
+      on: { change: () => deeds.beside(id === beside ? null : id) },
+    });
+    return make("div", { class: "card" }, card, make("label", {}, box, " side by side"));
   });
-  place.replaceChildren(...tabs);
+  place.replaceChildren(...cards);
+  if (focused) {
+    /** @type {HTMLElement | null} */ (place.querySelector(`[data-beside="${CSS.escape(focused)}"]`))?.focus();
+  }
 }

@@ -9,7 +9,8 @@ import { number, percent } from "./numbers.js";
 export class Candidates {
   /**
    * @param {HTMLElement} place
-   * @param {{look: (effect: string | null) => void, add: (effect: string) => void, ask: () => void}} deeds
+   * @param {{look: (effect: string | null) => void, add: (effect: string) => void, ask: () => void,
+   *   about: (row: Candidate) => void}} deeds
    */
   constructor(place, deeds) {
     this.place = place;
@@ -19,6 +20,8 @@ export class Candidates {
     this.inside = false; // whether the keys were here when the list went away
     /** @type {HTMLElement[]} */
     this.items = [];
+    /** @type {Candidate[]} */
+    this.rows = [];
     place.addEventListener("keydown", (event) => this.key(event));
   }
 
@@ -29,6 +32,7 @@ export class Candidates {
     this.shown = shown;
     this.inside ||= this.place.contains(document.activeElement);
     this.at = 0;
+    this.rows = candidates.rows;
     this.items = candidates.rows.map((row, at) => this.item(row, at));
     const ask = make("button", {
       ...{ type: "button", text: "What is missing?", disabled: job !== null || node === null },
@@ -55,7 +59,11 @@ export class Candidates {
       ...{ type: "button", text: "Add", tabindex: -1, "aria-label": `add ${row.effect}` },
       on: { click: () => this.deeds.add(row.effect) },
     });
-    const chance = beyondChance(row) ? "" : " chance";
+    const about = make("button", {
+      ...{ type: "button", text: "?", tabindex: -1, "aria-label": `about ${row.effect}`, title: "what it is (key: ?)" },
+      on: { click: () => this.deeds.about(row) },
+    });
+    const chance = row.beyond_chance ? "" : " chance";
     return make(
       "li",
       {
@@ -71,7 +79,7 @@ export class Candidates {
       make("span", { class: "label", text: row.effect, title: row.shows ?? row.effect }),
       make("span", { class: "track" }, bar),
       make("span", { class: "figure", text: `−${percent(Math.max(0, row.error_fall))}`, title: "fall of the RMS error" }),
-      add,
+      make("span", { class: "deeds" }, about, add),
       make("span", { class: "evidence soft", text: evidence(row) }),
       ...remarks(row).map((text) => make("span", { class: "alike soft", text })),
       ...row.unphysical.map((text) => make("span", { class: "alike odd", text: `⚠ ${text}` })),
@@ -98,19 +106,16 @@ export class Candidates {
     } else if (event.key === "Enter" && event.target === this.items[this.at]) {
       this.deeds.add(this.items[this.at].dataset.effect ?? "");
       event.preventDefault();
+    } else if (event.key === "?") {
+      if (this.rows[this.at]) this.deeds.about(this.rows[this.at]);
     }
   }
 }
 
 /** @param {Candidate} row */
-function beyondChance({ beyond_chance, p_value }) {
-  return beyond_chance ?? p_value <= 0.05;
-}
-
-/** @param {Candidate} row */
 function evidence(row) {
   const chance = row.p_value <= 0.001 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
-  return beyondChance(row) ? `beyond chance (${chance})` : `no more than chance (${chance})`;
+  return row.beyond_chance ? `beyond chance (${chance})` : `no more than chance (${chance})`;
 }
 
 /**

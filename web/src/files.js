@@ -1,9 +1,8 @@
 /** Captures in, results out. */
 
-import { download, post, upload } from "./api.js";
+import { Refusal, download, post, upload } from "./api.js";
 import { byId, make } from "./dom.js";
-
-const COLUMNS = ["t", "theta", "omega", "alpha", "tau"];
+import { Mapping } from "./mapping.js";
 
 /**
  * @typedef {{done: () => void, failed: (reason: unknown) => void, say: (words: string) => void}} Heard
@@ -21,19 +20,11 @@ export function opening(heard) {
   const told = byId("open-said");
   /** @type {File[]} what could not be read yet */
   let waiting = [];
-  const fields = COLUMNS.map((name) => make("input", { name, list: "open-columns", autocomplete: "off" }));
-  byId("open-map").replaceChildren(
-    ...fields.map((field) => make("label", {}, make("span", { text: field.name }), field)),
-  );
+  const mapping = new Mapping(byId("open-map"), byId("open-columns"));
 
-  /** @returns {{} | {map: string}} */
-  const options = () => {
-    const map = fields.filter(({ value }) => value.trim()).map(({ name, value }) => `${name}=${value.trim()}`);
-    return map.length > 0 ? { map: map.join(", ") } : {};
-  };
   const opened = (/** @type {string} */ name) => {
     dialog.close();
-    if (waiting.length === 0) for (const field of fields) field.value = ""; // the next file has its own columns
+    if (waiting.length === 0) mapping.clear(); // the next file has its own columns
     told.textContent = "";
     heard.say(`opened ${name}`);
     heard.done();
@@ -41,6 +32,10 @@ export function opening(heard) {
   const refused = (/** @type {unknown} */ reason) => {
     heard.failed(reason);
     told.textContent = reason instanceof Error ? reason.message : String(reason);
+    if (reason instanceof Refusal && reason.columns) {
+      mapping.show(reason.columns);
+      byId("open-more").setAttribute("open", "");
+    }
     if (!dialog.open) dialog.showModal();
   };
   const take = async (/** @type {File[]} */ files) => {
@@ -48,13 +43,10 @@ export function opening(heard) {
     for (const file of files) {
       try {
         heard.say(`reading ${file.name} …`);
-        await upload(file, /** @type {Record<string, string>} */ (options()));
+        await upload(file, mapping.options());
         waiting = waiting.filter((one) => one !== file);
         opened(file.name);
       } catch (reason) {
-        const names = await columnsOf(file);
-        showColumns(names);
-        for (const field of fields) if (!field.value && names.includes(field.name)) field.value = field.name;
         refused(reason);
         return;
       }
@@ -72,7 +64,7 @@ export function opening(heard) {
     const named = path.value.trim();
     if (!named) return take(waiting);
     try {
-      await post("open", { path: named, ...options() });
+      await post("open", { path: named, ...mapping.options() });
       return opened(named);
     } catch (reason) {
       return refused(reason);
@@ -91,25 +83,6 @@ export function opening(heard) {
     zone.hidden = true;
     take([...(event.dataTransfer?.files ?? [])]);
   });
-}
-
-/**
- * The columns that a text file names; none for any other file.
- * @param {File} file
- * @returns {Promise<string[]>}
- */
-async function columnsOf(file) {
-  const start = await file.slice(0, 8192).text();
-  const line = start.split(/\r?\n/).find((one) => one.trim() && !one.startsWith("#")) ?? "";
-  const names = line.split(/[,;\t]/).map((name) => name.trim().replace(/^"(.*)"$/, "$1"));
-  return names.length > 1 && !/[\0\ufffd]/.test(line) ? names : [];
-}
-
-/** @param {string[]} names */
-function showColumns(names) {
-  byId("open-columns").replaceChildren(...names.map((name) => make("option", { value: name })));
-  byId("open-found").textContent = names.length > 0 ? `In the file: ${names.join(", ")}.` : "";
-  if (names.length > 0) byId("open-more").setAttribute("open", "");
 }
 
 /**

@@ -1,59 +1,56 @@
 /** The linked plots: torque over position, velocity and time, the residual of each beside it. */
 
-import { limits } from "./axes.js";
 import { brushable } from "./brush.js";
+import { ROWS, reachOf, rowsOf } from "./contents.js";
 import { make } from "./dom.js";
 import { number, percent, torqueScale } from "./numbers.js";
 import { Plot } from "./plot.js";
 import { timed } from "./timing.js";
+import { panned, zoomable, zoomed } from "./zoom.js";
 
-/** @typedef {import("./types.js").Columns} Columns */
 /** @typedef {import("./plot.js").Region} Region */
-
-/**
- * What the plots are made of.
- * @typedef {{columns: Columns, unit: string, axis: string, noise: number | null, fitted: boolean}} Data
- * `columns`: t, theta, omega, tau, residual; for isolated components also position_part and velocity_part; for
- * the band also band. `fitted`: no parameter is dragged away from the fit
- * @typedef {{isolated: boolean, band: boolean, held: boolean}} View
- * `held`: the residuals keep the scale of the worst fit, so that they are seen to fall
- */
-
-const ROWS = /** @type {const} */ ([
-  { over: "position", column: "theta", part: "position_part", units: { linear: "m", rotary: "rad" } },
-  { over: "velocity", column: "omega", part: "velocity_part", units: { linear: "m/s", rotary: "rad/s" } },
-  { over: "time", column: "t", part: null, units: { linear: "s", rotary: "s" } },
-]);
-
-/**
- * The columns that a view needs.
- * @param {View} view
- * @returns {string[]}
- */
-export function columnsOf(view) {
-  const needed = ["t", "theta", "omega", "tau", "residual"];
-  if (view.isolated) needed.push("position_part", "velocity_part");
-  if (view.band) needed.push("band");
-  return needed;
-}
+/** @typedef {import("./contents.js").Data} Data */
+/** @typedef {import("./contents.js").Row} Row */
+/** @typedef {import("./contents.js").View} View */
+/** @typedef {import("./zoom.js").Range} Range */
 
 export class Linked {
   /** @param {(words: string | null) => void} told about the chosen samples; null when none are */
   constructor(told) {
     this.told = told;
     const brushed = (/** @type {Plot} */ plot, /** @type {Region | null} */ region) => this.brush(plot, region);
-    this.torques = ROWS.map(({ over }) => new Plot(`torque over ${over}, measured and modelled`, brushed));
-    this.residuals = ROWS.map(({ over }) => new Plot(`residual over ${over}`, brushed));
-    this.plots = ROWS.flatMap((_, at) => [this.torques[at], this.residuals[at]]);
+    const plots = (/** @type {(over: string) => string} */ name) => ROWS.map(({ over }) => new Plot(name(over), brushed));
+    this.torques = plots((over) => `torque over ${over}, measured and modelled`);
+    this.residuals = plots((over) => `residual over ${over}`);
+    this.besides = plots((over) => `residual over ${over} of the branch beside`);
+    this.rows = ROWS.map((_, at) => [this.torques[at], this.residuals[at], this.besides[at]]);
+    this.plots = this.rows.flat();
     this.element = make("div", { class: "linked" }, ...this.plots.map(({ element }) => element));
-    for (const plot of this.plots) brushable(plot);
+    const deeds = {
+      zoom: (/** @type {Plot} */ plot, /** @type {number} */ at, /** @type {number} */ factor) =>
+        this.look(plot, (seen, whole) => zoomed(seen, whole, at, factor)),
+      pan: (/** @type {Plot} */ plot, /** @type {number} */ share) =>
+        this.look(plot, (seen, whole) => panned(seen, whole, share)),
+      whole: (/** @type {Plot} */ plot) => this.look(plot, () => null),
+    };
+    for (const plot of this.plots) {
+      brushable(plot);
+      zoomable(plot, deeds);
+    }
     /** @type {Data | null} */
     this.data = null;
+    /** @type {Row[]} */
+    this.shown = [];
+    /** @type {(Range | null)[]} what is seen of each row's x axis; null: everything */
+    this.seen = ROWS.map(() => null);
+    /** @type {Map<Plot, Range>} what is seen of a plot's y axis, where not everything is */
+    this.heights = new Map();
     /** @type {Uint32Array | null} */
     this.chosen = null;
     /** @type {Float32Array | null} */
     this.signature = null;
-    this.waiting = false;
+    /** @type {Set<string>} */
+    this.waiting = new Set();
     this.widest = 0;
     this.squares = 0; // of the residual, all together
     new ResizeObserver(() => this.redraw()).observe(this.element);
@@ -66,53 +63,33 @@ export class Linked {
    */
   show(data, view) {
     const { columns } = data;
-    const model = columns.tau.map((tau, i) => tau - columns.residual[i]);
     if (this.data?.columns.t.length !== columns.t.length) {
       this.clear();
+      this.seen.fill(null);
+      this.heights.clear();
       this.widest = 0;
     }
     this.data = data;
     this.signature = null;
-    this.squares = columns.residual.reduce((sum, value) => (value === value ? sum + value * value : sum), 0);
-    const word = data.axis === "linear" ? "force" : "torque";
-    const rest = limits([columns.residual], { around: 0 });
-    const reach = Math.max(-rest[0], rest[1], 2 * (data.noise ?? 0));
+    this.squares = squaresOf(columns.residual);
+    const reach = reachOf(data);
     if (data.fitted) this.widest = Math.max(this.widest, reach);
-    const widest = view.held ? Math.max(this.widest, reach) : reach;
-    for (const [at, row] of ROWS.entries()) {
-      const axis = data.axis === "linear" ? "linear" : "rotary";
-      const [low, high] = limits([columns[row.column]], { air: 0.01 });
-      const xAxis = { low, high, factor: 1, label: `${row.over}, ${row.units[axis]}` };
-      const common = { x: columns[row.column], xAxis };
-      const part = view.isolated && row.part ? columns[row.part] : null;
-      const { measured, modelled } = part ? isolated(columns, part) : { measured: columns.tau, modelled: model };
-      const [lowest, highest] = limits([measured, modelled]);
-      const scale = torqueScale(data.unit, Math.max(-lowest, highest));
-      const series = [
-        { colour: "--measured", chosen: "--chosen", y: measured, strength: 0.4 },
-        ...(view.band && columns.band ? band(modelled, columns.band) : []),
-        { colour: "--modelled", chosen: "--modelled", y: modelled, strength: 0.35 },
-      ];
-      this.torques[at].show({
-        ...common,
-        yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}, ${scale.unit}` },
-        title: part ? `what depends on ${row.over} alone` : `${word} over ${row.over}`,
-        series,
-        picked: 0,
-        noise: null,
-      });
-      const fine = torqueScale(data.unit, widest);
-      this.residuals[at].show({
-        ...common,
-        yAxis: { low: -1.04 * widest, high: 1.04 * widest, factor: fine.factor, label: `residual, ${fine.unit}` },
-        title: "measured − modelled",
-        series: [{ colour: "--wrong", chosen: "--chosen", y: columns.residual, strength: 0.3 }],
-        picked: 0,
-        noise: data.noise && 2 * data.noise,
-      });
-    }
+    this.element.classList.toggle("both", Boolean(data.beside));
+    if (!data.beside) for (const plot of this.besides) plot.setRegion(null);
+    this.shown = rowsOf(data, view, view.held ? Math.max(this.widest, reach) : reach);
+    for (const at of ROWS.keys()) this.drawRow(at);
     this.tell();
     this.drawLight();
+  }
+
+  /** @param {number} at which row */
+  drawRow(at) {
+    const row = this.shown[at];
+    for (const [column, contents] of [row.torque, row.residual, row.beside].entries()) {
+      const plot = this.rows[at][column];
+      const [xAxis, yAxis] = [within(contents?.xAxis, this.seen[at]), within(contents?.yAxis, this.heights.get(plot))];
+      if (contents && xAxis && yAxis) plot.show({ ...contents, xAxis, yAxis });
+    }
   }
 
   /** Draw everything anew, for another size or other colours. */
@@ -122,20 +99,66 @@ export class Linked {
   }
 
   /**
+   * Look at another part of the x axis that a plot shares with its row.
+   * @param {Plot} plot
+   * @param {(seen: Range, whole: Range) => Range | null} change
+   */
+  look(plot, change) {
+    const at = this.rows.findIndex((row) => row.includes(plot));
+    if (!this.shown[at]) return;
+    const { low, high } = this.shown[at].torque.xAxis;
+    this.seen[at] = change(this.seen[at] ?? [low, high], [low, high]);
+    if (!this.seen[at]) for (const other of this.rows[at]) this.heights.delete(other);
+    this.later("zoom", () => {
+      this.drawRow(at);
+      this.drawLight();
+    });
+  }
+
+  /** Look at the brushed region as near as it fits; at everything, where none is brushed. */
+  lookCloser() {
+    const plot = this.plots.find(({ region }) => region);
+    const at = this.rows.findIndex((row) => plot && row.includes(plot));
+    if (plot?.region) {
+      this.seen[at] = plot.region.x;
+      this.heights.set(plot, plot.region.y);
+      for (const one of this.plots) one.setRegion(null); // its samples stay chosen
+    } else {
+      this.seen.fill(null);
+      this.heights.clear();
+    }
+    this.later("zoom", () => {
+      if (this.data) for (const row of ROWS.keys()) this.drawRow(row);
+      this.drawLight();
+    });
+  }
+
+  /**
    * Choose what lies in a region of one plot; the next frame shows it.
    * @param {Plot} plot
    * @param {Region | null} region
    */
   brush(plot, region) {
     for (const other of this.plots) other.setRegion(other === plot ? region : null);
-    if (this.waiting) return;
-    this.waiting = true;
-    timed("brush", () => {
-      this.waiting = false;
+    this.later("brush", () => {
       const brushed = this.plots.find((one) => one.region);
       this.chosen = brushed?.chosen() ?? null;
       this.drawLight();
       this.tell();
+    });
+  }
+
+  /**
+   * Draw in the next frame; what comes meanwhile is drawn with it.
+   * @param {string} what
+   * @param {() => void} draw
+   */
+  later(what, draw) {
+    if (this.waiting.has(what)) return;
+    this.waiting.add(what);
+    timed(what, () => {
+      this.waiting.delete(what);
+      draw();
     });
   }
 
@@ -157,7 +180,8 @@ export class Linked {
   }
 
   drawLight() {
-    for (const plot of this.torques) plot.drawLight(this.chosen, null);
+    const besides = this.data?.beside ? this.besides : [];
+    for (const plot of [...this.torques, ...besides]) plot.drawLight(this.chosen, null);
     const above = this.signature && { y: this.signature, colour: "--signature" };
     for (const plot of this.residuals) plot.drawLight(this.chosen, above);
   }
@@ -166,13 +190,7 @@ export class Linked {
   get share() {
     if (!this.chosen || !this.data) return null;
     const { residual } = this.data.columns;
-    let [sum, count] = [0, 0];
-    for (let at = 0; at < this.chosen.length; at++) {
-      const value = residual[this.chosen[at]];
-      if (value !== value) continue;
-      sum += value * value;
-      count++;
-    }
+    const { sum, count } = chosenSquares(residual, this.chosen);
     return { ofError: this.squares > 0 ? sum / this.squares : 0, rms: Math.sqrt(sum / Math.max(1, count)) };
   }
 
@@ -180,34 +198,44 @@ export class Linked {
     const { chosen, data, share } = this;
     if (!chosen || !data || !share) return this.told(null);
     const part = percent(chosen.length / data.columns.t.length);
-    const scale = torqueScale(data.unit, share.rms);
-    const rms = chosen.length > 0 ? ` (RMS ${number(share.rms * scale.factor)} ${scale.unit})` : "";
+    const rms = (/** @type {number} */ value) => {
+      const scale = torqueScale(data.unit, value);
+      return `RMS ${number(value * scale.factor)} ${scale.unit}`;
+    };
+    const own = chosen.length > 0 ? ` (${rms(share.rms)})` : "";
     const count = chosen.length.toLocaleString("en");
-    return this.told(
-      `${count} samples chosen, ${part} of all: they have ${percent(share.ofError)} of the squared error${rms}`,
-    );
+    let words = `${count} samples chosen, ${part} of all: they have ${percent(share.ofError)} of the squared error${own}`;
+    if (data.beside && chosen.length > 0) {
+      const { sum, count: counted } = chosenSquares(data.beside.residual, chosen);
+      words += `; in ${data.beside.name}: ${rms(Math.sqrt(sum / Math.max(1, counted)))}`;
+    }
+    return this.told(words);
   }
 }
 
 /**
- * One component alone: modelled, and measured less everything else that is modelled.
- * @param {Columns} columns
- * @param {Float32Array} part
+ * An axis of which only a part is seen.
+ * @template {{low: number, high: number}} A
+ * @param {A | undefined} axis
+ * @param {Range | null | undefined} seen
  */
-function isolated({ residual }, part) {
-  return { measured: part.map((value, i) => value + residual[i]), modelled: part };
+function within(axis, seen) {
+  return axis && seen ? { ...axis, low: seen[0], high: seen[1], part: true } : axis;
 }
 
-/**
- * The edges of the 95 % band around the model.
- * @param {Float32Array} modelled
- * @param {Float32Array} half width of the band to one side
- */
-function band(modelled, half) {
-  return [-1, 1].map((side) => ({
-    colour: "--band",
-    chosen: null,
-    y: modelled.map((value, i) => value + side * half[i]),
-    strength: 0.6,
-  }));
+/** @param {Float32Array} residual */
+function squaresOf(residual) {
+  return residual.reduce((sum, value) => (value === value ? sum + value * value : sum), 0);
+}
+
+/** @param {Float32Array} residual @param {Uint32Array} chosen */
+function chosenSquares(residual, chosen) {
+  let [sum, count] = [0, 0];
+  for (let at = 0; at < chosen.length; at++) {
+    const value = residual[chosen[at]];
+    if (value !== value) continue;
+    sum += value * value;
+    count++;
+  }
+  return { sum, count };
 }

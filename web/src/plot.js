@@ -17,6 +17,8 @@ import { drawCloud, drawPoints, pixelColour, place } from "./raster.js";
  * @typedef {{x: [number, number], y: [number, number]}} Region in data units
  */
 
+const FEW = 8000; // points of which each is worth a larger dot
+
 export class Plot {
   /**
    * @param {string} name in words, for those who hear the page
@@ -64,8 +66,10 @@ export class Plot {
     this.scale = globalThis.devicePixelRatio || 1;
     const inner = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - MARGIN.bottom];
     const [columns, rows] = inner.map((length) => Math.max(8, Math.round(length * this.scale)));
-    const dot = Math.max(1, Math.round((x.length > 8000 ? 2 : 3) * this.scale));
-    this.frame = { width: columns, height: rows, x: [xAxis.low, xAxis.high], y: [yAxis.low, yAxis.high], dot };
+    const part = { x: xAxis.part ?? false, y: yAxis.part ?? false };
+    const many = x.length > FEW && !(part.x && fewBetween(x, xAxis));
+    const dot = Math.max(1, Math.round((many ? 2 : 3) * this.scale));
+    this.frame = { width: columns, height: rows, x: [xAxis.low, xAxis.high], y: [yAxis.low, yAxis.high], dot, part };
     const same = before?.x === x && frame === JSON.stringify(this.frame);
     this.placed = series.map(({ y }, at) =>
       same && before.series[at]?.y === y ? this.placed[at] : place(x, y, this.frame),
@@ -181,4 +185,11 @@ export class Plot {
     this.box.style.width = `${(right - left) * wide}px`;
     this.box.style.height = `${(bottom - top) * high}px`;
   }
+}
+
+/** @param {Float32Array} x @param {import("./axes.js").Axis} axis */
+function fewBetween(x, { low, high }) {
+  let count = 0;
+  for (let i = 0; i < x.length && count <= FEW; i++) if (x[i] >= low && x[i] <= high) count++;
+  return count <= FEW;
 }

@@ -7,13 +7,15 @@
 
 /**
  * Where a plot's data lie in its raster.
- * @typedef {{width: number, height: number, x: [number, number], y: [number, number], dot: number}} Frame
+ * @typedef {{width: number, height: number, x: [number, number], y: [number, number], dot: number,
+ *   part?: {x: boolean, y: boolean}}} Frame
+ * `part`: along which axes points beyond the frame are not meant to be seen
  */
 
 /**
- * Work out the pixel of each point's upper left corner; −1 for points that are not finite.
+ * Work out the pixel of each point's upper left corner; −1 for points that are not finite or not to be seen.
  *
- * Points beyond the frame land on its edge, so that nothing is hidden.
+ * Points beyond the frame land on its edge, so that nothing is hidden; unless only a part is meant to be seen.
  *
  * @param {Float32Array} xs
  * @param {Float32Array} ys
@@ -27,10 +29,12 @@ export function place(xs, ys, frame) {
   const xStep = right / (frame.x[1] - frame.x[0]);
   const yStep = bottom / (frame.y[1] - frame.y[0]);
   const [xLow, yHigh] = [frame.x[0], frame.y[1]];
+  const { x: cutX, y: cutY } = frame.part ?? { x: false, y: false };
   for (let i = 0; i < xs.length; i++) {
     let column = (xs[i] - xLow) * xStep;
     let row = (yHigh - ys[i]) * yStep;
-    if (column - column !== 0 || row - row !== 0) {
+    const hidden = (cutX && (column < 0 || column > right)) || (cutY && (row < 0 || row > bottom));
+    if (column - column !== 0 || row - row !== 0 || hidden) {
       pixels[i] = -1;
       continue;
     }

@@ -9,16 +9,23 @@
  * @typedef {{name: string, value: number, ci95: [number, number] | null, unit: string, role: string,
  *   fitted: number, dragged: boolean, lower: number | null, upper: number | null, odd: string | null,
  *   meaning?: string}} Param
- * @typedef {{effect: string, error_fall: number, p_value: number, confused: string[], moved: unknown[],
- *   unphysical: string[], equivalent: string[],
- *   beyond_chance?: boolean, law?: string, shows?: string, note?: string}} Candidate
+ * @typedef {{effect: string, place: string, law: string, source: string, shows: string,
+ *   confused: string[]}} Effect
+ * @typedef {Effect & {error_fall: number, p_value: number, moved: unknown[], unphysical: string[],
+ *   equivalent: string[], beyond_chance: boolean, note: string}} Candidate
  * @typedef {{axis: string, share: number, hint: string}} Unexplained
  * @typedef {{id: string, what: string, done: number | null}} Job
  * @typedef {{schema: string, captures: CaptureInfo[], active: string[], branches: Branch[], branch: string,
  *   node: string | null, noise_floor: number | null, unit: string, params: Param[], rmse: number,
  *   rmse_heldout: number, verdict_text: string,
  *   candidates: {ready: boolean, rows: Candidate[], unexplained: Unexplained | null},
- *   job: Job | null, revision: number, warnings?: string[]}} State
+ *   job: Job | null, revision: number, warnings?: string[], absent: Effect[]}} State
+ */
+
+/**
+ * A column of a file that is no capture yet; `outline` has the lowest and highest of its pieces, from 0 to 1.
+ * @typedef {{name: string, rows: number, low: number | null, high: number | null,
+ *   outline: [number, number][]}} FileColumn
  */
 
 /**

@@ -5,13 +5,16 @@ from __future__ import annotations
 import os
 import sys
 import threading
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from . import arguments
 from .output import Answer, status
 
 if TYPE_CHECKING:
     from argparse import Namespace
+
+    from ..workbench.tree import Start
 
 
 def register(commands: arguments.Commands) -> None:
@@ -27,7 +30,9 @@ def register(commands: arguments.Commands) -> None:
         "--port", type=arguments.whole, default=0, metavar="N", help="on this machine; default any free one"
     )
     parser.add_argument("--no-browser", action="store_true", help="only print the address")
+    parser.add_argument("--model", metavar="MODEL", help="to start from; default the base")
     arguments.add_reading(parser)
+    arguments.add_preparation(parser)
 
 
 def run(args: Namespace) -> Answer:
@@ -40,7 +45,7 @@ def run(args: Namespace) -> Answer:
     from ..workbench.bench import Bench
     from ..workbench.serving import serve
 
-    bench = Bench()
+    bench = Bench(_start(args))
     if args.captures:
         options = {"axis": args.coordinate, "rate": args.rate, "start": args.start, "end": args.end}
         bench.session.open(*args.captures, map=args.map, **options)
@@ -58,6 +63,21 @@ def run(args: Namespace) -> Answer:
         os._exit(0)
     bench.close()
     return Answer("", {"schema": "knobcam.workbench/1"})
+
+
+def _start(args: Namespace) -> Start:
+    from ..model import Model
+    from ..workbench.tree import Start
+
+    options: dict[str, Any] = arguments.preparation(args)
+    if options or args.prepare != "smooth":
+        options["prepare"] = args.prepare
+    if not args.model:
+        return Start(options=options)
+    model = Model.load(args.model)
+    # A file may be read again from another folder; the five knobs have names alone.
+    path = Path(args.model)
+    return Start(model, str(path.absolute()) if path.exists() else args.model, options)
 
 
 def _show(address: str) -> None:

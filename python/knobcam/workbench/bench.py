@@ -9,7 +9,9 @@ from typing import Any
 from . import state
 from .jobs import Job, Worker
 from .session import Session
+from .tree import Start
 
+_PAUSE_S = 0.02
 _AFTER_S = 1.0  # so that a page that has just been told of a fit can draw it first
 Hear = Callable[[str, dict[str, Any]], None]
 """Called with the name of an event and its content, from any thread."""
@@ -18,8 +20,8 @@ Hear = Callable[[str, dict[str, Any]], None]
 class Bench:
     """One session, a thread for what a person waits for, and one that weighs what is missing meanwhile."""
 
-    def __init__(self) -> None:
-        self.session = Session(self._changed)
+    def __init__(self, start: Start | None = None) -> None:
+        self.session = Session(self._changed, start)
         self.work = Worker("knobcam-work", self._moved)
         self.weighing = Worker("knobcam-weighing", self._moved, humble=True)
         self.listeners: set[Hear] = set()
@@ -36,8 +38,15 @@ class Bench:
         node = self.session.node
 
         def work(job: Job) -> None:
+            def tell(what: str, done: float | None = None) -> None:
+                job.tell(what, done)
+                while self.work.current is not None:  # whatever a person waits for goes first
+                    job.rest(_PAUSE_S)
+                if self.session.diagnosis_of(node.id) is not None:  # and may have been just this
+                    job.cancel()
+
             job.rest(after_s)
-            self.session.weigh(job.tell, node)
+            self.session.weigh(tell, node)
 
         self.weighing.cancel()
         return self.weighing.start("weighing what could be missing", work)

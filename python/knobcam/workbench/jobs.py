@@ -15,6 +15,7 @@ from typing import Any
 from ..errors import InputError
 
 _numbers = itertools.count(1)
+_FINE = 0.01  # of a job; smaller steps are not worth telling
 _HUMBLE = 15  # niceness: others have about thirty times its share
 
 
@@ -38,11 +39,13 @@ class Job:
     _given_up: threading.Event = field(default_factory=threading.Event)
     _ending: threading.Lock = field(default_factory=threading.Lock)
 
-    def tell(self, what: str) -> None:
-        """Say which round begins. Raises Cancelled if the work is no longer wanted."""
+    def tell(self, what: str, done: float | None = None) -> None:
+        """Say what is being done, and how much of it is. Raises Cancelled if the work is no longer wanted."""
         if self._given_up.is_set():
             raise Cancelled
-        self.what = what
+        if what == self.what and done is not None and self.done is not None and done < self.done + _FINE:
+            return
+        self.what, self.done = what, done
         self.told(self)
 
     def rest(self, seconds: float) -> None:

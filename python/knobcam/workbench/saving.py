@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import zipfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -14,6 +15,7 @@ from .script import script
 from .story import story
 
 if TYPE_CHECKING:
+    from ..effects import Effect
     from ..learn import Story
     from .session import Session, Tell
 
@@ -47,6 +49,13 @@ def told(session: Session, tell: Tell) -> Story:
     return story(session.branch.done, session.weigh(tell))
 
 
+def drawn(effect: Effect) -> bytes:
+    """Return the picture of where an effect shows, as PNG."""
+    with io.BytesIO() as stream:
+        effect.plot().savefig(stream, format="png", dpi=90)
+        return stream.getvalue()
+
+
 def _model(session: Session, target: Path, tell: Tell) -> None:
     tell("writing the model")
     session.view.model.save(target)
@@ -60,7 +69,7 @@ def _report(session: Session, target: Path, tell: Tell) -> None:
 
 def _script(session: Session, target: Path, tell: Tell) -> None:
     tell("writing the script")
-    text = script(session.branch.done, session.captures)
+    text = script(session.branch.done, session.captures, session.start)
     write_atomically(target, lambda part: _put(part, text))
 
 

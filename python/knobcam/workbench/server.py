@@ -21,13 +21,16 @@ from starlette.routing import Route
 from starlette.types import ASGIApp
 
 from ..capture import load
+from ..effects import effect as catalogued
 from ..errors import InputError
+from ..formats import DEFAULT_MAX_BYTES
 from ..strict_json import as_json
 from . import arrays, saving
 from .bench import Bench
 from .bodies import TooLarge, file_name, indices, read_json, reading, receive, text
 from .guard import Guard
-from .jobs import Job
+from .jobs import Cancelled, Job
+from .preview import Unmapped, explained
 
 UPLOAD_BYTES = 200_000_000
 _TYPES = {
@@ -60,7 +63,7 @@ def application(bench: Bench, token: str, port: int, upload_bytes: int = UPLOAD_
     }
     gets: dict[str, Answers] = {
         **{"state": server.state, "arrays": server.arrays, "signature": server.signature},
-        **{"events": server.events, "download": server.download},
+        **{"events": server.events, "download": server.download, "picture": server.picture},
     }
     routes = [
         Route("/", server.page),
@@ -83,7 +86,8 @@ def _json(document: dict[str, Any], status: int = 200) -> Response:
 
 
 async def _wrong(_: Request, error: Exception) -> Response:
-    return _json({"error": str(error)}, 413 if isinstance(error, TooLarge) else 400)
+    columns = {"columns": error.columns} if isinstance(error, Unmapped) else {}
+    return _json({"error": str(error), **columns}, 413 if isinstance(error, TooLarge) else 400)
 
 
 async def _unknown(_: Request, error: Exception) -> Response:
@@ -104,6 +108,7 @@ class _Server:
         self.session = bench.session
         self.files = files
         self.upload_bytes = upload_bytes
+        self.pictures: dict[str, bytes] = {}
 
     async def page(self, request: Request) -> Response:
         """A file of the page, which is in memory: no name leads to any other file."""
@@ -135,6 +140,16 @@ class _Server:
         if not weighed:
             raise InputError(f"effect {effect!r} is not weighed at this node")
         return _bytes(await run_in_threadpool(arrays.signature, weighed[0], view, at))
+
+    async def picture(self, request: Request) -> Response:
+        """Where an effect of the catalogue shows."""
+        effect = catalogued(request.query_params.get("effect", ""))
+        if effect.id not in self.pictures:
+            # On the one thread that draws: the style of a picture is a setting of all.
+            self.pictures[effect.id] = await self._done(
+                f"drawing {effect.id}", lambda _: saving.drawn(effect)
+            )
+        return Response(self.pictures[effect.id], media_type="image/png")
 
     async def add(self, request: Request) -> Response:
         """Add an effect."""
@@ -199,7 +214,12 @@ class _Server:
         path, options = text(body, "path"), reading(body)
 
         def work(job: Job) -> tuple[str, ...]:
-            return self.session.open(path, tell=job.tell, **options)
+            try:
+                return self.session.open(path, tell=job.tell, **options)
+            except Cancelled:
+                raise
+            except InputError as error:
+                raise explained(error, Path(path), options, DEFAULT_MAX_BYTES) from error
 
         return await self._long("reading", work)
 
@@ -215,7 +235,8 @@ class _Server:
                 try:
                     capture = load(target, max_bytes=self.upload_bytes, **options)
                 except InputError as error:
-                    raise InputError(str(error).replace(str(target), name)) from error
+                    said = InputError(str(error).replace(str(target), name))
+                    raise explained(said, target, options, self.upload_bytes) from error
                 if capture.meta.get("source") == str(target):
                     capture = replace(capture, meta={**capture.meta, "source": name})
                 return self.session.take(capture, name, options, job.tell)

@@ -6,7 +6,7 @@ import math
 import threading
 from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -16,20 +16,26 @@ from ..diagnose import Diagnosis, diagnose
 from ..effects import effects
 from ..errors import InputError
 from ..fit import Fit, fit
-from .tree import Branch, How, Node, Opened
+from .tree import Branch, How, Node, Opened, Start
 from .view import View
 
 if TYPE_CHECKING:
     from ..capture import Capture
     from ..formats.columnmap import ColumnMap
 
-Tell = Callable[[str], None]
-"""Told each round of long work; raises where the work is no longer wanted, and then nothing has changed."""
+
+class Tell(Protocol):
+    """Told what long work does and how much of that is done; raises where it is no longer wanted."""
+
+    def __call__(self, what: str, done: float | None = None, /) -> None:
+        """`done` is from 0 to 1, or None where nobody can tell."""
+
+
 _VIEWS = 32  # of a dragged parameter that can still be looked at
 _NAME = 80  # characters of a branch's name
 
 
-def _quiet(_: str) -> None:
+def _quiet(_: str, __: float | None = None) -> None:
     """Tell nobody."""
 
 
@@ -41,7 +47,8 @@ class Session:
     `changed` is called after every change.
     """
 
-    def __init__(self, changed: Callable[[], None] = lambda: None) -> None:
+    def __init__(self, changed: Callable[[], None] = lambda: None, start: Start | None = None) -> None:
+        self.start = start or Start()
         self.captures: dict[str, Opened] = {}
         self.branches: dict[str, Branch] = {}
         self.branch_id = ""
@@ -152,7 +159,8 @@ class Session:
         # A base model that nobody has changed may still find detents that it lacked.
         onward = branch is not None and any(one.how != "fitted" for one in branch.done)
         tell("fitting")
-        fitted = fit([known[one].capture for one in ids], before.fit.model if before and onward else None)
+        model = before.fit.model if before and onward else self.start.model
+        fitted = fit([known[one].capture for one in ids], model, **self.start.options)
         return self._node(fitted, tuple(ids), "fitted", onward=onward), branch
 
     # Effects
@@ -161,7 +169,8 @@ class Session:
         """Add an effect and fit anew. Raises InputError for one that the model cannot be given."""
         branch, node = self.branch, self.node
         refit.check(effect, node.fit.model)
-        tell(f"adding {effect}")
+        doing = f"adding {effect}"
+        tell(doing)
         diagnosis = self._diagnoses.get(node.id)
         weighed = [one for one in diagnosis.candidates if one.effect == effect] if diagnosis else []
         evidence: dict[str, Any] = {"diagnosis": diagnosis}
@@ -169,8 +178,10 @@ class Session:
             evidence |= {"p_value": weighed[0].p_value, "equivalent": weighed[0].equivalent}
         # What was weighed has been fitted with the effect already, and only has to settle; where clipped
         # samples were counted for that, it was a fit of something else.
-        ready = bool(weighed) and diagnosis is not None and diagnosis.fit is node.fit
-        richer = refit.settle(weighed[0].fit) if ready else node.fit.add(effect)
+        if weighed and diagnosis is not None and diagnosis.fit is node.fit:
+            richer = refit.settle(weighed[0].fit)
+        else:
+            richer = refit.add(node.fit, effect, lambda _: tell(doing))
         tell(f"putting {effect} in place")
         self._put(self._node(richer, node.captures, "added", effect, **evidence), branch, node)
 
@@ -188,13 +199,13 @@ class Session:
         known = self._diagnoses.get(node.id)
         if known is not None:
             return known
-        tell("weighing what could be missing")
+        doing = "weighing what could be missing"
+        tell(doing)
         # Effects that only describe a torque name no cause, so `learn` leaves them out as well.
         described = [one for one, row in effects(node.fit.model.axis).items() if row.describes]
-        diagnosis = diagnose(node.fit, without=described)
+        diagnosis = diagnose(node.fit, without=described, progress=lambda share: tell(doing, share))
         _ = diagnosis.comparison.summary  # computed here, where nobody waits for it
         self._diagnoses[node.id] = diagnosis  # whoever comes back to the node has it, wanted now or not
-        tell("weighed what could be missing")
         with self.lock:
             self._touch()
         return diagnosis

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from ..effects import effects
+from ..errors import InputError
 from ..refit import describe
 from ..selection import choose, concluded
 from .story import ladder
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     from ..diagnose import Candidate, Diagnosis
     from ..effects import Effect
     from ..fit import Estimate
-    from ..model import Parameter
+    from ..model import Model, Parameter
     from .session import Session
     from .tree import Branch, Opened
     from .view import View
@@ -58,7 +59,21 @@ def document(session: Session) -> dict[str, Any]:
         ],
         "candidates": _candidates(branch, diagnosis),
         "warnings": list(fitted.warnings),
+        "absent": [_entry(one) for one in absent(fitted.model)],
     }
+
+
+def absent(model: Model) -> list[Effect]:
+    """Return the effects that a model could be given."""
+    return [one for one in effects(model.axis).values() if one.id not in model.effects and _fits(one, model)]
+
+
+def _fits(effect: Effect, model: Model) -> bool:
+    try:
+        model.with_effect(effect.id)
+    except InputError:
+        return False
+    return True
 
 
 def _nothing() -> dict[str, Any]:
@@ -66,6 +81,7 @@ def _nothing() -> dict[str, Any]:
         **{"active": [], "branch": None, "node": None, "noise_floor": math.nan, "unit": "N m"},
         **{"params": [], "rmse": math.nan, "rmse_heldout": math.nan, "ladder": [], "warnings": []},
         "verdict_text": "Open a capture to begin.",
+        "absent": [],
         "candidates": {"ready": False, "rows": [], "unexplained": None},
     }
 
@@ -173,17 +189,24 @@ def _candidates(branch: Branch, diagnosis: Diagnosis | None) -> dict[str, Any]:
     }
 
 
+def _entry(effect: Effect) -> dict[str, Any]:
+    return {
+        "effect": effect.id,
+        "place": effect.place,
+        "law": effect.law,
+        "source": effect.source,
+        "shows": effect.shows,
+        "confused": list(effect.confused),
+    }
+
+
 def _row(one: Candidate, entry: Effect) -> dict[str, Any]:
     return {
-        "effect": one.effect,
-        "law": entry.law,
-        "shows": entry.shows,
-        "place": one.place,
+        **_entry(entry),
         "error_fall": one.error_fall,
         "rmse_heldout": one.rmse_heldout,
         "p_value": one.p_value,
         "beyond_chance": one.beyond_chance,
-        "confused": list(entry.confused),
         "moved": [{"name": name, **move} for name, move in describe(one.moved).items()],
         "unphysical": list(one.unphysical),
         "equivalent": list(one.equivalent),

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from ..capture import Capture
     from ..diagnose import Diagnosis
     from ..fit import Fit
+    from ..model import Model
     from .view import View
 
 How = Literal["fitted", "added", "dropped"]
@@ -27,6 +28,18 @@ class Opened:
     name: str
     capture: Capture
     path: str
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """How a session fits: the options of `knobcam.fit`, and the model that it starts from, if any.
+
+    `name` is by which `Model.load` finds that model again.
+    """
+
+    model: Model | None = None
+    name: str = ""
     options: Mapping[str, Any] = field(default_factory=dict)
 
 

@@ -3,6 +3,7 @@
 use super::coupled::coupled;
 use super::null::Null;
 use super::screen::{Screen, Start};
+use super::watch::{Tell, Watch};
 use crate::effects::{Id, Place};
 use crate::fit::{Fit, Found, report, sketch};
 use crate::floor::Floor;
@@ -39,11 +40,12 @@ pub struct Candidate {
     pub note: String,
 }
 
-/// Fits each of the `effects` beside a fitted model; best first.
+/// Fits each of the `effects` beside a fitted model; best first. None if `tell` no longer wanted it.
 ///
 /// Couplings take by far the longest. They are left for last, and tried only where all others leave something.
-pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id]) -> Vec<Candidate> {
-    let screen = Screen::new(data, model);
+pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_>) -> Option<Vec<Candidate>> {
+    let watch = Watch::new(tell, effects.len());
+    let screen = Screen::new(data, model, &watch);
     let floor = Floor::of(data, model);
     let white = if floor.white > 0.0 { floor.white } else { screen.squares.max(f64::MIN_POSITIVE) * 1e-12 };
     let (slow, quick): (Vec<Id>, Vec<Id>) = effects.iter().partition(|id| id.info().place == Place::Coupling);
@@ -56,12 +58,15 @@ pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id]) -> Vec<Candida
     }
     found.sort_by_key(|(candidate, _)| candidate.id);
     let null = Null::of(&screen, found.iter().map(|(candidate, starts)| (candidate.id, &starts[..])));
+    if !watch.wanted() {
+        return None;
+    }
     let mut candidates: Vec<Candidate> = found
         .into_iter()
         .map(|(candidate, _)| Candidate { p_value: null.p_value(candidate.id, candidate.gain), ..candidate })
         .collect();
     candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    candidates
+    Some(candidates)
 }
 
 /// Fits effects beside the screen's model, as many at a time as there are processors.
@@ -70,7 +75,11 @@ fn weighed(screen: &Screen<'_>, effects: &[Id], white: f64) -> Vec<(Candidate, V
     let found = Mutex::new(Vec::new());
     let work = || {
         while let Some(&id) = effects.get(next.fetch_add(1, Ordering::Relaxed)) {
+            if !screen.watch.wanted() {
+                break;
+            }
             let result = fitted(screen, id, white);
+            screen.watch.step();
             if let Ok(mut found) = found.lock() {
                 found.push(result);
             }
@@ -92,7 +101,7 @@ fn workers() -> usize {
 /// An effect fitted beside the screen's model, and the starts that it had.
 fn fitted(screen: &Screen<'_>, id: Id, white: f64) -> (Candidate, Vec<Start>) {
     let (starts, end) = if id.info().place == Place::Coupling {
-        coupled(screen.data, screen.model, id)
+        coupled(screen, id)
     } else {
         let starts = screen.starts(id);
         let promised = screen.squares - starts.first().map_or(0.0, |best| best.promise);
@@ -105,7 +114,8 @@ fn fitted(screen: &Screen<'_>, id: Id, white: f64) -> (Candidate, Vec<Start>) {
             promise >= rival * promised && promise >= least
         };
         let followed = starts.iter().take(most).filter(worth);
-        let ends = followed.map(|start| (start.model.clone(), sketch(screen.data, &start.model)));
+        let ends = followed.take_while(|_| screen.watch.wanted());
+        let ends = ends.map(|start| (start.model.clone(), sketch(screen.data, &start.model)));
         let end = ends.min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost));
         (starts, end)
     };

@@ -25,18 +25,21 @@ const WORTH: f64 = 0.25;
 /// An error this close to the noise floor needs no better end.
 const EXPLAINED: f64 = 1.01;
 
-/// The starts of a coupling beside a fitted model, most promising first, and where they lead to.
-pub fn coupled(data: &[&Signals], base: &Model, id: Id) -> (Vec<Start>, Option<(Model, Found)>) {
+/// The starts of a coupling beside a screen's model, most promising first, and where they lead to.
+pub fn coupled(whole: &Screen<'_>, id: Id) -> (Vec<Start>, Option<(Model, Found)>) {
+    let (data, base, watch) = (whole.data, whole.model, whole.watch);
     let coarse: Vec<Signals> =
         data.iter().filter_map(|signals| slowed(&beginning(signals), COARSE_HZ)).collect();
     let coarse: Vec<&Signals> = coarse.iter().collect();
-    let screen = Screen::new(&coarse, base);
+    let screen = Screen::new(&coarse, base, watch);
     let starts = screen.starts(id);
-    let sketched = starts.iter().take(FOLLOWED).map(|start| (&start.model, sketch(&coarse, &start.model)));
+    let followed = starts.iter().take(FOLLOWED).take_while(|_| watch.wanted());
+    let sketched = followed.map(|start| (&start.model, sketch(&coarse, &start.model)));
     let best = sketched.min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost));
     // Not worth the fine search, then, at least until what explains more is in the model.
     let excess = screen.squares - Floor::of(&coarse, base).squares;
-    let worth = best.filter(|(_, found)| screen.squares - found.cost >= WORTH * excess || excess.is_nan());
+    let worth = best.filter(|_| watch.wanted());
+    let worth = worth.filter(|(_, found)| screen.squares - found.cost >= WORTH * excess || excess.is_nan());
     let fine = worth.map(|(model, found)| {
         let mut model = model.clone();
         model.set_values(&found.p);

@@ -7,7 +7,9 @@ mod locate;
 mod null;
 mod screen;
 mod spectrum;
+mod watch;
 
 pub use candidates::{Candidate, diagnose};
 pub use coupled::settle;
 pub use locate::{Region, Split, locate};
+pub use watch::Tell;

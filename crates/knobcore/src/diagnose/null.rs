@@ -26,7 +26,7 @@ pub struct Null {
 }
 
 impl Null {
-    /// Of these effects and starts; gains are in variances of the white noise.
+    /// Of these effects and starts (some of them, if no longer wanted); gains are in variances of the white noise.
     pub fn of<'b>(screen: &Screen<'_>, effects: impl Iterator<Item = (Id, &'b [Start])>) -> Self {
         // Start by start the signatures that it spans.
         let mut groups: Vec<(Id, std::ops::Range<usize>)> = Vec::new();
@@ -38,7 +38,7 @@ impl Null {
             }
             let first = columns.len();
             for start in evenly(starts, MOST) {
-                if columns.len() - first >= MOST {
+                if columns.len() - first >= MOST || !screen.watch.wanted() {
                     break;
                 }
                 let from = columns.len();

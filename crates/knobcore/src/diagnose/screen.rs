@@ -3,6 +3,7 @@
 //! The columns of the base model are swept once and kept; a start costs its own columns alone, projected off all
 //! of the base's, so that what the base parameters can absorb does not count.
 
+use super::watch::Watch;
 use crate::effects::{Id, Place, Survey};
 use crate::fit::{Wave, dot, sweep, waves};
 use crate::model::{Model, Role};
@@ -25,6 +26,8 @@ pub struct Screen<'a> {
     pub squares: f64,
     /// Whether the model has a coupling.
     pub coupled: bool,
+    /// Who waits for it.
+    pub watch: &'a Watch<'a>,
 }
 
 /// A start of an absent effect.
@@ -38,7 +41,7 @@ pub struct Start {
 
 impl<'a> Screen<'a> {
     /// Of a fitted model.
-    pub fn new(data: &'a [&'a Signals], model: &'a Model) -> Self {
+    pub fn new(data: &'a [&'a Signals], model: &'a Model, watch: &'a Watch<'a>) -> Self {
         let free: Vec<usize> =
             (0..model.slots().len()).filter(|&i| model.slots()[i].role == Role::Free).collect();
         let mut columns = columns(data, model, &free);
@@ -46,10 +49,10 @@ impl<'a> Screen<'a> {
         let base = orthonormal(&columns);
         let squares = dot(&residual, &residual);
         let coupled = model.at(Place::Coupling).next().is_some();
-        Self { data, model, survey: survey(data, model), base, residual, squares, coupled }
+        Self { data, model, survey: survey(data, model), base, residual, squares, coupled, watch }
     }
 
-    /// All starts of an effect that the model may be given, most promising first.
+    /// All starts of an effect that the model may be given, most promising first; some, if no longer wanted.
     pub fn starts(&self, id: Id) -> Vec<Start> {
         let Ok(with) = self.model.with(id) else { return Vec::new() };
         let values = match id {
@@ -65,6 +68,7 @@ impl<'a> Screen<'a> {
         let mut starts: Vec<Start> = values
             .iter()
             .flat_map(|values| self.placed(&with, id, values))
+            .take_while(|_| self.watch.wanted())
             .map(|model| Start { promise: self.promise(id, &model), model })
             .filter(|start| start.promise.is_finite())
             .collect();

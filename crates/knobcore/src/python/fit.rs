@@ -1,6 +1,7 @@
 //! Bindings of the fit.
 use super::convert::{Floats, array, input_error, matrix};
 use super::model::PyModel;
+use super::progress::Progress;
 use super::signals::PySignals;
 use super::user::watched;
 use crate::diagnose::{Candidate, Split, diagnose as diagnose_core, locate as locate_core, settle};
@@ -194,18 +195,23 @@ pub fn refine(
 /// A candidate as it goes out: effect, fit, gain, parameters, p-value, note.
 type CandidateRow = (&'static str, Option<PyFit>, f64, usize, f64, String);
 
-/// Fits each of the effects beside a fitted model; best first.
+/// Fits each of the effects beside a fitted model; best first. `progress` is told the share that is done; what it
+/// raises ends the work.
 #[pyfunction]
+#[pyo3(signature = (data, model, effects, progress=None))]
 pub fn diagnose(
     py: Python<'_>,
     data: Vec<PyRef<'_, PySignals>>,
     model: &PyModel,
     effects: Vec<String>,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<Vec<CandidateRow>> {
     let ids = effects.iter().map(|id| Id::parse(id)).collect::<Result<Vec<_>, _>>().map_err(input_error)?;
     let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
     let (model, signals) = (&model.0, &signals[..]);
-    let found = watched(py, model, || diagnose_core(signals, model, &ids))?;
+    let progress = Progress::of(progress);
+    let found = watched(py, model, || diagnose_core(signals, model, &ids, &|share| progress.tell(share)))?;
+    let found = progress.ended(found)?;
     let row = |c: Candidate| (c.id.info().id, c.fit.map(PyFit), c.gain, c.parameters, c.p_value, c.note);
     Ok(found.into_iter().map(row).collect())
 }

@@ -5,6 +5,7 @@ mod filter;
 mod fit;
 mod handle;
 mod model;
+mod progress;
 mod realtime;
 mod record;
 mod render;

@@ -1,4 +1,11 @@
 // src/api.js
+var Refusal = class extends Error {
+  /** @param {string} words @param {import("./types.js").FileColumn[] | null} columns */
+  constructor(words2, columns) {
+    super(words2);
+    this.columns = columns;
+  }
+};
 var token = new URLSearchParams(location.search).get("token") ?? "";
 async function request(path, options = {}) {
   const headers = { ...options.headers, "x-knobcam-token": token };
@@ -11,7 +18,8 @@ async function request(path, options = {}) {
   }
   if (answer.ok) return answer;
   const said = await answer.json().catch(() => ({}));
-  throw new Error(typeof said.error === "string" ? said.error : `the workbench answered ${answer.status}`);
+  const words2 = typeof said.error === "string" ? said.error : `the workbench answered ${answer.status}`;
+  throw new Refusal(words2, Array.isArray(said.columns) ? said.columns : null);
 }
 async function fetchState() {
   return (await request("/api/state")).json();
@@ -19,6 +27,9 @@ async function fetchState() {
 async function fetchBytes(path, query, signal) {
   const answer = await request(`${path}?${new URLSearchParams(query)}`, { signal });
   return answer.arrayBuffer();
+}
+async function fetchPicture(effect) {
+  return (await request(`/api/picture?${new URLSearchParams({ effect })}`)).blob();
 }
 async function post(verb, body = {}) {
   const headers = { "content-type": "application/json" };
@@ -98,24 +109,34 @@ function ticks(low, high, count) {
 }
 
 // src/branches.js
-function showBranches(place3, state, chosen) {
-  const tabs = state.branches.map(({ id, name, steps, at }) => {
+function showBranches(place3, state, beside, deeds) {
+  const focused = document.activeElement?.getAttribute("data-beside");
+  const cards = state.branches.map(({ id, name, steps, at }) => {
     const step = steps[at];
     const scale = torqueScale(state.unit, step?.rmse ?? 0);
     const changes = steps.slice(1, at + 1).map(({ added, dropped }) => added ? `+ ${added}` : `− ${dropped}`);
     const words2 = changes.join(" ") || "nothing added";
-    return make(
+    const card = make(
       "button",
       {
         ...{ type: "button", class: "branch", "aria-pressed": String(id === state.branch), "data-branch": id },
-        on: { click: () => chosen(id) }
+        on: { click: () => deeds.choose(id) }
       },
       make("strong", { text: name }),
       make("span", { class: "soft", text: words2 }),
       make("span", { class: "figure", text: step ? `${number(step.rmse * scale.factor)} ${scale.unit}` : "–" })
     );
+    if (id === state.branch) return make("div", { class: "card" }, card);
+    const box = make("input", {
+      ...{ type: "checkbox", checked: id === beside, "data-beside": id },
+      on: { change: () => deeds.beside(id === beside ? null : id) }
+    });
+    return make("div", { class: "card" }, card, make("label", {}, box, " side by side"));
   });
-  place3.replaceChildren(...tabs);
+  place3.replaceChildren(...cards);
+  if (focused) {
+    place3.querySelector(`[data-beside="${CSS.escape(focused)}"]`)?.focus();
+  }
 }
 
 // src/captures.js
@@ -150,7 +171,8 @@ function words({ name, samples, rate_hz, findings }) {
 var Candidates = class {
   /**
    * @param {HTMLElement} place
-   * @param {{look: (effect: string | null) => void, add: (effect: string) => void, ask: () => void}} deeds
+   * @param {{look: (effect: string | null) => void, add: (effect: string) => void, ask: () => void,
+   *   about: (row: Candidate) => void}} deeds
    */
   constructor(place3, deeds) {
     this.place = place3;
@@ -159,6 +181,7 @@ var Candidates = class {
     this.at = 0;
     this.inside = false;
     this.items = [];
+    this.rows = [];
     place3.addEventListener("keydown", (event) => this.key(event));
   }
   /** @param {State} state */
@@ -168,6 +191,7 @@ var Candidates = class {
     this.shown = shown;
     this.inside ||= this.place.contains(document.activeElement);
     this.at = 0;
+    this.rows = candidates.rows;
     this.items = candidates.rows.map((row, at) => this.item(row, at));
     const ask = make("button", {
       ...{ type: "button", text: "What is missing?", disabled: job !== null || node === null },
@@ -191,7 +215,11 @@ var Candidates = class {
       ...{ type: "button", text: "Add", tabindex: -1, "aria-label": `add ${row.effect}` },
       on: { click: () => this.deeds.add(row.effect) }
     });
-    const chance = beyondChance(row) ? "" : " chance";
+    const about2 = make("button", {
+      ...{ type: "button", text: "?", tabindex: -1, "aria-label": `about ${row.effect}`, title: "what it is (key: ?)" },
+      on: { click: () => this.deeds.about(row) }
+    });
+    const chance = row.beyond_chance ? "" : " chance";
     return make(
       "li",
       {
@@ -207,7 +235,7 @@ var Candidates = class {
       make("span", { class: "label", text: row.effect, title: row.shows ?? row.effect }),
       make("span", { class: "track" }, bar),
       make("span", { class: "figure", text: `−${percent(Math.max(0, row.error_fall))}`, title: "fall of the RMS error" }),
-      add,
+      make("span", { class: "deeds" }, about2, add),
       make("span", { class: "evidence soft", text: evidence(row) }),
       ...remarks(row).map((text) => make("span", { class: "alike soft", text })),
       ...row.unphysical.map((text) => make("span", { class: "alike odd", text: `⚠ ${text}` }))
@@ -235,15 +263,14 @@ var Candidates = class {
     } else if (event.key === "Enter" && event.target === this.items[this.at]) {
       this.deeds.add(this.items[this.at].dataset.effect ?? "");
       event.preventDefault();
+    } else if (event.key === "?") {
+      if (this.rows[this.at]) this.deeds.about(this.rows[this.at]);
     }
   }
 };
-function beyondChance({ beyond_chance, p_value }) {
-  return beyond_chance ?? p_value <= 0.05;
-}
 function evidence(row) {
   const chance = row.p_value <= 1e-3 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
-  return beyondChance(row) ? `beyond chance (${chance})` : `no more than chance (${chance})`;
+  return row.beyond_chance ? `beyond chance (${chance})` : `no more than chance (${chance})`;
 }
 function remarks({ equivalent, confused, note }) {
   const others = confused.filter((effect) => !equivalent.includes(effect));
@@ -260,10 +287,149 @@ function remainder(unexplained) {
   return [make("p", { class: "soft", text: words2 })];
 }
 
+// src/effects.js
+var pictures = /* @__PURE__ */ new Map();
+var PLACES = { load: "torque of the knob", coupling: "joint between shaft and knob", sensor: "torque sensor" };
+var AnyEffect = class {
+  /** @param {(effect: string) => void} add */
+  constructor(add) {
+    this.select = /** @type {HTMLSelectElement} */
+    byId("any-effect");
+    this.absent = [];
+    byId("any").addEventListener("submit", (event) => {
+      event.preventDefault();
+      if (this.select.value) add(this.select.value);
+    });
+    byId("any-about").addEventListener("click", () => {
+      const chosen = this.absent.find(({ effect }) => effect === this.select.value);
+      if (chosen) about(chosen);
+    });
+    byId("about-close").addEventListener("click", () => dialog().close());
+  }
+  /** @param {Effect[]} absent */
+  show(absent) {
+    byId("any").hidden = absent.length === 0;
+    const names = (effects) => effects.map(({ effect }) => effect).join();
+    if (names(absent) !== names(this.absent)) {
+      this.select.replaceChildren(...absent.map(({ effect }) => make("option", { value: effect, text: effect })));
+    }
+    this.absent = absent;
+  }
+};
+function about({ effect, place: place3, law, source, shows }) {
+  const alt = `${law}: what it adds to the torque of a small knob; it shows ${shows}`;
+  const picture = make("img", { alt, src: pictures.get(effect) });
+  byId("about-title").textContent = effect;
+  byId("about-text").replaceChildren(
+    make("p", { class: "soft", text: `Acts on the ${PLACES[place3] ?? place3}. ${source}` }),
+    picture
+  );
+  dialog().showModal();
+  if (pictures.has(effect)) return;
+  fetchPicture(effect).then(
+    (blob) => {
+      pictures.set(effect, URL.createObjectURL(blob));
+      picture.src = pictures.get(effect) ?? "";
+    },
+    (reason) => picture.replaceWith(make("p", { class: "wrong", text: String(reason.message ?? reason) }))
+  );
+}
+function dialog() {
+  return (
+    /** @type {HTMLDialogElement} */
+    byId("about")
+  );
+}
+
+// src/mapping.js
+var TARGETS = {
+  t: ["s", "ms", "us", "min"],
+  theta: ["rad", "deg", "turn", "m", "mm", "um"],
+  omega: ["rad/s", "deg/s", "rpm", "m/s", "mm/s"],
+  alpha: ["rad/s^2", "deg/s^2", "m/s^2", "mm/s^2"],
+  tau: ["N m", "mNm", "N", "mN"]
+};
+var SIZE = { width: 110, height: 34 };
+var Mapping = class {
+  /** @param {HTMLElement} place of the fields @param {HTMLElement} found place of the file's columns */
+  constructor(place3, found) {
+    this.found = found;
+    this.fields = Object.entries(TARGETS).map(([name, units]) => {
+      const text = make("input", { name, type: "text", autocomplete: "off", spellcheck: "false", "aria-label": name });
+      const unit = make(
+        "select",
+        { "aria-label": `unit of ${name}`, name: `${name}-unit` },
+        make("option", { value: "", text: "SI" }),
+        ...units.map((one) => make("option", { value: one, text: one }))
+      );
+      text.addEventListener("focus", () => this.at = text);
+      place3.append(make("div", {}, make("span", { text: name }), text, unit));
+      return { name, text, unit };
+    });
+    this.at = this.fields[0].text;
+  }
+  /** What the import is to be told; nothing where nothing is filled in. */
+  options() {
+    const filled = this.fields.filter(({ text }) => text.value.trim());
+    const map = filled.map(({ name, text, unit }) => {
+      const written = text.value.trim();
+      return `${name}=${written}${unit.value && !written.endsWith("]") ? ` [${unit.value}]` : ""}`;
+    });
+    const options = map.length > 0 ? { map: map.join(", ") } : {};
+    return options;
+  }
+  clear() {
+    for (const { text, unit } of this.fields) text.value = unit.value = "";
+    this.found.replaceChildren();
+  }
+  /**
+   * Show the columns of a file; those that are named as in a capture are filled in.
+   * @param {FileColumn[]} columns
+   */
+  show(columns) {
+    this.found.replaceChildren(...columns.map((column) => this.tile(column)));
+    for (const { name, text } of this.fields) {
+      if (!text.value && columns.some((column) => column.name === name)) text.value = name;
+    }
+    this.at = this.fields.find(({ text }) => !text.value)?.text ?? this.at;
+  }
+  /** @param {FileColumn} column */
+  tile({ name, rows, low, high, outline }) {
+    const range = `${number(low)} … ${number(high)}`;
+    const canvas = make("canvas", { "aria-hidden": "true", ...SIZE });
+    draw(canvas, outline);
+    return make(
+      "button",
+      {
+        ...{ type: "button", "aria-label": `${name}: ${range}, ${rows} rows`, title: "put into the chosen field" },
+        on: { click: () => this.put(name) }
+      },
+      make("strong", { text: name }),
+      canvas,
+      make("span", { class: "soft", text: range })
+    );
+  }
+  /** @param {string} column name that goes into the field, of which the next free one is then chosen */
+  put(column) {
+    this.at.value = /^[A-Za-z_]\w*$/.test(column) ? column : `\`${column}\``;
+    this.at = this.fields.find(({ text }) => !text.value)?.text ?? this.at;
+    this.at.focus();
+  }
+};
+function draw(canvas, outline) {
+  const brush = canvas.getContext("2d");
+  if (!brush) return;
+  const step = SIZE.width / Math.max(1, outline.length);
+  brush.fillStyle = "#0072b2";
+  for (const [at, [low, high]] of outline.entries()) {
+    const top = (1 - high) * (SIZE.height - 3);
+    brush.fillRect(at * step, top, Math.max(1, step), Math.max(2, (high - low) * (SIZE.height - 3)));
+  }
+}
+
 // src/files.js
-var COLUMNS = ["t", "theta", "omega", "alpha", "tau"];
 function opening(heard) {
-  const dialog = (
+  const dialog2 = (
     /** @type {HTMLDialogElement} */
     byId("open-dialog")
   );
@@ -277,17 +443,10 @@ function opening(heard) {
   );
   const told = byId("open-said");
   let waiting = [];
-  const fields = COLUMNS.map((name) => make("input", { name, list: "open-columns", autocomplete: "off" }));
-  byId("open-map").replaceChildren(
-    ...fields.map((field) => make("label", {}, make("span", { text: field.name }), field))
-  );
-  const options = () => {
-    const map = fields.filter(({ value }) => value.trim()).map(({ name, value }) => `${name}=${value.trim()}`);
-    return map.length > 0 ? { map: map.join(", ") } : {};
-  };
+  const mapping = new Mapping(byId("open-map"), byId("open-columns"));
   const opened = (name) => {
-    dialog.close();
-    if (waiting.length === 0) for (const field of fields) field.value = "";
+    dialog2.close();
+    if (waiting.length === 0) mapping.clear();
     told.textContent = "";
     heard.say(`opened ${name}`);
     heard.done();
@@ -295,31 +454,28 @@ function opening(heard) {
   const refused = (reason) => {
     heard.failed(reason);
     told.textContent = reason instanceof Error ? reason.message : String(reason);
-    if (!dialog.open) dialog.showModal();
+    if (reason instanceof Refusal && reason.columns) {
+      mapping.show(reason.columns);
+      byId("open-more").setAttribute("open", "");
+    }
+    if (!dialog2.open) dialog2.showModal();
   };
   const take = async (files) => {
     waiting = files;
     for (const file of files) {
       try {
         heard.say(`reading ${file.name} …`);
-        await upload(
-          file,
-          /** @type {Record<string, string>} */
-          options()
-        );
+        await upload(file, mapping.options());
         waiting = waiting.filter((one) => one !== file);
         opened(file.name);
       } catch (reason) {
-        const names = await columnsOf(file);
-        showColumns(names);
-        for (const field of fields) if (!field.value && names.includes(field.name)) field.value = field.name;
         refused(reason);
         return;
       }
     }
   };
-  byId("open").addEventListener("click", () => dialog.showModal());
-  byId("open-close").addEventListener("click", () => dialog.close());
+  byId("open").addEventListener("click", () => dialog2.showModal());
+  byId("open-close").addEventListener("click", () => dialog2.close());
   chosen.addEventListener("change", () => {
     take([...chosen.files ?? []]);
     chosen.value = "";
@@ -329,7 +485,7 @@ function opening(heard) {
     const named = path.value.trim();
     if (!named) return take(waiting);
     try {
-      await post("open", { path: named, ...options() });
+      await post("open", { path: named, ...mapping.options() });
       return opened(named);
     } catch (reason) {
       return refused(reason);
@@ -348,17 +504,6 @@ function opening(heard) {
     zone.hidden = true;
     take([...event.dataTransfer?.files ?? []]);
   });
-}
-async function columnsOf(file) {
-  const start = await file.slice(0, 8192).text();
-  const line = start.split(/\r?\n/).find((one) => one.trim() && !one.startsWith("#")) ?? "";
-  const names = line.split(/[,;\t]/).map((name) => name.trim().replace(/^"(.*)"$/, "$1"));
-  return names.length > 1 && !/[\0\ufffd]/.test(line) ? names : [];
-}
-function showColumns(names) {
-  byId("open-columns").replaceChildren(...names.map((name) => make("option", { value: name })));
-  byId("open-found").textContent = names.length > 0 ? `In the file: ${names.join(", ")}.` : "";
-  if (names.length > 0) byId("open-more").setAttribute("open", "");
 }
 function saving(heard) {
   for (const button of document.querySelectorAll("[data-save]")) {
@@ -510,6 +655,87 @@ function limits(columns, { air = 0.03, around = NaN } = {}) {
   return [low - room, high + room];
 }
 
+// src/contents.js
+var ROWS = (
+  /** @type {const} */
+  [
+    { over: "position", column: "theta", part: "position_part", units: { linear: "m", rotary: "rad" } },
+    { over: "velocity", column: "omega", part: "velocity_part", units: { linear: "m/s", rotary: "rad/s" } },
+    { over: "time", column: "t", part: null, units: { linear: "s", rotary: "s" } }
+  ]
+);
+var NAME = 32;
+function columnsOf(view) {
+  const needed = ["t", "theta", "omega", "tau", "residual"];
+  if (view.isolated) needed.push("position_part", "velocity_part");
+  if (view.band) needed.push("band");
+  return needed;
+}
+function reachOf({ columns, beside, noise }) {
+  const [low, high] = limits(beside ? [columns.residual, beside.residual] : [columns.residual], { around: 0 });
+  return Math.max(-low, high, 2 * (noise ?? 0));
+}
+function rowsOf(data, view, widest) {
+  const { columns, beside } = data;
+  const axis = data.axis === "linear" ? "linear" : "rotary";
+  const word = axis === "linear" ? "force" : "torque";
+  const model = less(columns.tau, columns.residual);
+  const other = beside ? less(columns.tau, beside.residual) : null;
+  return ROWS.map((row) => {
+    const x = columns[row.column];
+    const [low, high] = limits([x], { air: 0.01 });
+    const common = { x, xAxis: { low, high, factor: 1, label: `${row.over}, ${row.units[axis]}` }, picked: 0 };
+    const part = view.isolated && row.part ? columns[row.part] : null;
+    const { measured, modelled } = part ? isolated(columns, part) : { measured: columns.tau, modelled: model };
+    const series = [
+      { colour: "--measured", chosen: "--chosen", y: measured, strength: 0.4 },
+      ...view.band && columns.band ? band(modelled, columns.band) : [],
+      ...other && !part ? [{ colour: "--beside", chosen: "--beside", y: other, strength: 0.35 }] : [],
+      { colour: "--modelled", chosen: "--modelled", y: modelled, strength: 0.35 }
+    ];
+    const [lowest, highest] = limits([measured, modelled]);
+    const scale = torqueScale(data.unit, Math.max(-lowest, highest));
+    const torque = {
+      ...common,
+      yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}, ${scale.unit}` },
+      title: part ? `what depends on ${row.over} alone` : `${word} over ${row.over}`,
+      series,
+      noise: null
+    };
+    const fine = torqueScale(data.unit, widest);
+    const rest = (y, colour, title) => ({
+      ...common,
+      yAxis: { low: -1.04 * widest, high: 1.04 * widest, factor: fine.factor, label: `residual, ${fine.unit}` },
+      title,
+      series: [{ colour, chosen: "--chosen", y, strength: 0.3 }],
+      noise: data.noise && 2 * data.noise
+    });
+    const own = beside && data.name ? `residual, ${short(data.name)}` : "measured − modelled";
+    return {
+      torque,
+      residual: rest(columns.residual, "--wrong", own),
+      beside: beside ? rest(beside.residual, "--beside", `residual, ${short(beside.name)}`) : null
+    };
+  });
+}
+function less(from, what) {
+  return from.map((value, i) => value - what[i]);
+}
+function short(name) {
+  return name.length > NAME ? `${name.slice(0, NAME)}…` : name;
+}
+function isolated({ residual }, part) {
+  return { measured: part.map((value, i) => value + residual[i]), modelled: part };
+}
+function band(modelled, half) {
+  return [-1, 1].map((side) => ({
+    colour: "--band",
+    chosen: null,
+    y: modelled.map((value, i) => value + side * half[i]),
+    strength: 0.6
+  }));
+}
+
 // src/brush.js
 var SMALLEST = 4;
 function brushable(plot) {
@@ -659,10 +885,12 @@ function place(xs, ys, frame) {
   const xStep = right / (frame.x[1] - frame.x[0]);
   const yStep = bottom / (frame.y[1] - frame.y[0]);
   const [xLow, yHigh] = [frame.x[0], frame.y[1]];
+  const { x: cutX, y: cutY } = frame.part ?? { x: false, y: false };
   for (let i = 0; i < xs.length; i++) {
     let column = (xs[i] - xLow) * xStep;
     let row = (yHigh - ys[i]) * yStep;
-    if (column - column !== 0 || row - row !== 0) {
+    const hidden = cutX && (column < 0 || column > right) || cutY && (row < 0 || row > bottom);
+    if (column - column !== 0 || row - row !== 0 || hidden) {
       pixels[i] = -1;
       continue;
     }
@@ -718,6 +946,7 @@ function pixelColour(text) {
 }
 
 // src/plot.js
+var FEW = 8e3;
 var Plot = class {
   /**
    * @param {string} name in words, for those who hear the page
@@ -758,8 +987,10 @@ var Plot = class {
     this.scale = globalThis.devicePixelRatio || 1;
     const inner = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - MARGIN.bottom];
     const [columns, rows] = inner.map((length) => Math.max(8, Math.round(length * this.scale)));
-    const dot = Math.max(1, Math.round((x.length > 8e3 ? 2 : 3) * this.scale));
-    this.frame = { width: columns, height: rows, x: [xAxis.low, xAxis.high], y: [yAxis.low, yAxis.high], dot };
+    const part = { x: xAxis.part ?? false, y: yAxis.part ?? false };
+    const many = x.length > FEW && !(part.x && fewBetween(x, xAxis));
+    const dot = Math.max(1, Math.round((many ? 2 : 3) * this.scale));
+    this.frame = { width: columns, height: rows, x: [xAxis.low, xAxis.high], y: [yAxis.low, yAxis.high], dot, part };
     const same = before?.x === x && frame === JSON.stringify(this.frame);
     this.placed = series.map(
       ({ y }, at) => same && before.series[at]?.y === y ? this.placed[at] : place(x, y, this.frame)
@@ -867,14 +1098,19 @@ var Plot = class {
     this.box.style.height = `${(bottom - top) * high}px`;
   }
 };
+function fewBetween(x, { low, high }) {
+  let count = 0;
+  for (let i = 0; i < x.length && count <= FEW; i++) if (x[i] >= low && x[i] <= high) count++;
+  return count <= FEW;
+}
 
 // src/timing.js
 var times = [];
 var KEPT = 500;
-function timed(what, draw, start = performance.now()) {
+function timed(what, draw2, start = performance.now()) {
   requestAnimationFrame(() => {
     const began = performance.now();
-    draw();
+    draw2();
     const script = performance.now() - began;
     requestAnimationFrame(() => {
       times.push({ what, start, script, painted: performance.now() });
@@ -883,35 +1119,83 @@ function timed(what, draw, start = performance.now()) {
   });
 }
 
-// src/linked.js
-var ROWS = (
-  /** @type {const} */
-  [
-    { over: "position", column: "theta", part: "position_part", units: { linear: "m", rotary: "rad" } },
-    { over: "velocity", column: "omega", part: "velocity_part", units: { linear: "m/s", rotary: "rad/s" } },
-    { over: "time", column: "t", part: null, units: { linear: "s", rotary: "s" } }
-  ]
-);
-function columnsOf2(view) {
-  const needed = ["t", "theta", "omega", "tau", "residual"];
-  if (view.isolated) needed.push("position_part", "velocity_part");
-  if (view.band) needed.push("band");
-  return needed;
+// src/zoom.js
+var CLOSEST = 1e-4;
+var WHEEL = 15e-4;
+var LINE = 16;
+var KEY = 1.5;
+function zoomable(plot, deeds) {
+  const { element } = plot;
+  element.addEventListener(
+    "wheel",
+    (event) => {
+      if (!plot.contents || event.ctrlKey) return;
+      event.preventDefault();
+      const edge = element.getBoundingClientRect();
+      const wide = edge.width - MARGIN.left - MARGIN.right;
+      const at = Math.min(1, Math.max(0, (event.clientX - edge.left - MARGIN.left) / wide));
+      const unit = event.deltaMode === WheelEvent.DOM_DELTA_PIXEL ? 1 : LINE;
+      const across = event.shiftKey ? event.deltaX || event.deltaY : event.deltaX;
+      if (Math.abs(across) > Math.abs(event.deltaY) || event.shiftKey) deeds.pan(plot, unit * across / wide);
+      else deeds.zoom(plot, at, Math.exp(WHEEL * unit * event.deltaY));
+    },
+    { passive: false }
+  );
+  element.addEventListener("dblclick", () => deeds.whole(plot));
+  element.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    if (event.key === "+" || event.key === "=") deeds.zoom(plot, 0.5, 1 / KEY);
+    else if (event.key === "-") deeds.zoom(plot, 0.5, KEY);
+    else if (event.key === "0") deeds.whole(plot);
+    else return;
+    event.preventDefault();
+  });
 }
+function zoomed([low, high], whole, at, factor) {
+  const all = whole[1] - whole[0];
+  const span2 = Math.max(CLOSEST * all, factor * (high - low));
+  if (!(span2 < all)) return null;
+  const fixed = low + at * (high - low);
+  return within([fixed - at * span2, fixed + (1 - at) * span2], whole);
+}
+function panned([low, high], whole, share) {
+  const step = share * (high - low);
+  return within([low + step, high + step], whole);
+}
+function within([low, high], [lowest, highest]) {
+  const back = Math.max(0, lowest - low) - Math.max(0, high - highest);
+  return [low + back, high + back];
+}
+
+// src/linked.js
 var Linked = class {
   /** @param {(words: string | null) => void} told about the chosen samples; null when none are */
   constructor(told) {
     this.told = told;
     const brushed = (plot, region) => this.brush(plot, region);
-    this.torques = ROWS.map(({ over }) => new Plot(`torque over ${over}, measured and modelled`, brushed));
-    this.residuals = ROWS.map(({ over }) => new Plot(`residual over ${over}`, brushed));
-    this.plots = ROWS.flatMap((_, at) => [this.torques[at], this.residuals[at]]);
+    const plots = (name) => ROWS.map(({ over }) => new Plot(name(over), brushed));
+    this.torques = plots((over) => `torque over ${over}, measured and modelled`);
+    this.residuals = plots((over) => `residual over ${over}`);
+    this.besides = plots((over) => `residual over ${over} of the branch beside`);
+    this.rows = ROWS.map((_, at) => [this.torques[at], this.residuals[at], this.besides[at]]);
+    this.plots = this.rows.flat();
     this.element = make("div", { class: "linked" }, ...this.plots.map(({ element }) => element));
-    for (const plot of this.plots) brushable(plot);
+    const deeds = {
+      zoom: (plot, at, factor) => this.look(plot, (seen, whole) => zoomed(seen, whole, at, factor)),
+      pan: (plot, share) => this.look(plot, (seen, whole) => panned(seen, whole, share)),
+      whole: (plot) => this.look(plot, () => null)
+    };
+    for (const plot of this.plots) {
+      brushable(plot);
+      zoomable(plot, deeds);
+    }
     this.data = null;
+    this.shown = [];
+    this.seen = ROWS.map(() => null);
+    this.heights = /* @__PURE__ */ new Map();
     this.chosen = null;
     this.signature = null;
-    this.waiting = false;
+    this.waiting = /* @__PURE__ */ new Set();
     this.widest = 0;
     this.squares = 0;
     new ResizeObserver(() => this.redraw()).observe(this.element);
@@ -923,58 +1207,70 @@ var Linked = class {
    */
   show(data, view) {
     const { columns } = data;
-    const model = columns.tau.map((tau, i) => tau - columns.residual[i]);
     if (this.data?.columns.t.length !== columns.t.length) {
       this.clear();
+      this.seen.fill(null);
+      this.heights.clear();
       this.widest = 0;
     }
     this.data = data;
     this.signature = null;
-    this.squares = columns.residual.reduce((sum, value) => value === value ? sum + value * value : sum, 0);
-    const word = data.axis === "linear" ? "force" : "torque";
-    const rest = limits([columns.residual], { around: 0 });
-    const reach = Math.max(-rest[0], rest[1], 2 * (data.noise ?? 0));
+    this.squares = squaresOf(columns.residual);
+    const reach = reachOf(data);
     if (data.fitted) this.widest = Math.max(this.widest, reach);
-    const widest = view.held ? Math.max(this.widest, reach) : reach;
-    for (const [at, row] of ROWS.entries()) {
-      const axis = data.axis === "linear" ? "linear" : "rotary";
-      const [low, high] = limits([columns[row.column]], { air: 0.01 });
-      const xAxis = { low, high, factor: 1, label: `${row.over}, ${row.units[axis]}` };
-      const common = { x: columns[row.column], xAxis };
-      const part = view.isolated && row.part ? columns[row.part] : null;
-      const { measured, modelled } = part ? isolated(columns, part) : { measured: columns.tau, modelled: model };
-      const [lowest, highest] = limits([measured, modelled]);
-      const scale = torqueScale(data.unit, Math.max(-lowest, highest));
-      const series = [
-        { colour: "--measured", chosen: "--chosen", y: measured, strength: 0.4 },
-        ...view.band && columns.band ? band(modelled, columns.band) : [],
-        { colour: "--modelled", chosen: "--modelled", y: modelled, strength: 0.35 }
-      ];
-      this.torques[at].show({
-        ...common,
-        yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}, ${scale.unit}` },
-        title: part ? `what depends on ${row.over} alone` : `${word} over ${row.over}`,
-        series,
-        picked: 0,
-        noise: null
-      });
-      const fine = torqueScale(data.unit, widest);
-      this.residuals[at].show({
-        ...common,
-        yAxis: { low: -1.04 * widest, high: 1.04 * widest, factor: fine.factor, label: `residual, ${fine.unit}` },
-        title: "measured − modelled",
-        series: [{ colour: "--wrong", chosen: "--chosen", y: columns.residual, strength: 0.3 }],
-        picked: 0,
-        noise: data.noise && 2 * data.noise
-      });
-    }
+    this.element.classList.toggle("both", Boolean(data.beside));
+    if (!data.beside) for (const plot of this.besides) plot.setRegion(null);
+    this.shown = rowsOf(data, view, view.held ? Math.max(this.widest, reach) : reach);
+    for (const at of ROWS.keys()) this.drawRow(at);
     this.tell();
     this.drawLight();
+  }
+  /** @param {number} at which row */
+  drawRow(at) {
+    const row = this.shown[at];
+    for (const [column, contents] of [row.torque, row.residual, row.beside].entries()) {
+      const plot = this.rows[at][column];
+      const [xAxis, yAxis] = [within2(contents?.xAxis, this.seen[at]), within2(contents?.yAxis, this.heights.get(plot))];
+      if (contents && xAxis && yAxis) plot.show({ ...contents, xAxis, yAxis });
+    }
   }
   /** Draw everything anew, for another size or other colours. */
   redraw() {
     for (const plot of this.plots) plot.drawAll();
     this.drawLight();
+  }
+  /**
+   * Look at another part of the x axis that a plot shares with its row.
+   * @param {Plot} plot
+   * @param {(seen: Range, whole: Range) => Range | null} change
+   */
+  look(plot, change) {
+    const at = this.rows.findIndex((row) => row.includes(plot));
+    if (!this.shown[at]) return;
+    const { low, high } = this.shown[at].torque.xAxis;
+    this.seen[at] = change(this.seen[at] ?? [low, high], [low, high]);
+    if (!this.seen[at]) for (const other of this.rows[at]) this.heights.delete(other);
+    this.later("zoom", () => {
+      this.drawRow(at);
+      this.drawLight();
+    });
+  }
+  /** Look at the brushed region as near as it fits; at everything, where none is brushed. */
+  lookCloser() {
+    const plot = this.plots.find(({ region }) => region);
+    const at = this.rows.findIndex((row) => plot && row.includes(plot));
+    if (plot?.region) {
+      this.seen[at] = plot.region.x;
+      this.heights.set(plot, plot.region.y);
+      for (const one of this.plots) one.setRegion(null);
+    } else {
+      this.seen.fill(null);
+      this.heights.clear();
+    }
+    this.later("zoom", () => {
+      if (this.data) for (const row of ROWS.keys()) this.drawRow(row);
+      this.drawLight();
+    });
   }
   /**
    * Choose what lies in a region of one plot; the next frame shows it.
@@ -983,14 +1279,24 @@ var Linked = class {
    */
   brush(plot, region) {
     for (const other of this.plots) other.setRegion(other === plot ? region : null);
-    if (this.waiting) return;
-    this.waiting = true;
-    timed("brush", () => {
-      this.waiting = false;
+    this.later("brush", () => {
       const brushed = this.plots.find((one) => one.region);
       this.chosen = brushed?.chosen() ?? null;
       this.drawLight();
       this.tell();
+    });
+  }
+  /**
+   * Draw in the next frame; what comes meanwhile is drawn with it.
+   * @param {string} what
+   * @param {() => void} draw
+   */
+  later(what, draw2) {
+    if (this.waiting.has(what)) return;
+    this.waiting.add(what);
+    timed(what, () => {
+      this.waiting.delete(what);
+      draw2();
     });
   }
   /** Choose nothing. */
@@ -1009,7 +1315,8 @@ var Linked = class {
     this.drawLight();
   }
   drawLight() {
-    for (const plot of this.torques) plot.drawLight(this.chosen, null);
+    const besides = this.data?.beside ? this.besides : [];
+    for (const plot of [...this.torques, ...besides]) plot.drawLight(this.chosen, null);
     const above = this.signature && { y: this.signature, colour: "--signature" };
     for (const plot of this.residuals) plot.drawLight(this.chosen, above);
   }
@@ -1017,37 +1324,42 @@ var Linked = class {
   get share() {
     if (!this.chosen || !this.data) return null;
     const { residual } = this.data.columns;
-    let [sum, count] = [0, 0];
-    for (let at = 0; at < this.chosen.length; at++) {
-      const value = residual[this.chosen[at]];
-      if (value !== value) continue;
-      sum += value * value;
-      count++;
-    }
+    const { sum, count } = chosenSquares(residual, this.chosen);
     return { ofError: this.squares > 0 ? sum / this.squares : 0, rms: Math.sqrt(sum / Math.max(1, count)) };
   }
   tell() {
     const { chosen, data, share } = this;
     if (!chosen || !data || !share) return this.told(null);
     const part = percent(chosen.length / data.columns.t.length);
-    const scale = torqueScale(data.unit, share.rms);
-    const rms = chosen.length > 0 ? ` (RMS ${number(share.rms * scale.factor)} ${scale.unit})` : "";
+    const rms = (value) => {
+      const scale = torqueScale(data.unit, value);
+      return `RMS ${number(value * scale.factor)} ${scale.unit}`;
+    };
+    const own = chosen.length > 0 ? ` (${rms(share.rms)})` : "";
     const count = chosen.length.toLocaleString("en");
-    return this.told(
-      `${count} samples chosen, ${part} of all: they have ${percent(share.ofError)} of the squared error${rms}`
-    );
+    let words2 = `${count} samples chosen, ${part} of all: they have ${percent(share.ofError)} of the squared error${own}`;
+    if (data.beside && chosen.length > 0) {
+      const { sum, count: counted } = chosenSquares(data.beside.residual, chosen);
+      words2 += `; in ${data.beside.name}: ${rms(Math.sqrt(sum / Math.max(1, counted)))}`;
+    }
+    return this.told(words2);
   }
 };
-function isolated({ residual }, part) {
-  return { measured: part.map((value, i) => value + residual[i]), modelled: part };
+function within2(axis, seen) {
+  return axis && seen ? { ...axis, low: seen[0], high: seen[1], part: true } : axis;
 }
-function band(modelled, half) {
-  return [-1, 1].map((side) => ({
-    colour: "--band",
-    chosen: null,
-    y: modelled.map((value, i) => value + side * half[i]),
-    strength: 0.6
-  }));
+function squaresOf(residual) {
+  return residual.reduce((sum, value) => value === value ? sum + value * value : sum, 0);
+}
+function chosenSquares(residual, chosen) {
+  let [sum, count] = [0, 0];
+  for (let at = 0; at < chosen.length; at++) {
+    const value = residual[chosen[at]];
+    if (value !== value) continue;
+    sum += value * value;
+    count++;
+  }
+  return { sum, count };
 }
 
 // src/params.js
@@ -1110,11 +1422,11 @@ var Params = class {
     this.rows.set(param.name, { slider, value, low, high });
     const between2 = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
     const odd = param.odd ? make("span", { class: "odd", text: " ⚠", "aria-label": param.odd }) : null;
-    const about = [param.name, param.meaning, param.odd].filter(Boolean).join(": ");
+    const about2 = [param.name, param.meaning, param.odd].filter(Boolean).join(": ");
     return make(
       "tr",
       {},
-      make("th", { scope: "row", title: about }, param.name.split(".").slice(1).join("."), odd),
+      make("th", { scope: "row", title: about2 }, param.name.split(".").slice(1).join("."), odd),
       make("td", {}, slider),
       make("td", { class: "value", title: `95 % interval ${between2} ${param.unit}` }, value),
       make("td", { class: "soft unit", text: param.unit, title: param.unit })
@@ -1235,16 +1547,16 @@ function joined(parts, names) {
 }
 
 // src/theme.js
-var KEY = "knobcam-theme";
+var KEY2 = "knobcam-theme";
 function themed(changed) {
   const root = document.documentElement;
   const system = matchMedia("(prefers-color-scheme: dark)");
-  const kept = localStorage.getItem(KEY);
+  const kept = localStorage.getItem(KEY2);
   if (kept === "light" || kept === "dark") root.dataset.theme = kept;
   const dark = () => root.dataset.theme ? root.dataset.theme === "dark" : system.matches;
   byId("theme").addEventListener("click", () => {
     root.dataset.theme = dark() ? "light" : "dark";
-    localStorage.setItem(KEY, root.dataset.theme);
+    localStorage.setItem(KEY2, root.dataset.theme);
     changed();
   });
   system.addEventListener("change", changed);
@@ -1259,6 +1571,7 @@ var App = class {
     this.job = null;
     this.view = { isolated: false, band: false, held: true };
     this.drawn = "";
+    this.beside = null;
     this.deed = { what: "first picture", start: 0 };
     this.linked = new Linked((words2) => byId("chosen").textContent = words2 ?? BRUSH_HINT);
     byId("plots").append(this.linked.element);
@@ -1271,8 +1584,10 @@ var App = class {
     this.candidates = new Candidates(byId("candidates"), {
       look: (effect) => this.look(effect),
       add: (effect) => this.ask("add", { effect }, "add"),
-      ask: () => this.ask("diagnose")
+      ask: () => this.ask("diagnose"),
+      about
     });
+    this.any = new AnyEffect((effect) => this.ask("add", { effect }, "add"));
     this.looking = new AbortController();
     this.looked = null;
   }
@@ -1300,6 +1615,7 @@ var App = class {
     }
     byId("new-branch").addEventListener("click", () => this.ask("branch", { name: this.branchName() }));
     byId("clear").addEventListener("click", () => this.linked.clear());
+    byId("closer").addEventListener("click", () => this.linked.lookCloser());
     for (
       const option of
       /** @type {(keyof App["view"])[]} */
@@ -1358,9 +1674,11 @@ var App = class {
     byId("verdict").textContent = state.verdict_text;
     showCaptures(byId("captures"), state, (captures) => this.ask("use", { captures }, "captures"));
     showLadder(byId("ladder"), state);
-    showBranches(byId("branches"), state, (branch2) => this.ask("switch", { branch: branch2 }, "switch"));
+    if (state.branch === this.beside || !state.branches.some(({ id }) => id === this.beside)) this.beside = null;
+    this.showBranches(state);
     this.params.show(state.params);
     this.candidates.show(state);
+    this.any.show(state.absent);
     this.showJob(state.job);
     const branch = state.branches.find(({ id }) => id === state.branch);
     enable("undo", (branch?.at ?? 0) > 0);
@@ -1371,10 +1689,13 @@ var App = class {
   /** @param {State} state */
   async draw(state) {
     const { node, active, unit, captures } = state;
-    const wanted = JSON.stringify([node, active, this.view]);
+    const other = state.branches.find(({ id }) => id === this.beside);
+    const otherNode = other?.steps[other.at]?.node;
+    const wanted = JSON.stringify([node, active, this.view, otherNode, other?.name]);
     if (node === null) this.deed = null;
     if (node === null || wanted === this.drawn) return;
-    const columns = await this.store.columns(node, active, columnsOf2(this.view));
+    const columns = await this.store.columns(node, active, columnsOf(this.view));
+    const rest = otherNode ? await this.store.columns(otherNode, active, ["residual"]) : null;
     if (this.state && this.state.node !== node) return;
     this.drawn = wanted;
     const axis = captures.find(({ id }) => active.includes(id))?.axis ?? "rotary";
@@ -1382,8 +1703,28 @@ var App = class {
     const { what, start } = this.deed ?? { what: "data", start: performance.now() };
     this.deed = null;
     const fitted = !state.params.some(({ dragged }) => dragged);
-    const data = { columns, unit, axis, noise: state.noise_floor, fitted };
+    const name = state.branches.find(({ id }) => id === state.branch)?.name;
+    const beside = other && rest ? { name: other.name, residual: rest.residual } : null;
+    this.legend(beside?.name ?? null);
+    const data = { columns, unit, axis, noise: state.noise_floor, fitted, name, beside };
     timed(what, () => this.linked.show(data, view), start);
+  }
+  /** @param {State} state */
+  showBranches(state) {
+    showBranches(byId("branches"), state, this.beside, {
+      choose: (branch) => this.ask("switch", { branch }, "switch"),
+      beside: (branch) => {
+        this.beside = branch;
+        this.deed = { what: "beside", start: performance.now() };
+        this.showBranches(state);
+        this.refresh(Infinity);
+      }
+    });
+  }
+  /** @param {string | null} name of the branch beside, null for none */
+  legend(name) {
+    byId("beside").hidden = name === null;
+    byId("beside-name").textContent = name ?? "";
   }
   /**
    * Show what an effect would explain.
@@ -1429,6 +1770,8 @@ var App = class {
     const key = event.key.toLowerCase();
     if (event.key === "Escape") {
       this.linked.clear();
+    } else if (!control && !event.altKey && key === "z") {
+      this.linked.lookCloser();
     } else if (control && (key === "y" || key === "z" && event.shiftKey)) {
       event.preventDefault();
       byId("redo").click();

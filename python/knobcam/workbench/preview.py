@@ -1,0 +1,54 @@
+"""The columns of a file that could not be read as a capture, so that a person can say which is which."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..capture import load
+from ..errors import InputError
+from ..formats import read_table
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from ..formats.table import FloatArray
+
+_MOST = 60  # columns; what has more was not meant to be looked at
+_WIDE = 60  # pieces of a column's outline
+
+
+class Unmapped(InputError):
+    """A file that has columns, but not those of a capture; `columns` describes them."""
+
+    def __init__(self, said: str, columns: list[dict[str, Any]]) -> None:
+        super().__init__(said)
+        self.columns = columns
+
+
+def explained(error: InputError, path: Path, options: Mapping[str, Any], max_bytes: int) -> InputError:
+    """Return the error with the columns of the file, if it was for them that it could not be taken in."""
+    try:
+        load(path, max_bytes=max_bytes, **options)
+    except InputError:
+        try:
+            columns = read_table(path, max_bytes).columns
+        except InputError:
+            return error
+        shown = [_described(*one) for one in columns.items() if one[1].ndim == 1]
+        return Unmapped(str(error), shown[:_MOST])
+    return error
+
+
+def _described(name: str, column: FloatArray) -> dict[str, Any]:
+    """A column's name, rows, range, and its outline: lowest and highest of each piece, from 0 to 1."""
+    finite = column[np.isfinite(column)]
+    if not len(finite):
+        return {"name": name, "rows": len(column), "low": None, "high": None, "outline": []}
+    low, high = float(finite.min()), float(finite.max())
+    shares = (column - low) / (high - low or 1.0)
+    pieces = [piece[np.isfinite(piece)] for piece in np.array_split(shares, min(_WIDE, len(column)))]
+    outline = [[float(piece.min()), float(piece.max())] for piece in pieces if len(piece)]
+    return {"name": name, "rows": len(column), "low": low, "high": high, "outline": outline}
