@@ -12,6 +12,9 @@ from typing import NamedTuple
 
 import pytest
 
+import knobcam
+from knobcam import plot
+
 ROOT = Path(__file__).resolve().parents[1]
 SITE = ROOT / "site" / "html"
 PAGES = [*sorted((ROOT / "docs").glob("*.md")), ROOT / "BENCHMARKS.md"]
@@ -54,6 +57,18 @@ def references(page: Path) -> list[Reference]:
     markup = Markup()
     markup.feed(page.read_text("utf-8"))
     return markup.references
+
+
+def test_the_reference_has_every_public_name() -> None:
+    named = (ROOT / "docs" / "api.md").read_text("utf-8")
+    public = [name for name in knobcam.__all__ if not name.startswith("_")]
+    assert [name for name in public if not re.search(rf"\b{name}\b", named)] == []
+    assert [name for name in plot.__all__ if f"knobcam.plot.{name}" not in named] == []
+
+
+def test_every_example_is_listed() -> None:
+    listed = (ROOT / "docs" / "examples.md").read_text("utf-8")
+    assert [path.name for path in (ROOT / "examples").glob("*.py") if path.name not in listed] == []
 
 
 @pytest.fixture(scope="module")

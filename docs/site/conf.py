@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from importlib.metadata import version as installed
 from typing import TYPE_CHECKING
 
 from signatures import as_written, skip_fields
+
+import knobcam
 
 if TYPE_CHECKING:
     from sphinx.application import Sphinx
 
 project = "knobcam"
 author = "the knobcam authors"
-release = version = installed("knobcam")
+release = version = knobcam.__version__
 
 extensions = ["myst_parser", "sphinx.ext.autodoc"]
 myst_heading_anchors = 4  # links to a section work as on a code host
@@ -25,7 +26,6 @@ autodoc_default_options = {
     # What the compiled core gives a class belongs to it; what Python gives every class does not.
     "inherited-members": "object, tuple, Exception, Warning",
 }
-add_module_names = False
 python_use_unqualified_type_names = True
 python_maximum_signature_line_length = 90
 # Types in signatures that have no entry here: other packages' (their documentation is on a network), and the
@@ -37,6 +37,7 @@ nitpick_ignore_regex = [
     ("py:.*", r"(.*\.)?(Watch|Picture|Window|Figures|Content|Section|Severity)"),
 ]
 
+highlight_language = "text"  # of what names no language
 smartquotes = False  # quotes in the text are those that a person types
 
 html_theme = "furo"
