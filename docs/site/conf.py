@@ -22,6 +22,7 @@ myst_heading_anchors = 4  # links to a section work as on a code host
 default_role = "literal"
 autodoc_default_options = {
     "members": True,
+    "special-members": "__getitem__",
     "member-order": "bysource",
     # What the compiled core gives a class belongs to it; what Python gives every class does not.
     "inherited-members": "object, tuple, Exception, Warning",

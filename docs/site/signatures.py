@@ -22,6 +22,8 @@ def as_written(
     """Return arguments and result of a function or class of the package; None for what is compiled."""
     if arguments is None or what not in ("class", "function", "method"):
         return None
+    if getattr(thing, "_is_protocol", False):
+        return "", ""  # nothing makes one
     try:
         signature = inspect.signature(thing)
     except ValueError:
