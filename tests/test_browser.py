@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import os
 import shutil
@@ -16,6 +17,7 @@ import numpy as np
 import pytest
 
 import knobcam as kc
+from knobcam.linked import Look
 from knobcam.typical import with_typical
 
 ROOT = Path(__file__).parents[1]
@@ -92,3 +94,21 @@ def test_files_are_handed_over_in_the_browser_and_their_names_never_become_marku
         seen = script("files.js", address, good, broken, pictures)
     assert "theta" in seen["refused"]
     assert seen["mapped"] == capture.samples
+
+
+def test_a_brush_in_a_notebook_is_heard_in_python_and_nothing_stays_behind(
+    tmp_path: Path, pictures: Path
+) -> None:
+    story = kc.learn(capture_with_stribeck(tmp_path, 25_000))
+    first, *rest = story.look().rungs
+    widget = Look((first._replace(label="<img src=x onerror=\"document.title='hit'\">"), *rest)).widget
+    widget.looked = first.effects[0]
+    state: dict[str, Any] = {name: getattr(widget, name) for name in ("head", "rung", "overlay")}
+    state["head"] = json.dumps(json.loads(widget.head) | {"all": 1_000_000})
+    state |= {"looked": "", "floats": base64.b64encode(widget.floats).decode(), "chosen": ""}
+    state["overlay"] |= {"floats": base64.b64encode(widget.overlay["floats"]).decode()}
+    (tmp_path / "state.json").write_text(json.dumps(state | {"bytes": ["floats", "chosen"]}))
+    module = ROOT / "python" / "knobcam" / "workbench" / "page" / "widget.js"
+    figures = script("widget.js", module, tmp_path / "state.json", pictures)["figures"]
+    assert figures["brush"]["painted"] < 250.0
+    assert figures["brush"]["script"] < 30.0

@@ -17,6 +17,7 @@ rmSync(folder, { recursive: true, force: true });
 mkdirSync(folder, { recursive: true });
 for (const name of ["index.html", "icon.svg"]) cpSync(source(name), join(folder, name));
 await build({ ...common, entryPoints: [source("app.js"), source("app.css")], outdir: folder, format: "esm" });
-// What goes into a report's file is small: every report carries it.
-const inside = [source("report.js"), source("plots.css")];
-await build({ ...common, entryPoints: inside, outdir: folder, format: "iife", minify: true });
+// What goes into a report's file or a notebook is small: every one carries it.
+const small = { ...common, outdir: folder, minify: true };
+await build({ ...small, entryPoints: [source("report.js"), source("report.css")], format: "iife" });
+await build({ ...small, entryPoints: [source("widget.js")], format: "esm", loader: { ".css": "text" } });

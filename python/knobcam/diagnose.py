@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from .compare import Comparison
     from .fit import Estimate, Fit
+    from .linked import Look
     from .refit import Moved
 
 CHANCE = 0.05
@@ -101,23 +102,25 @@ class Candidate:
         same = f"cannot be told from {', '.join(self.equivalent)}" if self.equivalent else ""
         return "; ".join(part for part in (same, *self.unphysical, self.note) if part)
 
-    def document(self) -> dict[str, Any]:
-        """Return it as the diagnosis's document has it."""
-        params = self.fit.document()["params"]
+    def evidence(self) -> dict[str, Any]:
+        """Return what speaks for it and against it, as the pages list it."""
         return {
-            "effect": self.effect,
-            "place": self.place,
+            **catalogued(self.effect, self.fit.model.axis).document(),
             "beyond_chance": self.beyond_chance,
             "p_value": self.p_value,
             "error_fall": self.error_fall,
-            "rmse": self.rmse,
             "rmse_heldout": self.rmse_heldout,
-            "params": {name: params[name] for name in self.parameters},
             "moved": describe(self.moved),
             "equivalent": list(self.equivalent),
             "unphysical": list(self.unphysical),
             "note": self.note,
         }
+
+    def document(self) -> dict[str, Any]:
+        """Return it as the diagnosis's document has it."""
+        params = self.fit.document()["params"]
+        own = {name: params[name] for name in self.parameters}
+        return self.evidence() | {"rmse": self.rmse, "params": own}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -169,6 +172,13 @@ class Diagnosis:
         from . import plot
 
         return plot.diagnosis(self)
+
+    def look(self) -> Look:
+        """Return linked plots to brush in, the candidates beside them."""
+        from .linked import Look
+        from .samples import Shown
+
+        return Look((Shown("fit", self.fit, self),))
 
     def document(self) -> dict[str, Any]:
         """Return the JSON document of `knobcam diagnose --json`."""

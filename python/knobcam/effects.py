@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _core
 from .errors import InputError
@@ -53,6 +53,17 @@ class Effect:
         from . import plot
 
         return plot.effect(self)
+
+    def document(self) -> dict[str, Any]:
+        """Return what the pages tell of it."""
+        return {
+            "effect": self.id,
+            "place": self.place,
+            "law": self.law,
+            "source": self.source,
+            "shows": self.shows,
+            "confused": list(self.confused),
+        }
 
     def __repr__(self) -> str:
         head = f"{self.id} ({self.place})\n  law     {self.law}\n"

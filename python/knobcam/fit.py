@@ -213,8 +213,9 @@ class Fit:
     def look(self) -> Look:
         """Return linked plots to brush in: torque and residual over position, velocity and time."""
         from .linked import Look
+        from .samples import Shown
 
-        return Look((("fit", self),))
+        return Look((Shown("fit", self),))
 
     def document(self) -> dict[str, Any]:
         """Return the JSON document of `knobcam fit --json`."""

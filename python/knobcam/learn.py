@@ -120,12 +120,15 @@ class Story:
         return plot.story(self)
 
     def look(self) -> Look:
-        """Return linked plots to brush in, for every rung of the ladder."""
+        """Return linked plots to brush in, for every rung of the ladder and what was weighed on it."""
         from .linked import Look
+        from .samples import Shown
 
-        return Look(
-            tuple((f"+ {rung.added}" if rung.added else "first model", rung.fit) for rung in self.ladder)
-        )
+        weighed = [*(rung.diagnosis for rung in self.ladder[1:]), self.last]
+        left = [*(None for _ in self.ladder[1:]), self.unexplained]
+        labels = [f"+ {rung.added}" if rung.added else "first model" for rung in self.ladder]
+        fits = [rung.fit for rung in self.ladder]
+        return Look(tuple(map(Shown, labels, fits, weighed, left)))
 
     def report(self, path: str | os.PathLike[str]) -> Path:
         """Write the whole story as one HTML file that needs nothing else, and return its path."""

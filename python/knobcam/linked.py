@@ -1,86 +1,76 @@
-"""Linked plots to brush in, as they are in the workbench: within a report, in a notebook, as a file.
-
-Their samples and their script stand in the page itself; nothing is fetched.
-"""
+"""Linked plots to brush in, as they are in the workbench: alive in a notebook, or as a page of their own."""
 
 from __future__ import annotations
 
-import base64
-import hashlib
-import json
-import math
 import os
 from dataclasses import dataclass
+from functools import cached_property
 from html import escape
-from importlib import resources
 from pathlib import Path
-from string import Template
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .errors import InputError
 from .formats.atomic import write_atomically
+from .formats.optional import require
+from .look_page import html
 
 if TYPE_CHECKING:
-    from .fit import Fit
-    from .formats.table import FloatArray
+    from collections.abc import Sequence
 
-SHOWN = 60_000
-"""Samples that a page carries at most; of more, that many at random."""
-_MOTION = ("theta", "omega", "tau")
-_PAGE = Template("""<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'; \
-script-src 'sha256-$script_hash'">
-<title>knobcam</title>
-<style>
-$style
-body { margin: 0; padding: .4rem; background: var(--paper); color: var(--ink);
-  font: 14px/1.4 system-ui, "Segoe UI", "DejaVu Sans", sans-serif; }
-</style>
-</head>
-<body>
-$markup
-</body>
-</html>
-""")
+    from .notebook import IntArray, Widget
+    from .samples import Shown
 
 
-class Section(NamedTuple):
-    """A piece of a page: its markup, its style, and the hash by which its one script is allowed to run."""
-
-    markup: str
-    style: str
-    script_hash: str
-
-
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False, repr=False)
 class Look:
     """Linked plots of torque and residual over position, velocity and time; a notebook shows them.
 
-    `fits` with their labels, all of the same captures: the plots show one of them at a time.
+    In a notebook with anywidget they are alive: `chosen` are the samples that are brushed, `share` their
+    part of the squared error, and `rung` is which of the models is shown. `save` writes them as a page.
     """
 
-    fits: tuple[tuple[str, Fit], ...]
+    rungs: tuple[Shown, ...]
 
-    def section(self) -> Section:
-        """Return the plots for a page that has more."""
-        script = _built("report.js")
-        digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
-        # No text of a file can end the element: JSON has another way to write its first letter.
-        samples = json.dumps(_samples(self.fits), allow_nan=False).replace("<", "\\u003c")
-        markup = (
-            '<div id="look"></div>'
-            f'<script type="application/json" id="look-samples">{samples}</script>'
-            f"<script>{script}</script>"
-        )
-        return Section(markup, _built("plots.css"), digest)
+    @cached_property
+    def widget(self) -> Widget:
+        """The widget itself, to be observed or put beside others. Raises InputError without anywidget."""
+        require("anywidget", "a live plot", extra="notebook")
+        from .notebook import Widget
+
+        return Widget(self.rungs)
+
+    @property
+    def chosen(self) -> tuple[IntArray, ...]:
+        """Indices of the chosen samples, one array for each capture; those that are set light up."""
+        chosen: tuple[IntArray, ...] = self.widget.chosen
+        return chosen
+
+    @chosen.setter
+    def chosen(self, indices: Sequence[IntArray]) -> None:
+        self.widget.chosen = indices
+
+    @property
+    def share(self) -> float:
+        """The part of the shown model's squared error that the chosen samples have, 0 to 1."""
+        residuals = self.rungs[self.rung].fit.residuals
+        whole = sum(float(np.nansum(np.square(rest))) for rest in residuals)
+        parts = (rest[rows] for rest, rows in zip(residuals, self.chosen, strict=True))
+        return sum(float(np.nansum(np.square(part))) for part in parts) / whole if whole > 0.0 else 0.0
+
+    @property
+    def rung(self) -> int:
+        """Which of the models is shown, from 0; it can be set."""
+        return self.widget.rung
+
+    @rung.setter
+    def rung(self, at: int) -> None:
+        self.widget.rung = at
 
     def html(self) -> str:
         """Return a page of the plots alone."""
-        return _PAGE.substitute(self.section()._asdict())
+        return html(self.rungs)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write that page and return its path; it appears whole or not at all."""
@@ -89,7 +79,7 @@ class Look:
         return target
 
     def __repr__(self) -> str:
-        labels = ", ".join(label for label, _ in self.fits)
+        labels = ", ".join(rung.label for rung in self.rungs)
         return f"Look({labels}): a notebook shows it, .save(path) writes it as a page"
 
     def _repr_html_(self) -> str:
@@ -97,41 +87,15 @@ class Look:
         style = "width: 100%; height: 52rem; border: 0"
         return f'<iframe sandbox="allow-scripts" style="{style}" srcdoc="{inside}"></iframe>'
 
+    def _repr_mimebundle_(self, **_: object) -> tuple[dict[str, Any], dict[str, Any]]:
+        """The page for what shows no widgets, and beside it the widget where there can be one."""
+        page = {"text/plain": repr(self), "text/html": self._repr_html_()}
+        try:
+            view, metadata = self.widget._repr_mimebundle_() or ({}, {})
+        except InputError:
+            return page, {}
+        return view | page, metadata
+
 
 def _write(path: Path, text: str) -> None:
     path.write_text(text, "utf-8")
-
-
-def _built(name: str) -> str:
-    return resources.files("knobcam").joinpath("workbench", "page", name).read_text("utf-8").strip()
-
-
-def _samples(fits: tuple[tuple[str, Fit], ...]) -> dict[str, object]:
-    last = fits[-1][1]
-    prepared = last.prepared
-    columns = [_times([signals.capture.t for signals in prepared])]
-    for name in _MOTION:
-        columns.append(np.concatenate([one.on_capture(getattr(one, name)) for one in prepared]))
-    columns += [fit.residual for _, fit in fits]
-    rows = np.arange(len(columns[0]))
-    if len(rows) > SHOWN:
-        rows = np.sort(np.random.default_rng(0).choice(rows, SHOWN, replace=False))
-    floats = np.stack([column[rows] for column in columns]).astype("<f4")
-    return {
-        "unit": "N m" if last.model.axis == "rotary" else "N",
-        "axis": last.model.axis,
-        "noise": last.noise_floor if math.isfinite(last.noise_floor) else None,
-        "n": len(rows),
-        "columns": ["t", *_MOTION],
-        "rungs": [{"label": label, "rmse": fit.rmse} for label, fit in fits],
-        "floats": base64.b64encode(floats.tobytes()).decode("ascii"),
-    }
-
-
-def _times(captures: list[FloatArray]) -> FloatArray:
-    """Time of captures one after the other, s."""
-    parts, elapsed = [], 0.0
-    for t in captures:
-        parts.append(t - t[0] + elapsed)
-        elapsed = float(parts[-1][-1])
-    return np.concatenate(parts)

@@ -20,6 +20,7 @@ _SURE = 2.0  # standard errors
 _DETENTS = 1.5  # that a motion must cross for a change of them to be told from a map of position
 _IN_STOPS = 0.6  # of the samples: stops that hold more are a spring
 _CYCLES = 0.8  # of friction along the way that a motion must cross
+_LEAST_CYCLES, _WAVES = 0.5, 1.6  # or this part, if it holds so many of the strongest waves
 _LARGEST = 2.0  # times the dry friction: what its series may add up to
 _FAR = 0.2  # of the range: presliding is over by then
 _NEAR = 1.0  # sample at the usual speed
@@ -88,12 +89,15 @@ def _waves(candidate: Candidate) -> list[str]:
     """Friction that varies along the way stays friction, and goes through a period of its own."""
     p = candidate.fit.params
     cycles = _range(candidate) / (2.0 * math.pi * p["position_friction.P"].value)
-    if cycles < _CYCLES:
-        return [f"only {cycles:.1f} of its periods were crossed: it is a trend"]
-    size = sum(
+    sizes = [
         math.hypot(p[f"position_friction.a{n}"].value, p[f"position_friction.b{n}"].value)
         for n in range(1, 5)
-    )
+    ]
+    # A series whose higher waves are its strongest goes up and down within a part of its period.
+    strongest = sum(n * size**2 for n, size in enumerate(sizes, 1)) / max(sum(s**2 for s in sizes), 1e-300)
+    if cycles < _CYCLES and not (cycles >= _LEAST_CYCLES and cycles * strongest >= _WAVES):
+        return [f"only {cycles:.1f} of its periods were crossed: it is a trend"]
+    size = sum(sizes)
     return [f"it varies by {size:.1f} times the friction there is"] if size > _LARGEST else _locked(candidate)
 
 

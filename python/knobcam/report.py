@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 from ._core import __version__
 from .effects import effect as catalogued
 from .formats.atomic import write_atomically
+from .look_page import section
 from .refit import percent
 from .tables import html_table
 
@@ -42,7 +43,7 @@ def _write_text(path: Path, text: str) -> None:
 
 def html(story: Story) -> str:
     """Return the report of a story: what was found, why, what else it could be, what remains, how sure."""
-    look = story.look().section()
+    look = section(story.look().rungs)
     page = resources.files("knobcam").joinpath("report.html").read_text("utf-8")
     return Template(page).substitute(
         title=escape(_title(story)),

@@ -8,11 +8,10 @@ const QUIET = [
 ];
 
 /**
- * Open a page; whatever it complains about is kept in `complaints`, whatever it asks for in `requests`.
+ * Start a browser; whatever its page complains about is kept in `complaints`, whatever it asks for in `requests`.
  * @param {string} chrome path of the browser
- * @param {string} address
  */
-export async function opened(chrome, address) {
+export async function launched(chrome) {
   const browser = await chromium.launch({ executablePath: chrome, args: QUIET });
   const page = await browser.newPage({ viewport: { width: 1500, height: 950 }, acceptDownloads: true });
   const complaints = [];
@@ -23,8 +22,18 @@ export async function opened(chrome, address) {
     if (answer.status() >= 400) complaints.push(`${answer.url()} ${await answer.text().catch(() => "")}`);
   });
   page.on("request", (request) => requests.push(request.url()));
-  await page.goto(address);
   return { browser, page, complaints, requests };
+}
+
+/**
+ * Start a browser and open a page in it.
+ * @param {string} chrome path of the browser
+ * @param {string} address
+ */
+export async function opened(chrome, address) {
+  const started = await launched(chrome);
+  await started.page.goto(address);
+  return started;
 }
 
 /**

@@ -102,14 +102,18 @@ const foreign = requests.filter((url) => !url.startsWith(new URL(address).origin
 assert.deepEqual(foreign, [], "the page asks nobody else");
 assert.deepEqual(complaints, [], "the browser has nothing to complain about");
 
+await page.goto("about:blank"); // what the workbench still asks for on the way out is its own
 requests.length = 0;
 await page.goto(pathToFileURL(report).href);
 await page.screenshot({ path: join(folder, "8-report.png"), fullPage: true });
 assert.deepEqual(requests.filter((url) => !url.startsWith("file:") && !url.startsWith("data:")), []);
-const before = await page.locator("#look p").textContent();
+const before = await page.locator("#look .below p").textContent();
 await page.getByRole("button", { name: `+ ${effect}` }).click();
 figures.report = await brushed(page, "residual over velocity", [0.47, 0.12], [0.62, 0.85]);
-assert.notEqual(await page.locator("#look p").textContent(), before, "a brush works in the report");
+assert.notEqual(await page.locator("#look .below p").textContent(), before, "a brush works in the report");
+const weighed = page.locator("#look .candidate").first();
+await weighed.hover();
+await page.getByText(`what ${await weighed.getAttribute("data-effect")} would explain`).waitFor();
 await page.locator("#look").screenshot({ path: join(folder, "9-report-brushed.png") });
 assert.deepEqual(complaints, []);
 await browser.close();

@@ -42,12 +42,13 @@ class App {
       drag: (values) => this.drag(values),
       drop: (effect) => this.ask("drop", { effect }, "drop"),
     });
-    this.candidates = new Candidates(byId("candidates"), {
-      look: (effect) => this.look(effect),
-      add: (effect) => this.ask("add", { effect }, "add"),
+    const deeds = {
+      look: (/** @type {string | null} */ effect) => this.look(effect),
+      take: (/** @type {string} */ effect) => this.ask("add", { effect }, "add"),
       ask: () => this.ask("diagnose"),
       about,
-    });
+    };
+    this.candidates = new Candidates(byId("candidates"), deeds, "Add");
     this.any = new AnyEffect((effect) => this.ask("add", { effect }, "add"));
     this.looking = new AbortController();
     /** @type {string | null} */

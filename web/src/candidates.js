@@ -9,12 +9,14 @@ import { number, percent } from "./numbers.js";
 export class Candidates {
   /**
    * @param {HTMLElement} place
-   * @param {{look: (effect: string | null) => void, add: (effect: string) => void, ask: () => void,
-   *   about: (row: Candidate) => void}} deeds
+   * @param {{look: (effect: string | null) => void, take: (effect: string) => void, ask?: () => void,
+   *   about?: (row: Candidate) => void}} deeds
+   * @param {string} taking what it is called to take one
    */
-  constructor(place, deeds) {
+  constructor(place, deeds, taking) {
     this.place = place;
     this.deeds = deeds;
+    this.taking = taking;
     this.shown = "";
     this.at = 0;
     this.inside = false; // whether the keys were here when the list went away
@@ -25,7 +27,7 @@ export class Candidates {
     place.addEventListener("keydown", (event) => this.key(event));
   }
 
-  /** @param {State} state */
+  /** @param {Pick<State, "candidates" | "node" | "job">} state */
   show({ candidates, node, job }) {
     const shown = JSON.stringify([candidates, node, job?.id]);
     if (shown === this.shown) return;
@@ -36,7 +38,7 @@ export class Candidates {
     this.items = candidates.rows.map((row, at) => this.item(row, at));
     const ask = make("button", {
       ...{ type: "button", text: "What is missing?", disabled: job !== null || node === null },
-      on: { click: this.deeds.ask },
+      on: { click: () => this.deeds.ask?.() },
     });
     const list = make("ul", { role: "listbox", "aria-label": "candidates", class: "candidates" }, ...this.items);
     this.place.replaceChildren(
@@ -55,13 +57,13 @@ export class Candidates {
   item(row, at) {
     const bar = make("span", { class: "bar" });
     bar.style.width = `${100 * Math.min(1, Math.max(0, row.error_fall))}%`;
-    const add = make("button", {
-      ...{ type: "button", text: "Add", tabindex: -1, "aria-label": `add ${row.effect}` },
-      on: { click: () => this.deeds.add(row.effect) },
+    const take = make("button", {
+      ...{ type: "button", text: this.taking, tabindex: -1, "aria-label": `${this.taking} ${row.effect}` },
+      on: { click: () => this.deeds.take(row.effect) },
     });
     const about = make("button", {
       ...{ type: "button", text: "?", tabindex: -1, "aria-label": `about ${row.effect}`, title: "what it is (key: ?)" },
-      on: { click: () => this.deeds.about(row) },
+      on: { click: () => this.deeds.about?.(row) },
     });
     const chance = row.beyond_chance ? "" : " chance";
     return make(
@@ -79,7 +81,7 @@ export class Candidates {
       make("span", { class: "label", text: row.effect, title: row.shows ?? row.effect }),
       make("span", { class: "track" }, bar),
       make("span", { class: "figure", text: `−${percent(Math.max(0, row.error_fall))}`, title: "fall of the RMS error" }),
-      make("span", { class: "deeds" }, about, add),
+      make("span", { class: "deeds" }, this.deeds.about ? about : null, take),
       make("span", { class: "evidence soft", text: evidence(row) }),
       ...remarks(row).map((text) => make("span", { class: "alike soft", text })),
       ...row.unphysical.map((text) => make("span", { class: "alike odd", text: `⚠ ${text}` })),
@@ -104,10 +106,10 @@ export class Candidates {
       this.items[Math.min(this.items.length - 1, Math.max(0, to))]?.focus();
       event.preventDefault();
     } else if (event.key === "Enter" && event.target === this.items[this.at]) {
-      this.deeds.add(this.items[this.at].dataset.effect ?? "");
+      this.deeds.take(this.items[this.at].dataset.effect ?? "");
       event.preventDefault();
     } else if (event.key === "?") {
-      if (this.rows[this.at]) this.deeds.about(this.rows[this.at]);
+      if (this.rows[this.at]) this.deeds.about?.(this.rows[this.at]);
     }
   }
 }

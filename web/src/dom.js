@@ -38,9 +38,10 @@ export function byId(id) {
 }
 
 /**
- * The value of a colour or size that the style sheet names.
+ * The value of a colour or size that the style sheet names, as it is where an element stands.
  * @param {string} name
+ * @param {Element} element
  */
-export function styleValue(name) {
-  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+export function styleValue(name, element) {
+  return getComputedStyle(element).getPropertyValue(name).trim();
 }

@@ -53,7 +53,8 @@ export class Linked {
     this.waiting = new Set();
     this.widest = 0;
     this.squares = 0; // of the residual, all together
-    new ResizeObserver(() => this.redraw()).observe(this.element);
+    this.sized = new ResizeObserver(() => this.redraw());
+    this.sized.observe(this.element);
   }
 
   /**
@@ -63,7 +64,7 @@ export class Linked {
    */
   show(data, view) {
     const { columns } = data;
-    if (this.data?.columns.t.length !== columns.t.length) {
+    if (this.data && this.data.columns.t.length !== columns.t.length) {
       this.clear();
       this.seen.fill(null);
       this.heights.clear();
@@ -164,8 +165,16 @@ export class Linked {
 
   /** Choose nothing. */
   clear() {
+    this.choose(null);
+  }
+
+  /**
+   * Choose samples that no rectangle on this page has chosen.
+   * @param {Uint32Array | null} chosen indices
+   */
+  choose(chosen) {
     for (const plot of this.plots) plot.setRegion(null);
-    this.chosen = null;
+    this.chosen = chosen;
     this.drawLight();
     this.tell();
   }

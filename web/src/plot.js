@@ -48,6 +48,11 @@ export class Plot {
     this.scale = 1;
   }
 
+  /** @param {string} name of a colour in the style sheet */
+  colour(name) {
+    return styleValue(name, this.element);
+  }
+
   /** @param {Contents} contents */
   show(contents) {
     this.drawAll(contents);
@@ -90,9 +95,9 @@ export class Plot {
   drawBase(series) {
     const image = new ImageData(this.frame.width, this.frame.height);
     const pixels = new Uint32Array(image.data.buffer);
-    pixels.fill(pixelColour(styleValue("--paper")));
+    pixels.fill(pixelColour(this.colour("--paper")));
     for (const [at, { colour, strength }] of series.entries()) {
-      drawCloud(pixels, this.placed[at], this.frame, pixelColour(styleValue(colour)), strength);
+      drawCloud(pixels, this.placed[at], this.frame, pixelColour(this.colour(colour)), strength);
     }
     this.base.getContext("2d")?.putImageData(image, 0, 0);
   }
@@ -104,7 +109,7 @@ export class Plot {
     const brush = this.axes.getContext("2d");
     if (!brush || !this.contents) return;
     const { title, xAxis, yAxis, noise } = this.contents;
-    const colours = { ink: styleValue("--ink"), soft: styleValue("--soft"), line: styleValue("--grid") };
+    const colours = { ink: this.colour("--ink"), soft: this.colour("--soft"), line: this.colour("--grid") };
     brush.scale(this.scale, this.scale);
     drawAxes(brush, { width, height }, { x: xAxis, y: yAxis, title, colours, noise });
   }
@@ -121,12 +126,12 @@ export class Plot {
     const pixels = new Uint32Array(image.data.buffer);
     if (chosen) {
       for (const [at, { chosen: colour }] of this.contents.series.entries()) {
-        if (colour) drawPoints(pixels, this.placed[at], chosen, this.frame, pixelColour(styleValue(colour)));
+        if (colour) drawPoints(pixels, this.placed[at], chosen, this.frame, pixelColour(this.colour(colour)));
       }
     }
     if (above) {
       const spots = place(this.contents.x, above.y, this.frame);
-      drawPoints(pixels, spots, null, this.frame, pixelColour(styleValue(above.colour)));
+      drawPoints(pixels, spots, null, this.frame, pixelColour(this.colour(above.colour)));
     }
     this.light.getContext("2d")?.putImageData(image, 0, 0);
   }

@@ -1,44 +1,47 @@
 /** The linked plots in a report's file: everything they show is in the file. */
 
-import { byId, make } from "./dom.js";
-import { Linked } from "./linked.js";
-import { number, torqueScale } from "./numbers.js";
+import { byId } from "./dom.js";
+import { Look } from "./look.js";
+import { unpacked } from "./packed.js";
 import { times } from "./timing.js";
 
-/** @typedef {import("./types.js").Columns} Columns */
+/** @typedef {import("./packed.js").Packed} Packed */
 
 /**
- * What the file holds: columns of `n` 32-bit floats one after the other, then the residual of each rung.
- * @typedef {{unit: string, axis: string, noise: number | null, n: number, columns: string[],
- *   rungs: {label: string, rmse: number}[], floats: string}} Kept
+ * What the file holds: columns by name; of each rung its residual, and what each candidate would explain of it.
+ * @typedef {import("./look.js").Head & {columns: Record<string, Packed>, residuals: Packed[],
+ *   signatures: Record<string, Packed>[]}} Kept
  */
 
-/** @type {Kept} */
-const kept = JSON.parse(byId("look-samples").textContent ?? "");
-const bytes = Uint8Array.from(atob(kept.floats), (letter) => letter.charCodeAt(0));
-const floats = new Float32Array(bytes.buffer);
-const column = (/** @type {number} */ at) => floats.subarray(at * kept.n, (at + 1) * kept.n);
-/** @type {Columns} */
-const measured = Object.fromEntries(kept.columns.map((name, at) => [name, column(at)]));
+async function main() {
+  /** @type {Kept} */
+  const kept = JSON.parse(byId("look-samples").textContent ?? "");
+  const unpack = (/** @type {Packed} */ packed) => unpacked(packed, kept.n);
+  const names = Object.keys(kept.columns);
+  const columns = await Promise.all(Object.values(kept.columns).map(unpack));
+  const measured = Object.fromEntries(names.map((name, at) => [name, columns[at]]));
+  const residuals = await Promise.all(kept.residuals.map(unpack));
 
-const words = make("p", { class: "soft", "aria-live": "polite" });
-const hint = "Drag a rectangle in any plot: its samples light up in all of them. Escape clears.";
-const linked = new Linked((said) => (words.textContent = said ?? hint));
-const buttons = kept.rungs.map(({ label, rmse }, at) => {
-  const scale = torqueScale(kept.unit, rmse);
-  const text = `${label}: ${number(rmse * scale.factor)} ${scale.unit}`;
-  return make("button", { type: "button", text, on: { click: () => show(at) } });
-});
-
-/** @param {number} rung */
-function show(rung) {
-  const columns = { ...measured, residual: column(kept.columns.length + rung) };
-  linked.show({ ...kept, columns, fitted: true }, { isolated: false, band: false, held: true });
-  for (const [at, button] of buttons.entries()) button.setAttribute("aria-pressed", String(at === rung));
+  let shown = 0;
+  /** @type {string | null} */
+  let looked = null;
+  const look = new Look(kept, measured, residuals, {
+    rung: (at) => {
+      [shown, looked] = [at, null];
+      look.show(at);
+      look.overlay(null, null);
+    },
+    look: async (effect) => {
+      looked = effect;
+      const signature = effect ? await unpack(kept.signatures[shown][effect]) : null;
+      if (looked === effect) look.overlay(effect, signature);
+    },
+  });
+  byId("look").append(look.element);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => look.linked.redraw());
+  // For those who measure.
+  Object.assign(globalThis, { knobcam: { times, look } });
+  look.show(shown);
 }
 
-byId("look").append(make("div", { class: "rungs" }, ...buttons), linked.element, words);
-document.addEventListener("keydown", (event) => event.key === "Escape" && linked.clear());
-matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => linked.redraw());
-Object.assign(globalThis, { knobcam: { times, linked } });
-show(0);
+main();

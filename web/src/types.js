@@ -11,7 +11,7 @@
  *   meaning?: string}} Param
  * @typedef {{effect: string, place: string, law: string, source: string, shows: string,
  *   confused: string[]}} Effect
- * @typedef {Effect & {error_fall: number, p_value: number, moved: unknown[], unphysical: string[],
+ * @typedef {Effect & {error_fall: number, p_value: number, unphysical: string[],
  *   equivalent: string[], beyond_chance: boolean, note: string}} Candidate
  * @typedef {{axis: string, share: number, hint: string}} Unexplained
  * @typedef {{id: string, what: string, done: number | null}} Job

@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 from ..effects import effects
 from ..errors import InputError
-from ..refit import describe
 from ..selection import choose, concluded
 from .story import ladder
 
 if TYPE_CHECKING:
-    from ..diagnose import Candidate, Diagnosis
+    from ..diagnose import Diagnosis
     from ..effects import Effect
     from ..fit import Estimate
     from ..model import Model, Parameter
@@ -59,7 +58,7 @@ def document(session: Session) -> dict[str, Any]:
         ],
         "candidates": _candidates(branch, diagnosis),
         "warnings": list(fitted.warnings),
-        "absent": [_entry(one) for one in absent(fitted.model)],
+        "absent": [one.document() for one in absent(fitted.model)],
     }
 
 
@@ -176,39 +175,13 @@ def _verdict(branch: Branch, diagnosis: Diagnosis | None) -> str:
 def _candidates(branch: Branch, diagnosis: Diagnosis | None) -> dict[str, Any]:
     if diagnosis is None:
         return {"ready": False, "rows": [], "unexplained": None}
-    catalogue = effects(diagnosis.fit.model.axis)
     unexplained = None
     if choose(diagnosis) is None:
         rungs = ladder(branch.done)
         unexplained = concluded(rungs, diagnosis, rungs[0].fit.model.effects).unexplained
     return {
         "ready": True,
-        "rows": [_row(one, catalogue[one.effect]) for one in diagnosis.candidates],
+        "rows": [one.evidence() for one in diagnosis.candidates],
         "unexplained": None if unexplained is None else unexplained._asdict(),
         "left_out": dict(diagnosis.left_out),
-    }
-
-
-def _entry(effect: Effect) -> dict[str, Any]:
-    return {
-        "effect": effect.id,
-        "place": effect.place,
-        "law": effect.law,
-        "source": effect.source,
-        "shows": effect.shows,
-        "confused": list(effect.confused),
-    }
-
-
-def _row(one: Candidate, entry: Effect) -> dict[str, Any]:
-    return {
-        **_entry(entry),
-        "error_fall": one.error_fall,
-        "rmse_heldout": one.rmse_heldout,
-        "p_value": one.p_value,
-        "beyond_chance": one.beyond_chance,
-        "moved": [{"name": name, **move} for name, move in describe(one.moved).items()],
-        "unphysical": list(one.unphysical),
-        "equivalent": list(one.equivalent),
-        "note": one.note,
     }

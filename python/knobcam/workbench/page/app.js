@@ -76,8 +76,8 @@ function byId(id) {
   if (!element) throw new Error(`the page has no element ${id}`);
   return element;
 }
-function styleValue(name) {
-  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+function styleValue(name, element) {
+  return getComputedStyle(element).getPropertyValue(name).trim();
 }
 
 // src/numbers.js
@@ -171,12 +171,14 @@ function words({ name, samples, rate_hz, findings }) {
 var Candidates = class {
   /**
    * @param {HTMLElement} place
-   * @param {{look: (effect: string | null) => void, add: (effect: string) => void, ask: () => void,
-   *   about: (row: Candidate) => void}} deeds
+   * @param {{look: (effect: string | null) => void, take: (effect: string) => void, ask?: () => void,
+   *   about?: (row: Candidate) => void}} deeds
+   * @param {string} taking what it is called to take one
    */
-  constructor(place3, deeds) {
+  constructor(place3, deeds, taking) {
     this.place = place3;
     this.deeds = deeds;
+    this.taking = taking;
     this.shown = "";
     this.at = 0;
     this.inside = false;
@@ -184,7 +186,7 @@ var Candidates = class {
     this.rows = [];
     place3.addEventListener("keydown", (event) => this.key(event));
   }
-  /** @param {State} state */
+  /** @param {Pick<State, "candidates" | "node" | "job">} state */
   show({ candidates, node, job }) {
     const shown = JSON.stringify([candidates, node, job?.id]);
     if (shown === this.shown) return;
@@ -195,7 +197,7 @@ var Candidates = class {
     this.items = candidates.rows.map((row, at) => this.item(row, at));
     const ask = make("button", {
       ...{ type: "button", text: "What is missing?", disabled: job !== null || node === null },
-      on: { click: this.deeds.ask }
+      on: { click: () => this.deeds.ask?.() }
     });
     const list = make("ul", { role: "listbox", "aria-label": "candidates", class: "candidates" }, ...this.items);
     this.place.replaceChildren(
@@ -211,13 +213,13 @@ var Candidates = class {
   item(row, at) {
     const bar = make("span", { class: "bar" });
     bar.style.width = `${100 * Math.min(1, Math.max(0, row.error_fall))}%`;
-    const add = make("button", {
-      ...{ type: "button", text: "Add", tabindex: -1, "aria-label": `add ${row.effect}` },
-      on: { click: () => this.deeds.add(row.effect) }
+    const take = make("button", {
+      ...{ type: "button", text: this.taking, tabindex: -1, "aria-label": `${this.taking} ${row.effect}` },
+      on: { click: () => this.deeds.take(row.effect) }
     });
     const about2 = make("button", {
       ...{ type: "button", text: "?", tabindex: -1, "aria-label": `about ${row.effect}`, title: "what it is (key: ?)" },
-      on: { click: () => this.deeds.about(row) }
+      on: { click: () => this.deeds.about?.(row) }
     });
     const chance = row.beyond_chance ? "" : " chance";
     return make(
@@ -235,7 +237,7 @@ var Candidates = class {
       make("span", { class: "label", text: row.effect, title: row.shows ?? row.effect }),
       make("span", { class: "track" }, bar),
       make("span", { class: "figure", text: `−${percent(Math.max(0, row.error_fall))}`, title: "fall of the RMS error" }),
-      make("span", { class: "deeds" }, about2, add),
+      make("span", { class: "deeds" }, this.deeds.about ? about2 : null, take),
       make("span", { class: "evidence soft", text: evidence(row) }),
       ...remarks(row).map((text) => make("span", { class: "alike soft", text })),
       ...row.unphysical.map((text) => make("span", { class: "alike odd", text: `⚠ ${text}` }))
@@ -261,10 +263,10 @@ var Candidates = class {
       this.items[Math.min(this.items.length - 1, Math.max(0, to))]?.focus();
       event.preventDefault();
     } else if (event.key === "Enter" && event.target === this.items[this.at]) {
-      this.deeds.add(this.items[this.at].dataset.effect ?? "");
+      this.deeds.take(this.items[this.at].dataset.effect ?? "");
       event.preventDefault();
     } else if (event.key === "?") {
-      if (this.rows[this.at]) this.deeds.about(this.rows[this.at]);
+      if (this.rows[this.at]) this.deeds.about?.(this.rows[this.at]);
     }
   }
 };
@@ -970,6 +972,10 @@ var Plot = class {
     this.region = null;
     this.scale = 1;
   }
+  /** @param {string} name of a colour in the style sheet */
+  colour(name) {
+    return styleValue(name, this.element);
+  }
   /** @param {Contents} contents */
   show(contents) {
     this.drawAll(contents);
@@ -1009,9 +1015,9 @@ var Plot = class {
   drawBase(series) {
     const image = new ImageData(this.frame.width, this.frame.height);
     const pixels = new Uint32Array(image.data.buffer);
-    pixels.fill(pixelColour(styleValue("--paper")));
+    pixels.fill(pixelColour(this.colour("--paper")));
     for (const [at, { colour, strength }] of series.entries()) {
-      drawCloud(pixels, this.placed[at], this.frame, pixelColour(styleValue(colour)), strength);
+      drawCloud(pixels, this.placed[at], this.frame, pixelColour(this.colour(colour)), strength);
     }
     this.base.getContext("2d")?.putImageData(image, 0, 0);
   }
@@ -1022,7 +1028,7 @@ var Plot = class {
     const brush = this.axes.getContext("2d");
     if (!brush || !this.contents) return;
     const { title, xAxis, yAxis, noise } = this.contents;
-    const colours = { ink: styleValue("--ink"), soft: styleValue("--soft"), line: styleValue("--grid") };
+    const colours = { ink: this.colour("--ink"), soft: this.colour("--soft"), line: this.colour("--grid") };
     brush.scale(this.scale, this.scale);
     drawAxes(brush, { width, height }, { x: xAxis, y: yAxis, title, colours, noise });
   }
@@ -1038,12 +1044,12 @@ var Plot = class {
     const pixels = new Uint32Array(image.data.buffer);
     if (chosen) {
       for (const [at, { chosen: colour }] of this.contents.series.entries()) {
-        if (colour) drawPoints(pixels, this.placed[at], chosen, this.frame, pixelColour(styleValue(colour)));
+        if (colour) drawPoints(pixels, this.placed[at], chosen, this.frame, pixelColour(this.colour(colour)));
       }
     }
     if (above) {
       const spots = place(this.contents.x, above.y, this.frame);
-      drawPoints(pixels, spots, null, this.frame, pixelColour(styleValue(above.colour)));
+      drawPoints(pixels, spots, null, this.frame, pixelColour(this.colour(above.colour)));
     }
     this.light.getContext("2d")?.putImageData(image, 0, 0);
   }
@@ -1198,7 +1204,8 @@ var Linked = class {
     this.waiting = /* @__PURE__ */ new Set();
     this.widest = 0;
     this.squares = 0;
-    new ResizeObserver(() => this.redraw()).observe(this.element);
+    this.sized = new ResizeObserver(() => this.redraw());
+    this.sized.observe(this.element);
   }
   /**
    * Show data; the same samples stay chosen where there are as many as before.
@@ -1207,7 +1214,7 @@ var Linked = class {
    */
   show(data, view) {
     const { columns } = data;
-    if (this.data?.columns.t.length !== columns.t.length) {
+    if (this.data && this.data.columns.t.length !== columns.t.length) {
       this.clear();
       this.seen.fill(null);
       this.heights.clear();
@@ -1301,8 +1308,15 @@ var Linked = class {
   }
   /** Choose nothing. */
   clear() {
+    this.choose(null);
+  }
+  /**
+   * Choose samples that no rectangle on this page has chosen.
+   * @param {Uint32Array | null} chosen indices
+   */
+  choose(chosen) {
     for (const plot of this.plots) plot.setRegion(null);
-    this.chosen = null;
+    this.chosen = chosen;
     this.drawLight();
     this.tell();
   }
@@ -1581,12 +1595,13 @@ var App = class {
       drag: (values) => this.drag(values),
       drop: (effect) => this.ask("drop", { effect }, "drop")
     });
-    this.candidates = new Candidates(byId("candidates"), {
+    const deeds = {
       look: (effect) => this.look(effect),
-      add: (effect) => this.ask("add", { effect }, "add"),
+      take: (effect) => this.ask("add", { effect }, "add"),
       ask: () => this.ask("diagnose"),
       about
-    });
+    };
+    this.candidates = new Candidates(byId("candidates"), deeds, "Add");
     this.any = new AnyEffect((effect) => this.ask("add", { effect }, "add"));
     this.looking = new AbortController();
     this.looked = null;
