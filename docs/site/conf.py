@@ -34,8 +34,8 @@ python_maximum_signature_line_length = 90
 nitpick_ignore_regex = [
     ("py:.*", r"(os|pathlib|collections|typing|np|numpy|matplotlib)\..*"),
     ("py:.*", r"(knobcam\.)?_core\..*"),
-    ("py:.*", r"(.*\.)?(FloatArray|BoolArray|ArrayLike|NDArray|Axis|ColumnMap|Figure|Path|Law)"),
-    ("py:.*", r"(.*\.)?(Watch|Picture|Window|Figures|Content|Section|Severity)"),
+    ("py:.*", r"(.*\.)?(FloatArray|IntArray|BoolArray|ArrayLike|NDArray|Axis|ColumnMap|Figure|Path|Law)"),
+    ("py:.*", r"(.*\.)?(Watch|Picture|Window|Figures|Content|Severity|Shown|Widget)"),
 ]
 
 highlight_language = "text"  # of what names no language
