@@ -66,7 +66,7 @@ def five_knobs(folder: Path) -> None:
         keep(folder / f"paper-{name}-position.png", plot.position(fits[name]))
     pushes = kc.simulate("knob3", "push", duration_s=12.0)
     sticking = kc.fit([kc.simulate("knob3", "sweep", duration_s=5.0), pushes])
-    keep(folder / "paper-knob3-stiction.png", plot.stiction(sticking))
+    keep(folder / "paper-knob3-stiction.png", sticking.stiction().plot())
 
 
 def axis(folder: Path, data: Path) -> None:
