@@ -6,6 +6,7 @@ python3 dev.py test [OPTION...]   build, then the Rust tests and pytest (OPTION:
 python3 dev.py lint               formatting, clippy, ruff, types
 python3 dev.py check              lint, then test
 python3 dev.py bench [OPTION...]  the benchmarks against their peers
+python3 dev.py docs               the documentation site, in site/html
 python3 dev.py page [--check]     the workbench's page; --check: are the committed files what is built?
 python3 dev.py browser            Chromium and what drives it, for the tests in a browser
 python3 dev.py setup              only the set-up: .venv, pinned dependencies, the extension
@@ -139,6 +140,12 @@ def wheel(_: list[str]) -> None:
     run(BIN / "maturin", "build", "--release", "--locked", "--out", "dist")
 
 
+def docs(_: list[str]) -> None:
+    """The site, from docs/ and from what the installed package says of itself; it opens from disk."""
+    setup()
+    run(PYTHON, "docs/site/build.py")
+
+
 def npm() -> None:
     """Make web/node_modules hold what the lock file pins."""
     if shutil.which("npm") is None:
@@ -197,6 +204,7 @@ def main() -> None:
     """Dispatch on the first word."""
     commands = {"demo": demo, "test": test, "lint": lint, "check": check, "bench": bench}
     commands |= {"setup": lambda _: setup(), "wheel": wheel, "lock": lock, "page": page, "browser": browser}
+    commands["docs"] = docs
     if sys.version_info < (3, 11):  # noqa: UP036 - an older one can start this script
         sys.exit("dev.py: needs Python 3.11 or newer; this is " + sys.version.split()[0])
     if len(sys.argv) < 2 or sys.argv[1] not in commands:

@@ -1,56 +1,94 @@
 #!/usr/bin/env python3
-"""Make the pictures of the documentation: python docs/make_pictures.py.
+"""Make the pictures of the documentation: python docs/make_pictures.py [FOLDER], by default docs/pictures.
 
-The story is that of a simulated knob. The fit is one to real measurements, which are not part of this
-repository: KNOBCAM_SHARED_DATA names the folder that holds them; without it that picture stays as it is.
+Those of simulated knobs are made anywhere. The others are of real measurements, which are not part of this
+repository: KNOBCAM_SHARED_DATA names the folder that holds them; without it these pictures stay as they are.
 """
 
 from __future__ import annotations
 
+import contextlib
+import io
 import os
+import re
+import sys
+import tempfile
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import knobcam as kc
 from knobcam import plot
 
-PICTURES = Path(__file__).parent / "pictures"
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+DOCS = Path(__file__).resolve().parent
 EMPS = Path("emps", "DATA_EMPS.mat")
+MOTOR = Path("odrive_cogging", "slow2_slower_nocomp_0.npy")
+COGGING = Path("odrive_cogging", "map_a_16.npy")
 
 
 def main() -> None:
     """Make every picture."""
-    story()
-    stability()
-    emps()
-
-
-def story() -> None:
-    """Draw how the spring is found that is hidden in the knob of docs/learn.md."""
-    knob = kc.Model.load("knob4").with_effect("return_spring").with_value("return_spring.k", 0.004)
-    capture = kc.simulate(knob, "sweep")
-    target = PICTURES / "story.png"
-    kc.learn(capture).plot().savefig(target, dpi=80)
-    print(target)
-
-
-def stability() -> None:
-    """Draw what a delay allows on the handle of docs/render.md."""
-    target = PICTURES / "stability.png"
-    kc.check_stability("knob4", kc.Device(delay_samples=1)).plot().savefig(target, dpi=90)
-    print(target)
-
-
-def emps() -> None:
-    """Draw friction over velocity of the EMPS axis (Janot, Gautier & Brunot 2019)."""
-    folder = os.environ.get("KNOBCAM_SHARED_DATA")
-    data = Path(folder or ".") / EMPS
-    if not data.is_file():
-        print(f"no {EMPS} in KNOBCAM_SHARED_DATA={folder}: no picture made")
+    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else DOCS / "pictures"
+    keep(folder / "story.png", plot.story(kc.learn(hidden_spring())), 80)
+    keep(
+        folder / "stability.png", plot.stability(kc.check_stability("knob4", kc.Device(delay_samples=1))), 90
+    )
+    five_knobs(folder)
+    shared = Path(os.environ.get("KNOBCAM_SHARED_DATA", "."))
+    absent = [str(name) for name in (EMPS, MOTOR, COGGING) if not (shared / name).is_file()]
+    if absent:
+        print(f"no {', '.join(absent)} in KNOBCAM_SHARED_DATA={shared}: no picture made of them")
         return
-    capture = kc.load(data, map="t=t, theta=qm, tau=35.1507*vir", axis="linear")
-    target = PICTURES / "emps-velocity.png"
-    plot.velocity(kc.fit(capture, detents="no")).savefig(target, dpi=110)
+    axis(folder, shared / EMPS)
+    motor(folder, shared / MOTOR, shared / COGGING)
+
+
+def keep(target: Path, figure: Figure, dpi: int = 80) -> None:
+    """Save a picture and say so."""
+    figure.savefig(target, dpi=dpi)
     print(target)
+
+
+def hidden_spring() -> kc.Capture:
+    """Return the capture of the knob of docs/learn.md."""
+    knob = kc.Model.load("knob4").with_effect("return_spring").with_value("return_spring.k", 0.004)
+    return kc.simulate(knob, "sweep")
+
+
+def five_knobs(folder: Path) -> None:
+    """Draw what docs/paper.md draws of its knobs."""
+    fits = {name: kc.fit(kc.simulate(name, "sweep", duration_s=5.0, seed=1)) for name in kc.KNOBS}
+    for name in ("knob1", "knob2"):
+        keep(folder / f"paper-{name}-velocity.png", plot.velocity(fits[name]))
+    for name in ("knob3", "knob4", "knob5"):
+        keep(folder / f"paper-{name}-position.png", plot.position(fits[name]))
+    pushes = kc.simulate("knob3", "push", duration_s=12.0)
+    sticking = kc.fit([kc.simulate("knob3", "sweep", duration_s=5.0), pushes])
+    keep(folder / "paper-knob3-stiction.png", sticking.stiction().plot())
+
+
+def axis(folder: Path, data: Path) -> None:
+    """Draw friction of the EMPS axis (Janot, Gautier & Brunot 2019), and where its model fails."""
+    fit = kc.fit(kc.load(data, map="t=t, theta=qm, tau=35.1507*vir", axis="linear"), detents="no")
+    keep(folder / "emps-velocity.png", plot.velocity(fit), 110)
+    keep(folder / "emps-compared.png", plot.comparison(fit.compare()))
+
+
+def motor(folder: Path, data: Path, cogging: Path) -> None:
+    """Draw the three fits of the motor in docs/real-captures.md, as the page makes them."""
+    capture = kc.load(data, map="t=c0, theta=c1/8192 [turn], tau=0.0551*c2", start=1.0)
+    keep(folder / "motor-first.png", plot.position(kc.fit(capture)))
+    page = (DOCS / "real-captures.md").read_text("utf-8")
+    names: dict[str, Any] = {}
+    with tempfile.TemporaryDirectory() as place, contextlib.chdir(place):
+        capture.save("motor.npz")
+        Path(cogging.name).symlink_to(cogging.absolute())
+        with contextlib.redirect_stdout(io.StringIO()):
+            exec("\n".join(re.findall(r"^```python\n(.*?)^```", page, re.M | re.S)), names)
+    keep(folder / "motor-map.png", plot.position(names["better"]))
+    keep(folder / "motor-story.png", plot.story(names["story"]))
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import io
 import math
+import os
 import re
 import runpy
 import shlex
@@ -24,8 +25,11 @@ ROOT = Path(__file__).resolve().parents[1]
 README = ROOT / "README.md"
 PAGES = [README, *sorted((ROOT / "docs").glob("*.md"))]
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+SHARED = Path(os.environ.get("KNOBCAM_SHARED_DATA", ROOT.parent / "shared" / "data"))
 NOT_RUN = "<!-- not run: builds -->"
 """Stands above a snippet that builds or installs; any other is run."""
+PRINTED = "<!-- printed -->"
+"""Stands above a text that the Python snippet before it prints."""
 CLOSE = 0.02
 """How far (relative) a number may be from the one that a page shows: last digits are the machine's."""
 
@@ -36,7 +40,7 @@ class Snippet(NamedTuple):
     language: str
     text: str
     line: int
-    run: bool
+    above: str
 
 
 class Call(NamedTuple):
@@ -48,13 +52,13 @@ class Call(NamedTuple):
 
 def snippets(page: Path) -> list[Snippet]:
     text = page.read_text("utf-8")
-    fence = re.compile(r"^(?P<before>[^\n]*)\n```(?P<language>\w*)\n(?P<text>.*?)^```$", re.M | re.S)
+    fence = re.compile(r"^(?P<above>[^\n]*)\n+```(?P<language>\w*)\n(?P<text>.*?)^```$", re.M | re.S)
     return [
         Snippet(
             found["language"],
             found["text"],
             text.count("\n", 0, found.start("text")) + 1,
-            found["before"] != NOT_RUN,
+            found["above"],
         )
         for found in fence.finditer(text)
     ]
@@ -101,20 +105,35 @@ def run_call(call: Call, where: str) -> None:
     refused = any(line.startswith("knobcam: ") for line in call.shown)
     assert ended.code == (2 if refused else 0), f"{where}: {call.command}\n{ended.err}"
     if call.shown:
-        printed = (ended.err + ended.out).splitlines()
-        assert matches(call.shown, printed, same_line), "\n".join([where, *call.shown, "is not", *printed])
+        check_printed(call.shown, (ended.err + ended.out).splitlines(), where)
+
+
+def check_printed(shown: list[str], printed: list[str], where: str) -> None:
+    assert matches(shown, printed, same_line), "\n".join([where, *shown, "is not", *printed])
+
+
+def lay_out(page: Path) -> None:
+    """Put the measurements that a page is about into the current folder, or skip it where they are absent."""
+    for listed in re.findall(r"^<!-- data: (.*) -->$", page.read_text("utf-8"), re.M):
+        for name in listed.split():
+            if not (SHARED / name).is_file():
+                pytest.skip(f"{SHARED / name} is absent; set KNOBCAM_SHARED_DATA to the folder that has it")
+            Path(Path(name).name).symlink_to(SHARED / name)
 
 
 def run_page(page: Path) -> None:
     """Run a page from top to bottom as its reader would, in the current folder."""
+    lay_out(page)
     names: dict[str, Any] = {}
+    printed = io.StringIO()
     for snippet in snippets(page):
         where = f"{page.name}:{snippet.line}"
-        if not snippet.run:
+        if snippet.above == NOT_RUN:
             builds = re.compile(r"\$ (python3 dev\.py|pip install) .*")
             assert all(builds.fullmatch(line) for line in snippet.text.splitlines()), where
         elif snippet.language == "python":
-            with contextlib.redirect_stdout(io.StringIO()):
+            printed = io.StringIO()
+            with contextlib.redirect_stdout(printed):
                 exec(compile(snippet.text, where, "exec"), names)
         elif snippet.language == "console":
             for call in calls(snippet.text):
@@ -122,6 +141,8 @@ def run_page(page: Path) -> None:
         elif snippet.language == "toml":
             assert kc.Model.parse(snippet.text).effects, where
             Path("model.toml").write_text(snippet.text)
+        elif snippet.above == PRINTED:
+            check_printed(snippet.text.splitlines(), printed.getvalue().splitlines(), where)
         else:
             assert snippet.language in ("rust", "text"), f"{where}: a snippet that nobody runs"
 
@@ -200,12 +221,22 @@ def test_pictures_are_small_enough_to_be_kept() -> None:
     assert pictures and all(path.stat().st_size <= 250_000 for path in pictures)
 
 
+def test_every_picture_is_shown_by_a_page() -> None:
+    shown = "".join(page.read_text("utf-8") for page in PAGES)
+    pictures = (ROOT / "docs" / "pictures").iterdir()
+    assert [path.name for path in pictures if f"pictures/{path.name})" not in shown] == []
+
+
 def test_the_maker_of_the_pictures_says_so_where_the_data_are_absent(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("KNOBCAM_SHARED_DATA", str(tmp_path))
-    runpy.run_path(str(ROOT / "docs" / "make_pictures.py"), run_name="__main__")
+    maker = str(ROOT / "docs" / "make_pictures.py")
+    monkeypatch.setattr(sys, "argv", [maker, str(tmp_path)])
+    runpy.run_path(maker, run_name="__main__")
     assert "no picture made" in capsys.readouterr().out
+    made = {path.name for path in tmp_path.iterdir()}
+    assert made and made <= {path.name for path in (ROOT / "docs" / "pictures").iterdir()}
 
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.name)

@@ -24,7 +24,7 @@ _ANSWERS_S = 2.0  # longer than any watchdog allows a step to take
 _TIMES = ("real", "virtual")
 
 
-class Device(Protocol):
+class Handle(Protocol):
     """Anything that can be sensed and driven; both calls return well within a period."""
 
     def read(self) -> tuple[float, float, float, float | None]:
@@ -102,7 +102,7 @@ def _halt(core: _core.Loop) -> bool:
 
 def start_loop(
     controller: Controller,
-    device: Device | _core.EmulatedHandle,
+    device: Handle | _core.EmulatedHandle,
     seconds: float | None = None,
     *,
     rate_hz: float = 5000.0,
@@ -159,7 +159,7 @@ def start_loop(
 
 def run_loop(
     controller: Controller,
-    device: Device | _core.EmulatedHandle,
+    device: Handle | _core.EmulatedHandle,
     seconds: float | None = None,
     **options: Any,
 ) -> LoopReport:

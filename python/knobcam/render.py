@@ -153,7 +153,7 @@ class Stability:
 
     @property
     def passivity_margin_Nms_rad(self) -> float:
-        """Colgate & Schenkel's b - K (T/2 + delay) - |B| at the model's stiffest place."""
+        """Colgate & Schenkel's `b - K (T/2 + delay) - |B|` at the model's stiffest place."""
         return float(self.figures["passivity_margin_Nms_rad"])
 
     def document(self) -> dict[str, Any]:
@@ -214,7 +214,7 @@ def check_stability(
     """Say which stiffness the delay of a device allows, and how far `model` on it is from ringing.
 
     Two questions: whether any hand at all could draw energy out of it (Colgate & Schenkel 1997, Equation 10:
-    b > K T/2 + |B|, with the delay added to T/2), and whether it rings by itself (phase margin of the loop
+    `b > K T/2 + |B|`, with the delay added to T/2), and whether it rings by itself (phase margin of the loop
     through the delay). Raises InputError for a device or a rate that cannot be.
     """
     model = model if isinstance(model, Model) else Model.load(model)

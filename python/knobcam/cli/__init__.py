@@ -61,7 +61,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(words: list[str]) -> int:
     try:
-        args = _parser().parse_args(words)
+        args = command_parser().parse_args(words)
         answer = args.run(args)
     except SystemExit:  # --help and --version
         return 0
@@ -87,7 +87,8 @@ def _run(words: list[str]) -> int:
     return 0
 
 
-def _parser() -> Parser:
+def command_parser() -> Parser:
+    """Return the parser of the whole command."""
     parser = Parser(
         prog="knobcam",
         description="A haptic camera: measure a knob, fit its physics, learn which effect is missing.",
