@@ -85,9 +85,9 @@ def test_a_knob_with_nothing_missing_is_accused_of_nothing(fit: kc.Fit) -> None:
 def test_a_diagnosis_prints_as_a_table_with_a_line_between_evidence_and_chance(
     diagnosis: kc.Diagnosis,
 ) -> None:
-    text = repr(diagnosis) + "\nNo more than chance:"  # where it is not said, nothing stands below it
+    text = repr(diagnosis) + "\nNo more than chance, or"  # where it is not said, nothing stands below it
     for one in diagnosis.candidates:
-        solid = text.index(f"  {one.effect}") < text.index("No more than chance:")
+        solid = text.index(f"  {one.effect}") < text.index("No more than chance, or")
         assert solid == one.beyond_chance
     assert "<table>" in diagnosis._repr_html_()
 

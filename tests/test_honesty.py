@@ -1,11 +1,21 @@
 """What a capture cannot tell is said, not printed with digits."""
 
+import dataclasses
 import pickle
 
 import numpy as np
 import pytest
 
 import knobcam as kc
+
+
+def test_a_parameter_at_its_bound_is_named_unless_it_is_the_one_of_no_effect() -> None:
+    capture = kc.simulate(kc.Model.load("knob4"), "multisine")
+    lag = kc.Model.load("knob4").with_effect("torque_lag")
+    assert not any("bound" in said for said in kc.fit(capture, lag).warnings)
+    late = dataclasses.replace(capture, tau=np.roll(capture.tau, 150))  # 30 ms, and 20 are the most
+    said = kc.fit(late, lag).warnings
+    assert any(one.startswith("torque_lag.delay is at its bound, 0.02") for one in said)
 
 
 def test_a_direction_that_never_happens_has_no_friction():

@@ -71,6 +71,18 @@ def test_a_model_that_has_the_effect_is_complete(sprung: kc.Capture) -> None:
     assert (story.verdict, story.found) == ("complete", ())
 
 
+def test_friction_that_goes_up_and_down_within_a_part_of_its_period_is_found() -> None:
+    story = kc.learn(kc.simulate(kc.hiding("knob3", "position_friction"), "sweep", seed=3))
+    assert (story.verdict, story.found) == ("missing", ("position_friction",))
+
+
+def test_a_harmonic_of_many_detents_and_an_unbalance_are_told_apart() -> None:
+    knob = kc.hiding("knob4", "detent_harmonics", "unbalance")
+    story = kc.learn(kc.simulate(knob, "turns", seed=3, duration_s=6.0))
+    assert story.verdict == "missing"
+    assert set(story.found) == {"detent_harmonics", "unbalance"}
+
+
 def test_an_effect_left_out_of_the_catalogue_is_never_found(sprung: kc.Capture) -> None:
     story = kc.learn(sprung, without=["return_spring"])
     assert "return_spring" not in story.found and story.without == ("return_spring",)

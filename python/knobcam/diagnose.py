@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 CHANCE = 0.05
 """A p-value above it is no more than chance."""
+CHANCE_IN_WORDS = "No more than chance, or not worth their parameters"
 PENALTY = 12.0
 """What a parameter must take off the sum of squares, in variances of the raw noise (BIC's for some thousands
 of independent samples, with the doubt about the noise on top)."""
@@ -225,7 +226,7 @@ class Diagnosis:
         # One table, so that both halves have the same columns.
         head, *rows = text_table(self.HEAD, self.rows([*found, *rest])).splitlines()
         lines += ["Beyond chance:", head, *rows[: len(found)]] if found else ["Beyond chance: nothing"]
-        lines += ["No more than chance:", *([] if found else [head]), *rows[len(found) :]] if rest else []
+        lines += [f"{CHANCE_IN_WORDS}:", *([] if found else [head]), *rows[len(found) :]] if rest else []
         lines += [f"Left out: {one}: {why}" for one, why in self.left_out.items()]
         lines += [f"With {self.best.effect}: {self.remaining.summary}"] if self.best else []
         return "\n".join(lines)
@@ -234,7 +235,7 @@ class Diagnosis:
         found = self.beyond_chance
         rest = [one for one in self.candidates if not one.beyond_chance]
         return html_table(f"{self.summary} Beyond chance:", self.HEAD, self.rows(found)) + html_table(
-            "No more than chance:", self.HEAD, self.rows(rest)
+            f"{CHANCE_IN_WORDS}:", self.HEAD, self.rows(rest)
         )
 
 
@@ -316,10 +317,11 @@ def _equivalent(candidate: Candidate, others: Collection[Candidate]) -> tuple[st
     """Return the effects that do as well as one, for their parameters, up to what chance does."""
     if not candidate.beyond_chance:
         return ()
-    floor = candidate.fit.noise_floor
+    before = candidate.fit.before or candidate.fit  # whose noise all gains are counted in
+    floor = before.noise_floor
     # Where much is left with either, a small share of that says no more than chance does at the floor.
     left = candidate.rmse**2 / floor**2 * RELATIVE if floor > 0.0 else 0.0
-    margin = max(PENALTY, candidate.fit.white_squares * left)
+    margin = max(PENALTY, before.white_squares * left)
     return tuple(
         other.effect
         for other in others

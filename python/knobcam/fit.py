@@ -14,6 +14,7 @@ import numpy as np
 
 from . import _core, refit
 from .capture import Capture, load
+from .effects import effects
 from .errors import InputError
 from .model import Model
 from .prepare import Prepared
@@ -285,10 +286,23 @@ class Fit:
                 "position and acceleration move together, so inertia cannot be told from a stiffness over "
                 "position: record a motion of more than one frequency"
             )
-        return tuple(found)
+        return (*found, *_at_bounds(self))
 
     def _repr_html_(self) -> str:
         return html_table("Fit: " + self._summary, self.HEAD, self.rows())
+
+
+def _at_bounds(fit: Fit) -> list[str]:
+    """What is said of parameters that the search ended at; at a neutral bound there is just none of it."""
+    catalogue = effects(fit.model.axis)
+    found = []
+    for name, estimate in fit.params.items():
+        effect, own = name.split(".", 1)
+        row = next(row for row in catalogue[effect].params if row.name == own)
+        for bound in {row.lower, row.upper} - {row.neutral}:
+            if estimate.determined and math.isclose(estimate.value, bound, rel_tol=1e-6):
+                found.append(f"{name} is at its bound, {bound:g}: it stands in for something else")
+    return found
 
 
 def fit(

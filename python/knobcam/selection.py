@@ -6,6 +6,8 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
 from . import _core
 from .diagnose import PENALTY, Candidate, Diagnosis, diagnose
 from .effects import effects
@@ -23,6 +25,7 @@ _SHARE = 0.2  # of what noise does not explain: less is a stopgap, not the cause
 _MOST = 6  # effects; a model that needs more is no explanation
 _MAPS = frozenset({"position_polynomial", "return_spring", "unbalance", "end_stop", "detent_harmonics"})
 """Torques of position alone. Two of them together draw nearly any map, so together they name no cause."""
+_MANY = 4.0  # detents that a motion crosses
 _MAINLY = 0.5  # of what noise does not explain: what a cause takes off where something else is unexplained
 
 
@@ -72,7 +75,7 @@ def concluded(ladder: list[Rung], last: Diagnosis, base: Collection[str]) -> Sel
     effects_now = ladder[-1].fit.model.effects
     found = tuple(one for one in came if one in effects_now and one not in base)
     unexplained = _unexplained(last.comparison)
-    maps = [one for one in found if one in _MAPS]
+    maps = [one for one in found if one in _MAPS and not _repeats(one, ladder[-1].fit)]
     if len(maps) > 1:
         words = f"it takes {' and '.join(maps)} together to draw it, and so many draw any map of position"
         share = last.comparison["position"].share if unexplained else 1.0
@@ -81,6 +84,14 @@ def concluded(ladder: list[Rung], last: Diagnosis, base: Collection[str]) -> Sel
     elif unexplained is not None:
         found = tuple(one for one in found if any(rung.added == one and _mainly(rung) for rung in ladder))
     return Selection(tuple(ladder), found, last, unexplained)
+
+
+def _repeats(effect: str, fit: Fit) -> bool:
+    """Whether a map of position is bound to return with each of many detents, and so draws nothing else."""
+    if effect != "detent_harmonics":
+        return False
+    theta = np.concatenate([one.theta[one.used] for one in fit.prepared])
+    return bool(np.ptp(theta) >= _MANY * 2.0 * math.pi * fit.params["detent.P"].value)
 
 
 def _mainly(rung: Rung) -> bool:

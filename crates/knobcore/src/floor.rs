@@ -20,12 +20,18 @@ const BAND: [f64; 2] = [0.5, 0.95];
 
 /// Variance of the raw torque's white noise, (N m)^2, per capture; NaN where no stretch is long enough.
 ///
-/// The model's torque is taken off first, so that steps at reversals do not count as noise; the median over
-/// frequencies keeps a line (mains, a resonance) out.
+/// The model's torque is taken off, so that steps at reversals do not count as noise. But what it has of the
+/// noise of the motion does not count either: the quieter of both is nearer to the truth, which neither is below.
 fn white_variance(signals: &Signals, model: &Model) -> f64 {
     let torque = torque_raw(model, signals);
     let rest: Vec<f64> =
         signals.tau_raw.iter().zip(torque).map(|(measured, model)| measured - model).collect();
+    variance_above(signals, &rest).min(variance_above(signals, &signals.tau_raw))
+}
+
+/// Variance of white noise with the power of `rest` in the band; the median over frequencies keeps a line (mains,
+/// a resonance) out.
+fn variance_above(signals: &Signals, rest: &[f64]) -> f64 {
     let periodogram = Periodogram::new(WINDOW);
     let bin = |share: f64| (share * (WINDOW / 2) as f64) as usize;
     let band = bin(BAND[0])..bin(BAND[1]);

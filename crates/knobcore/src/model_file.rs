@@ -130,12 +130,15 @@ fn read_param(model: &mut Model, name: &str, value: &Value) -> Result<()> {
 /// Writes a model; [`parse`] gives the same one back.
 pub fn write(model: &Model) -> String {
     let axis = if model.axis == Axis::Linear { "linear" } else { "rotary" };
-    let mut out =
-        format!("schema = \"{SCHEMA}\"\nname = {}\naxis = \"{axis}\"\n", Value::String(model.name.clone()));
+    let mut out = format!("schema = \"{SCHEMA}\"\n");
+    if !model.name.is_empty() {
+        // Writing to a String cannot fail, here and below.
+        let _ = writeln!(out, "name = {}", Value::String(model.name.clone()));
+    }
+    let _ = writeln!(out, "axis = \"{axis}\"");
     for place in [Place::Coupling, Place::Load, Place::Sensor] {
         for id in model.at(place) {
             let info = id.info();
-            // Writing to a String cannot fail.
             let _ = write!(out, "\n[effects.{}] # {}\n", info.id, info.law);
             for slot in model.slots().iter().filter(|slot| slot.effect == id) {
                 let value = match slot.role {
@@ -184,6 +187,15 @@ mod tests {
             assert_eq!((a.name(), a.value.to_bits(), a.role), (b.name(), b.value.to_bits(), b.role));
         }
         assert_eq!(write(&back), write(&model));
+    }
+
+    #[test]
+    fn a_model_without_a_name_has_none_in_its_file() {
+        let mut model = example();
+        model.name.clear();
+        let text = write(&model);
+        assert!(!text.contains("name ="), "{text}");
+        assert_eq!(parse(&text).unwrap().name, "");
     }
 
     #[test]
