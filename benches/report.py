@@ -1,7 +1,6 @@
 """Writes BENCHMARKS.md from what this machine measures: `python benches/report.py`.
 
-The statistical part comes from `benches/results`, which `benches/study_recovery.py` and
-`benches/study_hidden.py` and `benches/study_render.py` write.
+The statistical part comes from `benches/results`, which the `benches/study_*.py` write.
 """
 
 import json
@@ -23,6 +22,7 @@ STUDIES = {
     "capture": "Recording",
     "render": "Rendering",
     "roundtrip": "Round trips",
+    "page": "The workbench in a browser",
 }
 
 
@@ -80,6 +80,7 @@ def lines() -> Iterator[str]:
             "study_capture",
             "study_render",
             "study_roundtrip",
+            "study_page",
             "report",
         )
     )

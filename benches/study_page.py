@@ -1,36 +1,76 @@
-"""How fast the workbench's page is in a browser: `python benches/study_page.py [SAMPLES...]`.
+"""How fast the workbench's page is in a browser: `python benches/study_page.py`.
 
-A headless Chromium with software rendering goes through the story of `web/browser/story.js`. "painted" is
-from the deed to the beginning of the frame after the one that drew it, "script" how long the main thread was
-busy with drawing; of a brush, the slowest of its moves.
+A headless Chromium with software rendering goes through the story of `web/browser/story.js`, and adds
+effects while they are still being weighed, which takes long enough on the longer capture alone. "painted" is
+from the deed to the beginning of the frame after the one that drew it, "busy" how long the main thread drew;
+of a brush, the slowest of its moves.
 """
 
 from __future__ import annotations
 
+import json
+import os
 import sys
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-from test_browser import capture_with_stribeck, script, workbench
+ROOT = Path(__file__).resolve().parents[1]
+RESULT = ROOT / "benches" / "results" / "page.json"
+SAMPLES = (25_000, 250_000)
+UNWEIGHED = {"return_spring": 600, "quadratic_drag": 600, "stribeck": 2000, "friction_drift": 2000}
+"""Effects that are added before they are weighed, two of them linear, and the milliseconds aimed at."""
+DEEDS = {
+    "first": ("first picture after opening the page", 2500),
+    "brush": ("brush moved, the others painted", 250),
+    "look": ("hover a candidate, overlay painted", None),
+    "add": ("add stribeck, weighed before", 2000),
+    "undo": ("undo", 300),
+    "redo": ("redo", 300),
+    "beside": ("two branches side by side", None),
+    "closer": ("zoom to a region", None),
+    "wheel": ("zoom by the wheel", None),
+    "drag": ("drag a parameter", None),
+    "switch": ("switch to the other branch", None),
+    "report": ("brush in the report's file", 250),
+}
 
-UNWEIGHED = ("return_spring", "quadratic_drag", "stribeck", "friction_drift", "presliding")
-"""Two linear effects and three others, added while what is missing is being weighed."""
+
+def measured(samples: int) -> dict[str, dict[str, float]]:
+    """Milliseconds of each deed on a capture of so many samples."""
+    sys.path.insert(0, str(ROOT / "tests"))  # the browser is driven as the tests do it
+    from test_browser import capture_with_stribeck, script, workbench
+
+    with tempfile.TemporaryDirectory() as folder:
+        capture = capture_with_stribeck(Path(folder), samples)
+        with workbench(capture) as address:
+            figures: dict[str, Any] = script("story.js", address, "stribeck", folder)["figures"]
+        with workbench(capture) as address:
+            late = script("adding.js", address, *UNWEIGHED)["figures"] if samples == max(SAMPLES) else {}
+    return figures | late
+
+
+def report(result: dict[str, Any]) -> Iterator[str]:
+    """What came out, in lines."""
+    few, many = (result[str(samples)] for samples in SAMPLES)
+    yield "ms until painted (busy)                    | wanted |   25 000 samples |  250 000 samples"
+    wanted = DEEDS | {one: (f"add {one}, not weighed yet", most) for one, most in UNWEIGHED.items()}
+    for deed, (words, most) in wanted.items():
+        cells = [
+            f"{t['painted']:.0f} ({t['script']:.0f})" if (t := one.get(deed)) else "" for one in (few, many)
+        ]
+        yield f"{words:<42} | {most or '':>6} | {cells[0]:>16} | {cells[1]:>16}"
+    yield f"main thread busy for a move of the brush, at most 30 ms wanted: {many['brush']['script']:.0f} ms"
+    yield f"load of the machine when it was measured: {result['load']:.1f}"
 
 
 def main() -> None:
-    for samples in [int(word) for word in sys.argv[1:]] or [25_000, 250_000]:
-        with tempfile.TemporaryDirectory() as folder:
-            capture = capture_with_stribeck(Path(folder), samples)
-            with workbench(capture) as address:
-                seen = script("story.js", address, "stribeck", folder)
-            with workbench(capture) as address:
-                unweighed = script("adding.js", address, *UNWEIGHED)
-        print(f"{samples} samples; the other branch has {seen['other']}")
-        for what, times in seen["figures"].items():
-            print(f"  {what:<8} painted {times['painted']:6.0f} ms, script {times['script']:5.0f} ms")
-        for effect, times in unweighed["figures"].items():
-            print(f"  add {effect}, not weighed yet: painted {times['painted']:6.0f} ms")
+    result: dict[str, Any] = {"load": os.getloadavg()[0]}
+    result |= {str(samples): measured(samples) for samples in SAMPLES}
+    lines = list(report(result))
+    RESULT.write_text(json.dumps({"report": lines, **result}) + "\n")
+    print(*lines, sep="\n")
 
 
 if __name__ == "__main__":
