@@ -12,6 +12,8 @@ if TYPE_CHECKING:
 
     from ..diagnose import Candidate, Diagnosis
 
+_COLUMNS = 2  # of the legend
+
 
 @styled
 def diagnosis(diagnosis: Diagnosis) -> Picture:
@@ -84,8 +86,10 @@ def draw_candidates(axes: Axes, diagnosis: Diagnosis) -> None:
     axes.tick_params(axis="y", length=0)
     axes.set_xlabel("the RMS error falls by (%)")
     title = "What could be missing; solid: beyond chance"
-    axes.set_title(title if found else "No effect beyond chance", fontweight="bold")
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1, ncols=2)
+    lines = -(-len(axes.get_legend_handles_labels()[1]) // _COLUMNS)
+    # The legend stands between the title and the axes: beside the title there is no room for it.
+    axes.set_title(title if found else "No effect beyond chance", fontweight="bold", pad=6.0 + 13.0 * lines)
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1, ncols=_COLUMNS)
 
 
 def _words(one: Candidate) -> str:
