@@ -198,6 +198,12 @@ def test_whatever_is_offered_can_be_hidden(knob: str) -> None:
         kc.hiding(knob, "backlash", "compliance")
 
 
+def test_a_surprise_leaves_a_trace() -> None:
+    # Neither the drag nor the limit of the sensor shows in so slow a sweep of so light a knob.
+    hidden = {sources.simulated({"surprise": True, "knob": "knob3"}).hidden[0] for _ in range(40)}
+    assert len(hidden) > 5 and not hidden & {"quadratic_drag", "saturation"}
+
+
 def test_a_surprise_is_told_to_who_asks_and_to_nobody_else(client: httpx.Client, bench: Bench) -> None:
     assert client.post("/api/simulate", json={"surprise": True, "duration_s": 2.0}).status_code == 200
     state = client.get("/api/state").json()

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from ..effects import effects
 from ..errors import InputError
+from ..fit import fit
 from ..hiding import hideable, hiding
 from ..model import KNOBS, Model
 from ..rig.emulator import EmulatedRig, absent
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 _LONGEST_S = 600.0
 _SECONDS = 6.0
 _SEED = 2**32 - 1
+_TRACE = 1.3  # times the noise floor
 _FASTEST = 100.0  # times real time
 _FASTEST_BAUD = 100_000_000
 MOVES = {
@@ -149,7 +151,8 @@ def document() -> dict[str, Any]:
 
 def simulated(body: Mapping[str, Any]) -> Simulated:
     """Return the simulation that a body asks for. Raises InputError for what cannot be simulated."""
-    return Simulated(*_knob(body), _motion(body, MOVES | _PUSH), _seconds(body), _seed(body))
+    motion, seconds, seed = _motion(body, MOVES | _PUSH), _seconds(body), _seed(body)
+    return Simulated(*_knob(body, motion, seed), motion, seconds, seed)
 
 
 def recorded(body: Mapping[str, Any]) -> Source:
@@ -159,7 +162,8 @@ def recorded(body: Mapping[str, Any]) -> Source:
         if why := absent():
             raise InputError(f"the emulated rig: {why}")
         speed = number(body, "speed", 1.0, 0.1, _FASTEST)
-        return Emulated(*_knob(body), _motion(body, MOVES), _seconds(body), _seed(body), speed)
+        motion, seconds, seed = _motion(body, MOVES), _seconds(body), _seed(body)
+        return Emulated(*_knob(body, motion, seed), motion, seconds, seed, speed)
     if source != "port":
         raise InputError(f"source={source!r} is unknown; choose emulated or port")
     port = text(body, "port", "").strip()
@@ -181,7 +185,7 @@ def new_log(folder: str, source: Source) -> Path:
     return next(log for log in logs if not log.exists())
 
 
-def _knob(body: Mapping[str, Any]) -> tuple[str, tuple[str, ...]]:
+def _knob(body: Mapping[str, Any], motion: str, seed: int) -> tuple[str, tuple[str, ...]]:
     """The knob and what it hides; a surprise is chosen here, and told nobody."""
     knob, named = text(body, "knob", "knob3"), body.get("effects", [])
     if not isinstance(named, list) or not all(isinstance(one, str) for one in named):
@@ -189,9 +193,20 @@ def _knob(body: Mapping[str, Any]) -> tuple[str, tuple[str, ...]]:
     if flag(body, "surprise", False):
         if named:
             raise InputError("a surprise is what nobody has chosen; choose no effects, or no surprise")
-        named = [secrets.choice(hideable(knob))]
+        named = [_surprise(knob, motion, seed)]
     hiding(knob, *named)  # refuses what cannot be hidden
     return knob, tuple(named)
+
+
+def _surprise(knob: str, motion: str, seed: int) -> str:
+    """An effect that leaves a trace on this knob in this motion: another would be no fun to look for."""
+    effects = hideable(knob)
+    secrets.SystemRandom().shuffle(effects)
+    for effect in effects:
+        first = fit(simulate(hiding(knob, effect), motion, duration_s=_SECONDS, seed=seed))
+        if first.rmse > _TRACE * first.noise_floor:
+            return effect
+    return effects[0]
 
 
 def _motion(body: Mapping[str, Any], among: Mapping[str, str]) -> str:
