@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import knobcam as kc
+from knobcam import selection
 
 
 def test_the_hidden_spring_is_found_and_the_rest_is_chance(story: kc.Story) -> None:
@@ -81,6 +82,12 @@ def test_a_harmonic_of_many_detents_and_an_unbalance_are_told_apart() -> None:
     story = kc.learn(kc.simulate(knob, "turns", seed=3, duration_s=6.0))
     assert story.verdict == "missing"
     assert set(story.found) == {"detent_harmonics", "unbalance"}
+
+
+def test_an_effect_that_is_gone_already_is_not_tested_again(capture: kc.Capture) -> None:
+    bare = kc.fit(capture, detents="no").drop("viscous")
+    fit, dropped = selection.retested(bare, ["detent", "viscous"])
+    assert fit is bare and dropped == ()
 
 
 def test_an_effect_left_out_of_the_catalogue_is_never_found(sprung: kc.Capture) -> None:

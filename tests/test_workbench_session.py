@@ -299,6 +299,28 @@ def test_a_session_starts_from_a_model_and_its_script_does_too(recording: Path, 
     assert "quadratic_drag" in capsys.readouterr().out
 
 
+def test_an_effect_that_takes_off_no_more_than_chance_was_not_missing(weighed: Session):
+    weighed.fork("useless")
+    weighed.add("return_spring")
+    weighed.add("stribeck")
+    assert told(weighed)["verdict_text"].startswith(
+        "stribeck was added, and it took off no more than chance."
+    )
+    weighed.weigh()
+    verdict = told(weighed)["verdict_text"]
+    assert "return_spring was missing" in verdict and "stribeck was missing" not in verdict
+    assert saving.told(weighed, quiet).found == ("return_spring",)
+    weighed.switch(next(iter(weighed.branches)))
+
+
+def test_a_coupling_that_explains_nothing_is_refused_in_one_line(capture: kc.Capture):
+    session = Session()
+    session.take(capture, "whole")
+    for coupling in ("backlash", "compliance"):
+        with pytest.raises(InputError, match=f"effect '{coupling}': .* explains too little"):
+            session.add(coupling)
+
+
 def test_a_model_a_report_and_pictures_are_saved(weighed: Session, tmp_path: Path):
     weighed.fork("saved")
     weighed.add("return_spring")

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from .stiction import Stiction
 
 Z95 = 1.959963984540054
+_AT_FLOOR = 1.05  # times the noise floor: nothing is missing that shows
 """Two-sided 95 % quantile of the normal distribution."""
 
 
@@ -276,10 +277,9 @@ class Fit:
         if len(negative) > 2 and len(negative) == len(base):
             found = ["every term is negative: tau seems to have the other sign; map it with a minus"]
         else:
-            found = [
-                f"{name} is negative, which no real knob has: an effect is probably missing"
-                for name in negative
-            ]
+            told = self.noise_floor > 0.0 and self.rmse <= _AT_FLOOR * self.noise_floor
+            why = "over these speeds it describes what remains" if told else "an effect is probably missing"
+            found = [f"{name} is negative, which no real knob has: {why}" for name in negative]
         alike = [signals for signals in self.prepared if _moves_like_a_spring(signals)]
         if alike and len(alike) == len(self.prepared) and "inertia" in self.model.effects:
             found.append(

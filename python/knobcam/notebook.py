@@ -73,7 +73,10 @@ class Widget(anywidget.AnyWidget):
 
     @traitlets.validate("chosen")
     def _sorted(self, proposal: Any) -> tuple[IntArray, ...]:
-        given = [np.atleast_1d(rows) for rows in proposal["value"]]
+        value = proposal["value"]
+        if not isinstance(value, Sequence) or isinstance(value, str):
+            raise InputError(f"chosen={value!r}: give a list of index arrays, one for each capture")
+        given = [np.atleast_1d(rows) for rows in value]
         if len(given) != len(self.counts):
             raise InputError(f"chosen has {len(given)} arrays; there are {len(self.counts)} captures")
         for rows, count in zip(given, self.counts, strict=True):

@@ -129,6 +129,8 @@ def retested(fit: Fit, tested: Collection[str]) -> tuple[Fit, tuple[str, ...]]:
     """Return the fit without those of the tested effects that it no longer needs, and which they were."""
     dropped: list[str] = []
     for effect in tested:
+        if effect not in fit.model.effects:
+            continue  # it went before, or with another that it changed
         bare = drop(fit, effect)
         count = len(fit.core.free) - len(bare.core.free)
         lost = (bare.rmse**2 / fit.noise_floor**2 - fit.rmse**2 / fit.noise_floor**2) * fit.white_squares

@@ -18,22 +18,24 @@ await page.screenshot({ path: join(folder, "8-welcome.png") });
 await page.getByRole("button", { name: "Open…" }).click();
 await page.screenshot({ path: join(folder, "9-open.png") });
 await page.locator("#open-file").setInputFiles(broken);
-await page.locator("#said.wrong").waitFor();
-const refused = await page.locator("#said").textContent();
+await page.locator("#open-columns button").first().waitFor();
+const refused = await page.locator("#open-said").textContent();
 assert.equal((await stateOf(page)).captures.length, 0);
 assert.equal(await page.locator("#open-columns button").count(), 3);
 await page.screenshot({ path: join(folder, "9-map.png") });
 assert.equal(await page.locator("[name=t]").inputValue(), "t");
 await page.getByRole("button", { name: /^angle: / }).click();
 await page.locator("[name=theta-unit]").selectOption("deg");
-await page.locator("[name=tau]").focus();
-await page.getByRole("button", { name: /^moment: / }).click();
+await page.getByRole("button", { name: /^moment: / }).click(); // the next that is needed is the torque
+assert.equal(await page.locator("[name=tau]").inputValue(), "moment");
 await page.locator("[name=tau-unit]").selectOption("mNm");
 const mapping = page.getByRole("button", { name: "Open", exact: true });
 await done(page, "data", () => mapping.click());
 const mapped = (await stateOf(page)).captures[0].samples;
 
 await page.getByRole("button", { name: "Open…" }).click();
+assert.equal(await page.locator("[name=theta]").inputValue(), "", "another file has columns of its own");
+await page.getByLabel("of the same knob").check();
 await page.locator("#open-file").setInputFiles(good);
 const second = page.locator("button.capture").nth(1);
 await second.waitFor({ timeout: 60_000 });

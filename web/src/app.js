@@ -2,7 +2,7 @@
 
 import { download, fetchState, listen, post } from "./api.js";
 import { showBranches } from "./branches.js";
-import { showCaptures } from "./captures.js";
+import { showCaptures, showFindings } from "./captures.js";
 import { Candidates } from "./candidates.js";
 import { byId } from "./dom.js";
 import { AnyEffect, about } from "./effects.js";
@@ -118,6 +118,7 @@ class App {
     if (deed) this.deed = { what: deed, start: performance.now() };
     try {
       const answer = await post(verb, body);
+      if (byId("said").classList.contains("wrong")) this.say("");
       if (answer.revision !== undefined) this.refresh(answer.revision);
     } catch (reason) {
       this.failed(reason);
@@ -148,6 +149,8 @@ class App {
     if (state.recording) this.live?.follow();
     showHidden(state);
     showCaptures(byId("captures"), state, (captures) => this.ask("use", { captures }, "captures"));
+    showFindings(byId("findings"), state);
+    byId("open-together").hidden = state.captures.length === 0;
     showLadder(byId("ladder"), state);
     if (state.branch === this.beside || !state.branches.some(({ id }) => id === this.beside)) this.beside = null;
     this.showBranches(state);

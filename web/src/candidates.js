@@ -70,7 +70,7 @@ export class Candidates {
       "li",
       {
         ...{ class: `candidate${chance}`, role: "option", tabindex: at === 0 ? 0 : -1, "data-effect": row.effect },
-        "aria-label": `${row.effect}: error falls by ${percent(row.error_fall)}, p ${number(row.p_value, 2)}`,
+        "aria-label": `${row.effect}: error falls by ${percent(Math.max(0, row.error_fall))}, p ${number(row.p_value, 2)}`,
         on: {
           pointerenter: () => this.deeds.look(row.effect),
           pointerleave: () => this.deeds.look(null),
@@ -80,7 +80,7 @@ export class Candidates {
       },
       make("span", { class: "label", text: row.effect, title: row.shows ?? row.effect }),
       make("span", { class: "track" }, bar),
-      make("span", { class: "figure", text: `−${percent(Math.max(0, row.error_fall))}`, title: "fall of the RMS error" }),
+      make("span", { class: "figure", text: percent(-Math.max(0, row.error_fall)), title: "fall of the RMS error" }),
       make("span", { class: "deeds" }, this.deeds.about ? about : null, take),
       make("span", { class: "evidence soft", text: evidence(row) }),
       ...remarks(row).map((text) => make("span", { class: "alike soft", text })),

@@ -18,19 +18,19 @@ export function opening(heard) {
   const chosen = /** @type {HTMLInputElement} */ (byId("open-file"));
   const path = /** @type {HTMLInputElement} */ (byId("open-path"));
   const told = byId("open-said");
+  const same = /** @type {HTMLInputElement} */ (byId("open-same"));
   /** @type {File[]} what could not be read yet */
   let waiting = [];
   const mapping = new Mapping(byId("open-map"), byId("open-columns"));
 
   const opened = (/** @type {string} */ name) => {
     dialog.close();
-    if (waiting.length === 0) mapping.clear(); // the next file has its own columns
     told.textContent = "";
     heard.say(`opened ${name}`);
     heard.done();
   };
   const refused = (/** @type {unknown} */ reason) => {
-    heard.failed(reason);
+    heard.say("");
     told.textContent = reason instanceof Error ? reason.message : String(reason);
     if (reason instanceof Refusal && reason.columns) {
       mapping.show(reason.columns);
@@ -40,10 +40,11 @@ export function opening(heard) {
   };
   const take = async (/** @type {File[]} */ files) => {
     waiting = files;
-    for (const file of files) {
+    for (const [at, file] of files.entries()) {
       try {
         heard.say(`reading ${file.name} …`);
-        await upload(file, mapping.options());
+        // Those that are handed over at once are of one knob.
+        await upload(file, { ...mapping.options(), together: String(at > 0 || same.checked) });
         waiting = waiting.filter((one) => one !== file);
         opened(file.name);
       } catch (reason) {
@@ -53,18 +54,35 @@ export function opening(heard) {
     }
   };
 
-  byId("open").addEventListener("click", () => dialog.showModal());
+  const fresh = (/** @type {File[]} */ files) => {
+    mapping.clear(); // other files have columns of their own
+    path.value = "";
+    byId("open-named").textContent = files.map(({ name }) => name).join(", ");
+    return take(files);
+  };
+
+  byId("open").addEventListener("click", () => {
+    mapping.clear();
+    waiting = [];
+    told.textContent = byId("open-named").textContent = "";
+    dialog.showModal();
+  });
   byId("open-close").addEventListener("click", () => dialog.close());
   chosen.addEventListener("change", () => {
-    take([...(chosen.files ?? [])]);
+    fresh([...(chosen.files ?? [])]);
     chosen.value = "";
   });
   byId("open-form").addEventListener("submit", async (event) => {
     event.preventDefault();
     const named = path.value.trim();
+    if (!named && waiting.length === 0) {
+      told.textContent = "Choose a file, or type its path.";
+      return undefined;
+    }
     if (!named) return take(waiting);
     try {
-      await post("open", { path: named, ...mapping.options() });
+      await post("open", { path: named, together: same.checked, ...mapping.options() });
+      path.value = "";
       return opened(named);
     } catch (reason) {
       return refused(reason);
@@ -81,7 +99,7 @@ export function opening(heard) {
   document.addEventListener("drop", (event) => {
     event.preventDefault();
     zone.hidden = true;
-    take([...(event.dataTransfer?.files ?? [])]);
+    fresh([...(event.dataTransfer?.files ?? [])]);
   });
 }
 

@@ -11,7 +11,7 @@ import { number, torqueScale } from "./numbers.js";
  */
 export function showLadder(place, state) {
   const branch = state.branches.find(({ id }) => id === state.branch);
-  const steps = branch?.steps ?? [];
+  const { steps, at: here } = sameCaptures(branch?.steps ?? [], branch?.at ?? 0);
   const errors = steps.flatMap(({ rmse, rmse_heldout }) => [rmse, rmse_heldout]).concat(state.rmse);
   const floor = state.noise_floor;
   const widest = Math.max(...errors.filter(Number.isFinite), floor ?? 0) * 1.02;
@@ -19,8 +19,8 @@ export function showLadder(place, state) {
   const shown = (/** @type {number} */ value) => number(value * scale.factor);
 
   const rungs = steps.map(({ added, dropped, rmse, rmse_heldout }, at) => {
-    const now = at === branch?.at;
-    const undone = at > (branch?.at ?? 0);
+    const now = at === here;
+    const undone = at > here;
     const label = added ? `+ ${added}` : dropped ? `− ${dropped}` : at === 0 ? "first model" : "fitted anew";
     const bar = make("span", { class: "bar" });
     const held = make("span", { class: "held" });
@@ -46,6 +46,19 @@ export function showLadder(place, state) {
   place.replaceChildren(head, make("ol", {}, ...rungs));
   const dragged = state.params.some((param) => param.dragged);
   if (dragged) place.append(make("p", { class: "soft", text: `as dragged: ${shown(state.rmse)} ${scale.unit}` }));
+}
+
+/**
+ * The steps around the current one that were fitted to the same captures: errors on others cannot be compared.
+ * @param {import("./types.js").Step[]} steps
+ * @param {number} at
+ */
+function sameCaptures(steps, at) {
+  const of = (/** @type {number} */ step) => steps[step]?.captures.join();
+  let [first, end] = [at, at + 1];
+  while (first > 0 && of(first - 1) === of(at)) first--;
+  while (end < steps.length && of(end) === of(at)) end++;
+  return { steps: steps.slice(first, end), at: at - first };
 }
 
 /** @param {number | null} floor @param {number} widest */

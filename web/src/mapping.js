@@ -9,10 +9,14 @@ import { number } from "./numbers.js";
 const TARGETS = {
   t: ["s", "ms", "us", "min"],
   theta: ["rad", "deg", "turn", "m", "mm", "um"],
+  tau: ["N m", "mNm", "N", "mN"],
   omega: ["rad/s", "deg/s", "rpm", "m/s", "mm/s"],
   alpha: ["rad/s^2", "deg/s^2", "m/s^2", "mm/s^2"],
-  tau: ["N m", "mNm", "N", "mN"],
 };
+/** How loggers write some of them.
+ * @type {Record<string, string>} */
+const SPELT = { "°": "deg", "°/s": "deg/s", "°/s²": "deg/s^2", "rad/s²": "rad/s^2", Nm: "N m", "1/min": "rpm", "U/min": "rpm",
+  "mN m": "mNm", "µs": "us", "µm": "um" };
 const SIZE = { width: 110, height: 34 }; // CSS pixels of an outline
 
 export class Mapping {
@@ -84,6 +88,10 @@ export class Mapping {
   /** @param {string} column name that goes into the field, of which the next free one is then chosen */
   put(column) {
     // A name that is no plain word has to be quoted, or it would be a sum of others.
+    const field = this.fields.find(({ text }) => text === this.at);
+    const written = /[[(]([^\])]+)[\])]\s*$/.exec(column)?.[1] ?? "";
+    if (field) field.unit.value = SPELT[written] ?? written; // none, where it is no unit of the list
+    if (field && !field.unit.value) field.unit.value = "";
     this.at.value = /^[A-Za-z_]\w*$/.test(column) ? column : `\`${column}\``;
     this.at = this.fields.find(({ text }) => !text.value)?.text ?? this.at;
     this.at.focus();

@@ -20,7 +20,8 @@ function plain(value, digits) {
 /** @param {number} share from 0 to 1 */
 export function percent(share) {
   if (!Number.isFinite(share)) return "–";
-  return `${(100 * share).toFixed(share > 0 && share < 0.1 ? 1 : 0)} %`.replaceAll("-", "−");
+  const text = (100 * share).toFixed(share > 0 && share < 0.1 ? 1 : 0);
+  return `${Number(text) === 0 ? "0" : text} %`.replaceAll("-", "−");
 }
 
 /**

@@ -4,7 +4,7 @@
  * @typedef {{id: string, name: string, samples: number, rate_hz: number, axis: string,
  *   findings: string[], hides: boolean}} CaptureInfo
  * @typedef {{node: string, added: string | null, dropped?: string | null, rmse: number,
- *   rmse_heldout: number}} Step
+ *   rmse_heldout: number, captures: string[]}} Step
  * @typedef {{id: string, name: string, steps: Step[], at: number}} Branch
  * @typedef {{name: string, value: number, ci95: [number, number] | null, unit: string, role: string,
  *   fitted: number, dragged: boolean, lower: number | null, upper: number | null, odd: string | null,
@@ -19,7 +19,7 @@
  *   node: string | null, noise_floor: number | null, unit: string, params: Param[], rmse: number,
  *   rmse_heldout: number, verdict_text: string,
  *   candidates: {ready: boolean, rows: Candidate[], unexplained: Unexplained | null},
- *   job: Job | null, recording: boolean, revision: number, warnings?: string[], absent: Effect[]}} State
+ *   job: Job | null, recording: boolean, revision: number, warnings?: string[], lacks: string[], absent: Effect[]}} State
  */
 
 /**

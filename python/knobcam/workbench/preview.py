@@ -38,7 +38,8 @@ def explained(error: InputError, path: Path, options: Mapping[str, Any], max_byt
         except InputError:
             return error
         shown = [_described(*one) for one in columns.items() if one[1].ndim == 1]
-        return Unmapped(str(error), shown[:_MOST])
+        said = str(error).partition("; say which is which, for example --map")[0]
+        return Unmapped(said if said == str(error) else f"{said}; say which is which", shown[:_MOST])
     return error
 
 

@@ -28,7 +28,7 @@ from ..strict_json import as_json
 from . import arrays, saving
 from .answers import bytes_answer, finished, json_answer
 from .bench import Bench
-from .bodies import TooLarge, file_name, indices, read_json, reading, receive, text
+from .bodies import TooLarge, file_name, flag, indices, read_json, reading, receive, text
 from .guard import Guard
 from .jobs import Cancelled, Job
 from .preview import Unmapped, explained
@@ -208,13 +208,14 @@ class _Server:
         return self._now(share=await run_in_threadpool(self.session.share, capture, samples))
 
     async def open(self, request: Request) -> Response:
-        """Read a capture by its path on this machine."""
+        """Read a capture by its path on this machine: for itself, or `together` with the open ones."""
         body = await read_json(request)
-        path, options = text(body, "path"), reading(body)
+        path, options = str(Path(text(body, "path")).expanduser()), reading(body)
+        together = flag(body, "together", False)
 
         def work(job: Job) -> tuple[str, ...]:
             try:
-                return self.session.open(path, tell=job.tell, **options)
+                return self.session.open(path, tell=job.tell, together=together, **options)
             except Cancelled:
                 raise
             except InputError as error:
@@ -223,9 +224,10 @@ class _Server:
         return await self._long("reading", work)
 
     async def upload(self, request: Request) -> Response:
-        """Read a capture that the browser hands over, by the importers and their limits."""
+        """Read a capture that the browser hands over, by the importers and their limits; else as `open`."""
         name = file_name(request.headers.get("x-filename", ""))
         options = reading(request.query_params)
+        together = request.query_params.get("together") == "true"
         with TemporaryDirectory(prefix="knobcam-") as folder:
             target = Path(folder) / "capture"
             await receive(request, target, self.upload_bytes)
@@ -238,7 +240,7 @@ class _Server:
                     raise explained(said, target, options, self.upload_bytes) from error
                 if capture.meta.get("source") == str(target):
                     capture = replace(capture, meta={**capture.meta, "source": name})
-                return self.session.take(capture, name, options, job.tell)
+                return self.session.take(capture, name, options, job.tell, together=together)
 
             return await self._long(f"reading {name}", work)
 

@@ -103,9 +103,14 @@ class Session:
     # Captures
 
     def open(
-        self, *paths: str, map: ColumnMap | None = None, tell: Tell = _quiet, **options: Any
+        self,
+        *paths: str,
+        map: ColumnMap | None = None,
+        tell: Tell = _quiet,
+        together: bool = True,
+        **options: Any,
     ) -> tuple[str, ...]:
-        """Read captures, take them in together with those that are active, and return their ids.
+        """Read captures, take them in together with the active ones or for themselves; return their ids.
 
         Options as `knobcam.load` takes them. Raises InputError for what cannot be read or fitted.
         """
@@ -115,7 +120,7 @@ class Session:
             tell(f"reading {Path(path).name}")
             whole = str(Path(path).absolute())
             opened.append(Opened(self._new("c"), Path(path).name, load(path, **given), whole, given))
-        self._take(opened, tell)
+        self._take(opened, tell, together)
         return tuple(one.id for one in opened)
 
     def take(

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 from ..effects import effects
 from ..errors import InputError
+from ..lacks import lacks
 from ..selection import choose, concluded
-from .story import ladder
+from .story import idle, ladder
 
 if TYPE_CHECKING:
     from ..diagnose import Diagnosis
@@ -58,6 +59,7 @@ def document(session: Session) -> dict[str, Any]:
         ],
         "candidates": _candidates(branch, diagnosis),
         "warnings": list(fitted.warnings),
+        "lacks": [f"{lack.message}; {lack.record}" for lack in lacks(fitted)],
         "absent": [one.document() for one in absent(fitted.model)],
     }
 
@@ -79,6 +81,7 @@ def _nothing() -> dict[str, Any]:
     return {
         **{"active": [], "branch": None, "node": None, "noise_floor": math.nan, "unit": "N m"},
         **{"params": [], "rmse": math.nan, "rmse_heldout": math.nan, "ladder": [], "warnings": []},
+        "lacks": [],
         "verdict_text": "Open a capture to begin.",
         "absent": [],
         "candidates": {"ready": False, "rows": [], "unexplained": None},
@@ -110,6 +113,7 @@ def _branch(branch: Branch) -> dict[str, Any]:
                 "dropped": node.effect if node.how == "dropped" else None,
                 "rmse": node.fit.rmse,
                 "rmse_heldout": node.fit.rmse_heldout,
+                "captures": list(node.captures),
             }
             for node in branch.steps
         ],
@@ -161,16 +165,19 @@ def _odd(name: str, estimate: Estimate, plausible: tuple[float, float], view: Vi
 
 
 def _verdict(branch: Branch, diagnosis: Diagnosis | None) -> str:
-    if diagnosis is None:
-        return "What could be missing is not weighed yet."
-    if choose(diagnosis) is not None:
-        return diagnosis.summary
     rungs = ladder(branch.done)
-    selection = concluded(rungs, diagnosis, [*rungs[0].fit.model.effects, "detent"])
-    if selection.unexplained is not None or not selection.found:
-        return diagnosis.summary
-    names = " and ".join(selection.found)
-    return f"{names} {'was' if len(selection.found) == 1 else 'were'} missing. {diagnosis.comparison.summary}"
+    useless = idle(rungs)
+    was, it = ("was", "it") if len(useless) == 1 else ("were", "they")
+    said = f"{' and '.join(useless)} {was} added, and {it} took off no more than chance. " if useless else ""
+    if diagnosis is None:
+        return f"{said}What could be missing is not weighed yet."
+    if choose(diagnosis) is None:
+        found = concluded(rungs, diagnosis, [*rungs[0].fit.model.effects, "detent", *useless])
+        if found.unexplained is None and found.found:
+            names = " and ".join(found.found)
+            was = "was" if len(found.found) == 1 else "were"
+            return f"{said}{names} {was} missing. {diagnosis.comparison.summary}"
+    return said + diagnosis.summary
 
 
 def _candidates(branch: Branch, diagnosis: Diagnosis | None) -> dict[str, Any]:

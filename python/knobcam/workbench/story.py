@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from ..diagnose import PENALTY
 from ..ladder import Rung
 from ..learn import Story
 from ..selection import concluded
@@ -38,7 +39,21 @@ def ladder(done: Sequence[Node]) -> list[Rung]:
     return rungs
 
 
+def idle(rungs: Sequence[Rung]) -> list[str]:
+    """Return the effects that were added and took off no more than chance does, for their parameters."""
+    return [rung.added for rung in rungs if rung.added is not None and not _earned(rung)]
+
+
+def _earned(rung: Rung) -> bool:
+    fit, before = rung.fit, rung.fit.before
+    if before is None or not fit.noise_floor > 0.0:
+        return True
+    count = len(fit.core.free) - len(before.core.free)
+    gain = (before.rmse**2 - fit.rmse**2) / fit.noise_floor**2 * fit.white_squares
+    return gain > PENALTY * count
+
+
 def story(done: Sequence[Node], last: Diagnosis) -> Story:
     """Return the story of nodes that end where `last` was weighed."""
     rungs = ladder(done)
-    return Story(*concluded(rungs, last, [*rungs[0].fit.model.effects, "detent"]))
+    return Story(*concluded(rungs, last, [*rungs[0].fit.model.effects, "detent", *idle(rungs)]))

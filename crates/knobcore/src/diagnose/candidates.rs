@@ -53,7 +53,9 @@ pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_
     let best = found.iter().fold(0.0, |best: f64, (candidate, _)| best.max(candidate.gain));
     let left = screen.squares - best * white;
     let most = best * white >= MOST * (screen.squares - floor.squares);
-    if left.is_nan() || floor.squares.is_nan() || left > EXPLAINED * floor.squares && !most {
+    let explained = left <= EXPLAINED * floor.squares || most;
+    // Who asks for couplings alone wants to know.
+    if quick.is_empty() || left.is_nan() || floor.squares.is_nan() || !explained {
         found.extend(weighed(&screen, &slow, white));
     }
     found.sort_by_key(|(candidate, _)| candidate.id);

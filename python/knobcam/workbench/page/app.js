@@ -95,7 +95,8 @@ function plain(value, digits) {
 }
 function percent(share) {
   if (!Number.isFinite(share)) return "–";
-  return `${(100 * share).toFixed(share > 0 && share < 0.1 ? 1 : 0)} %`.replaceAll("-", "−");
+  const text = (100 * share).toFixed(share > 0 && share < 0.1 ? 1 : 0);
+  return `${Number(text) === 0 ? "0" : text} %`.replaceAll("-", "−");
 }
 function torqueScale(unit, peak) {
   return unit === "N m" && peak <= 2 ? { factor: 1e3, unit: "mNm" } : { factor: 1, unit };
@@ -167,8 +168,16 @@ function showCaptures(place3, { captures, active }, use) {
 }
 function words({ name, samples, rate_hz, findings }) {
   const facts = ` ${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
-  const odd = make("span", { class: "odd", text: ` ⚠ ${findings.length}`, title: findings.join("\n") });
-  return [make("strong", { text: name }), facts, ...findings.length > 0 ? [odd] : []];
+  const odd = make("span", { class: "odd", text: "⚠ ", title: findings.join("\n") });
+  return [...findings.length > 0 ? [odd] : [], make("strong", { text: name }), facts];
+}
+function showFindings(place3, { captures, active, lacks }) {
+  const fitted = captures.filter(({ id }) => active.includes(id));
+  const found2 = fitted.flatMap(
+    ({ name, findings }) => findings.map((text) => make("li", { class: "odd", text: `⚠ ${fitted.length > 1 ? `${name}: ` : ""}${text}` }))
+  );
+  const missing = lacks.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
+  place3.replaceChildren(...found2, ...missing);
 }
 
 // src/candidates.js
@@ -230,7 +239,7 @@ var Candidates = class {
       "li",
       {
         ...{ class: `candidate${chance}`, role: "option", tabindex: at === 0 ? 0 : -1, "data-effect": row.effect },
-        "aria-label": `${row.effect}: error falls by ${percent(row.error_fall)}, p ${number(row.p_value, 2)}`,
+        "aria-label": `${row.effect}: error falls by ${percent(Math.max(0, row.error_fall))}, p ${number(row.p_value, 2)}`,
         on: {
           pointerenter: () => this.deeds.look(row.effect),
           pointerleave: () => this.deeds.look(null),
@@ -240,7 +249,7 @@ var Candidates = class {
       },
       make("span", { class: "label", text: row.effect, title: row.shows ?? row.effect }),
       make("span", { class: "track" }, bar),
-      make("span", { class: "figure", text: `−${percent(Math.max(0, row.error_fall))}`, title: "fall of the RMS error" }),
+      make("span", { class: "figure", text: percent(-Math.max(0, row.error_fall)), title: "fall of the RMS error" }),
       make("span", { class: "deeds" }, this.deeds.about ? about2 : null, take),
       make("span", { class: "evidence soft", text: evidence(row) }),
       ...remarks(row).map((text) => make("span", { class: "alike soft", text })),
@@ -351,9 +360,21 @@ function dialog() {
 var TARGETS = {
   t: ["s", "ms", "us", "min"],
   theta: ["rad", "deg", "turn", "m", "mm", "um"],
+  tau: ["N m", "mNm", "N", "mN"],
   omega: ["rad/s", "deg/s", "rpm", "m/s", "mm/s"],
-  alpha: ["rad/s^2", "deg/s^2", "m/s^2", "mm/s^2"],
-  tau: ["N m", "mNm", "N", "mN"]
+  alpha: ["rad/s^2", "deg/s^2", "m/s^2", "mm/s^2"]
+};
+var SPELT = {
+  "°": "deg",
+  "°/s": "deg/s",
+  "°/s²": "deg/s^2",
+  "rad/s²": "rad/s^2",
+  Nm: "N m",
+  "1/min": "rpm",
+  "U/min": "rpm",
+  "mN m": "mNm",
+  "µs": "us",
+  "µm": "um"
 };
 var SIZE = { width: 110, height: 34 };
 var Mapping = class {
@@ -417,6 +438,10 @@ var Mapping = class {
   }
   /** @param {string} column name that goes into the field, of which the next free one is then chosen */
   put(column) {
+    const field2 = this.fields.find(({ text }) => text === this.at);
+    const written = /[[(]([^\])]+)[\])]\s*$/.exec(column)?.[1] ?? "";
+    if (field2) field2.unit.value = SPELT[written] ?? written;
+    if (field2 && !field2.unit.value) field2.unit.value = "";
     this.at.value = /^[A-Za-z_]\w*$/.test(column) ? column : `\`${column}\``;
     this.at = this.fields.find(({ text }) => !text.value)?.text ?? this.at;
     this.at.focus();
@@ -448,17 +473,20 @@ function opening(heard) {
     byId("open-path")
   );
   const told = byId("open-said");
+  const same = (
+    /** @type {HTMLInputElement} */
+    byId("open-same")
+  );
   let waiting = [];
   const mapping = new Mapping(byId("open-map"), byId("open-columns"));
   const opened = (name) => {
     dialog2.close();
-    if (waiting.length === 0) mapping.clear();
     told.textContent = "";
     heard.say(`opened ${name}`);
     heard.done();
   };
   const refused = (reason) => {
-    heard.failed(reason);
+    heard.say("");
     told.textContent = reason instanceof Error ? reason.message : String(reason);
     if (reason instanceof Refusal && reason.columns) {
       mapping.show(reason.columns);
@@ -468,10 +496,10 @@ function opening(heard) {
   };
   const take = async (files) => {
     waiting = files;
-    for (const file of files) {
+    for (const [at, file] of files.entries()) {
       try {
         heard.say(`reading ${file.name} …`);
-        await upload(file, mapping.options());
+        await upload(file, { ...mapping.options(), together: String(at > 0 || same.checked) });
         waiting = waiting.filter((one) => one !== file);
         opened(file.name);
       } catch (reason) {
@@ -480,18 +508,34 @@ function opening(heard) {
       }
     }
   };
-  byId("open").addEventListener("click", () => dialog2.showModal());
+  const fresh = (files) => {
+    mapping.clear();
+    path.value = "";
+    byId("open-named").textContent = files.map(({ name }) => name).join(", ");
+    return take(files);
+  };
+  byId("open").addEventListener("click", () => {
+    mapping.clear();
+    waiting = [];
+    told.textContent = byId("open-named").textContent = "";
+    dialog2.showModal();
+  });
   byId("open-close").addEventListener("click", () => dialog2.close());
   chosen.addEventListener("change", () => {
-    take([...chosen.files ?? []]);
+    fresh([...chosen.files ?? []]);
     chosen.value = "";
   });
   byId("open-form").addEventListener("submit", async (event) => {
     event.preventDefault();
     const named = path.value.trim();
+    if (!named && waiting.length === 0) {
+      told.textContent = "Choose a file, or type its path.";
+      return void 0;
+    }
     if (!named) return take(waiting);
     try {
-      await post("open", { path: named, ...mapping.options() });
+      await post("open", { path: named, together: same.checked, ...mapping.options() });
+      path.value = "";
       return opened(named);
     } catch (reason) {
       return refused(reason);
@@ -508,7 +552,7 @@ function opening(heard) {
   document.addEventListener("drop", (event) => {
     event.preventDefault();
     zone.hidden = true;
-    take([...event.dataTransfer?.files ?? []]);
+    fresh([...event.dataTransfer?.files ?? []]);
   });
 }
 function saving(heard) {
@@ -552,15 +596,15 @@ function showHidden({ captures, active }) {
 // src/ladder.js
 function showLadder(place3, state) {
   const branch = state.branches.find(({ id }) => id === state.branch);
-  const steps = branch?.steps ?? [];
+  const { steps, at: here } = sameCaptures(branch?.steps ?? [], branch?.at ?? 0);
   const errors = steps.flatMap(({ rmse, rmse_heldout }) => [rmse, rmse_heldout]).concat(state.rmse);
   const floor = state.noise_floor;
   const widest = Math.max(...errors.filter(Number.isFinite), floor ?? 0) * 1.02;
   const scale = torqueScale(state.unit, widest);
   const shown = (value) => number(value * scale.factor);
   const rungs = steps.map(({ added, dropped, rmse, rmse_heldout }, at) => {
-    const now = at === branch?.at;
-    const undone = at > (branch?.at ?? 0);
+    const now = at === here;
+    const undone = at > here;
     const label = added ? `+ ${added}` : dropped ? `− ${dropped}` : at === 0 ? "first model" : "fitted anew";
     const bar = make("span", { class: "bar" });
     const held = make("span", { class: "held" });
@@ -586,6 +630,13 @@ function showLadder(place3, state) {
   place3.replaceChildren(head, make("ol", {}, ...rungs));
   const dragged = state.params.some((param) => param.dragged);
   if (dragged) place3.append(make("p", { class: "soft", text: `as dragged: ${shown(state.rmse)} ${scale.unit}` }));
+}
+function sameCaptures(steps, at) {
+  const of = (step) => steps[step]?.captures.join();
+  let [first, end] = [at, at + 1];
+  while (first > 0 && of(first - 1) === of(at)) first--;
+  while (end < steps.length && of(end) === of(at)) end++;
+  return { steps: steps.slice(first, end), at: at - first };
 }
 function floorMark(floor, widest) {
   if (floor === null) return null;
@@ -2020,6 +2071,7 @@ var App = class {
     if (deed) this.deed = { what: deed, start: performance.now() };
     try {
       const answer = await post(verb, body);
+      if (byId("said").classList.contains("wrong")) this.say("");
       if (answer.revision !== void 0) this.refresh(answer.revision);
     } catch (reason) {
       this.failed(reason);
@@ -2048,6 +2100,8 @@ var App = class {
     if (state.recording) this.live?.follow();
     showHidden(state);
     showCaptures(byId("captures"), state, (captures) => this.ask("use", { captures }, "captures"));
+    showFindings(byId("findings"), state);
+    byId("open-together").hidden = state.captures.length === 0;
     showLadder(byId("ladder"), state);
     if (state.branch === this.beside || !state.branches.some(({ id }) => id === this.beside)) this.beside = null;
     this.showBranches(state);
