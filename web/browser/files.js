@@ -35,7 +35,7 @@ const mapped = (await stateOf(page)).captures[0].samples;
 
 await page.getByRole("button", { name: "Open…" }).click();
 assert.equal(await page.locator("[name=theta]").inputValue(), "", "another file has columns of its own");
-await page.getByLabel("of the same knob").check();
+await page.locator("#open-same").check();
 await page.locator("#open-file").setInputFiles(good);
 const second = page.locator("button.capture").nth(1);
 await second.waitFor({ timeout: 60_000 });
