@@ -1742,6 +1742,7 @@ var Params = class {
       const row = this.rows.get(param.name);
       if (!row) continue;
       row.value.textContent = number(param.value, 4);
+      row.slider.setAttribute("aria-valuetext", `${number(param.value, 4)} ${param.unit}`);
       row.value.classList.toggle("moved", param.dragged);
       if (document.activeElement !== row.slider) row.slider.value = String(place2(param.value, row));
     }
