@@ -128,18 +128,22 @@ def prepare(capture: Capture, method: str = "smooth", **options: float) -> Prepa
     # A capture without a masked sample goes as it is: picking rows would copy every column.
     whole = len(rows) == capture.samples
     kept = {name: values if whole else values[rows] for name, values in capture.columns.items()}
-    core = _core.prepare(
-        capture.axis,
-        capture.rate_hz,
-        kept["t"],
-        kept["theta"],
-        kept.get("omega"),
-        kept.get("alpha"),
-        kept["tau"],
-        gap,
-        method,
-        options,
-    )
+    try:
+        core = _core.prepare(
+            capture.axis,
+            capture.rate_hz,
+            kept["t"],
+            kept["theta"],
+            kept.get("omega"),
+            kept.get("alpha"),
+            kept["tau"],
+            gap,
+            method,
+            options,
+        )
+    except InputError as error:
+        source = capture.meta.get("source")  # of several captures somebody wants to know which
+        raise InputError(f"{source}: {error}" if source else str(error)) from None
     return Prepared(capture, method, rows, dict(options), _notes(capture, method, options), core)
 
 
