@@ -1,10 +1,15 @@
 """What several files of tests start from."""
 
+import signal
 from collections.abc import Iterator
 
 import pytest
 
 import knobcam as kc
+
+# A shell starts what runs in the background with Ctrl-C ignored, and its children with it: whoever waits for the
+# end of one would wait forever.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session")

@@ -1,6 +1,6 @@
 /** A recording while it goes on: plots that grow, figures, and the way to stop it. */
 
-import { fetchBytes, post } from "./api.js";
+import { Refusal, fetchBytes, post } from "./api.js";
 import { limits } from "./axes.js";
 import { byId } from "./dom.js";
 import { number, torqueScale } from "./numbers.js";
@@ -17,6 +17,7 @@ import { timed } from "./timing.js";
  */
 
 const PAUSE_MS = 120; // between the answer to one question and the next question
+const PATIENCE = 8; // questions that may stay without an answer
 const PLOTS = /** @type {const} */ ([
   { y: "tau", x: "t", name: "torque over time" },
   { y: "tau", x: "theta", name: "torque over position" },
@@ -56,15 +57,22 @@ export class Live {
     if (this.following) return byId("live-stop").focus(); // which a dialog that closes takes away
     this.following = true;
     this.unwanted = false;
-    this.columns = {};
+    this.forget();
     this.phase("");
     this.offer(["live-stop", "live-cancel"]);
     byId("live-said").textContent = "";
     byId("live").hidden = false;
     byId("live-stop").focus();
+    let silent = 0; // questions in a row that nobody answered
     try {
-      do await this.look();
-      while (!this.told?.ended && (await pause()));
+      do {
+        try {
+          await this.look();
+          silent = 0;
+        } catch (reason) {
+          if (reason instanceof Refusal || ++silent > PATIENCE) throw reason;
+        }
+      } while (!this.told?.ended && (await pause()));
       this.ended();
     } catch (reason) {
       byId("live-said").textContent = reason instanceof Error ? reason.message : String(reason);
@@ -72,6 +80,12 @@ export class Live {
     } finally {
       this.following = false;
     }
+  }
+
+  /** Nothing is known yet of what is recorded now. */
+  forget() {
+    this.columns = {};
+    this.told = null;
   }
 
   /** Fetch what came since the last time, and show it in the next frame. */

@@ -1550,6 +1550,7 @@ function joined(parts, names) {
 
 // src/live.js
 var PAUSE_MS = 120;
+var PATIENCE = 8;
 var PLOTS = (
   /** @type {const} */
   [
@@ -1589,16 +1590,22 @@ var Live = class {
     if (this.following) return byId("live-stop").focus();
     this.following = true;
     this.unwanted = false;
-    this.columns = {};
+    this.forget();
     this.phase("");
     this.offer(["live-stop", "live-cancel"]);
     byId("live-said").textContent = "";
     byId("live").hidden = false;
     byId("live-stop").focus();
+    let silent = 0;
     try {
-      do
-        await this.look();
-      while (!this.told?.ended && await pause());
+      do {
+        try {
+          await this.look();
+          silent = 0;
+        } catch (reason) {
+          if (reason instanceof Refusal || ++silent > PATIENCE) throw reason;
+        }
+      } while (!this.told?.ended && await pause());
       this.ended();
     } catch (reason) {
       byId("live-said").textContent = reason instanceof Error ? reason.message : String(reason);
@@ -1606,6 +1613,11 @@ var Live = class {
     } finally {
       this.following = false;
     }
+  }
+  /** Nothing is known yet of what is recorded now. */
+  forget() {
+    this.columns = {};
+    this.told = null;
   }
   /** Fetch what came since the last time, and show it in the next frame. */
   async look() {
