@@ -7,8 +7,8 @@ import pytest
 
 import knobcam as kc
 
-# A shell starts what runs in the background with Ctrl-C ignored, and its children with it: whoever waits for the
-# end of one would wait forever.
+# A shell starts what runs in the background with Ctrl-C ignored, and its children with it: whoever waits for
+# the end of one would wait forever.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
