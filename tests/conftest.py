@@ -3,9 +3,12 @@
 import signal
 from collections.abc import Iterator
 
+import httpx
 import pytest
+from workbench_server import served
 
 import knobcam as kc
+from knobcam.workbench.bench import Bench
 
 # A shell starts what runs in the background with Ctrl-C ignored, and its children with it: whoever waits for
 # the end of one would wait forever.
@@ -32,6 +35,26 @@ def sprung() -> kc.Capture:
 @pytest.fixture(scope="session")
 def story(sprung: kc.Capture) -> kc.Story:
     return kc.learn(sprung)
+
+
+@pytest.fixture
+def bench() -> Bench:
+    """A workbench without its page."""
+    return Bench()
+
+
+@pytest.fixture
+def client(bench: Bench) -> Iterator[httpx.Client]:
+    """Who talks to the workbench's server, and has its token."""
+    with served(bench) as client:
+        yield client
+
+
+@pytest.fixture
+def opened(client: httpx.Client, bench: Bench, sprung: kc.Capture) -> httpx.Client:
+    """The same where a capture is open."""
+    bench.session.take(sprung, "sprung")
+    return client
 
 
 @pytest.fixture(autouse=True)

@@ -14,30 +14,13 @@ from urllib.parse import quote
 import httpx
 import numpy as np
 import pytest
-from workbench_server import HOSTILE, TOKEN, UPLOAD_BYTES, served, wrong
+from workbench_server import HOSTILE, TOKEN, UPLOAD_BYTES, wrong
 
 import knobcam as kc
 from knobcam.errors import InputError
 from knobcam.workbench import server
 from knobcam.workbench.bench import Bench
 from knobcam.workbench.guard import HEADER
-
-
-@pytest.fixture
-def bench() -> Bench:
-    return Bench()
-
-
-@pytest.fixture
-def client(bench: Bench) -> Iterator[httpx.Client]:
-    with served(bench) as client:
-        yield client
-
-
-@pytest.fixture
-def opened(client: httpx.Client, bench: Bench, sprung: kc.Capture) -> httpx.Client:
-    bench.session.take(sprung, "sprung")
-    return client
 
 
 def test_the_page_is_for_those_who_have_the_token(client: httpx.Client):

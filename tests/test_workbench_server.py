@@ -9,7 +9,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -18,30 +17,13 @@ import httpx
 import numpy as np
 import pytest
 from command import knobcam, refused
-from workbench_server import HOSTILE, served, wrong
+from workbench_server import HOSTILE, wrong
 
 import knobcam as kc
 from knobcam.errors import InputError
 from knobcam.workbench.bench import Bench
 from knobcam.workbench.guard import HEADER
 from knobcam.workbench.serving import listen
-
-
-@pytest.fixture
-def bench() -> Bench:
-    return Bench()
-
-
-@pytest.fixture
-def client(bench: Bench) -> Iterator[httpx.Client]:
-    with served(bench) as client:
-        yield client
-
-
-@pytest.fixture
-def opened(client: httpx.Client, bench: Bench, sprung: kc.Capture) -> httpx.Client:
-    bench.session.take(sprung, "sprung")
-    return client
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -32,17 +32,6 @@ from knobcam.workbench.thinning import Thinned
 
 SPEED = 8.0
 EMULATED = {"source": "emulated", "knob": "knob3", "duration_s": 4.0, "speed": SPEED}
-
-
-@pytest.fixture
-def bench() -> Bench:
-    return Bench()
-
-
-@pytest.fixture
-def client(bench: Bench) -> Iterator[httpx.Client]:
-    with served(bench) as client:
-        yield client
 
 
 @pytest.fixture

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _core
+from .fit import AT_FLOOR
 from .tables import html_table, text_table
 
 if TYPE_CHECKING:
@@ -33,8 +34,6 @@ _WEIGHT = {"frequency": 0.5, "time": 0.75}
 _DIRECTIONS = {1: "forward", -1: "backward", 0: ""}
 # A part of the squared error this small, though beyond chance, is nothing that a hand would feel.
 _FELT = 0.03
-# An error this close to the noise floor is no different: the floor itself is known to a few percent.
-_AT_FLOOR = 1.05
 
 
 class Region(NamedTuple):
@@ -121,7 +120,7 @@ class Comparison:
     def complete(self) -> bool:
         """Whether the error is what noise alone leaves, but for what is too small to feel on any axis."""
         felt = any(split.fails and split.part > _FELT for split in self.splits)
-        return self.exact or (self.fit.rmse <= _AT_FLOOR * self.fit.noise_floor and not felt)
+        return self.exact or (self.fit.rmse <= AT_FLOOR * self.fit.noise_floor and not felt)
 
     @property
     def summary(self) -> str:

@@ -48,6 +48,10 @@ class Effect:
             for p in self.params
         ]
 
+    def parameter(self, name: str) -> ParameterInfo:
+        """Return the parameter of this name, which is without the effect's own."""
+        return next(row for row in self.params if row.name == name)
+
     def plot(self) -> Figure:
         """Its signature: the torque that it adds to a small knob, over time and where it shows."""
         from . import plot
@@ -96,6 +100,11 @@ def effects(axis: str = "rotary") -> dict[str, Effect]:
         )
         for row in rows
     }
+
+
+def descriptions(axis: str) -> set[str]:
+    """Return the effects that only describe a torque: they name no cause, so no search names them."""
+    return {name for name, one in effects(axis).items() if one.describes}
 
 
 def effect(name: str, axis: str = "rotary") -> Effect:

@@ -33,7 +33,8 @@ if TYPE_CHECKING:
     from .stiction import Stiction
 
 Z95 = 1.959963984540054
-_AT_FLOOR = 1.05  # times the noise floor: nothing is missing that shows
+AT_FLOOR = 1.05
+"""An error this many times the noise floor is no different: the floor itself is known to a few percent."""
 """Two-sided 95 % quantile of the normal distribution."""
 
 
@@ -277,7 +278,7 @@ class Fit:
         if len(negative) > 2 and len(negative) == len(base):
             found = ["every term is negative: tau seems to have the other sign; map it with a minus"]
         else:
-            told = self.noise_floor > 0.0 and self.rmse <= _AT_FLOOR * self.noise_floor
+            told = self.noise_floor > 0.0 and self.rmse <= AT_FLOOR * self.noise_floor
             why = "over these speeds it describes what remains" if told else "an effect is probably missing"
             found = [f"{name} is negative, which no real knob has: {why}" for name in negative]
         alike = [signals for signals in self.prepared if _moves_like_a_spring(signals)]
@@ -298,7 +299,7 @@ def _at_bounds(fit: Fit) -> list[str]:
     found = []
     for name, estimate in fit.params.items():
         effect, own = name.split(".", 1)
-        row = next(row for row in catalogue[effect].params if row.name == own)
+        row = catalogue[effect].parameter(own)
         for bound in {row.lower, row.upper} - {row.neutral}:
             if estimate.determined and math.isclose(estimate.value, bound, rel_tol=1e-6):
                 found.append(f"{name} is at its bound, {bound:g}: it stands in for something else")

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from .prepare import travel
+
 if TYPE_CHECKING:
     from .fit import Fit
     from .formats.table import FloatArray
@@ -107,8 +109,7 @@ def _excitation(fit: Fit) -> Lack | None:
 
 
 def _width(fit: Fit) -> Lack | None:
-    theta = np.concatenate([one.theta[one.used] for one in fit.prepared])
-    wide = float(np.ptp(theta))
+    wide = travel(fit.prepared)
     period = fit.params.get("detent.P")
     unit = "rad" if fit.model.axis == "rotary" else "m"
     if period is not None:

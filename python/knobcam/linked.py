@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .errors import InputError
-from .formats.atomic import write_atomically
+from .formats.atomic import write_text_atomically
 from .formats.optional import require
 from .look_page import html
 
@@ -74,8 +74,8 @@ class Look:
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write that page and return its path; it appears whole or not at all."""
-        target, page = Path(path), self.html()
-        write_atomically(target, lambda part: _write(part, page))
+        target = Path(path)
+        write_text_atomically(target, self.html())
         return target
 
     def __repr__(self) -> str:
@@ -95,7 +95,3 @@ class Look:
         except InputError:
             return page, {}
         return view | page, metadata
-
-
-def _write(path: Path, text: str) -> None:
-    path.write_text(text, "utf-8")

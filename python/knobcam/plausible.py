@@ -10,6 +10,7 @@ import numpy as np
 
 from .effects import effect as catalogued
 from .effects import effects
+from .prepare import travel
 
 if TYPE_CHECKING:
     from .diagnose import Candidate
@@ -68,7 +69,7 @@ def _below_zero(candidate: Candidate, before: Fit) -> list[str]:
 
 def _too_few_detents(candidate: Candidate) -> list[str]:
     """A change of one detent alone is any map of position."""
-    detents = _range(candidate) / (2.0 * math.pi * candidate.fit.params["detent.P"].value)
+    detents = travel(candidate.fit.prepared) / (2.0 * math.pi * candidate.fit.params["detent.P"].value)
     return [f"only {detents:.1f} detents were crossed"] if detents < _DETENTS else []
 
 
@@ -88,7 +89,7 @@ def _stops(candidate: Candidate) -> list[str]:
 def _waves(candidate: Candidate) -> list[str]:
     """Friction that varies along the way stays friction, and goes through a period of its own."""
     p = candidate.fit.params
-    cycles = _range(candidate) / (2.0 * math.pi * p["position_friction.P"].value)
+    cycles = travel(candidate.fit.prepared) / (2.0 * math.pi * p["position_friction.P"].value)
     sizes = [
         math.hypot(p[f"position_friction.a{n}"].value, p[f"position_friction.b{n}"].value)
         for n in range(1, 5)
@@ -109,7 +110,7 @@ def _distance(candidate: Candidate) -> list[str]:
     mean = sum(w * s for w, s in zip(shares, reach, strict=True)) / max(sum(shares), 1e-12)
     signals = candidate.fit.prepared[0]
     speed = float(np.sqrt(np.mean(np.square(signals.omega[signals.used]))))
-    if mean > _FAR * _range(candidate):
+    if mean > _FAR * travel(candidate.fit.prepared):
         return [f"it takes {mean:.2g} to slip, a good part of the way: it is a spring"]
     if mean < _NEAR * speed / signals.capture.rate_hz:
         return [f"it slips within {mean:.2g}, less than a sample: a lag of the torque does the same"]
@@ -155,7 +156,3 @@ _ODD: dict[str, Callable[[Candidate], list[str]]] = {
 def _theta(candidate: Candidate) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
     """Positions of the samples that count, rad."""
     return np.concatenate([one.theta[one.used] for one in candidate.fit.prepared])
-
-
-def _range(candidate: Candidate) -> float:
-    return float(np.ptp(_theta(candidate)))

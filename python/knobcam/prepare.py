@@ -11,7 +11,7 @@ from . import _core
 from .errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from matplotlib.figure import Figure
 
@@ -107,6 +107,11 @@ class Prepared:
     def __repr__(self) -> str:
         lines = [f"Prepared by '{self.method}': {self.core.used} of {self.capture.samples} samples count"]
         return "\n  ".join(lines + list(self.notes))
+
+
+def travel(prepared: Sequence[Prepared]) -> float:
+    """Return the range of position that the samples which count go through, rad or m."""
+    return float(np.ptp(np.concatenate([one.theta[one.used] for one in prepared])))
 
 
 def prepare(capture: Capture, method: str = "smooth", **options: float) -> Prepared:

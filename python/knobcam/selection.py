@@ -6,12 +6,11 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-
 from . import _core
 from .diagnose import PENALTY, Candidate, Diagnosis, diagnose
-from .effects import effects
+from .effects import descriptions
 from .ladder import Rung, Unexplained
+from .prepare import travel
 from .refit import cores, drop, settle, with_clipped
 
 if TYPE_CHECKING:
@@ -47,7 +46,7 @@ def select(
     these are nothing to find. `detents` says that they come in by themselves where the data show them.
     """
     fit = first if "saturation" in without else with_clipped(first)
-    described = {one for one, row in effects(first.model.axis).items() if row.describes}
+    described = descriptions(first.model.axis)
     ladder = [Rung(fit)]
     base = first.model.effects
     nothing_to_find = base if given else [*base, "detent"]
@@ -90,8 +89,7 @@ def _repeats(effect: str, fit: Fit) -> bool:
     """Whether a map of position is bound to return with each of many detents, and so draws nothing else."""
     if effect != "detent_harmonics":
         return False
-    theta = np.concatenate([one.theta[one.used] for one in fit.prepared])
-    return bool(np.ptp(theta) >= _MANY * 2.0 * math.pi * fit.params["detent.P"].value)
+    return travel(fit.prepared) >= _MANY * 2.0 * math.pi * fit.params["detent.P"].value
 
 
 def _mainly(rung: Rung) -> bool:
@@ -132,12 +130,17 @@ def retested(fit: Fit, tested: Collection[str]) -> tuple[Fit, tuple[str, ...]]:
         if effect not in fit.model.effects:
             continue  # it went before, or with another that it changed
         bare = drop(fit, effect)
-        count = len(fit.core.free) - len(bare.core.free)
-        lost = (bare.rmse**2 / fit.noise_floor**2 - fit.rmse**2 / fit.noise_floor**2) * fit.white_squares
-        if lost <= PENALTY * count or fit.rmse**2 >= (1.0 - _WORTH) * bare.rmse**2:
+        if unpaid(fit, bare) or fit.rmse**2 >= (1.0 - _WORTH) * bare.rmse**2:
             fit = bare
             dropped.append(effect)
     return fit, tuple(dropped)
+
+
+def unpaid(fit: Fit, bare: Fit) -> bool:
+    """Whether a fit takes off no more than the price of the parameters that a barer one lacks."""
+    count = len(fit.core.free) - len(bare.core.free)
+    gain = (bare.rmse**2 / fit.noise_floor**2 - fit.rmse**2 / fit.noise_floor**2) * fit.white_squares
+    return gain <= PENALTY * count
 
 
 def _unexplained(comparison: Comparison) -> Unexplained | None:

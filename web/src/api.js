@@ -11,6 +11,14 @@ export class Refusal extends Error {
   }
 }
 
+/**
+ * What went wrong, in words.
+ * @param {unknown} reason
+ */
+export function wordsOf(reason) {
+  return reason instanceof Error ? reason.message : String(reason);
+}
+
 const token = new URLSearchParams(location.search).get("token") ?? "";
 
 /**

@@ -1,6 +1,6 @@
 /** The workbench's page: what the server tells is shown, what the person does is asked of the server. */
 
-import { download, fetchState, listen, post } from "./api.js";
+import { download, fetchState, listen, post, wordsOf } from "./api.js";
 import { showBranches } from "./branches.js";
 import { showCaptures, showFindings } from "./captures.js";
 import { Candidates } from "./candidates.js";
@@ -89,7 +89,7 @@ class App {
     for (const verb of ["undo", "redo", "snap", "cancel"]) {
       byId(verb).addEventListener("click", () => this.ask(verb, {}, verb));
     }
-    byId("new-branch").addEventListener("click", () => this.ask("branch", { name: this.branchName() }));
+    byId("new-branch").addEventListener("click", () => this.ask("branch"));
     byId("clear").addEventListener("click", () => this.linked.clear());
     byId("closer").addEventListener("click", () => this.linked.lookCloser());
     for (const option of /** @type {(keyof App["view"])[]} */ (["isolated", "band", "held"])) {
@@ -99,13 +99,6 @@ class App {
         this.refresh(Infinity);
       });
     }
-  }
-
-  branchName() {
-    const taken = new Set(this.state?.branches.map(({ name }) => name));
-    let count = 2;
-    while (taken.has(`branch ${count}`)) count++;
-    return `branch ${count}`;
   }
 
   /**
@@ -280,7 +273,7 @@ class App {
   /** @param {unknown} reason */
   failed(reason) {
     this.deed = null;
-    byId("said").textContent = reason instanceof Error ? reason.message : String(reason);
+    byId("said").textContent = wordsOf(reason);
     byId("said").classList.add("wrong");
   }
 }

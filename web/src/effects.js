@@ -1,6 +1,6 @@
 /** Any effect of the catalogue: what it is, where it shows, and a way to add it without waiting for evidence. */
 
-import { fetchPicture } from "./api.js";
+import { fetchPicture, wordsOf } from "./api.js";
 import { byId, make } from "./dom.js";
 
 /** @typedef {import("./types.js").Effect} Effect */
@@ -59,7 +59,7 @@ export function about({ effect, place, law, source, shows }) {
       pictures.set(effect, URL.createObjectURL(blob));
       picture.src = pictures.get(effect) ?? "";
     },
-    (reason) => picture.replaceWith(make("p", { class: "wrong", text: String(reason.message ?? reason) })),
+    (reason) => picture.replaceWith(make("p", { class: "wrong", text: wordsOf(reason) })),
   );
 }
 

@@ -1,6 +1,6 @@
 /** Captures in, results out. */
 
-import { Refusal, download, post, upload } from "./api.js";
+import { Refusal, download, post, upload, wordsOf } from "./api.js";
 import { byId, make } from "./dom.js";
 import { Mapping } from "./mapping.js";
 
@@ -31,7 +31,7 @@ export function opening(heard) {
   };
   const refused = (/** @type {unknown} */ reason) => {
     heard.say("");
-    told.textContent = reason instanceof Error ? reason.message : String(reason);
+    told.textContent = wordsOf(reason);
     if (reason instanceof Refusal && reason.columns) {
       mapping.show(reason.columns);
       byId("open-more").setAttribute("open", "");

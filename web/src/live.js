@@ -1,6 +1,6 @@
 /** A recording while it goes on: plots that grow, figures, and the way to stop it. */
 
-import { Refusal, fetchBytes, post } from "./api.js";
+import { Refusal, fetchBytes, post, wordsOf } from "./api.js";
 import { limits } from "./axes.js";
 import { byId } from "./dom.js";
 import { number, torqueScale } from "./numbers.js";
@@ -75,7 +75,7 @@ export class Live {
       } while (!this.told?.ended && (await pause()));
       this.ended();
     } catch (reason) {
-      byId("live-said").textContent = reason instanceof Error ? reason.message : String(reason);
+      byId("live-said").textContent = wordsOf(reason);
       this.offer(["live-close"]);
     } finally {
       this.following = false;

@@ -1,6 +1,6 @@
 /** The dialog for a capture without a file: a simulated knob, an emulated rig, a rig on a port. */
 
-import { ask, post } from "./api.js";
+import { ask, post, wordsOf } from "./api.js";
 import { byId, make } from "./dom.js";
 
 /**
@@ -45,7 +45,7 @@ export function sources(heard) {
     try {
       known = /** @type {Sources} */ (await ask("sources"));
     } catch (reason) {
-      told.textContent = words(reason);
+      told.textContent = wordsOf(reason);
       return;
     }
     fill(form, "knob", known.knobs.map(({ name, words }) => [name, words]), "knob3");
@@ -94,7 +94,7 @@ export function sources(heard) {
       (asked.source === "simulated" ? heard.made : heard.recording)();
     } catch (reason) {
       wait(false);
-      told.textContent = words(reason);
+      told.textContent = wordsOf(reason);
     }
   });
 }
@@ -168,9 +168,4 @@ function field(form, name) {
 /** @param {HTMLFormElement} form @param {string} name */
 function valueOf(form, name) {
   return String(new FormData(form).get(name) ?? "");
-}
-
-/** @param {unknown} reason */
-function words(reason) {
-  return reason instanceof Error ? reason.message : String(reason);
 }

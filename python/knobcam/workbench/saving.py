@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from .. import plot
 from ..errors import InputError
-from ..formats.atomic import write_atomically
+from ..formats.atomic import write_atomically, write_text_atomically
 from .script import script
 from .story import story
 
@@ -69,8 +69,7 @@ def _report(session: Session, target: Path, tell: Tell) -> None:
 
 def _script(session: Session, target: Path, tell: Tell) -> None:
     tell("writing the script")
-    text = script(session.branch.done, session.captures, session.start)
-    write_atomically(target, lambda part: _put(part, text))
+    write_text_atomically(target, script(session.branch.done, session.captures, session.start))
 
 
 def _figures(session: Session, target: Path, tell: Tell) -> None:
@@ -96,10 +95,6 @@ def _zipped(session: Session, part: Path, tell: Tell) -> None:
         with zipfile.ZipFile(part, "w") as archive:
             for picture in sorted(folder.rglob("*.png")):
                 archive.write(picture, picture.relative_to(folder).as_posix())
-
-
-def _put(path: Path, text: str) -> None:
-    path.write_text(text, "utf-8")
 
 
 _WRITE: Mapping[str, Callable[[Session, Path, Tell], None]] = {

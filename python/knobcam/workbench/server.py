@@ -248,19 +248,14 @@ class _Server:
         """Write the model, report, figures or script to a path on this machine."""
         body = await read_json(request)
         what, path = text(body, "what"), Path(text(body, "path"))
-        target = await self._done(
-            f"saving the {what}", lambda job: saving.save(self.session, what, path, job.tell)
-        )
-        return self._now(path=str(target))
+        return self._now(path=str(await self._saved(what, path)))
 
     async def download(self, request: Request) -> Response:
         """The same as a file for the browser."""
         what = request.query_params.get("what", "")
         with TemporaryDirectory(prefix="knobcam-") as folder:
             path = Path(folder) / saving.FILES.get(what, "none")
-            await self._done(
-                f"making the {what}", lambda job: saving.save(self.session, what, path, job.tell)
-            )
+            await self._saved(what, path)
             content = path.read_bytes()
         named = {"content-disposition": f'attachment; filename="{path.name}"'}
         return Response(content, media_type="application/octet-stream", headers=named)

@@ -13,7 +13,7 @@ import numpy as np
 from .. import refit
 from ..capture import load
 from ..diagnose import Diagnosis, diagnose
-from ..effects import effects
+from ..effects import descriptions
 from ..errors import InputError
 from ..fit import Fit, fit
 from .tree import Branch, How, Node, Opened, Start
@@ -212,8 +212,7 @@ class Session:
             return known
         doing = "weighing what could be missing"
         tell(doing)
-        # Effects that only describe a torque name no cause, so `learn` leaves them out as well.
-        described = [one for one, row in effects(node.fit.model.axis).items() if row.describes]
+        described = descriptions(node.fit.model.axis)
         diagnosis = diagnose(node.fit, without=described, progress=lambda share: tell(doing, share))
         _ = diagnosis.comparison.summary  # computed here, where nobody waits for it
         self._diagnoses[node.id] = diagnosis  # whoever comes back to the node has it, wanted now or not

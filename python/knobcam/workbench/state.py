@@ -8,14 +8,16 @@ from typing import TYPE_CHECKING, Any
 from ..effects import effects
 from ..errors import InputError
 from ..lacks import lacks
-from ..selection import choose, concluded
-from .story import idle, ladder
+from ..selection import choose
+from .story import conclusion, in_vain, ladder
 
 if TYPE_CHECKING:
     from ..diagnose import Diagnosis
     from ..effects import Effect
     from ..fit import Estimate
+    from ..ladder import Rung
     from ..model import Model, Parameter
+    from ..selection import Selection
     from .session import Session
     from .tree import Branch, Opened
     from .view import View
@@ -39,6 +41,10 @@ def document(session: Session) -> dict[str, Any]:
         diagnosis = session.diagnosis_of(branch.node.id)
     fitted = view.fit
     rungs = ladder(branch.done)
+    # Where something is left to be added nothing is concluded yet.
+    end = None
+    if diagnosis is not None and choose(diagnosis) is None:
+        end = conclusion(rungs, diagnosis)
     return known | {
         "active": list(view.node.captures),
         "branch": branch.id,
@@ -48,7 +54,7 @@ def document(session: Session) -> dict[str, Any]:
         "params": _parameters(view),
         "rmse": view.rmse,
         "rmse_heldout": view.rmse_heldout,
-        "verdict_text": _verdict(branch, diagnosis),
+        "verdict_text": _verdict(rungs, diagnosis, end),
         "ladder": [
             {
                 "label": "first model" if rung.added is None else f"+ {rung.added}",
@@ -57,7 +63,7 @@ def document(session: Session) -> dict[str, Any]:
             }
             for rung in rungs
         ],
-        "candidates": _candidates(branch, diagnosis),
+        "candidates": _candidates(diagnosis, end),
         "warnings": list(fitted.warnings),
         "lacks": [f"{lack.message}; {lack.record}" for lack in lacks(fitted)],
         "absent": [one.document() for one in absent(fitted.model)],
@@ -125,7 +131,7 @@ def _parameters(view: View) -> list[dict[str, Any]]:
     rows = []
     for name, now in view.model.params.items():
         effect, own = name.split(".", 1)
-        info = next(row for row in catalogue[effect].params if row.name == own)
+        info = catalogue[effect].parameter(own)
         estimate = view.fit.params[name]
         rows.append(
             {
@@ -164,29 +170,23 @@ def _odd(name: str, estimate: Estimate, plausible: tuple[float, float], view: Vi
     return f"{estimate.value:.3g} is unphysical: it should be {limits}"
 
 
-def _verdict(branch: Branch, diagnosis: Diagnosis | None) -> str:
-    rungs = ladder(branch.done)
-    useless = idle(rungs)
+def _verdict(rungs: list[Rung], diagnosis: Diagnosis | None, end: Selection | None) -> str:
+    useless = in_vain(rungs)
     was, it = ("was", "it") if len(useless) == 1 else ("were", "they")
     said = f"{' and '.join(useless)} {was} added, and {it} took off no more than chance. " if useless else ""
     if diagnosis is None:
         return f"{said}What could be missing is not weighed yet."
-    if choose(diagnosis) is None:
-        found = concluded(rungs, diagnosis, [*rungs[0].fit.model.effects, "detent", *useless])
-        if found.unexplained is None and found.found:
-            names = " and ".join(found.found)
-            was = "was" if len(found.found) == 1 else "were"
-            return f"{said}{names} {was} missing. {diagnosis.comparison.summary}"
-    return said + diagnosis.summary
+    if end is None or end.unexplained is not None or not end.found:
+        return said + diagnosis.summary
+    names = " and ".join(end.found)
+    was = "was" if len(end.found) == 1 else "were"
+    return f"{said}{names} {was} missing. {diagnosis.comparison.summary}"
 
 
-def _candidates(branch: Branch, diagnosis: Diagnosis | None) -> dict[str, Any]:
+def _candidates(diagnosis: Diagnosis | None, end: Selection | None) -> dict[str, Any]:
     if diagnosis is None:
         return {"ready": False, "rows": [], "unexplained": None}
-    unexplained = None
-    if choose(diagnosis) is None:
-        rungs = ladder(branch.done)
-        unexplained = concluded(rungs, diagnosis, rungs[0].fit.model.effects).unexplained
+    unexplained = end.unexplained if end else None
     return {
         "ready": True,
         "rows": [one.evidence() for one in diagnosis.candidates],

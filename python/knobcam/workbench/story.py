@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from ..diagnose import PENALTY
 from ..ladder import Rung
 from ..learn import Story
-from ..selection import concluded
+from ..selection import Selection, concluded, unpaid
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -39,21 +38,23 @@ def ladder(done: Sequence[Node]) -> list[Rung]:
     return rungs
 
 
-def idle(rungs: Sequence[Rung]) -> list[str]:
+def in_vain(rungs: Sequence[Rung]) -> list[str]:
     """Return the effects that were added and took off no more than chance does, for their parameters."""
-    return [rung.added for rung in rungs if rung.added is not None and not _earned(rung)]
+    return [
+        rung.added
+        for rung in rungs
+        if rung.added is not None
+        and rung.fit.before is not None
+        and rung.fit.noise_floor > 0.0
+        and unpaid(rung.fit, rung.fit.before)
+    ]
 
 
-def _earned(rung: Rung) -> bool:
-    fit, before = rung.fit, rung.fit.before
-    if before is None or not fit.noise_floor > 0.0:
-        return True
-    count = len(fit.core.free) - len(before.core.free)
-    gain = (before.rmse**2 - fit.rmse**2) / fit.noise_floor**2 * fit.white_squares
-    return gain > PENALTY * count
+def conclusion(rungs: list[Rung], last: Diagnosis) -> Selection:
+    """Return what a ladder says that ends where `last` was weighed."""
+    return concluded(rungs, last, [*rungs[0].fit.model.effects, "detent", *in_vain(rungs)])
 
 
 def story(done: Sequence[Node], last: Diagnosis) -> Story:
     """Return the story of nodes that end where `last` was weighed."""
-    rungs = ladder(done)
-    return Story(*concluded(rungs, last, [*rungs[0].fit.model.effects, "detent", *idle(rungs)]))
+    return Story(*conclusion(ladder(done), last))

@@ -1,11 +1,14 @@
 // src/api.js
 var Refusal = class extends Error {
   /** @param {string} words @param {import("./types.js").FileColumn[] | null} columns */
-  constructor(words3, columns) {
-    super(words3);
+  constructor(words2, columns) {
+    super(words2);
     this.columns = columns;
   }
 };
+function wordsOf(reason) {
+  return reason instanceof Error ? reason.message : String(reason);
+}
 var token = new URLSearchParams(location.search).get("token") ?? "";
 async function request(path, options = {}) {
   const headers = { ...options.headers, "x-knobcam-token": token };
@@ -18,8 +21,8 @@ async function request(path, options = {}) {
   }
   if (answer.ok) return answer;
   const said = await answer.json().catch(() => ({}));
-  const words3 = typeof said.error === "string" ? said.error : `the workbench answered ${answer.status}`;
-  throw new Refusal(words3, Array.isArray(said.columns) ? said.columns : null);
+  const words2 = typeof said.error === "string" ? said.error : `the workbench answered ${answer.status}`;
+  throw new Refusal(words2, Array.isArray(said.columns) ? said.columns : null);
 }
 async function ask(what, query = {}) {
   return (await request(`/api/${what}?${new URLSearchParams(query)}`)).json();
@@ -120,7 +123,7 @@ function showBranches(place3, state, beside, deeds) {
     const scale = torqueScale(state.unit, step?.rmse ?? 0);
     const changed = steps.slice(1, at + 1).filter(({ added, dropped }) => added || dropped);
     const changes = changed.map(({ added, dropped }) => added ? `+ ${added}` : `− ${dropped}`);
-    const words3 = changes.join(" ") || "nothing added";
+    const words2 = changes.join(" ") || "nothing added";
     const card = make(
       "button",
       {
@@ -128,7 +131,7 @@ function showBranches(place3, state, beside, deeds) {
         on: { click: () => deeds.choose(id) }
       },
       make("strong", { text: name }),
-      make("span", { class: "soft", text: words3 }),
+      make("span", { class: "soft", text: words2 }),
       make("span", { class: "figure", text: step ? `${number(step.rmse * scale.factor)} ${scale.unit}` : "–" })
     );
     if (id === state.branch) return make("div", { class: "card" }, card);
@@ -298,8 +301,8 @@ function remarks({ equivalent, confused, note }) {
 function remainder(unexplained) {
   if (!unexplained) return [];
   const { axis, share, hint } = unexplained;
-  const words3 = `Unexplained over ${axis}: ${percent(share)} of what remains${hint ? ` (${hint})` : ""}.`;
-  return [make("p", { class: "soft", text: words3 })];
+  const words2 = `Unexplained over ${axis}: ${percent(share)} of what remains${hint ? ` (${hint})` : ""}.`;
+  return [make("p", { class: "soft", text: words2 })];
 }
 
 // src/effects.js
@@ -346,7 +349,7 @@ function about({ effect, place: place3, law, source, shows }) {
       pictures.set(effect, URL.createObjectURL(blob));
       picture.src = pictures.get(effect) ?? "";
     },
-    (reason) => picture.replaceWith(make("p", { class: "wrong", text: String(reason.message ?? reason) }))
+    (reason) => picture.replaceWith(make("p", { class: "wrong", text: wordsOf(reason) }))
   );
 }
 function dialog() {
@@ -487,7 +490,7 @@ function opening(heard) {
   };
   const refused = (reason) => {
     heard.say("");
-    told.textContent = reason instanceof Error ? reason.message : String(reason);
+    told.textContent = wordsOf(reason);
     if (reason instanceof Refusal && reason.columns) {
       mapping.show(reason.columns);
       byId("open-more").setAttribute("open", "");
@@ -1425,12 +1428,12 @@ var Linked = class {
     };
     const own = chosen.length > 0 ? ` (${rms(share.rms)})` : "";
     const count = chosen.length.toLocaleString("en");
-    let words3 = `${count} samples chosen, ${part} of all: they have ${percent(share.ofError)} of the squared error${own}`;
+    let words2 = `${count} samples chosen, ${part} of all: they have ${percent(share.ofError)} of the squared error${own}`;
     if (data.beside && chosen.length > 0) {
       const { sum, count: counted } = chosenSquares(data.beside.residual, chosen);
-      words3 += `; in ${data.beside.name}: ${rms(Math.sqrt(sum / Math.max(1, counted)))}`;
+      words2 += `; in ${data.beside.name}: ${rms(Math.sqrt(sum / Math.max(1, counted)))}`;
     }
-    return this.told(words3);
+    return this.told(words2);
   }
 };
 function within2(axis, seen) {
@@ -1608,7 +1611,7 @@ var Live = class {
       } while (!this.told?.ended && await pause());
       this.ended();
     } catch (reason) {
-      byId("live-said").textContent = reason instanceof Error ? reason.message : String(reason);
+      byId("live-said").textContent = wordsOf(reason);
       this.offer(["live-close"]);
     } finally {
       this.following = false;
@@ -1848,7 +1851,7 @@ function sources(heard) {
     }
     byId("new-together").hidden = heard.open() === 0;
     go.textContent = source === "simulated" ? "Simulate" : "Record";
-    fill(form, "motion", Object.entries(known.motions[source]).map(([name, words3]) => [name, `${name}: ${words3}`]));
+    fill(form, "motion", Object.entries(known.motions[source]).map(([name, words2]) => [name, `${name}: ${words2}`]));
     byId("new-warning").hidden ||= valueOf(form, "motion") === "hand" && !valueOf(form, "model").trim();
     byId("new-effects").hidden = valueOf(form, "hides") !== "chosen";
     const hideable = known.knobs.find(({ name }) => name === valueOf(form, "knob"))?.hideable ?? [];
@@ -1861,14 +1864,14 @@ function sources(heard) {
       known = /** @type {Sources} */
       await ask("sources");
     } catch (reason) {
-      told.textContent = words2(reason);
+      told.textContent = wordsOf(reason);
       return;
     }
-    fill(form, "knob", known.knobs.map(({ name, words: words3 }) => [name, words3]), "knob3");
+    fill(form, "knob", known.knobs.map(({ name, words: words2 }) => [name, words2]), "knob3");
     const { hideable } = known.knobs[0];
     const every = [.../* @__PURE__ */ new Set([...hideable, ...known.knobs.flatMap((knob) => knob.hideable)])];
     if (!byId("new-effects").querySelector("input")) byId("new-effects").append(...every.map(effectBox(known.effects)));
-    byId("new-ports").replaceChildren(...known.ports.map(({ port: port2, words: words3 }) => make("option", { value: port2, text: words3 })));
+    byId("new-ports").replaceChildren(...known.ports.map(({ port: port2, words: words2 }) => make("option", { value: port2, text: words2 })));
     byId("new-found").textContent = found(known.ports);
     const port = field(form, "port");
     if (!port.value && known.ports.length === 1) port.value = known.ports[0].port;
@@ -1912,7 +1915,7 @@ function sources(heard) {
       (asked.source === "simulated" ? heard.made : heard.recording)();
     } catch (reason) {
       wait(false);
-      told.textContent = words2(reason);
+      told.textContent = wordsOf(reason);
     }
   });
 }
@@ -1951,7 +1954,7 @@ function effectBox(shows) {
 }
 function found(ports) {
   if (ports.length === 0) return "This computer has no serial port now; a path can be typed all the same.";
-  return ports.map(({ port, words: words3 }) => words3 && words3 !== "n/a" ? `${port} (${words3})` : port).join(", ");
+  return ports.map(({ port, words: words2 }) => words2 && words2 !== "n/a" ? `${port} (${words2})` : port).join(", ");
 }
 function fill(form, name, choices, first) {
   const list = (
@@ -1970,9 +1973,6 @@ function field(form, name) {
 }
 function valueOf(form, name) {
   return String(new FormData(form).get(name) ?? "");
-}
-function words2(reason) {
-  return reason instanceof Error ? reason.message : String(reason);
 }
 
 // src/theme.js
@@ -2002,7 +2002,7 @@ var App = class {
     this.drawn = "";
     this.beside = null;
     this.deed = { what: "first picture", start: 0 };
-    this.linked = new Linked((words3) => byId("chosen").textContent = words3 ?? BRUSH_HINT);
+    this.linked = new Linked((words2) => byId("chosen").textContent = words2 ?? BRUSH_HINT);
     byId("plots").append(this.linked.element);
     this.refresh = latest((revision) => this.load(revision));
     this.drag = latest((values) => this.ask("params", values, "drag"));
@@ -2026,7 +2026,7 @@ var App = class {
     const heard = {
       done: () => this.refresh(Infinity),
       failed: (reason) => this.failed(reason),
-      say: (words3) => this.say(words3)
+      say: (words2) => this.say(words2)
     };
     opening(heard);
     saving(heard);
@@ -2050,7 +2050,7 @@ var App = class {
     for (const verb of ["undo", "redo", "snap", "cancel"]) {
       byId(verb).addEventListener("click", () => this.ask(verb, {}, verb));
     }
-    byId("new-branch").addEventListener("click", () => this.ask("branch", { name: this.branchName() }));
+    byId("new-branch").addEventListener("click", () => this.ask("branch"));
     byId("clear").addEventListener("click", () => this.linked.clear());
     byId("closer").addEventListener("click", () => this.linked.lookCloser());
     for (
@@ -2067,12 +2067,6 @@ var App = class {
         this.refresh(Infinity);
       });
     }
-  }
-  branchName() {
-    const taken = new Set(this.state?.branches.map(({ name }) => name));
-    let count = 2;
-    while (taken.has(`branch ${count}`)) count++;
-    return `branch ${count}`;
   }
   /**
    * Ask the server to do something; how long it takes until it is painted is noted under `deed`.
@@ -2231,14 +2225,14 @@ var App = class {
     }
   }
   /** @param {string} words */
-  say(words3) {
-    byId("said").textContent = words3;
+  say(words2) {
+    byId("said").textContent = words2;
     byId("said").classList.remove("wrong");
   }
   /** @param {unknown} reason */
   failed(reason) {
     this.deed = null;
-    byId("said").textContent = reason instanceof Error ? reason.message : String(reason);
+    byId("said").textContent = wordsOf(reason);
     byId("said").classList.add("wrong");
   }
 };
