@@ -1,15 +1,16 @@
 //! The second half of a sweep: each effect's own derivatives, by the chain rule through the channels of its load.
 
-use super::sweep::{CHANNELS, Channels, LEVEL, PLAIN, Totals, channels, load_of, seeded};
-use super::{LoadEffect, MemoryEffect};
-use crate::motion::{Channel, Load};
+use super::block::{CHANNELS, Channels, LEVEL, PLAIN, Totals, channels, load_of};
+use super::seeded;
+use crate::effects::{LoadEffect, MemoryEffect};
+use crate::motion::{Channel, Load, Touched};
 use crate::scalar::{Dual, LANES, Pack, Scalar};
 
 /// The gradient of the torque to the channels of the load over a block.
-pub(super) struct Gradient<'a> {
-    pub totals: Totals<'a>,
-    pub by: &'a mut Channels,
-    pub slopes: &'a mut [Vec<f64>],
+pub struct Gradient<'a> {
+    pub(super) totals: Totals<'a>,
+    pub(super) by: &'a mut Channels,
+    pub(super) slopes: &'a mut [Vec<f64>],
 }
 
 impl Gradient<'_> {
@@ -19,7 +20,7 @@ impl Gradient<'_> {
         &self,
         at: usize,
         load: &Load<Dual<Pack, N>>,
-        touches: [bool; CHANNELS],
+        touches: Touched,
     ) -> [Pack; N] {
         if self.totals.plain {
             self.summed::<N, PLAIN>(at, load, touches)
@@ -34,7 +35,7 @@ impl Gradient<'_> {
         &self,
         at: usize,
         load: &Load<Dual<Pack, N>>,
-        touches: [bool; CHANNELS],
+        touches: Touched,
     ) -> [Pack; N] {
         let own = channels(load);
         let mut sums = [Pack::of(0.0); N];
@@ -56,9 +57,6 @@ impl Gradient<'_> {
 
     #[inline(always)]
     pub(super) fn chain<const N: usize, E: LoadEffect<N>>(&mut self, p: &[f64], columns: &[Option<usize>]) {
-        if columns.iter().all(Option::is_none) {
-            return;
-        }
         let p: [Dual<Pack, N>; N] = seeded(p);
         for at in (0..self.totals.block.len()).step_by(LANES) {
             let load = E::load(&p, &self.totals.motion(at).map(Dual::constant));
@@ -100,13 +98,23 @@ impl Gradient<'_> {
         }
     }
 
-    pub(super) fn chain_user(&mut self, columns: &[Option<usize>], slopes: &[f64]) {
+    /// Derivatives through one channel that were worked out for the whole motion at once, after its values there:
+    /// columns one after the other, those of the parameters that are asked for.
+    pub(super) fn chain_columns(&mut self, channel: Channel, columns: &[Option<usize>], kept: &[f64]) {
         let block = self.totals.block.clone();
-        let asked = columns.iter().filter_map(|column| *column);
-        for (column, own) in asked.zip(slopes.chunks(self.totals.whole[0].len().max(1))) {
+        let mut kept = kept.chunks(self.totals.whole[0].len().max(1));
+        let Some(values) = kept.next() else { return };
+        let weight = |i: usize| {
+            let by = self.by[channel as usize][i];
+            match values[block.start + i] {
+                own if channel == Channel::Level => by * self.totals.channels[LEVEL][i] / own,
+                _ => by,
+            }
+        };
+        for (column, own) in columns.iter().filter_map(|column| *column).zip(kept) {
             let Some(column) = self.slopes.get_mut(column) else { continue };
-            for (slope, own) in column[block.clone()].iter_mut().zip(&own[block.clone()]) {
-                *slope += own;
+            for (i, at) in block.clone().enumerate() {
+                column[at] += weight(i) * own[at];
             }
         }
     }

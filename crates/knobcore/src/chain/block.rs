@@ -1,7 +1,7 @@
 //! Loads over a block of samples, for a step that renders many at once.
 
-use super::Id;
-use super::sweep::{BLOCK, CHANNELS, Channels, Totals, load_of};
+use crate::effects::Id;
+use crate::effects::law::{BLOCK, CHANNELS, Channels, Totals, load_of};
 use crate::motion::Load;
 
 /// Loads on the moving knob over a block of samples, of effects that remember nothing: effect by effect, so that
@@ -20,7 +20,6 @@ impl Block {
 
     /// Brings the loads of effects together over a motion (t, theta, omega, alpha, forward) of at most
     /// [`Block::SAMPLES`]; `plain` where none of them shapes the friction.
-    #[inline(always)]
     pub fn fill<'a>(
         &mut self,
         parts: impl Iterator<Item = (Id, &'a [f64])>,
@@ -29,7 +28,7 @@ impl Block {
     ) {
         let mut totals = Totals::new(motion, 0..motion[0].len(), plain, &mut self.0);
         for (id, p) in parts {
-            id.total(p, &mut [], &mut totals);
+            id.law().total(p, &mut [], &mut totals);
         }
     }
 
