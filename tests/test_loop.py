@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from knobcam.errors import InputError, KnobcamError, KnobcamWarning
-from knobcam.loop import run_loop, start_loop
+from knobcam.render.loop import run_loop, start_loop
 
 
 class Knob:
