@@ -1,4 +1,4 @@
-"""Modules that the documentation named and that have another name now are found under both for one version."""
+"""Modules that have another name now: for one version they are found under their old one too."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def test_a_module_under_its_old_name_is_the_same_and_says_what_it_is_called_now(
 
 def test_a_name_of_an_old_module_is_the_same_and_the_function_of_that_name_stays() -> None:
     with pytest.warns(DeprecationWarning):
-        from knobcam.compare import Split as before  # type: ignore[import-not-found]
+        from knobcam.compare import Split as before
     assert before is Split
     assert kc.compare.__name__ == "compare"
 
