@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from knobcam.capture import Capture
-from knobcam.capture.capture import Finding
+from knobcam.capture import Capture, Finding
 from knobcam.errors import InputError
 
 RATE = 1000.0

@@ -20,7 +20,8 @@ show            pictures, linked plots, tables, reports: what results are shown 
 workbench       the page's server
 cli             the command, a subcommand for each stage
 
-A sample goes down this list: read or recorded (capture, rig), fitted beside a model, weighed, told.
+A sample is recorded by `rig` or read by `capture`, fitted and weighed by `fit`; `learn` comes to the verdict,
+`show` tells it, and `render` gives what was learned back to a hand.
 """
 
 from __future__ import annotations
@@ -52,10 +53,10 @@ if TYPE_CHECKING:
     from .model.hiding import hiding
     from .model.own import OwnMotion, OwnParameter, forget_effect, own_effect
     from .model.simulate import SensorNoise, simulate
+    from .render import Device, Renderer, Stability, check_stability
     from .render.emulated import EmulatedHandle
     from .render.loop import run_loop, start_loop
     from .render.loop_report import LoopReport
-    from .render.renderer import Device, Renderer, Stability, check_stability
     from .rig.link import Link
     from .rig.record import record
     from .rig.wirelog import WireLog
@@ -124,7 +125,7 @@ _HOME = {
     "Candidate": "fit.diagnose",
     "Capture": "capture",
     "Comparison": "fit.compare",
-    "Device": "render.renderer",
+    "Device": "render",
     "Diagnosis": "fit.diagnose",
     "Disagreement": "learn.agreement",
     "Effect": "model.effects",
@@ -144,16 +145,16 @@ _HOME = {
     "OwnParameter": "model.own",
     "Parameter": "model",
     "Prepared": "capture.prepare",
-    "Renderer": "render.renderer",
+    "Renderer": "render",
     "Rung": "learn.ladder",
     "SensorNoise": "model.simulate",
-    "Stability": "render.renderer",
+    "Stability": "render",
     "Stiction": "fit.stiction",
     "Story": "learn",
     "Unexplained": "learn.ladder",
     "WireLog": "rig.wirelog",
     "__version__": "_core",
-    "check_stability": "render.renderer",
+    "check_stability": "render",
     "compare": "fit.compare",
     "diagnose": "fit.diagnose",
     "effects": "model.effects",

@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from ..base.showing import Figure
     from .prepare import Prepared
 
-__all__ = ["Capture", "Finding", "load"]
-
 _RATE_AGREEMENT = 0.01  # a rate= that differs more from the time stamps (relative) contradicts them
 
 

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from argparse import Namespace
 
     from ..model import Model
+    from ..render import Device, Stability
     from ..render.loop_report import LoopReport
-    from ..render.renderer import Device, Stability
     from ..rig.figures import Figures
 
 
@@ -63,9 +63,9 @@ def run(args: Namespace) -> Answer:
         raise InputError("--rt enforce: virtual time has no priority to enforce; leave one of them out")
 
     from ..model import Model
+    from ..render import Device, Renderer, check_rotary, check_stability
     from ..render.emulated import EmulatedHandle, to_and_fro
     from ..render.loop import run_loop
-    from ..render.renderer import Device, Renderer, check_rotary, check_stability
 
     model, device = Model.load(args.model), Device(delay_samples=args.delay)
     check_rotary(model)

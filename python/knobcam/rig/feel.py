@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..errors import InputError
-from ..render.renderer import Device, Stability, check_rotary, check_stability
+from ..render import Device, Stability, check_rotary, check_stability
 from .link import Link
 from .port import BAUD
 from .record import BY_HAND, record

@@ -17,7 +17,7 @@ from ..capture.motions import MotionTrack
 from ..capture.motions import motion as make_motion
 from ..errors import InputError
 from ..model import Model
-from ..render.renderer import check_rotary
+from ..render import check_rotary
 from .calibration import Calibration, usual
 from .leadin import led_in
 from .link import Link

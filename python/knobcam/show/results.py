@@ -13,8 +13,8 @@ from ..fit.stiction import Stiction
 from ..learn import Story
 from ..model import Model
 from ..model.effects import Effect
+from ..render import Stability
 from ..render.loop_report import LoopReport
-from ..render.renderer import Stability
 from ..rig.calibration import Calibration
 from .linked import Look
 from .samples import Shown, rungs

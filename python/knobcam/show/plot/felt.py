@@ -11,8 +11,8 @@ from .thin import envelope
 
 if TYPE_CHECKING:
     from ...model import Model
+    from ...render import Device
     from ...render.loop_report import LoopReport
-    from ...render.renderer import Device
 
 _MILLI = 1e3
 _SHOWN_S = 0.25  # long enough for some detents, short enough to tell them apart
@@ -24,7 +24,7 @@ def felt(report: LoopReport, model: Model, device: Device) -> Picture:
 
     The torque on the hand is that of the motor and of the handle's own inertia and damping.
     """
-    from ...render.renderer import Renderer
+    from ...render import Renderer
 
     last = report.last
     on_hand = last.tau + device.inertia_kg_m2 * last.alpha + device.damping_Nms_rad * last.omega

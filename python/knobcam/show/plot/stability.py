@@ -12,7 +12,7 @@ from .style import BLACK, FITTED, GREY, WRONG, Picture, styled
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ...render.renderer import Stability
+    from ...render import Stability
 
 _DELAYS = range(0, 51)
 
@@ -20,7 +20,7 @@ _DELAYS = range(0, 51)
 @styled
 def stability(found: Stability) -> Figure:
     """Draw the stiffness that the device allows over its delay, with the model's as a line."""
-    from ...render.renderer import check_stability
+    from ...render import check_stability
 
     rows = [
         check_stability(found.model, replace(found.device, delay_samples=n), rate=found.rate_hz).figures
