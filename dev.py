@@ -18,6 +18,7 @@ python3 dev.py lock [--upgrade]   bring the requirements-*.lock files to pyproje
 from __future__ import annotations
 
 import hashlib
+import json
 import os
 import platform
 import shlex
@@ -44,17 +45,22 @@ PROCESSORS = ("x86_64", "aarch64")  # computers that rigs hang on: PCs, Raspberr
 OLDEST = "manylinux_2_17"  # glibc 2.17, of 2012: what the Rust library itself asks for
 
 
-def run(*command: str | Path) -> None:
-    """Run in the checkout and inside .venv; a command that fails ends this one with its exit code."""
+def run(*command: str | Path, silent: bool = False) -> str:
+    """Run in the checkout and inside .venv; a command that fails ends this one with its exit code.
+
+    What a silent one prints is returned.
+    """
     words = [str(word) for word in command]
     print("+", shlex.join(word.replace(f"{ROOT}{os.sep}", "") for word in words), flush=True)
     environment = os.environ | {"VIRTUAL_ENV": str(VENV), "PATH": f"{BIN}{os.pathsep}{os.environ['PATH']}"}
     environment |= {"PIP_QUIET": "1", "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
     # A conda environment that happens to be active would compete with .venv for the extension.
     environment.pop("CONDA_PREFIX", None)
-    code = subprocess.run(words, cwd=ROOT, env=environment, check=False).returncode
-    if code:
-        sys.exit(code if code > 0 else 1)
+    output = subprocess.PIPE if silent else None
+    ended = subprocess.run(words, cwd=ROOT, env=environment, stdout=output, text=True, check=False)
+    if ended.returncode:
+        sys.exit(max(ended.returncode, 1))
+    return ended.stdout or ""
 
 
 def digest(*paths: Path) -> str:
@@ -150,27 +156,31 @@ def bench(options: list[str]) -> None:
 
 
 def wheel(options: list[str]) -> None:
-    """One wheel for every Python from 3.11 on; pip builds it from the source archive, far from this folder."""
+    """One wheel for every Python from 3.11 on; pip builds it from the source archive, away from here."""
     needs_cargo()
     install("requirements-wheel.lock")
     dist = ROOT / "dist"
     shutil.rmtree(dist, ignore_errors=True)
     run(BIN / "maturin", "sdist", "--out", dist)
-    build = (PYTHON, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", dist)
     source = next(dist.glob("*.tar.gz"))
-    if sys.platform != "linux":
-        run(*build, "--config-settings", "build-args=--locked", source)
-        return
+    # Without the cache, from which pip would take the wheel of an earlier archive of this name.
+    build: list[str | Path] = [PYTHON, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "--no-cache-dir"]
+    build += [source, "--wheel-dir", dist, "--config-settings"]
     here = platform.machine()
+    if sys.platform != "linux" or here not in PROCESSORS:
+        run(*build, "build-args=--locked")
+        return
     for processor in PROCESSORS if "--all" in options else (here,):
         target = f"{processor}-unknown-linux-gnu"
         if processor != here:
             run("rustup", "target", "add", target)
-        how = f"--locked --zig --compatibility {OLDEST} --target {target}"
-        run(*build, "--config-settings", f"build-args={how}", source)
+        run(*build, f"build-args=--locked --zig --compatibility {OLDEST} --target {target}")
         made = next(dist.glob(f"*_{processor}.whl"))
-        run(BIN / "auditwheel", "show", made)
-        run(BIN / "abi3audit", "--strict", "--summary", made)
+        run(BIN / "abi3audit", "--strict", made)
+        found = json.loads(run(BIN / "auditwheel", "show", "--json", made, silent=True))["overall_tag"]
+        if found != f"{OLDEST}_{processor}":
+            sys.exit(f"dev.py: {made.name}: its symbols ask for {found}")
+        print(f"{made.relative_to(ROOT)}: {found}, {made.stat().st_size / 1e6:.1f} MB")
 
 
 def docs(_: list[str]) -> None:
