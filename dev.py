@@ -164,8 +164,8 @@ def wheel(options: list[str]) -> None:
     run(BIN / "maturin", "sdist", "--out", dist)
     source = next(dist.glob("*.tar.gz"))
     # Without the cache, from which pip would take the wheel of an earlier archive of this name.
-    build: list[str | Path] = [PYTHON, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "--no-cache-dir"]
-    build += [source, "--wheel-dir", dist, "--config-settings"]
+    build: list[str | Path] = [PYTHON, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation"]
+    build += ["--no-cache-dir", source, "--wheel-dir", dist, "--config-settings"]
     here = platform.machine()
     if sys.platform != "linux" or here not in PROCESSORS:
         run(*build, "build-args=--locked")
