@@ -3,7 +3,7 @@
 
 python3 dev.py demo [OPTION...]   build, then run `knobcam demo`
 python3 dev.py test [OPTION...]   build, then the Rust tests and pytest (OPTION: for pytest)
-python3 dev.py lint               formatting, clippy, ruff, types
+python3 dev.py lint               formatting, clippy, ruff, types, the order of the packages
 python3 dev.py check              lint, then test
 python3 dev.py bench [OPTION...]  the benchmarks against their peers; --quick: each once, untimed
 python3 dev.py docs               the documentation site, in site/html
@@ -131,13 +131,14 @@ def test(options: list[str]) -> None:
 
 
 def lint(_: list[str]) -> None:
-    """Formatting, lints and types; warnings are errors."""
+    """Formatting, lints, types and who imports whom; warnings are errors."""
     setup()
     run("cargo", "fmt", "--all", "--check")
     for features in ([], ["--features", "python"]):
         run("cargo", "clippy", "--locked", "--all-targets", *features, "--", "--deny", "warnings")
     run(BIN / "ruff", "check")
     run(BIN / "ruff", "format", "--check")
+    run(BIN / "lint-imports", "--no-cache")
     run(BIN / "mypy")
 
 

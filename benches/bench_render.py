@@ -12,7 +12,8 @@ import stickslip
 from ratio import Row, ratio, show
 
 import knobcam as kc
-from knobcam import _core, motions
+from knobcam import _core
+from knobcam.capture import motions
 
 SAMPLES, RATE_HZ = 300_000, 5000.0
 STEPS = 5000

@@ -20,8 +20,8 @@ import time
 from pathlib import Path
 from typing import Any
 
+from knobcam.model.simulate import RIG
 from knobcam.rig.emulator import EmulatedRig, Emulation
-from knobcam.simulate import RIG
 
 EFFECTS = ("stribeck", "presliding", "quadratic_drag", "return_spring", "position_friction")
 RESULTS = Path(__file__).parent / "results" / "roundtrip.json"

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from knobcam.formats.table import FloatArray
+from knobcam.base.arrays import FloatArray
 
 
 def carried(page: str) -> dict[str, Any]:

@@ -17,8 +17,8 @@ import numpy as np
 import pytest
 
 import knobcam as kc
-from knobcam.linked import Look
-from knobcam.typical import with_typical
+from knobcam.model.typical import with_typical
+from knobcam.show.linked import Look
 
 ROOT = Path(__file__).parents[1]
 WEB = ROOT / "web"

@@ -194,14 +194,9 @@ def test_input_errors_are_one_line_with_exit_code_2() -> None:
 
 
 def test_preparing_and_plotting_are_delegated(monkeypatch: pytest.MonkeyPatch) -> None:
-    import knobcam
-
-    stage = types.SimpleNamespace(
-        prepare=lambda capture, method, **options: (capture, method, options), capture=lambda capture: capture
-    )
-    for name in ("prepare", "plot"):
-        monkeypatch.setitem(sys.modules, f"knobcam.{name}", stage)  # type: ignore[arg-type]
-        monkeypatch.setattr(knobcam, name, stage, raising=False)
+    prepare = types.SimpleNamespace(prepare=lambda capture, method, **options: (capture, method, options))
+    monkeypatch.setitem(sys.modules, "knobcam.capture.prepare", prepare)  # type: ignore[arg-type]
+    monkeypatch.setattr("knobcam.show.plot.capture", lambda capture: capture)
     capture = swing()
     assert capture.prepare("paper", edge=3) == (capture, "paper", {"edge": 3})
     assert capture.plot() is capture

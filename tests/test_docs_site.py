@@ -63,7 +63,7 @@ def test_the_reference_has_every_public_name() -> None:
     named = (ROOT / "docs" / "api.md").read_text("utf-8")
     public = [name for name in knobcam.__all__ if not name.startswith("_")]
     assert [name for name in public if not re.search(rf"\b{name}\b", named)] == []
-    assert [name for name in plot.__all__ if f"knobcam.plot.{name}" not in named] == []
+    assert [name for name in plot.__all__ if f"knobcam.show.plot.{name}" not in named] == []
 
 
 def test_every_example_is_listed() -> None:

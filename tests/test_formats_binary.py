@@ -19,8 +19,8 @@ import pytest
 import scipy.io
 
 from knobcam.capture import load
+from knobcam.capture.formats import read_table
 from knobcam.errors import InputError
-from knobcam.formats import read_table
 
 T = np.arange(50) / 100.0
 THETA = np.sin(T)

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from knobcam.capture import Capture, load
+from knobcam.capture.formats.columnmap import parse_map
+from knobcam.capture.formats.expression import evaluate
+from knobcam.capture.formats.units import to_si
 from knobcam.errors import InputError
-from knobcam.formats.columnmap import parse_map
-from knobcam.formats.expression import evaluate
-from knobcam.formats.units import to_si
 
 COLUMNS = {"a": np.array([1.0, 2.0, 3.0]), "data.qm": np.array([4.0, 5.0, 6.0]), "my col, 1": np.arange(3.0)}
 COLUMNS["scale"] = np.array(10.0)

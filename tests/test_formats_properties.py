@@ -16,10 +16,10 @@ from hypothesis.extra.numpy import arrays
 from test_capture import EXTENSIONS, same
 
 from knobcam.capture import Capture, load
+from knobcam.capture.formats import read_table
+from knobcam.capture.formats.columnmap import parse_map
+from knobcam.capture.formats.expression import evaluate
 from knobcam.errors import InputError
-from knobcam.formats import read_table
-from knobcam.formats.columnmap import parse_map
-from knobcam.formats.expression import evaluate
 
 few = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 

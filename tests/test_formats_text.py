@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from knobcam.capture import load
+from knobcam.capture.formats import Table, read_table
 from knobcam.errors import InputError
-from knobcam.formats import Table, read_table
 
 
 def table(tmp_path: Path, content: str | bytes, name: str = "data.bin") -> Table:

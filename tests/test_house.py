@@ -19,42 +19,8 @@ RUST_ORDER = [
     *("coupling", "filter", "signals", "smooth", "prepare", "predict", "simulate", "floor", "fit"),
     *("diagnose", "stiction", "render", "realtime", "wire", "record", "emulate", "python"),
 ]
-PYTHON_ORDER = [
-    *(
-        "_core",
-        "errors",
-        "strict_json",
-        "tables",
-        "finding",
-        "formats",
-        "quality",
-        "capture",
-        "motions",
-        "plugins",
-    ),
-    *("effects", "own", "models", "model", "prepare", "simulate", "render", "emulated"),
-    *("loop_report", "loop"),
-    *("typical", "hiding", "rig", "refit", "fit", "compare"),
-    *(
-        "stiction",
-        "plausible",
-        "diagnose",
-        "agreement",
-        "lacks",
-        "ladder",
-        "selection",
-        "learn",
-        "plot",
-        "packed",
-        "samples",
-        "look_page",
-        "notebook",
-        "linked",
-        "report",
-        "workbench",
-    ),
-    *("demo", "cli", "__main__", "__init__"),
-]
+MOST = 12
+"""Names at the top of the Python package that a reader can still hold in mind."""
 LONGEST = 400
 
 
@@ -90,14 +56,12 @@ def imported_by_rust(code: str) -> set[str]:
     return {*re.findall(r"crate::(\w+)", code), *re.findall(r"(?:^|,)\s*(\w+)", grouped)}
 
 
-def imported_by_python(path: Path) -> set[str]:
-    """The top modules of the package that a file imports when it is loaded."""
+def taken_from_the_package(path: Path) -> set[str]:
+    """What a file imports from the package itself, `from .. import name`, wherever it does."""
     up = len(path.relative_to(PYTHON).parts)
-    names = set()
-    for line in ast.parse(path.read_text()).body:
-        if isinstance(line, ast.ImportFrom) and line.level == up:
-            names |= {line.module.split(".")[0]} if line.module else {alias.name for alias in line.names}
-    return names
+    lines = [line for line in ast.walk(ast.parse(path.read_text())) if isinstance(line, ast.ImportFrom)]
+    lines = [line for line in lines if (line.level, line.module) in [(up, None), (0, "knobcam")]]
+    return {alias.name for line in lines for alias in line.names}
 
 
 def module(path: Path, root: Path) -> str:
@@ -119,13 +83,33 @@ def test_rust_modules_use_only_those_before_them():
     assert backward == set()
 
 
-def test_python_modules_load_only_those_before_them():
-    """A method may still import a later stage when it is called: a fit that compares or plots itself."""
-    backward, place = set(), {name: at for at, name in enumerate(PYTHON_ORDER)}
-    for path in PYTHON.rglob("*.py"):
-        user = module(path, PYTHON)
-        backward |= {(user, name) for name in imported_by_python(path) - {user} if place[name] > place[user]}
-    assert backward == set()
+def packages() -> list[str]:
+    """Packages and modules at the top of the Python package."""
+    found = {path.stem for path in PYTHON.glob("*.py")} | {
+        path.parent.name for path in PYTHON.glob("*/__init__.py")
+    }
+    return sorted(name for name in found if not name.startswith("__"))
+
+
+def test_the_top_of_the_python_package_is_seen_at_a_glance():
+    assert len(packages()) <= MOST
+
+
+def test_the_order_of_the_packages_is_said_as_it_is_held():
+    """`python3 dev.py lint` holds it; here it is only compared with what the package tells its reader."""
+    held = (ROOT / ".importlinter").read_text().partition("layers =\n")[2]
+    layers = re.match(r"(?:    \w+\n)+", held)
+    told = re.findall(r"(?m)^(\w+) {2,}\S", knobcam.__doc__ or "")
+    assert layers is not None
+    assert layers.group().split() == ["__main__", *reversed(told)]
+    assert sorted(told) == packages()
+
+
+def test_python_modules_take_only_the_core_and_packages_from_the_package_itself():
+    """Its `__init__` names what stands in every layer: by it each of them could reach all."""
+    files = [path for path in PYTHON.rglob("*.py") if path.parent != PYTHON]
+    taken = {path: taken_from_the_package(path) - {"_core", *packages()} for path in files}
+    assert {path: names for path, names in taken.items() if names} == {}
 
 
 def test_no_file_is_too_long_to_be_read_at_once():

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import knobcam as kc
-from knobcam import selection
+from knobcam.learn import selection
 
 
 def test_the_hidden_spring_is_found_and_the_rest_is_chance(story: kc.Story) -> None:

@@ -11,10 +11,10 @@ import pytest
 from carried import carried, unpacked
 
 import knobcam as kc
-from knobcam import look_page
-from knobcam.linked import Look
-from knobcam.packed import FINE, packed, step_of
-from knobcam.samples import Shown
+from knobcam.show import look_page
+from knobcam.show.linked import Look
+from knobcam.show.packed import FINE, packed, step_of
+from knobcam.show.samples import Shown
 
 
 def test_a_notebook_without_widgets_shows_the_same_page_as_the_file(story: kc.Story, tmp_path: Path) -> None:

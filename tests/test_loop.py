@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from knobcam.errors import InputError, KnobcamError, KnobcamWarning
-from knobcam.loop import run_loop, start_loop
+from knobcam.render.loop import run_loop, start_loop
 
 
 class Knob:
@@ -157,7 +157,7 @@ def test_ctrl_c_takes_the_torque_off_and_keeps_the_report():
 
 
 def test_a_device_that_hangs_is_told_when_the_loop_is_stopped(monkeypatch):
-    monkeypatch.setattr("knobcam.loop._ANSWERS_S", 0.1)
+    monkeypatch.setattr("knobcam.render.loop._ANSWERS_S", 0.1)
     knob, entered, release = Knob(), threading.Event(), threading.Event()
 
     def hang() -> tuple[float, float, float, None]:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import knobcam as kc
-from knobcam.linked import Look
+from knobcam.show.linked import Look
 
 WIDGET = "application/vnd.jupyter.widget-view+json"
 

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 
 import knobcam as kc
 from knobcam import plot
-from knobcam.plot.components import PARTS, Samples, curve, curve_band, part_of
-from knobcam.typical import typical
+from knobcam.model.typical import typical
+from knobcam.show.plot.components import PARTS, Samples, curve, curve_band, part_of
 
 SLED_NOISE = kc.SensorNoise(tau_sd=0.5, omega_sd=1e-4, alpha_sd=1e-3)
 

@@ -14,7 +14,7 @@ from matplotlib.patches import Rectangle
 
 import knobcam as kc
 from knobcam import plot
-from knobcam.typical import typical
+from knobcam.model.typical import typical
 
 
 @pytest.fixture(scope="module")

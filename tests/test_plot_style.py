@@ -11,8 +11,8 @@ import pytest
 
 import knobcam as kc
 from knobcam import plot
-from knobcam.plot.style import plain, torque_scale
-from knobcam.plot.thin import envelope, some
+from knobcam.show.plot.style import plain, torque_scale
+from knobcam.show.plot.thin import envelope, some
 
 
 def test_importing_knobcam_does_not_import_matplotlib() -> None:

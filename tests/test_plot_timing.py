@@ -9,7 +9,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from knobcam import plot
-from knobcam.loop_report import Durations, LastSecond, LoopReport
+from knobcam.render.loop_report import Durations, LastSecond, LoopReport
 
 PERIOD = 2e-4
 

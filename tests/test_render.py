@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import knobcam as kc
-from knobcam.emulated import to_and_fro
 from knobcam.errors import InputError
+from knobcam.render.emulated import to_and_fro
 
 
 def track(duration_s: float = 1.0) -> kc.MotionTrack:

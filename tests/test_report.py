@@ -13,7 +13,7 @@ import pytest
 from carried import carried
 
 import knobcam as kc
-from knobcam import report
+from knobcam.show import report
 
 HOSTILE = "<script>alert(1)</script>\"'><img src=x onerror=alert(2)> $headline ${else} &amp; knob.csv"
 VOID = {"meta", "img", "br", "link", "input", "hr"}

@@ -17,7 +17,7 @@ from peer import Nth, Peer, changed
 
 import knobcam as kc
 from knobcam import _core
-from knobcam.formats import wire
+from knobcam.capture.formats import wire
 from knobcam.rig.emulator import EmulatedRig
 
 FORMATS = ("npz", "csv", "csv.gz", "mat", "h5", "parquet")

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import knobcam as kc
+from knobcam.base.strict_json import as_json
 from knobcam.errors import InputError
-from knobcam.strict_json import as_json
 from knobcam.workbench import arrays, saving, state
 from knobcam.workbench.jobs import Cancelled, Job, Worker
 from knobcam.workbench.session import Session

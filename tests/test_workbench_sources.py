@@ -20,7 +20,7 @@ import pytest
 from workbench_server import HOSTILE, served, wrong
 
 import knobcam as kc
-from knobcam.hiding import hideable
+from knobcam.model.hiding import hideable
 from knobcam.rig import port as port_module
 from knobcam.rig.calibration import Calibration
 from knobcam.rig.emulator import EmulatedRig

@@ -5,6 +5,23 @@
 >>> fit = kc.fit(cap)
 >>> round(fit.params["detent.P"].value, 3)
 0.034
+
+The packages stand in one order, and each imports only from those above it (`.importlinter` holds that):
+
+errors          what is raised
+base            files written whole, strict JSON, tables, arrays, how a result shows itself
+capture         captures: formats, faults of logs, motions, prepared signals
+model           models, the catalogue of effects, effects of one's own, the five knobs, simulated captures
+fit             the fit, where it fails, what each effect more would change
+learn           the loop to a verdict: what comes in, when to stop, what the captures cannot tell
+render          the step of a rendered model, its loop, what a device allows
+rig             the port, the wire log, recording, calibration, an emulated rig
+show            pictures, linked plots, tables, reports: what results are shown by, and know nothing of
+workbench       the page's server
+cli             the command, a subcommand for each stage
+
+A sample is recorded by `rig` or read by `capture`, fitted and weighed by `fit`; `learn` comes to the verdict,
+`show` tells it, and `render` gives what was learned back to a hand.
 """
 
 from __future__ import annotations
@@ -14,33 +31,36 @@ from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
+from .base import moved, showing
+
 if TYPE_CHECKING:
     from ._core import __version__
-    from .agreement import Disagreement
     from .capture import Capture, load
-    from .compare import Comparison, compare
-    from .diagnose import Candidate, Diagnosis, diagnose
-    from .effects import Effect, effects
-    from .emulated import EmulatedHandle
+    from .capture.motions import MOTIONS, MotionTrack, motion
+    from .capture.prepare import Prepared, prepare
     from .errors import InputError, KnobcamError, KnobcamWarning
     from .fit import Estimate, Fit, fit
-    from .hiding import hiding
-    from .lacks import Lack
-    from .ladder import Rung, Unexplained
+    from .fit.compare import Comparison, compare
+    from .fit.diagnose import Candidate, Diagnosis, diagnose
+    from .fit.refit import Moved
+    from .fit.stiction import Stiction, stiction
     from .learn import Story, learn
-    from .loop import run_loop, start_loop
-    from .loop_report import LoopReport
+    from .learn.agreement import Disagreement
+    from .learn.lacks import Lack
+    from .learn.ladder import Rung, Unexplained
     from .model import KNOBS, Model, Parameter
-    from .motions import MOTIONS, MotionTrack, motion
-    from .own import OwnMotion, OwnParameter, forget_effect, own_effect
-    from .prepare import Prepared, prepare
-    from .refit import Moved
+    from .model.effects import Effect, effects
+    from .model.hiding import hiding
+    from .model.own import OwnMotion, OwnParameter, forget_effect, own_effect
+    from .model.simulate import SensorNoise, simulate
     from .render import Device, Renderer, Stability, check_stability
+    from .render.emulated import EmulatedHandle
+    from .render.loop import run_loop, start_loop
+    from .render.loop_report import LoopReport
     from .rig.link import Link
     from .rig.record import record
     from .rig.wirelog import WireLog
-    from .simulate import SensorNoise, simulate
-    from .stiction import Stiction, stiction
+    from .show import plot
 
 __all__ = [
     "KNOBS",
@@ -88,6 +108,7 @@ __all__ = [
     "load",
     "motion",
     "own_effect",
+    "plot",
     "prepare",
     "record",
     "run_loop",
@@ -100,63 +121,65 @@ __all__ = [
 # neither NumPy nor the core.
 _HOME = {
     "KNOBS": "model",
-    "MOTIONS": "motions",
-    "Candidate": "diagnose",
+    "MOTIONS": "capture.motions",
+    "Candidate": "fit.diagnose",
     "Capture": "capture",
-    "Comparison": "compare",
+    "Comparison": "fit.compare",
     "Device": "render",
-    "Diagnosis": "diagnose",
-    "Disagreement": "agreement",
-    "Effect": "effects",
-    "EmulatedHandle": "emulated",
+    "Diagnosis": "fit.diagnose",
+    "Disagreement": "learn.agreement",
+    "Effect": "model.effects",
+    "EmulatedHandle": "render.emulated",
     "Estimate": "fit",
     "Fit": "fit",
     "InputError": "errors",
     "KnobcamError": "errors",
     "KnobcamWarning": "errors",
-    "Lack": "lacks",
+    "Lack": "learn.lacks",
     "Link": "rig.link",
-    "LoopReport": "loop_report",
+    "LoopReport": "render.loop_report",
     "Model": "model",
-    "MotionTrack": "motions",
-    "Moved": "refit",
-    "OwnMotion": "own",
-    "OwnParameter": "own",
+    "MotionTrack": "capture.motions",
+    "Moved": "fit.refit",
+    "OwnMotion": "model.own",
+    "OwnParameter": "model.own",
     "Parameter": "model",
-    "Prepared": "prepare",
+    "Prepared": "capture.prepare",
     "Renderer": "render",
-    "Rung": "ladder",
-    "SensorNoise": "simulate",
+    "Rung": "learn.ladder",
+    "SensorNoise": "model.simulate",
     "Stability": "render",
-    "Stiction": "stiction",
+    "Stiction": "fit.stiction",
     "Story": "learn",
-    "Unexplained": "ladder",
+    "Unexplained": "learn.ladder",
     "WireLog": "rig.wirelog",
     "__version__": "_core",
     "check_stability": "render",
-    "compare": "compare",
-    "diagnose": "diagnose",
-    "effects": "effects",
+    "compare": "fit.compare",
+    "diagnose": "fit.diagnose",
+    "effects": "model.effects",
     "fit": "fit",
-    "forget_effect": "own",
-    "hiding": "hiding",
+    "forget_effect": "model.own",
+    "hiding": "model.hiding",
     "learn": "learn",
     "load": "capture",
-    "motion": "motions",
-    "own_effect": "own",
-    "prepare": "prepare",
+    "motion": "capture.motions",
+    "own_effect": "model.own",
+    "plot": "show.plot",
+    "prepare": "capture.prepare",
     "record": "rig.record",
-    "run_loop": "loop",
-    "simulate": "simulate",
-    "start_loop": "loop",
-    "stiction": "stiction",
+    "run_loop": "render.loop",
+    "simulate": "model.simulate",
+    "start_loop": "render.loop",
+    "stiction": "fit.stiction",
 }
 
 
 def __getattr__(name: str) -> Any:
     if name not in _HOME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(f".{_HOME[name]}", __name__), name)
+    home = import_module(f".{_HOME[name]}", __name__)
+    value = home if name == "plot" else getattr(home, name)  # the pictures are a module of their own
     globals()[name] = value
     return value
 
@@ -165,13 +188,30 @@ def __dir__() -> list[str]:
     return sorted({*globals(), *__all__})
 
 
+def _show() -> showing.Shows:
+    from .show import results
+
+    return results
+
+
 class _Package(ModuleType):
-    """Keeps `knobcam.fit` the function: the import system binds the module of that name over it."""
+    """Keeps `knobcam.fit` the function: the import system would bind the package of that name over it."""
 
     def __setattr__(self, name: str, value: Any) -> None:
-        if _HOME.get(name) == name and isinstance(value, ModuleType):
-            value = getattr(value, name)
-        super().__setattr__(name, value)
+        if not (name in _HOME and isinstance(value, ModuleType)):
+            super().__setattr__(name, value)
 
 
 sys.modules[__name__].__class__ = _Package
+showing.answered_by(_show)
+moved.found_under(
+    {
+        "knobcam.compare": "knobcam.fit.compare",
+        "knobcam.effects": "knobcam.model.effects",
+        "knobcam.finding": "knobcam.capture.finding",
+        "knobcam.linked": "knobcam.show.linked",
+        "knobcam.loop": "knobcam.render.loop",
+        "knobcam.loop_report": "knobcam.render.loop_report",
+        "knobcam.plot": "knobcam.show.plot",
+    }
+)

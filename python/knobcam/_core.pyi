@@ -7,7 +7,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from .formats.units import Axis
+from .capture.formats.units import Axis
 
 Floats = NDArray[np.float64]
 

@@ -6,6 +6,7 @@
 
 pub mod error;
 mod fourier;
+mod isa;
 pub mod random;
 pub mod scalar;
 pub mod special;
@@ -17,7 +18,7 @@ pub mod effects;
 pub mod model;
 pub mod model_file;
 
-pub mod coupling;
+pub mod chain;
 
 pub mod filter;
 pub mod signals;
@@ -26,7 +27,6 @@ pub mod smooth;
 pub mod prepare;
 
 pub mod predict;
-pub mod simulate;
 
 pub mod floor;
 

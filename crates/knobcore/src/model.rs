@@ -1,10 +1,11 @@
 //! A model: effects of the catalogue with their parameter values, and which of those may move.
 
-use crate::effects::{Bends, Block, Id, Joint, Part, Place};
+use crate::chain::{Block, Part};
+use crate::effects::law::Carried;
+use crate::effects::{Bends, Id, Joint, Place};
 use crate::error::{Error, Result};
 use crate::motion::{Load, Motion};
 use crate::param::{Axis, Kind, Param, Usual};
-use crate::scalar::Scalar;
 use std::ops::Range;
 
 /// What the fitter may do with a parameter.
@@ -225,7 +226,7 @@ impl Model {
 
     /// Numbers that its effects remember from sample to sample.
     pub fn states(&self) -> usize {
-        self.effects().map(Id::states).sum()
+        self.effects().map(|id| id.law().states()).sum()
     }
 
     /// Does work that evaluates the model, on this thread.
@@ -253,57 +254,57 @@ impl Model {
 
     /// Whether its torque depends on more than the present sample.
     pub fn remembers(&self) -> bool {
-        self.effects().any(Id::remembers)
+        self.effects().any(|id| id.law().remembers())
     }
 
     /// How a parameter enters this model's torque: what is linear alone need not be so beside an effect that
     /// takes the torque through a hidden motion, a limit, or its own magnitude.
     pub fn kind(&self, slot: &Slot) -> Kind {
-        let bent = self.effects().any(|id| match id {
-            Id::User(_) => false,
-            id => id.info().bends.is_some_and(|bends| match bends {
-                Bends::Everything => slot.effect.info().place != Place::Sensor || slot.effect < id,
-                Bends::Press => slot.effect.info().presses,
-            }),
+        let bent = self.effects().any(|id| match id.info().bends {
+            Some(Bends::Everything) => slot.effect.info().place != Place::Sensor || slot.effect < id,
+            Some(Bends::Press) => slot.effect.info().presses,
+            None => false,
         });
         if bent { Kind::Nonlinear } else { slot.param.kind }
     }
 
-    /// The sum of the loads on the knob, but for those of a user's own ([`Model::own_torque`]); `state` has
+    /// The sum of the loads on the knob, but for those of a user's own ([`Model::own_load`]); `state` has
     /// [`Model::states`] numbers, zero at first.
-    #[inline(always)]
-    pub fn load<T: Scalar>(&self, p: &[T], state: &mut [T], motion: &Motion<T>) -> Load<T> {
+    #[inline]
+    pub fn load<T: Carried>(&self, p: &[T], state: &mut [T], motion: &Motion<T>) -> Load<T> {
         let mut sum = Load::none();
         let mut state = state;
-        for (id, range) in &self.parts {
-            let (own, rest) = state.split_at_mut(id.states().min(state.len()));
-            let load = id.load(p.get(range.clone()).unwrap_or(&[]), own, motion);
-            sum = if self.plain { sum.plus_plain(load) } else { sum.plus(load) };
+        for (id, range) in self.parts.iter().filter(|(id, _)| !matches!(id, Id::User(_))) {
+            let law = id.law();
+            let (own, rest) = state.split_at_mut(law.states().min(state.len()));
+            T::load(law, p.get(range.clone()).unwrap_or(&[]), own, motion, &mut sum);
             state = rest;
         }
         sum
     }
 
+    /// Brings the effects of a user's own at one instant into a load.
+    pub fn own_load(&self, p: &[f64], motion: &Motion<f64>, sum: &mut Load<f64>) {
+        for (id, range) in self.parts.iter().filter(|(id, _)| matches!(id, Id::User(_))) {
+            id.law().load(p.get(range.clone()).unwrap_or(&[]), &mut [], motion, sum);
+        }
+    }
+
     /// The loads on the knob over a block of a motion (t, theta, omega, alpha, forward), of effects that remember
     /// nothing: the numbers that [`Model::load`] gives for each sample.
-    #[inline(always)]
     pub fn load_block(&self, p: &[f64], motion: [&[f64]; 5], block: &mut Block) {
         let parts = self.parts.iter().map(|(id, range)| (*id, p.get(range.clone()).unwrap_or(&[])));
         block.fill(parts, motion, self.plain);
     }
 
-    /// Torque of the effects of a user's own at one instant, N m.
-    pub fn own_torque(&self, p: &[f64], motion: &Motion<f64>) -> f64 {
-        let own = |(id, range): &(Id, Range<usize>)| match id {
-            Id::User(user) => user.at(p.get(range.clone())?, motion).into(),
-            _ => None,
-        };
-        self.parts.iter().filter_map(own).sum()
+    /// How shaft and knob are joined, if not rigidly.
+    pub fn joint<T: Carried>(&self, p: &[T]) -> Option<Joint<T>> {
+        self.parts.iter().find_map(|(id, range)| T::joint(id.law(), p.get(range.clone()).unwrap_or(&[])))
     }
 
-    /// How shaft and knob are joined, if not rigidly.
-    pub fn joint<T: Scalar>(&self, p: &[T]) -> Option<Joint<T>> {
-        self.parts.iter().find_map(|(id, range)| id.joint(p.get(range.clone()).unwrap_or(&[])))
+    /// Whether shaft and knob are not one.
+    pub fn is_coupled(&self) -> bool {
+        self.at(Place::Coupling).next().is_some()
     }
 
     /// The effects with their parameters and derivative columns, in the order of the chain.

@@ -74,15 +74,29 @@ pub enum Channel {
     Mu,
     /// `lag`.
     Lag,
+    /// `hold` and `band`: only a knob at rest feels them.
+    Stick,
 }
 
+/// Which channels a load may differ in from [`Load::none`].
+pub type Touched = [bool; Channel::ALL.len()];
+
 impl Channel {
-    /// Every channel. The first four suffice where nothing shapes the friction.
-    pub const ALL: &'static [Self] =
-        &[Self::Drive, Self::Inertia, Self::Back, Self::Forth, Self::Press, Self::Level, Self::Mu, Self::Lag];
+    /// Every channel. The first four suffice where nothing shapes the friction; the last one no moving knob feels.
+    pub const ALL: &'static [Self] = &[
+        Self::Drive,
+        Self::Inertia,
+        Self::Back,
+        Self::Forth,
+        Self::Press,
+        Self::Level,
+        Self::Mu,
+        Self::Lag,
+        Self::Stick,
+    ];
 
     /// Which of all channels are among these.
-    pub const fn among(these: &[Self]) -> [bool; Self::ALL.len()] {
+    pub const fn among(these: &[Self]) -> Touched {
         let (mut mask, mut i) = ([false; Self::ALL.len()], 0);
         while i < these.len() {
             mask[these[i] as usize] = true;
@@ -160,30 +174,42 @@ impl<T: Scalar> Load<T> {
 
     /// Both loads together: they add up, but for the factors on friction, which multiply.
     #[inline(always)]
-    pub fn plus(self, o: Self) -> Self {
-        Self {
-            drive: self.drive + o.drive,
-            press: self.press + o.press,
-            resist: [self.resist[0] + o.resist[0], self.resist[1] + o.resist[1]],
-            level: self.level * o.level,
-            mu: self.mu + o.mu,
-            lag: self.lag + o.lag,
-            inertia: self.inertia + o.inertia,
-            hold: [self.hold[0] + o.hold[0], self.hold[1] + o.hold[1]],
-            band: self.band + o.band,
-        }
+    pub fn plus(mut self, o: Self) -> Self {
+        self.join(&o, Channel::among(Channel::ALL));
+        self
     }
 
-    /// Both loads together, where neither shapes the friction of the other.
+    /// Brings a load in that touches these channels alone.
     #[inline(always)]
-    pub fn plus_plain(self, o: Self) -> Self {
-        Self {
-            drive: self.drive + o.drive,
-            resist: [self.resist[0] + o.resist[0], self.resist[1] + o.resist[1]],
-            inertia: self.inertia + o.inertia,
-            hold: [self.hold[0] + o.hold[0], self.hold[1] + o.hold[1]],
-            band: self.band + o.band,
-            ..self
+    pub fn join(&mut self, o: &Self, touched: Touched) {
+        let touches = |channel: Channel| touched[channel as usize];
+        if touches(Channel::Drive) {
+            self.drive = self.drive + o.drive;
+        }
+        if touches(Channel::Inertia) {
+            self.inertia = self.inertia + o.inertia;
+        }
+        if touches(Channel::Back) {
+            self.resist[0] = self.resist[0] + o.resist[0];
+        }
+        if touches(Channel::Forth) {
+            self.resist[1] = self.resist[1] + o.resist[1];
+        }
+        if touches(Channel::Press) {
+            self.press = self.press + o.press;
+        }
+        if touches(Channel::Level) {
+            self.level = self.level * o.level;
+        }
+        if touches(Channel::Mu) {
+            self.mu = self.mu + o.mu;
+        }
+        if touches(Channel::Lag) {
+            self.lag = self.lag + o.lag;
+        }
+        if touches(Channel::Stick) {
+            self.hold = [self.hold[0] + o.hold[0], self.hold[1] + o.hold[1]];
+            self.band = self.band + o.band;
         }
     }
 
@@ -195,6 +221,20 @@ impl<T: Scalar> Load<T> {
         let back = T::of(1.0) - forth;
         (self.resist[1] * forth - self.resist[0] * back) * self.level
             + self.mu * self.press.abs() * (forth - back)
+    }
+
+    /// Magnitude of the friction that follows the sign of the motion, N m.
+    #[inline(always)]
+    pub fn dry(&self, forward: T) -> T {
+        let back = T::of(1.0) - forward;
+        (self.resist[0] * back + self.resist[1] * forward) * self.level + self.mu * self.press.abs()
+    }
+
+    /// Friction that a spring among the effects holds whichever way the knob would go, N m: of the lags of both ways,
+    /// this one backward and that forward, the mean is what it is strained by.
+    pub fn strained(&self, forth: &Self) -> T {
+        let half = T::of(0.5);
+        half * (self.lag + forth.lag) * forth.dry(half)
     }
 
     /// Torque on the moving knob: inverse dynamics, N m.

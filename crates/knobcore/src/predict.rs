@@ -1,7 +1,7 @@
 //! From the motion to the torque, and to its exact derivatives.
 
-use crate::coupling::{self, Shaft};
-use crate::effects::{Part, Sweep};
+use crate::chain;
+use crate::effects::law::Sweep;
 use crate::model::{Model, Role};
 use crate::signals::{Chunk, Signals};
 use std::ops::Range;
@@ -85,36 +85,10 @@ pub fn raw(
     out: &mut Columns,
 ) {
     out.clear(1 + seeds.columns, range.len());
-    let parts = model.parts(p, &seeds.column);
     let motion = signals.motion_columns(range);
     let (torque, slopes) = out.split();
-    let coupled = model.joint(p).is_some();
-    if coupled {
-        let shaft = Shaft { motion, substeps: signals.substeps };
-        coupling::sweep(model, p, &seeds.column, shaft, torque, slopes);
-    }
-    let over = Sweep { motion, dt: 1.0 / signals.rate_hz, torque, slopes };
-    pulp::Arch::new().dispatch(Evaluation { parts: &parts, over, coupled });
-}
-
-/// An evaluation as a value: its body, unlike a closure's, is sure to be compiled into the function that has
-/// the machine's instruction set.
-struct Evaluation<'a> {
-    parts: &'a [Part<'a>],
-    over: Sweep<'a>,
-    coupled: bool,
-}
-
-impl pulp::NullaryFnOnce for Evaluation<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(mut self) {
-        if !self.coupled {
-            self.over.loads(self.parts);
-        }
-        self.over.sensors(self.parts);
-    }
+    let mut over = Sweep { motion, dt: 1.0 / signals.rate_hz, torque, slopes };
+    chain::along(model, p, &seeds.column, signals.substeps, &mut over);
 }
 
 /// Model torque at every sample of a capture through the measurement filter, N m; samples outside of

@@ -25,7 +25,7 @@ fn device(inertia: f64, delay: usize) -> Device {
 }
 
 fn knob(n: usize) -> Model {
-    let path = format!("{}/../../python/knobcam/models/knob{n}.toml", env!("CARGO_MANIFEST_DIR"));
+    let path = format!("{}/../../python/knobcam/model/knobs/knob{n}.toml", env!("CARGO_MANIFEST_DIR"));
     model_file::parse(&std::fs::read_to_string(path).unwrap()).unwrap()
 }
 

@@ -11,8 +11,8 @@ import sys
 import warnings
 from typing import TYPE_CHECKING
 
+from ..base.strict_json import as_json
 from ..errors import InputError, KnobcamWarning
-from ..strict_json import as_json
 from . import (
     calibrating,
     capturing,

@@ -108,7 +108,7 @@ def preparation(args: argparse.Namespace) -> dict[str, Any]:
             options[name] = float(value)
         except ValueError:
             raise InputError(f"--option {name}: {value!r} is no number; give one in SI") from None
-    from ..prepare import check_options
+    from ..capture.prepare import check_options
 
     check_options(args.prepare, options)
     return options

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from argparse import Namespace
     from collections.abc import Callable
 
-    from ..effects import Effect
+    from ..model.effects import Effect
 
 _PICTURES = (".png", ".svg", ".pdf")
 
@@ -33,8 +33,8 @@ def run(args: Namespace) -> Answer:
     """Show the catalogue or one effect, and draw signatures."""
     pictures = _targets(args.output, args.plots, args.id)
 
-    from ..effects import effect, effects
-    from ..tables import text_table
+    from ..base.tables import text_table
+    from ..model.effects import effect, effects
 
     catalogue = effects(args.coordinate)
     if args.id is None:

@@ -29,15 +29,15 @@ def register(commands: arguments.Commands) -> None:
 
 def run(args: Namespace) -> Answer:
     """Run the demonstration and print where its files are."""
-    from .. import demo
-    from ..hiding import hiding, knob_name
+    from ..model.hiding import hiding, knob_name
+    from . import demonstration
 
-    knob, effect = knob_name(args.knob), args.effect or demo.HIDDEN
+    knob, effect = knob_name(args.knob), args.effect or demonstration.HIDDEN
     hiding(knob, effect)  # refuses before anything is written
     folder = args.output or Path(f"knobcam-demo-{knob}")
     check_folder(folder)
     with writing(folder):
-        shown = demo.run(knob, effect, folder, status)
+        shown = demonstration.run(knob, effect, folder, status)
     fitted = shown.story.fit
     text = f"{shown!r}\nreport: {shown.files['report']}\nfiles in {folder.absolute()}"
     rendered = {"rmse": shown.rendered.rmse, "params": shown.rendered.document()["params"]}

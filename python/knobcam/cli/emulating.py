@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..strict_json import as_json
+from ..base.strict_json import as_json
 from . import arguments
 from .output import status
 

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from argparse import Namespace
     from pathlib import Path
 
-    from ..compare import Comparison
     from ..fit import Fit
+    from ..fit.compare import Comparison
 
 
 def register(commands: arguments.Commands) -> None:
@@ -101,7 +101,7 @@ def run_compare(args: Namespace) -> Answer:
 def draw(fitted: Fit, folder: Path, comparison: Comparison | None = None) -> list[str]:
     """Write every picture of a fit and return the paths."""
     status("drawing")
-    from .. import plot
+    from ..show import plot
 
     with writing(folder):
         folder.mkdir(exist_ok=True)

@@ -63,7 +63,7 @@ def _shared(parser: ArgumentParser) -> None:
 
 
 def _check_without(args: Namespace) -> None:
-    from ..diagnose import check_effects
+    from ..fit.diagnose import check_effects
 
     # The ids are those of either axis.
     check_effects("--without", args.without, "rotary")
@@ -77,7 +77,7 @@ def run_diagnose(args: Namespace) -> Answer:
     _check_without(args)
     fitted = _fitted(args, model, options)
 
-    from ..diagnose import diagnose
+    from ..fit.diagnose import diagnose
 
     status("weighing every effect of the catalogue")
     diagnosis = diagnose(fitted, without=args.without)
@@ -100,7 +100,7 @@ def run_add(args: Namespace) -> Answer:
     check_folder(args.plots, args.output)
     options = arguments.preparation(args)
 
-    from .. import refit
+    from ..fit import refit
     from ..model import Model
 
     model = Model.load(args.model)
@@ -153,7 +153,7 @@ def write(story: Story, report: Path | None, model: Path | None, folder: Path | 
     if model is not None:
         files["model"] = str(story.model.save(model))
     if folder is not None:
-        from .. import plot
+        from ..show import plot
 
         status("drawing")
         with writing(folder):

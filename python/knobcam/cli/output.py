@@ -13,7 +13,7 @@ from ..errors import InputError
 
 if TYPE_CHECKING:
     from ..capture import Capture
-    from ..prepare import Prepared
+    from ..capture.prepare import Prepared
 
 
 class Answer(NamedTuple):

@@ -48,7 +48,7 @@ def run_import(args: Namespace) -> Answer:
 def run_simulate(args: Namespace) -> Answer:
     """Simulate a model and write the capture."""
     from ..model import Model
-    from ..simulate import simulate
+    from ..model.simulate import simulate
 
     check_file(args.output, [args.model])
     model = Model.load(args.model)

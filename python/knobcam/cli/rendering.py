@@ -14,9 +14,9 @@ from .output import Answer, check_folder, status, writing
 if TYPE_CHECKING:
     from argparse import Namespace
 
-    from ..loop_report import LoopReport
     from ..model import Model
     from ..render import Device, Stability
+    from ..render.loop_report import LoopReport
     from ..rig.figures import Figures
 
 
@@ -62,10 +62,10 @@ def run(args: Namespace) -> Answer:
     if args.time == "virtual" and args.rt == "enforce":
         raise InputError("--rt enforce: virtual time has no priority to enforce; leave one of them out")
 
-    from ..emulated import EmulatedHandle, to_and_fro
-    from ..loop import run_loop
     from ..model import Model
     from ..render import Device, Renderer, check_rotary, check_stability
+    from ..render.emulated import EmulatedHandle, to_and_fro
+    from ..render.loop import run_loop
 
     model, device = Model.load(args.model), Device(delay_samples=args.delay)
     check_rotary(model)
@@ -137,7 +137,7 @@ def _on_a_rig(args: Namespace) -> Answer:
 def _draw(
     args: Namespace, report: LoopReport, model: Model, device: Device, stability: Stability
 ) -> list[str]:
-    from .. import plot
+    from ..show import plot
 
     status("drawing")
     figures = {

@@ -37,7 +37,7 @@ def register(commands: arguments.Commands) -> None:
 
 def run(args: Namespace) -> Answer:
     """Serve until interrupted."""
-    from ..formats.optional import require
+    from ..base.optional import require
 
     for package in ("starlette", "uvicorn"):
         require(package, "the workbench", "all")

@@ -13,19 +13,20 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import platformdirs
 
+from ..base import showing
+from ..base.atomic import write_atomically
+from ..base.tables import TextTable, text_table
 from ..errors import InputError
-from ..formats.atomic import write_atomically
-from ..tables import html_table, text_table
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from ..base.arrays import FloatArray
+    from ..base.showing import Figure
     from ..capture import Capture
-    from ..formats.table import FloatArray
-    from ..motions import MotionTrack
+    from ..capture.motions import MotionTrack
 
 SCHEMA = "knobcam.calibration/1"
 _FEWEST = 1000
@@ -42,7 +43,7 @@ class Run(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class Calibration:
+class Calibration(showing.Tabled):
     """The sensors of one rig, by its serial number; what was not tested is None.
 
     `c_cal` is the mean over the runs, (rad/s^2)/V, and `c_cal_variance` the variance between them, as the
@@ -119,9 +120,7 @@ class Calibration:
 
     def plot(self) -> Figure:
         """Commanded and recorded signals, as in Figures 9 and 10 of the paper."""
-        from .. import plot
-
-        return plot.calibration(self)
+        return showing.plot(self)
 
     def _rows(self) -> list[tuple[str, str, str]]:
         rows = [
@@ -141,10 +140,10 @@ class Calibration:
         table = text_table(("figure", "value", "unit"), self._rows())
         return f"Calibration of {self.serial}, {self.date}\n{table}"
 
-    def _repr_html_(self) -> str:
-        return html_table(
-            f"Calibration of {self.serial}, {self.date}", ("figure", "value", "unit"), self._rows()
-        )
+    def tables(self) -> tuple[TextTable, ...]:
+        """What it says of itself, as text."""
+        caption = f"Calibration of {self.serial}, {self.date}"
+        return (TextTable(caption, ("figure", "value", "unit"), self._rows()),)
 
 
 def _numbers(value: object) -> bool:

@@ -21,13 +21,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 import numpy as np
 
 from .. import _core
-from ..effects import effect as catalogued
+from ..capture.motions import MotionTrack
+from ..capture.motions import motion as make_motion
 from ..errors import InputError
 from ..model import Model
-from ..motions import MotionTrack
-from ..motions import motion as make_motion
-from ..simulate import RIG
-from ..typical import with_typical
+from ..model.effects import effect as catalogued
+from ..model.simulate import RIG
+from ..model.typical import with_typical
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ..motions import MotionTrack
+from ..capture.motions import MotionTrack
 
 _GENTLE_RAD_S2 = 60.0  # acceleration with which a motion is led in
 _SHORTEST_S = 0.1

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from types import TracebackType
 
+    from ..capture.motions import MotionTrack
     from ..model import Model
-    from ..motions import MotionTrack
 
 VERSION = 1
 """Version of the wire protocol that is spoken."""

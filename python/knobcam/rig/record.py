@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..capture.formats.wire import RATE_TOLERANCE
+from ..capture.motions import MotionTrack
+from ..capture.motions import motion as make_motion
 from ..errors import InputError
-from ..formats.wire import RATE_TOLERANCE
 from ..model import Model
-from ..motions import MotionTrack
-from ..motions import motion as make_motion
 from ..render import check_rotary
 from .calibration import Calibration, usual
 from .leadin import led_in

@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from .. import _core
+from ..capture.formats import wire
 from ..errors import InputError
-from ..formats import wire
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-    from ..formats.table import FloatArray
+    from ..base.arrays import FloatArray
 
 _END = b"\0"  # of a frame
 _WRAP = 2**32  # of the device's count of samples

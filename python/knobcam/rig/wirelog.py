@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .. import _core
-from ..capture import of_table
+from ..capture.capture import of_table
+from ..capture.formats import wire
 from ..errors import InputError
-from ..formats import wire
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from starlette.responses import Response
 
-from ..strict_json import as_json
+from ..base.strict_json import as_json
 
 if TYPE_CHECKING:
     from .jobs import Job

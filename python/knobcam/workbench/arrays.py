@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..base.strict_json import as_json
 from ..errors import InputError
-from ..strict_json import as_json
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from ..diagnose import Candidate
-    from ..formats.table import FloatArray
+    from ..base.arrays import FloatArray
+    from ..fit.diagnose import Candidate
     from .view import View
 
 _MOTION = ("t", "theta", "omega", "alpha", "tau", "tau_raw")

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..capture import load
+from ..capture.formats import read_table
 from ..errors import InputError
-from ..formats import read_table
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-    from ..formats.table import FloatArray
+    from ..base.arrays import FloatArray
 
 _MOST = 60  # columns; what has more was not meant to be looked at
 _WIDE = 60  # pieces of a column's outline

@@ -8,15 +8,15 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .. import plot
+from ..base.atomic import write_atomically, write_text_atomically
 from ..errors import InputError
-from ..formats.atomic import write_atomically, write_text_atomically
+from ..show import plot
 from .script import script
 from .story import story
 
 if TYPE_CHECKING:
-    from ..effects import Effect
     from ..learn import Story
+    from ..model.effects import Effect
     from .session import Session, Tell
 
 FILES = {

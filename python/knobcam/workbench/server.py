@@ -20,11 +20,11 @@ from starlette.responses import Response, StreamingResponse
 from starlette.routing import Route
 from starlette.types import ASGIApp
 
+from ..base.strict_json import as_json
 from ..capture import load
-from ..effects import effect as catalogued
+from ..capture.formats import DEFAULT_MAX_BYTES
 from ..errors import InputError
-from ..formats import DEFAULT_MAX_BYTES
-from ..strict_json import as_json
+from ..model.effects import effect as catalogued
 from . import arrays, saving
 from .answers import bytes_answer, finished, json_answer
 from .bench import Bench

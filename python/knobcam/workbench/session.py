@@ -10,18 +10,17 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from .. import refit
 from ..capture import load
-from ..diagnose import Diagnosis, diagnose
-from ..effects import descriptions
 from ..errors import InputError
-from ..fit import Fit, fit
+from ..fit import Fit, fit, refit
+from ..fit.diagnose import Diagnosis, diagnose
+from ..model.effects import descriptions
 from .tree import Branch, How, Node, Opened, Start
 from .view import View
 
 if TYPE_CHECKING:
     from ..capture import Capture
-    from ..formats.columnmap import ColumnMap
+    from ..capture.formats.columnmap import ColumnMap
 
 
 class Tell(Protocol):

@@ -9,16 +9,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from ..effects import effects
 from ..errors import InputError
 from ..fit import fit
-from ..hiding import hideable, hiding
 from ..model import KNOBS, Model
+from ..model.effects import effects
+from ..model.hiding import hideable, hiding
+from ..model.simulate import simulate
 from ..rig.emulator import EmulatedRig, absent
 from ..rig.port import BAUD, ports
 from ..rig.record import record
 from ..rig.wirelog import SUFFIX
-from ..simulate import simulate
 from .bodies import flag, number, text, whole
 
 if TYPE_CHECKING:

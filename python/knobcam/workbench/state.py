@@ -5,19 +5,19 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from ..effects import effects
 from ..errors import InputError
-from ..lacks import lacks
-from ..selection import choose
+from ..learn.lacks import lacks
+from ..learn.selection import choose
+from ..model.effects import effects
 from .story import conclusion, in_vain, ladder
 
 if TYPE_CHECKING:
-    from ..diagnose import Diagnosis
-    from ..effects import Effect
     from ..fit import Estimate
-    from ..ladder import Rung
+    from ..fit.diagnose import Diagnosis
+    from ..learn.ladder import Rung
+    from ..learn.selection import Selection
     from ..model import Model, Parameter
-    from ..selection import Selection
+    from ..model.effects import Effect
     from .session import Session
     from .tree import Branch, Opened
     from .view import View

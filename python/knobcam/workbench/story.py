@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from ..ladder import Rung
 from ..learn import Story
-from ..selection import Selection, concluded, unpaid
+from ..learn.ladder import Rung
+from ..learn.selection import Selection, concluded, unpaid
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ..diagnose import Diagnosis
+    from ..fit.diagnose import Diagnosis
     from .tree import Node
 
 

@@ -9,7 +9,7 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from ..formats.table import FloatArray
+    from ..base.arrays import FloatArray
 
 
 class Thinned:

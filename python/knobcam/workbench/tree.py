@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from ..capture import Capture
-    from ..diagnose import Diagnosis
     from ..fit import Fit
+    from ..fit.diagnose import Diagnosis
     from ..model import Model
     from .view import View
 

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..plot.components import effects_of
+from ..show.plot.components import effects_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from ..base.arrays import FloatArray
     from ..fit import Fit
-    from ..formats.table import FloatArray
     from ..model import Model
-    from ..plot.components import Part
+    from ..show.plot.components import Part
     from .tree import Node
 
 

@@ -4,7 +4,7 @@
 //! error knows no way back once they no longer overlap. Through a slower filter they are broad and do.
 
 use super::screen::{Screen, Start};
-use crate::effects::{Id, Place};
+use crate::effects::Id;
 use crate::error::Result;
 use crate::filter::{ZeroPhase, cheby2};
 use crate::fit::{Fit, Found, refine, sketch};
@@ -58,7 +58,7 @@ pub fn coupled(whole: &Screen<'_>, id: Id) -> (Vec<Start>, Option<(Model, Found)
 /// As of [`crate::fit::fit`].
 pub fn settle(data: &[&Signals], model: &Model) -> Result<Fit> {
     let mut best = refine(data, model)?;
-    if model.at(Place::Coupling).next().is_none() {
+    if !model.is_coupled() {
         return Ok(best);
     }
     for edges in [&[MIDDLE_HZ][..], &[COARSE_HZ, MIDDLE_HZ]] {

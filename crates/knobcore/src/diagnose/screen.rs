@@ -48,7 +48,7 @@ impl<'a> Screen<'a> {
         let residual = columns.pop().unwrap_or_default();
         let base = orthonormal(&columns);
         let squares = dot(&residual, &residual);
-        let coupled = model.at(Place::Coupling).next().is_some();
+        let coupled = model.is_coupled();
         Self { data, model, survey: survey(data, model), base, residual, squares, coupled, watch }
     }
 
@@ -63,7 +63,7 @@ impl<'a> Screen<'a> {
                 let series = periods.flat_map(|p| [p, 2.0 * p, 3.0 * p]);
                 series.map(|p| [&[p][..], &[0.0; 8]].concat()).collect()
             }
-            _ => id.starts(&self.survey),
+            _ => id.law().starts(&self.survey),
         };
         let mut starts: Vec<Start> = values
             .iter()

@@ -27,7 +27,7 @@ impl Effect<6> for EndStop {
         Param::shape("g", Unit::of(0, -1, 0), [0.0, 1e6], 0.0, "growth of the stiffness with depth"),
     ];
 
-    fn odd(&[k_lo, lo, k_hi, hi, _, _]: &[f64; 6]) -> Option<&'static str> {
+    fn implausible(&[k_lo, lo, k_hi, hi, _, _]: &[f64; 6]) -> Option<&'static str> {
         let overlap = k_lo > 0.0 && k_hi > 0.0 && lo >= hi;
         overlap.then_some("its stops overlap: between them they are a spring and no stops")
     }

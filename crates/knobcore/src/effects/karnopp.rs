@@ -17,7 +17,7 @@ impl Effect<3> for Karnopp {
     const SOURCE: &'static str =
         "Karnopp 1985; Equation 2 of the haptic-camera paper, with D in the stick branch";
     const SHOWS: &'static str = "while the knob stands still under torque";
-    const TOUCHES: &'static [Channel] = &[];
+    const TOUCHES: &'static [Channel] = &[Channel::Stick];
     const PARAMS: [Param; 3] = [
         Param::shape("D_neg", Unit::of(1, 0, 0), [0.0, 1e9], 0.0, "breakaway friction backward, a magnitude")
             .usually(Usual::Fixed),

@@ -1,8 +1,8 @@
 //! The contract of a physical effect, and the registry: one line each.
 //!
 //! An effect is one file: equation, source, units, parameters with bounds. Simulating, fitting, comparing,
-//! plotting and rendering all call its one function. To add an effect, write its file and name it in the
-//! `registry!` call at the end of this one.
+//! plotting and rendering all call its one function. To add an effect, write its file and add its line to the
+//! `registry!` call below; nothing else names it.
 //!
 //! ```
 //! use knobcore::effects::{Effect, LoadEffect};
@@ -31,51 +31,22 @@
 //! assert_eq!(tau, -18.0);
 //! ```
 
-mod backlash;
-mod block;
-mod compliance;
-mod coulomb;
-mod detent;
-mod detent_harmonics;
-mod directional_detent;
-mod end_stop;
-mod friction_drift;
-mod gradient;
-mod inertia;
-mod karnopp;
-mod load_friction;
-mod offset;
-mod position_friction;
-mod position_polynomial;
-mod presliding;
-mod quadratic_drag;
-mod regional;
+pub mod law;
 mod registry;
-mod return_spring;
-mod saturation;
-mod stribeck;
 mod survey;
-mod sweep;
-mod torque_drift;
-mod torque_lag;
-mod unbalance;
 mod user;
-mod viscous;
-mod wavelet;
 
 use crate::error::{Error, Result};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::Param;
 use crate::scalar::Scalar;
-use gradient::Gradient;
-use registry::{info, keep, registry, starts, take};
-use sweep::Totals;
+use law::{Couples, Delays, Law, Loads, Remembers, Senses};
+use registry::registry;
+use std::marker::PhantomData;
 
-pub use block::Block;
 pub use registry::Info;
 pub use survey::Survey;
-pub use sweep::{Part, Sweep};
-pub use user::{Torque, User};
+pub use user::{Function, User};
 
 /// Where in the chain from the motion to the measured torque an effect acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -137,8 +108,8 @@ pub trait Effect<const N: usize> {
         vec![Self::PARAMS.map(|param| param.neutral)]
     }
 
-    /// What is odd about such values beside those that no parameter may have alone.
-    fn odd(_: &[f64; N]) -> Option<&'static str> {
+    /// What is implausible about such values beside those that no parameter may have alone.
+    fn implausible(_: &[f64; N]) -> Option<&'static str> {
         None
     }
 }
@@ -190,43 +161,48 @@ pub trait LateEffect<const N: usize>: Effect<N> {
 
 registry! {
     couplings {
-        Backlash(4) in backlash,
-        Compliance(3) in compliance,
+        backlash::Backlash(4),
+        compliance::Compliance(3),
     }
     loads {
-        Inertia(1) in inertia,
-        Coulomb(2) in coulomb,
-        Viscous(2) in viscous,
-        Detent(3) in detent,
-        Karnopp(3) in karnopp,
-        Stribeck(3) in stribeck,
-        QuadraticDrag(1) in quadratic_drag,
-        DetentHarmonics(9) in detent_harmonics,
-        DirectionalDetent(3) in directional_detent,
-        PositionPolynomial(3) in position_polynomial,
-        ReturnSpring(2) in return_spring,
-        Unbalance(2) in unbalance,
-        EndStop(6) in end_stop,
-        PositionFriction(9) in position_friction,
-        LoadFriction(1) in load_friction,
-        FrictionDrift(2) in friction_drift,
-        Regional(11) in regional,
-        Wavelet(33) in wavelet,
+        inertia::Inertia(1),
+        coulomb::Coulomb(2),
+        viscous::Viscous(2),
+        detent::Detent(3),
+        karnopp::Karnopp(3),
+        stribeck::Stribeck(3),
+        quadratic_drag::QuadraticDrag(1),
+        detent_harmonics::DetentHarmonics(9),
+        directional_detent::DirectionalDetent(3),
+        position_polynomial::PositionPolynomial(3),
+        return_spring::ReturnSpring(2),
+        unbalance::Unbalance(2),
+        end_stop::EndStop(6),
+        position_friction::PositionFriction(9),
+        load_friction::LoadFriction(1),
+        friction_drift::FrictionDrift(2),
+        regional::Regional(11),
+        wavelet::Wavelet(33),
     }
     memories {
-        Presliding(7, 8) in presliding,
+        presliding::Presliding(7, 8),
     }
     lates {
-        TorqueLag(2) in torque_lag,
+        torque_lag::TorqueLag(2),
     }
     sensors {
-        TorqueDrift(8) in torque_drift,
-        Offset(1) in offset,
-        Saturation(1) in saturation,
+        torque_drift::TorqueDrift(8),
+        offset::Offset(1),
+        saturation::Saturation(1),
     }
 }
 
 impl Id {
+    /// What the effect says of itself.
+    pub fn info(self) -> &'static Info {
+        self.law().info()
+    }
+
     /// The catalogue in the order of the chain, the effects of the user's own among the loads.
     pub fn all() -> Vec<Self> {
         let mut all: Vec<Self> = Self::BUILT_IN.iter().copied().chain(user::all().map(Self::User)).collect();

@@ -54,8 +54,7 @@ impl Effect<11> for Regional {
 }
 
 impl LoadEffect<11> for Regional {
-    // Long and rare: inlined into every loop over loads it would swell them beyond what compilers bear.
-    #[inline(never)]
+    #[inline(always)]
     fn load<T: Scalar>(p: &[T; 11], motion: &Motion<T>) -> Load<T> {
         let [b1, b2, b3, f1, k1, f2, k2, f3, k3, f4, k4] = *p;
         let x = motion.theta - b2;

@@ -1,8 +1,8 @@
 //! Effects of the user's own: registered while the program runs, called over whole columns.
 
-use super::{Id, Info};
+use super::{Id, Info, Joint, Place};
 use crate::error::{Error, Result};
-use crate::motion::Motion;
+use crate::motion::{Channel, Motion};
 use crate::param::{Kind, Param};
 use std::cell::RefCell;
 use std::cmp::Ordering;
@@ -11,23 +11,30 @@ use std::hash::{Hash, Hasher};
 use std::sync::atomic::{AtomicUsize, Ordering as Memory};
 use std::sync::{PoisonError, RwLock};
 
-/// Torque over a motion: parameters, then t, theta, omega, alpha and forward, all of one length; N m.
-pub type Torque = Box<dyn Fn(&[f64], [&[f64]; 5]) -> std::result::Result<Vec<f64>, String> + Send + Sync>;
+/// A law of a user's own: the values of its parameters, and columns of one length.
+///
+/// A load gets t, theta, omega, alpha and forward and answers a torque at each sample, N m, or, where it touches the
+/// level of friction, a factor on the dry friction. A sensor gets the torque as a sixth column and answers what it
+/// reads. A joint gets no column and answers gap, stiffness, damping and share, and 1 where shaft and knob hold on to
+/// each other, else 0.
+pub type Function = Box<dyn Fn(&[f64], &[&[f64]]) -> std::result::Result<Vec<f64>, String> + Send + Sync>;
 
 /// An effect that a user registered. It lives as long as the program, and is one with itself alone.
 pub struct User {
     /// Its row of the catalogue.
-    pub info: Info,
+    pub info: &'static Info,
     /// Whether its torque depends on earlier samples; it is then given whole stretches.
     pub remembers: bool,
     /// Parameter values to start a search from; none for the neutral ones.
     pub starts: Vec<Vec<f64>>,
     /// Its law.
-    pub torque: Torque,
+    pub function: Function,
     order: usize,
 }
 
-/// Step of central differences as a share of the parameter, or of its scale. What is linear may go all the way.
+/// The least that a factor on the dry friction leaves of it: friction never pushes.
+const LEAST: f64 = 1e-3;
+/// Step of central differences as a share of the parameter, of its scale where it is nought. What is linear may go all the way.
 const STEP: f64 = 1e-5;
 
 thread_local! {
@@ -52,7 +59,7 @@ impl User {
         info: Info,
         remembers: bool,
         starts: Vec<Vec<f64>>,
-        torque: Torque,
+        function: Function,
     ) -> Result<&'static Self> {
         if Id::BUILT_IN.iter().any(|own| own.info().id == info.id) {
             let why = "is built in already; choose another name";
@@ -60,7 +67,8 @@ impl User {
         }
         check(&info, &starts)?;
         let order = ORDER.fetch_add(1, Memory::Relaxed);
-        let user: &'static Self = Box::leak(Box::new(Self { info, remembers, starts, torque, order }));
+        let info = Box::leak(Box::new(info));
+        let user: &'static Self = Box::leak(Box::new(Self { info, remembers, starts, function, order }));
         let mut registered = REGISTERED.write().unwrap_or_else(PoisonError::into_inner);
         registered.retain(|other| other.info.id != info.id);
         registered.push(user);
@@ -89,54 +97,100 @@ impl User {
         });
     }
 
-    /// The torque over columns; zero where the law fails, which [`User::failure`] then tells. That parameters
-    /// are no numbers is no failure of the law.
-    pub fn over(&self, p: &[f64], motion: [&[f64]; 5]) -> Vec<f64> {
-        let samples = motion[0].len();
+    /// What it answers over columns, and what it then stands for where it fails: nothing, which
+    /// [`User::failure`] tells. That parameters are no numbers is no failure of the law.
+    pub fn over(&self, p: &[f64], columns: &[&[f64]]) -> Vec<f64> {
+        let samples = columns.first().map_or(0, |column| column.len());
         if !p.iter().all(|x| x.is_finite()) {
             return vec![f64::NAN; samples];
         }
-        let checked = (self.torque)(p, motion).and_then(|tau| {
-            if tau.len() != samples {
-                return Err(format!("returned {} values for {samples} samples", tau.len()));
+        let checked = (self.function)(p, columns).and_then(|own| {
+            if own.len() != samples {
+                return Err(format!("returned {} values for {samples} samples", own.len()));
             }
-            match tau.iter().position(|x| !x.is_finite()) {
+            match own.iter().position(|x| !x.is_finite()) {
                 Some(at) => Err(format!(
                     "returned {} at theta = {}, omega = {}",
-                    tau[at], motion[1][at], motion[2][at]
+                    own[at], columns[1][at], columns[2][at]
                 )),
-                None => Ok(tau),
+                None => Ok(own),
             }
         });
-        checked.unwrap_or_else(|why| {
-            self.fail(p, &why);
-            vec![0.0; samples]
+        let factor = self.info.touches.contains(&Channel::Level);
+        match checked {
+            Ok(own) if factor => own.into_iter().map(|x| x.max(LEAST)).collect(),
+            Ok(own) => own,
+            Err(why) => {
+                self.fail(p, &why);
+                // A sensor that fails reads what there is.
+                columns.get(5).map_or(vec![f64::from(u8::from(factor)); samples], |tau| tau.to_vec())
+            }
+        }
+    }
+
+    /// The joint that it makes between shaft and knob, if it is one.
+    pub(super) fn joined(&self, p: &[f64]) -> Option<Joint<f64>> {
+        if self.info.place != Place::Coupling {
+            return None;
+        }
+        let rigid = Joint { gap: 0.0, stiffness: 1e5, damping: 1e2, share: 0.5, welded: true };
+        let answer = (self.function)(p, &[]);
+        let joint = answer.as_deref().map(|values| match values {
+            &[gap, stiffness, damping, share, welded] => {
+                Some(Joint { gap, stiffness, damping, share, welded: welded > 0.5 })
+            }
+            _ => None,
+        });
+        let sound = |j: &Joint<f64>| {
+            let sizes = j.gap >= 0.0 && j.stiffness > 0.0 && j.damping >= 0.0 && j.share > 0.0;
+            sizes && j.share <= 1.0 && (j.gap + j.stiffness + j.damping).is_finite()
+        };
+        match joint {
+            Ok(Some(joint)) if sound(&joint) => Some(joint),
+            Ok(Some(joint)) => {
+                let why = "a joint has gap and damping from 0 on, stiffness above 0, and a share of the inertia \
+                           above 0 and up to 1";
+                self.fail(p, &format!("returned {joint:?}; {why}"));
+                Some(rigid)
+            }
+            Ok(None) => {
+                self.fail(p, "returned no joint");
+                Some(rigid)
+            }
+            Err(why) => {
+                self.fail(p, why);
+                Some(rigid)
+            }
+        }
+    }
+
+    /// Parameter `i` a step below and above, each with all values.
+    pub(super) fn beside(&self, p: &[f64], i: usize) -> [(f64, Vec<f64>); 2] {
+        let param = &self.info.params[i];
+        let share = if param.kind == Kind::Linear { 1.0 } else { STEP };
+        let step = share * if p[i] == 0.0 { param.scale() } else { p[i].abs() };
+        [-step, step].map(|by| {
+            let mut p = p.to_vec();
+            p[i] = (p[i] + by).clamp(param.lower, param.upper);
+            (p[i], p)
         })
     }
 
-    /// The derivative of the torque by parameter `i` over columns, by central differences.
-    pub fn slope(&self, p: &[f64], i: usize, motion: [&[f64]; 5]) -> Vec<f64> {
-        let Some(param) = self.info.params.get(i) else { return Vec::new() };
-        let share = if param.kind == Kind::Linear { 1.0 } else { STEP };
-        let step = share * p[i].abs().max(param.scale());
-        let at = |value: f64| {
-            let mut p = p.to_vec();
-            p[i] = value.clamp(param.lower, param.upper);
-            (p[i], self.over(&p, motion))
-        };
-        let ((below, low), (above, high)) = (at(p[i] - step), at(p[i] + step));
+    /// The derivative of what it answers by parameter `i` over columns, by central differences.
+    pub fn slope(&self, p: &[f64], i: usize, columns: &[&[f64]]) -> Vec<f64> {
+        let [(below, low), (above, high)] = self.beside(p, i).map(|(x, p)| (x, self.over(&p, columns)));
         high.iter().zip(low).map(|(high, low)| (high - low) / (above - below)).collect()
     }
 
-    /// The torque at one instant, which an effect that remembers does not have.
+    /// What it answers at one instant, which an effect that remembers does not have.
     pub fn at(&self, p: &[f64], motion: &Motion<f64>) -> f64 {
         if self.remembers {
             self.fail(p, "remembers, so it has no torque at one instant, which a simulated motion needs");
-            return 0.0;
+            return f64::from(u8::from(self.info.touches.contains(&Channel::Level)));
         }
         let Motion { t, theta, omega, alpha, forward } = motion;
         let columns = [t, theta, omega, alpha, forward].map(std::slice::from_ref);
-        self.over(p, columns).first().copied().unwrap_or(0.0)
+        self.over(p, &columns).first().copied().unwrap_or(0.0)
     }
 }
 
@@ -208,7 +262,7 @@ mod tests {
 
     fn drag(id: &'static str, law: fn(f64, f64) -> f64) -> &'static User {
         const PARAMS: &[Param] = &[Param::linear("d", Unit::of(1, -2, 2), "drag")];
-        let torque: Torque = Box::new(move |p, m| Ok(m[2].iter().map(|omega| law(p[0], *omega)).collect()));
+        let torque: Function = Box::new(move |p, m| Ok(m[2].iter().map(|omega| law(p[0], *omega)).collect()));
         User::register(info(id, PARAMS), false, Vec::new(), torque).unwrap()
     }
 
@@ -232,14 +286,14 @@ mod tests {
     #[test]
     fn the_derivative_by_a_linear_parameter_is_exact() {
         let user = drag("exact_drag", |d, omega| d * omega * omega.abs());
-        assert_eq!(user.over(&[2.0], MOTION), [-8.0, 18.0]);
-        assert_eq!(user.slope(&[2.0], 0, MOTION), [-4.0, 9.0]);
+        assert_eq!(user.over(&[2.0], &MOTION), [-8.0, 18.0]);
+        assert_eq!(user.slope(&[2.0], 0, &MOTION), [-4.0, 9.0]);
     }
 
     #[test]
     fn a_law_that_fails_is_silent_and_says_so_once() {
         let user = drag("broken_drag", |d, omega| (d * omega).sqrt());
-        assert_eq!(user.over(&[2.0], MOTION), [0.0, 0.0]);
+        assert_eq!(user.over(&[2.0], &MOTION), [0.0, 0.0]);
         let why = user.failure().unwrap();
         assert!(why.contains("NaN at theta = 0, omega = -2") && why.contains("d = 2"), "{why}");
         assert_eq!(user.failure(), None);
@@ -259,9 +313,9 @@ mod tests {
         for (starts, expected) in
             [(vec![], vec![vec![0.5]]), (vec![vec![-2.0], vec![2.0]], vec![vec![-2.0], vec![2.0]])]
         {
-            let torque: Torque = Box::new(|_, m| Ok(m[0].to_vec()));
+            let torque: Function = Box::new(|_, m| Ok(m[0].to_vec()));
             let user = User::register(info("started", SHAPES), false, starts, torque).unwrap();
-            assert_eq!(Id::User(user).starts(&survey), expected);
+            assert_eq!(Id::User(user).law().starts(&survey), expected);
         }
     }
 
@@ -277,7 +331,7 @@ mod tests {
             ("own", &[SHAPE], vec![vec![9.0]], "9"),
             ("own", &[SHAPE], vec![vec![]], "own.w"),
         ] {
-            let torque: Torque = Box::new(|_, m| Ok(m[0].to_vec()));
+            let torque: Function = Box::new(|_, m| Ok(m[0].to_vec()));
             let error = User::register(info(id, params), false, starts, torque).unwrap_err().to_string();
             assert!(error.contains(said), "{error}");
         }

@@ -53,8 +53,7 @@ impl Effect<COUNT> for Wavelet {
 }
 
 impl LoadEffect<COUNT> for Wavelet {
-    // Long and rare: inlined into every loop over loads it would swell them beyond what compilers bear.
-    #[inline(never)]
+    #[inline(always)]
     fn load<T: Scalar>(p: &[T; COUNT], motion: &Motion<T>) -> Load<T> {
         let x = (motion.theta - p[0]) / (p[1] - p[0]);
         let (one, zero, two) = (T::of(1.0), T::of(0.0), T::of(2.0));

@@ -1,5 +1,6 @@
 //! A force-feedback handle in somebody's hand: an inertia, a motor that acts late, sensors that resolve so much.
 
+use crate::chain::{Acts, Body};
 use crate::render::{Device, Sensed};
 
 /// Steps of the integrator per sample.
@@ -10,8 +11,7 @@ const SUBSTEPS: usize = 20;
 pub struct Handle {
     device: Device,
     dt: f64,
-    theta: f64,
-    omega: f64,
+    body: Body<f64>,
     alpha: f64,
     /// Torques that were commanded and do not act yet, the oldest first.
     late: std::collections::VecDeque<f64>,
@@ -21,22 +21,23 @@ impl Handle {
     /// A handle at rest at `theta`, sampled every `dt` seconds.
     pub fn new(device: Device, dt: f64, theta: f64) -> Self {
         let late = std::iter::repeat_n(0.0, device.delay).collect();
-        Self { device, dt, theta, omega: 0.0, alpha: 0.0, late }
+        Self { device, dt, body: Body { theta, omega: 0.0 }, alpha: 0.0, late }
     }
 
     /// Angle, speed, and mean acceleration over the sample before: rad, rad/s, rad/s^2.
     pub fn motion(&self) -> [f64; 3] {
-        [self.theta, self.omega, self.alpha]
+        [self.body.theta, self.body.omega, self.alpha]
     }
 
     /// Gives it a speed, rad/s.
     pub fn kick(&mut self, omega: f64) {
-        self.omega = omega;
+        self.body.omega = omega;
     }
 
     /// What its sensors say, with the torque of the hand if it measures that.
     pub fn sensed(&self, hand: Option<f64>) -> Sensed {
-        Sensed { theta: self.device.counted(self.theta), omega: self.omega, alpha: self.alpha, hand }
+        let Body { theta, omega } = self.body;
+        Sensed { theta: self.device.counted(theta), omega, alpha: self.alpha, hand }
     }
 
     /// One sample goes by: the motor is told to apply `motor` (N m), and the hand's torque goes from one value to
@@ -51,21 +52,22 @@ impl Handle {
     /// share of the time that is over and the angle and speed then. Returns the work of the hand, J.
     pub fn turn(&mut self, seconds: f64, motor: f64, hand: impl Fn(f64, [f64; 2]) -> f64) -> f64 {
         let steps = (SUBSTEPS as f64 * seconds / self.dt).ceil().max(1.0);
-        let (h, start, mut work) = (seconds / steps, self.omega, 0.0);
+        let (h, start, mut work) = (seconds / steps, self.body.omega, 0.0);
+        let Device { inertia, damping, .. } = self.device;
         for step in 0..steps as usize {
-            let tau = hand((step as f64 + 0.5) / steps, [self.theta, self.omega]);
-            let push = tau + motor - self.device.damping * self.omega;
-            let omega = self.omega + h * push / self.device.inertia;
-            let by = 0.5 * h * (self.omega + omega);
-            (self.theta, self.omega) = (self.theta + by, omega);
-            work += tau * by;
+            let Body { theta, omega } = self.body;
+            let tau = hand((step as f64 + 0.5) / steps, [theta, omega]);
+            let acts = Acts { inertia, push: 0.5 * damping * omega - motor, friction: 0.0 };
+            let next = self.body.moved(self.body.slid(&acts, tau, 0.5 * damping, h), h);
+            work += tau * (next.theta - theta);
+            self.body = next;
         }
-        self.alpha = (self.omega - start) / seconds;
+        self.alpha = (self.body.omega - start) / seconds;
         work
     }
 
     /// Kinetic energy, J.
     pub fn energy(&self) -> f64 {
-        0.5 * self.device.inertia * self.omega * self.omega
+        0.5 * self.device.inertia * self.body.omega * self.body.omega
     }
 }

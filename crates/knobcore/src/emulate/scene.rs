@@ -1,6 +1,7 @@
 //! What goes on at the rig during a run, sample by sample.
 
 use super::handle::Handle;
+use crate::chain::SUBSTEPS;
 use crate::error::Result;
 use crate::model::Model;
 use crate::motion::Motion;
@@ -34,9 +35,6 @@ impl Track {
         [&self.theta, &self.omega, &self.alpha].map(|column| column.get(i).copied().unwrap_or(0.0))
     }
 }
-
-/// Steps per sample of a knob behind a joint: what the truth is made with, finer than any model of it.
-const SUBSTEPS: usize = 16;
 
 /// Torque that moves a knob along a track, from a place on, N m.
 pub(super) fn torque(knob: &Model, track: &Track, place: f64, rate_hz: f64) -> Vec<f64> {

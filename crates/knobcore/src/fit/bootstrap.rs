@@ -7,6 +7,7 @@
 
 use super::moments::Moments;
 use super::solve::least_squares;
+use crate::isa;
 use crate::random::Noise;
 use crate::scalar::{LANES, Pack, Scalar};
 
@@ -35,7 +36,7 @@ pub fn refits(blocks: &[Moments], kept: &[usize], draws: usize, seed: u64) -> Ve
     let mut steps = Vec::with_capacity(draws);
     while steps.len() < draws {
         let counts: [Vec<f64>; AT_ONCE] = std::array::from_fn(|_| counts(&mut noise, blocks.len()));
-        let drawn = pulp::Arch::new().dispatch(Drawn { packed: &packed, counts: &counts });
+        let drawn = isa::dispatch(Drawn { packed: &packed, counts: &counts });
         for mut equations in drawn {
             let step = solve(&mut equations, kept.len()).unwrap_or_else(|| vec![f64::NAN; kept.len()]);
             steps.push(step.iter().zip(&scale).map(|(x, scale)| x * scale).collect::<Vec<f64>>());

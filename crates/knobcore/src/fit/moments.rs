@@ -3,6 +3,7 @@
 //! A sweep evaluates the model and its derivatives chunk by chunk and keeps only the products of the
 //! columns, so that memory does not grow with the capture.
 
+use crate::isa;
 use crate::model::Model;
 use crate::predict::{Columns, Seeds, measured};
 use crate::scalar::{LANES, Pack, Scalar};
@@ -70,7 +71,7 @@ impl Moments {
 
     /// Adds the products of weighted columns, each of the same length; the last one is the residual.
     pub(super) fn add_columns(&mut self, columns: &[&[f64]]) {
-        pulp::Arch::new().dispatch(Products { columns, products: &mut self.products });
+        isa::dispatch(Products { columns, products: &mut self.products });
     }
 }
 
@@ -113,7 +114,7 @@ impl pulp::NullaryFnOnce for Products<'_> {
 
 /// Sum of products of two columns of one length.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    pulp::Arch::new().dispatch(Dot { a, b })
+    isa::dispatch(Dot { a, b })
 }
 
 struct Dot<'a> {

@@ -6,6 +6,7 @@
 //! the product of the columns after they went through the same recursion 1 / A(z).
 
 use super::moments::{Swept, dot};
+use crate::isa;
 use crate::scalar::{LANES, Pack, Scalar};
 
 /// Longest memory that is looked for, samples.
@@ -97,7 +98,7 @@ impl<'a> Meat<'a> {
         for (eight, past) in swept.columns[..self.k].chunks(LANES).zip(&mut self.past) {
             let recursion =
                 Recursion { coefficients: &self.serial.coefficients, columns: eight, weight, past };
-            let series = pulp::Arch::new().dispatch(recursion);
+            let series = isa::dispatch(recursion);
             past.copy_from_slice(&series[series.len() - order..]);
             coloured.push(series);
         }

@@ -3,6 +3,7 @@
 mod direction;
 mod motion;
 
+use crate::chain::SUBSTEPS;
 use crate::error::{Error, Result};
 use crate::filter::{ZeroPhase, butter, cheby1, cheby2};
 use crate::param::Axis;
@@ -16,13 +17,8 @@ use std::ops::Range;
 const PAPER_RATE_HZ: f64 = 5000.0;
 /// Shortest stretch that is worth fitting, samples.
 const SHORTEST: usize = 32;
-
 /// Samples at each end where the smoother knows the acceleration badly.
 const SMOOTHER_ENDS: usize = 50;
-
-/// Steps per sample of a motion that is simulated: contact then begins and ends to a twentieth of a millisecond
-/// at 5 kHz.
-const SUBSTEPS: usize = 4;
 
 /// A low-pass filter by its design; it runs forward and backward.
 #[derive(Debug, Clone, Copy, PartialEq)]

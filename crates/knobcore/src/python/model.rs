@@ -2,11 +2,12 @@
 use super::convert::{Column, Floats, array, input_error};
 use super::signals::PySignals;
 use super::user::watched;
+use crate::chain::{self, Hand};
 use crate::effects::Id;
 use crate::model::{Model, Role};
 use crate::param::Axis;
 use crate::predict::{Columns, Seeds, raw};
-use crate::simulate::{self, Hand};
+
 use crate::{model_file, predict};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -101,12 +102,12 @@ impl PyModel {
         Id::parse(id).and_then(|id| self.0.with(id)).map(Self).map_err(input_error)
     }
 
-    /// What is odd about the values of an effect, if anything is.
-    fn odd(&self, id: &str) -> PyResult<Option<&'static str>> {
+    /// What is implausible about the values of an effect, if anything is.
+    fn implausible(&self, id: &str) -> PyResult<Option<&'static str>> {
         let id = Id::parse(id).map_err(input_error)?;
         let values: Vec<f64> =
             self.0.slots().iter().filter(|slot| slot.effect == id).map(|slot| slot.value).collect();
-        Ok(id.odd(&values))
+        Ok(id.law().implausible(&values))
     }
 
     /// The same parameters, of these effects only.
@@ -157,7 +158,7 @@ pub fn push<'py>(
 ) -> PyResult<[Floats<'py>; 4]> {
     let reference = reference.as_slice()?;
     let pushed =
-        watched(py, &model.0, || simulate::push(&model.0, reference, dt, Hand { stiffness, damping }))?
+        watched(py, &model.0, || chain::push(&model.0, reference, dt, Hand { stiffness, damping }))?
             .map_err(input_error)?;
     Ok([&pushed.theta, &pushed.omega, &pushed.alpha, &pushed.tau].map(|x| array(py, x)))
 }

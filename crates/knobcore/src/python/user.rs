@@ -1,6 +1,6 @@
 //! Bindings of effects of the user's own.
 use super::convert::{Column, array, input_error};
-use crate::effects::{Id, Info, Place, Torque, User};
+use crate::effects::{Bends, Function, Id, Info, Place, User};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::motion::Channel;
@@ -19,12 +19,14 @@ fn interrupt(error: Option<PyErr>) -> Option<PyErr> {
     std::mem::replace(&mut *INTERRUPT.lock().unwrap_or_else(PoisonError::into_inner), error)
 }
 
-/// Registers an effect. `function` gets the parameter values and the columns t, theta, omega, alpha and forward,
-/// and returns the torque at each sample; `starts` has one value per parameter in each row.
+/// Registers an effect that acts as a `load`, as `friction`, on the `sensor` or as `coupling`. `function` gets the
+/// parameter values and the columns of [`Function`], and answers as that says; `starts` has one value per parameter in
+/// each row.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub fn register_effect(
     id: String,
+    acts: &str,
     law: String,
     source: String,
     shows: String,
@@ -35,22 +37,28 @@ pub fn register_effect(
 ) -> PyResult<()> {
     let params = params.into_iter().map(|row| param(&id, row));
     let params = params.collect::<Result<Vec<_>>>().map_err(input_error)?;
+    let (place, touches, bends): (_, &[Channel], _) = match acts {
+        "friction" => (Place::Load, &[Channel::Level], None),
+        "sensor" => (Place::Sensor, &[], Some(Bends::Everything)),
+        "coupling" => (Place::Coupling, &[], Some(Bends::Everything)),
+        _ => (Place::Load, &[Channel::Drive], None),
+    };
     let info = Info {
         id: id.leak(),
-        place: Place::Load,
+        place,
         law: law.leak(),
         source: source.leak(),
         shows: shows.leak(),
         params: params.leak(),
         confused: &[],
         needs: None,
-        touches: &[Channel::Drive],
-        shapes_friction: false,
+        touches,
+        shapes_friction: Channel::shape_friction(touches),
         presses: false,
-        bends: None,
+        bends,
         describes: false,
     };
-    User::register(info, remembers, starts, torque(function)).map_err(input_error)?;
+    User::register(info, remembers, starts, called(function)).map_err(input_error)?;
     Ok(())
 }
 
@@ -63,10 +71,10 @@ fn param(id: &str, (name, unit, lower, upper, neutral, meaning, linear): Row) ->
     Ok(Param { kind, ..shape })
 }
 
-fn torque(function: Py<PyAny>) -> Torque {
-    Box::new(move |p, motion| {
+fn called(function: Py<PyAny>) -> Function {
+    Box::new(move |p, columns| {
         Python::attach(|py| {
-            let columns = motion.map(|column| array(py, column));
+            let columns: Vec<_> = columns.iter().map(|column| array(py, column)).collect();
             let told = function.bind(py).call1((p.to_vec(), columns)).and_then(|tau| {
                 let tau: Column<'_> = tau.extract()?;
                 Ok(tau.as_slice()?.to_vec())

@@ -3,7 +3,8 @@
 
 use super::sliding::{Sliding, braked};
 use super::step::{Renderer, Sensed};
-use crate::effects::Block;
+use crate::chain::Block;
+use crate::isa;
 use crate::motion::Motion;
 use crate::scalar::LANES;
 
@@ -69,7 +70,7 @@ impl Renderer {
             out[i] = self.step(columns.sensed(i));
         }
         if first < rows {
-            pulp::Arch::new().dispatch(Rendering { renderer: self, columns, first, out });
+            isa::dispatch(Rendering { renderer: self, columns, first, out });
         }
     }
 

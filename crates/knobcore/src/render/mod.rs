@@ -1,11 +1,9 @@
 //! The 5 kHz step: from what the device senses to the torque that it renders.
 //!
 //! The step is plain arithmetic on its own state: no allocation, no lock, no panic, no clock, no unbounded loop.
-//! Firmware can take it as it is.
 
 mod batch;
 mod contact;
-mod coupled;
 mod device;
 mod limits;
 mod nature;

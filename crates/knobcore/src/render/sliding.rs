@@ -2,48 +2,49 @@
 
 use crate::model::Model;
 use crate::motion::{Load, Motion};
-use crate::scalar::Scalar;
 
 /// Torque and inertia of a sliding knob.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Sliding<T> {
+pub(super) struct Sliding {
     /// All torque but that of inertia, N m.
-    pub torque: T,
+    pub torque: f64,
     /// Inertia, kg m^2.
-    pub inertia: T,
+    pub inertia: f64,
 }
 
-/// What the model asks for on a motion whose direction is known. `spare` is what its effects remember, to
-/// look from without remembering; none is needed for a model that is `dissipative`.
-#[inline(always)]
-pub(super) fn sliding<T: Scalar>(
+/// What loads the knob, with effects of a user's own if there are any.
+pub(super) fn loaded(
     model: &Model,
-    p: &[T],
-    state: &mut [T],
-    spare: Option<&mut [T]>,
-    motion: &Motion<T>,
-) -> Sliding<T> {
-    let load = model.load(p, state, motion);
-    let friction = load.friction(motion.forward);
-    let drive = match spare {
-        None => load.drive,
-        Some(spare) => braked(&load, motion, model.load(p, spare, &at_rest(motion)).drive),
-    };
-    Sliding { torque: drive + friction, inertia: load.inertia }
+    p: &[f64],
+    own: bool,
+    state: &mut [f64],
+    motion: &Motion<f64>,
+) -> Load<f64> {
+    let mut load = model.load(p, state, motion);
+    if own {
+        model.own_load(p, motion, &mut load);
+    }
+    load
+}
+
+/// What a load asks for on a motion whose direction is known; `rest` is what pushes at rest, for a model that may
+/// create energy.
+#[inline(always)]
+pub(super) fn sliding(load: &Load<f64>, rest: Option<f64>, motion: &Motion<f64>) -> Sliding {
+    let drive = rest.map_or(load.drive, |rest| braked(load, motion, rest));
+    Sliding { torque: drive + load.friction(motion.forward), inertia: load.inertia }
 }
 
 /// The same place and time, at rest.
 #[inline(always)]
-pub(super) fn at_rest<T: Scalar>(motion: &Motion<T>) -> Motion<T> {
-    Motion { omega: T::of(0.0), forward: T::of(0.5), ..*motion }
+pub(super) fn at_rest(motion: &Motion<f64>) -> Motion<f64> {
+    Motion { omega: 0.0, forward: 0.5, ..*motion }
 }
 
 /// The torque that pushes, cut where what depends on the motion would push along with it by more than dry
 /// friction takes: a negative viscous coefficient (knobs 1 to 3 of the paper) would else create energy.
 #[inline(always)]
-pub(super) fn braked<T: Scalar>(load: &Load<T>, motion: &Motion<T>, rest: T) -> T {
-    let sign = motion.direction();
-    let [back, forth] = motion.directions();
-    let dry = (load.resist[0] * back + load.resist[1] * forth) * load.level + load.mu * load.press.abs();
-    (sign * (load.drive - rest) + dry).where_positive(load.drive, rest - sign * dry)
+pub(super) fn braked(load: &Load<f64>, motion: &Motion<f64>, rest: f64) -> f64 {
+    let (sign, dry) = (motion.direction(), load.dry(motion.forward));
+    if sign * (load.drive - rest) + dry > 0.0 { load.drive } else { rest - sign * dry }
 }

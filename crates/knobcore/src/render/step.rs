@@ -1,11 +1,11 @@
 //! The step itself.
 
 use super::contact::{Budget, Contact, Moved};
-use super::coupled::Hidden;
 use super::device::{Device, SLOWEST, Tuning};
 use super::limits::{Fault, Limits};
 use super::nature::Nature;
-use super::sliding::{Sliding, at_rest, braked, sliding};
+use super::sliding::{Sliding, at_rest, braked, loaded, sliding};
+use crate::chain::{Beside, Hidden, SUBSTEPS};
 use crate::effects::Id;
 use crate::error::{Error, Result};
 use crate::model::Model;
@@ -61,7 +61,7 @@ pub struct Renderer {
     pub(super) limits: Limits,
     pub(super) guarded: bool,
     pub(super) own: bool,
-    pub(super) hidden: Option<Hidden>,
+    pub(super) hidden: Option<Hidden<f64>>,
     pub(super) spare: Vec<f64>,
     pub(super) state: State,
 }
@@ -100,7 +100,10 @@ impl Renderer {
             torque_rate: limits.torque_rate.min(d.torque_rate_limit),
             ..limits
         });
-        let hidden = Hidden::new(model, &p, &memory, &tuning, [0.0; 3]);
+        let mut hidden = Hidden::new(model, &p, [0.0; 4], dt, SUBSTEPS);
+        if let Some(hidden) = &mut hidden {
+            hidden.soften(tuning.stiffest);
+        }
         let state = State {
             samples: 0,
             missed: 0,
@@ -159,9 +162,12 @@ impl Renderer {
         }
         let [theta, omega] = state.before;
         let there = theta + omega * self.tuning.ahead_s;
-        let before = [self.clock(state.samples.saturating_sub(1)), there, omega];
+        let before = Motion::exact(self.clock(state.samples.saturating_sub(1)), there, omega, state.alpha);
+        let beside = self.beside(&before);
         if let Some(hidden) = &mut self.hidden {
-            hidden.put(before, state.knob);
+            let Motion { t, theta, omega, alpha, .. } = before;
+            let mut memory = state.memory.clone();
+            hidden.put(&self.model, &self.p, &mut memory, [t, theta, omega, alpha], beside, state.knob);
         }
         self.state = state;
         Ok(())
@@ -205,13 +211,23 @@ impl Renderer {
         self.advance(sensed, None)
     }
 
+    /// What effects of a user's own do to a knob behind a joint, where there are any.
+    fn beside(&self, motion: &Motion<f64>) -> Option<Beside<f64>> {
+        if !self.own || self.hidden.is_none() {
+            return None;
+        }
+        let mut load = Load::none();
+        self.model.own_load(&self.p, motion, &mut load);
+        Some(Beside { drive: load.drive, level: load.level })
+    }
+
     pub(super) fn clock(&self, samples: u64) -> f64 {
         samples as f64 * self.dt
     }
 
     /// One step; `known` is what the knob asks for if it slides, where that has been worked out already.
     #[inline(always)]
-    pub(super) fn advance(&mut self, sensed: Sensed, known: Option<Sliding<f64>>) -> f64 {
+    pub(super) fn advance(&mut self, sensed: Sensed, known: Option<Sliding>) -> f64 {
         if self.state.fault.is_some() {
             return 0.0;
         }
@@ -241,24 +257,22 @@ impl Renderer {
         self.state.alpha = felt;
         let clock = self.clock(self.state.samples);
         let there = theta + omega * self.tuning.ahead_s;
-        let mut asked = if let Some(hidden) = &mut self.hidden {
+        let motion = Motion::exact(clock, there, omega, felt);
+        let beside = self.beside(&motion);
+        let asked = if let Some(hidden) = &mut self.hidden {
             // A knob that was not followed for so long may be anywhere: it starts again with the shaft.
             let lost = first || missed > LONGEST_GAP;
-            let followed = if lost { 0 } else { missed };
             if lost {
-                hidden
-                    .put([clock - self.dt, there - omega * self.dt, omega], [there - omega * self.dt, omega]);
+                hidden.begin(there, omega);
             }
-            let (torque, inertia) =
-                hidden.follow(&self.model, &self.p, &mut self.state.memory, [clock, there, omega], followed);
+            let (memory, to) = (&mut self.state.memory, [clock, there, omega, felt]);
+            let missed = if lost { 0 } else { missed as usize };
+            let torque = hidden.follow(&self.model, &self.p, memory, to, missed, beside);
             self.state.knob = hidden.knob();
-            Sliding { torque, inertia }
+            Sliding { torque, inertia: hidden.shafts }
         } else {
-            self.rubbed(Motion::exact(clock, there, omega, felt), by, hand, known)
+            self.rubbed(motion, by, hand, known)
         };
-        if self.own {
-            asked.torque += self.model.own_torque(&self.p, &Motion::exact(clock, there, omega, felt));
-        }
         let [inertia, damping] = self.tuning.own;
         let tau = asked.torque + (asked.inertia + inertia) * felt + damping * omega;
         if !tau.is_finite() {
@@ -278,23 +292,24 @@ impl Renderer {
         motion: Motion<f64>,
         by: f64,
         hand: Option<f64>,
-        known: Option<Sliding<f64>>,
-    ) -> Sliding<f64> {
-        let (model, p) = (&self.model, &self.p);
+        known: Option<Sliding>,
+    ) -> Sliding {
+        let (model, p, own) = (&self.model, &self.p, self.own);
         let state = &mut self.state;
+        let still = at_rest(&motion);
+        // Looks, and remembers nothing.
+        let mut look = |memory: &[f64], motion: &Motion<f64>| {
+            self.spare.copy_from_slice(memory);
+            loaded(model, p, own, &mut self.spare, motion)
+        };
         if state.samples > 0 && state.contact.slides(by, motion.omega) != 0.0 {
             if let Some(known) = known {
                 return known;
             }
-            self.spare.copy_from_slice(&state.memory);
-            let spare = if self.guarded { Some(self.spare.as_mut_slice()) } else { None };
-            return sliding(model, p, &mut state.memory, spare, &motion);
+            let rest = if self.guarded { Some(look(&state.memory, &still).drive) } else { None };
+            return sliding(&loaded(model, p, own, &mut state.memory, &motion), rest, &motion);
         }
-        let still = at_rest(&motion);
-        let mut load = |motion: &Motion<f64>| {
-            self.spare.copy_from_slice(&state.memory);
-            model.load(p, &mut self.spare, motion)
-        };
+        let mut load = |motion: &Motion<f64>| look(&state.memory, motion);
         let ways = [Motion { forward: 0.0, ..motion }, Motion { forward: 1.0, ..motion }];
         let [back, forth] = ways.map(|way| load(&way));
         let rest = if self.guarded { Some(load(&still).drive) } else { None };
@@ -303,7 +318,8 @@ impl Renderer {
             let gone = way.direction() * motion.omega > 0.0;
             rest.filter(|_| gone).map_or(load.drive, |rest| braked(&load, &way, rest))
         });
-        let elastic = elastic(&back, &forth);
+        // A spring among the effects (presliding) holds already, whichever way the knob would go.
+        let elastic = back.strained(&forth);
         let slide = [elastic - back.friction(0.0), forth.friction(1.0) - elastic].map(|x| x.max(0.0));
         let hold = [back.hold[0] + elastic, forth.hold[1] - elastic].map(|x| x.max(0.0));
         let band = forth.band.max(SLOWEST);
@@ -319,7 +335,7 @@ impl Renderer {
         let moved = Moved { by, omega: motion.omega, band };
         let (friction, strain) = state.contact.answer(&self.tuning, &Budget { slide, hold }, moved, other);
         // The effects that remember see the sample once, and go the way that the knob is strained.
-        model.load(p, &mut state.memory, &motion);
+        loaded(model, p, own, &mut state.memory, &motion);
         let torque = if state.contact.slipping && strain.abs() == 1.0 {
             let (drive, load, way) =
                 if strain > 0.0 { (drives[1], forth, 1.0) } else { (drives[0], back, 0.0) };
@@ -337,12 +353,4 @@ impl Renderer {
         self.state.tau = 0.0;
         0.0
     }
-}
-
-/// Friction that a spring among the effects (presliding) holds already, whichever way the knob would go: of the
-/// lags of both ways the mean is what its elements are strained by.
-fn elastic(back: &Load<f64>, forth: &Load<f64>) -> f64 {
-    let strained = 0.5 * (back.lag + forth.lag);
-    let dry = 0.5 * (forth.resist[0] + forth.resist[1]) * forth.level + forth.mu * forth.press.abs();
-    strained * dry
 }

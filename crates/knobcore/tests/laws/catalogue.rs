@@ -6,6 +6,13 @@ use knobcore::motion::{Channel, Load};
 /// No joint is rigid: the stiffest may differ by this share of the torque, which the samples at a reversal make.
 const RIGID: f64 = 1e-2;
 
+/// What an effect asks at one instant.
+fn loaded(id: Id, p: &[f64], state: &mut [f64], motion: &Motion<f64>) -> Load<f64> {
+    let mut load = Load::none();
+    id.law().load(p, state, motion, &mut load);
+    load
+}
+
 #[test]
 fn an_effect_at_its_neutral_values_changes_nothing() {
     for &id in Id::BUILT_IN {
@@ -26,9 +33,9 @@ fn resistance_static_friction_inertia_and_stick_band_are_never_negative() {
     for &id in Id::BUILT_IN {
         for _ in 0..5 {
             let p = plausible(id, &mut noise);
-            let mut state = vec![0.0; id.states()];
+            let mut state = vec![0.0; id.law().states()];
             for i in (0..CYCLE).step_by(7) {
-                let load = id.load(&p, &mut state, &motion(i as f64 / RATE_HZ));
+                let load = loaded(id, &p, &mut state, &motion(i as f64 / RATE_HZ));
                 let least = [load.resist, load.hold].concat().into_iter().chain([
                     load.inertia,
                     load.band,
@@ -45,15 +52,16 @@ fn a_load_touches_no_channel_that_it_does_not_name() {
     let mut noise = Noise::new(5);
     let channels = |load: Load<f64>| {
         let [back, forth] = load.resist;
-        [load.drive, load.inertia, back, forth, load.press, load.level, load.mu, load.lag]
+        let held = load.hold[0] + load.hold[1] + load.band;
+        [load.drive, load.inertia, back, forth, load.press, load.level, load.mu, load.lag, held]
     };
     for &id in Id::BUILT_IN.iter().filter(|id| id.info().place == Place::Load) {
         let (touched, mut moved) = (Channel::among(id.info().touches), [false; Channel::ALL.len()]);
         for _ in 0..5 {
             let p = plausible(id, &mut noise);
-            let mut state = vec![0.0; id.states()];
+            let mut state = vec![0.0; id.law().states()];
             for i in (0..CYCLE).step_by(3) {
-                let load = channels(id.load(&p, &mut state, &motion(i as f64 / RATE_HZ)));
+                let load = channels(loaded(id, &p, &mut state, &motion(i as f64 / RATE_HZ)));
                 let silent = channels(Load::none());
                 (0..load.len()).for_each(|c| moved[c] |= load[c] != silent[c]);
             }
@@ -65,19 +73,15 @@ fn a_load_touches_no_channel_that_it_does_not_name() {
 #[test]
 fn sample_by_sample_is_what_whole_stretches_are_to_the_last_bit() {
     let mut noise = Noise::new(2);
-    // A joint and a late sensor need the motion before and after; they are no functions of a sample.
-    let is_late = |id: Id| id.info().place == Place::Sensor && id.remembers();
-    for &id in Id::BUILT_IN.iter().filter(|id| !is_joint(**id) && !is_late(**id)) {
+    // A joint needs the motion before and after; a sensor is no part of a load.
+    for &id in Id::BUILT_IN.iter().filter(|id| id.info().place == Place::Load) {
         let model = plausible_knob(id, &mut noise);
         let whole = torque(&model);
         let p = model.values();
         let mut state = vec![0.0; model.states()];
         for (i, expected) in whole.tau.iter().enumerate() {
             let motion = whole.motion(i);
-            let mut tau = model.load(&p, &mut state, &motion).sliding(&motion);
-            for (id, p, _) in model.parts(&p, &vec![None; p.len()]) {
-                tau = id.sense(p, &motion, tau);
-            }
+            let tau = model.load(&p, &mut state, &motion).sliding(&motion);
             assert_eq!(tau.to_bits(), expected.to_bits(), "{} at {i}: {tau} {expected}", name(id));
         }
     }

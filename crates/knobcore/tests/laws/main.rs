@@ -7,6 +7,7 @@ mod recovery;
 mod rendering;
 mod user;
 
+use knobcore::chain::SUBSTEPS;
 use knobcore::effects::{Id, Place, Survey};
 use knobcore::model::{Model, Role};
 use knobcore::motion::Motion;
@@ -17,8 +18,6 @@ use knobcore::signals::Signals;
 use std::f64::consts::TAU;
 
 const RATE_HZ: f64 = 5000.0;
-/// Steps per sample of a hidden knob.
-const SUBSTEPS: usize = 4;
 /// The motion repeats after so many samples, and is as long as two cycles.
 const CYCLE: usize = 5000;
 
@@ -100,7 +99,7 @@ fn survey(signals: &Signals) -> Survey {
 
 /// Where a search for the effect begins: of the starts that it names itself the one in the middle.
 fn start(id: Id) -> Vec<f64> {
-    let starts = id.starts(&survey(&torque(&knob())));
+    let starts = id.law().starts(&survey(&torque(&knob())));
     starts[starts.len() / 2].clone()
 }
 

@@ -15,7 +15,7 @@ fn best(data: &Signals, truth: &Model, id: Id) -> Fit {
         let start = |param: &Param| if param.name == "P" { period } else { param.neutral };
         vec![at(truth.clone(), id, &id.info().params.iter().map(start).collect::<Vec<_>>())]
     } else {
-        id.starts(&survey(data)).iter().map(|start| at(truth.clone(), id, start)).collect()
+        id.law().starts(&survey(data)).iter().map(|start| at(truth.clone(), id, start)).collect()
     };
     let mut best: Option<Fit> = None;
     for start in starts {

@@ -1,0 +1,160 @@
+//! The chain on a motion that is prescribed, through a joint: the hidden knob's torque and its derivatives.
+
+use super::hidden::{Beside, Hidden};
+use crate::effects::law::{Carried, Sweep};
+use crate::effects::{Id, Place};
+use crate::isa;
+use crate::model::Model;
+use crate::motion::Channel;
+use crate::scalar::Dual;
+
+/// Derivatives that are carried along at a time.
+const MOST: usize = 16;
+
+/// Torque and derivatives on the shaft; what the columns held is replaced.
+pub(super) fn loads(
+    model: &Model,
+    p: &[f64],
+    columns: &[Option<usize>],
+    substeps: usize,
+    over: &mut Sweep<'_>,
+) {
+    let own = Own::over(model, p, columns, over.motion);
+    let behind = Behind { model, columns, own: &own, motion: over.motion, dt: over.dt, substeps };
+    if over.slopes.is_empty() {
+        let torque = &mut *over.torque;
+        behind.simulate(p, |at| own.at(at), |at, tau: f64| torque[at] = tau);
+        return;
+    }
+    for (group, few) in over.slopes.chunks_mut(MOST).enumerate() {
+        let first = group * MOST;
+        match few.len() {
+            0..=8 => behind.carry::<8>(p, first, over.torque, few),
+            _ => behind.carry::<MOST>(p, first, over.torque, few),
+        }
+    }
+}
+
+/// What is simulated, and by which parameters it is differentiated.
+struct Behind<'a> {
+    model: &'a Model,
+    columns: &'a [Option<usize>],
+    own: &'a Own,
+    /// t, theta, omega, alpha, forward of the shaft.
+    motion: [&'a [f64]; 5],
+    dt: f64,
+    substeps: usize,
+}
+
+impl Behind<'_> {
+    /// Simulates with the derivatives whose columns begin at `first`.
+    fn carry<const L: usize>(&self, p: &[f64], first: usize, torque: &mut [f64], few: &mut [Vec<f64>])
+    where
+        Dual<f64, L>: Carried,
+    {
+        let lane = |column: usize| column.checked_sub(first).filter(|lane| *lane < L);
+        let seed = |(i, x): (usize, &f64)| {
+            Dual::<f64, L>::seeded(*x, self.columns.get(i).copied().flatten().and_then(lane))
+        };
+        let p: Vec<_> = p.iter().enumerate().map(seed).collect();
+        let beside = |at: usize| {
+            let Beside { drive, level } = self.own.at(at)?;
+            let mut beside = Beside { drive: Dual::constant(drive), level: Dual::constant(level) };
+            for (channel, column, slope) in &self.own.slopes {
+                if let Some(lane) = lane(*column) {
+                    match channel {
+                        Channel::Level => beside.level.d[lane] += slope[at] * level,
+                        _ => beside.drive.d[lane] += slope[at],
+                    }
+                }
+            }
+            Some(beside)
+        };
+        let out = |at: usize, tau: Dual<f64, L>| {
+            torque[at] = tau.v;
+            few.iter_mut().zip(tau.d).for_each(|(column, slope)| column[at] = slope);
+        };
+        self.simulate(&p, beside, out);
+    }
+
+    fn simulate<T: Carried>(
+        &self,
+        p: &[T],
+        beside: impl Fn(usize) -> Option<Beside<T>>,
+        out: impl FnMut(usize, T),
+    ) {
+        isa::dispatch(Simulation { of: self, p, beside, out });
+    }
+}
+
+/// A simulation as a value, so that its body is compiled for the machine's instruction set.
+struct Simulation<'a, T, B, F> {
+    of: &'a Behind<'a>,
+    p: &'a [T],
+    beside: B,
+    out: F,
+}
+
+impl<T: Carried, B: Fn(usize) -> Option<Beside<T>>, F: FnMut(usize, T)> pulp::NullaryFnOnce
+    for Simulation<'_, T, B, F>
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { of: Behind { model, motion, dt, substeps, .. }, p, beside, mut out } = self;
+        let [t, theta, omega, alpha, _] = *motion;
+        let instant = |at: usize| [t, theta, omega, alpha].map(|column| column[at]);
+        let mut state = vec![T::of(0.0); model.states()];
+        if t.is_empty() {
+            return;
+        }
+        let Some(mut hidden) = Hidden::new(model, p, instant(0), *dt, *substeps) else { return };
+        for at in 0..t.len() {
+            let force = hidden.follow(model, p, &mut state, instant(at), 0, beside(at));
+            out(at, hidden.shafts * T::of(alpha[at]) + force);
+        }
+    }
+}
+
+/// What effects of a user's own do to the knob along the shaft's motion: torque and factor on the friction, empty
+/// without any; and derivatives by column, those of factors as a share of the factor.
+struct Own {
+    drive: Vec<f64>,
+    level: Vec<f64>,
+    slopes: Vec<(Channel, usize, Vec<f64>)>,
+}
+
+impl Own {
+    fn over(model: &Model, p: &[f64], columns: &[Option<usize>], motion: [&[f64]; 5]) -> Self {
+        let mut own = Self { drive: Vec::new(), level: Vec::new(), slopes: Vec::new() };
+        let samples = motion[0].len();
+        for (id, p, columns) in model.parts(p, columns) {
+            let Id::User(user) = id else { continue };
+            if user.info.place != Place::Load {
+                continue;
+            }
+            own.drive.resize(samples, 0.0);
+            own.level.resize(samples, 1.0);
+            let (channel, values) = (user.channel(), user.over(p, &motion));
+            for (i, value) in values.iter().enumerate() {
+                match channel {
+                    Channel::Level => own.level[i] *= value,
+                    _ => own.drive[i] += value,
+                }
+            }
+            for (i, column) in columns.iter().enumerate().filter_map(|(i, column)| Some((i, (*column)?))) {
+                let mut slope = user.slope(p, i, &motion);
+                if channel == Channel::Level {
+                    slope.iter_mut().zip(&values).for_each(|(slope, value)| *slope /= value);
+                }
+                own.slopes.push((channel, column, slope));
+            }
+        }
+        own
+    }
+
+    fn at(&self, at: usize) -> Option<Beside<f64>> {
+        Some(Beside { drive: *self.drive.get(at)?, level: *self.level.get(at)? })
+    }
+}

@@ -1,0 +1,40 @@
+//! Loads over a block of samples, for a step that renders many at once.
+
+use crate::effects::Id;
+use crate::effects::law::{BLOCK, CHANNELS, Channels, Totals, load_of};
+use crate::motion::Load;
+
+/// Loads on the moving knob over a block of samples, of effects that remember nothing: effect by effect, so that
+/// each is compiled for whole vectors, and in the order of single samples, so that the sums are the same.
+pub struct Block(Channels);
+
+impl Default for Block {
+    fn default() -> Self {
+        Self([[0.0; BLOCK]; CHANNELS])
+    }
+}
+
+impl Block {
+    /// Samples that it holds.
+    pub const SAMPLES: usize = BLOCK;
+
+    /// Brings the loads of effects together over a motion (t, theta, omega, alpha, forward) of at most
+    /// [`Block::SAMPLES`]; `plain` where none of them shapes the friction.
+    pub fn fill<'a>(
+        &mut self,
+        parts: impl Iterator<Item = (Id, &'a [f64])>,
+        motion: [&[f64]; 5],
+        plain: bool,
+    ) {
+        let mut totals = Totals::new(motion, 0..motion[0].len(), plain, &mut self.0);
+        for (id, p) in parts {
+            id.law().total(p, &mut [], &mut totals);
+        }
+    }
+
+    /// The load on a sample.
+    #[inline(always)]
+    pub fn load(&self, at: usize) -> Load<f64> {
+        load_of(std::array::from_fn(|channel| self.0[channel][at]))
+    }
+}

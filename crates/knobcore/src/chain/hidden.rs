@@ -1,0 +1,188 @@
+//! The hidden knob: where shaft and knob are not one, the knob's own motion is simulated from the shaft's.
+//!
+//! Two bodies (Nordin & Gutman 2002, "Controlling mechanical systems with backlash"): the shaft, whose motion is
+//! measured, with a share of the inertia; the knob with the rest and with every load. Between them a spring and a
+//! damper, after a free play. Static friction holds the knob where the model has it.
+
+use super::stepper::{Acts, Body};
+use crate::effects::Joint;
+use crate::effects::law::Carried;
+use crate::model::Model;
+use crate::motion::{Load, Motion};
+
+/// The motion of the shaft at one instant: t, theta, omega, alpha.
+pub type Instant = [f64; 4];
+
+/// What effects of a user's own do to the knob: a torque, N m, and a factor on its dry friction. They are evaluated
+/// along the shaft's motion, as if the joint were not strained, for their laws take whole columns.
+#[derive(Debug, Clone, Copy)]
+pub struct Beside<T> {
+    /// N m.
+    pub drive: T,
+    /// Factor.
+    pub level: T,
+}
+
+/// The hidden knob, carried along behind the shaft.
+#[derive(Debug, Clone, Copy)]
+pub struct Hidden<T> {
+    joint: Joint<T>,
+    knob: Body<T>,
+    own: T,
+    /// Inertia on the shaft's side, kg m^2.
+    pub shafts: T,
+    plain: bool,
+    substeps: usize,
+    /// Length of a step, s.
+    step_s: f64,
+    /// The last instant that it was followed to, and what loads it there.
+    before: Option<(Instant, Load<T>, Option<Beside<T>>)>,
+}
+
+impl<T: Carried> Hidden<T> {
+    /// A knob that begins with the shaft, at rest relative to it; none without a joint. `substeps` are the steps from
+    /// one sample to the next, `dt` seconds later: the joint needs none of them to be stable, they resolve when
+    /// contact begins and ends.
+    pub fn new(model: &Model, p: &[T], start: Instant, dt: f64, substeps: usize) -> Option<Self> {
+        let joint = model.joint(p)?;
+        let [t, theta, omega, _] = start.map(T::of);
+        let knob = Body { theta, omega };
+        let mut state = vec![T::of(0.0); model.states()];
+        let inertia = model.load(p, &mut state, &Motion::exact(t, theta, omega, T::of(0.0))).inertia;
+        let shafts = (T::of(1.0) - joint.share) * inertia;
+        let (own, substeps) = (joint.share * inertia, substeps.max(1));
+        let (plain, step_s) = (model.is_plain(), dt / substeps as f64);
+        Some(Self { joint, knob, own, shafts, plain, substeps, step_s, before: None })
+    }
+
+    /// Cuts the joint to a stiffness and raises its damping to at least what such a stiffness needs.
+    pub fn soften(&mut self, [stiffness, damping]: [f64; 2]) {
+        if (self.joint.stiffness - T::of(stiffness)).is_positive() {
+            self.joint.stiffness = T::of(stiffness);
+            self.joint.damping = T::of(damping);
+        }
+    }
+
+    /// Angle and speed of the knob.
+    pub fn knob(&self) -> [T; 2] {
+        [self.knob.theta, self.knob.omega]
+    }
+
+    /// Puts shaft and knob there. `state` is what the effects remember once they have seen that instant.
+    pub fn put(
+        &mut self,
+        model: &Model,
+        p: &[T],
+        state: &mut [T],
+        shaft: Instant,
+        beside: Option<Beside<T>>,
+        [theta, omega]: [T; 2],
+    ) {
+        self.knob = Body { theta, omega };
+        self.before = Some((shaft, self.load(model, p, state, shaft[0]), beside));
+    }
+
+    /// Forgets where the shaft was: the next instant is the first.
+    pub fn begin(&mut self, theta: T, omega: T) {
+        self.knob = Body { theta, omega };
+        self.before = None;
+    }
+
+    /// What loads the knob where it is.
+    #[inline(always)]
+    fn load(&self, model: &Model, p: &[T], state: &mut [T], t: f64) -> Load<T> {
+        model.load(p, state, &Motion::exact(T::of(t), self.knob.theta, self.knob.omega, T::of(0.0)))
+    }
+
+    /// What acts on the knob in a step.
+    #[inline(always)]
+    fn acts(&self, load: &Load<T>, beside: Option<Beside<T>>) -> Acts<T> {
+        let mut load = *load;
+        if let Some(beside) = beside {
+            load.drive = load.drive + beside.drive;
+            load.level = load.level * beside.level;
+        }
+        Acts::of(&load, self.plain, self.knob.omega, self.own)
+    }
+
+    /// Follows the shaft to its next instant, and answers the torque on it there but for its own inertia, N m.
+    ///
+    /// An instant lies between two steps: the last one before it, and one that is tried from there with the shaft's
+    /// acceleration. Their mean also takes out what the midpoint rule leaves of a spring that is too stiff for the
+    /// step: an error that changes sign from step to step. Nothing of it looks ahead, so that a knob is rendered as
+    /// it is predicted. `missed` samples lie between the instant before and this one.
+    #[inline(always)]
+    pub fn follow(
+        &mut self,
+        model: &Model,
+        p: &[T],
+        state: &mut [T],
+        to: Instant,
+        missed: usize,
+        beside: Option<Beside<T>>,
+    ) -> T {
+        let last = self.carry(model, p, state, to, missed, beside);
+        let load = self.load(model, p, state, to[0]);
+        self.before = Some((to, load, beside));
+        let ([_, theta, omega, alpha], h) = (to, self.step_s);
+        let shaft = [theta, theta + h * (omega + 0.5 * h * alpha)].map(T::of);
+        let (_, next) = self.knob.stepped(&self.joint, &self.acts(&load, beside), shaft, h);
+        last.map_or(next, |last| T::of(0.5) * (last + next))
+    }
+
+    /// Carries the knob along to the next instant; the joint's torque in the last step, none over no time.
+    #[inline(always)]
+    fn carry(
+        &mut self,
+        model: &Model,
+        p: &[T],
+        state: &mut [T],
+        to: Instant,
+        missed: usize,
+        beside: Option<Beside<T>>,
+    ) -> Option<T> {
+        let (from, mut load, was) = self.before?;
+        let time = to[0] - from[0];
+        if time.is_nan() || time <= 0.0 {
+            return None;
+        }
+        let substeps = self.substeps * (missed + 1);
+        let h = time / substeps as f64;
+        let share = |steps: usize| steps as f64 / substeps as f64;
+        let (mut last, mut angle) = (None, from[1]);
+        for step in 0..substeps {
+            if step > 0 {
+                load = self.load(model, p, state, from[0] + step as f64 * h);
+            }
+            let next = hermite([from[1], to[1]], [from[2] * time, to[2] * time], share(step + 1));
+            let between = was.zip(beside).map(|(was, now)| Beside {
+                drive: was.drive + T::of(share(step)) * (now.drive - was.drive),
+                level: was.level + T::of(share(step)) * (now.level - was.level),
+            });
+            let acts = self.acts(&load, between);
+            let (knob, force) = self.knob.stepped(&self.joint, &acts, [T::of(angle), T::of(next)], h);
+            (self.knob, last, angle) = (knob, Some(force), next);
+        }
+        last
+    }
+}
+
+/// The angle of the shaft after a share `u` of a sample, by the cubic through its angles and speeds.
+fn hermite([a, b]: [f64; 2], [da, db]: [f64; 2], u: f64) -> f64 {
+    let v = 1.0 - u;
+    v * v * (1.0 + 2.0 * u) * a + u * u * (1.0 + 2.0 * v) * b + u * v * (v * da - u * db)
+}
+
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn between_two_instants_the_shaft_keeps_angles_and_speeds_of_both() {
+        let at = |u: f64| hermite([1.0, 3.0], [0.5, -2.0], u);
+        let slope = |u: f64| (at(u + 1e-6) - at(u - 1e-6)) / 2e-6;
+        assert_eq!((at(0.0), at(1.0)), (1.0, 3.0));
+        assert!((slope(0.0) - 0.5).abs() < 1e-8 && (slope(1.0) + 2.0).abs() < 1e-8);
+    }
+}

@@ -1,0 +1,32 @@
+//! The chain on a motion that is prescribed and a shaft that is rigid: inverse dynamics over whole columns.
+//!
+//! Block by block: first all loads come together, then the friction budget is spent once, with its gradient to
+//! every channel of the load; by the chain rule each effect then needs derivatives to its own parameters only,
+//! however the loads act on each other.
+
+use super::Part;
+use crate::effects::law::{BLOCK, CHANNELS, Sweep, Totals};
+
+/// Torque and derivatives of loads on the moving knob; what the columns held is replaced.
+pub(super) fn loads(parts: &[Part<'_>], over: &mut Sweep<'_>) {
+    let plain = !parts.iter().any(|(id, ..)| id.info().shapes_friction);
+    let samples = over.torque.len();
+    let kept = |(id, p, columns): &Part<'_>, slopes| id.law().kept(p, columns, over.motion, slopes);
+    let mut valued: Vec<Vec<f64>> = parts.iter().map(|part| kept(part, 0)).collect();
+    let mut sloped: Vec<Vec<f64>> = Vec::new();
+    if !over.slopes.is_empty() {
+        sloped.extend(parts.iter().map(|part| kept(part, part.1.len())));
+    }
+    let (mut channels, mut by) = ([[0.0; BLOCK]; CHANNELS], [[0.0; BLOCK]; CHANNELS]);
+    for start in (0..samples).step_by(BLOCK) {
+        let block = start..(start + BLOCK).min(samples);
+        let mut totals = Totals::new(over.motion, block, plain, &mut channels);
+        for ((id, p, _), kept) in parts.iter().zip(&mut valued) {
+            id.law().total(p, kept, &mut totals);
+        }
+        let mut gradient = totals.spend(over.torque, over.slopes, &mut by);
+        for ((id, p, columns), kept) in parts.iter().zip(&mut sloped) {
+            id.law().slopes(p, columns, kept, &mut gradient);
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! A block of samples in which loads come together, channel by channel, and in which friction is then spent.
+
+use super::gradient::Gradient;
+use crate::effects::{LoadEffect, MemoryEffect};
+use crate::isa;
+use crate::motion::{Channel, Load, Motion, Touched};
+use crate::scalar::{Dual, LANES, Pack, Scalar};
+use pulp::NullaryFnOnce;
+use std::ops::Range;
+
+/// Samples that are evaluated at a time: their channels stay in the first cache.
+pub(crate) const BLOCK: usize = 256;
+/// Channels of a load that a moving knob feels: drive, inertia, dry friction backward and forward; press, level,
+/// friction per press, lag.
+pub(crate) const CHANNELS: usize = Channel::Stick as usize;
+/// The first of them, which suffice where nothing shapes the friction.
+pub(crate) const PLAIN: usize = Channel::Press as usize;
+/// The channel that multiplies.
+pub(crate) const LEVEL: usize = Channel::Level as usize;
+
+#[inline(always)]
+pub(super) fn channels<T: Scalar>(load: &Load<T>) -> [T; CHANNELS] {
+    let [back, forth] = load.resist;
+    [load.drive, load.inertia, back, forth, load.press, load.level, load.mu, load.lag]
+}
+
+#[inline(always)]
+pub(crate) fn load_of<T: Scalar>(
+    [drive, inertia, back, forth, press, level, mu, lag]: [T; CHANNELS],
+) -> Load<T> {
+    Load { drive, inertia, resist: [back, forth], press, level, mu, lag, ..Load::none() }
+}
+
+/// A block of every channel.
+pub(crate) type Channels = [[f64; BLOCK]; CHANNELS];
+
+/// The loads over a block, coming together.
+pub struct Totals<'a> {
+    pub(super) whole: [&'a [f64]; 5],
+    pub(super) motion: [&'a [f64]; 5],
+    pub(super) block: Range<usize>,
+    pub(super) channels: &'a mut Channels,
+    pub(super) plain: bool,
+}
+
+impl<'a> Totals<'a> {
+    /// An empty block of a motion; `plain` where no effect shapes the friction of others.
+    pub(crate) fn new(
+        whole: [&'a [f64]; 5],
+        block: Range<usize>,
+        plain: bool,
+        channels: &'a mut Channels,
+    ) -> Self {
+        for (channel, column) in channels.iter_mut().enumerate().take(if plain { PLAIN } else { CHANNELS }) {
+            column.fill(if channel == LEVEL { 1.0 } else { 0.0 });
+        }
+        if plain {
+            channels[LEVEL].fill(1.0);
+        }
+        let motion = whole.map(|column| &column[block.clone()]);
+        Self { whole, motion, block, channels, plain }
+    }
+
+    #[inline(always)]
+    fn join(&mut self, at: usize, load: &Load<Pack>, touches: Touched) {
+        if self.plain {
+            self.joined::<PLAIN>(at, load, touches)
+        } else {
+            self.joined::<CHANNELS>(at, load, touches)
+        }
+    }
+
+    #[inline(always)]
+    fn joined<const C: usize>(&mut self, at: usize, load: &Load<Pack>, touches: Touched) {
+        let own = channels(load);
+        for (channel, (column, own)) in self.channels.iter_mut().zip(own).take(C).enumerate() {
+            if !touches[channel] {
+                continue;
+            }
+            let before = Pack::load(column, at);
+            (if channel == LEVEL { before * own } else { before + own }).store(column, at);
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn motion(&self, at: usize) -> Motion<Pack> {
+        let [t, theta, omega, alpha, forward] = self.motion.map(|column| Pack::load(column, at));
+        Motion { t, theta, omega, alpha, forward }
+    }
+
+    #[inline(always)]
+    pub(super) fn add<const N: usize, E: LoadEffect<N>>(&mut self, p: &[f64]) {
+        let p: [Pack; N] = std::array::from_fn(|i| Pack::of(p.get(i).copied().unwrap_or(0.0)));
+        for at in (0..self.block.len()).step_by(LANES) {
+            let load = E::load(&p, &self.motion(at));
+            self.join(at, &load, const { Channel::among(E::TOUCHES) });
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn add_remembering<const N: usize, const M: usize, E: MemoryEffect<N, M>>(
+        &mut self,
+        p: &[f64],
+        state: &mut [f64],
+    ) {
+        let p: [f64; N] = super::take(p);
+        let Some(state) = state.first_chunk_mut::<M>() else { return };
+        for at in (0..self.block.len()).step_by(LANES) {
+            let motion = self.motion(at);
+            let loads: [Load<f64>; LANES] =
+                std::array::from_fn(|lane| E::load(&p, state, &motion.map(|x| x.0[lane])));
+            let own: [[f64; CHANNELS]; LANES] = loads.map(|load| channels(&load));
+            let packs = std::array::from_fn(|c| Pack(std::array::from_fn(|lane| own[lane][c])));
+            self.join(at, &load_of(packs), const { Channel::among(E::TOUCHES) });
+        }
+    }
+
+    /// Brings in what was worked out for the whole motion at once, into one channel.
+    pub(super) fn add_column(&mut self, channel: Channel, column: &[f64]) {
+        for (total, own) in self.channels[channel as usize].iter_mut().zip(&column[self.block.clone()]) {
+            *total = if channel == Channel::Level { *total * own } else { *total + own };
+        }
+    }
+
+    /// Spends the friction budget: the torque over the block, and its gradient to each channel.
+    pub(crate) fn spend<'b>(
+        self,
+        torque: &mut [f64],
+        slopes: &'b mut [Vec<f64>],
+        by: &'b mut Channels,
+    ) -> Gradient<'b>
+    where
+        'a: 'b,
+    {
+        let torque = &mut torque[self.block.clone()];
+        isa::dispatch(Spent { totals: &self, torque, by: (!slopes.is_empty()).then_some(&mut *by) });
+        Gradient { totals: self, by, slopes }
+    }
+}
+
+/// The spending as a value, so that its body is compiled for the machine's instruction set.
+struct Spent<'a, 'b> {
+    totals: &'a Totals<'b>,
+    torque: &'a mut [f64],
+    by: Option<&'a mut Channels>,
+}
+
+impl NullaryFnOnce for Spent<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { totals, torque, mut by } = self;
+        for at in (0..totals.block.len()).step_by(LANES) {
+            let packs: [Pack; CHANNELS] = std::array::from_fn(|c| Pack::load(&totals.channels[c], at));
+            let motion = totals.motion(at);
+            match &mut by {
+                None => load_of(packs).sliding(&motion).store(torque, at),
+                Some(by) if totals.plain => spend_by::<PLAIN>(packs, &motion, torque, by, at),
+                Some(by) => spend_by::<CHANNELS>(packs, &motion, torque, by, at),
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn spend_by<const C: usize>(
+    packs: [Pack; CHANNELS],
+    motion: &Motion<Pack>,
+    torque: &mut [f64],
+    by: &mut Channels,
+    at: usize,
+) {
+    let mut seeds: [Dual<Pack, C>; CHANNELS] = packs.map(Dual::constant);
+    for (lane, seed) in seeds.iter_mut().enumerate().take(C) {
+        seed.d[lane] = Pack::of(1.0);
+    }
+    let tau = load_of(seeds).sliding(&motion.map(Dual::constant));
+    tau.v.store(torque, at);
+    for (column, slope) in by.iter_mut().zip(tau.d) {
+        slope.store(column, at);
+    }
+}

@@ -1,0 +1,135 @@
+//! One effect as the chain meets it: an object, behind which its function is compiled for numbers, for eight
+//! samples at once and with derivatives.
+//!
+//! Each effect is compiled by itself, for each instruction set, and called once a block: nothing is inlined across
+//! effects, so that a build grows with their number and not with its square.
+
+mod block;
+mod gradient;
+mod own;
+mod place;
+mod sweep;
+
+pub use block::Totals;
+pub(crate) use block::{BLOCK, CHANNELS, Channels, load_of};
+pub(crate) use gradient::Gradient;
+pub(crate) use place::{Couples, Delays, Loads, Remembers, Senses};
+pub use sweep::Sweep;
+
+use super::{Info, Joint, Survey};
+use crate::motion::{Load, Motion};
+use crate::scalar::{Dual, Scalar};
+
+/// What every effect can do, wherever in the chain it acts. What it does not do does nothing.
+pub trait Law: Sync {
+    /// Its row of the catalogue.
+    fn info(&self) -> &'static Info;
+
+    /// Parameter values to start a search from.
+    fn starts(&self, survey: &Survey) -> Vec<Vec<f64>>;
+
+    /// What is implausible about such values, if anything is.
+    fn implausible(&self, _p: &[f64]) -> Option<&'static str> {
+        None
+    }
+
+    /// Numbers that it remembers from sample to sample.
+    fn states(&self) -> usize {
+        0
+    }
+
+    /// Whether what it does depends on more than the present sample.
+    fn remembers(&self) -> bool {
+        false
+    }
+
+    /// What is kept for it from block to block with `slopes` derivatives: its state, or what it worked out for the
+    /// whole motion at once. `columns` says which parameters have a derivative column.
+    fn kept(&self, _p: &[f64], _columns: &[Option<usize>], _motion: [&[f64]; 5], slopes: usize) -> Vec<f64> {
+        vec![0.0; self.states() * (1 + slopes)]
+    }
+
+    /// Brings its load at one instant into a sum.
+    fn load(&self, _p: &[f64], _state: &mut [f64], _motion: &Motion<f64>, _sum: &mut Load<f64>) {}
+
+    /// The same with eight derivatives.
+    fn load8(&self, _p: &[D8], _state: &mut [D8], _motion: &Motion<D8>, _sum: &mut Load<D8>) {}
+
+    /// The same with sixteen.
+    fn load16(&self, _p: &[D16], _state: &mut [D16], _motion: &Motion<D16>, _sum: &mut Load<D16>) {}
+
+    /// How it joins shaft and knob, if it does.
+    fn joint(&self, _p: &[f64]) -> Option<Joint<f64>> {
+        None
+    }
+
+    /// The same with eight derivatives.
+    fn joint8(&self, _p: &[D8]) -> Option<Joint<D8>> {
+        None
+    }
+
+    /// The same with sixteen.
+    fn joint16(&self, _p: &[D16]) -> Option<Joint<D16>> {
+        None
+    }
+
+    /// Adds what it asks over a block of samples to the totals.
+    fn total(&self, _p: &[f64], _kept: &mut [f64], _totals: &mut Totals<'_>) {}
+
+    /// Adds the derivatives of the torque by its own parameters over a block of samples.
+    fn slopes(&self, _p: &[f64], _columns: &[Option<usize>], _kept: &mut [f64], _gradient: &mut Gradient<'_>) {
+    }
+
+    /// Passes torque and derivatives through it, if it is a sensor.
+    fn pass(&self, _p: &[f64], _columns: &[Option<usize>], _over: &mut Sweep<'_>) {}
+}
+
+/// Eight derivatives.
+pub type D8 = Dual<f64, 8>;
+/// Sixteen derivatives.
+pub type D16 = Dual<f64, 16>;
+
+/// A number that a motion can be simulated with, step by step: alone, or with derivatives.
+pub trait Carried: Scalar {
+    /// [`Law::load`] for this number.
+    fn load(law: &dyn Law, p: &[Self], state: &mut [Self], motion: &Motion<Self>, sum: &mut Load<Self>);
+    /// [`Law::joint`] for this number.
+    fn joint(law: &dyn Law, p: &[Self]) -> Option<Joint<Self>>;
+}
+
+macro_rules! carried {
+    ($number:ty, $load:ident, $joint:ident) => {
+        impl Carried for $number {
+            #[inline(always)]
+            fn load(
+                law: &dyn Law,
+                p: &[Self],
+                state: &mut [Self],
+                motion: &Motion<Self>,
+                sum: &mut Load<Self>,
+            ) {
+                law.$load(p, state, motion, sum);
+            }
+
+            fn joint(law: &dyn Law, p: &[Self]) -> Option<Joint<Self>> {
+                law.$joint(p)
+            }
+        }
+    };
+}
+
+carried!(f64, load, joint);
+carried!(D8, load8, joint8);
+carried!(D16, load16, joint16);
+
+/// The first `N` of a slice, as an array; a model always hands over as many as the effect has.
+#[inline(always)]
+pub(crate) fn take<T: Scalar, const N: usize>(p: &[T]) -> [T; N] {
+    std::array::from_fn(|i| p.get(i).copied().unwrap_or(T::of(0.0)))
+}
+
+/// Parameters that are differentiated by, one lane each.
+#[inline(always)]
+fn seeded<V: Scalar, const N: usize, const L: usize>(p: &[f64]) -> [Dual<V, L>; N] {
+    std::array::from_fn(|i| Dual::seeded(p.get(i).copied().unwrap_or(0.0), Some(i)))
+}

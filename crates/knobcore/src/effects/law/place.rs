@@ -1,0 +1,250 @@
+//! The places of the chain at which an effect of the catalogue acts, each as a [`Law`].
+
+use super::block::Totals;
+use super::gradient::Gradient;
+use super::sweep::Sweep;
+use super::{Carried, D8, D16, Law, take};
+use crate::effects::{
+    CouplingEffect, Info, Joint, LateEffect, LoadEffect, MemoryEffect, Place, SensorEffect, Survey,
+};
+use crate::isa;
+use crate::motion::{Channel, Load, Motion};
+use pulp::NullaryFnOnce;
+use std::marker::PhantomData;
+
+/// A joint between shaft and knob.
+pub(crate) struct Couples<E, const N: usize>(pub PhantomData<E>);
+/// A load on the knob.
+pub(crate) struct Loads<E, const N: usize>(pub PhantomData<E>);
+/// A load that remembers `M` numbers.
+pub(crate) struct Remembers<E, const N: usize, const M: usize>(pub PhantomData<E>);
+/// A sensor that remembers what it has seen.
+pub(crate) struct Delays<E, const N: usize>(pub PhantomData<E>);
+/// A sensor.
+pub(crate) struct Senses<E, const N: usize>(pub PhantomData<E>);
+
+/// What an effect says of itself, whatever its place.
+macro_rules! told {
+    ($place:expr) => {
+        fn info(&self) -> &'static Info {
+            const { &Info::of::<N, E>($place, &E::PARAMS) }
+        }
+
+        fn starts(&self, survey: &Survey) -> Vec<Vec<f64>> {
+            E::starts(survey).into_iter().map(Vec::from).collect()
+        }
+
+        fn implausible(&self, p: &[f64]) -> Option<&'static str> {
+            E::implausible(&take(p))
+        }
+    };
+}
+
+impl<E: CouplingEffect<N> + Sync, const N: usize> Law for Couples<E, N> {
+    told!(Place::Coupling);
+
+    fn remembers(&self) -> bool {
+        true
+    }
+
+    fn joint(&self, p: &[f64]) -> Option<Joint<f64>> {
+        Some(E::joint(&take(p)))
+    }
+
+    fn joint8(&self, p: &[D8]) -> Option<Joint<D8>> {
+        Some(E::joint(&take(p)))
+    }
+
+    fn joint16(&self, p: &[D16]) -> Option<Joint<D16>> {
+        Some(E::joint(&take(p)))
+    }
+}
+
+impl<E: LoadEffect<N> + Sync, const N: usize> Law for Loads<E, N> {
+    told!(Place::Load);
+
+    fn load(&self, p: &[f64], _: &mut [f64], motion: &Motion<f64>, sum: &mut Load<f64>) {
+        sum.join(&E::load(&take(p), motion), const { Channel::among(E::TOUCHES) });
+    }
+
+    fn load8(&self, p: &[D8], _: &mut [D8], motion: &Motion<D8>, sum: &mut Load<D8>) {
+        isa::dispatch(Summed::<_, E, N>(p, motion, sum, PhantomData));
+    }
+
+    fn load16(&self, p: &[D16], _: &mut [D16], motion: &Motion<D16>, sum: &mut Load<D16>) {
+        isa::dispatch(Summed::<_, E, N>(p, motion, sum, PhantomData));
+    }
+
+    fn total(&self, p: &[f64], _: &mut [f64], totals: &mut Totals<'_>) {
+        isa::dispatch(Totalled::<E, N>(p, totals, PhantomData));
+    }
+
+    fn slopes(&self, p: &[f64], columns: &[Option<usize>], _: &mut [f64], gradient: &mut Gradient<'_>) {
+        if columns.iter().any(Option::is_some) {
+            isa::dispatch(Chained::<E, N>(p, columns, gradient, PhantomData));
+        }
+    }
+}
+
+impl<E: MemoryEffect<N, M> + Sync, const N: usize, const M: usize> Law for Remembers<E, N, M> {
+    told!(Place::Load);
+
+    fn states(&self) -> usize {
+        M
+    }
+
+    fn remembers(&self) -> bool {
+        true
+    }
+
+    fn load(&self, p: &[f64], state: &mut [f64], motion: &Motion<f64>, sum: &mut Load<f64>) {
+        let Some(state) = state.first_chunk_mut::<M>() else { return };
+        sum.join(&E::load(&take(p), state, motion), const { Channel::among(E::TOUCHES) });
+    }
+
+    fn load8(&self, p: &[D8], state: &mut [D8], motion: &Motion<D8>, sum: &mut Load<D8>) {
+        isa::dispatch(Recalled::<_, E, N, M>(p, state, motion, sum, PhantomData));
+    }
+
+    fn load16(&self, p: &[D16], state: &mut [D16], motion: &Motion<D16>, sum: &mut Load<D16>) {
+        isa::dispatch(Recalled::<_, E, N, M>(p, state, motion, sum, PhantomData));
+    }
+
+    fn total(&self, p: &[f64], state: &mut [f64], totals: &mut Totals<'_>) {
+        isa::dispatch(TotalledOn::<E, N, M>(p, state, totals, PhantomData));
+    }
+
+    fn slopes(&self, p: &[f64], columns: &[Option<usize>], state: &mut [f64], gradient: &mut Gradient<'_>) {
+        isa::dispatch(ChainedOn::<E, N, M>(p, columns, state, gradient, PhantomData));
+    }
+}
+
+impl<E: LateEffect<N> + Sync, const N: usize> Law for Delays<E, N> {
+    told!(Place::Sensor);
+
+    fn remembers(&self) -> bool {
+        true
+    }
+
+    fn pass(&self, p: &[f64], columns: &[Option<usize>], over: &mut Sweep<'_>) {
+        over.late::<N, E>(p, columns);
+    }
+}
+
+impl<E: SensorEffect<N> + Sync, const N: usize> Law for Senses<E, N> {
+    told!(Place::Sensor);
+
+    fn pass(&self, p: &[f64], columns: &[Option<usize>], over: &mut Sweep<'_>) {
+        isa::dispatch(Sensed::<E, N>(p, columns, over, PhantomData));
+    }
+}
+
+// Work as values: their bodies, unlike those of closures, are sure to be compiled into the function that has the
+// machine's instruction set.
+
+struct Summed<'a, T, E, const N: usize>(&'a [T], &'a Motion<T>, &'a mut Load<T>, PhantomData<E>);
+
+impl<T: Carried, E: LoadEffect<N>, const N: usize> NullaryFnOnce for Summed<'_, T, E, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.2.join(&E::load(&take(self.0), self.1), const { Channel::among(E::TOUCHES) });
+    }
+}
+
+struct Recalled<'a, T, E, const N: usize, const M: usize>(
+    &'a [T],
+    &'a mut [T],
+    &'a Motion<T>,
+    &'a mut Load<T>,
+    PhantomData<E>,
+);
+
+impl<T: Carried, E: MemoryEffect<N, M>, const N: usize, const M: usize> NullaryFnOnce
+    for Recalled<'_, T, E, N, M>
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Some(state) = self.1.first_chunk_mut::<M>() else { return };
+        self.3.join(&E::load(&take(self.0), state, self.2), const { Channel::among(E::TOUCHES) });
+    }
+}
+
+struct Totalled<'a, 'b, E, const N: usize>(&'a [f64], &'a mut Totals<'b>, PhantomData<E>);
+
+impl<E: LoadEffect<N>, const N: usize> NullaryFnOnce for Totalled<'_, '_, E, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.1.add::<N, E>(self.0);
+    }
+}
+
+struct TotalledOn<'a, 'b, E, const N: usize, const M: usize>(
+    &'a [f64],
+    &'a mut [f64],
+    &'a mut Totals<'b>,
+    PhantomData<E>,
+);
+
+impl<E: MemoryEffect<N, M>, const N: usize, const M: usize> NullaryFnOnce for TotalledOn<'_, '_, E, N, M> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.2.add_remembering::<N, M, E>(self.0, self.1);
+    }
+}
+
+struct Chained<'a, 'b, E, const N: usize>(
+    &'a [f64],
+    &'a [Option<usize>],
+    &'a mut Gradient<'b>,
+    PhantomData<E>,
+);
+
+impl<E: LoadEffect<N>, const N: usize> NullaryFnOnce for Chained<'_, '_, E, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.2.chain::<N, E>(self.0, self.1);
+    }
+}
+
+struct ChainedOn<'a, 'b, E, const N: usize, const M: usize>(
+    &'a [f64],
+    &'a [Option<usize>],
+    &'a mut [f64],
+    &'a mut Gradient<'b>,
+    PhantomData<E>,
+);
+
+impl<E: MemoryEffect<N, M>, const N: usize, const M: usize> NullaryFnOnce for ChainedOn<'_, '_, E, N, M> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.3.chain_remembering::<N, M, E>(self.0, self.1, self.2);
+    }
+}
+
+struct Sensed<'a, 'b, E, const N: usize>(
+    &'a [f64],
+    &'a [Option<usize>],
+    &'a mut Sweep<'b>,
+    PhantomData<E>,
+);
+
+impl<E: SensorEffect<N>, const N: usize> NullaryFnOnce for Sensed<'_, '_, E, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.2.sense::<N, E>(self.0, self.1);
+    }
+}

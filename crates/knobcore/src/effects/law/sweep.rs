@@ -1,0 +1,89 @@
+//! Whole columns of samples with exact derivatives, and how they pass through a sensor.
+
+use super::seeded;
+use crate::effects::{LateEffect, SensorEffect};
+use crate::motion::Motion;
+use crate::scalar::{Dual, LANES, Pack, Scalar};
+
+/// Derivatives of a sensor: its parameters (fewer than this), and last the torque that it senses.
+const SENSOR_LANES: usize = 12;
+/// Derivative columns that pass through a late sensor at a time.
+const AT_ONCE: usize = 4;
+
+/// Columns of a motion, and what a chain of effects makes of them.
+///
+/// All columns have the length of the torque. A parameter with a column has its derivative there.
+pub struct Sweep<'a> {
+    /// t, theta, omega, alpha, forward: the fields of [`Motion`].
+    pub motion: [&'a [f64]; 5],
+    /// Sampling interval, s.
+    pub dt: f64,
+    /// Torque, N m.
+    pub torque: &'a mut [f64],
+    /// Derivatives of the torque, N m per unit of their parameter.
+    pub slopes: &'a mut [Vec<f64>],
+}
+
+impl Sweep<'_> {
+    /// A sensor without memory: the chain rule by its own derivative to the torque.
+    #[inline(always)]
+    pub(super) fn sense<const N: usize, E: SensorEffect<N>>(&mut self, p: &[f64], columns: &[Option<usize>]) {
+        let p: [Dual<Pack, SENSOR_LANES>; N] = seeded(p);
+        for at in (0..self.torque.len()).step_by(LANES) {
+            let mut tau = Dual::constant(Pack::load(self.torque, at));
+            tau.d[SENSOR_LANES - 1] = Pack::of(1.0);
+            let motion = constant_motion(self.motion, at);
+            let sensed = E::sense(&p, &motion, tau);
+            sensed.v.store(self.torque, at);
+            for column in self.slopes.iter_mut() {
+                (Pack::load(column, at) * sensed.d[SENSOR_LANES - 1]).store(column, at);
+            }
+            add(self.slopes, columns, at, &sensed.d);
+        }
+    }
+
+    /// A sensor with memory: each derivative column goes through it beside the torque.
+    pub(super) fn late<const N: usize, E: LateEffect<N>>(&mut self, p: &[f64], columns: &[Option<usize>]) {
+        let own: [Dual<f64, N>; N] = seeded(p);
+        let torque: Vec<Dual<f64, N>> = self.torque.iter().map(|tau| Dual::constant(*tau)).collect();
+        let fixed: [Dual<f64, AT_ONCE>; N] =
+            std::array::from_fn(|i| Dual::constant(p.get(i).copied().unwrap_or(0.0)));
+        for few in self.slopes.chunks_mut(AT_ONCE) {
+            let beside: Vec<Dual<f64, AT_ONCE>> = (0..torque.len())
+                .map(|at| Dual {
+                    v: torque[at].v,
+                    d: std::array::from_fn(|i| few.get(i).map_or(0.0, |column| column[at])),
+                })
+                .collect();
+            for (at, late) in E::late(&fixed, self.dt, &beside).iter().enumerate() {
+                few.iter_mut().zip(late.d).for_each(|(column, slope)| column[at] = slope);
+            }
+        }
+        for (at, late) in E::late(&own, self.dt, &torque).iter().enumerate() {
+            self.torque[at] = late.v;
+            for (column, slope) in columns.iter().zip(late.d) {
+                if let Some(column) = column.and_then(|c| self.slopes.get_mut(c)) {
+                    column[at] += slope;
+                }
+            }
+        }
+    }
+}
+
+/// The motion of eight samples, without derivatives.
+#[inline(always)]
+fn constant_motion<const L: usize>(columns: [&[f64]; 5], at: usize) -> Motion<Dual<Pack, L>> {
+    let [t, theta, omega, alpha, forward] = columns.map(|column| Dual::constant(Pack::load(column, at)));
+    Motion { t, theta, omega, alpha, forward }
+}
+
+/// Adds derivatives of eight samples to their columns.
+#[inline(always)]
+fn add(slopes: &mut [Vec<f64>], columns: &[Option<usize>], at: usize, more: &[Pack]) {
+    for (column, slope) in columns.iter().zip(more) {
+        if let Some(column) = column.and_then(|c| slopes.get_mut(c)) {
+            (Pack::load(column, at) + *slope).store(column, at);
+        }
+    }
+}
+

@@ -1,0 +1,357 @@
+"""A measurement of a mechanism: motion and torque over time, in SI, and what is wrong with them."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..base import showing
+from ..base.arrays import BoolArray, FloatArray
+from ..base.tables import TextTable
+from ..errors import InputError
+from .finding import Finding, Rows
+from .formats import DEFAULT_MAX_BYTES, Table, document, read_table, write_table
+from .formats.columnmap import ColumnMap
+from .formats.resolve import CONTRACT, resolve
+from .formats.units import SI, Axis
+from .quality import check
+from .quality.limits import check_limits
+
+if TYPE_CHECKING:
+    from ..base.showing import Figure
+    from .prepare import Prepared
+
+_RATE_AGREEMENT = 0.01  # a rate= that differs more from the time stamps (relative) contradicts them
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Capture(showing.Tabled):
+    """One recording, immutable: read-only float64 arrays of shape (samples,) in SI.
+
+    `t` s; `theta` rad, `omega` rad/s, `alpha` rad/s^2 and `tau` N m on a rotary axis; m, m/s, m/s^2 and N on
+    a linear one. `omega` and `alpha` are None when they were not measured. `mask` is True where a sample is
+    usable; masked samples keep the values that were recorded. `rate_hz` is the usual sampling rate.
+    `findings` says what the quality check found, `meta` where the numbers came from.
+    """
+
+    t: FloatArray
+    theta: FloatArray
+    omega: FloatArray | None
+    alpha: FloatArray | None
+    tau: FloatArray
+    mask: BoolArray
+    axis: Axis
+    rate_hz: float
+    meta: Mapping[str, Any] = field(default_factory=dict)
+    findings: tuple[Finding, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.axis not in SI:
+            raise InputError(f"axis={self.axis!r} is unknown; choose rotary or linear")
+        for name in ("t", "theta", "omega", "alpha", "tau"):
+            if getattr(self, name) is not None:
+                self._freeze(name, np.float64)
+        self._freeze("mask", np.bool_)
+        object.__setattr__(self, "meta", MappingProxyType(dict(self.meta)))
+        object.__setattr__(self, "findings", tuple(self.findings))
+
+    def _freeze(self, name: str, dtype: type[np.generic]) -> None:
+        values = np.array(getattr(self, name), dtype=dtype)  # a copy: the caller's array stays writable
+        if values.shape != (np.size(self.t),):
+            raise InputError(
+                f"columns of different length: t has {np.size(self.t)} samples, "
+                f"{name} has shape {values.shape}"
+            )
+        values.flags.writeable = False
+        object.__setattr__(self, name, values)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        arrays = (self.t, self.theta, self.omega, self.alpha, self.tau, self.mask)
+        return Capture, (*arrays, self.axis, self.rate_hz, dict(self.meta), self.findings)
+
+    @classmethod
+    def from_arrays(
+        cls,
+        *,
+        theta: ArrayLike,
+        tau: ArrayLike,
+        t: ArrayLike | None = None,
+        omega: ArrayLike | None = None,
+        alpha: ArrayLike | None = None,
+        axis: Axis = "rotary",
+        rate: float | None = None,
+        meta: Mapping[str, Any] | None = None,
+    ) -> Capture:
+        """Return a checked capture from arrays in SI, shape (samples,) each; without `t`, `rate` in Hz.
+
+        Raises InputError for arrays of different length and for what leaves nothing to work with.
+        """
+        given = {"t": t, "theta": theta, "omega": omega, "alpha": alpha, "tau": tau}
+        columns = {name: _vector(name, values) for name, values in given.items() if values is not None}
+        for name, values in columns.items():
+            if len(values) != len(columns["theta"]):
+                raise InputError(
+                    f"columns of different length: theta has {len(columns['theta'])} samples, "
+                    f"{name} has {len(values)}; cut them to one length"
+                )
+        return _checked(columns, axis, rate, meta or {}, np.arange(1, len(columns["theta"]) + 1), "arrays")
+
+    @property
+    def clipped(self) -> bool:
+        """Whether samples were masked because the torque sensor was at its limit."""
+        return any(one.kind == "clipped" and one.severity == "masked" for one in self.findings)
+
+    def with_clipped(self) -> Capture:
+        """Return the capture with those samples counted at which the torque sensor was at its limit."""
+        if not self.clipped:
+            return self
+        finite = np.all([np.isfinite(values) for values in self.columns.values()], axis=0)
+        limits = (self.tau[finite].max(), self.tau[finite].min())
+        kept = [
+            replace(one, severity="note", message=one.message.replace("; masked", "; counted"))
+            if one.kind == "clipped"
+            else one
+            for one in self.findings
+        ]
+        mask = self.mask | (finite & np.isin(self.tau, limits))
+        return replace(self, mask=mask, findings=tuple(kept))
+
+    @property
+    def samples(self) -> int:
+        """Number of samples, masked ones included."""
+        return len(self.t)
+
+    @property
+    def duration_s(self) -> float:
+        """Time from the first to the last usable stamp (s)."""
+        stamps = self.t[self.mask]
+        return float(stamps[-1] - stamps[0]) if stamps.size else 0.0
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """SI unit of each column, as its axis has it."""
+        return MappingProxyType(SI[self.axis])
+
+    @property
+    def columns(self) -> Mapping[str, FloatArray]:
+        """The measured columns by name, absent ones left out."""
+        every = {"t": self.t, "theta": self.theta, "omega": self.omega, "alpha": self.alpha, "tau": self.tau}
+        return {name: values for name, values in every.items() if values is not None}
+
+    def prepare(self, method: str = "smooth", **options: float) -> Prepared:
+        """Return the prepared signals of this capture (see `knobcam.prepare`)."""
+        from .prepare import prepare
+
+        return prepare(self, method, **options)
+
+    def plot(self) -> Figure:
+        """Return a figure of motion and torque over time."""
+        return showing.plot(self)
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the capture and return the path: .csv(.gz), .parquet, .mat, .h5, .hdf5, else the native .npz.
+
+        Numbers, mask, axis and meta read back exactly. The file appears whole or not at all; InputError says
+        why it cannot be written.
+        """
+        target = Path(path)
+        names = CONTRACT[self.axis]
+        content = document.build(self.axis, self.rate_hz, self.meta, self.mask, self.findings)
+        write_table(
+            target, {names[name]: values for name, values in self.columns.items()}, self.mask, content
+        )
+        return target
+
+    def _facts(self) -> list[tuple[str, str]]:
+        masked = int(np.sum(~self.mask))
+        source = str(self.meta.get("source", "arrays"))
+        facts = [
+            ("source", source),
+            ("axis", self.axis),
+            ("samples", f"{self.samples}, {masked} masked"),
+            ("duration", f"{self.duration_s:.4g} s at {self.rate_hz:.6g} Hz"),
+        ]
+        for name, values in self.columns.items():
+            good = values[self.mask]
+            span = f"{good.min():.4g} to {good.max():.4g} {self.units[name]}" if good.size else "all masked"
+            facts.append((name, span))
+        return facts + [(finding.severity, finding.message) for finding in self.findings]
+
+    def __repr__(self) -> str:
+        return "Capture\n" + "\n".join(f"  {name:<9} {value}" for name, value in self._facts())
+
+    def tables(self) -> tuple[TextTable, ...]:
+        """What it says of itself, as text."""
+        return (TextTable("Capture", (), self._facts()),)
+
+
+def load(
+    path: str | os.PathLike[str],
+    *,
+    map: ColumnMap | None = None,
+    axis: Axis | None = None,
+    rate: float | None = None,
+    start: float | None = None,
+    end: float | None = None,
+    max_bytes: int = DEFAULT_MAX_BYTES,
+) -> Capture:
+    """Read a capture: the native file, a wire log, CSV (.gz), .mat, .npy, .npz, HDF5 or Parquet.
+
+    A file is known by its content. Of a wire log the last run is read.
+
+    Columns t_s, theta_rad, omega_rad_s, alpha_rad_s2, tau_Nm (or theta_m, omega_m_s, alpha_m_s2, tau_N) are
+    understood; any others by `map`, for example `"t=c0, theta=c1/8192 [turn], tau=0.0551*c2"`. `rate` (Hz)
+    numbers the samples of a file without times. `start` and `end` (s, on the capture's own clock) keep a
+    part. What is wrong with the samples is masked and listed in `findings`; what leaves no capture raises
+    InputError. Row numbers count the file's rows of data from 1. Files, and what they inflate to, may have
+    up to `max_bytes`.
+    """
+    file = Path(path)
+    return of_table(file, read_table(file, max_bytes), map=map, axis=axis, rate=rate, start=start, end=end)
+
+
+def of_table(
+    file: Path,
+    table: Table,
+    *,
+    map: ColumnMap | None = None,
+    axis: Axis | None = None,
+    rate: float | None = None,
+    start: float | None = None,
+    end: float | None = None,
+) -> Capture:
+    """Return the capture in the content of a file; options as `load` takes them."""
+    native = document.check_schema(table) if map is None else None
+    if native is not None:
+        if axis is not None and axis != native["axis"]:
+            raise InputError(f"{file}: the capture has a {native['axis']} axis, not {axis}; leave axis out")
+        axis = native["axis"]
+    resolved = resolve(table, map, axis)
+    columns = resolved.columns
+    keep = _between(str(file), columns, rate, start, end)
+    rows = np.arange(1, len(columns["theta"]) + 1)
+    if table.meta is not None:
+        meta = dict(table.meta)
+    elif native is None:
+        meta = _provenance(file, table, {name: str(entry) for name, entry in resolved.entries.items()}, rate)
+    else:
+        meta = native["meta"]
+    part = {name: values[keep] for name, values in columns.items()}
+    capture = _checked(part, resolved.axis, rate, meta, rows[keep], str(file))
+    if native is not None:
+        return _restored(capture, native, table, keep)
+    limits = {name: at[keep] for name, at in table.limits.items() if name in capture.columns}
+    clipped, found = check_limits(limits, capture.mask, rows[keep])
+    return replace(capture, mask=capture.mask & ~clipped, findings=(*table.notes, *capture.findings, *found))
+
+
+def _restored(capture: Capture, native: Mapping[str, Any], table: Table, keep: slice | BoolArray) -> Capture:
+    """Return `capture` with the mask that was saved, and for a whole native file also its findings."""
+    whole = table.mask is not None and len(table.mask) == capture.samples
+    length = capture.samples if isinstance(keep, slice) else len(keep)
+    try:
+        stored = document.stored_mask(native, table, length)[keep]
+        said = document.stored_findings(native)
+        dropped = tuple(finding for finding in said if finding.column not in capture.columns)
+        return Capture(
+            **{name: getattr(capture, name) for name in ("t", "theta", "omega", "alpha", "tau", "axis")},
+            mask=stored if whole else stored & capture.mask,
+            rate_hz=float(native["rate_hz"]) if whole else capture.rate_hz,
+            meta=capture.meta,
+            findings=said if whole else dropped + capture.findings,
+        )
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(
+            f"{table.source}: its description is damaged ({error!r}); export the capture again"
+        ) from error
+
+
+def _between(
+    source: str,
+    columns: dict[str, FloatArray],
+    rate: float | None,
+    start: float | None,
+    end: float | None,
+) -> slice | BoolArray:
+    """Return which samples lie from `start` to `end`; a file without times is numbered first."""
+    if rate is not None and not (math.isfinite(rate) and rate > 0.0):
+        raise InputError(f"rate={rate} is no sampling rate; give samples a second, in Hz")
+    if "t" not in columns:
+        if rate is None:
+            raise InputError(f"{source}: no column of times; map t=COLUMN, or give rate= in Hz")
+        columns["t"] = np.arange(len(columns["theta"])) / rate
+    if start is None and end is None:
+        return slice(None)
+    t = columns["t"]
+    first = -math.inf if start is None else start
+    last = math.inf if end is None else end
+    keep = (t >= first) & (t <= last)
+    if not keep.any():
+        raise InputError(
+            f"{source}: no sample lies from start={start} to end={end}; the file runs from "
+            f"{np.nanmin(t, initial=math.inf):.6g} to {np.nanmax(t, initial=-math.inf):.6g} s"
+        )
+    return keep
+
+
+def _checked(
+    columns: dict[str, FloatArray],
+    axis: Axis,
+    rate: float | None,
+    meta: Mapping[str, Any],
+    rows: Rows,
+    source: str,
+) -> Capture:
+    _between(source, columns, rate, None, None)
+    verdict = check(columns, axis, rows, source)
+    if rate is not None and abs(rate / verdict.rate_hz - 1.0) > _RATE_AGREEMENT:
+        raise InputError(
+            f"{source}: the time stamps run at {verdict.rate_hz:.6g} Hz, rate={rate:.6g} was given; "
+            f"leave rate out, or leave t out of the map"
+        )
+    present = {name: values if name in verdict.present else None for name, values in columns.items()}
+    return Capture(
+        t=columns["t"],
+        theta=columns["theta"],
+        omega=present.get("omega"),
+        alpha=present.get("alpha"),
+        tau=columns["tau"],
+        mask=verdict.mask,
+        axis=axis,
+        rate_hz=verdict.rate_hz,
+        meta=meta,
+        findings=verdict.findings,
+    )
+
+
+def _provenance(file: Path, table: Table, calibration: dict[str, str], rate: float | None) -> dict[str, Any]:
+    modified = datetime.fromtimestamp(file.stat().st_mtime, UTC)
+    meta: dict[str, Any] = {
+        "source": str(file),
+        "format": table.kind,
+        "calibration": calibration,
+        "date": modified.isoformat(timespec="seconds"),
+        "notes": "",
+    }
+    if rate is not None:
+        meta["rate"] = rate
+    return meta
+
+
+def _vector(name: str, values: ArrayLike) -> FloatArray:
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name}: not an array of numbers ({error})") from error
+    if array.ndim != 1:
+        raise InputError(f"{name}: has shape {array.shape}; give one value a sample")
+    return array

@@ -1,0 +1,103 @@
+"""Readers and writers. A file is known by its content, never by its extension; a writer by its extension."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ...base.arrays import BoolArray, FloatArray
+from ...base.atomic import write_atomically
+from ...errors import InputError
+from . import inflate
+from .table import DEFAULT_MAX_BYTES, Table
+from .text import read_text, write_text
+
+__all__ = ["DEFAULT_MAX_BYTES", "Table", "read_table", "write_table"]
+
+
+def read_table(path: Path, max_bytes: int = DEFAULT_MAX_BYTES) -> Table:
+    """Return the columns of any importable file; InputError says what is wrong with it."""
+    try:
+        is_folder, size = path.is_dir(), path.stat().st_size
+        head = b"" if is_folder or size > max_bytes else _head(path)
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", None) or error
+        raise InputError(f"{path}: cannot be read ({why}); check the name") from error
+    if is_folder:
+        raise InputError(f"{path}: a folder, not a file; name the file inside")
+    if size > max_bytes:
+        raise InputError(f"{path}: {size} bytes, the limit is {max_bytes}; raise max_bytes to read it")
+    if size == 0:
+        raise InputError(f"{path}: the file is empty; a capture has columns of samples")
+    try:
+        return _read(path, head, max_bytes)
+    except InputError:
+        raise
+    except Exception as error:  # a damaged file makes the parsers of five packages raise anything at all
+        raise InputError(
+            f"{path}: damaged or not what its first bytes say ({type(error).__name__}: {error}); "
+            f"export it again"
+        ) from error
+
+
+def write_table(
+    path: Path, columns: Mapping[str, FloatArray], mask: BoolArray, document: Mapping[str, Any]
+) -> None:
+    """Write a capture's columns (float64, one length), mask and document in the format of the extension.
+
+    .csv, .csv.gz, .parquet, .mat and .h5 or .hdf5; anything else is the native .npz. The file appears whole
+    or not at all.
+    """
+    name = path.name.lower()
+    if name.endswith(".csv"):
+        write_atomically(path, lambda part: _put(part, write_text(columns, document).encode()))
+    elif name.endswith(".csv.gz"):
+        content = write_text(columns, document).encode()
+        write_atomically(path, lambda part: _put(part, inflate.deflate(content)))
+    elif name.endswith(".parquet"):
+        from .parquet import write_parquet
+
+        write_atomically(path, lambda part: write_parquet(part, columns, document))
+    elif name.endswith(".mat"):
+        from .matlab import write_mat5
+
+        write_atomically(path, lambda part: write_mat5(part, columns, document))
+    elif name.endswith((".h5", ".hdf5")):
+        from .hdf5 import write_hdf5
+
+        write_atomically(path, lambda part: write_hdf5(part, columns, document))
+    else:
+        from .numpy_files import write_native
+
+        write_atomically(path, lambda part: write_native(part, columns, mask, document))
+
+
+def _put(path: Path, content: bytes) -> None:
+    path.write_bytes(content)
+
+
+def _head(path: Path) -> bytes:
+    with path.open("rb") as file:
+        return file.read(1024)
+
+
+def _read(path: Path, head: bytes, max_bytes: int) -> Table:
+    from . import hdf5, matlab, numpy_files, parquet, wire
+
+    if head.startswith(inflate.MAGIC):
+        raw = inflate.inflate(str(path), path.read_bytes(), max_bytes)
+        return read_text(str(path), "CSV gzip", raw)
+    if head.startswith(numpy_files.NPY_MAGIC):
+        return numpy_files.read_npy(path, max_bytes)
+    if head.startswith(numpy_files.ZIP_MAGIC):
+        return numpy_files.read_npz(path, max_bytes)
+    if head.startswith(matlab.MAGIC):
+        return matlab.read_mat5(path, max_bytes)
+    if hdf5.MAGIC in (head[:8], head[hdf5.USER_BLOCK : hdf5.USER_BLOCK + 8]):
+        return hdf5.read_hdf5(path, max_bytes)
+    if head.startswith(parquet.MAGIC):
+        return parquet.read_parquet(path, max_bytes)
+    if head.startswith(wire.MAGIC):
+        return wire.read_wire(path)
+    return read_text(str(path), "CSV", path.read_bytes())

@@ -1,0 +1,71 @@
+"""What a capture says about itself, as the JSON that travels inside every file knobcam writes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ...base.arrays import BoolArray
+from ...errors import InputError
+from ..finding import Finding
+from .table import Table
+
+SCHEMA = "knobcam.capture/1"
+
+
+def build(
+    axis: str, rate_hz: float, meta: Mapping[str, Any], mask: BoolArray, findings: tuple[Finding, ...]
+) -> dict[str, Any]:
+    """Return the document; InputError when `meta` holds what JSON cannot."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], ~mask, [False]))))
+    document = {
+        "schema": SCHEMA,
+        "axis": axis,
+        "rate_hz": rate_hz,
+        "samples": len(mask),
+        "masked_rows": [[int(a) + 1, int(b)] for a, b in zip(edges[::2], edges[1::2], strict=True)],
+        "findings": [vars(finding) | {"rows": list(finding.rows)} for finding in findings],
+        "meta": dict(meta),
+    }
+    try:
+        if json.loads(json.dumps(document)) != document:
+            raise InputError("meta: holds keys or values that JSON would change; use text, numbers and lists")
+    except (TypeError, ValueError, RecursionError) as error:
+        raise InputError(f"meta: cannot be saved ({error}); use text, numbers, lists and dicts") from error
+    return document
+
+
+def check_schema(table: Table) -> Mapping[str, Any] | None:
+    """Return the document of a file that knobcam wrote, None for any other; InputError for a newer one."""
+    document = table.document
+    if document is None:
+        return None
+    if document.get("schema") != SCHEMA:
+        raise InputError(
+            f"{table.source}: schema {document.get('schema')!r} is unknown, this version reads {SCHEMA}; "
+            f"update knobcam"
+        )
+    if document.get("axis") not in ("rotary", "linear") or not isinstance(document.get("meta"), dict):
+        raise InputError(
+            f"{table.source}: its description names no axis or no meta; export the capture again"
+        )
+    return document
+
+
+def stored_mask(document: Mapping[str, Any], table: Table, samples: int) -> BoolArray:
+    """Return which samples the document calls usable; all are when rows were added or removed since."""
+    if table.mask is not None and len(table.mask) == samples:
+        return table.mask
+    mask = np.ones(samples, dtype=np.bool_)
+    if document.get("samples") == samples:
+        for first, last in document.get("masked_rows", ()):
+            mask[int(first) - 1 : int(last)] = False
+    return mask
+
+
+def stored_findings(document: Mapping[str, Any]) -> tuple[Finding, ...]:
+    """Return the findings of the document."""
+    return tuple(Finding(**entry | {"rows": tuple(entry["rows"])}) for entry in document.get("findings", ()))

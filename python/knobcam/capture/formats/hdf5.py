@@ -1,0 +1,71 @@
+"""MATLAB .mat version 7.3, which is HDF5, through h5py. Structs (groups) become dotted names."""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...base.arrays import FloatArray
+from ...base.optional import require
+from ...errors import InputError
+from .table import Table, add_array
+
+MAGIC = b"\x89HDF\r\n\x1a\n"
+USER_BLOCK = 512
+"""Bytes of text that MATLAB puts before the HDF5 content."""
+
+_DOCUMENT = "knobcam"
+
+_MAX_DEFLATE = 1032  # zlib cannot shrink by more, so a larger claim is false (Deutsch & Gailly, RFC 1951)
+
+
+def read_hdf5(path: Path, max_bytes: int) -> Table:
+    """Return the table of a version 7.3 .mat, or of any HDF5 file with arrays at its root or in groups."""
+    h5py = require("h5py", "a MATLAB 7.3 file")
+    columns: dict[str, FloatArray] = {}
+    broken: dict[str, str] = {}
+    room = max_bytes
+
+    def visit(name: str, item: Any) -> None:
+        nonlocal room
+        if not isinstance(item, h5py.Dataset) or name.startswith("#"):
+            return
+        label = name.replace("/", ".")
+        held = item.id.get_storage_size()
+        if item.nbytes > held * (_MAX_DEFLATE if item.chunks else 1) and item.nbytes > 1 << 16:
+            raise InputError(
+                f"{path}: {label} claims {item.nbytes} bytes and holds {held}; it is cut short, copy it again"
+            )
+        room -= item.nbytes
+        if room < 0:
+            raise InputError(f"{path}: inflates to more than {max_bytes} bytes; raise max_bytes")
+        if item.attrs.get("MATLAB_class", b"double") in (b"char", b"cell"):
+            broken[label] = f"column {label} holds text or cells, not numbers; map another column"
+        else:
+            add_array(columns, broken, label, np.asarray(item[()]))
+
+    with h5py.File(path, "r") as file:
+        file.visititems(visit)
+        text = file.attrs.get(_DOCUMENT)
+    document = json.loads(text) if isinstance(text, str) else None
+    kind = "HDF5" if document else "MATLAB 7.3 .mat"
+    return Table(str(path), kind, columns, broken, document if isinstance(document, dict) else None)
+
+
+def write_hdf5(path: Path, columns: Mapping[str, FloatArray], document: Mapping[str, Any]) -> None:
+    """Write `columns` as datasets at the root, the document as an attribute of the root; no time stamps.
+
+    The file is made in memory: the library does not survive a disk that is full.
+    """
+    h5py = require("h5py", "an HDF5 file")
+    whole = io.BytesIO()
+    with h5py.File(whole, "w", track_order=True) as file:
+        file.attrs[_DOCUMENT] = json.dumps(document)
+        for name, values in columns.items():
+            file.create_dataset(name, data=values, track_times=False)
+    path.write_bytes(whole.getvalue())

@@ -1,0 +1,91 @@
+"""NumPy's .npy and .npz, and the native capture, which is an .npz. Never unpickles."""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.arrays import BoolArray, FloatArray
+from ...errors import InputError
+from .table import Table, add_array
+
+NPY_MAGIC = b"\x93NUMPY"
+ZIP_MAGIC = b"PK\x03\x04"
+_DOCUMENT = "knobcam"
+_MASK = "mask"
+
+
+def read_npy(path: Path, max_bytes: int) -> Table:
+    """Return the table of an .npy: c0, c1... along the longer axis, or the names of a structured array."""
+    columns: dict[str, FloatArray] = {}
+    broken: dict[str, str] = {}
+    with path.open("rb") as file:
+        add_array(columns, broken, "", _read_array(str(path), file, path.stat().st_size, max_bytes))
+    return Table(str(path), "NumPy .npy", columns, broken)
+
+
+def read_npz(path: Path, max_bytes: int) -> Table:
+    """Return the table of an .npz, or the native capture that it holds."""
+    columns: dict[str, FloatArray] = {}
+    broken: dict[str, str] = {}
+    document: Mapping[str, Any] | None = None
+    mask: BoolArray | None = None
+    import zipfile
+
+    with zipfile.ZipFile(path) as archive:
+        members = [info for info in archive.infolist() if info.filename.endswith(".npy")]
+        if not members:
+            raise InputError(f"{path}: a zip file without arrays; unpack it and give the file inside")
+        if sum(info.file_size for info in members) > max_bytes:
+            raise InputError(f"{path}: inflates to more than {max_bytes} bytes; raise max_bytes to read it")
+        for info in members:
+            name = info.filename.removesuffix(".npy")
+            with archive.open(info) as file:
+                array = _read_array(f"{path}: {name}", file, info.file_size, max_bytes)
+            if name == _DOCUMENT and array.dtype.kind == "U" and array.ndim == 0:
+                loaded = json.loads(str(array))
+                document = loaded if isinstance(loaded, dict) else None
+            elif name == _MASK and array.dtype == np.bool_ and array.ndim == 1:
+                mask = array
+            else:
+                add_array(columns, broken, name, array)
+    return Table(str(path), "NumPy .npz", columns, broken, document, mask)
+
+
+def write_native(
+    path: Path, columns: Mapping[str, FloatArray], mask: BoolArray, document: Mapping[str, Any]
+) -> None:
+    """Write the native capture: an .npz with the columns, the mask and the document as JSON text."""
+    with path.open("wb") as file:
+        np.savez(file, allow_pickle=False, **columns, mask=mask, knobcam=np.array(json.dumps(document)))
+
+
+def _read_array(source: str, file: IO[bytes], size: int, max_bytes: int) -> NDArray[Any]:
+    """Return the array in `file` of `size` bytes, after checking that its header does not claim more."""
+    head = file.read(min(size, 1 << 16))
+    header = io.BytesIO(head)
+    version = np.lib.format.read_magic(header)
+    if version == (1, 0):
+        shape, _, dtype = np.lib.format.read_array_header_1_0(header)
+    else:
+        shape, _, dtype = np.lib.format.read_array_header_2_0(header)
+    if dtype.hasobject:
+        raise InputError(f"{source}: holds pickled objects, which are not read; save plain numbers")
+    claimed = math.prod(shape) * dtype.itemsize
+    held = size - header.tell()
+    if claimed > held or min(shape, default=0) < 0:
+        raise InputError(
+            f"{source}: the header claims {claimed} bytes ({shape} {dtype}), the file holds {held}; "
+            f"it is cut short, copy it again"
+        )
+    if claimed > max_bytes:
+        raise InputError(f"{source}: holds {claimed} bytes, the limit is {max_bytes}; raise max_bytes")
+    rest = io.BytesIO(head + file.read(held))
+    return np.asarray(np.lib.format.read_array(rest, allow_pickle=False))

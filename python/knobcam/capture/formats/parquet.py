@@ -1,0 +1,53 @@
+"""Parquet through pyarrow."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...base.arrays import FloatArray
+from ...base.optional import require
+from ...errors import InputError
+from .table import Table
+
+MAGIC = b"PAR1"
+_DOCUMENT = b"knobcam"
+
+
+def read_parquet(path: Path, max_bytes: int) -> Table:
+    """Return the numeric columns of a Parquet file; a null is NaN."""
+    parquet = require("pyarrow.parquet", "a Parquet file")
+    types = require("pyarrow.types", "a Parquet file")
+    columns: dict[str, FloatArray] = {}
+    broken: dict[str, str] = {}
+    with parquet.ParquetFile(path) as file:
+        wanted = []
+        for field in file.schema_arrow:
+            if types.is_integer(field.type) or types.is_floating(field.type):
+                wanted.append(field.name)
+            else:
+                broken[field.name] = (
+                    f"column {field.name} holds {field.type}, not numbers; map another column"
+                )
+        claimed = 8 * file.metadata.num_rows * len(wanted)  # runs of one value take no room in the file
+        if claimed > max_bytes:
+            raise InputError(
+                f"{path}: inflates to {claimed} bytes, the limit is {max_bytes}; raise max_bytes"
+            )
+        table = file.read(columns=wanted)
+    for name in wanted:
+        columns[name] = table.column(name).cast("float64").to_numpy().astype(np.float64, copy=False)
+    text = (table.schema.metadata or {}).get(_DOCUMENT)
+    return Table(str(path), "Parquet", columns, broken, None if text is None else json.loads(text))
+
+
+def write_parquet(path: Path, columns: Mapping[str, FloatArray], document: Mapping[str, Any]) -> None:
+    """Write `columns` with the document in the schema's metadata."""
+    arrow = require("pyarrow", "a Parquet file")
+    table = arrow.table({name: arrow.array(values) for name, values in columns.items()})
+    table = table.replace_schema_metadata({_DOCUMENT: json.dumps(document).encode()})
+    require("pyarrow.parquet", "a Parquet file").write_table(table, path)

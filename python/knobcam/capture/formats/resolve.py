@@ -1,0 +1,87 @@
+"""From a file's columns to the five of a capture, in SI: by the contract's names or by a map."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...base.arrays import FloatArray
+from ...errors import InputError
+from .columnmap import TARGETS, ColumnMap, Entry, example_map, parse_map
+from .expression import evaluate
+from .table import Table
+from .units import SI, Axis, to_si
+
+CONTRACT: dict[Axis, dict[str, str]] = {
+    "rotary": {
+        "t": "t_s",
+        "theta": "theta_rad",
+        "omega": "omega_rad_s",
+        "alpha": "alpha_rad_s2",
+        "tau": "tau_Nm",
+    },
+    "linear": {"t": "t_s", "theta": "theta_m", "omega": "omega_m_s", "alpha": "alpha_m_s2", "tau": "tau_N"},
+}
+"""Column names that are understood without a map, by axis and column of a capture."""
+
+
+@dataclass(frozen=True)
+class Resolved:
+    """The columns of a capture in SI, shape (samples,) each, with where they came from."""
+
+    columns: dict[str, FloatArray]
+    axis: Axis
+    entries: dict[str, Entry]
+
+
+def resolve(table: Table, column_map: ColumnMap | None, axis: Axis | None) -> Resolved:
+    """Return the columns of a capture; InputError names the columns found and an example of a map."""
+    if axis is not None and axis not in SI:
+        raise InputError(f"axis={axis!r} is unknown; choose rotary or linear")
+    if column_map is None:
+        entries, axis = _by_contract(table, axis)
+    else:
+        entries = parse_map(column_map)
+    columns: dict[str, FloatArray] = {}
+    for target in TARGETS:
+        if target not in entries:
+            continue
+        entry = entries[target]
+        factor, implied = (1.0, None) if entry.unit is None else to_si(target, entry.unit)
+        if implied is not None and axis is not None and implied != axis:
+            raise InputError(
+                f"map: {target} in [{entry.unit}] is for a {implied} axis, but the axis is {axis}; "
+                f"change the unit or the axis"
+            )
+        axis = implied or axis
+        values = evaluate(entry.expression, table.column)
+        if values.ndim == 0:
+            raise InputError(
+                f"{table.source}: {target}={entry.expression} is a single value, not a column of samples"
+            )
+        columns[target] = values if factor == 1.0 else values * factor
+    _check_lengths(table, columns, entries)
+    return Resolved(columns, axis or "rotary", entries)
+
+
+def _by_contract(table: Table, axis: Axis | None) -> tuple[dict[str, Entry], Axis]:
+    known = {*table.columns, *table.broken}
+    for candidate, names in CONTRACT.items():
+        if axis in (None, candidate) and {names["theta"], names["tau"]} <= known:
+            found = {target: Entry(f"`{name}`", None) for target, name in names.items() if name in known}
+            return found, candidate
+    wanted = CONTRACT[axis or "rotary"]
+    raise InputError(
+        f"{table.source}: no columns {wanted['theta']} and {wanted['tau']}; the file has {table.listing()}; "
+        f"say which is which, for example {example_map(table.columns)}"
+    )
+
+
+def _check_lengths(table: Table, columns: dict[str, FloatArray], entries: dict[str, Entry]) -> None:
+    first = next(iter(columns))
+    for target, values in columns.items():
+        if len(values) != len(columns[first]):
+            raise InputError(
+                f"{table.source}: columns of different length: {first}={entries[first]} has "
+                f"{len(columns[first])} rows, {target}={entries[target]} has {len(values)}; "
+                f"cut them to one length, or write nan where a value is missing"
+            )

@@ -1,0 +1,85 @@
+"""A file's content before anyone decides what its columns mean."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.arrays import BoolArray, FloatArray
+from ...errors import InputError
+from ..finding import Finding
+
+DEFAULT_MAX_BYTES = 4 * 2**30
+"""Largest file, and largest inflated content, that is read without being asked to (bytes)."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """Named columns as they stand in a file, each float64 of shape (rows,), or () for a scalar.
+
+    Columns may differ in length: only those that a capture uses have to agree. `broken` holds, by column,
+    why it cannot be used, so that a text column nobody asks for does no harm. `document` and `mask` are
+    there when knobcam wrote the file. A recording of a rig says more of itself: where it came
+    from (`meta`), by column of a capture the samples at a limit of the sensor, and what else is to be known.
+    """
+
+    source: str
+    kind: str
+    columns: Mapping[str, FloatArray]
+    broken: Mapping[str, str] = field(default_factory=dict)
+    document: Mapping[str, Any] | None = None
+    mask: BoolArray | None = None
+    meta: Mapping[str, Any] | None = None
+    limits: Mapping[str, BoolArray] = field(default_factory=dict)
+    notes: tuple[Finding, ...] = ()
+
+    def column(self, name: str) -> FloatArray:
+        """Return the column called `name`; InputError lists what there is when it is absent or unusable."""
+        if name in self.columns:
+            return self.columns[name]
+        if name in self.broken:
+            raise InputError(f"{self.source}: {self.broken[name]}")
+        raise InputError(f"{self.source}: no column {name!r}; the file has {self.listing()}")
+
+    def listing(self) -> str:
+        """Return the column names for a message, in the order of the file."""
+        names = [*self.columns, *self.broken]
+        shown = ", ".join(name if name.isprintable() else repr(name) for name in names[:20])
+        if len(names) > 20:
+            shown += f" and {len(names) - 20} more"
+        return shown or "no columns"
+
+
+def add_array(columns: dict[str, FloatArray], broken: dict[str, str], name: str, array: NDArray[Any]) -> None:
+    """Put an array of up to two axes into `columns`: a vector as `name`, a matrix as `name.c0`, `name.c1`...
+
+    The longer axis of a matrix is time. What is not a real number goes to `broken`.
+    """
+    label = name or "the array"
+    if array.dtype.names is not None:
+        for part in array.dtype.names:
+            add_array(columns, broken, f"{name}.{part}" if name else part, array[part])
+    elif array.dtype.kind not in "biuf":
+        broken[label] = f"column {label} holds {_kind_in_words(array)}, not real numbers; map another column"
+    elif array.size == 1:
+        columns[name or "c0"] = np.asarray(array, dtype=np.float64).reshape(())
+    elif array.size == max(array.shape, default=0) or array.ndim == 1:
+        columns[name or "c0"] = np.asarray(array, dtype=np.float64).ravel()
+    elif array.ndim == 2:
+        rows = array if array.shape[0] >= array.shape[1] else array.T
+        for index in range(rows.shape[1]):
+            key = f"{name}.c{index}" if name else f"c{index}"
+            columns[key] = np.asarray(rows[:, index], dtype=np.float64)
+    else:
+        broken[label] = (
+            f"{label} has {array.ndim} axes {array.shape}; save it as a matrix of samples x columns"
+        )
+
+
+def _kind_in_words(array: NDArray[Any]) -> str:
+    words = {"c": "complex numbers", "U": "text", "S": "text", "M": "dates", "m": "time spans"}
+    return words.get(array.dtype.kind, "objects")

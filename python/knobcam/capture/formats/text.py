@@ -1,0 +1,192 @@
+"""CSV and its relatives: the fast reader first, the patient one when a cell needs an explanation."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from array import array
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ...base.arrays import FloatArray
+from ...errors import InputError
+from .table import Table
+
+_DOCUMENT = "# knobcam:"
+
+
+def read_text(source: str, kind: str, raw: bytes) -> Table:
+    """Return the table in `raw`: delimiter , ; tab or blanks, with or without a header, # comment lines.
+
+    A blank cell is NaN; blank cells down to the last row end the column early. Row numbers in messages count
+    the rows of data, from 1.
+    """
+    lines = io.StringIO(_decode(source, raw), newline=None)
+    comments: list[str] = []
+    start, first = _next_line(lines, comments)
+    if not first:
+        raise InputError(f"{source}: the file is empty; a capture has columns of samples")
+    second_start, second = _next_line(lines, [])
+    sample = second or first
+    delimiter = _delimiter(sample)
+    decimal_comma = delimiter != "," and "," in sample
+    cells = _cells(first, delimiter)
+    has_header = not any(_is_number(cell.replace(",", ".") if decimal_comma else cell) for cell in cells)
+    if has_header and not second:
+        raise InputError(f"{source}: a header and no rows; a capture has columns of samples")
+    names = cells if has_header else _names_in_comment(comments, delimiter, len(cells))
+    names = _names(source, names or [""] * len(cells))
+
+    lines.seek(second_start if has_header else start)
+    if decimal_comma:
+        lines = io.StringIO(lines.read().replace(",", "."))
+    columns, broken = _numbers(source, names, lines, delimiter)
+    return Table(source, kind, columns, broken, _document(source, comments))
+
+
+def write_text(columns: Mapping[str, FloatArray], document: Mapping[str, Any]) -> str:
+    """Return the CSV of `columns`: shortest digits that read back to the same float64 (17 at most)."""
+    rows = zip(*(map(repr, values.tolist()) for values in columns.values()), strict=True)
+    lines = [f"{_DOCUMENT} {json.dumps(document)}", ",".join(columns)]
+    lines += [",".join(row) for row in rows]
+    return "\n".join(lines) + "\n"
+
+
+def _decode(source: str, raw: bytes) -> str:
+    if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        encoding = "utf-16"
+    elif b"\0" in raw[:4096]:
+        raise InputError(
+            f"{source}: neither text nor a format knobcam knows; give CSV (.gz), .mat, .npy, .npz or Parquet"
+        )
+    else:
+        encoding = "utf-8-sig"
+    try:
+        return raw.decode(encoding)
+    except UnicodeDecodeError:
+        return raw.decode("latin-1")  # loggers write a header with a micro sign in it; digits are safe
+
+
+def _next_line(lines: io.StringIO, comments: list[str]) -> tuple[int, str]:
+    """Return where the next line of the table starts, and the line; comments passed over are collected."""
+    start = lines.tell()
+    while line := lines.readline():
+        if not _skipped(line):
+            return start, line
+        comments.append(line)
+        start = lines.tell()
+    return start, ""
+
+
+def _skipped(line: str) -> bool:
+    return not line.strip() or line.lstrip().startswith("#")
+
+
+def _delimiter(line: str) -> str | None:
+    """Return the delimiter of a line of data; None stands for any blanks."""
+    return next((mark for mark in (";", "\t", ",") if mark in line), None)
+
+
+def _cells(line: str, delimiter: str | None) -> list[str]:
+    if delimiter is None:
+        return line.split()
+    return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter))]
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return "_" not in cell
+
+
+def _names_in_comment(comments: list[str], delimiter: str | None, width: int) -> list[str] | None:
+    """Return the names in the last comment line, where numpy.savetxt puts its header."""
+    written = [line for line in comments if line.strip() and not line.startswith(_DOCUMENT)]
+    if not written:
+        return None
+    names = _cells(written[-1].lstrip("# \t"), delimiter)
+    return names if len(names) == width and all(name.isidentifier() for name in names) else None
+
+
+def _names(source: str, cells: list[str]) -> list[str]:
+    names = [cell or f"c{index}" for index, cell in enumerate(cells)]
+    for index, name in enumerate(names):
+        if name in names[:index]:
+            raise InputError(
+                f"{source}: two columns are called {name!r} ({names.index(name) + 1} and {index + 1}); "
+                f"rename one in the header"
+            )
+    return names
+
+
+def _numbers(
+    source: str, names: list[str], lines: io.StringIO, delimiter: str | None
+) -> tuple[dict[str, FloatArray], dict[str, str]]:
+    start = lines.tell()
+    try:
+        matrix = np.loadtxt(lines, delimiter=delimiter, comments=None, ndmin=2)
+    except ValueError:
+        lines.seek(start)
+        return _cell_by_cell(source, names, lines, delimiter)
+    if matrix.shape[1] != len(names):
+        raise _wrong_width(source, 1, matrix.shape[1], len(names))
+    return {name: matrix[:, index] for index, name in enumerate(names)}, {}
+
+
+def _cell_by_cell(
+    source: str, names: list[str], lines: io.StringIO, delimiter: str | None
+) -> tuple[dict[str, FloatArray], dict[str, str]]:
+    values = [array("d") for _ in names]
+    last = [0] * len(names)
+    broken: dict[str, str] = {}
+    row = 0
+    for line in lines:
+        if _skipped(line):
+            continue
+        row += 1
+        cells = _cells(line, delimiter)
+        if len(cells) != len(names):
+            raise _wrong_width(source, row, len(cells), len(names))
+        for index, cell in enumerate(cells):
+            value = float("nan")
+            if cell:
+                last[index] = row
+                if _is_number(cell):
+                    value = float(cell)
+                else:
+                    broken.setdefault(
+                        names[index],
+                        f"row {row}, column {names[index]}: {cell[:40]!r} is not a number; "
+                        f"correct the cell, or start a line that is no data with #",
+                    )
+            values[index].append(value)
+    columns = {}
+    for name, column, end in zip(names, values, last, strict=True):
+        if name not in broken:
+            columns[name] = np.array(column, dtype=np.float64)[: end or row]
+    return columns, broken
+
+
+def _wrong_width(source: str, row: int, cells: int, names: int) -> InputError:
+    return InputError(
+        f"{source}: row {row} has {cells} cells, the first line has {names}: columns of different length or "
+        f"a line cut short; complete or delete the row"
+    )
+
+
+def _document(source: str, comments: list[str]) -> Mapping[str, Any] | None:
+    line = next((line for line in comments if line.startswith(_DOCUMENT)), None)
+    if line is None:
+        return None
+    try:
+        document = json.loads(line.removeprefix(_DOCUMENT))
+    except ValueError as error:
+        raise InputError(
+            f"{source}: the line '{_DOCUMENT} ...' is damaged ({error}); repair or delete it"
+        ) from error
+    return document if isinstance(document, dict) else None

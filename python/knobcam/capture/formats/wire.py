@@ -1,0 +1,174 @@
+"""The wire log of a rig: what came over the port, byte for byte, behind one line that says when and why.
+
+The line before is `MAGIC`; the header is one line of JSON. Columns are worked out from the raw numbers each
+time that the log is read.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ... import _core
+from ...base.arrays import BoolArray, FloatArray
+from ...errors import InputError
+from ..finding import Finding
+from .table import Table
+
+MAGIC = b"knobcam wire log\n"
+SCHEMA = "knobcam.wirelog/1"
+RATE_TOLERANCE = 0.01
+"""A device whose clock and index differ by more from the rate that it claims (relative) lies."""
+
+_SPAN_S = 0.05  # of the device's clock, before its rate is judged
+_NO_READING = -32768
+_HEADER = 1 << 20
+
+
+@dataclass(frozen=True)
+class Content:
+    """What a wire log holds: its header, the last DESCRIPTOR, the runs, and all else as the core reads it."""
+
+    source: str
+    header: Mapping[str, Any]
+    device: Mapping[str, Any] | None
+    runs: Sequence[Mapping[str, Any]]
+    read: Mapping[str, Any]
+
+
+def header_line(header: Mapping[str, Any]) -> bytes:
+    """Return the bytes with which a log begins."""
+    return MAGIC + json.dumps({"schema": SCHEMA, **header}).encode() + b"\n"
+
+
+def parse(source: str, raw: bytes) -> Content:
+    """Return the content of a log, whole or cut off anywhere behind its header.
+
+    Raises InputError for what is no log, or one of a later version.
+    """
+    end = raw.find(b"\n", len(MAGIC), _HEADER)
+    if not raw.startswith(MAGIC) or end < 0:
+        raise InputError(f"{source}: is no whole wire log: its header is missing; capture again")
+    try:
+        header = json.loads(raw[len(MAGIC) : end])
+    except ValueError as error:
+        raise InputError(f"{source}: the header of the wire log is damaged ({error})") from error
+    if not isinstance(header, dict) or header.get("schema") != SCHEMA:
+        raise InputError(f"{source}: is no {SCHEMA}, which this version reads; update knobcam")
+    read = _core.wire_log(raw[end + 1 :])
+    said = [frame["message"] for frame in read["said"]]
+    devices = [message["device"] for message in said if message["type"] == "DESCRIPTOR"]
+    if len({device["serial"] for device in devices}) > 1:
+        raise InputError(f"{source}: two rigs speak in it, and nobody knows whose samples these are")
+    return Content(source, header, devices[-1] if devices else None, read["runs"], read)
+
+
+def read_wire(path: Path) -> Table:
+    """Return the columns of the last run of a wire log."""
+    return table(parse(str(path), path.read_bytes()))
+
+
+def table(content: Content, run: int = -1, c_cal: float | None = None) -> Table:
+    """Return the columns of a run (by its place, -1 the last), alpha by `c_cal` or the one of the recording.
+
+    A sample that did not come has no row, a channel without a reading is NaN. Raises InputError where there
+    is nothing to work with.
+    """
+    source, device = content.source, content.device
+    if device is None:
+        raise InputError(f"{source}: no rig says in it what it is (no DESCRIPTOR); capture again")
+    _core.wire_check({"type": "DESCRIPTOR", "device": device})
+    runs = content.runs
+    if not -len(runs) <= run < len(runs):
+        raise InputError(f"{source}: holds {len(runs)} runs, there is no run {run}; capture again")
+    raw = runs[run]
+    if len(raw["index"]) == 0:
+        raise InputError(f"{source}: no sample came in this run; check the rig and capture again")
+    rate, notes = _rate(raw, device["rate_hz"])
+    calibration = _calibration(content, device, c_cal)
+    columns, limits = in_si(raw, device, rate, calibration["c_cal"])
+    if "tau_Nm" not in columns:
+        raise InputError(
+            f"{source}: the rig {device['serial']} has no torque sensor; there is nothing to fit"
+        )
+    meta = {
+        "source": source,
+        "format": "wire log",
+        "date": content.header.get("date", ""),
+        "motion": content.header.get("motion"),
+        "serial": device["serial"],
+        "firmware": f"{device['firmware_major']}.{device['firmware_minor']}",
+        "run": raw["run"],
+        "calibration": calibration,
+        "account": dict(raw["account"]),
+        "notes": "",
+    }
+    return Table(source, "wire log", columns, meta=meta, limits=limits, notes=(*notes, *_losses(raw)))
+
+
+def in_si(
+    raw: Mapping[str, Any], device: Mapping[str, Any], rate_hz: float, c_cal: float
+) -> tuple[dict[str, FloatArray], dict[str, BoolArray]]:
+    """Return the columns of raw samples in SI, NaN where there is no reading, and which were at a limit."""
+    columns = {"t_s": raw["index"] / rate_hz, "theta_rad": raw["count"] / device["counts_per_rad"]}
+    limits: dict[str, BoolArray] = {}
+    for name, key in (("omega_rad_s", "omega"), ("alpha_rad_s2", "alpha"), ("tau_Nm", "tau")):
+        channel = device[key]
+        if channel["unit"] != "absent":
+            factor = c_cal if key == "alpha" else 1.0
+            columns[name] = factor * _values(raw[key], channel)
+            limits[key] = _clipped(raw[key], channel)
+    return columns, limits
+
+
+def _values(raw: np.ndarray, channel: Mapping[str, Any]) -> FloatArray:
+    values: FloatArray = channel["scale"] * raw.astype(np.float64) + channel["offset"]
+    values[raw == _NO_READING] = np.nan
+    return values
+
+
+def _clipped(raw: np.ndarray, channel: Mapping[str, Any]) -> BoolArray:
+    at = (raw <= channel["lower"]) | (raw >= channel["upper"])
+    return np.asarray(at & (raw != _NO_READING), dtype=np.bool_)
+
+
+def _calibration(content: Content, device: Mapping[str, Any], c_cal: float | None) -> dict[str, Any]:
+    """Return the C_cal to use and where it comes from."""
+    if c_cal is not None:
+        return {"c_cal": float(c_cal), "from": "given"}
+    kept = content.header.get("calibration") or {}
+    if kept.get("c_cal") is not None:
+        return {"c_cal": float(kept["c_cal"]), "from": f"calibration of {kept.get('date', 'an unknown day')}"}
+    return {"c_cal": device["c_cal"], "from": "descriptor"}
+
+
+def _rate(raw: Mapping[str, Any], claimed: float) -> tuple[float, list[Finding]]:
+    """Return the rate of the samples, Hz: the claimed one, unless the device's own clock contradicts it."""
+    index, time_us = raw["frame_index"], raw["frame_time_us"].astype(np.float64)
+    span = 1e-6 * (time_us[-1] - time_us[0])
+    measured = (index[-1] - index[0]) / span if span > _SPAN_S else claimed
+    if abs(measured / claimed - 1.0) <= RATE_TOLERANCE:
+        return claimed, []
+    message = (
+        f"t: the rig says {claimed:.6g} Hz, its clock says {measured:.6g} Hz; the clock is believed, "
+        f"correct the firmware"
+    )
+    return measured, [Finding("rate", "t", len(raw["index"]), (), message, "warning")]
+
+
+def _losses(raw: Mapping[str, Any]) -> list[Finding]:
+    """What is missing at the ends, which no gap between two samples shows."""
+    account, found = raw["account"], []
+    for end, key in (("before the first", "missing_head"), ("after the last", "missing_tail")):
+        if account[key]:
+            message = f"t: {account[key]} samples {end} did not arrive; nothing is filled in"
+            found.append(Finding("gap", "t", account[key], (), message, "warning"))
+    if account["produced"] is None:
+        message = "t: the rig did not say how the run ended; what is missing at its end is unknown"
+        found.append(Finding("cut", "t", 1, (), message, "note"))
+    return found

@@ -1,0 +1,191 @@
+"""From a capture to prepared signals: the motion from its sensors, the torque through its filter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .. import _core
+from ..base import showing
+from ..errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from ..base.arrays import BoolArray, FloatArray
+    from ..base.showing import Figure
+    from .capture import Capture
+
+METHODS = ("smooth", "paper", "none", "differences")
+_OPTIONS = {
+    "smooth": {"torque_edge_hz"},
+    "paper": {"torque_edge_hz", "motion_edge_hz"},
+    "none": set[str](),
+    "differences": {"cutoff_hz", "decimate"},
+}
+_PAPER_RATE_HZ = 5000.0
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Prepared:
+    """Prepared signals of a capture; arrays of shape (samples kept,), SI units.
+
+    `rows` are the indices of the kept samples in the capture: masked ones are left out. `used` is True where
+    a sample counts in a fit (not trimmed, not decimated away).
+    """
+
+    capture: Capture
+    method: str
+    rows: np.ndarray[Any, np.dtype[np.intp]]
+    options: Mapping[str, float]
+    notes: tuple[str, ...]
+    core: _core.Signals
+
+    def _column(self, name: str) -> FloatArray:
+        values = self.core.column(name)
+        assert values is not None  # these columns are always there
+        return values
+
+    @property
+    def t(self) -> FloatArray:
+        """Time since the first sample, s."""
+        return self._column("t")
+
+    @property
+    def theta(self) -> FloatArray:
+        """Angle, rad (m)."""
+        return self._column("theta")
+
+    @property
+    def omega(self) -> FloatArray:
+        """Angular velocity, rad/s (m/s)."""
+        return self._column("omega")
+
+    @property
+    def alpha(self) -> FloatArray:
+        """Angular acceleration, rad/s^2 (m/s^2)."""
+        return self._column("alpha")
+
+    @property
+    def tau(self) -> FloatArray:
+        """Measured torque after the measurement filter, N m (N)."""
+        return self._column("tau")
+
+    @property
+    def tau_raw(self) -> FloatArray:
+        """Measured torque as it came, N m (N)."""
+        return self._column("tau_raw")
+
+    @property
+    def used(self) -> BoolArray:
+        """True where a sample counts."""
+        return self._column("weight") > 0.0
+
+    def sd(self, name: str) -> FloatArray | None:
+        """Standard deviation of theta, omega or alpha; None where the method does not know it."""
+        return self.core.column(f"{name}_sd")
+
+    @property
+    def noise(self) -> Mapping[str, float] | None:
+        """Noise level of each motion sensor (standard deviation, SI) and the smoother's driving jerk."""
+        return self.core.noise
+
+    def on_capture(self, values: FloatArray) -> FloatArray:
+        """Spread values of the kept samples over all samples of the capture; NaN at masked ones."""
+        out = np.full(self.capture.samples, np.nan)
+        out[self.rows] = values
+        return out
+
+    def plot(self) -> Figure:
+        """Motion and torque, as recorded and as prepared, over time."""
+        return showing.plot(self)
+
+    def __repr__(self) -> str:
+        lines = [f"Prepared by '{self.method}': {self.core.used} of {self.capture.samples} samples count"]
+        return "\n  ".join(lines + list(self.notes))
+
+
+def travel(prepared: Sequence[Prepared]) -> float:
+    """Return the range of position that the samples which count go through, rad or m."""
+    return float(np.ptp(np.concatenate([one.theta[one.used] for one in prepared])))
+
+
+def prepare(capture: Capture, method: str = "smooth", **options: float) -> Prepared:
+    """Return the prepared signals of a capture.
+
+    `smooth` (default): theta, omega and alpha from one fixed-interval smoother that fuses the sensors
+    (Rauch, Tung & Striebel 1965), torque through the paper's zero-phase filter. `paper`: a filter per channel
+    (Table 6). `none`: everything as it is. `differences`: a 4th-order zero-phase Butterworth (`cutoff_hz`) on
+    the position, central differences, everything decimated by `decimate`, as robot identification does
+    (Gautier 1997). Options: `torque_edge_hz` (smooth, paper), `motion_edge_hz` (paper), `cutoff_hz` and
+    `decimate` (differences).
+
+    Raises InputError for an unknown method or option, a filter edge at or above the Nyquist frequency, and a
+    capture with no stretch that is long enough.
+    """
+    check_options(method, options)
+    rows = np.flatnonzero(capture.mask)
+    gap = _gaps(capture, rows)
+    # A capture without a masked sample goes as it is: picking rows would copy every column.
+    whole = len(rows) == capture.samples
+    kept = {name: values if whole else values[rows] for name, values in capture.columns.items()}
+    try:
+        core = _core.prepare(
+            capture.axis,
+            capture.rate_hz,
+            kept["t"],
+            kept["theta"],
+            kept.get("omega"),
+            kept.get("alpha"),
+            kept["tau"],
+            gap,
+            method,
+            options,
+        )
+    except InputError as error:
+        source = capture.meta.get("source")  # of several captures somebody wants to know which
+        raise InputError(f"{source}: {error}" if source else str(error)) from None
+    return Prepared(capture, method, rows, dict(options), _notes(capture, method, options), core)
+
+
+def check_options(method: str, options: Mapping[str, float]) -> None:
+    """Raise InputError for an unknown method, an option it does not have, or a broken `decimate`."""
+    if method not in METHODS:
+        raise InputError(f"prepare={method!r} is no method; choose {', '.join(METHODS)}")
+    unknown = sorted(set(options) - _OPTIONS[method])
+    if unknown:
+        known = ", ".join(sorted(_OPTIONS[method])) or "no options"
+        raise InputError(f"prepare={method!r} has no option {unknown[0]!r}; it takes {known}")
+    every = options.get("decimate", 1.0)
+    if not (every >= 1.0 and float(every).is_integer()):
+        raise InputError(f"decimate={every} must be a whole number of samples from 1")
+
+
+def _gaps(capture: Capture, rows: np.ndarray[Any, np.dtype[np.intp]]) -> BoolArray:
+    """Return where samples are missing or masked just before a kept one."""
+    gap = np.zeros(len(rows), dtype=bool)
+    gap[1:] = np.diff(rows) > 1
+    steps = np.diff(capture.t[rows])
+    if len(steps):
+        # Half as long again as the longest ordinary step: jittery clocks have no gaps, lost samples do.
+        at = len(steps) * 99 // 100
+        ordinary = max(1.0 / capture.rate_hz, float(np.partition(steps, at)[at]))
+        gap[1:] |= steps > 1.5 * ordinary
+    return gap
+
+
+def _notes(capture: Capture, method: str, options: Mapping[str, float]) -> tuple[str, ...]:
+    notes = []
+    slower = capture.rate_hz / _PAPER_RATE_HZ
+    if method in ("smooth", "paper") and slower < 1.0 and "torque_edge_hz" not in options:
+        notes.append(
+            f"sampled at {capture.rate_hz:.6g} Hz: the paper's torque filter edge of 500 Hz is for 5000 Hz "
+            f"and is lowered to {500.0 * slower:.6g} Hz (torque_edge_hz= sets another)"
+        )
+    if method != "none":
+        absent = [name for name in ("omega", "alpha") if name not in capture.columns]
+        if absent:
+            notes.append(f"{' and '.join(absent)} not recorded: derived from theta")
+    return tuple(notes)

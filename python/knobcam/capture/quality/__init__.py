@@ -1,0 +1,95 @@
+"""What is wrong with a capture: found, said, masked; never repaired."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...base.arrays import BoolArray, FloatArray
+from ...errors import InputError
+from ..finding import Finding, Rows, first_rows, rows_in_words
+from ..formats.units import Axis
+from .motion import check_scale, check_stuck, check_wrapped
+from .timing import check_times
+from .torque import check_clipping, check_size
+
+__all__ = ["Checked", "Finding", "Rows", "check"]
+
+LARGEST = 1e30
+"""A sample beyond (SI) is no measurement: its fourth power, which a covariance holds, must fit a float64."""
+
+
+@dataclass(frozen=True)
+class Checked:
+    """The verdict: which samples are usable, what was found, the rate, and which columns hold anything."""
+
+    mask: BoolArray
+    findings: tuple[Finding, ...]
+    rate_hz: float
+    present: frozenset[str]
+
+
+def check(columns: dict[str, FloatArray], axis: Axis, rows: Rows, source: str) -> Checked:
+    """Check the columns t, theta, tau and, where there, omega and alpha: SI, shape (samples,) each.
+
+    `rows` is the data row of each sample, from 1. Raises InputError when there is nothing to work with: fewer
+    than two samples, a needed column without a number, time that stands still.
+    """
+    if len(rows) < 2:
+        raise InputError(f"{source}: {len(rows)} rows of data; a capture needs at least 2, better thousands")
+    with np.errstate(all="ignore"):
+        return _check(columns, axis, rows, source)
+
+
+def _check(columns: dict[str, FloatArray], axis: Axis, rows: Rows, source: str) -> Checked:
+    findings: list[Finding] = []
+    present = dict(columns)
+    for name, values in columns.items():
+        if _measured(values).any():
+            continue
+        if name not in ("omega", "alpha"):
+            raise InputError(
+                f"{source}: column {name} has no number in any of its {len(rows)} rows ({LARGEST:g} and more "
+                f"is none); map another"
+            )
+        del present[name]
+        message = f"{name}: no number in any row; it is derived from theta as if the column were absent"
+        findings.append(Finding("empty", name, len(rows), first_rows(rows), message, "note"))
+
+    mask = np.ones(len(rows), dtype=np.bool_)
+    for name, values in present.items():
+        measured = _measured(values)
+        mask &= measured
+        if not measured.all():
+            at = rows[~measured]
+            message = (
+                f"{name}: {len(at)} samples are not finite or beyond {LARGEST:g} "
+                f"({rows_in_words(at)}); masked"
+            )
+            findings.append(Finding("non-finite", name, len(at), first_rows(at), message, "masked"))
+
+    rising, found, rate = check_times(present["t"], rows, source)
+    findings += found
+    mask &= rising
+    if mask.sum() < 2:
+        raise InputError(
+            f"{source}: fewer than 2 usable samples are left of {len(rows)}: "
+            + "; ".join(finding.message for finding in findings)
+        )
+    clipped, found = check_clipping(present["tau"], present["theta"], mask, rows)
+    findings += found
+    findings += check_size(present["tau"], mask, axis)
+    for name in ("theta", "omega", "alpha", "tau"):
+        if name in present:
+            findings += check_stuck(name, present[name], mask)
+    findings += check_wrapped(present["theta"], mask, rows, axis)
+    for order, name in enumerate(("omega", "alpha"), start=1):
+        if name in present:
+            findings += check_scale(present["t"], present["theta"], present[name], order, mask, axis)
+    return Checked(mask & ~clipped, tuple(findings), rate, frozenset(present))
+
+
+def _measured(values: FloatArray) -> BoolArray:
+    """Return which values can have come from a sensor; NaN cannot."""
+    return np.abs(values) <= LARGEST

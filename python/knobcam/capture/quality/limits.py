@@ -1,0 +1,30 @@
+"""Samples at which a sensor says itself that it was at its limit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ...base.arrays import BoolArray
+from ..finding import Finding, Rows, first_rows, rows_in_words
+
+
+def check_limits(
+    limits: Mapping[str, BoolArray], usable: BoolArray, rows: Rows
+) -> tuple[BoolArray, list[Finding]]:
+    """Return which samples are at a limit and not masked yet, and the findings; `limits` is by column."""
+    clipped = np.zeros(len(rows), dtype=np.bool_)
+    findings = []
+    for column, limited in limits.items():
+        at = limited & usable
+        if not at.any():
+            continue
+        clipped |= at
+        message = (
+            f"{column}: {int(at.sum())} samples are at a limit of the sensor ({rows_in_words(rows[at])}), "
+            f"which is only a bound; masked"
+        )
+        kind = "clipped" if column == "tau" else "limit"
+        findings.append(Finding(kind, column, int(at.sum()), first_rows(rows[at]), message, "masked"))
+    return clipped, findings

@@ -1,0 +1,13 @@
+"""Order statistics without numpy.ma, which np.median and np.quantile import for 5 ms of every process."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...base.arrays import FloatArray
+
+
+def quantile(values: FloatArray, share: float) -> float:
+    """Return the value (n > 0) that `share` of `values` does not exceed, by nearest rank."""
+    rank = round(share * (len(values) - 1))
+    return float(np.partition(values, rank)[rank])

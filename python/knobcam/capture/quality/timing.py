@@ -1,0 +1,161 @@
+"""Time stamps: duplicate, backward, missing, uneven, implausible."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left
+
+import numpy as np
+
+from ...base.arrays import BoolArray, FloatArray
+from ...errors import InputError
+from ..finding import Finding, Rows, first_rows, rows_in_words
+from .order import quantile
+
+JITTER_TOLERANCE = 0.05
+"""An interval this far from the usual one (relative) is uneven."""
+
+EVEN_SHARE = 0.9
+"""With this share of intervals inside the tolerance, the clock counts as even."""
+
+PLAUSIBLE_RATE_HZ = (10.0, 1e6)
+"""Sampling rates outside are more often a unit mistaken than a rig."""
+
+_SNAP = 1e-9  # a rate this close (relative) to a whole number of Hz was one before it went through text
+
+
+def check_times(t: FloatArray, rows: Rows, source: str) -> tuple[BoolArray, list[Finding], float]:
+    """Return which stamps are usable (finite, strictly rising), the findings, and the rate in Hz.
+
+    `t` in s, shape (samples,); `rows` the data row of each sample. Raises InputError when time stands still.
+    """
+    usable, findings = _rising(t, rows)
+    index = np.flatnonzero(usable)
+    if len(index) < 2:
+        raise InputError(
+            f"{source}: column t does not advance: fewer than 2 usable time stamps; map another column, "
+            f"or leave t out and give rate="
+        )
+    interval = np.diff(t[index])
+    stride = np.diff(index)  # rows from one usable stamp to the next: masked rows are no gap
+    usual = quantile(interval, 0.5)
+    ratio = interval / usual
+    even = bool(np.mean(np.abs(ratio - 1.0) <= JITTER_TOLERANCE) >= EVEN_SHARE)
+    gap = ratio > stride * (1.5 if even else 3.0)
+    steps = np.rint(ratio) if even else stride.astype(np.float64)
+    rate = float(np.sum(steps[~gap]) / np.sum(interval[~gap]))
+    if not (np.isfinite(interval).all() and math.isfinite(rate)):
+        raise InputError(f"{source}: column t spans more than a float64 can hold; check its unit in the map")
+    if abs(rate - round(rate)) <= _SNAP * rate:
+        rate = float(round(rate))
+
+    if gap.any():
+        before = rows[index[:-1][gap]]
+        missing = int(np.sum(np.maximum(np.rint(ratio[gap]) - stride[gap], 1.0)))
+        findings.append(
+            Finding(
+                "gap",
+                "t",
+                missing,
+                first_rows(before),
+                f"t: about {missing} samples are missing after {rows_in_words(before)}; nothing is filled in",
+                "warning",
+            )
+        )
+    off = ~gap & (np.abs(ratio / stride - 1.0) > JITTER_TOLERANCE)
+    if off.any() and not any(finding.kind in ("duplicate", "backward") for finding in findings):
+        late = rows[index[1:][off]]
+        share = np.mean(off)
+        low, high = 1e3 * interval[~gap].min(), 1e3 * interval[~gap].max()
+        findings.append(
+            Finding(
+                "uneven",
+                "t",
+                int(off.sum()),
+                first_rows(late),
+                f"t: sampling is uneven: intervals from {low:.4g} to {high:.4g} ms, usually "
+                f"{1e3 * usual:.4g} ms; {share:.1%} of them are off by more than {JITTER_TOLERANCE:.0%} "
+                f"({rows_in_words(late)}); the stamps are used as they are",
+                "note",
+            )
+        )
+    findings += _implausible(rate)
+    return usable, findings, rate
+
+
+def _rising(t: FloatArray, rows: Rows) -> tuple[BoolArray, list[Finding]]:
+    """Return the largest set of samples whose stamps rise strictly, and what is wrong with the others."""
+    usable = np.isfinite(t)
+    findings = []
+    index = np.flatnonzero(usable)
+    step = np.diff(t[index])
+    duplicate = index[1:][step == 0.0]
+    if duplicate.size:
+        usable[duplicate] = False
+        findings.append(
+            Finding(
+                "duplicate",
+                "t",
+                len(duplicate),
+                first_rows(rows[duplicate]),
+                f"t: {len(duplicate)} samples repeat the time stamp before them "
+                f"({rows_in_words(rows[duplicate])}); masked; if the stamps are merely rounded, "
+                f"leave t out of the map and give rate=",
+                "masked",
+            )
+        )
+    if np.any(step < 0.0):
+        index = np.flatnonzero(usable)
+        kept = index[_longest_rise(t[index])]
+        backward = np.setdiff1d(index, kept, assume_unique=True)
+        usable[backward] = False
+        findings.append(
+            Finding(
+                "backward",
+                "t",
+                len(backward),
+                first_rows(rows[backward]),
+                f"t: {len(backward)} samples have stamps out of order ({rows_in_words(rows[backward])}); "
+                f"masked",
+                "masked",
+            )
+        )
+    return usable, findings
+
+
+def _longest_rise(values: FloatArray) -> list[int]:
+    """Return the positions of a longest strictly rising subsequence (Fredman 1975, patience sorting).
+
+    A single stamp that leaps ahead costs one sample this way, not all those after it.
+    """
+    tails: list[float] = []
+    ends: list[int] = []
+    previous = [-1] * len(values)
+    for position, value in enumerate(values.tolist()):
+        pile = bisect_left(tails, value)
+        previous[position] = ends[pile - 1] if pile else -1
+        tails[pile : pile + 1] = [value]
+        ends[pile : pile + 1] = [position]
+    chain = []
+    position = ends[-1]
+    while position >= 0:
+        chain.append(position)
+        position = previous[position]
+    return chain[::-1]
+
+
+def _implausible(rate: float) -> list[Finding]:
+    slowest, fastest = PLAUSIBLE_RATE_HZ
+    if slowest <= rate <= fastest:
+        return []
+    unit = "ms or us, map t=... [ms]" if rate < slowest else "ks, or the counter of a clock, map its unit"
+    return [
+        Finding(
+            "rate",
+            "t",
+            1,
+            (),
+            f"t: a sampling rate of {rate:.4g} Hz is unusual; if t is in {unit}",
+            "note",
+        )
+    ]

@@ -1,0 +1,230 @@
+"""Where a model fails: the error split over every axis, beside what noise alone would give."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from .. import _core
+from ..base import showing
+from ..base.tables import TextTable, text_table
+from .fitting import AT_FLOOR
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ..base.arrays import FloatArray
+    from ..base.showing import Figure
+    from .fitting import Fit
+
+_UNITS = {
+    "position": ("rad", "m"),
+    "velocity": ("rad/s", "m/s"),
+    "acceleration": ("rad/s^2", "m/s^2"),
+    "time": ("s", "s"),
+    "frequency": ("Hz", "Hz"),
+    "load": ("N m", "N"),
+    "history": ("rad", "m"),
+}
+# A model that agrees to this share of the torque agrees to rounding.
+_ROUNDING = 1e-10
+# What any residual fills as well, whatever its cause, leads only with clearly more than the others.
+_WEIGHT = {"frequency": 0.5, "time": 0.75}
+_DIRECTIONS = {1: "forward", -1: "backward", 0: ""}
+# A part of the squared error this small, though beyond chance, is nothing that a hand would feel.
+_FELT = 0.03
+
+
+class Region(NamedTuple):
+    """A stretch of an axis in which the model fails beyond chance.
+
+    `mean` is the mean residual there, N m (along frequency the RMS of the excess); `share` its part of the
+    squared error beyond the noise; `direction` 1 forward, -1 backward, 0 both.
+    """
+
+    start: float
+    end: float
+    direction: int
+    mean: float
+    share: float
+
+
+@dataclass(frozen=True, eq=False)
+class Split:
+    """The error along one axis; arrays of shape (bins,).
+
+    `low` and `high` are the borders of the bins and `direction` whose motion they hold (1 forward, -1
+    backward, 0 both); `mean` and `rms` of the residual in N m; `band` the half-width of the 95 % band that
+    chance gives the mean. Along frequency `mean` is the RMS per bin and `band` what chance stays below.
+    `share` is the part of the squared error beyond the noise that the bin means hold, `part` what that is of
+    the whole squared error, `chance` what noise alone would hold in one capture of twenty. Along frequency
+    only lines count, for a residual that lies over position or velocity fills the spectrum broadly as well.
+    """
+
+    axis: str
+    unit: str
+    low: FloatArray
+    high: FloatArray
+    direction: np.ndarray[Any, np.dtype[np.int8]]
+    count: FloatArray
+    mean: FloatArray
+    rms: FloatArray
+    band: FloatArray
+    share: float
+    part: float
+    chance: float
+    regions: tuple[Region, ...]
+
+    @property
+    def fails(self) -> bool:
+        """Whether the model fails along this axis beyond chance."""
+        return bool(self.regions) and self.share > self.chance
+
+    def where(self) -> str:
+        """The worst region in words."""
+        if not self.fails:
+            return "nowhere beyond chance"
+        worst = self.regions[0]
+        side = f" {_DIRECTIONS[worst.direction]}" if worst.direction else ""
+        return f"{worst.start:.4g} to {worst.end:.4g} {self.unit}{side}"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison(showing.Tabled):
+    """A fit held against its captures, axis by axis."""
+
+    fit: Fit
+    splits: tuple[Split, ...]
+
+    def __getitem__(self, axis: str) -> Split:
+        """The split along one axis."""
+        return {split.axis: split for split in self.splits}[axis]
+
+    @cached_property
+    def worst(self) -> Split | None:
+        """The axis that holds the largest share of the error beyond noise; None where chance explains all.
+
+        Any residual changes with time too, and has lines in frequency where the motion repeats itself; so
+        these two lead only where they hold clearly more than what the motion itself has.
+        """
+        failing = [] if self.exact else [split for split in self.splits if split.fails]
+        return max(failing, key=lambda split: _WEIGHT.get(split.axis, 1.0) * split.share, default=None)
+
+    @property
+    def exact(self) -> bool:
+        """Whether what is left is rounding, as where a model meets its own noise-free torque."""
+        return self.fit.rmse <= _ROUNDING * self.torque_rms
+
+    @property
+    def complete(self) -> bool:
+        """Whether the error is what noise alone leaves, but for what is too small to feel on any axis."""
+        felt = any(split.fails and split.part > _FELT for split in self.splits)
+        return self.exact or (self.fit.rmse <= AT_FLOOR * self.fit.noise_floor and not felt)
+
+    @property
+    def summary(self) -> str:
+        """One sentence."""
+        fit = self.fit
+        explained = 1.0 - (fit.rmse / self.torque_rms) ** 2 if self.torque_rms > 0.0 else math.nan
+        head = f"The model explains {100 * explained:.1f} % of the torque's variance"
+        if self.exact:
+            return f"{head}; what is left is rounding."
+        if math.isnan(fit.noise_floor):
+            return f"{head}; too few samples, or too slow ones, to tell noise from what is left."
+        if fit.noise_floor == 0.0:
+            return f"{head}; the torque has no noise, so nothing of what is left is chance."
+        times = fit.rmse / fit.noise_floor
+        if self.complete:
+            return f"{head}; what is left is {times:.3f} times the noise floor, and chance explains it."
+        if self.worst is None:
+            return f"{head}; what is left is {times:.3f} times the noise floor, and no axis shows where."
+        worst = self.worst
+        return (
+            f"{head}; what is left is {times:.2f} times the noise floor. It shows most along {worst.axis} "
+            f"({100 * worst.share:.0f} % of the excess), worst at {worst.where()}."
+        )
+
+    @cached_property
+    def torque_rms(self) -> float:
+        """RMS of the measured torque about its mean over the samples that count, N m."""
+        import numpy as np
+
+        tau = np.concatenate([signals.tau[signals.used] for signals in self.fit.prepared])
+        return float(np.std(tau))
+
+    def plot(self) -> Figure:
+        """The residual along every axis, with the band of chance and the regions that leave it."""
+        return showing.plot(self)
+
+    def document(self) -> dict[str, Any]:
+        """Return the JSON document of `knobcam compare --json`."""
+        fit = self.fit
+        return {
+            "schema": "knobcam.compare/1",
+            "captures": fit.document()["captures"],
+            "effects": list(fit.model.effects),
+            "rmse": fit.rmse,
+            "noise_floor": fit.noise_floor,
+            "torque_rms": self.torque_rms,
+            "complete": self.complete,
+            "summary": self.summary,
+            "axes": [_split_document(split) for split in self.splits],
+        }
+
+    _HEAD = ("axis", "share of the excess", "by chance below", "where it is worst")
+
+    def _rows(self) -> list[tuple[str, ...]]:
+        ranked = sorted(self.splits, key=lambda split: (not split.fails, -split.share))
+        return [
+            (split.axis, _percent(split.share), _percent(split.chance), split.where()) for split in ranked
+        ]
+
+    def __repr__(self) -> str:
+        return self.summary + "\n" + text_table(self._HEAD, self._rows())
+
+    def tables(self) -> tuple[TextTable, ...]:
+        """What it says of itself, as text."""
+        return (TextTable(self.summary, self._HEAD, self._rows()),)
+
+
+def compare(fit: Fit) -> Comparison:
+    """Return where a fit fails: the error split over position, velocity, acceleration, time, load and history
+    (distance since the last reversal) and over frequency.
+
+    Chance is made, not looked up: white noise of the sensor's level goes through the same filter into the
+    same bins.
+    """
+    rotary = fit.model.axis == "rotary"
+    splits = []
+    for row in _core.locate([signals.core for signals in fit.prepared], fit.core.model):
+        regions = tuple(Region(*region) for region in row.pop("regions"))
+        if math.isnan(fit.noise_floor):
+            # Without the noise there is no excess to share out, and nothing is beyond chance.
+            regions, row["share"], row["chance"] = (), math.nan, math.nan
+        unit = _UNITS[row["axis"]][0 if rotary else 1]
+        splits.append(Split(unit=unit, regions=regions, **row))
+    return Comparison(fit, tuple(splits))
+
+
+def _percent(share: float) -> str:
+    return "not known" if math.isnan(share) else f"{100 * share:.1f} %"
+
+
+def _split_document(split: Split) -> dict[str, Any]:
+    return {
+        "axis": split.axis,
+        "unit": split.unit,
+        "share": split.share,
+        "share_by_chance": split.chance,
+        "fails": split.fails,
+        "regions": [
+            {"from": r.start, "to": r.end, "direction": r.direction, "mean": r.mean, "share": r.share}
+            for r in split.regions[:20]
+        ],
+        "bins": {
+            name: getattr(split, name).tolist()
+            for name in ("low", "high", "direction", "count", "mean", "rms", "band")
+        },
+    }

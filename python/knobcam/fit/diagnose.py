@@ -1,0 +1,324 @@
+"""Which effect could be missing: every absent one fitted, ranked, with its evidence and its confusions."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from .. import _core
+from ..base import showing
+from ..base.tables import TextTable, text_table
+from ..errors import InputError
+from ..model.effects import effect as catalogued
+from ..model.effects import effects
+from .plausible import unphysical
+from .refit import cores, describe, percent, with_clipped
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Mapping
+
+    from ..base.showing import Figure, Look
+    from .compare import Comparison
+    from .fitting import Estimate, Fit
+    from .refit import Moved
+
+CHANCE = 0.05
+"""A p-value above it is no more than chance."""
+CHANCE_IN_WORDS = "No more than chance, or not worth their parameters"
+PENALTY = 12.0
+"""What a parameter must take off the sum of squares, in variances of the raw noise (BIC's for some thousands
+of independent samples, with the doubt about the noise on top)."""
+RELATIVE = 0.02
+"""Sums of squares that differ by less than this share of what is left are no evidence either way."""
+COULOMB = ("coulomb.neg", "coulomb.pos")
+NOT_WEIGHED = frozenset({"karnopp"})
+"""Stiction does not show in a prediction from motion."""
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """An effect that could be missing; immutable.
+
+    `fit` is the whole model fitted anew with it, `p_value` how often chance alone would do as well in the
+    whole catalogue, `equivalent` the effects that this capture cannot tell it from, `unphysical` what is
+    odd about its values, a sentence each.
+    """
+
+    effect: str
+    fit: Fit
+    p_value: float
+    gain: float
+    count: int
+    equivalent: tuple[str, ...] = ()
+    unphysical: tuple[str, ...] = ()
+    note: str = ""
+
+    @property
+    def score(self) -> float:
+        """Its gain (fall of the sum of squares in variances of the raw noise) less a price per parameter."""
+        return self.gain - PENALTY * self.count
+
+    @property
+    def place(self) -> str:
+        """Where in the chain it acts: coupling, load or sensor."""
+        return catalogued(self.effect, self.fit.model.axis).place
+
+    @property
+    def error_fall(self) -> float:
+        """The part of the RMS error that goes with it."""
+        return self.fit.error_fall
+
+    @property
+    def rmse(self) -> float:
+        """RMS error with it, N m."""
+        return self.fit.rmse
+
+    @property
+    def rmse_heldout(self) -> float:
+        """The same on blocks that the fit did not see, N m."""
+        return self.fit.rmse_heldout
+
+    @property
+    def moved(self) -> Mapping[str, Moved]:
+        """How far each parameter of the model went when it came in."""
+        return self.fit.moved
+
+    @property
+    def parameters(self) -> Mapping[str, Estimate]:
+        """Its own parameters, as fitted."""
+        mine = f"{self.effect}."
+        return {name: e for name, e in self.fit.params.items() if name.startswith(mine)}
+
+    @property
+    def beyond_chance(self) -> bool:
+        """Whether chance would hardly do as well, and its parameters are worth their price."""
+        return self.p_value <= CHANCE and self.score > 0.0
+
+    @property
+    def remarks(self) -> str:
+        """What else there is to say about it, in one line."""
+        same = f"cannot be told from {', '.join(self.equivalent)}" if self.equivalent else ""
+        return "; ".join(part for part in (same, *self.unphysical, self.note) if part)
+
+    def evidence(self) -> dict[str, Any]:
+        """Return what speaks for it and against it, as the pages list it."""
+        return {
+            **catalogued(self.effect, self.fit.model.axis).document(),
+            "beyond_chance": self.beyond_chance,
+            "p_value": self.p_value,
+            "error_fall": self.error_fall,
+            "rmse_heldout": self.rmse_heldout,
+            "moved": describe(self.moved),
+            "equivalent": list(self.equivalent),
+            "unphysical": list(self.unphysical),
+            "note": self.note,
+        }
+
+    def document(self) -> dict[str, Any]:
+        """Return it as the diagnosis's document has it."""
+        params = self.fit.document()["params"]
+        own = {name: params[name] for name in self.parameters}
+        return self.evidence() | {"rmse": self.rmse, "params": own}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Diagnosis(showing.Tabled):
+    """The effects that could be missing from a fit, best first; those beyond chance before the others.
+
+    `left_out` are effects that could not be weighed, and why.
+    """
+
+    fit: Fit
+    candidates: tuple[Candidate, ...]
+    left_out: Mapping[str, str] = field(default_factory=dict)
+
+    def __getitem__(self, effect: str) -> Candidate:
+        """The candidate of an effect."""
+        return {candidate.effect: candidate for candidate in self.candidates}[effect]
+
+    @property
+    def beyond_chance(self) -> tuple[Candidate, ...]:
+        """Those that chance does not explain."""
+        return tuple(candidate for candidate in self.candidates if candidate.beyond_chance)
+
+    @property
+    def best(self) -> Candidate | None:
+        """The first of those; None where nothing is beyond chance."""
+        return next(iter(self.beyond_chance), None)
+
+    @cached_property
+    def comparison(self) -> Comparison:
+        """Where the fit fails."""
+        return self.fit.compare()
+
+    @cached_property
+    def remaining(self) -> Comparison:
+        """Where it would still fail with the best candidate."""
+        return self.comparison if self.best is None else self.best.fit.compare()
+
+    @property
+    def summary(self) -> str:
+        """What could be missing, and what would remain."""
+        where = self.comparison.summary
+        if self.best is None:
+            return f"{where} No effect of the catalogue lowers this error beyond chance."
+        either = " or ".join([self.best.effect, *self.best.equivalent])
+        return f"{where} Missing first of all: {either} (error {percent(-self.best.error_fall)})."
+
+    def plot(self) -> Figure:
+        """Error fall of every candidate; those beyond chance solid, those that look alike linked."""
+        return showing.plot(self)
+
+    def look(self) -> Look:
+        """Return linked plots to brush in, the candidates beside them."""
+        return showing.look(self)
+
+    def document(self) -> dict[str, Any]:
+        """Return the JSON document of `knobcam diagnose --json`."""
+        fit = self.fit
+        return {
+            "schema": "knobcam.diagnose/1",
+            "captures": fit.document()["captures"],
+            "effects": list(fit.model.effects),
+            "rmse": fit.rmse,
+            "rmse_heldout": fit.rmse_heldout,
+            "noise_floor": fit.noise_floor,
+            "summary": self.summary,
+            "candidates": [candidate.document() for candidate in self.candidates],
+            "left_out": dict(self.left_out),
+            "remains": {
+                "complete": self.remaining.complete,
+                "axis": self.remaining.worst.axis if self.remaining.worst else None,
+                "share": self.remaining.worst.share if self.remaining.worst else None,
+                "summary": self.remaining.summary,
+            },
+        }
+
+    HEAD = ("effect", "acts on", "error", "on unseen blocks", "p-value", "remarks")
+
+    def rows(self, candidates: Collection[Candidate]) -> list[tuple[str, ...]]:
+        """Candidates as rows of text, under the words of `HEAD`."""
+        unseen = self.fit.rmse_heldout
+        return [
+            (
+                one.effect,
+                one.place,
+                percent(-one.error_fall),
+                percent(one.rmse_heldout / unseen - 1.0 if unseen > 0.0 else math.nan),
+                p_in_words(one.p_value),
+                one.remarks,
+            )
+            for one in candidates
+        ]
+
+    def __repr__(self) -> str:
+        found = self.beyond_chance
+        rest = [one for one in self.candidates if not one.beyond_chance]
+        lines = [self.summary]
+        # One table, so that both halves have the same columns.
+        head, *rows = text_table(self.HEAD, self.rows([*found, *rest])).splitlines()
+        lines += ["Beyond chance:", head, *rows[: len(found)]] if found else ["Beyond chance: nothing"]
+        lines += [f"{CHANCE_IN_WORDS}:", *([] if found else [head]), *rows[len(found) :]] if rest else []
+        lines += [f"Left out: {one}: {why}" for one, why in self.left_out.items()]
+        lines += [f"With {self.best.effect}: {self.remaining.summary}"] if self.best else []
+        return "\n".join(lines)
+
+    def tables(self) -> tuple[TextTable, ...]:
+        """What it says of itself, as text."""
+        rest = [one for one in self.candidates if not one.beyond_chance]
+        return (
+            TextTable(f"{self.summary} Beyond chance:", self.HEAD, self.rows(self.beyond_chance)),
+            TextTable(f"{CHANCE_IN_WORDS}:", self.HEAD, self.rows(rest)),
+        )
+
+
+def diagnose(
+    fit: Fit,
+    *,
+    only: Collection[str] | None = None,
+    without: Collection[str] = (),
+    progress: Callable[[float], object] | None = None,
+) -> Diagnosis:
+    """Return which effects of the catalogue could be missing from a fit, ranked with evidence.
+
+    `only` weighs these effects alone, `without` takes some out of the catalogue. `progress` is told the share
+    of the work that is done, 0 to 1, from any thread; what it raises ends the work. Raises InputError for an
+    effect that the catalogue does not have.
+    """
+    out = set(check_effects("without", without, fit.model.axis))
+    if only is not None:
+        out |= set(effects(fit.model.axis)) - set(check_effects("only", only, fit.model.axis))
+    fit = with_clipped(fit) if "saturation" not in out else fit
+    candidates, left_out = _candidates(fit, out, progress)
+    return Diagnosis(fit, tuple(sorted(candidates, key=lambda one: not one.beyond_chance)), left_out)
+
+
+def check_effects(name: str, ids: Collection[str], axis: str) -> tuple[str, ...]:
+    """Return the ids if they are in the catalogue; raise InputError that names the argument if not."""
+    if isinstance(ids, str):
+        raise InputError(f"{name}={ids!r} is one text; give a list of effects")
+    for one in ids:
+        try:
+            catalogued(one, axis)
+        except InputError as error:
+            raise InputError(f"{name}: {error}") from None
+    return tuple(ids)
+
+
+def p_in_words(p_value: float) -> str:
+    """Return a p-value for people."""
+    return "< 0.001" if p_value < 0.001 else f"{p_value:.3f}"
+
+
+def _candidates(
+    fit: Fit, without: Collection[str], progress: Callable[[float], object] | None
+) -> tuple[list[Candidate], dict[str, str]]:
+    """Return every absent effect fitted, the one that explains most first, and why some are not."""
+    catalogue = effects(fit.model.axis)
+    have = fit.model.effects
+    coupled = any(catalogue[one].place == "coupling" for one in have)
+    # A constant torque is what the difference of both Coulomb levels makes, unless they are tied.
+    untied = "coulomb" in have and all(fit.model.params[name].role == "free" for name in COULOMB)
+    left_out = {}
+    absent = []
+    for one, row in catalogue.items():
+        if one in {*have, *without, *NOT_WEIGHED}:
+            continue
+        if row.needs is not None and row.needs not in have:
+            left_out[one] = f"it changes '{row.needs}', which the model does not have"
+        elif coupled and row.place == "coupling":
+            left_out[one] = "shaft and knob are joined by another effect already"
+        elif one == "offset" and untied:
+            left_out[one] = "a constant torque is what the difference of the Coulomb levels makes"
+        else:
+            absent.append(one)
+    weighed = _core.diagnose(cores(fit), fit.model.core, absent, progress)
+    found = [
+        Candidate(one, replace(fit, core=core, before=fit), p_value, gain, count, note=note)
+        for one, core, gain, count, p_value, note in weighed
+        if core is not None
+    ]
+    found.sort(key=lambda candidate: -candidate.score)
+    left_out |= {one: note for one, core, *_, note in weighed if core is None}
+    told = [
+        replace(one, equivalent=_equivalent(one, found), unphysical=unphysical(one, fit)) for one in found
+    ]
+    return told, left_out
+
+
+def _equivalent(candidate: Candidate, others: Collection[Candidate]) -> tuple[str, ...]:
+    """Return the effects that do as well as one, for their parameters, up to what chance does."""
+    if not candidate.beyond_chance:
+        return ()
+    before = candidate.fit.before or candidate.fit  # whose noise all gains are counted in
+    floor = before.noise_floor
+    # Where much is left with either, a small share of that says no more than chance does at the floor.
+    left = candidate.rmse**2 / floor**2 * RELATIVE if floor > 0.0 else 0.0
+    margin = max(PENALTY, before.white_squares * left)
+    return tuple(
+        other.effect
+        for other in others
+        if other.effect != candidate.effect and abs(other.score - candidate.score) <= margin
+    )

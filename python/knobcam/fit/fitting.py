@@ -1,0 +1,372 @@
+"""The fit: parameters with units and intervals, and what they leave unexplained."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from .. import _core
+from ..base import showing
+from ..base.tables import TextTable, text_table
+from ..capture import Capture, load
+from ..capture.prepare import Prepared
+from ..capture.prepare import prepare as prepare_signals
+from ..errors import InputError
+from ..model import Model
+from ..model.effects import effects
+from . import refit
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from ..base.arrays import FloatArray
+    from ..base.showing import Figure, Look
+    from .compare import Comparison
+    from .diagnose import Diagnosis
+    from .stiction import Stiction
+
+Z95 = 1.959963984540054
+"""Two-sided 95 % quantile of the normal distribution."""
+AT_FLOOR = 1.05
+"""An error this many times the noise floor is no different: the floor itself is known to a few percent."""
+
+
+class Estimate(NamedTuple):
+    """A fitted parameter in SI with its 95 % interval; NaN limits where the capture does not determine it."""
+
+    value: float
+    ci95: tuple[float, float]
+    unit: str
+    se: float
+
+    @property
+    def determined(self) -> bool:
+        """Whether the capture says anything about it."""
+        return math.isfinite(self.se)
+
+    @property
+    def interval(self) -> str:
+        """The interval in words."""
+        if self.se == 0.0:
+            return "fixed"
+        return f"{self.ci95[0]:.5g} to {self.ci95[1]:.5g}" if self.determined else "not determined"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Fit(showing.Tabled):
+    """A model fitted to one or several captures of a knob; immutable.
+
+    `before` is the fit that it came from by `add`.
+    """
+
+    prepared: tuple[Prepared, ...]
+    core: _core.Fit
+    before: Fit | None = None
+
+    @cached_property
+    def model(self) -> Model:
+        """The model at its best parameters."""
+        return Model(self.core.model)
+
+    @cached_property
+    def params(self) -> Mapping[str, Estimate]:
+        """All parameters of the model by `effect.parameter`."""
+        se = dict(zip(self.core.free, self.core.standard_errors.tolist(), strict=True))
+        estimates = {}
+        for name, value, unit, role in self.core.model.rows():
+            error = 0.0 if role == "fixed" else se.get(name if role == "free" else role, math.nan)
+            interval = (value - Z95 * error, value + Z95 * error)
+            estimates[name] = Estimate(value, interval, unit, error)
+        return MappingProxyType(estimates)
+
+    @property
+    def rmse(self) -> float:
+        """Root mean square error over the samples that count, N m."""
+        return self.core.rmse
+
+    @property
+    def rmse_heldout(self) -> float:
+        """The same on blocks that the fit did not see, N m."""
+        return self.core.rmse_heldout
+
+    @property
+    def noise_floor(self) -> float:
+        """What the torque sensor's noise alone would leave, N m."""
+        return self.core.noise_floor
+
+    @property
+    def excess(self) -> float:
+        """The mean squared error beyond what noise alone would leave, (N m)^2."""
+        return self.rmse**2 - self.noise_floor**2
+
+    @property
+    def white_squares(self) -> float:
+        """What noise alone leaves of the sum of squares, in variances of the raw torque's noise."""
+        return self.core.white_squares
+
+    @property
+    def undetermined(self) -> Mapping[str, str]:
+        """Parameters that the captures do not determine, and why."""
+        return dict(self.core.undetermined)
+
+    @cached_property
+    def correlation(self) -> Mapping[str, Mapping[str, float]]:
+        """Correlation of the estimates, by parameter and parameter."""
+        names, matrix = self.core.free, self.core.correlation
+        return {a: {b: float(matrix[i, j]) for j, b in enumerate(names)} for i, a in enumerate(names)}
+
+    @cached_property
+    def residuals(self) -> tuple[FloatArray, ...]:
+        """Measured minus modelled torque on each capture, N m; NaN at samples that do not count."""
+        parts = []
+        for signals in self.prepared:
+            rest = np.where(signals.used, signals.tau - self.model.core.torque(signals.core), np.nan)
+            parts.append(signals.on_capture(rest))
+        return tuple(parts)
+
+    @property
+    def residual(self) -> FloatArray:
+        """Measured minus modelled torque, N m, the captures one after the other; see `residuals`."""
+        return np.concatenate(self.residuals)
+
+    @property
+    def signals(self) -> Prepared:
+        """The prepared signals of the first capture."""
+        return self.prepared[0]
+
+    def predict(self, capture: Capture) -> FloatArray:
+        """Return the model's torque on the motion of a capture, through the measurement filter, N m.
+
+        Shape (samples,); NaN at samples that are masked.
+        """
+        if capture.axis != self.model.axis:
+            raise InputError(f"the model is of a {self.model.axis} axis, the capture of a {capture.axis} one")
+        signals = prepare_signals(capture, self.signals.method, **self.signals.options)
+        return signals.on_capture(self.model.core.torque(signals.core))
+
+    def band(self, signals: Prepared | None = None) -> FloatArray:
+        """Return the half-width of the 95 % band of the mean prediction at each kept sample, N m.
+
+        Matlab's `nlpredci`, with the covariance of correlated residuals.
+        """
+        return self.core.band((signals or self.signals).core)
+
+    def bootstrap(self, draws: int = 1000, seed: int = 0) -> Mapping[str, FloatArray]:
+        """Return block-bootstrap refits (Kuensch 1989) of each determined parameter, shape (draws,)."""
+        if draws < 1:
+            raise InputError(f"draws={draws} must be at least 1")
+        refits = self.core.bootstrap(draws, seed)
+        return {name: refits[:, i] for i, name in enumerate(self.core.free)}
+
+    def compare(self) -> Comparison:
+        """Return where the model fails."""
+        from .compare import compare
+
+        return compare(self)
+
+    def diagnose(self, *, without: Collection[str] = ()) -> Diagnosis:
+        """Return which effects could be missing, ranked; `without` takes ids out of the catalogue."""
+        from .diagnose import diagnose
+
+        return diagnose(self, without=without)
+
+    def add(self, effect: str) -> Fit:
+        """Return the fit with one effect of the catalogue more, every free parameter fitted anew.
+
+        Raises InputError for an effect that the model has already or the catalogue does not have.
+        """
+        return refit.add(self, effect)
+
+    def drop(self, effect: str) -> Fit:
+        """Return the fit without one of its effects and those that change it, the rest fitted anew.
+
+        Raises InputError for an effect that the model does not have, or that is its only one.
+        """
+        return refit.settle(refit.drop(self, effect))
+
+    @property
+    def error_fall(self) -> float:
+        """The part of the RMS error of `before` that is gone; 0 for a fit that comes from none."""
+        return refit.error_fall(self.before, self) if self.before else 0.0
+
+    @cached_property
+    def moved(self) -> Mapping[str, refit.Moved]:
+        """How far the parameters of `before` went: in standard errors, and in percent."""
+        return refit.moved(self.before, self) if self.before else {}
+
+    def stiction(self) -> Stiction:
+        """Return the static friction that the captures show."""
+        from .stiction import stiction
+
+        return stiction(self)
+
+    def plot(self) -> Figure:
+        """Measured and modelled torque over position and over velocity, whole and isolated."""
+        return showing.plot(self)
+
+    def look(self) -> Look:
+        """Return linked plots to brush in: torque and residual over position, velocity and time."""
+        return showing.look(self)
+
+    def document(self) -> dict[str, Any]:
+        """Return the JSON document of `knobcam fit --json`."""
+        return {
+            "schema": "knobcam.fit/1",
+            "captures": [_describe(signals) for signals in self.prepared],
+            "rmse": self.rmse,
+            "rmse_heldout": self.rmse_heldout,
+            "noise_floor": self.noise_floor,
+            "iterations": self.core.iterations,
+            "evaluations": self.core.evaluations,
+            "status": self.core.status,
+            "message": self.core.message,
+            "effects": list(self.model.effects),
+            "params": {
+                name: {"value": e.value, "ci95": list(e.ci95) if e.determined else None, "unit": e.unit}
+                for name, e in self.params.items()
+            },
+            "undetermined": dict(self.undetermined),
+            "correlation": {a: dict(row) for a, row in self.correlation.items()},
+            "warnings": list(self.warnings),
+            "notes": [note for signals in self.prepared for note in signals.notes],
+        }
+
+    HEAD = ("parameter", "value", "95 % interval", "unit")
+
+    def rows(self) -> list[tuple[str, str, str, str]]:
+        """The parameters as rows of text, under the words of `HEAD`."""
+        rows = []
+        for name, e in self.params.items():
+            rows.append((name, f"{e.value:.6g}" if e.determined else "-", e.interval, e.unit))
+        return rows
+
+    @property
+    def _summary(self) -> str:
+        unit = "N m" if self.model.axis == "rotary" else "N"
+        noise = f"{self.noise_floor:.4g} by sensor noise alone"
+        if math.isnan(self.noise_floor):
+            noise = "too few samples, or too slow ones, to tell the sensor's noise"
+        return f"RMS error {self.rmse:.4g} {unit} ({self.rmse_heldout:.4g} on unseen blocks, {noise})"
+
+    def __repr__(self) -> str:
+        lines = ["Fit: " + self._summary, text_table(self.HEAD, self.rows()), self.core.message]
+        lines += [f"{name}: {why}" for name, why in self.undetermined.items()]
+        lines += self.warnings
+        return "\n".join(lines + ([refit.in_words(self)] if self.before else []))
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """What makes these values doubtful, a sentence each."""
+        base = {
+            name: e
+            for name, e in self.params.items()
+            if name.startswith(("coulomb.", "viscous.", "inertia."))
+        }
+        negative = [name for name, e in base.items() if e.determined and e.ci95[1] < 0.0]
+        if len(negative) > 2 and len(negative) == len(base):
+            found = ["every term is negative: tau seems to have the other sign; map it with a minus"]
+        else:
+            told = self.noise_floor > 0.0 and self.rmse <= AT_FLOOR * self.noise_floor
+            why = "over these speeds it describes what remains" if told else "an effect is probably missing"
+            found = [f"{name} is negative, which no real knob has: {why}" for name in negative]
+        alike = [signals for signals in self.prepared if _moves_like_a_spring(signals)]
+        if alike and len(alike) == len(self.prepared) and "inertia" in self.model.effects:
+            found.append(
+                "position and acceleration move together, so inertia cannot be told from a stiffness over "
+                "position: record a motion of more than one frequency"
+            )
+        return (*found, *_at_bounds(self))
+
+    def tables(self) -> tuple[TextTable, ...]:
+        """What it says of itself, as text."""
+        return (TextTable("Fit: " + self._summary, self.HEAD, self.rows()),)
+
+
+def _at_bounds(fit: Fit) -> list[str]:
+    """What is said of parameters that the search ended at; at a neutral bound there is just none of it."""
+    catalogue = effects(fit.model.axis)
+    found = []
+    for name, estimate in fit.params.items():
+        effect, own = name.split(".", 1)
+        row = catalogue[effect].parameter(own)
+        for bound in {row.lower, row.upper} - {row.neutral}:
+            if estimate.determined and math.isclose(estimate.value, bound, rel_tol=1e-6):
+                found.append(f"{name} is at its bound, {bound:g}: it stands in for something else")
+    return found
+
+
+def fit(
+    captures: Capture | str | os.PathLike[str] | Sequence[Capture | str | os.PathLike[str]],
+    model: Model | str | os.PathLike[str] | None = None,
+    *,
+    prepare: str = "smooth",
+    detents: str = "auto",
+    **options: float,
+) -> Fit:
+    """Fit a model to one capture (or its file), or jointly to several of the same knob.
+
+    Without a model: the paper's Equation 1; detents are part of it if the data show them (`detents="auto"`),
+    always (`"yes"`) or never (`"no"`). A model (or its file) is fitted as it is: its fixed and tied values
+    stay so, and a free detent period is found from the data whatever its value; `detents` is not for it.
+    `prepare` and `options` as in `prepare`.
+
+    Raises InputError for captures that cannot be fitted, with what to do.
+    """
+    given = [captures] if isinstance(captures, Capture | str | os.PathLike) else list(captures)
+    several = [load(one) if isinstance(one, str | os.PathLike) else one for one in given]
+    if not several:
+        raise InputError("captures is empty; give at least one")
+    _check_captures(several)
+    if isinstance(model, str | os.PathLike):
+        model = Model.load(model)
+    if detents not in ("auto", "yes", "no"):
+        raise InputError(f"detents={detents!r}: choose auto, yes or no")
+    if model is not None and detents != "auto":
+        raise InputError(
+            f"detents={detents!r} is for the base model; a model that is given is fitted as it is: "
+            "add the effect detent to it, or take it out"
+        )
+    signals = tuple(prepare_signals(capture, prepare, **options) for capture in several)
+    base = ["inertia", "coulomb", "viscous"] + (["detent"] if detents == "yes" else [])
+    start = model or Model.of(base, several[0].axis)
+    core = _core.fit([s.core for s in signals], start.core, model is None and detents == "auto")
+    return Fit(signals, core)
+
+
+def _check_captures(captures: Sequence[Capture]) -> None:
+    for number, capture in enumerate(captures, 1):
+        if not isinstance(capture, Capture):
+            raise InputError(f"capture {number} is {capture!r}, no Capture; read files with load()")
+        for before, other in enumerate(captures[: number - 1], 1):
+            if np.array_equal(other.tau, capture.tau) and np.array_equal(other.theta, capture.theta):
+                raise InputError(
+                    f"captures {before} and {number} are the same: counting one twice would only narrow "
+                    "the intervals; give it once"
+                )
+
+
+def _moves_like_a_spring(signals: Prepared) -> bool:
+    """Whether acceleration is proportional to position, as in an oscillation of one frequency."""
+    theta, alpha = signals.theta[signals.used], signals.alpha[signals.used]
+    spread = float(np.std(theta) * np.std(alpha))
+    return spread > 0.0 and float(np.mean((theta - theta.mean()) * (alpha - alpha.mean()))) < -0.98 * spread
+
+
+def _describe(signals: Prepared) -> dict[str, Any]:
+    capture = signals.capture
+    return {
+        "path": str(capture.meta.get("source", "")),
+        "samples": capture.samples,
+        "duration_s": capture.duration_s,
+        "sample_rate_hz": capture.rate_hz,
+        "masked": int(np.sum(~capture.mask)),
+        "used": signals.core.used,
+        "findings": [vars(finding) for finding in capture.findings],
+    }

@@ -1,0 +1,142 @@
+"""A fit with one effect more: what it is asked of, and what it changes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from .. import _core
+from ..base.tables import text_table
+from ..capture.prepare import prepare
+from ..errors import InputError
+from ..model.effects import effect as catalogued
+from ..model.effects import effects
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from ..model import Model
+    from .fitting import Fit
+
+
+class Moved(NamedTuple):
+    """How far a parameter went: in standard errors of its new value, and in percent of its old one."""
+
+    by_se: float
+    by_percent: float
+
+
+def add(fit: Fit, effect: str, progress: Callable[[float], object] | None = None) -> Fit:
+    """Return the fit of the same captures with one effect more, every free parameter fitted anew.
+
+    `progress` is asked from time to time; what it raises ends the work. Raises InputError for an effect that
+    the model has already, that the catalogue does not have, or that cannot be fitted beside this model.
+    """
+    check(effect, fit.model)
+    fit.model.with_effect(effect)  # says why not, if it does not go with the model
+    fit = with_clipped(fit) if effect == "saturation" else fit
+    (_, core, _, _, _, note), *_ = _core.diagnose(cores(fit), fit.model.core, [effect], progress)
+    if core is None:
+        raise InputError(f"effect '{effect}': {note}")
+    return settle(replace(fit, core=core, before=fit))
+
+
+def cores(fit: Fit) -> list[_core.Signals]:
+    """Return the prepared signals of all captures as the core has them."""
+    return [one.core for one in fit.prepared]
+
+
+def settle(fit: Fit) -> Fit:
+    """Return a fit that was sketched, followed to its optimum."""
+    core = _core.refine(cores(fit), fit.core.model, True)
+    return replace(fit, core=core if core.rmse <= fit.core.rmse else fit.core)
+
+
+def drop(fit: Fit, effect: str) -> Fit:
+    """Return the fit without an effect, and without those that change it; the rest fitted anew from there.
+
+    Raises InputError for an effect that the model does not have, or that is its only one.
+    """
+    if effect not in fit.model.effects:
+        raise InputError(f"effect '{effect}' is not in the model, which has {', '.join(fit.model.effects)}")
+    catalogue = effects(fit.model.axis)
+    kept = [one for one in fit.model.effects if one != effect and catalogue[one].needs != effect]
+    if not kept:
+        raise InputError(f"effect '{effect}' is all that the model has; add another one first")
+    model = fit.core.model.only(kept)
+    return replace(fit, core=_core.refine(cores(fit), model, False), before=fit)
+
+
+def with_clipped(fit: Fit) -> Fit:
+    """Return the fit with the samples counted at which the torque sensor was at its limit.
+
+    They are left out of a fit as a rule, since no model without `saturation` can predict them.
+    """
+    if not any(one.capture.clipped for one in fit.prepared):
+        return fit
+    prepared = tuple(prepare(one.capture.with_clipped(), one.method, **one.options) for one in fit.prepared)
+    core = _core.refine([one.core for one in prepared], fit.core.model, True)
+    return replace(fit, prepared=prepared, core=core)
+
+
+def check(effect: str, model: Model) -> None:
+    """Raise InputError for an effect that a model cannot be given."""
+    catalogued(effect, model.axis)
+    if effect in model.effects:
+        raise InputError(f"effect '{effect}' is in the model already, which has {', '.join(model.effects)}")
+
+
+def added(fit: Fit) -> tuple[str, ...]:
+    """Return the effects that a fit has and the one before it has not."""
+    before = fit.before.model.effects if fit.before else fit.model.effects
+    return tuple(effect for effect in fit.model.effects if effect not in before)
+
+
+def error_fall(before: Fit, after: Fit) -> float:
+    """Return the part of the RMS error that is gone; negative where it grew."""
+    return 1.0 - after.rmse / before.rmse if before.rmse > 0.0 else 0.0
+
+
+def moved(before: Fit, after: Fit) -> dict[str, Moved]:
+    """Return how far the parameters went that both fits determine."""
+    both = {}
+    for name, new in after.params.items():
+        old = before.params.get(name)
+        if old is None or not (old.determined and new.determined) or new.se == 0.0:
+            continue
+        step = new.value - old.value
+        percent = 100.0 * step / abs(old.value) if old.value != 0.0 else math.nan
+        both[name] = Moved(step / new.se, percent)
+    return both
+
+
+def describe(moves: Mapping[str, Moved]) -> dict[str, dict[str, float]]:
+    """Return movements as a document has them."""
+    return {name: move._asdict() for name, move in moves.items()}
+
+
+def document(fit: Fit) -> dict[str, Any]:
+    """Return the JSON document of `knobcam add --json`: the fit, and what was before it."""
+    known: dict[str, Any] = {"added": list(added(fit)), "error_fall": fit.error_fall}
+    if fit.before is not None:
+        known["before"] = {"rmse": fit.before.rmse, "rmse_heldout": fit.before.rmse_heldout}
+    return fit.document() | {"schema": "knobcam.add/1", **known, "moved": describe(fit.moved)}
+
+
+def in_words(fit: Fit) -> str:
+    """Return in words what adding did to the error and to the parameters that were there before."""
+    if fit.before is None:
+        return ""
+    unit = "N m" if fit.model.axis == "rotary" else "N"
+    change = f"{fit.before.rmse:.4g} to {fit.rmse:.4g} {unit} ({percent(-fit.error_fall)})"
+    lines = [f"With {', '.join(added(fit))}: RMS error from {change}."]
+    if fit.moved:
+        rows = [(name, f"{m.by_se:+.3g}", f"{m.by_percent:+.3g} %") for name, m in fit.moved.items()]
+        lines.append(text_table(("parameter", "moved by (standard errors)", "of its old value"), rows))
+    return "\n".join(lines)
+
+
+def percent(share: float) -> str:
+    """Return a change in percent with its sign."""
+    return f"{round(100.0 * share, 1) + 0.0:+.1f} %"  # adding zero takes the sign off a zero

@@ -1,0 +1,68 @@
+"""Captures of one knob that ask for different parameters: evidence that something is missing."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+from .. import _core
+
+if TYPE_CHECKING:
+    from ..fit import Estimate, Fit
+
+_APART = 5.0  # standard errors of a difference, far beyond chance also over many parameters and captures
+
+
+class Disagreement(NamedTuple):
+    """A parameter that two captures ask for differently, and by how many standard errors."""
+
+    param: str
+    captures: tuple[str, str]
+    values: tuple[float, float]
+    by_se: float
+
+    def __str__(self) -> str:
+        (one, other), (a, b) = self.captures, self.values
+        return (
+            f"{self.param} is {a:.4g} in {one} and {b:.4g} in {other}, {self.by_se:.3g} standard errors "
+            "apart: no one model of this kind has both, so something is missing or the knob was changed"
+        )
+
+
+def disagreements(fit: Fit) -> tuple[Disagreement, ...]:
+    """Return the parameters on which the captures of a joint fit disagree, the worst pair of each.
+
+    Each capture is fitted by itself with the same model; one capture agrees with itself.
+    """
+    if len(fit.prepared) < 2:
+        return ()
+    alone = [
+        replace(fit, prepared=(one,), core=_core.fit([one.core], fit.model.core, False), before=None)
+        for one in fit.prepared
+    ]
+    names = [
+        str(one.capture.meta.get("source", "")) or f"capture {i + 1}" for i, one in enumerate(fit.prepared)
+    ]
+    found = []
+    for param in fit.params:
+        pairs = [
+            Disagreement(param, (names[i], names[j]), (a.value, b.value), _apart(a, b))
+            for i, a in _estimates(alone, param)
+            for j, b in _estimates(alone, param)
+            if i < j
+        ]
+        worst = max(pairs, key=lambda pair: pair.by_se, default=None)
+        if worst is not None and worst.by_se > _APART:
+            found.append(worst)
+    return tuple(sorted(found, key=lambda one: -one.by_se))
+
+
+def _estimates(fits: list[Fit], param: str) -> list[tuple[int, Estimate]]:
+    every = [(i, fit.params[param]) for i, fit in enumerate(fits)]
+    return [(i, estimate) for i, estimate in every if estimate.determined and estimate.se > 0.0]
+
+
+def _apart(a: Estimate, b: Estimate) -> float:
+    difference = abs(a.value - b.value)
+    return difference / math.hypot(a.se, b.se)

@@ -1,0 +1,218 @@
+"""The loop to a verdict: fit, ask what is missing, add it, until the rest is chance or unexplained."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal
+
+from ..base import showing
+from ..base.tables import TextTable, text_table
+from ..capture import Capture
+from ..fit import Fit, fit
+from ..fit.diagnose import Diagnosis, check_effects, p_in_words
+from ..fit.refit import percent
+from ..model import Model
+from .agreement import Disagreement, disagreements
+from .lacks import Lack, lacks
+from .ladder import Rung, Unexplained
+from .selection import select
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from ..base.showing import Figure, Look
+    from ..fit.compare import Comparison
+
+Verdict = Literal["complete", "missing", "unexplained"]
+_BAR = 24  # characters of the longest
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Story(showing.Tabled):
+    """How a model was completed, rung by rung, and what the captures still do not tell; immutable.
+
+    `found` are the effects that were missing, in the order in which they came in; `last` is what was weighed
+    on the last rung and not added, `without` what was not weighed.
+    """
+
+    ladder: tuple[Rung, ...]
+    found: tuple[str, ...]
+    last: Diagnosis
+    unexplained: Unexplained | None
+    without: tuple[str, ...] = ()
+
+    @property
+    def fit(self) -> Fit:
+        """The fit on the last rung."""
+        return self.ladder[-1].fit
+
+    @property
+    def model(self) -> Model:
+        """The model on the last rung."""
+        return self.fit.model
+
+    @property
+    def verdict(self) -> Verdict:
+        """`complete`, `missing` (then `found` says what) or `unexplained` (then `unexplained` says where)."""
+        if self.unexplained is not None:
+            return "unexplained"
+        return "missing" if self.found else "complete"
+
+    @property
+    def noise_floor(self) -> float:
+        """What the torque sensor's noise alone would leave, N m."""
+        return self.fit.noise_floor
+
+    @property
+    def captures(self) -> tuple[Capture, ...]:
+        """The captures that it is about."""
+        return tuple(signals.capture for signals in self.fit.prepared)
+
+    @cached_property
+    def lacks(self) -> tuple[Lack, ...]:
+        """What these captures cannot tell, and what to record instead."""
+        return lacks(self.fit)
+
+    @cached_property
+    def disagreements(self) -> tuple[Disagreement, ...]:
+        """Parameters of the last model that the captures ask for differently."""
+        return disagreements(self.fit)
+
+    @property
+    def first_diagnosis(self) -> Diagnosis:
+        """What was weighed on the first rung."""
+        return next((rung.diagnosis for rung in self.ladder if rung.diagnosis is not None), self.last)
+
+    @property
+    def before(self) -> Comparison:
+        """Where the first model fails."""
+        return self.first_diagnosis.comparison
+
+    @property
+    def after(self) -> Comparison:
+        """Where the last model fails."""
+        return self.last.comparison
+
+    @property
+    def headline(self) -> str:
+        """The verdict in one sentence."""
+        names = " and ".join(self.found)
+        if self.unexplained is not None:
+            what = self.unexplained
+            head = f"{names} found, and still something" if names else "Something"
+            return (
+                f"{head} is missing that no effect of the catalogue explains: {100.0 * what.share:.0f} % of "
+                f"the remaining error lies along {what.axis} ({what.hint})."
+            )
+        if names:
+            was, it = ("was", "it") if len(self.found) == 1 else ("were", "them")
+            return f"{names} {was} missing; with {it} the rest is chance."
+        return "Nothing is missing that this capture could show: chance explains the error."
+
+    def plot(self) -> Figure:
+        """The ladder, the residual before and after, what moved, and what remains."""
+        return showing.plot(self)
+
+    def look(self) -> Look:
+        """Return linked plots to brush in, for every rung of the ladder and what was weighed on it."""
+        return showing.look(self)
+
+    def report(self, path: str | os.PathLike[str]) -> Path:
+        """Write the whole story as one HTML file that needs nothing else, and return its path."""
+        return showing.report(self, path)
+
+    def document(self) -> dict[str, Any]:
+        """Return the JSON document of `knobcam learn --json`."""
+        described = self.fit.document()["captures"]
+        return {
+            "schema": "knobcam.learn/1",
+            "capture": described[0],
+            "captures": described,
+            "noise_floor": self.noise_floor,
+            "verdict": self.verdict,
+            "found": list(self.found),
+            "ladder": [rung.document() for rung in self.ladder],
+            "unexplained": None if self.unexplained is None else self.unexplained._asdict(),
+            "lacks": [lack._asdict() for lack in self.lacks],
+            "disagreements": [one._asdict() for one in self.disagreements],
+            "headline": self.headline,
+        }
+
+    @property
+    def head(self) -> tuple[str, ...]:
+        """What the columns of `rows` are."""
+        unit = "N m" if self.model.axis == "rotary" else "N"
+        return ("model", f"RMS error ({unit})", "on unseen blocks", "error", "p-value", "cannot be told from")
+
+    def rows(self) -> list[tuple[str, ...]]:
+        """The ladder as rows of text, under the words of `head`."""
+        rows = []
+        for rung in self.ladder:
+            new = rung.added is not None
+            name = f"+ {rung.added}" if new else "first model"
+            if rung.dropped:
+                name += f" - {' - '.join(rung.dropped)}"
+            rows.append(
+                (
+                    name,
+                    f"{rung.rmse:.4g}",
+                    f"{rung.rmse_heldout:.4g}",
+                    percent(-rung.error_fall) if new else "",
+                    p_in_words(rung.p_value) if new else "",
+                    ", ".join(rung.equivalent),
+                )
+            )
+        return [*rows, ("sensor noise alone", f"{self.noise_floor:.4g}", "", "", "", "")]
+
+    def __repr__(self) -> str:
+        head = (self.head[0], "", *self.head[1:])
+        rows = [(row[0], bar, *row[1:]) for row, bar in zip(self.rows(), self._bars(), strict=True)]
+        lines = [self.headline, text_table(head, rows), self.after.summary, *self.fit.warnings]
+        if self.disagreements:
+            lines.append("Where the captures disagree:")
+            lines += [f"  {one}." for one in self.disagreements]
+        if self.lacks:
+            lines.append("What this capture cannot tell:")
+            lines += [f"  {lack.message}; {lack.record}." for lack in self.lacks]
+        return "\n".join(lines)
+
+    def _bars(self) -> list[str]:
+        """The ladder drawn in characters, one bar a rung, the noise floor last and dotted."""
+        errors = [*(rung.rmse for rung in self.ladder), self.noise_floor]
+        longest = max(error for error in errors if error == error) or 1.0
+        lengths = [round(_BAR * error / longest) if error == error else 0 for error in errors]
+        return [*("#" * length for length in lengths[:-1]), "." * lengths[-1]]
+
+    def tables(self) -> tuple[TextTable, ...]:
+        """What it says of itself, as text."""
+        return (TextTable(self.headline, self.head, self.rows()),)
+
+
+def learn(
+    captures: Capture | str | os.PathLike[str] | Sequence[Capture | str | os.PathLike[str]],
+    model: Model | str | os.PathLike[str] | None = None,
+    *,
+    without: Collection[str] = (),
+    prepare: str = "smooth",
+    detents: str = "auto",
+    progress: Callable[[str], None] | None = None,
+    **options: float,
+) -> Story:
+    """Learn which effects are missing from a model (by default the base model) of one or several captures.
+
+    `without` takes effects out of the catalogue; `progress` is told each step; the rest as in `fit`.
+
+    Raises InputError for captures that cannot be fitted, with what to do, and for unknown effects.
+    """
+    tell = progress or (lambda _: None)
+    if isinstance(model, str | os.PathLike):
+        model = Model.load(model)
+    without = check_effects("without", without, model.axis if model else "rotary")
+    tell("fitting the first model")
+    first = fit(captures, model, prepare=prepare, detents=detents, **options)
+    given = model is not None
+    selection = select(first, without, tell, given=given, detents=not given and detents == "auto")
+    return Story(*selection, without)

@@ -1,0 +1,156 @@
+"""Which effects come in, in which order, and when to stop."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+from .. import _core
+from ..capture.prepare import travel
+from ..fit.diagnose import PENALTY, Candidate, Diagnosis, diagnose
+from ..fit.refit import cores, drop, settle, with_clipped
+from ..model.effects import descriptions
+from .ladder import Rung, Unexplained
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection
+
+    from ..fit import Fit
+    from ..fit.compare import Comparison
+
+_WORTH = 0.015  # of the squared error: less is nothing that a user would feel
+_SHARE = 0.2  # of what noise does not explain: less is a stopgap, not the cause
+_MOST = 6  # effects; a model that needs more is no explanation
+_MAPS = frozenset({"position_polynomial", "return_spring", "unbalance", "end_stop", "detent_harmonics"})
+"""Torques of position alone. Two of them together draw nearly any map, so together they name no cause."""
+_MANY = 4.0  # detents that a motion crosses
+_MAINLY = 0.5  # of what noise does not explain: what a cause takes off where something else is unexplained
+
+
+class Selection(NamedTuple):
+    """The ladder, which effects were missing, what was weighed last and not added, and what none explains."""
+
+    ladder: tuple[Rung, ...]
+    found: tuple[str, ...]
+    last: Diagnosis
+    unexplained: Unexplained | None
+
+
+def select(
+    first: Fit, without: Collection[str], tell: Callable[[str], None], *, given: bool, detents: bool
+) -> Selection:
+    """Add effects as long as one is beyond chance, physical and worth it; re-test the earlier ones each time.
+
+    `given` says that a user gave the first model; the base model has detents where there are any, so that
+    these are nothing to find. `detents` says that they come in by themselves where the data show them.
+    """
+    fit = first if "saturation" in without else with_clipped(first)
+    described = descriptions(first.model.axis)
+    ladder = [Rung(fit)]
+    base = first.model.effects
+    nothing_to_find = base if given else [*base, "detent"]
+    while True:
+        fit = ladder[-1].fit
+        tell(f"weighing what could be missing from {', '.join(fit.model.effects)}")
+        diagnosis = diagnose(fit, without={*without, *described})
+        best = choose(diagnosis)
+        if best is None or len(ladder) > _MOST:
+            return concluded(ladder, diagnosis, nothing_to_find)
+        tell(f"adding {best.effect}")
+        richer = settle(best.fit)
+        if detents and "detent" not in richer.model.effects:
+            richer = with_detents(richer)
+        tell("re-testing the effects that came in before")
+        tested = [one for one in richer.model.effects if one not in (*base, best.effect)]
+        richer, dropped = retested(richer, [*tested, *(["detent"] if detents and "detent" in base else [])])
+        richer = replace(settle(richer) if dropped else richer, before=fit)
+        ladder.append(Rung(richer, best.effect, best.p_value, best.equivalent, dropped, diagnosis))
+
+
+def concluded(ladder: list[Rung], last: Diagnosis, base: Collection[str]) -> Selection:
+    """Return what the ladder says: which effects were causes, and what remains."""
+    came = dict.fromkeys(rung.added for rung in ladder if rung.added is not None)
+    effects_now = ladder[-1].fit.model.effects
+    found = tuple(one for one in came if one in effects_now and one not in base)
+    unexplained = _unexplained(last.comparison)
+    maps = [one for one in found if one in _MAPS and not _repeats(one, ladder[-1].fit)]
+    if len(maps) > 1:
+        words = f"it takes {' and '.join(maps)} together to draw it, and so many draw any map of position"
+        share = last.comparison["position"].share if unexplained else 1.0
+        found = tuple(one for one in found if one not in maps)
+        unexplained = Unexplained("position", share, words)
+    elif unexplained is not None:
+        found = tuple(one for one in found if any(rung.added == one and _mainly(rung) for rung in ladder))
+    return Selection(tuple(ladder), found, last, unexplained)
+
+
+def _repeats(effect: str, fit: Fit) -> bool:
+    """Whether a map of position is bound to return with each of many detents, and so draws nothing else."""
+    if effect != "detent_harmonics":
+        return False
+    return travel(fit.prepared) >= _MANY * 2.0 * math.pi * fit.params["detent.P"].value
+
+
+def _mainly(rung: Rung) -> bool:
+    """Whether the effect of a rung took off most of what noise did not explain before it."""
+    before = rung.fit.before
+    return before is not None and before.rmse**2 - rung.fit.rmse**2 >= _MAINLY * before.excess
+
+
+def choose(diagnosis: Diagnosis) -> Candidate | None:
+    """Return the candidate to add: what explains most for its parameters; of those alike the simplest."""
+    fit = diagnosis.fit
+    if not fit.noise_floor > 0.0 or diagnosis.comparison.exact:
+        return None  # without noise, or without knowing it, chance cannot be told from what is missing
+    worth = [
+        one
+        for one in diagnosis.candidates
+        if one.beyond_chance
+        and not one.unphysical
+        and fit.rmse**2 - one.rmse**2 >= max(_WORTH * fit.rmse**2, _SHARE * fit.excess)
+    ]
+    if not worth:
+        return None
+    best = max(worth, key=lambda one: one.score)
+    alike = [one for one in worth if one.effect == best.effect or one.effect in best.equivalent]
+    return min(alike, key=lambda one: (one.count, -one.score))
+
+
+def with_detents(fit: Fit) -> Fit:
+    """Return the fit with detents where the data show them now."""
+    core = _core.fit(cores(fit), fit.core.model, True)
+    return settle(replace(fit, core=core)) if "detent" in core.model.effects else fit
+
+
+def retested(fit: Fit, tested: Collection[str]) -> tuple[Fit, tuple[str, ...]]:
+    """Return the fit without those of the tested effects that it no longer needs, and which they were."""
+    dropped: list[str] = []
+    for effect in tested:
+        if effect not in fit.model.effects:
+            continue  # it went before, or with another that it changed
+        bare = drop(fit, effect)
+        if unpaid(fit, bare) or fit.rmse**2 >= (1.0 - _WORTH) * bare.rmse**2:
+            fit = bare
+            dropped.append(effect)
+    return fit, tuple(dropped)
+
+
+def unpaid(fit: Fit, bare: Fit) -> bool:
+    """Whether a fit takes off no more than the price of the parameters that a barer one lacks."""
+    count = len(fit.core.free) - len(bare.core.free)
+    gain = (bare.rmse**2 / fit.noise_floor**2 - fit.rmse**2 / fit.noise_floor**2) * fit.white_squares
+    return gain <= PENALTY * count
+
+
+def _unexplained(comparison: Comparison) -> Unexplained | None:
+    if comparison.complete or not comparison.splits or math.isnan(comparison.fit.noise_floor):
+        return None
+    worst = comparison.worst or max(comparison.splits, key=lambda split: split.share)
+    hint = f"worst at {worst.where()}"
+    axis = worst.axis
+    if axis == "frequency":
+        # A disturbance with a rhythm of its own is an event in time.
+        axis = "time"
+        hint = f"a line at {0.5 * (worst.regions[0].start + worst.regions[0].end):.1f} Hz"
+    return Unexplained(axis, worst.share, hint)

@@ -1,0 +1,160 @@
+"""Models: effects of the catalogue with their parameters, as files that a person can read and edit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from .. import _core
+from ..base import showing
+from ..base.atomic import write_atomically
+from ..base.tables import TextTable, text_table
+from ..errors import InputError
+from .plugins import load_plugins
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Iterable, Mapping
+
+    from ..base.showing import Figure
+    from ..capture.formats.units import Axis
+
+KNOBS = ("knob1", "knob2", "knob3", "knob4", "knob5")
+
+
+class Parameter(NamedTuple):
+    """One parameter of a model: its value in SI, unit, and role (free, fixed, or what it is tied to)."""
+
+    name: str
+    value: float
+    unit: str
+    role: str
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Model(showing.Tabled):
+    """An immutable chain of effects with values; changing one returns a new model."""
+
+    core: _core.Model
+
+    @classmethod
+    def of(cls, effects: Iterable[str], axis: str = "rotary", **values: float) -> Model:
+        """Return a model of these effects; values by `effect__parameter=1.0`, others are neutral."""
+        load_plugins()
+        model = cls(_core.Model(list(effects), axis))
+        if not model.effects:
+            raise InputError("a model needs an effect, such as inertia; `effects()` lists them")
+        for name, value in values.items():
+            model = model.with_value(name.replace("__", "."), value)
+        return model
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Model:
+        """Read a model file, or one of the shipped models by name (knob1 to knob5)."""
+        name = str(path)
+        if name in KNOBS:
+            shipped = resources.files("knobcam.model.knobs").joinpath(f"{name}.toml")
+            return cls.parse(shipped.read_text("utf-8"))
+        try:
+            text = Path(path).read_text("utf-8")
+        except UnicodeDecodeError:
+            raise InputError(f"{path}: is no text, so no model file; a model is TOML") from None
+        except OSError as error:
+            why = error.strerror or error
+            raise InputError(f"{path}: {why}; give a model file or one of {', '.join(KNOBS)}") from None
+        try:
+            return cls.parse(text)
+        except InputError as error:
+            raise InputError(f"{path}: {error}") from None
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Model) and self.text() == other.text()
+
+    def __hash__(self) -> int:
+        return hash(self.text())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Model.parse, (self.text(),)
+
+    @classmethod
+    def parse(cls, text: str) -> Model:
+        """Read a model from the text of its file."""
+        load_plugins()
+        return cls(_core.Model.parse(text))
+
+    def text(self) -> str:
+        """The text of the model file; `parse` gives the same model back, to the last bit."""
+        return self.core.text()
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the model file; it appears whole or not at all."""
+        target = Path(path)
+        write_atomically(target, self._write)
+        return target
+
+    def _write(self, path: Path) -> None:
+        path.write_text(self.text(), "utf-8")
+
+    @property
+    def name(self) -> str:
+        """What a person calls it."""
+        return self.core.name
+
+    @property
+    def axis(self) -> Axis:
+        """Rotary or linear."""
+        return self.core.axis
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Ids of its effects, in the order of the catalogue."""
+        return tuple(self.core.effects)
+
+    @property
+    def params(self) -> Mapping[str, Parameter]:
+        """All parameters by `effect.parameter`."""
+        return {row[0]: Parameter(*row) for row in self.core.rows()}
+
+    def with_value(self, name: str, value: float) -> Model:
+        """Return the model with one parameter set."""
+        return Model(self.core.with_value(name, value))
+
+    def with_fixed(self, name: str, fixed: bool = True) -> Model:
+        """Return the model with one parameter kept from being fitted, or freed."""
+        return Model(self.core.with_fixed(name, fixed))
+
+    def frozen(self) -> Model:
+        """Return the model with every parameter kept as it is: fitting it only measures its error."""
+        model = self
+        for name in self.params:
+            model = model.with_fixed(name)
+        return model
+
+    def with_tie(self, name: str, to: str) -> Model:
+        """Return the model with one parameter always equal to another."""
+        return Model(self.core.with_tie(name, to))
+
+    def with_effect(self, effect: str) -> Model:
+        """Return the model with one effect more, at its neutral values."""
+        return Model(self.core.with_effect(effect))
+
+    def renamed(self, name: str) -> Model:
+        """Return the model under another name."""
+        return Model(self.core.renamed(name))
+
+    def plot(self) -> Figure:
+        """Friction over velocity and torque over position, as in Figures 2 and 3 of the paper."""
+        return showing.plot(self)
+
+    def _table(self) -> list[tuple[str, ...]]:
+        return [(p.name, f"{p.value:.6g}", p.unit, p.role) for p in self.params.values()]
+
+    def __repr__(self) -> str:
+        title = f"Model {self.name}".rstrip()
+        return title + "\n" + text_table(("parameter", "value", "unit", "role"), self._table())
+
+    def tables(self) -> tuple[TextTable, ...]:
+        """What it says of itself, as text."""
+        return (TextTable(f"Model {self.name}", ("parameter", "value", "unit", "role"), self._table()),)

@@ -1,0 +1,224 @@
+"""Feel the model: the step that answers a sensed motion with the knob's torque, and what a device allows."""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+
+from .. import _core
+from ..base import showing
+from ..base.tables import TextTable, text_table
+from ..errors import InputError
+from ..model import Model
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from ..base.arrays import FloatArray
+    from ..base.showing import Figure
+
+
+_MOST_DELAY = 1000  # samples
+
+
+@dataclass(frozen=True)
+class Device:
+    """A force-feedback device: what a motor with its handle adds to whatever it renders.
+
+    `delay_samples` are whole samples from a measurement to the torque that answers it. `held` says that a
+    rig holds the handle and imposes its motion; then all that the device adds is taken off. A free handle is
+    never made lighter than it is, because what acts late would create energy.
+    """
+
+    inertia_kg_m2: float = 5e-5
+    damping_Nms_rad: float = 1e-4
+    delay_samples: int = 1
+    torque_limit_Nm: float = math.inf
+    torque_rate_limit_Nm_s: float = math.inf
+    encoder_step_rad: float = 9.8e-6
+    held: bool = False
+
+    @property
+    def row(self) -> _core.DeviceRow:
+        """The same as the core takes it."""
+        if not 0 <= self.delay_samples <= _MOST_DELAY:
+            raise InputError(f"device delay: is {self.delay_samples} samples; give 0 to {_MOST_DELAY}")
+        return (
+            self.inertia_kg_m2,
+            self.damping_Nms_rad,
+            self.delay_samples,
+            self.torque_limit_Nm,
+            self.torque_rate_limit_Nm_s,
+            self.encoder_step_rad,
+            self.held,
+        )
+
+
+class Renderer(_core.Renderer):
+    """A model that is rendered, sample by sample: stick and slip without drift, detents, every effect.
+
+    `step(theta, omega, alpha=0, tau_other=None)` takes what the device senses (rad, rad/s, rad/s^2) and the
+    torque that the hand applies (N m; None where it is not measured), and returns the torque of the model
+    (Equation 1: what the hand has to apply), N m; the motor applies its negative. Call it once a sample.
+    `along` does the same for whole arrays, to the last bit.
+
+    Without a `device` the model is rendered as it is. With one it is evaluated where the handle will be when
+    the torque acts, inertia beyond what the delay allows is filtered, and a stuck knob is held as stiffly as
+    the device can. Effects of the sensor (lag, drift, saturation) are not rendered: they are the measuring
+    rig's.
+
+    A quantity that is not finite, or a motion beyond `speed_limit` (rad/s), gives zero torque and a `fault`
+    that stays until `reset()`. `state` and `set_state()` are all that it remembers.
+
+    Sources: Karnopp 1985; Hayward & Armstrong 2000; Kikuuwe et al. 2006 (the anchored friction).
+    """
+
+    def __new__(
+        cls,
+        model: Model | str | os.PathLike[str],
+        rate: float = 5000.0,
+        *,
+        device: Device | None = None,
+        torque_limit: float = math.inf,
+        torque_rate_limit: float = math.inf,
+        speed_limit: float = 1000.0,
+    ) -> Self:
+        """Render `model` (or its file or name) at `rate` Hz; limits in N m, N m/s, rad/s.
+
+        Raises InputError for a rate, limit or device that cannot be.
+        """
+        model = model if isinstance(model, Model) else Model.load(model)
+        row = None if device is None else device.row
+        return super().__new__(cls, model.core, rate, row, torque_limit, torque_rate_limit, speed_limit)
+
+    def along(
+        self,
+        theta: ArrayLike,
+        omega: ArrayLike,
+        alpha: ArrayLike | None = None,
+        tau_other: ArrayLike | None = None,
+    ) -> FloatArray:
+        """Return the torque along a motion, N m, shape (samples,): single steps, to the last bit.
+
+        Columns of shape (samples,), SI; NaN in `tau_other` where the hand is not measured. Raises InputError
+        for columns of different lengths.
+        """
+        theta, omega = _column(theta), _column(omega)
+        return super().along(
+            theta,
+            omega,
+            np.zeros_like(theta) if alpha is None else _column(alpha),
+            None if tau_other is None else _column(tau_other),
+        )
+
+    def __repr__(self) -> str:
+        state = self.state
+        doing = self.fault or ("sliding" if state["slipping"] else "sticking")
+        return f"Renderer at {self.rate_hz:g} Hz after {state['samples']} samples: {doing}"
+
+
+def check_rotary(model: Model) -> None:
+    """Raise InputError for a model of a linear axis: the devices turn."""
+    if model.axis != "rotary":
+        raise InputError(
+            f"model '{model.name}': is of a {model.axis} axis, and the device turns; give a rotary one"
+        )
+
+
+def _column(values: ArrayLike) -> FloatArray:
+    return np.ascontiguousarray(values, dtype=np.float64)
+
+
+@dataclass(frozen=True, repr=False)
+class Stability(showing.Tabled):
+    """What a device allows: stiffness, margins, and whether a model rings on it; see `check_stability`."""
+
+    model: Model
+    device: Device
+    rate_hz: float
+    figures: dict[str, Any]
+
+    @property
+    def stable(self) -> bool:
+        """Whether the model does not ring on the device."""
+        return bool(self.figures["stable"])
+
+    @property
+    def allowed_stiffness_Nm_rad(self) -> float:
+        """Stiffness that the delay allows with a phase margin of 50 degrees."""
+        return float(self.figures["allowed_stiffness_Nm_rad"])
+
+    @property
+    def passivity_margin_Nms_rad(self) -> float:
+        """Colgate & Schenkel's `b - K (T/2 + delay) - |B|` at the model's stiffest place."""
+        return float(self.figures["passivity_margin_Nms_rad"])
+
+    def document(self) -> dict[str, Any]:
+        """Return the figures as JSON can keep them."""
+        return {"schema": "knobcam.stability/1", **self.figures}
+
+    def plot(self) -> Figure:
+        """Allowed stiffness over the delay, and where this device and this model are."""
+        return showing.plot(self)
+
+    def _rows(self) -> list[tuple[str, str, str]]:
+        figures = self.figures
+        degrees = 180.0 / math.pi
+
+        def margin(name: str) -> str:
+            return f"{figures[name] * degrees:.0f}"
+
+        return [
+            ("delay, with half a sample of hold", f"{1e3 * figures['delay_s']:.3g}", "ms"),
+            ("the model's greatest stiffness", f"{figures['stiffness_Nm_rad']:.4g}", "N m/rad"),
+            ("  allowed, with 50 degrees of margin", f"{self.allowed_stiffness_Nm_rad:.4g}", "N m/rad"),
+            ("  passive in any hand", f"{figures['passive_stiffness_Nm_rad']:.4g}", "N m/rad"),
+            ("Colgate-Schenkel margin", f"{self.passivity_margin_Nms_rad:.3g}", "N m s/rad"),
+            ("stiffness that holds a stuck knob", f"{figures['anchor_stiffness_Nm_rad']:.4g}", "N m/rad"),
+            ("model inertia / device inertia", f"{figures['inertia_ratio']:.3g}", "1"),
+            ("phase margin while it slides", margin("sliding_margin_rad"), "degrees"),
+            ("phase margin while it sticks", margin("sticking_margin_rad"), "degrees"),
+        ]
+
+    @property
+    def verdict(self) -> str:
+        """One sentence."""
+        if not self.stable:
+            return (
+                f"It rings: at this delay the device allows {self.allowed_stiffness_Nm_rad:.3g} N m/rad and "
+                f"the model has {self.figures['stiffness_Nm_rad']:.3g}; render it on the device's own side "
+                "(`knobcam render --port`), or soften the model."
+            )
+        if self.passivity_margin_Nms_rad < 0.0:
+            return (
+                "It does not ring. Without the knob's dry friction some hand could draw energy out of its "
+                "stiffest place."
+            )
+        return "It does not ring, and no hand can draw energy out of it."
+
+    def __repr__(self) -> str:
+        return f"{self.verdict}\n{text_table(('figure', 'value', 'unit'), self._rows())}"
+
+    def tables(self) -> tuple[TextTable, ...]:
+        """What it says of itself, as text."""
+        return (TextTable(self.verdict, ("figure", "value", "unit"), self._rows()),)
+
+
+def check_stability(
+    model: Model | str | os.PathLike[str], rig: Device | None = None, *, rate: float = 5000.0
+) -> Stability:
+    """Say which stiffness the delay of a device allows, and how far `model` on it is from ringing.
+
+    Two questions: whether any hand at all could draw energy out of it (Colgate & Schenkel 1997, Equation 10:
+    `b > K T/2 + |B|`, with the delay added to T/2), and whether it rings by itself (phase margin of the loop
+    through the delay). Raises InputError for a device or a rate that cannot be.
+    """
+    model = model if isinstance(model, Model) else Model.load(model)
+    rig = Device() if rig is None else rig
+    if not 10.0 <= rate <= 1e6:
+        raise InputError(f"rate={rate} Hz is none of a device; choose 10 to 1e6, usually 5000")
+    return Stability(model, rig, rate, _core.check_stability(model.core, rig.row, rate))

@@ -1,0 +1,1 @@
+"""Showing: pictures, linked plots, tables and reports of results, which know nothing of them."""

@@ -1,0 +1,155 @@
+"""Where a model fails, at a glance: the residual along every axis beside what chance gives."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .style import (
+    BACKWARD,
+    BAND,
+    BLACK,
+    FORWARD,
+    GREY,
+    PALE,
+    WRONG,
+    Picture,
+    Scale,
+    plain,
+    styled,
+    torque_scale,
+)
+from .torques import headline
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from ...fit.compare import Comparison, Split
+
+_WORDS = {
+    "load": "modelled torque",
+    "history": "distance since reversal",
+}
+_SIDES = {1: ("forward", FORWARD), -1: ("backward", BACKWARD), 0: ("mean residual", BLACK)}
+
+
+@styled
+def comparison(comparison: Comparison) -> Picture:
+    """The residual along every axis: bin means, the band of chance, and the regions that leave it.
+
+    Titles carry each axis's share of the squared error beyond noise; the worst axis is framed.
+    """
+    fit = comparison.fit
+    figure = Picture(11.5, 9.6, headline(fit))
+    peak = max(float(np.max(np.abs(split.mean), initial=0.0)) for split in comparison.splits)
+    scale = torque_scale(fit.model.axis, peak)
+    shares(figure.add_subplot(4, 2, 1), comparison)
+    for i, split in enumerate(comparison.splits):
+        axes = figure.add_subplot(4, 2, i + 2)
+        if split.axis == "frequency":
+            line_spectrum(axes, split, scale)
+        else:
+            bin_means(axes, split, scale)
+        _head(axes, split, scale, comparison.worst is split)
+    return figure
+
+
+def shares(axes: Axes, comparison: Comparison) -> None:
+    """Draw the shares of all axes as bars, with the share that chance stays below."""
+    splits = comparison.splits[::-1]
+    rows = range(len(splits))
+    colors = [WRONG if s is comparison.worst else BACKWARD if s.fails else PALE for s in splits]
+    axes.barh(rows, [100.0 * s.share for s in splits], height=0.62, color=colors)
+    for row, split in zip(rows, splits, strict=True):
+        chance = 100.0 * split.chance
+        axes.plot([chance, chance], [row - 0.4, row + 0.4], color=BLACK, lw=1.2)
+        says, color = (f"{100.0 * split.share:.0f} %", BLACK) if split.fails else ("chance", GREY)
+        right = 100.0 * float(np.nan_to_num(max(split.share, split.chance)))
+        axes.text(right + 1.5, row, says, va="center", color=color)
+    axes.set_yticks(rows, [s.axis for s in splits])
+    axes.set_xlim(0.0, 112.0)
+    axes.set_xticks([0, 25, 50, 75, 100])
+    axes.grid(visible=False, axis="y")
+    axes.set_xlabel("share of the error beyond noise (%); black: chance stays below")
+    axes.set_title(plain(_verdict(comparison)), fontweight="bold")
+
+
+def _verdict(comparison: Comparison) -> str:
+    times = comparison.fit.rmse / comparison.fit.noise_floor
+    if comparison.complete:
+        return f"Chance explains the rest ({times:.2f} × noise)"
+    if comparison.worst is None:
+        return f"{times:.2f} × noise, and no axis shows where"
+    return f"{times:.2f} × noise, most along {comparison.worst.axis}"
+
+
+def bin_means(axes: Axes, split: Split, scale: Scale) -> None:
+    """Draw bin means as steps for each direction of motion, on the band that chance gives them."""
+    # The load axis is itself a torque and is shown in the unit of torque.
+    along = scale.factor if split.axis == "load" else 1.0
+    directions = sorted(set(split.direction.tolist()), reverse=True)
+    for direction in directions:
+        name, color = _SIDES[direction]
+        mine = split.direction == direction
+        empty = split.count[mine] == 0.0
+        borders = along * np.stack([split.low[mine], split.high[mine]], axis=1).ravel()
+        band = np.repeat(np.where(empty, np.nan, scale.factor * split.band[mine]), 2)
+        mean = np.repeat(np.where(empty, np.nan, scale.factor * split.mean[mine]), 2)
+        axes.fill_between(borders, -band, band, color=BAND, alpha=0.45 / len(directions), lw=0)
+        axes.plot(borders, mean, color=color, lw=1.1, label=name)
+    if split.fails:
+        for region in split.regions:
+            span = along * region.start, along * region.end
+            axes.axvspan(*span, color=WRONG, alpha=0.13, lw=0, zorder=0.4)
+            if region.direction:
+                # Both directions share the panel: a strip at its edge tells which of them fails.
+                low, high = (0.96, 1.0) if region.direction > 0 else (0.0, 0.04)
+                axes.axvspan(*span, low, high, color=_SIDES[region.direction][1], lw=0)
+    axes.axhline(0.0, color=GREY, lw=0.6, zorder=0.9)
+    peak = scale.factor * 1.15 * float(np.max(np.maximum(np.abs(split.mean), split.band), initial=0.0))
+    axes.set_ylim(-peak or -1.0, peak or 1.0)
+    axes.set_ylabel(f"residual ({scale.unit})")
+    if split.axis == "history":
+        # The first bin begins at zero, which a logarithmic axis does not have.
+        first = float(split.high[split.low == 0.0].min(initial=np.inf))
+        axes.set(xscale="log", xlim=(0.5 * first, float(split.high.max())))
+    if len(directions) > 1:
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1, ncols=2)
+
+
+def line_spectrum(axes: Axes, split: Split, scale: Scale) -> None:
+    """Draw the RMS residual per frequency bin and the level that chance stays below."""
+    middle = 0.5 * (split.low + split.high)
+    shown = (middle > 0.0) & (split.band > 1e-3 * float(np.max(split.band, initial=0.0)))
+    floor = 0.02 * float(np.median(split.band[shown])) if shown.any() else 0.0
+    level = np.maximum(split.mean[shown], floor) * scale.factor
+    band = split.band[shown] * scale.factor
+    axes.fill_between(middle[shown], floor * scale.factor, band, color=BAND, alpha=0.45, lw=0)
+    axes.plot(middle[shown], level, color=BLACK, lw=0.7)
+    if split.fails:
+        for region in split.regions:
+            axes.axvspan(
+                max(region.start, middle[1] / 2), region.end, color=WRONG, alpha=0.3, lw=0, zorder=0.4
+            )
+    axes.set(xscale="log", yscale="log")
+    axes.set_ylabel(f"RMS per bin ({scale.unit})")
+    if shown.any():
+        axes.set_xlim(float(middle[shown][0]), float(middle[shown][-1]))
+
+
+def head_of(split: Split, scale: Scale) -> str:
+    """Return the name of an axis with its unit."""
+    unit = scale.unit if split.axis == "load" else split.unit.replace("^2", "²")
+    return f"{_WORDS.get(split.axis, split.axis)} ({unit})"
+
+
+def _head(axes: Axes, split: Split, scale: Scale, worst: bool) -> None:
+    share = f"{100.0 * split.share:.0f} % of the excess" if split.fails else "no more than chance"
+    weight = "bold" if worst else "normal"
+    axes.set_title(f"{split.axis}: {share}", color=WRONG if split.fails else BLACK, fontweight=weight)
+    axes.set_xlabel(head_of(split, scale))
+    if worst:
+        axes.patch.set_facecolor("#FFF6F0")
+        for side in ("left", "right", "top", "bottom"):
+            axes.spines[side].set(visible=True, color=WRONG, linewidth=1.8)

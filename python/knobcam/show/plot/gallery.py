@@ -1,0 +1,88 @@
+"""The standard set of pictures of a fit, as files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .candidates import diagnosis
+from .change import before_after
+from .failures import comparison as draw_comparison
+from .ladder import ladder
+from .laws import model
+from .movements import movements
+from .over_time import capture, prepared
+from .profile import haptic_profile
+from .rest import residual, scan
+from .standstill import stiction
+from .story import remaining
+from .story import story as draw_story
+from .torques import fit as draw_fit
+from .torques import position, velocity, zoom
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Callable, Mapping
+
+    from ...fit import Fit
+    from ...fit.compare import Comparison
+    from ...learn import Story
+    from .style import Picture
+
+_DPI = 130
+
+
+def save_all(fit: Fit, folder: str | os.PathLike[str], comparison: Comparison | None = None) -> list[Path]:
+    """Write the standard pictures of a fit as PNG into a folder, made if need be, and return their paths.
+
+    Of several captures the first is shown over time.
+    """
+    first = fit.prepared[0]
+    pictures: dict[str, Callable[[], Picture]] = {
+        "capture": lambda: capture(first.capture),
+        "prepared": lambda: prepared(first),
+        "fit": lambda: draw_fit(fit),
+        "position": lambda: position(fit),
+        "velocity": lambda: velocity(fit),
+        "zoom": lambda: zoom(fit),
+        "model": lambda: model(fit.model),
+        "stiction": lambda: stiction(fit),
+        "haptic-profile": lambda: haptic_profile(fit),
+        "residual": lambda: residual(fit),
+    }
+    if fit.core.scan is not None:
+        pictures["scan"] = lambda: scan(fit)
+    if comparison is not None:
+        pictures["comparison"] = lambda: draw_comparison(comparison)
+    return _save(pictures, Path(folder))
+
+
+def save_story(story: Story, folder: str | os.PathLike[str], rendered: Fit | None = None) -> list[Path]:
+    """Write the pictures of a story as PNG into a folder, made if need be, and return their paths.
+
+    `rendered` is the fit of what a device rendered of it, if one did.
+    """
+    pictures: dict[str, Callable[[], Picture]] = {
+        "story": lambda: draw_story(story),
+        "ladder": lambda: ladder(story),
+        "before-after": lambda: before_after(story),
+        "movements": lambda: movements(story),
+        "diagnosis-first": lambda: diagnosis(story.first_diagnosis),
+        "diagnosis-last": lambda: diagnosis(story.last),
+        "remaining": lambda: remaining(story),
+    }
+    if rendered is not None:
+        pictures["rendered"] = lambda: position(rendered)
+    if len(story.ladder) == 1:
+        del pictures["movements"], pictures["diagnosis-first"]
+    return _save(pictures, Path(folder))
+
+
+def _save(pictures: Mapping[str, Callable[[], Picture]], folder: Path) -> list[Path]:
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = []
+    for number, (name, draw) in enumerate(pictures.items(), start=1):
+        path = folder / f"{number:02d}-{name}.png"
+        draw().savefig(path, dpi=_DPI)
+        paths.append(path)
+    return paths

@@ -1,0 +1,201 @@
+"""A model's laws by themselves: friction over velocity (Figure 2) and torque over position (Figure 3)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .components import curve, effects_of
+from .style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    VERMILLION,
+    Picture,
+    Scale,
+    motion_units,
+    number,
+    plain,
+    styled,
+    torque_scale,
+    torque_word,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from ...base.arrays import FloatArray
+    from ...model import Model
+
+# Speeds that a hand or the rig reaches, and how far position laws are drawn when no detent sets a length.
+_FASTEST = {"rotary": 6.0, "linear": 0.5}
+_FARTHEST = {"rotary": 1.0, "linear": 0.2}
+
+
+@styled
+def model(model: Model) -> Picture:
+    """Friction over velocity (Figure 2) and torque over position (Figure 3), with the parameters marked."""
+    shown = [part for part in ("velocity", "position") if effects_of(model, part)]
+    figure = Picture(11.2 if len(shown) > 1 else 8.0, 4.8, _title(model))
+    for i, part in enumerate(shown):
+        axes = figure.add_subplot(1, len(shown), i + 1)
+        (friction if part == "velocity" else detents)(axes, model)
+    return figure
+
+
+def friction(axes: Axes, model: Model) -> None:
+    """Draw friction over velocity; close to zero, where stiction holds, in an inset."""
+    fastest = _FASTEST[model.axis]
+    omega = _both_sides(fastest)
+    tau = curve(model, "velocity", omega)
+    values = {name: p.value for name, p in model.params.items()}
+    scale = torque_scale(model.axis, float(np.max(np.abs(tau))))
+    # Breakaway can be far above sliding friction: it leaves the panel, and the inset shows where it ends.
+    top = 1.3 * scale.factor * float(np.max(np.abs(tau))) or 1.0
+    axes.plot(omega, tau * scale.factor, color=BLUE, lw=1.8)
+    _origin(axes)
+    axes.set(xlim=(-1.05 * fastest, 1.05 * fastest), ylim=(-top, top))
+    axes.set_title("Friction over velocity")
+    axes.set_xlabel(f"velocity ({motion_units(model.axis)['omega']})")
+    axes.set_ylabel(f"friction ({scale.unit})")
+    _name_friction(axes, model, values, scale)
+    if values.get("karnopp.dv", 0.0) > 0.0:
+        _stick_band(axes, model, values, scale)
+
+
+def _name_friction(axes: Axes, model: Model, values: dict[str, float], scale: Scale) -> None:
+    """Mark C at the step and B at the slope of each direction; their values stand in the empty corner."""
+    fastest = _FASTEST[model.axis]
+    slope_unit = f"{scale.unit} s/{motion_units(model.axis)['theta']}"
+    omega, friction = (np.asarray(values) for values in axes.lines[0].get_data())
+    texts = []
+    for sign, side, mark in ((1.0, "pos", "₊"), (-1.0, "neg", "₋")):
+        if f"coulomb.{side}" in values:
+            height = sign * values[f"coulomb.{side}"] * scale.factor
+            axes.plot([0.0, sign * fastest], [height, height], "--", color=ORANGE, lw=1.0)
+            axes.plot([0.0], [height], "o", color=ORANGE, ms=5)
+            _beside(axes, f"C{mark}", (sign * 0.93 * fastest, height), -sign, ORANGE)
+            texts.append((f"C{mark} = {number(abs(height))} {scale.unit}", ORANGE))
+        if f"viscous.{side}" in values:
+            at = sign * 0.6 * fastest
+            _beside(axes, f"B{mark}", (at, float(np.interp(at, omega, friction))), sign, GREEN)
+            slope = values[f"viscous.{side}"] * scale.factor
+            texts.append((f"B{mark} = {number(slope)} {slope_unit}", GREEN))
+        if f"karnopp.D_{side}" in values:
+            breakaway = values[f"karnopp.D_{side}"] * scale.factor
+            texts.append((f"D{mark} = {number(breakaway)} {scale.unit}", PURPLE))
+    _listed(axes, texts)
+
+
+def _stick_band(axes: Axes, model: Model, values: dict[str, float], scale: Scale) -> None:
+    """Draw what happens within dv, where the knob is stuck: any torque from -D_neg to D_pos is answered."""
+    dv, unit = values["karnopp.dv"], motion_units(model.axis)["omega"]
+    low, high = -values["karnopp.D_neg"] * scale.factor, values["karnopp.D_pos"] * scale.factor
+    axes.plot([0.0, 0.0], [low, high], color=PURPLE, lw=1.8)
+    inset = axes.inset_axes((0.64, 0.09, 0.35, 0.28))
+    moving = np.linspace(dv, 2.5 * dv, 50)
+    for side in (moving, -moving):
+        inset.plot(side, curve(model, "velocity", side) * scale.factor, color=BLUE, lw=1.6)
+    inset.fill_between([-dv, dv], low, high, color=PURPLE, alpha=0.25, lw=0)
+    for border in (-dv, dv):
+        inset.axvline(border, color=GREY, ls=":", lw=1.0)
+    for height in (low, high):
+        inset.plot([-dv, dv], [height, height], color=PURPLE, lw=1.4)
+    reach = 1.25 * max(abs(low), abs(high), 1e-30)
+    inset.set(xlim=(-2.5 * dv, 2.5 * dv), ylim=(-reach, reach))
+    inset.set_xticks([-dv, 0.0, dv], [number(-dv), "0", number(dv)])
+    inset.set_yticks([low, 0.0, high], [number(low), "0", number(high)])
+    inset.tick_params(labelsize=7)
+    inset.set_title(f"stuck within ±Δv = {number(dv)} {unit}", fontsize=7.5, color="#444444")
+    inset.text(1.1 * dv, high, "D₊", color=PURPLE, va="center", fontsize=8)
+    inset.text(-1.1 * dv, low, "D₋", color=PURPLE, va="center", ha="right", fontsize=8)
+
+
+def detents(axes: Axes, model: Model) -> None:
+    """Draw the position part, with the detent's amplitude, length and shift where it has one."""
+    values = {name: p.value for name, p in model.params.items()}
+    length = 2.0 * np.pi * abs(values["detent.P"]) if "detent.P" in values else 0.0
+    reach = 1.6 * length if length else _FARTHEST[model.axis]
+    theta = np.linspace(-reach, reach, 1200)
+    tau = curve(model, "position", theta)
+    peak = float(np.max(np.abs(tau)))
+    scale = torque_scale(model.axis, peak)
+    top = 2.5 * peak * scale.factor or 1.0
+    axes.plot(theta, tau * scale.factor, color=BLUE, lw=1.8)
+    _origin(axes)
+    axes.set(xlim=(-reach, reach), ylim=(-top, top))
+    axes.set_title(f"{torque_word(model.axis).capitalize()} over position")
+    axes.set_xlabel(f"position ({motion_units(model.axis)['theta']})")
+    axes.set_ylabel(f"{torque_word(model.axis)} ({scale.unit})")
+    if length:
+        _name_detent(axes, model, values, scale, peak)
+
+
+def _name_detent(axes: Axes, model: Model, values: dict[str, float], scale: Scale, peak: float) -> None:
+    """Mark A at a crest, one detent between two crests, and S by how far it shifts the start of the sine."""
+    amplitude, p, s = values["detent.A"], values["detent.P"], values["detent.S"]
+    length, unit = 2.0 * np.pi * abs(p), motion_units(model.axis)["theta"]
+    height, level = abs(amplitude) * scale.factor, 1.25 * peak * scale.factor
+    # A crest lies where theta / P + S is pi/2, or -pi/2 for a negative A.
+    crest = p * (np.copysign(0.5 * np.pi, amplitude) - s)
+    left = crest - length * np.ceil((crest + 0.5 * length) / length)
+    right = left + length
+    for x in (left, right):
+        axes.plot([x, x], [height, level], ":", color=GREEN, lw=0.9)
+    _arrow(axes, (left, level), (right, level), GREEN)
+    _beside(axes, "2πP", (0.5 * (left + right), level), 1.0, GREEN)
+    _arrow(axes, (right, 0.0), (right, height), ORANGE)
+    axes.annotate("A", (right, 0.5 * height), (4, 0), textcoords="offset points", color=ORANGE, va="center")
+    start = -s * p - length * np.round(-s * p / length)
+    for x in (0.0, start):
+        axes.plot([x, x], [0.0, -level], ":", color=VERMILLION, lw=0.9)
+    _arrow(axes, (0.0, -level), (start, -level), VERMILLION)
+    right_end = (max(0.0, start), -level)
+    axes.annotate("−S·P", right_end, (5, 0), textcoords="offset points", color=VERMILLION, va="center")
+    each = f": {number(1.0 / abs(p), 4)} detents a turn" if model.axis == "rotary" else ""
+    _listed(
+        axes,
+        [
+            (f"A = {number(amplitude * scale.factor)} {scale.unit}", ORANGE),
+            (f"2πP = {number(length)} {unit}{each}", GREEN),
+            (f"S = {number(s)} rad", VERMILLION),
+        ],
+    )
+
+
+def _arrow(axes: Axes, start: tuple[float, float], end: tuple[float, float], color: str) -> None:
+    style = {"arrowstyle": "<->", "lw": 1.2, "shrinkA": 0, "shrinkB": 0, "color": color}
+    axes.annotate("", start, end, arrowprops=style)
+
+
+def _beside(axes: Axes, text: str, at: tuple[float, float], side: float, color: str) -> None:
+    """Write above a point (`side` positive) or below it."""
+    va = "bottom" if side > 0.0 else "top"
+    axes.annotate(text, at, (0, 4 * side), textcoords="offset points", color=color, ha="center", va=va)
+
+
+def _listed(axes: Axes, texts: list[tuple[str, str]]) -> None:
+    for i, (text, color) in enumerate(texts):
+        axes.text(0.02, 0.98 - 0.065 * i, text, transform=axes.transAxes, va="top", color=color)
+
+
+def _origin(axes: Axes) -> None:
+    axes.axhline(0.0, color=BLACK, lw=0.6, zorder=1)
+    axes.axvline(0.0, color=BLACK, lw=0.6, zorder=1)
+
+
+def _both_sides(fastest: float) -> FloatArray:
+    """Return velocities with a step exactly at zero."""
+    side = np.concatenate([np.geomspace(1e-9, 1e-3, 50), np.linspace(1e-3, 1.0, 400)[1:]]) * fastest
+    return np.concatenate([-side[::-1], side])
+
+
+def _title(model: Model) -> str:
+    drawn = {*effects_of(model, "velocity"), *effects_of(model, "position")}
+    rest = [p for name, p in model.params.items() if name.split(".")[0] not in drawn]
+    more = ", ".join(f"{p.name} = {number(p.value)} {p.unit}" for p in rest).replace("^2", "²")
+    return plain(model.name or "Model") + (f"\nbeside what is drawn: {plain(more, 200)}" if more else "")

@@ -1,0 +1,79 @@
+"""How far the parameters of a model moved when the missing effects came in."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from .ladder import title
+from .style import BAND, BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILLION, Picture, plain, styled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from ...learn import Story
+
+_COLORS = (BLUE, ORANGE, GREEN, PURPLE, VERMILLION)
+_USUAL = 2.0  # standard errors: within that nothing happened
+
+
+@styled
+def movements(story: Story) -> Picture:
+    """Movement of each parameter of the first model, in standard errors, for each effect that came in."""
+    rows = len(story.ladder[0].params)
+    figure = Picture(8.5, 1.8 + 0.36 * rows, title(story))
+    draw_movements(figure.add_subplot(), story)
+    return figure
+
+
+def draw_movements(axes: Axes, story: Story) -> None:
+    """Draw a bar for each parameter and effect; linear up to 2 standard errors, then by decades."""
+    names = list(story.ladder[0].params)
+    came = [rung for rung in story.ladder if rung.added is not None]
+    width = 0.72 / max(len(came), 1)
+    reach = 10.0
+    for i, rung in enumerate(came):
+        moves = {name: rung.moved[name] for name in names if name in rung.moved}
+        rows = [names.index(name) + (i - 0.5 * (len(came) - 1)) * width for name in moves]
+        steps = [move.by_se for move in moves.values()]
+        color = _COLORS[i % len(_COLORS)]
+        axes.barh(rows, steps, height=0.9 * width, color=color, lw=0, label=f"with {plain(rung.added, 30)}")
+        for row, move in zip(rows, moves.values(), strict=True):
+            _say(axes, row, move.by_se, move.by_percent)
+        reach = max([reach, *map(abs, steps)])
+    axes.axvspan(-_USUAL, _USUAL, color=BAND, alpha=0.3, lw=0, zorder=0.5)
+    axes.axvline(0.0, color=BLACK, lw=0.8)
+    axes.set_xscale("symlog", linthresh=_USUAL, linscale=0.6)
+    # Room for the words beyond the longest bar, on a scale by decades.
+    limit = 10.0 ** (math.log10(reach) * 1.18 + 0.55)
+    axes.set_xlim(-limit, limit)
+    ticks = [10.0**k for k in range(1, int(math.log10(limit)) + 1)]
+    axes.set_xticks([*(-tick for tick in ticks[::-1]), -2.0, 0.0, 2.0, *ticks], minor=False)
+    axes.set_xticks([], minor=True)
+    axes.xaxis.set_major_formatter(lambda value, _: f"{value:+g}".replace("-", "−") if value else "0")
+    axes.set_yticks(range(len(names)), names)
+    axes.set_ylim(len(names) - 0.4, -0.6)
+    axes.grid(visible=False, axis="y")
+    axes.tick_params(axis="y", length=0)
+    axes.set_xlabel("moved by (standard errors)")
+    axes.set_title("Parameters that moved", fontweight="bold")
+    if came:
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1, ncols=min(len(came), 3))
+
+
+def _say(axes: Axes, row: float, step: float, percent: float) -> None:
+    """Write the change in percent at the end of a bar that leaves the band."""
+    if abs(step) <= _USUAL or not math.isfinite(percent):
+        return
+    side = 1 if step > 0.0 else -1
+    words = f"{percent:+,.0f} %" if abs(percent) >= 100.0 else f"{percent:+.3g} %"
+    words = words.replace("-", "−")
+    axes.annotate(
+        words,
+        (step, row),
+        (4 * side, 0),
+        textcoords="offset points",
+        ha="left" if side > 0 else "right",
+        va="center",
+        fontsize=8.0,
+    )

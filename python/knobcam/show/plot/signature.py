@@ -1,0 +1,202 @@
+"""The signature of an effect: what it adds to the torque of a small knob, over time and where it shows."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from matplotlib.lines import Line2D
+
+from ...capture.motions import MotionTrack, motion
+from ...model import Model
+from ...model.simulate import simulate
+from ...model.typical import CARRIER, typical, with_typical
+from .laws import friction
+from .style import (
+    BACKWARD,
+    BLACK,
+    FORWARD,
+    GREY,
+    RAW,
+    WRONG,
+    Picture,
+    Scale,
+    legend_above,
+    motion_units,
+    plain,
+    styled,
+    torque_scale,
+)
+from .thin import envelope, some
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ...base.arrays import FloatArray
+    from ...model.effects import Effect
+
+_BINS = 60
+# Whatever is smooth follows time as well; it is said of time only where no other axis does nearly as much.
+_TIME = 0.9
+
+
+class _Added(NamedTuple):
+    """What an effect adds on a motion to the torque of the plain knob, N m, shape (samples,)."""
+
+    track: MotionTrack
+    tau: FloatArray
+    plain: FloatArray
+
+    @property
+    def since_reversal(self) -> FloatArray:
+        """Distance since the direction last changed, rad."""
+        way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(self.track.theta)))])
+        forward = self.track.omega >= 0.0
+        turned = np.flatnonzero(forward[1:] != forward[:-1]) + 1
+        start = np.zeros(len(way))
+        start[turned] = np.diff(way[np.concatenate([[0], turned])])
+        return way - np.cumsum(start)
+
+
+@styled
+def effect(effect: Effect) -> Picture:
+    """The torque that an effect adds to a small knob for typical values, over time and over each axis.
+
+    The knob is simulated with and without it on the same motion, so couplings, sensors and effects with a
+    memory show as they would in a capture. The axis that it follows, if it follows any, is framed.
+    """
+    values = typical(effect)
+    carrier = {name: value for name, value in CARRIER.items() if not name.startswith(f"{effect.id}.")}
+    if effect.id == "karnopp":
+        return _standing(effect, _model({**carrier, **values}))
+    added = _added(carrier, effect)
+    scale = torque_scale("rotary", float(np.max(np.abs(added.tau), initial=0.0)))
+    figure = Picture(13.0, 6.6, _title(effect, values))
+    units = motion_units("rotary")
+    axes_of = {
+        f"position ({units['theta']})": added.track.theta,
+        f"velocity ({units['omega']})": added.track.omega,
+        f"acceleration ({units['alpha']})": added.track.alpha,
+        f"torque of the plain knob ({scale.unit})": added.plain * scale.factor,
+        f"distance since reversal ({units['theta']})": added.since_reversal,
+    }
+    shares = {label: _share(x, added) for label, x in axes_of.items()}
+    over_time = _TIME * _share(added.track.t, added)
+    grid = figure.add_gridspec(2, len(axes_of), height_ratios=[0.8, 1.0])
+    whole = figure.add_subplot(grid[0, :])
+    _over_time(whole, added, scale)
+    best = max(over_time, *shares.values())
+    if best == over_time > 0.5:
+        _frame(whole)
+    for column, (label, x) in enumerate(axes_of.items()):
+        axes = figure.add_subplot(grid[1, column])
+        _cloud(axes, x, added, scale, label, shares[label], shares[label] == best > 0.5)
+        if column == 0:
+            axes.set_ylabel(f"added torque ({scale.unit})")
+    _legend(figure)
+    return figure
+
+
+def _added(carrier: dict[str, float], effect: Effect) -> _Added:
+    """Simulate the knob with and without the effect, without sensor noise."""
+    # Over more than a turn, with many reversals at many speeds: what follows one axis follows no other.
+    track = motion("multisine", 12.0, seed=1, amplitude=4.0, highest_hz=1.5)
+    bare = _model(carrier)
+    with_it, without = (
+        simulate(model, track, noise="none").tau for model in (with_typical(bare, effect), bare)
+    )
+    return _Added(track, np.nan_to_num(with_it - without), without)
+
+
+def _model(values: dict[str, float]) -> Model:
+    model = Model.of(dict.fromkeys(name.split(".")[0] for name in values))
+    for name, value in values.items():
+        model = model.with_value(name, value)
+    return model
+
+
+def _share(x: FloatArray, added: _Added) -> float:
+    """Return the part of the added torque's square that is a line over `x`, one for each direction."""
+    total = float(np.sum(added.tau**2))
+    if total == 0.0:
+        return 0.0
+    explained = 0.0
+    for side in (added.track.omega >= 0.0, added.track.omega < 0.0):
+        borders = np.quantile(x[side], np.linspace(0.0, 1.0, _BINS + 1)[1:-1])
+        cell = np.digitize(x[side], borders)
+        count = np.bincount(cell, minlength=_BINS)
+        sums = np.bincount(cell, added.tau[side], minlength=_BINS)
+        explained += float(np.sum(sums[count > 0] ** 2 / count[count > 0]))
+    return explained / total
+
+
+def _standing(effect: Effect, model: Model) -> Picture:
+    """Stiction adds nothing while the knob moves: its signature is the stick band beside sliding friction."""
+    figure = Picture(8.0, 4.8, _title(effect, {}))
+    friction(figure.add_subplot(), model)
+    return figure
+
+
+def _title(effect: Effect, values: dict[str, float]) -> str:
+    short = ", ".join(f"{name.split('.', 1)[1]} = {value:g}" for name, value in values.items())
+    lines = [f"{effect.id}: {effect.law}", f"shows {effect.shows}"]
+    if effect.confused:
+        lines.append(f"easily confused with {', '.join(effect.confused)}")
+    return "\n".join(plain(line, 200) for line in lines) + (
+        f"\nhere with {plain(short, 200)}" if short else ""
+    )
+
+
+def _over_time(axes: Axes, added: _Added, scale: Scale) -> None:
+    """Draw the torque of the knob without the effect, and what the effect adds to it."""
+    t = added.track.t
+    axes.plot(*envelope(t, added.plain * scale.factor), color=RAW, lw=0.7, label="the knob without it")
+    axes.plot(*envelope(t, added.tau * scale.factor), color=WRONG, lw=1.2, label="what it adds")
+    axes.axhline(0.0, color=BLACK, lw=0.6, zorder=1)
+    axes.set_title("Over time")
+    axes.set_xlabel("time (s)")
+    axes.set_ylabel(f"torque ({scale.unit})")
+    legend_above(axes)
+
+
+def _cloud(
+    axes: Axes, x: FloatArray, added: _Added, scale: Scale, label: str, share: float, best: bool
+) -> None:
+    """Draw the added torque in the colour of the direction of motion."""
+    # Where both directions feel the same, the thin one lies within the wide one.
+    for forward, color, size, name in (
+        (True, FORWARD, 5.0, "moving forward"),
+        (False, BACKWARD, 1.8, "moving backward"),
+    ):
+        rows = some((added.track.omega >= 0.0) == forward)
+        tau = added.tau[rows] * scale.factor
+        axes.plot(x[rows], tau, ".", ms=size, mew=0, color=color, rasterized=True, label=name)
+    axes.axhline(0.0, color=BLACK, lw=0.6, zorder=1)
+    axes.set_title(
+        f"{100.0 * share:.0f} % follows {label.split(' ')[0]}",
+        color=BLACK if best else GREY,
+        fontweight="bold" if best else "normal",
+    )
+    axes.set_xlabel(label)
+    if label.startswith("distance"):
+        axes.set(xscale="log", xlim=(1e-4, float(np.max(x))))
+    if best:
+        _frame(axes)
+    # A few impacts must not flatten all the rest.
+    reach = 1.2 * scale.factor * float(np.quantile(np.abs(added.tau), 0.998))
+    axes.set_ylim(-reach or -1.0, reach or 1.0)
+
+
+def _frame(axes: Axes) -> None:
+    for side in ("left", "right", "top", "bottom"):
+        axes.spines[side].set(visible=True, color=WRONG, linewidth=1.8)
+
+
+def _legend(figure: Figure) -> None:
+    """Name the colours of the directions once, for all panels."""
+    dots = {"moving forward": FORWARD, "moving backward": BACKWARD}
+    handles = [
+        Line2D([], [], ls="", marker=".", ms=9.0, color=color, label=name) for name, color in dots.items()
+    ]
+    figure.legend(handles=handles, loc="upper right", ncols=2)

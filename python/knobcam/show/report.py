@@ -1,0 +1,232 @@
+"""The story of a capture as one HTML file: no network, no other file, nothing in it that could be markup."""
+
+from __future__ import annotations
+
+import base64
+import io
+import math
+import os
+from html import escape
+from importlib import resources
+from pathlib import Path
+from string import Template
+from typing import TYPE_CHECKING
+
+from .._core import __version__
+from ..base.atomic import write_atomically
+from ..fit.refit import percent
+from ..model.effects import effect as catalogued
+from .look_page import section
+from .samples import rungs
+from .tables import html_table
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from matplotlib.figure import Figure
+
+    from ..fit.diagnose import Diagnosis
+    from ..learn import Story
+    from ..learn.ladder import Rung
+
+
+def write(story: Story, path: str | os.PathLike[str]) -> Path:
+    """Write the report; it appears whole or not at all."""
+    target = Path(path)
+    page = html(story)
+    write_atomically(target, lambda part: _write_text(part, page))
+    return target
+
+
+def _write_text(path: Path, text: str) -> None:
+    path.write_text(text, "utf-8", errors="replace")  # a path of the system may hold what no text can
+
+
+def html(story: Story) -> str:
+    """Return the report of a story: what was found, why, what else it could be, what remains, how sure."""
+    look = section(rungs(story))
+    page = resources.files("knobcam.show").joinpath("report.html").read_text("utf-8")
+    return Template(page).substitute(
+        title=escape(_title(story)),
+        facts=escape(_facts(story)),
+        verdict=story.verdict,
+        headline=escape(story.headline),
+        story=_figure(
+            story.plot(), "Error ladder, residual before and after, parameters that moved, the rest."
+        ),
+        look=look.markup,
+        look_style=look.style,
+        look_hash=look.script_hash,
+        found=_found(story),
+        why=_why(story),
+        **{"else": _alternatives(story)},
+        remains=_remains(story),
+        sure=_sure(story),
+        made=escape(_made(story)),
+    )
+
+
+def _title(story: Story) -> str:
+    sources = [str(capture.meta.get("source", "")) or "capture" for capture in story.captures]
+    return f"What is missing in the model of {', '.join(sources)}"
+
+
+def _facts(story: Story) -> str:
+    parts = []
+    for capture, signals in zip(story.captures, story.fit.prepared, strict=True):
+        masked = int((~capture.mask).sum())
+        parts.append(
+            f"{capture.samples} samples, {capture.duration_s:.4g} s at {capture.rate_hz:.6g} Hz, "
+            f"{masked} masked, {signals.core.used} count"
+        )
+    return "; ".join(parts)
+
+
+def _found(story: Story) -> str:
+    """Each effect that came in: its law, its values, its evidence."""
+    if not story.found:
+        return _paragraph("Nothing: no effect of the catalogue was added.")
+    parts = []
+    for rung in story.ladder:
+        if rung.added not in story.found:
+            continue
+        entry = catalogued(rung.added, story.model.axis)
+        parts.append(f"<h3>{escape(rung.added)}</h3>")
+        parts.append(_paragraph(f"{entry.law}. Acts on the {entry.place}; shows {entry.shows}."))
+        parts.append(_paragraph(_evidence(rung)))
+        parts.append(_paragraph(f"Source: {entry.source}.", "soft"))
+        rows = [
+            (name, f"{e.value:.5g}" if e.determined else "-", e.interval, e.unit)
+            for name, e in story.fit.params.items()
+            if name.split(".", 1)[0] == rung.added
+        ]
+        parts.append(_table("As fitted in the end", ("parameter", "value", "95 % interval", "unit"), rows))
+    return "\n".join(parts)
+
+
+def _evidence(rung: Rung) -> str:
+    said = f"With it the RMS error changes by {percent(-rung.error_fall)}, to {rung.rmse:.4g}"
+    said += f" ({rung.rmse_heldout:.4g} on blocks that the fit did not see)."
+    if math.isfinite(rung.p_value):
+        said += f" Chance alone would do as well in {_chances(rung.p_value)}."
+    if rung.dropped:
+        said += f" It made superfluous: {', '.join(rung.dropped)}."
+    return said
+
+
+def _chances(p_value: float) -> str:
+    return "fewer than one capture of 1000" if p_value < 0.001 else f"{100.0 * p_value:.2g} captures of 100"
+
+
+def _why(story: Story) -> str:
+    said = "Where the first model failed: the residual along every axis, beside the band of chance."
+    return "\n".join(
+        [
+            _paragraph(f"The first model: {story.before.summary}"),
+            _figure(story.before.plot(), said),
+            _table("The error ladder", story.head, story.rows()),
+        ]
+    )
+
+
+def _alternatives(story: Story) -> str:
+    """What was weighed on each rung, and what looks alike in this capture."""
+    parts = []
+    for rung in story.ladder:
+        if rung.added is None or rung.diagnosis is None:
+            continue
+        parts.append(f"<h3>Instead of {escape(rung.added)}</h3>")
+        if rung.equivalent:
+            names = [rung.added, *rung.equivalent]
+            shows = [f"{name} shows {catalogued(name, story.model.axis).shows}" for name in names]
+            parts.append(
+                _paragraph("This capture cannot tell them apart. Record a motion in which they differ:")
+            )
+            parts.append(_list(shows))
+        else:
+            parts.append(_paragraph("No other effect of the catalogue explains the capture as well."))
+        parts.append(_weighed(rung.diagnosis))
+    parts.append("<h3>Weighed in the end, and not added</h3>")
+    parts.append(_weighed(story.last))
+    if story.without:
+        parts.append(_paragraph(f"Not weighed at all: {', '.join(story.without)}."))
+    return "\n".join(parts)
+
+
+def _weighed(diagnosis: Diagnosis) -> str:
+    if not diagnosis.candidates:
+        return _paragraph("There was nothing to weigh: the catalogue has no other effect.")
+    table = _table("Every absent effect, best first", diagnosis.HEAD, diagnosis.rows(diagnosis.candidates))
+    left_out = _list(f"{one}, left out: {why}" for one, why in diagnosis.left_out.items())
+    picture = _figure(diagnosis.plot(), "Solid bars: beyond chance. Linked: alike in this capture.")
+    return picture + table + (left_out if diagnosis.left_out else "")
+
+
+def _remains(story: Story) -> str:
+    parts = [_paragraph(story.after.summary)]
+    if story.unexplained is not None:
+        what = story.unexplained
+        parts.append(
+            _paragraph(
+                f"Unexplained: {100.0 * what.share:.0f} % of the remaining error variance lies along "
+                f"{what.axis}; {what.hint}. No effect of the catalogue does that."
+            )
+        )
+    said = "Where the last model fails: the residual along every axis, beside the band of chance."
+    if len(story.ladder) > 1:
+        parts.append(_figure(story.after.plot(), said))
+    if story.disagreements:
+        parts.append("<h3>Where the captures disagree</h3>")
+        parts.append(_list(f"{one}." for one in story.disagreements))
+    if story.lacks:
+        parts.append("<h3>What this capture cannot tell</h3>")
+        parts.append(_list(f"{lack.message}; {lack.record}." for lack in story.lacks))
+    return "\n".join(parts)
+
+
+def _sure(story: Story) -> str:
+    fit = story.fit
+    unit = "N m" if fit.model.axis == "rotary" else "N"
+    parts = [
+        _paragraph(
+            f"The sensor's noise alone would leave {fit.noise_floor:.4g} {unit}; the last model leaves "
+            f"{fit.rmse:.4g} {unit}, and {fit.rmse_heldout:.4g} {unit} on blocks that the fit did not see."
+        ),
+        _table("All parameters of the last model", fit.HEAD, fit.rows()),
+    ]
+    said = [f"{name}: {why}" for name, why in fit.undetermined.items()]
+    said += fit.warnings
+    for signals in fit.prepared:
+        said += signals.notes
+        said += [str(finding) for finding in signals.capture.findings]
+    if said:
+        parts += ["<h3>Remarks</h3>", _list(said)]
+    return "\n".join(parts)
+
+
+def _made(story: Story) -> str:
+    signals = story.fit.signals
+    options = "".join(f", {name}={value:g}" for name, value in signals.options.items())
+    return f"Made by knobcam {__version__}; signals prepared by '{signals.method}'{options}. SI units."
+
+
+def _paragraph(text: str, kind: str = "") -> str:
+    return f'<p class="{kind}">{escape(text)}</p>' if kind else f"<p>{escape(text)}</p>"
+
+
+def _list(items: Iterable[str]) -> str:
+    return "<ul>" + "".join(f"<li>{escape(item)}</li>" for item in items) + "</ul>"
+
+
+def _table(caption: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    return f'<div class="wide">{html_table(caption, head, rows)}</div>'
+
+
+def _figure(figure: Figure, caption: str) -> str:
+    """Return a picture as an image within the file: what is written in it can never become markup."""
+    stream = io.BytesIO()
+    figure.savefig(stream, format="svg", metadata={"Date": None})
+    data = base64.b64encode(stream.getvalue()).decode("ascii")
+    said = escape(caption)
+    image = f'<img alt="{said}" src="data:image/svg+xml;base64,{data}">'
+    return f"<figure>{image}<figcaption>{said}</figcaption></figure>"

@@ -1,0 +1,80 @@
+"""How each result shows itself: the one place where results meet pictures, linked plots and reports."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..capture import Capture
+from ..capture.prepare import Prepared
+from ..fit import Fit
+from ..fit.compare import Comparison
+from ..fit.diagnose import Diagnosis
+from ..fit.stiction import Stiction
+from ..learn import Story
+from ..model import Model
+from ..model.effects import Effect
+from ..render import Stability
+from ..render.loop_report import LoopReport
+from ..rig.calibration import Calibration
+from .linked import Look
+from .samples import Shown, rungs
+from .tables import html as html
+
+if TYPE_CHECKING:
+    import os
+    from pathlib import Path
+
+    from matplotlib.figure import Figure
+
+
+def plot(result: object) -> Figure:
+    """Return the picture of a result."""
+    from . import plot as pictures  # loads matplotlib, which nothing else here needs
+
+    match result:
+        case Capture():
+            return pictures.capture(result)
+        case Prepared():
+            return pictures.prepared(result)
+        case Model():
+            return pictures.model(result)
+        case Effect():
+            return pictures.effect(result)
+        case Fit():
+            return pictures.fit(result)
+        case Comparison():
+            return pictures.comparison(result)
+        case Stiction():
+            return pictures.stiction(result.fit, result)
+        case Diagnosis():
+            return pictures.diagnosis(result)
+        case Story():
+            return pictures.story(result)
+        case Stability():
+            return pictures.stability(result)
+        case LoopReport():
+            return pictures.timing(result)
+        case Calibration():
+            return pictures.calibration(result)
+    raise TypeError(f"{type(result).__name__} has no picture")
+
+
+def look(result: object) -> Look:
+    """Return the linked plots of a result."""
+    match result:
+        case Fit():
+            return Look((Shown("fit", result),))
+        case Diagnosis():
+            return Look((Shown("fit", result.fit, result),))
+        case Story():
+            return Look(rungs(result))
+    raise TypeError(f"{type(result).__name__} has no linked plots")
+
+
+def report(result: object, path: str | os.PathLike[str]) -> Path:
+    """Write the report of a story and return its path."""
+    from .report import write
+
+    if not isinstance(result, Story):
+        raise TypeError(f"{type(result).__name__} has no report")
+    return write(result, path)

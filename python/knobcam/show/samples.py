@@ -1,0 +1,89 @@
+"""What linked plots are made of: samples, what a model leaves of them, what a candidate would explain."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ..base.arrays import FloatArray
+    from ..fit import Fit
+    from ..fit.diagnose import Diagnosis
+    from ..learn import Story
+    from ..learn.ladder import Unexplained
+
+_MOTION = ("theta", "omega", "tau")
+
+
+class Shown(NamedTuple):
+    """A fit to look at; `weighed` is what could be missing from it, `unexplained` what nothing explains."""
+
+    label: str
+    fit: Fit
+    weighed: Diagnosis | None = None
+    unexplained: Unexplained | None = None
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Ids of the candidates, best first."""
+        return tuple(one.effect for one in self.weighed.candidates) if self.weighed else ()
+
+    def explained(self, effect: str) -> FloatArray:
+        """Return what a candidate would explain of the residual, N m, the captures one after the other."""
+        if self.weighed is None:
+            raise KeyError(effect)
+        core = self.weighed[effect].fit.model.core
+        parts = [one.on_capture(core.torque(one.core) - one.tau) for one in self.fit.prepared]
+        return self.fit.residual + np.concatenate(parts)
+
+    def document(self) -> dict[str, Any]:
+        """Return what a page lists of it."""
+        candidates = None
+        if self.weighed is not None:
+            candidates = {
+                "ready": True,
+                "rows": [one.evidence() for one in self.weighed.candidates],
+                "unexplained": self.unexplained and self.unexplained._asdict(),
+            }
+        return {"label": self.label, "rmse": self.fit.rmse, "candidates": candidates}
+
+
+def rungs(story: Story) -> tuple[Shown, ...]:
+    """Return every rung of a ladder, with what was weighed on it."""
+    weighed = [*(rung.diagnosis for rung in story.ladder[1:]), story.last]
+    left = [*(None for _ in story.ladder[1:]), story.unexplained]
+    labels = [f"+ {rung.added}" if rung.added else "first model" for rung in story.ladder]
+    fits = [rung.fit for rung in story.ladder]
+    return tuple(map(Shown, labels, fits, weighed, left))
+
+
+def head(shown: Sequence[Shown]) -> dict[str, Any]:
+    """Return all but the samples: units, noise floor, how many samples there are, the rungs."""
+    last = shown[-1].fit
+    return {
+        "unit": "N m" if last.model.axis == "rotary" else "N",
+        "axis": last.model.axis,
+        "noise": last.noise_floor,
+        "all": sum(one.capture.samples for one in last.prepared),
+        "rungs": [rung.document() for rung in shown],
+    }
+
+
+def measured(fit: Fit) -> dict[str, FloatArray]:
+    """Return time, motion and torque in SI, the captures one after the other; NaN at masked samples."""
+    columns = {"t": _times([signals.capture.t for signals in fit.prepared])}
+    for name in _MOTION:
+        columns[name] = np.concatenate([one.on_capture(getattr(one, name)) for one in fit.prepared])
+    return columns
+
+
+def _times(captures: Sequence[FloatArray]) -> FloatArray:
+    """Time of captures one after the other, s."""
+    parts, elapsed = [], 0.0
+    for t in captures:
+        parts.append(t - t[0] + elapsed)
+        elapsed = float(parts[-1][-1])
+    return np.concatenate(parts)
