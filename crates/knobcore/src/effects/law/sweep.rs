@@ -35,7 +35,7 @@ impl Sweep<'_> {
         for at in (0..self.torque.len()).step_by(LANES) {
             let mut tau = Dual::constant(Pack::load(self.torque, at));
             tau.d[L - 1] = Pack::of(1.0);
-            let motion = constant_motion(self.motion, at);
+            let motion = Motion::over(&self.motion, at).map(Dual::constant);
             let sensed = E::sense(&p, &motion, tau);
             sensed.v.store(self.torque, at);
             for column in self.slopes.iter_mut() {
@@ -71,13 +71,6 @@ impl Sweep<'_> {
             }
         }
     }
-}
-
-/// The motion of eight samples, without derivatives.
-#[inline(always)]
-fn constant_motion<const L: usize>(columns: [&[f64]; 5], at: usize) -> Motion<Dual<Pack, L>> {
-    let [t, theta, omega, alpha, forward] = columns.map(|column| Dual::constant(Pack::load(column, at)));
-    Motion { t, theta, omega, alpha, forward }
 }
 
 /// Adds derivatives of eight samples to their columns.
