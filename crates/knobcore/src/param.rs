@@ -45,6 +45,11 @@ impl Unit {
         Self { torque, angle, time, pure: false }
     }
 
+    /// Powers of torque, angle and time.
+    pub const fn powers(self) -> [i32; 3] {
+        [self.torque as i32, self.angle as i32, self.time as i32]
+    }
+
     /// What a person writes, as [`Unit::text`] prints it: names with powers, after each `/` those below. With `m`
     /// for every `N` the torque is one of a rotary axis; without `rad`, and with other powers of `m`, of a linear
     /// one.

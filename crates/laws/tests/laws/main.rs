@@ -1,10 +1,14 @@
 //! Laws that the physics obeys: a product of effects and laws, no effect named but where a law says why.
 
 mod catalogue;
+mod chance;
 mod derivatives;
+mod driven;
 mod limits;
 mod recovery;
 mod rendering;
+mod symmetry;
+mod units;
 mod user;
 
 use knobcore::chain::SUBSTEPS;

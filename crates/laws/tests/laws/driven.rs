@@ -1,0 +1,97 @@
+//! One chain: whatever drives a knob, every effect acts, and the same motion takes the same torque.
+
+use super::*;
+use knobcore::chain::{Hand, Pushed, push};
+
+const HAND: Hand = Hand { stiffness: 0.4, damping: 4e-3 };
+
+/// A hand that turns the knob back and forth, resting at each end.
+fn pushed(model: &Model) -> Pushed {
+    let rest = |x: f64| (4.0 * x.sin()).clamp(-1.0, 1.0);
+    let reference: Vec<f64> = (0..CYCLE).map(|i| 0.8 * rest(TAU * 2.0 * i as f64 / CYCLE as f64)).collect();
+    push(model, &reference, 1.0 / RATE_HZ, HAND).unwrap()
+}
+
+/// The motion that came out, as a capture.
+fn seen(pushed: &Pushed) -> Signals {
+    let n = pushed.theta.len();
+    Signals {
+        t: (0..n).map(|i| i as f64 / RATE_HZ).collect(),
+        theta: pushed.theta.clone(),
+        omega: pushed.omega.clone(),
+        alpha: pushed.alpha.clone(),
+        forward: pushed.omega.iter().map(|w| Motion::exact(0.0, 0.0, *w, 0.0).forward).collect(),
+        omega_sd: vec![0.0; n],
+        weight: vec![1.0; n],
+        segments: vec![0..n; 1],
+        tau_raw: pushed.tau.clone(),
+        tau: pushed.tau.clone(),
+        ..signals(|_| 0.0)
+    }
+}
+
+#[test]
+fn every_effect_changes_what_a_hand_feels() {
+    let mut noise = Noise::new(23);
+    let bare = pushed(&knob());
+    let scale = rms(bare.tau.iter().copied());
+    for &id in Id::BUILT_IN.iter().filter(|id| !knob().has(**id)) {
+        let mut values = plausible(id, &mut noise);
+        if id == Id::Saturation {
+            // The limit that is plausible for the faster motion of the other laws is not reached by this one.
+            values[0] = 0.5 * scale;
+        }
+        let with = pushed(&at(knob_with(id), id, &values));
+        let apart = |a: &[f64], b: &[f64]| rms(a.iter().zip(b).map(|(a, b)| a - b));
+        let felt = apart(&with.tau, &bare.tau) / scale + apart(&with.theta, &bare.theta);
+        assert!(felt > 1e-4, "{} changes nothing: {felt}", name(id));
+    }
+}
+
+#[test]
+fn a_hand_feels_what_is_predicted_on_the_motion_that_it_makes() {
+    let mut noise = Noise::new(24);
+    for &id in Id::BUILT_IN {
+        let model = plausible_knob(id, &mut noise);
+        let pushed = pushed(&model);
+        let predicted = predict::torque_raw(&model, &seen(&pushed));
+        let scale = rms(pushed.tau.iter().copied());
+        // A knob at rest answers the hand, which its motion does not tell; a late sensor remembers that rest.
+        let rests = |i: usize| pushed.omega[i] == 0.0;
+        let late = if id.law().remembers() { 600 } else { 0 };
+        let clear = |i: &usize| model.is_coupled() || (i.saturating_sub(late)..=*i).all(|i| !rests(i));
+        let moving: Vec<usize> = (0..CYCLE).filter(clear).collect();
+        assert!(moving.len() > CYCLE / 10, "{} moves", name(id));
+        let most = moving.iter().map(|i| (predicted[*i] - pushed.tau[*i]).abs()).fold(0.0, f64::max);
+        assert!(most < 1e-9 * scale.max(1.0), "{}: {most} N m apart", name(id));
+    }
+}
+
+#[test]
+fn no_effect_gives_energy_anywhere_along_the_way() {
+    const SLICES: usize = 24;
+    let mut noise = Noise::new(25);
+    for &id in Id::BUILT_IN.iter().filter(|id| id.info().place == Place::Load) {
+        // What only changes another effect gives or takes beside that one; what is stored comes back elsewhere.
+        if id.info().needs.is_some() || id == Id::Inertia || id.law().remembers() {
+            continue;
+        }
+        let model = at(Model::new(&[id], Axis::Rotary), id, &plausible(id, &mut noise));
+        let run = torque(&model);
+        let (low, high) = (-1.2, 1.2);
+        let mut work = [0.0; SLICES];
+        let mut scale = [0.0; SLICES];
+        for i in 0..CYCLE {
+            let place = (run.theta[i] - low) / (high - low) * SLICES as f64;
+            let slice = (place.max(0.0) as usize).min(SLICES - 1);
+            work[slice] += run.tau[i] * run.omega[i];
+            scale[slice] += (run.tau[i] * run.omega[i]).abs();
+        }
+        let total: f64 = scale.iter().sum();
+        for slice in 0..SLICES {
+            // A slice that begins or ends within a sample is a little open.
+            let open = 2e-2 * scale[slice] + 1e-3 * total;
+            assert!(work[slice] >= -open, "{} gives {} of {total} in slice {slice}", name(id), work[slice]);
+        }
+    }
+}
