@@ -197,5 +197,10 @@ mod tests {
         let bins = Bins::new(&[&signals], &coordinate, &even(-1.0, 1.0, 10));
         assert_eq!(bins.len(), 20);
         assert_eq!(bins.count.iter().sum::<f64>(), signals.used() as f64);
+        // It goes forward on the one side of zero and backward on the other.
+        for bin in (0..bins.len()).filter(|bin| bins.count[*bin] > 0.0) {
+            let middle = 0.5 * (bins.low[bin] + bins.high[bin]);
+            assert_eq!(f64::from(bins.direction[bin]), middle.signum(), "bin {bin}");
+        }
     }
 }
