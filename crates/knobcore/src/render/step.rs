@@ -287,13 +287,7 @@ impl Renderer {
 
     /// The torque of a knob on a rigid shaft, with dry friction between sticking and sliding.
     #[inline(always)]
-    fn rubbed(
-        &mut self,
-        motion: Motion<f64>,
-        by: f64,
-        hand: Option<f64>,
-        known: Option<Sliding>,
-    ) -> Sliding {
+    fn rubbed(&mut self, motion: Motion<f64>, by: f64, hand: Option<f64>, known: Option<Sliding>) -> Sliding {
         let (model, p, own) = (&self.model, &self.p, self.own);
         let state = &mut self.state;
         let still = at_rest(&motion);

@@ -3,7 +3,7 @@
 use super::*;
 use crate::derivatives::{SMOOTH, check};
 use crate::rendering::OPEN;
-use knobcore::effects::{Bends, Function, Info, User};
+use knobcore::effects::{Function, Info, Nonlinear, User};
 use knobcore::motion::Channel;
 use knobcore::param::Unit;
 use knobcore::render::{Renderer, Sensed};
@@ -37,8 +37,8 @@ fn register_at(
         touches,
         shapes_friction: Channel::shape_friction(touches),
         presses: false,
-        bends: beyond.then_some(Bends::Everything),
-        describes: false,
+        makes_nonlinear: beyond.then_some(Nonlinear::Everything),
+        ..*Id::QuadraticDrag.info()
     };
     Id::User(User::register(info, false, Vec::new(), function).unwrap())
 }
@@ -87,7 +87,8 @@ fn a_law_that_fails_says_so_and_predicts_nothing() {
 #[test]
 fn wherever_it_acts_it_is_the_effect_of_the_catalogue_that_it_repeats() {
     const RISE: Param = Param::shape("rise", Unit::NUMBER, [-1.0, 9.0], 0.0, "rise");
-    const FRICTION: &[Param] = &[RISE, Param::shape("tau", Unit::of(0, 0, 1), [0.1, 9.0], 1.0, "time constant")];
+    const FRICTION: &[Param] =
+        &[RISE, Param::shape("tau", Unit::of(0, 0, 1), [0.1, 9.0], 1.0, "time constant")];
     const SENSOR: &[Param] = &[Param::shape("limit", Unit::of(1, 0, 0), [1e-3, 1e3], 1e3, "limit")];
     const JOINT: &[Param] = &[
         Param::shape("k", Unit::of(1, -1, 0), [1e-3, 1e5], 1e5, "stiffness"),

@@ -5,7 +5,7 @@ use super::gradient::Gradient;
 use super::sweep::Sweep;
 use super::{Carried, D8, D16, Law, take};
 use crate::effects::{
-    CouplingEffect, Info, Joint, LateEffect, LoadEffect, MemoryEffect, Place, SensorEffect, Survey,
+    Context, CouplingEffect, Info, Joint, LateEffect, LoadEffect, MemoryEffect, Place, SensorEffect, Survey,
 };
 use crate::isa;
 use crate::motion::{Channel, Load, Motion};
@@ -34,8 +34,8 @@ macro_rules! told {
             E::starts(survey).into_iter().map(Vec::from).collect()
         }
 
-        fn implausible(&self, p: &[f64]) -> Option<&'static str> {
-            E::implausible(&take(p))
+        fn implausible(&self, p: &[f64], context: &Context) -> Vec<String> {
+            E::implausible(&take(p), context)
         }
     };
 }
@@ -233,12 +233,7 @@ impl<E: MemoryEffect<N, M>, const N: usize, const M: usize> NullaryFnOnce for Ch
     }
 }
 
-struct Sensed<'a, 'b, E, const N: usize>(
-    &'a [f64],
-    &'a [Option<usize>],
-    &'a mut Sweep<'b>,
-    PhantomData<E>,
-);
+struct Sensed<'a, 'b, E, const N: usize>(&'a [f64], &'a [Option<usize>], &'a mut Sweep<'b>, PhantomData<E>);
 
 impl<E: SensorEffect<N>, const N: usize> NullaryFnOnce for Sensed<'_, '_, E, N> {
     type Output = ();

@@ -86,4 +86,3 @@ fn add(slopes: &mut [Vec<f64>], columns: &[Option<usize>], at: usize, more: &[Pa
         }
     }
 }
-
