@@ -70,6 +70,7 @@ def push(model: Model, reference: Floats, dt: float, stiffness: float, damping: 
 def catalogue(axis_name: str = "rotary") -> list[dict[str, Any]]: ...
 def register_effect(
     id: str,
+    acts: str,
     law: str,
     source: str,
     shows: str,
