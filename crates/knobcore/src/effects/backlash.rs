@@ -24,10 +24,22 @@ impl Effect<4> for Backlash {
     const MAKES_NONLINEAR: Option<Nonlinear> = Some(Nonlinear::Everything);
     const WORDS: Words = Words {
         name: "there is free play between shaft and knob",
-        about: "After each reversal the shaft turns through a gap before it takes the knob along, and meets it with a knock.",
-        causes: &["worn or wide gear teeth, splines or keyways", "a loose set screw, hub or coupling", "clearance in a joint that was made to slide together"],
-        remedies: &["tighten or pin the joint", "take the play out with a preload spring or a clamping hub", "replace worn parts, or choose a tighter fit"],
-        latex: r"\tau = \begin{cases} k\,(\delta \mp \tfrac{g}{2}) + d\,\dot\delta & |\delta| > \tfrac{g}{2},\ \text{pushing} \\ 0 & \text{otherwise} \end{cases}",
+        about: "After each reversal the shaft turns through a gap before it takes the knob along, and meets \
+                it with a knock.",
+        causes: &[
+            "worn or wide gear teeth, splines or keyways",
+            "a loose set screw, hub or coupling",
+            "clearance in a joint that was made to slide together",
+        ],
+        remedies: &[
+            "tighten or pin the joint",
+            "take the play out with a preload spring or a clamping hub",
+            "replace worn parts, or choose a tighter fit",
+        ],
+        latex: concat!(
+            r"\tau = \begin{cases} k\,(\delta \mp \tfrac{g}{2}) + d\,\dot\delta & |\delta| > ",
+            r"\tfrac{g}{2},\ \text{pushing} \\ 0 & \text{otherwise} \end{cases}",
+        ),
     };
     const PARAMS: [Param; 4] = [
         Param::shape("gap", Unit::of(0, 1, 0), [0.0, 10.0], 0.0, "free play, from one side to the other"),

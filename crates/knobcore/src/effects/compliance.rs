@@ -20,9 +20,18 @@ impl Effect<3> for Compliance {
     const MAKES_NONLINEAR: Option<Nonlinear> = Some(Nonlinear::Everything);
     const WORDS: Words = Words {
         name: "the joint between shaft and knob is elastic",
-        about: "Shaft and knob are joined by a spring, so that the knob swings behind the shaft and rings at one frequency.",
-        causes: &["a long or thin shaft", "a soft coupling or belt", "a knob of rubber, or one pressed on with little grip"],
-        remedies: &["shorten or thicken the shaft", "use a stiffer coupling", "make the knob lighter, which moves the ringing to a higher frequency"],
+        about: "Shaft and knob are joined by a spring, so that the knob swings behind the shaft and rings at \
+                one frequency.",
+        causes: &[
+            "a long or thin shaft",
+            "a soft coupling or belt",
+            "a knob of rubber, or one pressed on with little grip",
+        ],
+        remedies: &[
+            "shorten or thicken the shaft",
+            "use a stiffer coupling",
+            "make the knob lighter, which moves the ringing to a higher frequency",
+        ],
         latex: r"\tau = k\,\delta + d\,\dot\delta",
     };
     const PARAMS: [Param; 3] = [

@@ -18,16 +18,27 @@ impl Effect<2> for Coulomb {
     const TOUCHES: &'static [Channel] = &[Channel::Back, Channel::Forth];
     const WORDS: Words = Words {
         name: "there is dry friction",
-        about: "Surfaces that rub resist motion with the same torque at any speed, perhaps another one in each direction.",
-        causes: &["sliding bearings, seals and wipers", "a friction washer or brake that is meant to be felt", "surfaces that are pressed together too hard"],
-        remedies: &["grease or change the pair of materials", "lower the preload of bearings, seals or washers", "use rolling bearings"],
+        about: "Surfaces that rub resist motion with the same torque at any speed, perhaps another one in \
+                each direction.",
+        causes: &[
+            "sliding bearings, seals and wipers",
+            "a friction washer or brake that is meant to be felt",
+            "surfaces that are pressed together too hard",
+        ],
+        remedies: &[
+            "grease or change the pair of materials",
+            "lower the preload of bearings, seals or washers",
+            "use rolling bearings",
+        ],
         latex: r"\tau = \begin{cases} C_{+} & \omega > 0 \\ -C_{-} & \omega < 0 \end{cases}",
     };
     const OVER: Over = Over::Velocity;
     const BASE: Option<Base> = Some(Base::Always);
     const PARAMS: [Param; 2] = [
-        Param::linear("neg", Unit::of(1, 0, 0), "dry friction moving backward, a magnitude").plausibly(0.0, f64::INFINITY),
-        Param::linear("pos", Unit::of(1, 0, 0), "dry friction moving forward, a magnitude").plausibly(0.0, f64::INFINITY),
+        Param::linear("neg", Unit::of(1, 0, 0), "dry friction moving backward, a magnitude")
+            .plausibly(0.0, f64::INFINITY),
+        Param::linear("pos", Unit::of(1, 0, 0), "dry friction moving forward, a magnitude")
+            .plausibly(0.0, f64::INFINITY),
     ];
 }
 

@@ -17,8 +17,16 @@ impl Effect<3> for Detent {
     const WORDS: Words = Words {
         name: "there are detents",
         about: "The knob falls into evenly spaced valleys and has to be pushed out of each.",
-        causes: &["a ball or spring that rides over a toothed wheel", "magnets that attract each other at certain angles", "cogging of a motor"],
-        remedies: &["a stiffer or softer spring changes the depth", "another wheel changes the number per turn", "skewed magnets or slots take cogging away"],
+        causes: &[
+            "a ball or spring that rides over a toothed wheel",
+            "magnets that attract each other at certain angles",
+            "cogging of a motor",
+        ],
+        remedies: &[
+            "a stiffer or softer spring changes the depth",
+            "another wheel changes the number per turn",
+            "skewed magnets or slots take cogging away",
+        ],
         latex: r"A \sin\!\left(\frac{\theta}{P} + S\right)",
     };
     const OVER: Over = Over::Position;

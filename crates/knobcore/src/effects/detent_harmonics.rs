@@ -18,9 +18,18 @@ impl Effect<9> for DetentHarmonics {
     const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::Press];
     const WORDS: Words = Words {
         name: "the detent is not a pure sine",
-        about: "The valleys of the detents have another shape than a sine: sharper, flatter or leaning to one side.",
-        causes: &["the profile of the detent wheel: sharp teeth, flat tops", "a ball that is small or large for its groove", "magnets with sharp edges"],
-        remedies: &["change the profile of the teeth or the radius of the ball", "skew or round the magnets", "keep it, if the shape is meant to be felt"],
+        about: "The valleys of the detents have another shape than a sine: sharper, flatter or leaning to \
+                one side.",
+        causes: &[
+            "the profile of the detent wheel: sharp teeth, flat tops",
+            "a ball that is small or large for its groove",
+            "magnets with sharp edges",
+        ],
+        remedies: &[
+            "change the profile of the teeth or the radius of the ball",
+            "skew or round the magnets",
+            "keep it, if the shape is meant to be felt",
+        ],
         latex: r"\sum_{n=2}^{5} A_n \sin\!\left(\frac{n\,\theta}{P} + S_n\right)",
     };
     const OVER: Over = Over::Position;

@@ -23,8 +23,16 @@ impl Effect<3> for DirectionalDetent {
     const WORDS: Words = Words {
         name: "the detent differs with the direction of motion",
         about: "Going one way the valleys are deeper, or lie elsewhere, than going the other way.",
-        causes: &["a detent spring that bends sideways or has play", "teeth that are steeper on one side", "friction between ball and wheel"],
-        remedies: &["guide the spring without play", "make the teeth symmetric", "grease the detent"],
+        causes: &[
+            "a detent spring that bends sideways or has play",
+            "teeth that are steeper on one side",
+            "friction between ball and wheel",
+        ],
+        remedies: &[
+            "guide the spring without play",
+            "make the teeth symmetric",
+            "grease the detent",
+        ],
         latex: r"\operatorname{sgn}(\omega)\, A \sin\!\left(\frac{\theta}{P} + S\right)",
     };
     const PARAMS: [Param; 3] = [

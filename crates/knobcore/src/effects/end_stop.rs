@@ -24,9 +24,20 @@ impl Effect<6> for EndStop {
     const WORDS: Words = Words {
         name: "the motion runs into a stop",
         about: "At an end of the range the knob meets something stiff that pushes it back.",
-        causes: &["a mechanical stop of the knob", "a cable that is at its end", "a knob that touches its housing"],
-        remedies: &["record within the stops, if they are not of interest", "record into both stops slowly, if they are", "look for what touches at the ends"],
-        latex: r"\max\bigl(0,\ k\,x\,(1 + g\,x) + d\,\dot x\bigr),\quad x = \theta - \theta_{\text{hi}}\ \text{or}\ \theta_{\text{lo}} - \theta",
+        causes: &[
+            "a mechanical stop of the knob",
+            "a cable that is at its end",
+            "a knob that touches its housing",
+        ],
+        remedies: &[
+            "record within the stops, if they are not of interest",
+            "record into both stops slowly, if they are",
+            "look for what touches at the ends",
+        ],
+        latex: concat!(
+            r"\max\bigl(0,\ k\,x\,(1 + g\,x) + d\,\dot x\bigr),\quad x = \theta - ",
+            r"\theta_{\text{hi}}\ \text{or}\ \theta_{\text{lo}} - \theta",
+        ),
     };
     const OVER: Over = Over::Position;
     const PARAMS: [Param; 6] = [

@@ -19,8 +19,16 @@ impl Effect<2> for FrictionDrift {
     const WORDS: Words = Words {
         name: "friction changes while the capture goes on",
         about: "Friction begins higher or lower than it ends, as grease warms up or spreads.",
-        causes: &["grease that is cold or has set at rest", "a bearing that warms up", "surfaces that wear in"],
-        remedies: &["turn the knob for a minute before recording", "keep the temperature steady", "use a lubricant whose viscosity depends less on temperature"],
+        causes: &[
+            "grease that is cold or has set at rest",
+            "a bearing that warms up",
+            "surfaces that wear in",
+        ],
+        remedies: &[
+            "turn the knob for a minute before recording",
+            "keep the temperature steady",
+            "use a lubricant whose viscosity depends less on temperature",
+        ],
         latex: r"C_{\pm} \left(1 + r\,e^{-t/T}\right) \operatorname{sgn}\omega",
     };
     const PARAMS: [Param; 2] = [

@@ -17,13 +17,20 @@ impl Effect<1> for Inertia {
     const WORDS: Words = Words {
         name: "the knob has mass",
         about: "The mass of what turns resists every change of its speed.",
-        causes: &["the mass of the knob, most of all far from its axis", "the rotor and the coupling that turn along"],
-        remedies: &["make the knob lighter or smaller in diameter", "take off what turns along without need"],
+        causes: &[
+            "the mass of the knob, most of all far from its axis",
+            "the rotor and the coupling that turn along",
+        ],
+        remedies: &[
+            "make the knob lighter or smaller in diameter",
+            "take off what turns along without need",
+        ],
         latex: r"M\,\alpha",
     };
     const OVER: Over = Over::Acceleration;
     const BASE: Option<Base> = Some(Base::Always);
-    const PARAMS: [Param; 1] = [Param::linear("M", Unit::of(1, -1, 2), "moment of inertia").plausibly(0.0, f64::INFINITY)];
+    const PARAMS: [Param; 1] =
+        [Param::linear("M", Unit::of(1, -1, 2), "moment of inertia").plausibly(0.0, f64::INFINITY)];
 }
 
 impl LoadEffect<1> for Inertia {

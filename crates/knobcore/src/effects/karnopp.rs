@@ -21,9 +21,20 @@ impl Effect<3> for Karnopp {
     const WORDS: Words = Words {
         name: "the knob sticks when it stands still",
         about: "Below a small speed friction holds the knob against any push up to a breakaway torque.",
-        causes: &["static friction above sliding friction, as of dry or long rested contacts", "grease that sets at rest", "tight seals"],
-        remedies: &["use a lubricant with additives against stick-slip", "lower the preload of seals and bearings", "choose materials whose static and sliding friction are alike, such as PTFE on steel"],
-        latex: r"\operatorname{clamp}(\tau_{\text{other}},\,-D_{-},\,D_{+}) \quad |\omega| \le \Delta v",
+        causes: &[
+            "static friction above sliding friction, as of dry or long rested contacts",
+            "grease that sets at rest",
+            "tight seals",
+        ],
+        remedies: &[
+            "use a lubricant with additives against stick-slip",
+            "lower the preload of seals and bearings",
+            "choose materials whose static and sliding friction are alike, such as PTFE on steel",
+        ],
+        latex: concat!(
+            r"\operatorname{clamp}(\tau_{\text{other}},\,-D_{-},\,D_{+}) \quad |\omega| \le ",
+            r"\Delta v",
+        ),
     };
     const OVER: Over = Over::Velocity;
     const UNSEARCHED: Option<&'static str> = Some("it does not show in a prediction from motion");

@@ -21,8 +21,16 @@ impl Effect<1> for LoadFriction {
     const WORDS: Words = Words {
         name: "friction grows with the force of the detent",
         about: "What the detent pushes with also presses surfaces together, which then rub harder.",
-        causes: &["a detent spring that presses the shaft against one side of its bearing", "friction between ball and wheel", "a bearing that is weak beside the detent"],
-        remedies: &["press from two opposite sides, so that the bearing is not loaded", "use a rolling bearing near the detent", "grease the detent"],
+        causes: &[
+            "a detent spring that presses the shaft against one side of its bearing",
+            "friction between ball and wheel",
+            "a bearing that is weak beside the detent",
+        ],
+        remedies: &[
+            "press from two opposite sides, so that the bearing is not loaded",
+            "use a rolling bearing near the detent",
+            "grease the detent",
+        ],
         latex: r"\mu\,|\tau_{\text{detent}}|\,\operatorname{sgn}\omega",
     };
     const PARAMS: [Param; 1] =

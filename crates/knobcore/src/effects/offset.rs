@@ -19,7 +19,11 @@ impl Effect<1> for Offset {
     const WORDS: Words = Words {
         name: "the zero of the torque sensor is off",
         about: "The torque sensor reads a constant where there is no torque.",
-        causes: &["a sensor whose zero was not set", "the weight of a part that hangs on the sensor", "a mount under strain"],
+        causes: &[
+            "a sensor whose zero was not set",
+            "the weight of a part that hangs on the sensor",
+            "a mount under strain",
+        ],
         remedies: &["set the zero with the knob taken off", "mount the sensor without strain"],
         latex: r"\tau + \tau_0",
     };

@@ -37,9 +37,20 @@ impl Effect<9> for PositionFriction {
     const WORDS: Words = Words {
         name: "friction varies along the way",
         about: "The knob rubs harder at some positions than at others.",
-        causes: &["a bent shaft or an oval bearing", "a seal or a brush that presses unevenly", "dirt or wear at certain places"],
-        remedies: &["straighten the shaft, align the bearings", "clean and grease evenly", "turn shaft against bearing and see with which of them the pattern moves"],
-        latex: r"C_{\pm} \left(1 + \sum_{n=1}^{4} a_n \sin\frac{n\,\theta}{P} + b_n \cos\frac{n\,\theta}{P}\right) \operatorname{sgn}\omega",
+        causes: &[
+            "a bent shaft or an oval bearing",
+            "a seal or a brush that presses unevenly",
+            "dirt or wear at certain places",
+        ],
+        remedies: &[
+            "straighten the shaft, align the bearings",
+            "clean and grease evenly",
+            "turn shaft against bearing and see with which of them the pattern moves",
+        ],
+        latex: concat!(
+            r"C_{\pm} \left(1 + \sum_{n=1}^{4} a_n \sin\frac{n\,\theta}{P} + b_n ",
+            r"\cos\frac{n\,\theta}{P}\right) \operatorname{sgn}\omega",
+        ),
     };
     const SCAN: Option<Wave> = Some(Wave::Friction);
     const PARAMS: [Param; 9] = [
@@ -78,11 +89,12 @@ impl Effect<9> for PositionFriction {
     fn implausible(p: &[f64; 9], context: &Context) -> Vec<String> {
         let [period, series @ ..] = p;
         let cycles = context.travel() / (std::f64::consts::TAU * period);
-        let sizes: Vec<f64> = series.chunks(2).map(|wave| wave.iter().copied().fold(0.0, f64::hypot)).collect();
+        let size_of = |wave: &[f64]| wave.iter().copied().fold(0.0, f64::hypot);
+        let sizes: Vec<f64> = series.chunks(2).map(size_of).collect();
         // A series whose higher waves are its strongest goes up and down within a part of its period.
-        let square = |sizes: &[f64]| sizes.iter().map(|size| size * size).sum::<f64>();
+        let squares: f64 = sizes.iter().map(|size| size * size).sum();
         let weighted: f64 = sizes.iter().zip(1..).map(|(size, n)| f64::from(n) * size * size).sum();
-        let strongest = weighted / square(&sizes).max(1e-300);
+        let strongest = weighted / squares.max(1e-300);
         if cycles < CYCLES && !(cycles >= LEAST_CYCLES && cycles * strongest >= WAVES) {
             return vec![format!("only {cycles:.1} of its periods were crossed: it is a trend")];
         }
@@ -92,7 +104,8 @@ impl Effect<9> for PositionFriction {
         }
         let ratio = context.period.map_or(f64::NAN, |detents| period / detents);
         if LOCKED.iter().any(|times| (ratio / times - 1.0).abs() < CLOSE) {
-            return vec!["it repeats with the detents: load_friction or directional_detent would, by nature".into()];
+            let others = "load_friction or directional_detent would, by nature";
+            return vec![format!("it repeats with the detents: {others}")];
         }
         Vec::new()
     }

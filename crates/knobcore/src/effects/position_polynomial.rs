@@ -18,9 +18,18 @@ impl Effect<3> for PositionPolynomial {
     const TOUCHES: &'static [Channel] = &[Channel::Drive];
     const WORDS: Words = Words {
         name: "a torque varies smoothly over position",
-        about: "Some smooth torque depends on where the knob is and on nothing else, without returning after a turn.",
-        causes: &["cables or hoses that wind up", "a spring that grows stiffer with its travel", "magnets or a sensor bracket that pull from one side"],
-        remedies: &["lay cables in a loose loop around the axis", "look for what touches or pulls over the range", "turn the knob to another range and see whether it moves along"],
+        about: "Some smooth torque depends on where the knob is and on nothing else, without returning after \
+                a turn.",
+        causes: &[
+            "cables or hoses that wind up",
+            "a spring that grows stiffer with its travel",
+            "magnets or a sensor bracket that pull from one side",
+        ],
+        remedies: &[
+            "lay cables in a loose loop around the axis",
+            "look for what touches or pulls over the range",
+            "turn the knob to another range and see whether it moves along",
+        ],
         latex: r"p_1\,\theta + p_2\,\theta^2 + p_3\,\theta^3",
     };
     const OVER: Over = Over::Position;

@@ -32,10 +32,23 @@ impl Effect<7> for Presliding {
     const TOUCHES: &'static [Channel] = &[Channel::Lag];
     const WORDS: Words = Words {
         name: "friction builds up over a distance after each reversal",
-        about: "Before surfaces slip they give a little like a spring, so that friction turns round over a distance and not at once.",
-        causes: &["asperities of the surfaces that bend before they slip", "a seal or rubber part that is sheared before it slides", "grease that creeps"],
-        remedies: &["use stiffer seals or lower their preload", "choose harder or smoother surfaces", "use rolling bearings with little preload"],
-        latex: r"C_{\pm} \Bigl(\bigl(1 - \textstyle\sum_i w_i\bigr) \operatorname{sgn}\omega + \textstyle\sum_i w_i z_i\Bigr),\quad \dot z_i = \frac{2^{i-1}}{s}\,\omega,\ |z_i| \le 1",
+        about: "Before surfaces slip they give a little like a spring, so that friction turns round over a \
+                distance and not at once.",
+        causes: &[
+            "asperities of the surfaces that bend before they slip",
+            "a seal or rubber part that is sheared before it slides",
+            "grease that creeps",
+        ],
+        remedies: &[
+            "use stiffer seals or lower their preload",
+            "choose harder or smoother surfaces",
+            "use rolling bearings with little preload",
+        ],
+        latex: concat!(
+            r"C_{\pm} \Bigl(\bigl(1 - \textstyle\sum_i w_i\bigr) \operatorname{sgn}\omega + ",
+            r"\textstyle\sum_i w_i z_i\Bigr),\quad \dot z_i = \frac{2^{i-1}}{s}\,\omega,\ |z_i| ",
+            r"\le 1",
+        ),
     };
     const OVER: Over = Over::Reversal;
     const PARAMS: [Param; 7] = [
@@ -64,7 +77,8 @@ impl Effect<7> for Presliding {
             return vec![format!("it takes {over} to slip, a good part of the way: it is a spring")];
         }
         if mean < NEAR * context.speed / context.rate_hz {
-            return vec![format!("it slips within {over}, less than a sample: a lag of the torque does the same")];
+            let why = "less than a sample: a lag of the torque does the same";
+            return vec![format!("it slips within {over}, {why}")];
         }
         Vec::new()
     }

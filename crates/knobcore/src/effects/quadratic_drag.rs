@@ -18,8 +18,15 @@ impl Effect<1> for QuadraticDrag {
     const WORDS: Words = Words {
         name: "drag grows with the square of the speed",
         about: "Air or liquid that the knob stirs holds it back, four times as much at twice the speed.",
-        causes: &["a fan, a vane or a rough rim that stirs air", "a knob that turns in oil or water at high speed"],
-        remedies: &["smooth or shroud what stirs", "lower the level or the density of the fluid", "measure at the speeds of a hand, at which drag is small"],
+        causes: &[
+            "a fan, a vane or a rough rim that stirs air",
+            "a knob that turns in oil or water at high speed",
+        ],
+        remedies: &[
+            "smooth or shroud what stirs",
+            "lower the level or the density of the fluid",
+            "measure at the speeds of a hand, at which drag is small",
+        ],
         latex: r"d\,\omega\,|\omega|",
     };
     const OVER: Over = Over::Velocity;

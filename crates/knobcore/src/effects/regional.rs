@@ -34,7 +34,10 @@ impl Effect<11> for Regional {
     const WORDS: Words = Words {
         name: "the torque has a straight line of its own in each region",
         about: "A description of any torque over position by four straight lines; it names no cause.",
-        causes: &["a button that clicks, or a switch that snaps over", "several springs that come into play one after the other"],
+        causes: &[
+            "a button that clicks, or a switch that snaps over",
+            "several springs that come into play one after the other",
+        ],
         remedies: &["look at the curve, and name its parts by effects that have a cause"],
         latex: r"f_i + k_i\,(\theta - b_2) \quad \text{in region } i",
     };

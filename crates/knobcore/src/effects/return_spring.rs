@@ -20,8 +20,16 @@ impl Effect<2> for ReturnSpring {
     const WORDS: Words = Words {
         name: "a spring pulls the knob back to a rest position",
         about: "The torque grows in proportion to the distance from a rest position.",
-        causes: &["a return spring that is meant to be there", "a cable or a flexure that is wound up", "a magnet that centres"],
-        remedies: &["choose a softer spring, or one of more coils", "lay cables free of the axis", "keep it, if it is meant to be felt"],
+        causes: &[
+            "a return spring that is meant to be there",
+            "a cable or a flexure that is wound up",
+            "a magnet that centres",
+        ],
+        remedies: &[
+            "choose a softer spring, or one of more coils",
+            "lay cables free of the axis",
+            "keep it, if it is meant to be felt",
+        ],
         latex: r"k\,(\theta - \theta_0)",
     };
     const OVER: Over = Over::Position;

@@ -18,8 +18,16 @@ impl Effect<1> for Saturation {
     const WORDS: Words = Words {
         name: "the torque sensor is at its limit",
         about: "Torques beyond the sensor's range all read the same.",
-        causes: &["a sensor of too small a range", "a gain that is set too high", "impacts at a stop or in backlash"],
-        remedies: &["use a sensor of a larger range, or a lower gain", "move more gently, or stay off the stops", "leave the clipped samples out, which is done unless this effect is asked for"],
+        causes: &[
+            "a sensor of too small a range",
+            "a gain that is set too high",
+            "impacts at a stop or in backlash",
+        ],
+        remedies: &[
+            "use a sensor of a larger range, or a lower gain",
+            "move more gently, or stay off the stops",
+            "leave the clipped samples out, which is done unless this effect is asked for",
+        ],
         latex: r"\operatorname{clamp}(\tau,\,-\tau_{\max},\,\tau_{\max})",
     };
     const OVER: Over = Over::Torque;

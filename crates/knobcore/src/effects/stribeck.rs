@@ -23,9 +23,18 @@ impl Effect<3> for Stribeck {
     const TOUCHES: &'static [Channel] = &[Channel::Level];
     const WORDS: Words = Words {
         name: "friction rises towards standstill",
-        about: "As the knob slows down the film of lubricant between the surfaces thins out, they touch, and friction rises.",
-        causes: &["mixed lubrication: grease or oil that carries only at speed", "rough or new surfaces that are not run in", "too little lubricant, or one that is too thin"],
-        remedies: &["use a more viscous lubricant, or one with additives against stick-slip", "polish or run in the surfaces", "use rolling bearings or a low-friction liner"],
+        about: "As the knob slows down the film of lubricant between the surfaces thins out, they touch, and \
+                friction rises.",
+        causes: &[
+            "mixed lubrication: grease or oil that carries only at speed",
+            "rough or new surfaces that are not run in",
+            "too little lubricant, or one that is too thin",
+        ],
+        remedies: &[
+            "use a more viscous lubricant, or one with additives against stick-slip",
+            "polish or run in the surfaces",
+            "use rolling bearings or a low-friction liner",
+        ],
         latex: r"C_{\pm} \left(1 + r\,e^{-(|\omega|/v_s)^{\delta}}\right) \operatorname{sgn}\omega",
     };
     const OVER: Over = Over::Velocity;

@@ -27,8 +27,16 @@ impl Effect<8> for TorqueDrift {
     const WORDS: Words = Words {
         name: "the zero of the torque sensor drifts",
         about: "The reading creeps over time whatever the knob does.",
-        causes: &["a sensor or an amplifier that warms up", "creep of a strain gauge and its glue after a load", "a cable that pulls on the sensor"],
-        remedies: &["switch on half an hour before recording", "set the zero before each capture", "fix cables, and shield the sensor from draught"],
+        causes: &[
+            "a sensor or an amplifier that warms up",
+            "creep of a strain gauge and its glue after a load",
+            "a cable that pulls on the sensor",
+        ],
+        remedies: &[
+            "switch on half an hour before recording",
+            "set the zero before each capture",
+            "fix cables, and shield the sensor from draught",
+        ],
         latex: r"\tau + d\,t^{\,n} + e\,e^{-t/T} + \sum_{k=1}^{3} c_k \cos\frac{\pi k\,t}{L}",
     };
     const OVER: Over = Over::Time;

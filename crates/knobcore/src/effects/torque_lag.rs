@@ -23,9 +23,18 @@ impl Effect<2> for TorqueLag {
     const CONFUSED: &'static [&'static str] = &["presliding", "inertia", "backlash", "compliance"];
     const WORDS: Words = Words {
         name: "the torque signal comes late",
-        about: "The torque channel follows the torque with a delay, so that it seems to depend on how fast it changes.",
-        causes: &["a filter in the torque amplifier that the motion channels do not have", "channels that are sampled one after the other", "transport over a slow bus"],
-        remedies: &["give all channels the same filter", "take time stamps where the sample is taken", "raise the amplifier's bandwidth, or correct the lag that was found"],
+        about: "The torque channel follows the torque with a delay, so that it seems to depend on how fast \
+                it changes.",
+        causes: &[
+            "a filter in the torque amplifier that the motion channels do not have",
+            "channels that are sampled one after the other",
+            "transport over a slow bus",
+        ],
+        remedies: &[
+            "give all channels the same filter",
+            "take time stamps where the sample is taken",
+            "raise the amplifier's bandwidth, or correct the lag that was found",
+        ],
         latex: r"T\,\dot y + y = \tau,\quad \tau_{\text{read}}(t) = y(t - t_d)",
     };
     const PARAMS: [Param; 2] = [

@@ -17,9 +17,18 @@ impl Effect<2> for Unbalance {
     const TOUCHES: &'static [Channel] = &[Channel::Drive];
     const WORDS: Words = Words {
         name: "a torque comes once per turn, as of an unbalanced knob",
-        about: "The knob's mass lies off its axis, or its axis off the rig's, so that a torque comes and goes once per turn.",
-        causes: &["a lever, a pointer or a finger dimple on one side, with a horizontal axis", "a bent shaft, or one that is off the axis of the rig", "a bore that is not concentric"],
-        remedies: &["balance the knob", "align the shaft with the rig, or use a coupling that takes up the offset", "mount it with the axis upright: gravity then has no lever"],
+        about: "The knob's mass lies off its axis, or its axis off the rig's, so that a torque comes and \
+                goes once per turn.",
+        causes: &[
+            "a lever, a pointer or a finger dimple on one side, with a horizontal axis",
+            "a bent shaft, or one that is off the axis of the rig",
+            "a bore that is not concentric",
+        ],
+        remedies: &[
+            "balance the knob",
+            "align the shaft with the rig, or use a coupling that takes up the offset",
+            "mount it with the axis upright: gravity then has no lever",
+        ],
         latex: r"a \sin(\theta + \varphi)",
     };
     const OVER: Over = Over::Position;

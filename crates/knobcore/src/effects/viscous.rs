@@ -20,9 +20,20 @@ impl Effect<2> for Viscous {
     const WORDS: Words = Words {
         name: "there is viscous friction",
         about: "Grease or oil that is sheared resists motion in proportion to its speed.",
-        causes: &["damping grease between shaft and bush", "oil in the bearings", "eddy currents in a magnetic encoder or motor"],
-        remedies: &["choose a grease of another viscosity, or less of it", "widen the gap or shorten the length over which it is sheared", "keep the temperature steady: it sets the viscosity"],
-        latex: r"\tau = \begin{cases} B_{+}\,\omega & \omega > 0 \\ B_{-}\,\omega & \omega < 0 \end{cases}",
+        causes: &[
+            "damping grease between shaft and bush",
+            "oil in the bearings",
+            "eddy currents in a magnetic encoder or motor",
+        ],
+        remedies: &[
+            "choose a grease of another viscosity, or less of it",
+            "widen the gap or shorten the length over which it is sheared",
+            "keep the temperature steady: it sets the viscosity",
+        ],
+        latex: concat!(
+            r"\tau = \begin{cases} B_{+}\,\omega & \omega > 0 \\ B_{-}\,\omega & \omega < 0 ",
+            r"\end{cases}",
+        ),
     };
     const OVER: Over = Over::Velocity;
     const BASE: Option<Base> = Some(Base::Always);

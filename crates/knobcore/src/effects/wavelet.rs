@@ -44,10 +44,14 @@ impl Effect<COUNT> for Wavelet {
     const TOUCHES: &'static [Channel] = &[Channel::Drive];
     const WORDS: Words = Words {
         name: "some torque varies over position",
-        about: "A description of any torque over position by small waves, coarse and fine; it names no cause.",
+        about: "A description of any torque over position by small waves, coarse and fine; it names no \
+                cause.",
         causes: &["anything that depends on position alone"],
         remedies: &["look at the curve, and name its parts by effects that have a cause"],
-        latex: r"\sum_{j=0}^{4} \sum_k c_{jk}\, \psi\!\left(2^j \frac{\theta - \theta_{\text{lo}}}{\theta_{\text{hi}} - \theta_{\text{lo}}} - k\right)",
+        latex: concat!(
+            r"\sum_{j=0}^{4} \sum_k c_{jk}\, \psi\!\left(2^j \frac{\theta - ",
+            r"\theta_{\text{lo}}}{\theta_{\text{hi}} - \theta_{\text{lo}}} - k\right)",
+        ),
     };
     const OVER: Over = Over::Position;
     const PARAMS: [Param; COUNT] = params();

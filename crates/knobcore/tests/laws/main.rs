@@ -2,6 +2,7 @@
 
 mod catalogue;
 mod derivatives;
+mod implausible;
 mod limits;
 mod recovery;
 mod rendering;
