@@ -27,6 +27,8 @@ RUST_ORDER = [
 MOST = 12
 """Names at the top of the Python package that a reader can still hold in mind."""
 LONGEST = 400
+QUOTED = 15
+"""Names of effects and parameters that Python may quote: the rest is asked of the effects."""
 
 
 def rust_code(path: Path) -> str:
@@ -148,6 +150,29 @@ def test_every_effect_is_a_file_of_its_own_with_its_tests_in_it():
     for name in ids:
         assert f'const ID: &\'static str = "{name}";' in files[name]
         assert "#[test]" in files[name], f"effects/{name}.rs has no test"
+
+
+def quoted_effects() -> dict[str, list[str]]:
+    """Effects and parameters that Python quotes by name; fields of a device's message are none of them."""
+    ids = "|".join(knobcam.effects())
+    one = re.compile(rf"""(["'])((?:{ids})(?:\.[\w{{}}]*)?)\1""")
+    elsewhere = {"rig/emulator.py", "rig/feel.py", "rig/record.py", "capture/formats/wire.py"}
+    of_the_demonstration = {"model/typical.py", "model/hiding.py", "cli/demonstration.py"}
+    found = {}
+    for path in PYTHON.rglob("*.py"):
+        name = path.relative_to(PYTHON).as_posix()
+        if name not in elsewhere | of_the_demonstration:
+            found[name] = [match.group(2) for match in one.finditer(path.read_text())]
+    return {name: quoted for name, quoted in found.items() if quoted}
+
+
+def test_what_is_known_of_an_effect_stands_in_its_own_file():
+    quoted = quoted_effects()
+    assert sum(map(len, quoted.values())) <= QUOTED, quoted
+    named = re.compile(r"\bId::(?!User\b|BUILT_IN\b)[A-Z]\w*|\"(?:" + "|".join(knobcam.effects()) + r")[.\"]")
+    for name in ("screen", "candidates", "coupled", "implausible", "null"):
+        code = rust_code(RUST / "diagnose" / f"{name}.rs")
+        assert named.findall(code) == [], f"diagnose/{name}.rs"
 
 
 def test_the_package_has_the_version_of_the_crate():

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 import knobcam as kc
 from knobcam import plot
 from knobcam.model.typical import typical
-from knobcam.show.plot.components import PARTS, Samples, curve, curve_band, part_of
+from knobcam.show.plot.components import Samples, curve, curve_band, part_of
 
 SLED_NOISE = kc.SensorNoise(tau_sd=0.5, omega_sd=1e-4, alpha_sd=1e-3)
 
@@ -131,9 +131,12 @@ def test_the_parts_and_the_residual_add_up_to_the_measured_torque(fit: kc.Fit) -
     )
 
 
-def test_every_effect_that_is_not_a_function_of_one_coordinate_belongs_to_no_part() -> None:
-    assert part_of("an effect that nobody knows") == "other"
-    assert set(PARTS) <= set(kc.effects())
+def test_an_effect_belongs_to_the_part_of_the_one_coordinate_that_it_follows() -> None:
+    parts = {name: part_of(effect) for name, effect in kc.effects().items()}
+    assert (parts["detent"], parts["unbalance"]) == ("position", "position")
+    assert (parts["coulomb"], parts["stribeck"]) == ("velocity", "velocity")
+    assert (parts["inertia"], parts["offset"]) == ("acceleration", "sensor")
+    assert (parts["position_friction"], parts["backlash"]) == ("other", "other")
 
 
 def test_the_band_of_friction_is_the_interval_of_its_coulomb_level_at_standstill(fit: kc.Fit) -> None:

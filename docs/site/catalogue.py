@@ -32,8 +32,15 @@ def catalogue(folder: Path) -> str:
     return "\n".join(lines)
 
 
+def _sentence(text: str) -> str:
+    return f"{text[0].upper()}{text[1:]}."
+
+
 def _section(effect: kc.Effect) -> Iterator[str]:
-    yield from (f"### {effect.id}", "", "```text", effect.law, "```", "")
+    yield from (f"### {effect.id}", "", f"*{_sentence(effect.name)}* {effect.about}", "")
+    yield from ("```text", effect.law, "```", "")
+    yield from (f"Usual causes: {'; '.join(effect.causes)}.", "")
+    yield from (f"What helps: {'; '.join(effect.remedies)}.", "")
     yield from (f"Shows {effect.shows}. Source: {effect.source}.", "")
     if effect.needs:
         yield from (f"Needs [{effect.needs}](#{effect.needs}) in the model.", "")

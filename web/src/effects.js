@@ -44,11 +44,15 @@ export class AnyEffect {
  * Show what an effect is and where it shows.
  * @param {Effect} effect
  */
-export function about({ effect, place, law, source, shows }) {
+export function about({ effect, place, law, source, shows, name, about: sentence, causes, remedies }) {
   const alt = `${law}: what it adds to the torque of a small knob; it shows ${shows}`;
   const picture = make("img", { alt, src: pictures.get(effect) });
   byId("about-title").textContent = effect;
   byId("about-text").replaceChildren(
+    make("p", {}, make("strong", { text: name })),
+    make("p", { text: sentence }),
+    ...listed("Usual causes", causes),
+    ...listed("What helps", remedies),
     make("p", { class: "soft", text: `Acts on the ${PLACES[place] ?? place}. ${source}` }),
     picture,
   );
@@ -61,6 +65,16 @@ export function about({ effect, place, law, source, shows }) {
     },
     (reason) => picture.replaceWith(make("p", { class: "wrong", text: wordsOf(reason) })),
   );
+}
+
+/**
+ * Phrases under a title, if there are any.
+ * @param {string} title
+ * @param {string[]} phrases
+ */
+function listed(title, phrases) {
+  if (phrases.length === 0) return [];
+  return [make("h3", { text: title }), make("ul", {}, ...phrases.map((text) => make("li", { text })))];
 }
 
 function dialog() {

@@ -10,7 +10,7 @@
  *   fitted: number, dragged: boolean, lower: number | null, upper: number | null, odd: string | null,
  *   meaning?: string}} Param
  * @typedef {{effect: string, place: string, law: string, source: string, shows: string,
- *   confused: string[]}} Effect
+ *   confused: string[], name: string, about: string, causes: string[], remedies: string[]}} Effect
  * @typedef {Effect & {error_fall: number, p_value: number, unphysical: string[],
  *   equivalent: string[], beyond_chance: boolean, note: string}} Candidate
  * @typedef {{axis: string, share: number, hint: string}} Unexplained

@@ -1,7 +1,7 @@
 //! A model: effects of the catalogue with their parameter values, and which of those may move.
 
 use crate::effects::law::Carried;
-use crate::effects::{Bends, Id, Joint, Place};
+use crate::effects::{Base, Id, Joint, Nonlinear, Place};
 use crate::error::{Error, Result};
 use crate::motion::{Load, Motion};
 use crate::param::{Axis, Kind, Param, Usual};
@@ -69,9 +69,12 @@ impl Model {
 
     /// The paper's Equation 1, without or with detents.
     pub fn equation_1(axis: Axis, detents: bool) -> Self {
-        let mut effects = vec![Id::Inertia, Id::Coulomb, Id::Viscous];
-        effects.extend(detents.then_some(Id::Detent));
-        Self::new(&effects, axis)
+        let belongs = |id: &&Id| match id.info().base {
+            Some(Base::Always) => true,
+            Some(Base::WhereShown) => detents,
+            None => false,
+        };
+        Self::new(&Id::BUILT_IN.iter().filter(belongs).copied().collect::<Vec<_>>(), axis)
     }
 
     fn push(&mut self, id: Id) {
@@ -160,6 +163,17 @@ impl Model {
                 format!("is not in the model; it has {}", known.join(", ")),
             )
         })
+    }
+
+    /// Index of the inertia that the knob stores, if it has one.
+    pub fn inertia(&self) -> Option<usize> {
+        self.slots.iter().position(|slot| slot.effect.info().stores())
+    }
+
+    /// Index of the period of its detents over 2 pi, if it has some.
+    pub fn period(&self) -> Option<usize> {
+        let detents = |slot: &Slot| slot.effect.info().base == Some(Base::WhereShown);
+        self.slots.iter().position(|slot| detents(slot) && slot.param.kind == Kind::Nonlinear)
     }
 
     /// Sets one parameter, and those tied to it.
@@ -262,9 +276,9 @@ impl Model {
     /// How a parameter enters this model's torque: what is linear alone need not be so beside an effect that
     /// takes the torque through a hidden motion, a limit, or its own magnitude.
     pub fn kind(&self, slot: &Slot) -> Kind {
-        let bent = self.effects().any(|id| match id.info().bends {
-            Some(Bends::Everything) => slot.effect.info().place != Place::Sensor || slot.effect < id,
-            Some(Bends::Press) => slot.effect.info().presses,
+        let bent = self.effects().any(|id| match id.info().makes_nonlinear {
+            Some(Nonlinear::Everything) => slot.effect.info().place != Place::Sensor || slot.effect < id,
+            Some(Nonlinear::Press) => slot.effect.info().presses,
             None => false,
         });
         if bent { Kind::Nonlinear } else { slot.param.kind }

@@ -6,7 +6,7 @@
 //! likely is dv (and where a stuck knob does not creep, that is the resolution of the velocity). In torque, what counts is the last moment before each slip: friction answers the push up to
 //! D, and there the knob breaks away.
 
-use crate::effects::Id;
+use crate::effects::{Id, Over};
 use crate::model::Model;
 use crate::predict::torque;
 use crate::random::Noise;
@@ -59,8 +59,7 @@ pub struct Stiction {
 
 /// Estimates static friction; `model` is fitted to the sliding parts of the same captures.
 pub fn stiction(data: &[&Signals], model: &Model) -> Stiction {
-    let others: Vec<Id> =
-        model.effects().filter(|id| !matches!(id, Id::Coulomb | Id::Viscous | Id::Karnopp)).collect();
+    let others: Vec<Id> = model.effects().filter(|id| id.info().over != Over::Velocity).collect();
     let mut peaks = [Vec::new(), Vec::new()];
     for signals in data {
         let rest = model.only(&others).map(|rest| torque(&rest, signals)).unwrap_or_default();

@@ -4,7 +4,10 @@ use super::model::PyModel;
 use super::progress::Progress;
 use super::signals::PySignals;
 use super::user::watched;
-use knobcore::diagnose::{Candidate, Split, diagnose as diagnose_core, locate as locate_core, settle};
+use knobcore::diagnose::{
+    Candidate, Split, diagnose as diagnose_core, implausible as implausible_core, locate as locate_core,
+    settle,
+};
 use knobcore::effects::Id;
 use knobcore::fit::{Detents, Fit, fit as fit_core, report, sketch};
 use knobcore::stiction::{Estimate, stiction as stiction_core};
@@ -190,6 +193,21 @@ pub fn refine(
         if thorough { settle(signals, model) } else { report(signals, model, sketch(signals, model)) }
     };
     watched(py, model, work)?.map(PyFit).map_err(input_error)
+}
+
+/// What is implausible about the values of an effect of a fit, a sentence each, beside those that no parameter may
+/// have alone. `clipped` says that the torque sensor was seen at its limit, `first` that it is the first that is added.
+#[pyfunction]
+pub fn implausible(
+    data: Vec<PyRef<'_, PySignals>>,
+    fit: &PyFit,
+    effect: &str,
+    clipped: bool,
+    first: bool,
+) -> PyResult<Vec<String>> {
+    let id = Id::parse(effect).map_err(input_error)?;
+    let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
+    Ok(implausible_core(&signals, &fit.0, id, clipped, first))
 }
 
 /// A candidate as it goes out: effect, fit, gain, parameters, p-value, note.

@@ -41,5 +41,6 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(fit::stiction, m)?)?;
     m.add_function(wrap_pyfunction!(fit::refine, m)?)?;
     m.add_function(wrap_pyfunction!(fit::diagnose, m)?)?;
+    m.add_function(wrap_pyfunction!(fit::implausible, m)?)?;
     m.add_function(wrap_pyfunction!(fit::fit, m)?)
 }

@@ -3,9 +3,10 @@ use super::convert::{Column, Floats, array, input_error};
 use super::signals::PySignals;
 use super::user::watched;
 use knobcore::chain::{self, Hand};
-use knobcore::effects::Id;
+use knobcore::effects::{Base, Id};
 use knobcore::model::{Model, Role};
-use knobcore::param::Axis;
+use knobcore::motion::Motion;
+use knobcore::param::{Axis, Param};
 use knobcore::predict::{Columns, Seeds, raw};
 
 use knobcore::{model_file, predict};
@@ -102,12 +103,18 @@ impl PyModel {
         Id::parse(id).and_then(|id| self.0.with(id)).map(Self).map_err(input_error)
     }
 
-    /// What is implausible about the values of an effect, if anything is.
-    fn implausible(&self, id: &str) -> PyResult<Option<&'static str>> {
-        let id = Id::parse(id).map_err(input_error)?;
-        let values: Vec<f64> =
-            self.0.slots().iter().filter(|slot| slot.effect == id).map(|slot| slot.value).collect();
-        Ok(id.law().implausible(&values))
+    /// Period of its detents over 2 pi, rad, if it has some.
+    #[getter]
+    fn period(&self) -> Option<f64> {
+        self.0.period().map(|at| self.0.slots()[at].value)
+    }
+
+    /// What it is at rest: stored inertia, the dry friction backward and forward, the torques that hold it, and the
+    /// speed below which they do.
+    fn at_rest(&self) -> (f64, [f64; 2], [f64; 2], f64) {
+        let mut state = vec![0.0; self.0.states()];
+        let rest = self.0.load(&self.0.values(), &mut state, &Motion::exact(0.0, 0.0, 0.0, 0.0));
+        (rest.inertia, rest.resist, rest.hold, rest.band)
     }
 
     /// The same parameters, of these effects only.
@@ -162,7 +169,7 @@ pub fn push<'py>(
     Ok([&pushed.theta, &pushed.omega, &pushed.alpha, &pushed.tau].map(|x| array(py, x)))
 }
 
-/// The catalogue: for each effect a dict of id, place, law, source, shows and params.
+/// The catalogue: for each effect a dict of what it says of itself.
 #[pyfunction]
 #[pyo3(signature = (axis_name="rotary"))]
 pub fn catalogue<'py>(py: Python<'py>, axis_name: &str) -> PyResult<Vec<Bound<'py, PyDict>>> {
@@ -178,7 +185,19 @@ pub fn catalogue<'py>(py: Python<'py>, axis_name: &str) -> PyResult<Vec<Bound<'p
         row.set_item("confused", info.confused)?;
         row.set_item("needs", info.needs)?;
         row.set_item("describes", info.describes)?;
-        let param = |p: &knobcore::param::Param| {
+        row.set_item("name", info.words.name)?;
+        row.set_item("about", info.words.about)?;
+        row.set_item("causes", info.words.causes)?;
+        row.set_item("remedies", info.words.remedies)?;
+        row.set_item("latex", info.words.latex)?;
+        row.set_item("over", info.over.text())?;
+        row.set_item("friction", info.is_friction())?;
+        row.set_item("map", info.is_map())?;
+        row.set_item("base", info.base.map(Base::text))?;
+        row.set_item("unsearched", info.unsearched)?;
+        row.set_item("taken_up", info.taken_up.map(|one| (one.by, one.why)))?;
+        row.set_item("clips", info.clips)?;
+        let param = |p: &Param| {
             let row = PyDict::new(py);
             row.set_item("name", p.name)?;
             row.set_item("unit", p.unit.text(axis))?;

@@ -1,6 +1,6 @@
 //! Bindings of effects of the user's own.
 use super::convert::{Column, array, input_error};
-use knobcore::effects::{Bends, Function, Id, Info, Place, User};
+use knobcore::effects::{Function, Id, Info, Nonlinear, Over, Place, User, Words};
 use knobcore::error::{Error, Result};
 use knobcore::model::Model;
 use knobcore::motion::Channel;
@@ -37,16 +37,17 @@ pub fn register_effect(
 ) -> PyResult<()> {
     let params = params.into_iter().map(|row| param(&id, row));
     let params = params.collect::<Result<Vec<_>>>().map_err(input_error)?;
-    let (place, touches, bends): (_, &[Channel], _) = match acts {
+    let (place, touches, makes_nonlinear): (_, &[Channel], _) = match acts {
         "friction" => (Place::Load, &[Channel::Level], None),
-        "sensor" => (Place::Sensor, &[], Some(Bends::Everything)),
-        "coupling" => (Place::Coupling, &[], Some(Bends::Everything)),
+        "sensor" => (Place::Sensor, &[], Some(Nonlinear::Everything)),
+        "coupling" => (Place::Coupling, &[], Some(Nonlinear::Everything)),
         _ => (Place::Load, &[Channel::Drive], None),
     };
+    let (id, law): (&'static str, &'static str) = (id.leak(), law.leak());
     let info = Info {
-        id: id.leak(),
+        id,
         place,
-        law: law.leak(),
+        law,
         source: source.leak(),
         shows: shows.leak(),
         params: params.leak(),
@@ -55,8 +56,16 @@ pub fn register_effect(
         touches,
         shapes_friction: Channel::shape_friction(touches),
         presses: false,
-        bends,
+        makes_nonlinear,
+        words: Words { name: id, about: "An effect of your own.", causes: &[], remedies: &[], latex: "" },
+        over: Over::Several,
+        base: None,
         describes: false,
+        unsearched: None,
+        clips: false,
+        taken_up: None,
+        scan: None,
+        slower: &[],
     };
     User::register(info, remembers, starts, called(function)).map_err(input_error)?;
     Ok(())

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from ..model.effects import Effect
 
+_HEAD = ("effect", "acts on", "it says that", "law")
 _PICTURES = (".png", ".svg", ".pdf")
 
 
@@ -39,7 +40,7 @@ def run(args: Namespace) -> Answer:
     catalogue = effects(args.coordinate)
     if args.id is None:
         shown = list(catalogue.values())
-        text = text_table(("effect", "acts on", "law"), [(e.id, e.place, e.law) for e in shown])
+        text = text_table(_HEAD, [(e.id, e.place, e.name, e.law) for e in shown])
     else:
         shown = [effect(args.id, args.coordinate)]
         text = repr(shown[0])
@@ -78,12 +79,11 @@ def _draw(effect: Effect, path: Path) -> str:
 
 
 def _document(effect: Effect) -> dict[str, Any]:
+    told = effect.document()
     return {
-        "id": effect.id,
-        "place": effect.place,
-        "law": effect.law,
-        "source": effect.source,
-        "shows": effect.shows,
-        "confused": list(effect.confused),
+        "id": told.pop("effect"),
+        **told,
+        "latex": effect.latex,
+        "over": effect.over,
         "params": [param._asdict() for param in effect.params],
     }

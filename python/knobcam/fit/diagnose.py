@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -11,9 +12,9 @@ from .. import _core
 from ..base import showing
 from ..base.tables import TextTable, text_table
 from ..errors import InputError
+from ..model.effects import clipping, effects
 from ..model.effects import effect as catalogued
-from ..model.effects import effects
-from .plausible import unphysical
+from .plausible import implausible
 from .refit import cores, describe, percent, with_clipped
 
 if TYPE_CHECKING:
@@ -32,9 +33,6 @@ PENALTY = 12.0
 of independent samples, with the doubt about the noise on top)."""
 RELATIVE = 0.02
 """Sums of squares that differ by less than this share of what is left are no evidence either way."""
-COULOMB = ("coulomb.neg", "coulomb.pos")
-NOT_WEIGHED = frozenset({"karnopp"})
-"""Stiction does not show in a prediction from motion."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,8 +40,8 @@ class Candidate:
     """An effect that could be missing; immutable.
 
     `fit` is the whole model fitted anew with it, `p_value` how often chance alone would do as well in the
-    whole catalogue, `equivalent` the effects that this capture cannot tell it from, `unphysical` what is
-    odd about its values, a sentence each.
+    whole catalogue, `equivalent` the effects that this capture cannot tell it from, `implausible` what is so
+    about its values, a sentence each.
     """
 
     effect: str
@@ -52,8 +50,14 @@ class Candidate:
     gain: float
     count: int
     equivalent: tuple[str, ...] = ()
-    unphysical: tuple[str, ...] = ()
+    implausible: tuple[str, ...] = ()
     note: str = ""
+
+    @property
+    def unphysical(self) -> tuple[str, ...]:
+        """The older name of `implausible`."""
+        warnings.warn("Candidate.unphysical is now called implausible", DeprecationWarning, stacklevel=2)
+        return self.implausible
 
     @property
     def score(self) -> float:
@@ -100,7 +104,7 @@ class Candidate:
     def remarks(self) -> str:
         """What else there is to say about it, in one line."""
         same = f"cannot be told from {', '.join(self.equivalent)}" if self.equivalent else ""
-        return "; ".join(part for part in (same, *self.unphysical, self.note) if part)
+        return "; ".join(part for part in (same, *self.implausible, self.note) if part)
 
     def evidence(self) -> dict[str, Any]:
         """Return what speaks for it and against it, as the pages list it."""
@@ -112,7 +116,7 @@ class Candidate:
             "rmse_heldout": self.rmse_heldout,
             "moved": describe(self.moved),
             "equivalent": list(self.equivalent),
-            "unphysical": list(self.unphysical),
+            "unphysical": list(self.implausible),
             "note": self.note,
         }
 
@@ -250,7 +254,7 @@ def diagnose(
     out = set(check_effects("without", without, fit.model.axis))
     if only is not None:
         out |= set(effects(fit.model.axis)) - set(check_effects("only", only, fit.model.axis))
-    fit = with_clipped(fit) if "saturation" not in out else fit
+    fit = with_clipped(fit) if clipping(fit.model.axis) - out else fit
     candidates, left_out = _candidates(fit, out, progress)
     return Diagnosis(fit, tuple(sorted(candidates, key=lambda one: not one.beyond_chance)), left_out)
 
@@ -279,19 +283,18 @@ def _candidates(
     catalogue = effects(fit.model.axis)
     have = fit.model.effects
     coupled = any(catalogue[one].place == "coupling" for one in have)
-    # A constant torque is what the difference of both Coulomb levels makes, unless they are tied.
-    untied = "coulomb" in have and all(fit.model.params[name].role == "free" for name in COULOMB)
+    free = {name for name, parameter in fit.model.params.items() if parameter.role == "free"}
     left_out = {}
     absent = []
     for one, row in catalogue.items():
-        if one in {*have, *without, *NOT_WEIGHED}:
+        if one in {*have, *without} or row.unsearched:
             continue
         if row.needs is not None and row.needs not in have:
             left_out[one] = f"it changes '{row.needs}', which the model does not have"
         elif coupled and row.place == "coupling":
             left_out[one] = "shaft and knob are joined by another effect already"
-        elif one == "offset" and untied:
-            left_out[one] = "a constant torque is what the difference of the Coulomb levels makes"
+        elif row.taken_up is not None and free.issuperset(row.taken_up.by):
+            left_out[one] = row.taken_up.why
         else:
             absent.append(one)
     weighed = _core.diagnose(cores(fit), fit.model.core, absent, progress)
@@ -303,7 +306,7 @@ def _candidates(
     found.sort(key=lambda candidate: -candidate.score)
     left_out |= {one: note for one, core, *_, note in weighed if core is None}
     told = [
-        replace(one, equivalent=_equivalent(one, found), unphysical=unphysical(one, fit)) for one in found
+        replace(one, equivalent=_equivalent(one, found), implausible=implausible(one, fit)) for one in found
     ]
     return told, left_out
 

@@ -20,7 +20,7 @@ from ..capture.prepare import Prepared
 from ..capture.prepare import prepare as prepare_signals
 from ..errors import InputError
 from ..model import Model
-from ..model.effects import effects
+from ..model.effects import base_effects, base_effects_shown, effects
 from . import refit
 
 if TYPE_CHECKING:
@@ -267,7 +267,7 @@ class Fit(showing.Tabled):
         base = {
             name: e
             for name, e in self.params.items()
-            if name.startswith(("coulomb.", "viscous.", "inertia."))
+            if name.split(".", 1)[0] in base_effects(self.model.axis)
         }
         negative = [name for name, e in base.items() if e.determined and e.ci95[1] < 0.0]
         if len(negative) > 2 and len(negative) == len(base):
@@ -277,7 +277,7 @@ class Fit(showing.Tabled):
             why = "over these speeds it describes what remains" if told else "an effect is probably missing"
             found = [f"{name} is negative, which no real knob has: {why}" for name in negative]
         alike = [signals for signals in self.prepared if _moves_like_a_spring(signals)]
-        if alike and len(alike) == len(self.prepared) and "inertia" in self.model.effects:
+        if alike and len(alike) == len(self.prepared) and self.model.core.at_rest()[0] != 0.0:
             found.append(
                 "position and acceleration move together, so inertia cannot be told from a stiffness over "
                 "position: record a motion of more than one frequency"
@@ -334,8 +334,9 @@ def fit(
             "add the effect detent to it, or take it out"
         )
     signals = tuple(prepare_signals(capture, prepare, **options) for capture in several)
-    base = ["inertia", "coulomb", "viscous"] + (["detent"] if detents == "yes" else [])
-    start = model or Model.of(base, several[0].axis)
+    axis = several[0].axis
+    base = base_effects(axis) + (base_effects_shown(axis) if detents == "yes" else ())
+    start = model or Model.of(base, axis)
     core = _core.fit([s.core for s in signals], start.core, model is None and detents == "auto")
     return Fit(signals, core)
 

@@ -35,7 +35,7 @@ def add(fit: Fit, effect: str, progress: Callable[[float], object] | None = None
     """
     check(effect, fit.model)
     fit.model.with_effect(effect)  # says why not, if it does not go with the model
-    fit = with_clipped(fit) if effect == "saturation" else fit
+    fit = with_clipped(fit) if catalogued(effect, fit.model.axis).clips else fit
     (_, core, _, _, _, note), *_ = _core.diagnose(cores(fit), fit.model.core, [effect], progress)
     if core is None:
         raise InputError(f"effect '{effect}': {note}")
@@ -71,7 +71,7 @@ def drop(fit: Fit, effect: str) -> Fit:
 def with_clipped(fit: Fit) -> Fit:
     """Return the fit with the samples counted at which the torque sensor was at its limit.
 
-    They are left out of a fit as a rule, since no model without `saturation` can predict them.
+    They are left out of a fit as a rule, since only an effect that clips can predict them.
     """
     if not any(one.capture.clipped for one in fit.prepared):
         return fit

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from ..base.showing import Figure
     from .fitting import Fit
 
+_STUCK = "karnopp"
 _NAMES = ("D_neg", "D_pos", "dv")
 # A model that leaves more than this many times the noise floor misses something that stiction then carries.
 _CLOSE = 1.1
@@ -81,9 +82,9 @@ class Stiction(showing.Tabled):
         if self.d_neg is None or self.d_pos is None or self.dv is None:
             raise InputError(f"stiction: {self.missing[0]}")
         fitted = self.fit.model
-        model = fitted if "karnopp" in fitted.effects else fitted.with_effect("karnopp")
+        model = fitted if _STUCK in fitted.effects else fitted.with_effect(_STUCK)
         for name, estimate in zip(_NAMES, (self.d_neg, self.d_pos, self.dv), strict=True):
-            model = model.with_value(f"karnopp.{name}", estimate.value)
+            model = model.with_value(f"{_STUCK}.{name}", estimate.value)
         return model
 
     def plot(self) -> Figure:
@@ -95,7 +96,7 @@ class Stiction(showing.Tabled):
         rows = zip(_NAMES, (self.d_neg, self.d_pos, self.dv), strict=True)
         return {
             "params": {
-                f"karnopp.{name}": {"value": e.value, "ci95": list(e.ci95), "unit": e.unit}
+                f"{_STUCK}.{name}": {"value": e.value, "ci95": list(e.ci95), "unit": e.unit}
                 for name, e in rows
                 if e is not None
             },
@@ -107,7 +108,7 @@ class Stiction(showing.Tabled):
         rows: list[tuple[str, ...]] = []
         for name, e in zip(_NAMES, (self.d_neg, self.d_pos, self.dv), strict=True):
             if e is not None:
-                rows.append((f"karnopp.{name}", f"{e.value:.6g}", e.interval, e.unit))
+                rows.append((f"{_STUCK}.{name}", f"{e.value:.6g}", e.interval, e.unit))
         return rows
 
     _HEAD = ("parameter", "value", "95 % interval", "unit")

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ..capture.prepare import travel
+from ..model.effects import base_effects
 
 if TYPE_CHECKING:
     from ..base.arrays import FloatArray
@@ -98,7 +100,11 @@ def _slowness(omega: FloatArray) -> Lack | None:
 
 def _excitation(fit: Fit) -> Lack | None:
     """The fastest parts of the motion must move the torque by more than what is left of it."""
-    swift = [e for name, e in fit.params.items() if name.startswith(("viscous.", "inertia."))]
+    base = base_effects(fit.model.axis)
+    # A torque that needs motion has a time in its unit.
+    swift = [
+        e for name, e in fit.params.items() if name.split(".", 1)[0] in base and re.search(r"\bs\b", e.unit)
+    ]
     if not swift or any(e.determined and abs(e.value) > 3.0 * e.se for e in swift):
         return None
     return Lack(
@@ -110,10 +116,10 @@ def _excitation(fit: Fit) -> Lack | None:
 
 def _width(fit: Fit) -> Lack | None:
     wide = travel(fit.prepared)
-    period = fit.params.get("detent.P")
+    period = fit.model.period
     unit = "rad" if fit.model.axis == "rotary" else "m"
     if period is not None:
-        needed = 2.0 * math.pi * abs(period.value)
+        needed = 2.0 * math.pi * abs(period)
     else:
         needed = _SMALL_TURN_RAD if fit.model.axis == "rotary" else 0.0
     if wide >= needed:

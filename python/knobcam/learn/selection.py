@@ -10,7 +10,7 @@ from .. import _core
 from ..capture.prepare import travel
 from ..fit.diagnose import PENALTY, Candidate, Diagnosis, diagnose
 from ..fit.refit import cores, drop, settle, with_clipped
-from ..model.effects import descriptions
+from ..model.effects import base_effects_shown, clipping, descriptions, effects
 from .ladder import Rung, Unexplained
 
 if TYPE_CHECKING:
@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 _WORTH = 0.015  # of the squared error: less is nothing that a user would feel
 _SHARE = 0.2  # of what noise does not explain: less is a stopgap, not the cause
 _MOST = 6  # effects; a model that needs more is no explanation
-_MAPS = frozenset({"position_polynomial", "return_spring", "unbalance", "end_stop", "detent_harmonics"})
-"""Torques of position alone. Two of them together draw nearly any map, so together they name no cause."""
 _MANY = 4.0  # detents that a motion crosses
 _MAINLY = 0.5  # of what noise does not explain: what a cause takes off where something else is unexplained
 
@@ -45,11 +43,12 @@ def select(
     `given` says that a user gave the first model; the base model has detents where there are any, so that
     these are nothing to find. `detents` says that they come in by themselves where the data show them.
     """
-    fit = first if "saturation" in without else with_clipped(first)
-    described = descriptions(first.model.axis)
+    axis = first.model.axis
+    fit = with_clipped(first) if clipping(axis) - set(without) else first
+    described, shown = descriptions(axis), base_effects_shown(axis)
     ladder = [Rung(fit)]
     base = first.model.effects
-    nothing_to_find = base if given else [*base, "detent"]
+    nothing_to_find = base if given else [*base, *shown]
     while True:
         fit = ladder[-1].fit
         tell(f"weighing what could be missing from {', '.join(fit.model.effects)}")
@@ -59,11 +58,11 @@ def select(
             return concluded(ladder, diagnosis, nothing_to_find)
         tell(f"adding {best.effect}")
         richer = settle(best.fit)
-        if detents and "detent" not in richer.model.effects:
+        if detents and richer.model.period is None:
             richer = with_detents(richer)
         tell("re-testing the effects that came in before")
         tested = [one for one in richer.model.effects if one not in (*base, best.effect)]
-        richer, dropped = retested(richer, [*tested, *(["detent"] if detents and "detent" in base else [])])
+        richer, dropped = retested(richer, [*tested, *(one for one in shown if detents and one in base)])
         richer = replace(settle(richer) if dropped else richer, before=fit)
         ladder.append(Rung(richer, best.effect, best.p_value, best.equivalent, dropped, diagnosis))
 
@@ -74,7 +73,8 @@ def concluded(ladder: list[Rung], last: Diagnosis, base: Collection[str]) -> Sel
     effects_now = ladder[-1].fit.model.effects
     found = tuple(one for one in came if one in effects_now and one not in base)
     unexplained = _unexplained(last.comparison)
-    maps = [one for one in found if one in _MAPS and not _repeats(one, ladder[-1].fit)]
+    # Torques of position alone: two of them together draw nearly any map, so together they name no cause.
+    maps = [one for one in found if _is_map(one, ladder[-1].fit)]
     if len(maps) > 1:
         words = f"it takes {' and '.join(maps)} together to draw it, and so many draw any map of position"
         share = last.comparison["position"].share if unexplained else 1.0
@@ -85,11 +85,11 @@ def concluded(ladder: list[Rung], last: Diagnosis, base: Collection[str]) -> Sel
     return Selection(tuple(ladder), found, last, unexplained)
 
 
-def _repeats(effect: str, fit: Fit) -> bool:
-    """Whether a map of position is bound to return with each of many detents, and so draws nothing else."""
-    if effect != "detent_harmonics":
-        return False
-    return travel(fit.prepared) >= _MANY * 2.0 * math.pi * fit.params["detent.P"].value
+def _is_map(effect: str, fit: Fit) -> bool:
+    """Whether an effect draws maps of position, and is not bound to return with each of many detents."""
+    row, period = effects(fit.model.axis)[effect], fit.model.period
+    crossed = 0.0 if row.needs is None or period is None else travel(fit.prepared) / (2.0 * math.pi * period)
+    return row.map and crossed < _MANY
 
 
 def _mainly(rung: Rung) -> bool:
@@ -107,7 +107,7 @@ def choose(diagnosis: Diagnosis) -> Candidate | None:
         one
         for one in diagnosis.candidates
         if one.beyond_chance
-        and not one.unphysical
+        and not one.implausible
         and fit.rmse**2 - one.rmse**2 >= max(_WORTH * fit.rmse**2, _SHARE * fit.excess)
     ]
     if not worth:
@@ -120,7 +120,7 @@ def choose(diagnosis: Diagnosis) -> Candidate | None:
 def with_detents(fit: Fit) -> Fit:
     """Return the fit with detents where the data show them now."""
     core = _core.fit(cores(fit), fit.core.model, True)
-    return settle(replace(fit, core=core)) if "detent" in core.model.effects else fit
+    return settle(replace(fit, core=core)) if core.model.period is not None else fit
 
 
 def retested(fit: Fit, tested: Collection[str]) -> tuple[Fit, tuple[str, ...]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from .. import _core
 from ..base import showing
@@ -27,9 +27,27 @@ class ParameterInfo(NamedTuple):
     meaning: str
 
 
+Over = Literal["position", "velocity", "acceleration", "time", "torque", "reversal", "several"]
+"""The one quantity that an effect's torque follows, or `several`."""
+
+
+class TakenUp(NamedTuple):
+    """Parameters of others that do the same while all of them are free, and why."""
+
+    by: tuple[str, ...]
+    why: str
+
+
 @dataclass(frozen=True, repr=False)
 class Effect(showing.Tabled):
-    """An effect: where in the chain it acts, its law, its source, where it shows, and what looks like it."""
+    """An effect: where in the chain it acts, its law, its source, where it shows, and what looks like it.
+
+    `name` is what a person would say is there, `about` one sentence of what it is, `causes` and `remedies`
+    what usually brings it about and takes it away, `latex` its law for typesetting. `over` is what its
+    torque follows, a `map` a torque of position alone, `base` its part in the base model ("always", "where it
+    shows"); `unsearched` says why no motion can show that it is missing; one that `clips` predicts what a
+    sensor at its limit reads; `taken_up` names what others do as well.
+    """
 
     id: str
     place: str
@@ -40,6 +58,18 @@ class Effect(showing.Tabled):
     confused: tuple[str, ...]
     needs: str | None
     describes: bool
+    name: str
+    about: str
+    causes: tuple[str, ...]
+    remedies: tuple[str, ...]
+    latex: str
+    over: Over
+    friction: bool
+    map: bool
+    base: str | None
+    unsearched: str | None
+    clips: bool
+    taken_up: TakenUp | None
 
     _HEAD = ("parameter", "unit", "bounds", "neutral", "meaning")
 
@@ -66,13 +96,19 @@ class Effect(showing.Tabled):
             "source": self.source,
             "shows": self.shows,
             "confused": list(self.confused),
+            "name": self.name,
+            "about": self.about,
+            "causes": list(self.causes),
+            "remedies": list(self.remedies),
         }
 
     def __repr__(self) -> str:
-        head = f"{self.id} ({self.place})\n  law     {self.law}\n"
-        head += f"  shows   {self.shows}\n  source  {self.source}\n"
+        head = f"{self.id} ({self.place}): {self.name}\n  {self.about}\n"
+        head += f"  law     {self.law}\n  shows   {self.shows}\n  source  {self.source}\n"
         if self.confused:
             head += f"  easily confused with {', '.join(self.confused)}\n"
+        for title, phrases in (("usual causes", self.causes), ("what helps", self.remedies)):
+            head += "".join([f"  {title}\n", *(f"    - {one}\n" for one in phrases)]) if phrases else ""
         return head + text_table(self._HEAD, self._rows())
 
     def tables(self) -> tuple[TextTable, ...]:
@@ -87,15 +123,11 @@ def effects(axis: str = "rotary") -> dict[str, Effect]:
     rows = _core.catalogue(axis)
     return {
         row["id"]: Effect(
-            row["id"],
-            row["place"],
-            row["law"],
-            row["source"],
-            row["shows"],
-            tuple(ParameterInfo(**param) for param in row["params"]),
-            tuple(row["confused"]),
-            row["needs"],
-            row["describes"],
+            **{name: tuple(value) if isinstance(value, list) else value for name, value in row.items()}
+            | {
+                "params": tuple(ParameterInfo(**param) for param in row["params"]),
+                "taken_up": row["taken_up"] and TakenUp(tuple(row["taken_up"][0]), row["taken_up"][1]),
+            }
         )
         for row in rows
     }
@@ -104,6 +136,21 @@ def effects(axis: str = "rotary") -> dict[str, Effect]:
 def descriptions(axis: str) -> set[str]:
     """Return the effects that only describe a torque: they name no cause, so no search names them."""
     return {name for name, one in effects(axis).items() if one.describes}
+
+
+def base_effects(axis: str) -> tuple[str, ...]:
+    """Return the effects of the base model, but for those that are part of it only where they show."""
+    return tuple(name for name, one in effects(axis).items() if one.base == "always")
+
+
+def base_effects_shown(axis: str) -> tuple[str, ...]:
+    """Return the effects that are part of the base model where a capture shows them: its detents."""
+    return tuple(name for name, one in effects(axis).items() if one.base == "where it shows")
+
+
+def clipping(axis: str) -> set[str]:
+    """Return the effects beside which readings of a sensor at its limit count."""
+    return {name for name, one in effects(axis).items() if one.clips}
 
 
 def effect(name: str, axis: str = "rotary") -> Effect:

@@ -117,6 +117,11 @@ class Model(showing.Tabled):
         """All parameters by `effect.parameter`."""
         return {row[0]: Parameter(*row) for row in self.core.rows()}
 
+    @property
+    def period(self) -> float | None:
+        """Period of its detents over 2 pi, rad or m; None without detents."""
+        return self.core.period
+
     def with_value(self, name: str, value: float) -> Model:
         """Return the model with one parameter set."""
         return Model(self.core.with_value(name, value))

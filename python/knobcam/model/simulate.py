@@ -105,9 +105,8 @@ def _torque(model: Model, track: MotionTrack) -> FloatArray:
 def _pushed(model: Model, duration_s: float, rate_hz: float) -> tuple[MotionTrack, FloatArray]:
     """A hand that goes slowly forth and back, resting at each end, and the knob that follows it by jerks."""
     still = make_motion("turns", duration_s, rate_hz, speed=0.5, span=0.5, ramp_s=0.5)
-    values = {name: parameter.value for name, parameter in model.params.items()}
-    inertia = values.get("inertia.M", 0.0)
-    holds = max(values.get("karnopp.D_neg", 0.0), values.get("karnopp.D_pos", 0.0))
+    inertia, _, held, _ = model.core.at_rest()
+    holds = max(held)
     # Stiff enough that the hand is a quarter of a radian ahead at breakaway, and damped like a wrist.
     stiffness = 4.0 * holds if holds > 0.0 else 1e3 * inertia
     damping = np.sqrt(stiffness * max(inertia, 0.0))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from ..learn import Story
 from ..learn.ladder import Rung
 from ..learn.selection import Selection, concluded, unpaid
+from ..model.effects import base_effects_shown
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -52,7 +53,8 @@ def in_vain(rungs: Sequence[Rung]) -> list[str]:
 
 def conclusion(rungs: list[Rung], last: Diagnosis) -> Selection:
     """Return what a ladder says that ends where `last` was weighed."""
-    return concluded(rungs, last, [*rungs[0].fit.model.effects, "detent", *in_vain(rungs)])
+    base = rungs[0].fit.model
+    return concluded(rungs, last, [*base.effects, *base_effects_shown(base.axis), *in_vain(rungs)])
 
 
 def story(done: Sequence[Node], last: Diagnosis) -> Story:

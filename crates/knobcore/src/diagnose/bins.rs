@@ -98,7 +98,7 @@ pub fn all_axes(rest: &Rest<'_>, model: &Model) -> Vec<Bins> {
     let load = plain("load", rest.torque.clone());
     let history = Coordinate { axis: "history", values: each(&since_reversal), by_direction: true };
     let (low, high) = range(data, &position);
-    let detent = model.index("detent.P").map_or(f64::INFINITY, |at| TAU * model.values()[at] / PER_DETENT);
+    let detent = model.period().map_or(f64::INFINITY, |at| TAU * model.values()[at] / PER_DETENT);
     let fine = (((high - low) / detent).ceil() as usize).clamp(BINS, MOST);
     vec![
         Bins::new(data, &position, &even(low, high, fine)),

@@ -3,6 +3,7 @@
 mod bins;
 mod candidates;
 mod coupled;
+mod implausible;
 mod locate;
 mod null;
 mod screen;
@@ -11,5 +12,6 @@ mod watch;
 
 pub use candidates::{Candidate, diagnose};
 pub use coupled::settle;
+pub use implausible::implausible;
 pub use locate::{Region, Split, locate};
 pub use watch::Tell;

@@ -4,9 +4,10 @@
 //! of the base's, so that what the base parameters can absorb does not count.
 
 use super::watch::Watch;
-use crate::effects::{Id, Place, Survey};
-use crate::fit::{Wave, dot, sweep, waves};
+use crate::effects::{Id, Place, Survey, Wave};
+use crate::fit::{dot, sweep, waves};
 use crate::model::{Model, Role};
+use crate::param::Usual;
 use crate::predict::Seeds;
 use crate::signals::Signals;
 
@@ -55,15 +56,14 @@ impl<'a> Screen<'a> {
     /// All starts of an effect that the model may be given, most promising first; some, if no longer wanted.
     pub fn starts(&self, id: Id) -> Vec<Start> {
         let Ok(with) = self.model.with(id) else { return Vec::new() };
-        let values = match id {
-            Id::Detent => waves(self.data, self.model, Wave::Torque).into_iter().map(Vec::from).collect(),
-            // Each of the strongest waves may be the first, second or third of its series.
-            Id::PositionFriction if !self.coupled => {
-                let periods = waves(self.data, self.model, Wave::Friction).into_iter().map(|[_, p, _]| p);
-                let series = periods.flat_map(|p| [p, 2.0 * p, 3.0 * p]);
-                series.map(|p| [&[p][..], &[0.0; 8]].concat()).collect()
+        // Behind a coupling the knob has a direction of its own, by which a friction cannot be scanned for.
+        let wave = id.info().scan.filter(|wave| !self.coupled || *wave == Wave::Torque);
+        let values = match wave {
+            Some(wave) => {
+                let waves = Some(waves(self.data, self.model, wave));
+                id.law().starts(&Survey { waves, ..self.survey.clone() })
             }
-            _ => id.law().starts(&self.survey),
+            None => id.law().starts(&self.survey),
         };
         let mut starts: Vec<Start> = values
             .iter()
@@ -91,7 +91,7 @@ impl<'a> Screen<'a> {
         };
         let mut models = vec![at(&p)];
         // A coupling bends the inertia that the base model sees, even below zero.
-        if let (Place::Coupling, Ok(inertia)) = (id.info().place, with.index("inertia.M"))
+        if let (Place::Coupling, Some(inertia)) = (id.info().place, with.inertia())
             && p[inertia] <= 0.0
         {
             models.clear();
@@ -101,13 +101,20 @@ impl<'a> Screen<'a> {
                 models.push(at(&heavier));
             }
         }
-        if let (Id::DetentHarmonics, Ok(period)) = (id, with.index("detent.P")) {
-            for times in [2.0, 3.0] {
-                let mut slower = p.clone();
-                slower[period] *= times;
-                models.push(at(&slower));
-            }
-        }
+        let followed = id.info().params.iter().find_map(|param| match param.usual {
+            Usual::Follows(other) => with.index(other).ok(),
+            _ => None,
+        });
+        models.extend(
+            followed
+                .into_iter()
+                .flat_map(|period| id.info().slower.iter().map(move |times| (period, times)))
+                .map(|(period, times)| {
+                    let mut slower = p.clone();
+                    slower[period] *= times;
+                    at(&slower)
+                }),
+        );
         models
     }
 
@@ -117,14 +124,13 @@ impl<'a> Screen<'a> {
             slots[i].value
                 != self.model.index(&slots[i].name()).map_or(slots[i].value, |j| self.model.slots()[j].value)
         };
-        // Columns of a hidden motion cost more than they tell; a slower detent has columns of its own.
+        // Columns of a hidden motion cost more than they tell; what is slower has columns of its own.
+        let slower = !id.info().slower.is_empty() && (0..slots.len()).any(moved);
         let own: Vec<usize> = (0..slots.len())
             .filter(|&i| slots[i].role == Role::Free && id.info().place != Place::Coupling)
             .filter(|&i| {
-                slots[i].effect == id
-                    || (slots[i].effect == Id::Detent
-                        && id == Id::DetentHarmonics
-                        && (0..slots.len()).any(moved))
+                let effect = slots[i].effect;
+                effect == id || (slower && id.info().needs == Some(effect.info().id))
             })
             .collect();
         let (mut columns, residual) = self.shown(model, &own);
@@ -219,6 +225,7 @@ fn survey(data: &[&Signals], model: &Model) -> Survey {
         torque: counted(&|s, at| s.tau_raw[at].abs()),
         duration_s: data.iter().filter_map(|s| s.t.last()).fold(0.0, |a: f64, b| a.max(*b)),
         rate_hz: data.first().map_or(1.0, |s| s.rate_hz),
-        inertia: model.index("inertia.M").map_or(0.0, |i| model.slots()[i].value.abs()),
+        inertia: model.inertia().map_or(0.0, |i| model.slots()[i].value.abs()),
+        waves: None,
     }
 }

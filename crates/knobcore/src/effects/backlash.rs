@@ -1,6 +1,6 @@
 //! Backlash: free play between shaft and knob.
 
-use super::{Bends, CouplingEffect, Effect, Joint, Survey};
+use super::{Context, CouplingEffect, Effect, Joint, Nonlinear, Survey, Words};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
@@ -11,6 +11,9 @@ use crate::scalar::Scalar;
 /// to a hundredth of its size, which the samples next to a reversal make.
 pub struct Backlash;
 
+/// Standard errors by which a gap must differ from nothing.
+const SURE: f64 = 2.0;
+
 impl Effect<4> for Backlash {
     const ID: &'static str = "backlash";
     const LAW: &'static str =
@@ -18,7 +21,26 @@ impl Effect<4> for Backlash {
     const SOURCE: &'static str = "Nordin & Gutman 2002, Equation 4; Nordin, Galic & Gutman 1997";
     const SHOWS: &'static str = "after each reversal: the torque of the free side only";
     const CONFUSED: &'static [&'static str] = &["presliding", "directional_detent", "compliance"];
-    const BENDS: Option<Bends> = Some(Bends::Everything);
+    const MAKES_NONLINEAR: Option<Nonlinear> = Some(Nonlinear::Everything);
+    const WORDS: Words = Words {
+        name: "there is free play between shaft and knob",
+        about: "After each reversal the shaft turns through a gap before it takes the knob along, and meets \
+                it with a knock.",
+        causes: &[
+            "worn or wide gear teeth, splines or keyways",
+            "a loose set screw, hub or coupling",
+            "clearance in a joint that was made to slide together",
+        ],
+        remedies: &[
+            "tighten or pin the joint",
+            "take the play out with a preload spring or a clamping hub",
+            "replace worn parts, or choose a tighter fit",
+        ],
+        latex: concat!(
+            r"\tau = \begin{cases} k\,(\delta \mp \tfrac{g}{2}) + d\,\dot\delta & |\delta| > ",
+            r"\tfrac{g}{2},\ \text{pushing} \\ 0 & \text{otherwise} \end{cases}",
+        ),
+    };
     const PARAMS: [Param; 4] = [
         Param::shape("gap", Unit::of(0, 1, 0), [0.0, 10.0], 0.0, "free play, from one side to the other"),
         Param::shape("k", Unit::of(1, -1, 0), [1e-3, 1e5], 1e5, "stiffness of the contact"),
@@ -42,6 +64,16 @@ impl Effect<4> for Backlash {
             gap *= 1.6;
         }
         starts
+    }
+
+    /// Backlash without play is compliance.
+    fn implausible(&[gap, k, _, _]: &[f64; 4], context: &Context) -> Vec<String> {
+        // What the spring winds up by under the torque of the noise is no play.
+        let unsure = context.errors.first().copied().flatten().map_or(0.0, |error| SURE * error);
+        if gap > unsure.max(context.noise_floor / k) {
+            return Vec::new();
+        }
+        vec!["its gap is nothing: it is compliance".into()]
     }
 }
 

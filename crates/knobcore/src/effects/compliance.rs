@@ -1,6 +1,6 @@
 //! Compliance: an elastic shaft between rig and knob.
 
-use super::{Bends, CouplingEffect, Effect, Joint, Survey};
+use super::{CouplingEffect, Effect, Joint, Nonlinear, Survey, Words};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
@@ -17,7 +17,23 @@ impl Effect<3> for Compliance {
     const SOURCE: &'static str = "two-mass drive; Nordin & Gutman 2002, Equation 1";
     const SHOWS: &'static str = "at fast accelerations, ringing at one frequency";
     const CONFUSED: &'static [&'static str] = &["torque_lag", "inertia", "presliding", "backlash"];
-    const BENDS: Option<Bends> = Some(Bends::Everything);
+    const MAKES_NONLINEAR: Option<Nonlinear> = Some(Nonlinear::Everything);
+    const WORDS: Words = Words {
+        name: "the joint between shaft and knob is elastic",
+        about: "Shaft and knob are joined by a spring, so that the knob swings behind the shaft and rings at \
+                one frequency.",
+        causes: &[
+            "a long or thin shaft",
+            "a soft coupling or belt",
+            "a knob of rubber, or one pressed on with little grip",
+        ],
+        remedies: &[
+            "shorten or thicken the shaft",
+            "use a stiffer coupling",
+            "make the knob lighter, which moves the ringing to a higher frequency",
+        ],
+        latex: r"\tau = k\,\delta + d\,\dot\delta",
+    };
     const PARAMS: [Param; 3] = [
         Param::shape("k", Unit::of(1, -1, 0), [1e-3, 1e5], 1e5, "stiffness"),
         Param::shape("d", Unit::of(1, -1, 1), [1e-9, 1e2], 1e2, "damping"),

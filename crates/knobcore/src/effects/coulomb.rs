@@ -1,6 +1,6 @@
 //! Coulomb friction: a level per direction, whatever the speed.
 
-use super::{Effect, LoadEffect};
+use super::{Base, Effect, LoadEffect, Over, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -16,9 +16,29 @@ impl Effect<2> for Coulomb {
     const SOURCE: &'static str = "Coulomb 1785; C_vel of Equation 1 of the haptic-camera paper";
     const SHOWS: &'static str = "as a step of the torque wherever the direction changes";
     const TOUCHES: &'static [Channel] = &[Channel::Back, Channel::Forth];
+    const WORDS: Words = Words {
+        name: "there is dry friction",
+        about: "Surfaces that rub resist motion with the same torque at any speed, perhaps another one in \
+                each direction.",
+        causes: &[
+            "sliding bearings, seals and wipers",
+            "a friction washer or brake that is meant to be felt",
+            "surfaces that are pressed together too hard",
+        ],
+        remedies: &[
+            "grease or change the pair of materials",
+            "lower the preload of bearings, seals or washers",
+            "use rolling bearings",
+        ],
+        latex: r"\tau = \begin{cases} C_{+} & \omega > 0 \\ -C_{-} & \omega < 0 \end{cases}",
+    };
+    const OVER: Over = Over::Velocity;
+    const BASE: Option<Base> = Some(Base::Always);
     const PARAMS: [Param; 2] = [
-        Param::linear("neg", Unit::of(1, 0, 0), "dry friction moving backward, a magnitude"),
-        Param::linear("pos", Unit::of(1, 0, 0), "dry friction moving forward, a magnitude"),
+        Param::linear("neg", Unit::of(1, 0, 0), "dry friction moving backward, a magnitude")
+            .plausibly(0.0, f64::INFINITY),
+        Param::linear("pos", Unit::of(1, 0, 0), "dry friction moving forward, a magnitude")
+            .plausibly(0.0, f64::INFINITY),
     ];
 }
 

@@ -1,6 +1,6 @@
 //! Detents: evenly spaced valleys that the knob falls into.
 
-use super::{Effect, LoadEffect};
+use super::{Base, Effect, LoadEffect, Over, Survey, Wave, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -14,11 +14,33 @@ impl Effect<3> for Detent {
     const SOURCE: &'static str = "position part of Equation 1 of the haptic-camera paper";
     const SHOWS: &'static str = "over position, repeating every 2 pi P";
     const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::Press];
+    const WORDS: Words = Words {
+        name: "there are detents",
+        about: "The knob falls into evenly spaced valleys and has to be pushed out of each.",
+        causes: &[
+            "a ball or spring that rides over a toothed wheel",
+            "magnets that attract each other at certain angles",
+            "cogging of a motor",
+        ],
+        remedies: &[
+            "a stiffer or softer spring changes the depth",
+            "another wheel changes the number per turn",
+            "skewed magnets or slots take cogging away",
+        ],
+        latex: r"A \sin\!\left(\frac{\theta}{P} + S\right)",
+    };
+    const OVER: Over = Over::Position;
+    const BASE: Option<Base> = Some(Base::WhereShown);
+    const SCAN: Option<Wave> = Some(Wave::Torque);
     const PARAMS: [Param; 3] = [
         Param::linear("A", Unit::of(1, 0, 0), "amplitude"),
         Param::shape("P", Unit::of(0, 1, 0), [1e-9, 1e6], 0.1, "period over 2 pi"),
         Param::phase("S", 0, "phase"),
     ];
+
+    fn starts(survey: &Survey) -> Vec<[f64; 3]> {
+        survey.waves.clone().unwrap_or_else(|| vec![Self::PARAMS.map(|param| param.neutral)])
+    }
 }
 
 impl LoadEffect<3> for Detent {

@@ -1,6 +1,6 @@
 //! Detent harmonics: valleys that are no pure sine.
 
-use super::{Effect, LoadEffect};
+use super::{Effect, LoadEffect, Over, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit, Usual};
 use crate::scalar::Scalar;
@@ -16,6 +16,24 @@ impl Effect<9> for DetentHarmonics {
     const CONFUSED: &'static [&'static str] = &["load_friction", "directional_detent"];
     const NEEDS: Option<&'static str> = Some("detent");
     const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::Press];
+    const WORDS: Words = Words {
+        name: "the detent is not a pure sine",
+        about: "The valleys of the detents have another shape than a sine: sharper, flatter or leaning to \
+                one side.",
+        causes: &[
+            "the profile of the detent wheel: sharp teeth, flat tops",
+            "a ball that is small or large for its groove",
+            "magnets with sharp edges",
+        ],
+        remedies: &[
+            "change the profile of the teeth or the radius of the ball",
+            "skew or round the magnets",
+            "keep it, if the shape is meant to be felt",
+        ],
+        latex: r"\sum_{n=2}^{5} A_n \sin\!\left(\frac{n\,\theta}{P} + S_n\right)",
+    };
+    const OVER: Over = Over::Position;
+    const SLOWER: &'static [f64] = &[2.0, 3.0];
     const PARAMS: [Param; 9] = [
         Param::linear("A2", Unit::of(1, 0, 0), "amplitude at twice per detent"),
         Param::phase("S2", 0, "phase at twice per detent"),

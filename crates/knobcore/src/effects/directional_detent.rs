@@ -1,6 +1,6 @@
 //! Directional detents: gain and phase differ with the direction of motion.
 
-use super::{Effect, LoadEffect};
+use super::{Effect, LoadEffect, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit, Usual};
 use crate::scalar::Scalar;
@@ -20,6 +20,21 @@ impl Effect<3> for DirectionalDetent {
     const CONFUSED: &'static [&'static str] = &["backlash", "torque_lag", "position_friction"];
     const NEEDS: Option<&'static str> = Some("detent");
     const TOUCHES: &'static [Channel] = &[Channel::Drive];
+    const WORDS: Words = Words {
+        name: "the detent differs with the direction of motion",
+        about: "Going one way the valleys are deeper, or lie elsewhere, than going the other way.",
+        causes: &[
+            "a detent spring that bends sideways or has play",
+            "teeth that are steeper on one side",
+            "friction between ball and wheel",
+        ],
+        remedies: &[
+            "guide the spring without play",
+            "make the teeth symmetric",
+            "grease the detent",
+        ],
+        latex: r"\operatorname{sgn}(\omega)\, A \sin\!\left(\frac{\theta}{P} + S\right)",
+    };
     const PARAMS: [Param; 3] = [
         Param::linear("A", Unit::of(1, 0, 0), "half the difference between the directions"),
         Param::phase("S", 0, "phase of the difference"),

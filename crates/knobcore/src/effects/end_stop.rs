@@ -1,6 +1,6 @@
 //! End stop: a stiff ramp beyond an angle, on each side.
 
-use super::{Effect, LoadEffect, Survey};
+use super::{Context, Effect, LoadEffect, Over, Survey, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -8,6 +8,9 @@ use crate::scalar::Scalar;
 /// Beyond an angle a spring that may grow stiffer and a damper push back: k x (1 + g x) + d dx/dt at the depth x,
 /// and never less than nothing.
 pub struct EndStop;
+
+/// Share of the samples: stops that hold more are a spring.
+const INSIDE: f64 = 0.6;
 
 impl Effect<6> for EndStop {
     const ID: &'static str = "end_stop";
@@ -18,6 +21,25 @@ impl Effect<6> for EndStop {
     const SHOWS: &'static str = "over position, at the ends of the range";
     const CONFUSED: &'static [&'static str] = &["position_polynomial", "return_spring"];
     const TOUCHES: &'static [Channel] = &[Channel::Drive];
+    const WORDS: Words = Words {
+        name: "the motion runs into a stop",
+        about: "At an end of the range the knob meets something stiff that pushes it back.",
+        causes: &[
+            "a mechanical stop of the knob",
+            "a cable that is at its end",
+            "a knob that touches its housing",
+        ],
+        remedies: &[
+            "record within the stops, if they are not of interest",
+            "record into both stops slowly, if they are",
+            "look for what touches at the ends",
+        ],
+        latex: concat!(
+            r"\max\bigl(0,\ k\,x\,(1 + g\,x) + d\,\dot x\bigr),\quad x = \theta - ",
+            r"\theta_{\text{hi}}\ \text{or}\ \theta_{\text{lo}} - \theta",
+        ),
+    };
+    const OVER: Over = Over::Position;
     const PARAMS: [Param; 6] = [
         Param::shape("k_lo", Unit::of(1, -1, 0), [0.0, 1e9], 0.0, "stiffness of the lower stop"),
         Param::shape("lo", Unit::of(0, 1, 0), [-1e6, 1e6], -1e6, "where the lower stop begins"),
@@ -27,9 +49,15 @@ impl Effect<6> for EndStop {
         Param::shape("g", Unit::of(0, -1, 0), [0.0, 1e6], 0.0, "growth of the stiffness with depth"),
     ];
 
-    fn implausible(&[k_lo, lo, k_hi, hi, _, _]: &[f64; 6]) -> Option<&'static str> {
+    /// Stops are where the way ends.
+    fn implausible(&[k_lo, lo, k_hi, hi, _, _]: &[f64; 6], context: &Context) -> Vec<String> {
         let overlap = k_lo > 0.0 && k_hi > 0.0 && lo >= hi;
-        overlap.then_some("its stops overlap: between them they are a spring and no stops")
+        let overlap =
+            overlap.then(|| "its stops overlap: between them they are a spring and no stops".to_owned());
+        let inside = context.share(|theta| k_hi > 0.0 && theta > hi || k_lo > 0.0 && theta < lo);
+        let inside = (inside > INSIDE)
+            .then(|| format!("{:.0} % of the samples lie in its stops: it is a spring", 100.0 * inside));
+        overlap.into_iter().chain(inside).collect()
     }
 
     fn starts(survey: &Survey) -> Vec<[f64; 6]> {

@@ -1,6 +1,6 @@
 //! Friction drift: a knob that warms up.
 
-use super::{Effect, LoadEffect, Survey};
+use super::{Effect, LoadEffect, Survey, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -16,6 +16,21 @@ impl Effect<2> for FrictionDrift {
     const SHOWS: &'static str = "over time, with the sign of the motion";
     const CONFUSED: &'static [&'static str] = &["torque_drift", "position_friction"];
     const TOUCHES: &'static [Channel] = &[Channel::Level];
+    const WORDS: Words = Words {
+        name: "friction changes while the capture goes on",
+        about: "Friction begins higher or lower than it ends, as grease warms up or spreads.",
+        causes: &[
+            "grease that is cold or has set at rest",
+            "a bearing that warms up",
+            "surfaces that wear in",
+        ],
+        remedies: &[
+            "turn the knob for a minute before recording",
+            "keep the temperature steady",
+            "use a lubricant whose viscosity depends less on temperature",
+        ],
+        latex: r"C_{\pm} \left(1 + r\,e^{-t/T}\right) \operatorname{sgn}\omega",
+    };
     const PARAMS: [Param; 2] = [
         Param::shape("rise", Unit::NUMBER, [-0.99, 100.0], 0.0, "excess at the start, a share of Coulomb"),
         Param::shape("tau", Unit::of(0, 0, 1), [1e-3, 1e6], 1.0, "time constant"),

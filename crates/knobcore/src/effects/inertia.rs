@@ -1,6 +1,6 @@
 //! Inertia: the torque that accelerates the knob.
 
-use super::{Effect, LoadEffect};
+use super::{Base, Effect, LoadEffect, Over, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -14,7 +14,23 @@ impl Effect<1> for Inertia {
     const SOURCE: &'static str = "Newton; the acceleration part of Equation 1 of the haptic-camera paper";
     const SHOWS: &'static str = "in proportion to acceleration";
     const TOUCHES: &'static [Channel] = &[Channel::Inertia];
-    const PARAMS: [Param; 1] = [Param::linear("M", Unit::of(1, -1, 2), "moment of inertia")];
+    const WORDS: Words = Words {
+        name: "the knob has mass",
+        about: "The mass of what turns resists every change of its speed.",
+        causes: &[
+            "the mass of the knob, most of all far from its axis",
+            "the rotor and the coupling that turn along",
+        ],
+        remedies: &[
+            "make the knob lighter or smaller in diameter",
+            "take off what turns along without need",
+        ],
+        latex: r"M\,\alpha",
+    };
+    const OVER: Over = Over::Acceleration;
+    const BASE: Option<Base> = Some(Base::Always);
+    const PARAMS: [Param; 1] =
+        [Param::linear("M", Unit::of(1, -1, 2), "moment of inertia").plausibly(0.0, f64::INFINITY)];
 }
 
 impl LoadEffect<1> for Inertia {

@@ -1,6 +1,6 @@
 //! Stiction: below a speed the knob counts as stuck, and friction answers whatever would move it.
 
-use super::{Effect, LoadEffect};
+use super::{Effect, LoadEffect, Over, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit, Usual};
 use crate::scalar::Scalar;
@@ -18,6 +18,26 @@ impl Effect<3> for Karnopp {
         "Karnopp 1985; Equation 2 of the haptic-camera paper, with D in the stick branch";
     const SHOWS: &'static str = "while the knob stands still under torque";
     const TOUCHES: &'static [Channel] = &[Channel::Stick];
+    const WORDS: Words = Words {
+        name: "the knob sticks when it stands still",
+        about: "Below a small speed friction holds the knob against any push up to a breakaway torque.",
+        causes: &[
+            "static friction above sliding friction, as of dry or long rested contacts",
+            "grease that sets at rest",
+            "tight seals",
+        ],
+        remedies: &[
+            "use a lubricant with additives against stick-slip",
+            "lower the preload of seals and bearings",
+            "choose materials whose static and sliding friction are alike, such as PTFE on steel",
+        ],
+        latex: concat!(
+            r"\operatorname{clamp}(\tau_{\text{other}},\,-D_{-},\,D_{+}) \quad |\omega| \le ",
+            r"\Delta v",
+        ),
+    };
+    const OVER: Over = Over::Velocity;
+    const UNSEARCHED: Option<&'static str> = Some("it does not show in a prediction from motion");
     const PARAMS: [Param; 3] = [
         Param::shape("D_neg", Unit::of(1, 0, 0), [0.0, 1e9], 0.0, "breakaway friction backward, a magnitude")
             .usually(Usual::Fixed),

@@ -1,6 +1,6 @@
 //! Load-dependent friction: what presses the surfaces together makes them rub.
 
-use super::{Bends, Effect, LoadEffect};
+use super::{Effect, LoadEffect, Nonlinear, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -16,8 +16,23 @@ impl Effect<1> for LoadFriction {
     const SHOWS: &'static str = "wherever the detent pushes, with the sign of the motion";
     const CONFUSED: &'static [&'static str] = &["detent_harmonics", "position_friction"];
     const NEEDS: Option<&'static str> = Some("detent");
-    const BENDS: Option<Bends> = Some(Bends::Press);
+    const MAKES_NONLINEAR: Option<Nonlinear> = Some(Nonlinear::Press);
     const TOUCHES: &'static [Channel] = &[Channel::Mu];
+    const WORDS: Words = Words {
+        name: "friction grows with the force of the detent",
+        about: "What the detent pushes with also presses surfaces together, which then rub harder.",
+        causes: &[
+            "a detent spring that presses the shaft against one side of its bearing",
+            "friction between ball and wheel",
+            "a bearing that is weak beside the detent",
+        ],
+        remedies: &[
+            "press from two opposite sides, so that the bearing is not loaded",
+            "use a rolling bearing near the detent",
+            "grease the detent",
+        ],
+        latex: r"\mu\,|\tau_{\text{detent}}|\,\operatorname{sgn}\omega",
+    };
     const PARAMS: [Param; 1] =
         [Param::shape("mu", Unit::NUMBER, [-10.0, 10.0], 0.0, "friction per detent torque")
             .plausibly(0.0, f64::INFINITY)];

@@ -5,7 +5,7 @@
 //! `registry!` call below; nothing else names it.
 //!
 //! ```
-//! use knobcore::effects::{Effect, LoadEffect};
+//! use knobcore::effects::{Effect, LoadEffect, Words};
 //! use knobcore::motion::{Load, Motion};
 //! use knobcore::param::{Param, Unit};
 //! use knobcore::scalar::Scalar;
@@ -18,6 +18,13 @@
 //!     const LAW: &'static str = "d omega |omega|";
 //!     const SOURCE: &'static str = "Rayleigh 1876";
 //!     const SHOWS: &'static str = "at high speed";
+//!     const WORDS: Words = Words {
+//!         name: "drag grows with the square of the speed",
+//!         about: "Air that the knob stirs holds it back, four times as much at twice the speed.",
+//!         causes: &["a fan or a vane on the shaft"],
+//!         remedies: &["take the fan off"],
+//!         latex: r"d\,\omega\,|\omega|",
+//!     };
 //!     const PARAMS: [Param; 1] = [Param::linear("d", Unit::of(1, -2, 2), "drag")];
 //! }
 //!
@@ -31,9 +38,11 @@
 //! assert_eq!(tau, -18.0);
 //! ```
 
+mod context;
 pub mod law;
 mod registry;
 mod survey;
+mod told;
 mod user;
 
 use crate::error::{Error, Result};
@@ -44,8 +53,11 @@ use law::{Couples, Delays, Law, Loads, Remembers, Senses};
 use registry::{lanes, registry};
 use std::marker::PhantomData;
 
+pub use context::Context;
+pub(crate) use context::short;
 pub use registry::Info;
-pub use survey::Survey;
+pub use survey::{Survey, Wave};
+pub use told::{Base, Over, TakenUp, Words};
 pub use user::{Function, User};
 
 /// Where in the chain from the motion to the measured torque an effect acts.
@@ -72,7 +84,7 @@ impl Place {
 
 /// Which parameters of other effects no longer enter the torque linearly beside an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Bends {
+pub enum Nonlinear {
     /// All that act before it in the chain.
     Everything,
     /// Those of effects that press the sliding surfaces together.
@@ -98,9 +110,26 @@ pub trait Effect<const N: usize> {
     /// Channels of its load that may differ from those of [`Load::none`]; work on the others is left out.
     const TOUCHES: &'static [Channel] = Channel::ALL;
     /// What else it makes nonlinear.
-    const BENDS: Option<Bends> = None;
+    const MAKES_NONLINEAR: Option<Nonlinear> = None;
+    /// What it tells people.
+    const WORDS: Words;
+    /// What its torque follows.
+    const OVER: Over = Over::Several;
+    /// Its part in the base model.
+    const BASE: Option<Base> = None;
     /// Whether it describes whatever is there, and names no cause.
     const DESCRIBES: bool = false;
+    /// Why no capture of a motion can show that it is missing, if none can.
+    const UNSEARCHED: Option<&'static str> = None;
+    /// Whether it predicts what a sensor at its limit reads; without it such readings do not count.
+    const CLIPS: bool = false;
+    /// What others do as well while their parameters are free.
+    const TAKEN_UP: Option<TakenUp> = None;
+    /// The waves over position that its starts need, beside what the model explains.
+    const SCAN: Option<Wave> = None;
+    /// Multiples of the period that it follows at which a search starts too: what the base model found may be the
+    /// harmonic of something slower.
+    const SLOWER: &'static [f64] = &[];
 
     /// Parameter values to start a search from, none of them given by a user. The neutral values, unless
     /// something that the effect needs to show at all vanishes there.
@@ -108,9 +137,10 @@ pub trait Effect<const N: usize> {
         vec![Self::PARAMS.map(|param| param.neutral)]
     }
 
-    /// What is implausible about such values beside those that no parameter may have alone.
-    fn implausible(_: &[f64; N]) -> Option<&'static str> {
-        None
+    /// What is implausible about such values in such a fit, a sentence each, beside those that no parameter may have
+    /// alone.
+    fn implausible(_: &[f64; N], _: &Context) -> Vec<String> {
+        Vec::new()
     }
 }
 

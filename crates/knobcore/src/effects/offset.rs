@@ -1,6 +1,6 @@
 //! Offset: the zero of the torque sensor.
 
-use super::{Effect, SensorEffect};
+use super::{Effect, Over, SensorEffect, TakenUp, Words};
 use crate::motion::Motion;
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -16,6 +16,22 @@ impl Effect<1> for Offset {
     const LAW: &'static str = "tau + tau0";
     const SOURCE: &'static str = "P0 of the polynomials named beside Equation 1 of the haptic-camera paper";
     const SHOWS: &'static str = "everywhere alike";
+    const WORDS: Words = Words {
+        name: "the zero of the torque sensor is off",
+        about: "The torque sensor reads a constant where there is no torque.",
+        causes: &[
+            "a sensor whose zero was not set",
+            "the weight of a part that hangs on the sensor",
+            "a mount under strain",
+        ],
+        remedies: &["set the zero with the knob taken off", "mount the sensor without strain"],
+        latex: r"\tau + \tau_0",
+    };
+    const OVER: Over = Over::Torque;
+    const TAKEN_UP: Option<TakenUp> = Some(TakenUp {
+        by: &["coulomb.neg", "coulomb.pos"],
+        why: "a constant torque is what the difference of the Coulomb levels makes",
+    });
     const PARAMS: [Param; 1] = [Param::linear("tau0", Unit::of(1, 0, 0), "constant torque")];
 }
 

@@ -1,6 +1,6 @@
 //! Position-dependent friction: the level of dry friction varies along the way.
 
-use super::{Effect, LoadEffect, Survey};
+use super::{Context, Effect, LoadEffect, Survey, Wave, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -10,6 +10,18 @@ pub struct PositionFriction;
 
 /// The least that is left of dry friction: friction never pushes.
 const LEAST: f64 = 1e-3;
+/// Periods that a motion must cross.
+const CYCLES: f64 = 0.8;
+/// Or this part of one, if it holds so many of the strongest waves.
+const LEAST_CYCLES: f64 = 0.5;
+/// See [`LEAST_CYCLES`].
+const WAVES: f64 = 1.6;
+/// Times the dry friction: what its series may add up to.
+const LARGEST: f64 = 2.0;
+/// A period this many times that of the detents belongs to them,
+const LOCKED: [f64; 5] = [1.0, 2.0, 3.0, 4.0, 0.5];
+/// up to this share.
+const CLOSE: f64 = 0.01;
 
 const fn wave(name: &'static str, meaning: &'static str) -> Param {
     Param::shape(name, Unit::NUMBER, [-10.0, 10.0], 0.0, meaning)
@@ -22,6 +34,25 @@ impl Effect<9> for PositionFriction {
     const SHOWS: &'static str = "over position, with the sign of the motion";
     const CONFUSED: &'static [&'static str] = &["friction_drift", "load_friction", "directional_detent"];
     const TOUCHES: &'static [Channel] = &[Channel::Level];
+    const WORDS: Words = Words {
+        name: "friction varies along the way",
+        about: "The knob rubs harder at some positions than at others.",
+        causes: &[
+            "a bent shaft or an oval bearing",
+            "a seal or a brush that presses unevenly",
+            "dirt or wear at certain places",
+        ],
+        remedies: &[
+            "straighten the shaft, align the bearings",
+            "clean and grease evenly",
+            "turn shaft against bearing and see with which of them the pattern moves",
+        ],
+        latex: concat!(
+            r"C_{\pm} \left(1 + \sum_{n=1}^{4} a_n \sin\frac{n\,\theta}{P} + b_n ",
+            r"\cos\frac{n\,\theta}{P}\right) \operatorname{sgn}\omega",
+        ),
+    };
+    const SCAN: Option<Wave> = Some(Wave::Friction);
     const PARAMS: [Param; 9] = [
         Param::shape("P", Unit::of(0, 1, 0), [1e-6, 1e6], 1.0, "period over 2 pi"),
         wave("a1", "sine once per period, a share of Coulomb"),
@@ -35,6 +66,11 @@ impl Effect<9> for PositionFriction {
     ];
 
     fn starts(survey: &Survey) -> Vec<[f64; 9]> {
+        if let Some(waves) = &survey.waves {
+            // Each of the strongest waves may be the first, second or third of its series.
+            let series = waves.iter().flat_map(|[_, p, _]| [*p, 2.0 * p, 3.0 * p]);
+            return series.map(|p| [p, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).collect();
+        }
         // From half a cycle over the range to forty, each close enough to the next to be followed.
         let range = survey.range().max(1e-6);
         let mut cycles = 0.5;
@@ -47,6 +83,31 @@ impl Effect<9> for PositionFriction {
             cycles += f64::max(0.3, 0.06 * cycles);
         }
         starts
+    }
+
+    /// Friction that varies along the way stays friction, and goes through a period of its own.
+    fn implausible(p: &[f64; 9], context: &Context) -> Vec<String> {
+        let [period, series @ ..] = p;
+        let cycles = context.travel() / (std::f64::consts::TAU * period);
+        let size_of = |wave: &[f64]| wave.iter().copied().fold(0.0, f64::hypot);
+        let sizes: Vec<f64> = series.chunks(2).map(size_of).collect();
+        // A series whose higher waves are its strongest goes up and down within a part of its period.
+        let squares: f64 = sizes.iter().map(|size| size * size).sum();
+        let weighted: f64 = sizes.iter().zip(1..).map(|(size, n)| f64::from(n) * size * size).sum();
+        let strongest = weighted / squares.max(1e-300);
+        if cycles < CYCLES && !(cycles >= LEAST_CYCLES && cycles * strongest >= WAVES) {
+            return vec![format!("only {cycles:.1} of its periods were crossed: it is a trend")];
+        }
+        let size: f64 = sizes.iter().sum();
+        if size > LARGEST {
+            return vec![format!("it varies by {size:.1} times the friction there is")];
+        }
+        let ratio = context.period.map_or(f64::NAN, |detents| period / detents);
+        if LOCKED.iter().any(|times| (ratio / times - 1.0).abs() < CLOSE) {
+            let others = "load_friction or directional_detent would, by nature";
+            return vec![format!("it repeats with the detents: {others}")];
+        }
+        Vec::new()
     }
 }
 

@@ -1,6 +1,6 @@
 //! Position polynomial: any smooth torque over position.
 
-use super::{Effect, LoadEffect};
+use super::{Effect, LoadEffect, Over, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -16,6 +16,23 @@ impl Effect<3> for PositionPolynomial {
     const SOURCE: &'static str = "the polynomials named beside Equation 1 of the haptic-camera paper";
     const SHOWS: &'static str = "over position, smoothly";
     const TOUCHES: &'static [Channel] = &[Channel::Drive];
+    const WORDS: Words = Words {
+        name: "a torque varies smoothly over position",
+        about: "Some smooth torque depends on where the knob is and on nothing else, without returning after \
+                a turn.",
+        causes: &[
+            "cables or hoses that wind up",
+            "a spring that grows stiffer with its travel",
+            "magnets or a sensor bracket that pull from one side",
+        ],
+        remedies: &[
+            "lay cables in a loose loop around the axis",
+            "look for what touches or pulls over the range",
+            "turn the knob to another range and see whether it moves along",
+        ],
+        latex: r"p_1\,\theta + p_2\,\theta^2 + p_3\,\theta^3",
+    };
+    const OVER: Over = Over::Position;
     const PARAMS: [Param; 3] = [
         Param::linear("p1", Unit::of(1, -1, 0), "slope"),
         Param::linear("p2", Unit::of(1, -2, 0), "curvature"),

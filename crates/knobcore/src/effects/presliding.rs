@@ -1,6 +1,6 @@
 //! Presliding: friction builds up over a distance after each reversal.
 
-use super::{Effect, MemoryEffect, Survey};
+use super::{Context, Effect, MemoryEffect, Over, Survey, Words, short};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -11,6 +11,11 @@ use crate::scalar::Scalar;
 /// Distances a factor of two apart draw any friction curve that rises ever more slowly (Masing 1926) to about a
 /// hundredth.
 pub struct Presliding;
+
+/// Share of the range: presliding is over by then.
+const FAR: f64 = 0.2;
+/// Samples at the usual speed that it takes at least.
+const NEAR: f64 = 1.0;
 
 const fn share(name: &'static str, meaning: &'static str) -> Param {
     Param::shape(name, Unit::NUMBER, [0.0, 1.0], 0.0, meaning)
@@ -25,6 +30,27 @@ impl Effect<7> for Presliding {
     const SHOWS: &'static str = "over the first few hundredths of a radian after each reversal";
     const CONFUSED: &'static [&'static str] = &["torque_lag", "backlash", "compliance", "stribeck"];
     const TOUCHES: &'static [Channel] = &[Channel::Lag];
+    const WORDS: Words = Words {
+        name: "friction builds up over a distance after each reversal",
+        about: "Before surfaces slip they give a little like a spring, so that friction turns round over a \
+                distance and not at once.",
+        causes: &[
+            "asperities of the surfaces that bend before they slip",
+            "a seal or rubber part that is sheared before it slides",
+            "grease that creeps",
+        ],
+        remedies: &[
+            "use stiffer seals or lower their preload",
+            "choose harder or smoother surfaces",
+            "use rolling bearings with little preload",
+        ],
+        latex: concat!(
+            r"C_{\pm} \Bigl(\bigl(1 - \textstyle\sum_i w_i\bigr) \operatorname{sgn}\omega + ",
+            r"\textstyle\sum_i w_i z_i\Bigr),\quad \dot z_i = \frac{2^{i-1}}{s}\,\omega,\ |z_i| ",
+            r"\le 1",
+        ),
+    };
+    const OVER: Over = Over::Reversal;
     const PARAMS: [Param; 7] = [
         Param::shape("s", Unit::of(0, 1, 0), [1e-7, 1e3], 0.1, "longest presliding distance"),
         share("w1", "share of friction that builds up over s"),
@@ -39,6 +65,22 @@ impl Effect<7> for Presliding {
         let longest = 0.3 * survey.range();
         let lengths = [1.0, 0.4, 0.16, 0.064, 0.025, 0.01].map(|share| share * longest.min(1.0));
         lengths.into_iter().map(|s| [s.max(1e-7), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).collect()
+    }
+
+    /// It ends within a small part of the way, and takes longer than the sensors' step.
+    fn implausible([s, shares @ ..]: &[f64; 7], context: &Context) -> Vec<String> {
+        let reach = (0..).map(|i| s / 2.0_f64.powi(i));
+        let sum: f64 = shares.iter().sum();
+        let mean = shares.iter().zip(reach).map(|(w, s)| w * s).sum::<f64>() / sum.max(1e-12);
+        let over = short(mean, 2);
+        if mean > FAR * context.travel() {
+            return vec![format!("it takes {over} to slip, a good part of the way: it is a spring")];
+        }
+        if mean < NEAR * context.speed / context.rate_hz {
+            let why = "less than a sample: a lag of the torque does the same";
+            return vec![format!("it slips within {over}, {why}")];
+        }
+        Vec::new()
     }
 }
 

@@ -1,6 +1,6 @@
 //! Quadratic drag: a fluid that the knob stirs.
 
-use super::{Effect, LoadEffect};
+use super::{Effect, LoadEffect, Over, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -15,6 +15,21 @@ impl Effect<1> for QuadraticDrag {
     const SHOWS: &'static str = "at high speed";
     const CONFUSED: &'static [&'static str] = &["stribeck", "viscous"];
     const TOUCHES: &'static [Channel] = &[Channel::Drive];
+    const WORDS: Words = Words {
+        name: "drag grows with the square of the speed",
+        about: "Air or liquid that the knob stirs holds it back, four times as much at twice the speed.",
+        causes: &[
+            "a fan, a vane or a rough rim that stirs air",
+            "a knob that turns in oil or water at high speed",
+        ],
+        remedies: &[
+            "smooth or shroud what stirs",
+            "lower the level or the density of the fluid",
+            "measure at the speeds of a hand, at which drag is small",
+        ],
+        latex: r"d\,\omega\,|\omega|",
+    };
+    const OVER: Over = Over::Velocity;
     const PARAMS: [Param; 1] = [Param::linear("d", Unit::of(1, -2, 2), "drag").plausibly(0.0, f64::INFINITY)];
 }
 

@@ -1,6 +1,6 @@
 //! Regional: a force-displacement line of its own in each region of the way.
 
-use super::{Effect, LoadEffect, Survey};
+use super::{Effect, LoadEffect, Over, Survey, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -31,6 +31,17 @@ impl Effect<11> for Regional {
     const CONFUSED: &'static [&'static str] = &["wavelet", "position_polynomial", "end_stop"];
     const DESCRIBES: bool = true;
     const TOUCHES: &'static [Channel] = &[Channel::Drive];
+    const WORDS: Words = Words {
+        name: "the torque has a straight line of its own in each region",
+        about: "A description of any torque over position by four straight lines; it names no cause.",
+        causes: &[
+            "a button that clicks, or a switch that snaps over",
+            "several springs that come into play one after the other",
+        ],
+        remedies: &["look at the curve, and name its parts by effects that have a cause"],
+        latex: r"f_i + k_i\,(\theta - b_2) \quad \text{in region } i",
+    };
+    const OVER: Over = Over::Position;
     const PARAMS: [Param; 11] = [
         border("b1", "first border"),
         border("b2", "middle border"),

@@ -1,6 +1,6 @@
 //! How one line per effect becomes the catalogue: what every effect says of itself, and which of them there are.
 
-use super::{Bends, Effect, Place};
+use super::{Base, Effect, Nonlinear, Over, Place, TakenUp, Wave, Words};
 use crate::motion::Channel;
 use crate::param::Param;
 
@@ -29,10 +29,26 @@ pub struct Info {
     pub shapes_friction: bool,
     /// Whether it presses the sliding surfaces together; see [`Effect::TOUCHES`].
     pub presses: bool,
-    /// See [`Effect::BENDS`].
-    pub bends: Option<Bends>,
+    /// See [`Effect::MAKES_NONLINEAR`].
+    pub makes_nonlinear: Option<Nonlinear>,
+    /// See [`Effect::WORDS`].
+    pub words: Words,
+    /// See [`Effect::OVER`].
+    pub over: Over,
+    /// See [`Effect::BASE`].
+    pub base: Option<Base>,
     /// See [`Effect::DESCRIBES`].
     pub describes: bool,
+    /// See [`Effect::UNSEARCHED`].
+    pub unsearched: Option<&'static str>,
+    /// See [`Effect::CLIPS`].
+    pub clips: bool,
+    /// See [`Effect::TAKEN_UP`].
+    pub taken_up: Option<TakenUp>,
+    /// See [`Effect::SCAN`].
+    pub scan: Option<Wave>,
+    /// See [`Effect::SLOWER`].
+    pub slower: &'static [f64],
 }
 
 impl Info {
@@ -50,9 +66,33 @@ impl Info {
             touches: E::TOUCHES,
             shapes_friction: matches!(place, Place::Load) && Channel::shape_friction(E::TOUCHES),
             presses: matches!(place, Place::Load) && Channel::among(E::TOUCHES)[Channel::Press as usize],
-            bends: E::BENDS,
+            makes_nonlinear: E::MAKES_NONLINEAR,
+            words: E::WORDS,
+            over: E::OVER,
+            base: E::BASE,
             describes: E::DESCRIBES,
+            unsearched: E::UNSEARCHED,
+            clips: E::CLIPS,
+            taken_up: E::TAKEN_UP,
+            scan: E::SCAN,
+            slower: E::SLOWER,
         }
+    }
+
+    /// Whether it is a torque of position alone beyond the base model: two of them draw nearly any map of position.
+    pub fn is_map(&self) -> bool {
+        self.over == Over::Position && self.base.is_none()
+    }
+
+    /// Whether it stores energy of motion and does nothing else.
+    pub fn stores(&self) -> bool {
+        self.touches == [Channel::Inertia]
+    }
+
+    /// Whether it is part of the friction: it rubs, shapes what rubs, or opposes the motion by its speed.
+    pub fn is_friction(&self) -> bool {
+        let rubs = |channel: &Channel| !matches!(channel, Channel::Drive | Channel::Inertia | Channel::Press);
+        self.over == Over::Velocity || self.place == Place::Load && self.touches.iter().all(rubs)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Return spring: the ramp of the paper, K theta about a rest angle.
 
-use super::{Effect, LoadEffect};
+use super::{Effect, LoadEffect, Over, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -17,6 +17,22 @@ impl Effect<2> for ReturnSpring {
     const SOURCE: &'static str = "Hooke 1678; the ramp named beside Equation 1 of the haptic-camera paper";
     const SHOWS: &'static str = "over position, as a straight line";
     const TOUCHES: &'static [Channel] = &[Channel::Drive];
+    const WORDS: Words = Words {
+        name: "a spring pulls the knob back to a rest position",
+        about: "The torque grows in proportion to the distance from a rest position.",
+        causes: &[
+            "a return spring that is meant to be there",
+            "a cable or a flexure that is wound up",
+            "a magnet that centres",
+        ],
+        remedies: &[
+            "choose a softer spring, or one of more coils",
+            "lay cables free of the axis",
+            "keep it, if it is meant to be felt",
+        ],
+        latex: r"k\,(\theta - \theta_0)",
+    };
+    const OVER: Over = Over::Position;
     const PARAMS: [Param; 2] = [
         Param::linear("k", Unit::of(1, -1, 0), "stiffness"),
         Param::shape("theta0", Unit::of(0, 1, 0), [-1e6, 1e6], 0.0, "rest angle"),

@@ -1,6 +1,6 @@
 //! Saturation: the torque sensor reads no further than its limit.
 
-use super::{Bends, Effect, SensorEffect, Survey};
+use super::{Context, Effect, Nonlinear, Over, SensorEffect, Survey, Words};
 use crate::motion::Motion;
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -14,13 +14,38 @@ impl Effect<1> for Saturation {
     const SOURCE: &'static str = "range of the torque sensor; 180 mN m on the rig of the haptic-camera paper";
     const SHOWS: &'static str = "at the largest torques";
     const CONFUSED: &'static [&'static str] = &["quadratic_drag", "end_stop"];
-    const BENDS: Option<Bends> = Some(Bends::Everything);
+    const MAKES_NONLINEAR: Option<Nonlinear> = Some(Nonlinear::Everything);
+    const WORDS: Words = Words {
+        name: "the torque sensor is at its limit",
+        about: "Torques beyond the sensor's range all read the same.",
+        causes: &[
+            "a sensor of too small a range",
+            "a gain that is set too high",
+            "impacts at a stop or in backlash",
+        ],
+        remedies: &[
+            "use a sensor of a larger range, or a lower gain",
+            "move more gently, or stay off the stops",
+            "leave the clipped samples out, which is done unless this effect is asked for",
+        ],
+        latex: r"\operatorname{clamp}(\tau,\,-\tau_{\max},\,\tau_{\max})",
+    };
+    const OVER: Over = Over::Torque;
+    const CLIPS: bool = true;
     const PARAMS: [Param; 1] =
         [Param::shape("limit", Unit::of(1, 0, 0), [1e-9, 1e9], 1e9, "largest reading")];
 
     fn starts(survey: &Survey) -> Vec<[f64; 1]> {
         // Noise reaches beyond the limit, so the largest reading is not it.
         [0.995, 0.97, 0.9].into_iter().map(|q| [Survey::quantile(&survey.torque, q).max(1e-9)]).collect()
+    }
+
+    /// Beside another effect a limit can hide that one's misfit; readings that repeat at it are the proof.
+    fn implausible(_: &[f64; 1], context: &Context) -> Vec<String> {
+        if context.first || context.clipped {
+            return Vec::new();
+        }
+        vec!["no reading repeats at such a limit".into()]
     }
 }
 

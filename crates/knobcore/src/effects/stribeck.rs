@@ -1,6 +1,6 @@
 //! Stribeck friction: dry friction rises towards zero speed.
 
-use super::{Effect, LoadEffect, Survey};
+use super::{Effect, LoadEffect, Over, Survey, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -21,6 +21,23 @@ impl Effect<3> for Stribeck {
     const SHOWS: &'static str = "at low speed, on both sides of every reversal";
     const CONFUSED: &'static [&'static str] = &["presliding", "quadratic_drag", "viscous"];
     const TOUCHES: &'static [Channel] = &[Channel::Level];
+    const WORDS: Words = Words {
+        name: "friction rises towards standstill",
+        about: "As the knob slows down the film of lubricant between the surfaces thins out, they touch, and \
+                friction rises.",
+        causes: &[
+            "mixed lubrication: grease or oil that carries only at speed",
+            "rough or new surfaces that are not run in",
+            "too little lubricant, or one that is too thin",
+        ],
+        remedies: &[
+            "use a more viscous lubricant, or one with additives against stick-slip",
+            "polish or run in the surfaces",
+            "use rolling bearings or a low-friction liner",
+        ],
+        latex: r"C_{\pm} \left(1 + r\,e^{-(|\omega|/v_s)^{\delta}}\right) \operatorname{sgn}\omega",
+    };
+    const OVER: Over = Over::Velocity;
     const PARAMS: [Param; 3] = [
         Param::shape("rise", Unit::NUMBER, [-0.99, 100.0], 0.0, "rise towards rest, a share of Coulomb")
             .plausibly(0.0, f64::INFINITY),

@@ -1,5 +1,14 @@
 //! What a capture offers to a search for starting values: how far, how fast, how hard, how long.
 
+/// What varies as a wave over position.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wave {
+    /// A torque.
+    Torque,
+    /// A friction: it has the sign of the motion.
+    Friction,
+}
+
 /// Quantiles of the samples that count; SI.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Survey {
@@ -15,6 +24,9 @@ pub struct Survey {
     pub rate_hz: f64,
     /// Magnitude of the inertia that the base model sees, kg m^2.
     pub inertia: f64,
+    /// The strongest waves of the kind that the effect scans for, beside what the model explains: amplitude (N m),
+    /// period over 2 pi (rad) and phase (rad); None where none were looked for.
+    pub waves: Option<Vec<[f64; 3]>>,
 }
 
 impl Survey {

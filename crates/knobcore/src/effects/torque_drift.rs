@@ -1,6 +1,6 @@
 //! Torque drift: the baseline of the torque sensor creeps.
 
-use super::{Effect, SensorEffect, Survey};
+use super::{Effect, Over, SensorEffect, Survey, Words};
 use crate::motion::Motion;
 use crate::param::{Param, Unit, Usual};
 use crate::scalar::Scalar;
@@ -24,6 +24,22 @@ impl Effect<8> for TorqueDrift {
     const SOURCE: &'static str = "zero drift and creep of strain-gauge sensors; OIML R 60";
     const SHOWS: &'static str = "over time, whatever the motion";
     const CONFUSED: &'static [&'static str] = &["friction_drift"];
+    const WORDS: Words = Words {
+        name: "the zero of the torque sensor drifts",
+        about: "The reading creeps over time whatever the knob does.",
+        causes: &[
+            "a sensor or an amplifier that warms up",
+            "creep of a strain gauge and its glue after a load",
+            "a cable that pulls on the sensor",
+        ],
+        remedies: &[
+            "switch on half an hour before recording",
+            "set the zero before each capture",
+            "fix cables, and shield the sensor from draught",
+        ],
+        latex: r"\tau + d\,t^{\,n} + e\,e^{-t/T} + \sum_{k=1}^{3} c_k \cos\frac{\pi k\,t}{L}",
+    };
+    const OVER: Over = Over::Time;
     const PARAMS: [Param; 8] = [
         wave("d", "creep after a second"),
         Param::shape("n", Unit::NUMBER, [0.1, 4.0], 1.0, "power of time"),

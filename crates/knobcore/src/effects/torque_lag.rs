@@ -1,6 +1,6 @@
 //! Torque lag: the torque channel comes late.
 
-use super::{Effect, LateEffect, Survey};
+use super::{Effect, LateEffect, Survey, Words};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
@@ -21,6 +21,22 @@ impl Effect<2> for TorqueLag {
     const SOURCE: &'static str = "first-order lag and dead time of a measuring channel";
     const SHOWS: &'static str = "in proportion to the rate of the torque";
     const CONFUSED: &'static [&'static str] = &["presliding", "inertia", "backlash", "compliance"];
+    const WORDS: Words = Words {
+        name: "the torque signal comes late",
+        about: "The torque channel follows the torque with a delay, so that it seems to depend on how fast \
+                it changes.",
+        causes: &[
+            "a filter in the torque amplifier that the motion channels do not have",
+            "channels that are sampled one after the other",
+            "transport over a slow bus",
+        ],
+        remedies: &[
+            "give all channels the same filter",
+            "take time stamps where the sample is taken",
+            "raise the amplifier's bandwidth, or correct the lag that was found",
+        ],
+        latex: r"T\,\dot y + y = \tau,\quad \tau_{\text{read}}(t) = y(t - t_d)",
+    };
     const PARAMS: [Param; 2] = [
         Param::shape("lag", Unit::of(0, 0, 1), [0.0, 0.05], 0.0, "time constant"),
         Param::shape("delay", Unit::of(0, 0, 1), [0.0, 0.02], 0.0, "dead time"),

@@ -1,6 +1,6 @@
 //! Unbalance: once per revolution, by gravity or runout.
 
-use super::{Effect, LoadEffect};
+use super::{Effect, LoadEffect, Over, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -15,6 +15,23 @@ impl Effect<2> for Unbalance {
     const SHOWS: &'static str = "over position, once per revolution";
     const CONFUSED: &'static [&'static str] = &["return_spring", "position_polynomial"];
     const TOUCHES: &'static [Channel] = &[Channel::Drive];
+    const WORDS: Words = Words {
+        name: "a torque comes once per turn, as of an unbalanced knob",
+        about: "The knob's mass lies off its axis, or its axis off the rig's, so that a torque comes and \
+                goes once per turn.",
+        causes: &[
+            "a lever, a pointer or a finger dimple on one side, with a horizontal axis",
+            "a bent shaft, or one that is off the axis of the rig",
+            "a bore that is not concentric",
+        ],
+        remedies: &[
+            "balance the knob",
+            "align the shaft with the rig, or use a coupling that takes up the offset",
+            "mount it with the axis upright: gravity then has no lever",
+        ],
+        latex: r"a \sin(\theta + \varphi)",
+    };
+    const OVER: Over = Over::Position;
     const PARAMS: [Param; 2] =
         [Param::linear("a", Unit::of(1, 0, 0), "amplitude"), Param::phase("phi", 0, "phase")];
 }

@@ -309,6 +309,7 @@ mod tests {
             duration_s: 1.0,
             rate_hz: 1000.0,
             inertia: 1e-4,
+            waves: None,
         };
         for (starts, expected) in
             [(vec![], vec![vec![0.5]]), (vec![vec![-2.0], vec![2.0]], vec![vec![-2.0], vec![2.0]])]

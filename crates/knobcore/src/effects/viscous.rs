@@ -1,6 +1,6 @@
 //! Viscous friction: proportional to the speed, with a coefficient per direction.
 
-use super::{Effect, LoadEffect};
+use super::{Base, Effect, LoadEffect, Over, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -17,6 +17,26 @@ impl Effect<2> for Viscous {
     const SOURCE: &'static str = "Reynolds 1886; B_vel of Equation 1 of the haptic-camera paper";
     const SHOWS: &'static str = "in proportion to speed";
     const TOUCHES: &'static [Channel] = &[Channel::Drive];
+    const WORDS: Words = Words {
+        name: "there is viscous friction",
+        about: "Grease or oil that is sheared resists motion in proportion to its speed.",
+        causes: &[
+            "damping grease between shaft and bush",
+            "oil in the bearings",
+            "eddy currents in a magnetic encoder or motor",
+        ],
+        remedies: &[
+            "choose a grease of another viscosity, or less of it",
+            "widen the gap or shorten the length over which it is sheared",
+            "keep the temperature steady: it sets the viscosity",
+        ],
+        latex: concat!(
+            r"\tau = \begin{cases} B_{+}\,\omega & \omega > 0 \\ B_{-}\,\omega & \omega < 0 ",
+            r"\end{cases}",
+        ),
+    };
+    const OVER: Over = Over::Velocity;
+    const BASE: Option<Base> = Some(Base::Always);
     const PARAMS: [Param; 2] = [
         Param::linear("neg", Unit::of(1, -1, 1), "viscous coefficient moving backward"),
         Param::linear("pos", Unit::of(1, -1, 1), "viscous coefficient moving forward"),

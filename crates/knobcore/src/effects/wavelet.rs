@@ -1,6 +1,6 @@
 //! Wavelet: torque over position without a law, in the spatial-frequency domain.
 
-use super::{Effect, LoadEffect, Survey};
+use super::{Effect, LoadEffect, Over, Survey, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit, Usual};
 use crate::scalar::Scalar;
@@ -42,6 +42,18 @@ impl Effect<COUNT> for Wavelet {
     const CONFUSED: &'static [&'static str] = &["regional", "position_polynomial"];
     const DESCRIBES: bool = true;
     const TOUCHES: &'static [Channel] = &[Channel::Drive];
+    const WORDS: Words = Words {
+        name: "some torque varies over position",
+        about: "A description of any torque over position by small waves, coarse and fine; it names no \
+                cause.",
+        causes: &["anything that depends on position alone"],
+        remedies: &["look at the curve, and name its parts by effects that have a cause"],
+        latex: concat!(
+            r"\sum_{j=0}^{4} \sum_k c_{jk}\, \psi\!\left(2^j \frac{\theta - ",
+            r"\theta_{\text{lo}}}{\theta_{\text{hi}} - \theta_{\text{lo}}} - k\right)",
+        ),
+    };
+    const OVER: Over = Over::Position;
     const PARAMS: [Param; COUNT] = params();
 
     fn starts(survey: &Survey) -> Vec<[f64; COUNT]> {

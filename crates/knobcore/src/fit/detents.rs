@@ -1,8 +1,8 @@
 //! Are there detents, and which?
 
-use super::scan::{LEAST_PHASE, Scan, Wave, range, scan};
+use super::scan::{LEAST_PHASE, Scan, range, scan};
 use super::separable::{Effort, Found, Layout, Status, descend};
-use crate::effects::Id;
+use crate::effects::{Id, Wave};
 use crate::error::Result;
 use crate::floor::Floor;
 use crate::model::Model;

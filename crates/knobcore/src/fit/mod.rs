@@ -10,10 +10,10 @@ mod solve;
 
 pub use moments::Moments;
 pub(crate) use moments::{dot, sweep};
-pub use scan::{Scan, Wave};
+pub use scan::Scan;
 pub use separable::{Found, Status};
 
-use crate::effects::Id;
+use crate::effects::{Id, Wave};
 use crate::error::{Error, Result};
 use crate::floor::Floor;
 use crate::model::{Model, Role};

@@ -7,6 +7,7 @@
 
 use super::moments::sweep;
 use super::solve::{Normal, independent};
+use crate::effects::Wave;
 use crate::fourier;
 use crate::model::Model;
 use crate::param::Axis;
@@ -182,16 +183,6 @@ impl Grid {
     }
 }
 
-/// What is looked for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Wave {
-    /// A torque.
-    Torque,
-    /// A friction: it has the sign of the motion. A product of two signed columns is that of the columns, so
-    /// that only the products with the wave change.
-    Friction,
-}
-
 /// Scans for a sinusoid over position beside the linear columns of `model` (which has no detent), evaluated
 /// at `p`; the step in those columns that is best without detent comes with it. None where there is no motion.
 pub fn scan(
@@ -212,6 +203,7 @@ pub fn scan(
         let core = swept.chunk.core.clone();
         let signed: Vec<Vec<f64>> = match wave {
             Wave::Torque => Vec::new(),
+            // A product of two signed columns is that of the columns: only the products with the wave change.
             Wave::Friction => {
                 let sign = |(x, forward): (&f64, &f64)| if *forward > 0.5 { *x } else { -x };
                 let forward = &swept.signals.forward[core.clone()];

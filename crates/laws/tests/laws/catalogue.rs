@@ -28,6 +28,49 @@ fn an_effect_at_its_neutral_values_changes_nothing() {
 }
 
 #[test]
+fn every_effect_says_what_it_is_where_it_comes_from_and_what_helps() {
+    for &id in Id::BUILT_IN {
+        let words = &id.info().words;
+        let phrases = [words.causes, words.remedies];
+        assert!(phrases.iter().all(|list| !list.is_empty()), "{}", name(id));
+        let said = phrases.concat().into_iter().chain([words.name, words.about, words.latex]);
+        assert!(said.into_iter().all(|text| !text.trim().is_empty()), "{}", name(id));
+        let open = |mark: char| words.latex.matches(mark).count();
+        assert_eq!(open('{'), open('}'), "{}: {}", name(id), words.latex);
+        let sentence = words.about;
+        assert!(
+            sentence.starts_with(char::is_uppercase) && sentence.ends_with('.'),
+            "{}: {sentence}",
+            name(id)
+        );
+        assert!(words.name != id.info().id && words.name.len() < 60, "{}: {}", name(id), words.name);
+    }
+}
+
+#[test]
+fn names_for_people_tell_the_effects_apart() {
+    let mut names: Vec<_> = Id::BUILT_IN.iter().map(|id| id.info().words.name).collect();
+    names.sort_unstable();
+    names.dedup();
+    assert_eq!(names.len(), Id::BUILT_IN.len());
+}
+
+#[test]
+fn what_an_effect_says_of_others_names_some_that_there_are() {
+    let known = |parameter: &str| {
+        let (effect, own) = parameter.split_once('.').unwrap();
+        Id::parse(effect).is_ok_and(|id| id.info().params.iter().any(|param| param.name == own))
+    };
+    for &id in Id::BUILT_IN {
+        let info = id.info();
+        let others = info.confused.iter().copied().chain(info.needs);
+        assert!(others.into_iter().all(|other| Id::parse(other).is_ok()), "{}", name(id));
+        assert!(info.taken_up.is_none_or(|by| by.by.iter().all(|own| known(own))), "{}", name(id));
+        assert!(info.slower.is_empty() || info.needs.is_some(), "{} follows no period", name(id));
+    }
+}
+
+#[test]
 fn resistance_static_friction_inertia_and_stick_band_are_never_negative() {
     let mut noise = Noise::new(1);
     for &id in Id::BUILT_IN {

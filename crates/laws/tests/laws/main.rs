@@ -4,6 +4,7 @@ mod catalogue;
 mod chance;
 mod derivatives;
 mod driven;
+mod implausible;
 mod limits;
 mod recovery;
 mod rendering;
@@ -98,6 +99,7 @@ fn survey(signals: &Signals) -> Survey {
         duration_s: signals.len() as f64 / RATE_HZ,
         rate_hz: RATE_HZ,
         inertia: knob().values()[0],
+        waves: None,
     }
 }
 

@@ -3,7 +3,7 @@
 use super::*;
 use crate::derivatives::{SMOOTH, check};
 use crate::rendering::OPEN;
-use knobcore::effects::{Bends, Function, Info, User};
+use knobcore::effects::{Function, Info, Nonlinear, User};
 use knobcore::motion::Channel;
 use knobcore::param::Unit;
 use knobrender::{Renderer, Sensed};
@@ -37,8 +37,8 @@ fn register_at(
         touches,
         shapes_friction: Channel::shape_friction(touches),
         presses: false,
-        bends: beyond.then_some(Bends::Everything),
-        describes: false,
+        makes_nonlinear: beyond.then_some(Nonlinear::Everything),
+        ..*Id::QuadraticDrag.info()
     };
     Id::User(User::register(info, false, Vec::new(), function).unwrap())
 }

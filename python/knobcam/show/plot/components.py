@@ -10,6 +10,7 @@ import numpy as np
 
 from ... import _core
 from ...fit.fitting import Z95
+from ...model.effects import effects
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -18,31 +19,29 @@ if TYPE_CHECKING:
     from ...capture.prepare import Prepared
     from ...fit import Fit
     from ...model import Model
+    from ...model.effects import Effect, Over
 
 Part = Literal["position", "velocity", "acceleration", "sensor", "other"]
 
 # The parts of Equation 1; an effect that depends on more than one coordinate belongs to none ("other").
-PARTS: dict[str, Part] = {
-    "detent": "position",
-    "return_spring": "position",
-    "position_polynomial": "position",
-    "coulomb": "velocity",
-    "viscous": "velocity",
-    "karnopp": "velocity",
-    "inertia": "acceleration",
-    "offset": "sensor",
+_PARTS: dict[Over, Part] = {
+    "position": "position",
+    "velocity": "velocity",
+    "acceleration": "acceleration",
+    "torque": "sensor",
 }
 SHORT = {"position": "pos", "velocity": "vel"}
 
 
-def part_of(effect: str) -> Part:
+def part_of(effect: Effect) -> Part:
     """Return the part that an effect belongs to."""
-    return PARTS.get(effect, "other")
+    return _PARTS.get(effect.over, "other")
 
 
 def effects_of(model: Model, part: Part) -> list[str]:
     """Return the ids of a model's effects that belong to a part."""
-    return [effect for effect in model.effects if part_of(effect) == part]
+    catalogue = effects(model.axis)
+    return [one for one in model.effects if one in catalogue and part_of(catalogue[one]) == part]
 
 
 def torque_at(

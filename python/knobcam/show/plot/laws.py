@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...model.effects import base_effects_shown, effects
 from .components import curve, effects_of
 from .style import (
     BLACK,
@@ -52,7 +53,6 @@ def friction(axes: Axes, model: Model) -> None:
     fastest = _FASTEST[model.axis]
     omega = _both_sides(fastest)
     tau = curve(model, "velocity", omega)
-    values = {name: p.value for name, p in model.params.items()}
     scale = torque_scale(model.axis, float(np.max(np.abs(tau))))
     # Breakaway can be far above sliding friction: it leaves the panel, and the inset shows where it ends.
     top = 1.3 * scale.factor * float(np.max(np.abs(tau))) or 1.0
@@ -62,39 +62,42 @@ def friction(axes: Axes, model: Model) -> None:
     axes.set_title("Friction over velocity")
     axes.set_xlabel(f"velocity ({motion_units(model.axis)['omega']})")
     axes.set_ylabel(f"friction ({scale.unit})")
-    _name_friction(axes, model, values, scale)
-    if values.get("karnopp.dv", 0.0) > 0.0:
-        _stick_band(axes, model, values, scale)
+    _name_friction(axes, model, scale)
+    if model.core.at_rest()[3] > 0.0:
+        _stick_band(axes, model, scale)
 
 
-def _name_friction(axes: Axes, model: Model, values: dict[str, float], scale: Scale) -> None:
+def _name_friction(axes: Axes, model: Model, scale: Scale) -> None:
     """Mark C at the step and B at the slope of each direction; their values stand in the empty corner."""
     fastest = _FASTEST[model.axis]
     slope_unit = f"{scale.unit} s/{motion_units(model.axis)['theta']}"
     omega, friction = (np.asarray(values) for values in axes.lines[0].get_data())
     texts = []
-    for sign, side, mark in ((1.0, "pos", "₊"), (-1.0, "neg", "₋")):
-        if f"coulomb.{side}" in values:
-            height = sign * values[f"coulomb.{side}"] * scale.factor
+    _, dry, held, band = model.core.at_rest()
+    for at_rest, sign, side, mark in ((1, 1.0, "pos", "₊"), (0, -1.0, "neg", "₋")):
+        if dry[at_rest] != 0.0:
+            height = sign * dry[at_rest] * scale.factor
             axes.plot([0.0, sign * fastest], [height, height], "--", color=ORANGE, lw=1.0)
             axes.plot([0.0], [height], "o", color=ORANGE, ms=5)
             _beside(axes, f"C{mark}", (sign * 0.93 * fastest, height), -sign, ORANGE)
             texts.append((f"C{mark} = {number(abs(height))} {scale.unit}", ORANGE))
-        if f"viscous.{side}" in values:
+        viscous = model.params.get(f"viscous.{side}")
+        if viscous is not None:
             at = sign * 0.6 * fastest
             _beside(axes, f"B{mark}", (at, float(np.interp(at, omega, friction))), sign, GREEN)
-            slope = values[f"viscous.{side}"] * scale.factor
+            slope = viscous.value * scale.factor
             texts.append((f"B{mark} = {number(slope)} {slope_unit}", GREEN))
-        if f"karnopp.D_{side}" in values:
-            breakaway = values[f"karnopp.D_{side}"] * scale.factor
+        if band > 0.0:
+            breakaway = held[at_rest] * scale.factor
             texts.append((f"D{mark} = {number(breakaway)} {scale.unit}", PURPLE))
     _listed(axes, texts)
 
 
-def _stick_band(axes: Axes, model: Model, values: dict[str, float], scale: Scale) -> None:
+def _stick_band(axes: Axes, model: Model, scale: Scale) -> None:
     """Draw what happens within dv, where the knob is stuck: any torque from -D_neg to D_pos is answered."""
-    dv, unit = values["karnopp.dv"], motion_units(model.axis)["omega"]
-    low, high = -values["karnopp.D_neg"] * scale.factor, values["karnopp.D_pos"] * scale.factor
+    _, _, (back, forth), dv = model.core.at_rest()
+    unit = motion_units(model.axis)["omega"]
+    low, high = -back * scale.factor, forth * scale.factor
     axes.plot([0.0, 0.0], [low, high], color=PURPLE, lw=1.8)
     inset = axes.inset_axes((0.64, 0.09, 0.35, 0.28))
     moving = np.linspace(dv, 2.5 * dv, 50)
@@ -117,8 +120,7 @@ def _stick_band(axes: Axes, model: Model, values: dict[str, float], scale: Scale
 
 def detents(axes: Axes, model: Model) -> None:
     """Draw the position part, with the detent's amplitude, length and shift where it has one."""
-    values = {name: p.value for name, p in model.params.items()}
-    length = 2.0 * np.pi * abs(values["detent.P"]) if "detent.P" in values else 0.0
+    length = 2.0 * np.pi * abs(model.period or 0.0)
     reach = 1.6 * length if length else _FARTHEST[model.axis]
     theta = np.linspace(-reach, reach, 1200)
     tau = curve(model, "position", theta)
@@ -132,12 +134,13 @@ def detents(axes: Axes, model: Model) -> None:
     axes.set_xlabel(f"position ({motion_units(model.axis)['theta']})")
     axes.set_ylabel(f"{torque_word(model.axis)} ({scale.unit})")
     if length:
-        _name_detent(axes, model, values, scale, peak)
+        _name_detent(axes, model, scale, peak)
 
 
-def _name_detent(axes: Axes, model: Model, values: dict[str, float], scale: Scale, peak: float) -> None:
+def _name_detent(axes: Axes, model: Model, scale: Scale, peak: float) -> None:
     """Mark A at a crest, one detent between two crests, and S by how far it shifts the start of the sine."""
-    amplitude, p, s = values["detent.A"], values["detent.P"], values["detent.S"]
+    (detent,) = (effects(model.axis)[one] for one in base_effects_shown(model.axis))
+    amplitude, p, s = (model.params[f"{detent.id}.{row.name}"].value for row in detent.params)
     length, unit = 2.0 * np.pi * abs(p), motion_units(model.axis)["theta"]
     height, level = abs(amplitude) * scale.factor, 1.25 * peak * scale.factor
     # A crest lies where theta / P + S is pi/2, or -pi/2 for a negative A.

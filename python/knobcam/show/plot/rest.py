@@ -70,8 +70,8 @@ def scan(fit: Fit) -> Picture:
     axes = figure.add_subplot()
     axes.fill_between(x, 0.0, amplitude * scale.factor, color=BAND, alpha=0.35, lw=0)
     axes.plot(x, amplitude * scale.factor, color=GREY, lw=0.9)
-    if "detent.P" in fit.params:
-        p = abs(fit.params["detent.P"].value)
+    if fit.model.period is not None:
+        p = abs(fit.model.period)
         chosen = 1.0 / p if rotary else 1.0 / (2.0 * np.pi * p)
         unit = "a turn" if rotary else "per m"
         label = f"chosen: {chosen:.4g} {unit} (P = {p:.4g} {'rad' if rotary else 'm'})"

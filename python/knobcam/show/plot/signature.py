@@ -68,7 +68,7 @@ def effect(effect: Effect) -> Picture:
     """
     values = typical(effect)
     carrier = {name: value for name, value in CARRIER.items() if not name.startswith(f"{effect.id}.")}
-    if effect.id == "karnopp":
+    if effect.unsearched is not None:
         return _standing(effect, _model({**carrier, **values}))
     added = _added(carrier, effect)
     scale = torque_scale("rotary", float(np.max(np.abs(added.tau), initial=0.0)))

@@ -220,8 +220,8 @@ def _busiest(fit: Fit, over: Coordinate) -> Window:
         return -reach, reach
     low, high = float(samples.theta.min()), float(samples.theta.max())
     width = 0.1 * (high - low)
-    if "detent.P" in fit.params:
-        width = min(4.0 * np.pi * fit.params["detent.P"].value, high - low)
+    if fit.model.period is not None:
+        width = min(4.0 * np.pi * fit.model.period, high - low)
     cells = int(np.clip((high - low) / width, 1, 1000))
     counts, edges = np.histogram(samples.theta, cells)
     at = int(np.argmax(counts))

@@ -334,11 +334,15 @@ var AnyEffect = class {
     this.absent = absent;
   }
 };
-function about({ effect, place: place3, law, source, shows }) {
+function about({ effect, place: place3, law, source, shows, name, about: sentence, causes, remedies }) {
   const alt = `${law}: what it adds to the torque of a small knob; it shows ${shows}`;
   const picture = make("img", { alt, src: pictures.get(effect) });
   byId("about-title").textContent = effect;
   byId("about-text").replaceChildren(
+    make("p", {}, make("strong", { text: name })),
+    make("p", { text: sentence }),
+    ...listed("Usual causes", causes),
+    ...listed("What helps", remedies),
     make("p", { class: "soft", text: `Acts on the ${PLACES[place3] ?? place3}. ${source}` }),
     picture
   );
@@ -351,6 +355,10 @@ function about({ effect, place: place3, law, source, shows }) {
     },
     (reason) => picture.replaceWith(make("p", { class: "wrong", text: wordsOf(reason) }))
   );
+}
+function listed(title, phrases) {
+  if (phrases.length === 0) return [];
+  return [make("h3", { text: title }), make("ul", {}, ...phrases.map((text) => make("li", { text })))];
 }
 function dialog() {
   return (

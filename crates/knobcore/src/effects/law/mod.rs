@@ -16,7 +16,7 @@ pub(crate) use gradient::Gradient;
 pub(crate) use place::{Couples, Delays, Loads, Remembers, Senses};
 pub use sweep::Sweep;
 
-use super::{Info, Joint, Survey};
+use super::{Context, Info, Joint, Survey};
 use crate::motion::{Load, Motion};
 use crate::scalar::{Dual, Scalar};
 
@@ -28,9 +28,9 @@ pub trait Law: Sync {
     /// Parameter values to start a search from.
     fn starts(&self, survey: &Survey) -> Vec<Vec<f64>>;
 
-    /// What is implausible about such values, if anything is.
-    fn implausible(&self, _p: &[f64]) -> Option<&'static str> {
-        None
+    /// What is implausible about such values in such a fit, a sentence each.
+    fn implausible(&self, _p: &[f64], _context: &Context) -> Vec<String> {
+        Vec::new()
     }
 
     /// Numbers that it remembers from sample to sample.

@@ -5,7 +5,7 @@ use super::gradient::Gradient;
 use super::sweep::Sweep;
 use super::{Carried, D, Law, take};
 use crate::effects::{
-    CouplingEffect, Info, Joint, LateEffect, LoadEffect, MemoryEffect, Place, SensorEffect, Survey,
+    Context, CouplingEffect, Info, Joint, LateEffect, LoadEffect, MemoryEffect, Place, SensorEffect, Survey,
 };
 use crate::isa;
 use crate::motion::{Channel, Load, Motion};
@@ -34,8 +34,8 @@ macro_rules! told {
             E::starts(survey).into_iter().map(Vec::from).collect()
         }
 
-        fn implausible(&self, p: &[f64]) -> Option<&'static str> {
-            E::implausible(&take(p))
+        fn implausible(&self, p: &[f64], context: &Context) -> Vec<String> {
+            E::implausible(&take(p), context)
         }
     };
 }

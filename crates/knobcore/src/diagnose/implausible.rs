@@ -1,0 +1,64 @@
+//! Whether the values that an effect was fitted with can be its own, or it stands in for another.
+
+use crate::effects::{Context, Id};
+use crate::fit::Fit;
+use crate::model::{Model, Role};
+use crate::signals::Signals;
+use std::f64::consts::TAU;
+
+/// Periods that a motion must cross for a change of them to be told from a map of position.
+const CROSSED: f64 = 1.5;
+
+/// What is implausible about the values of an effect of a fit, a sentence each, beside those that no parameter may
+/// have alone. `clipped` says that the torque sensor was seen at its limit, `first` that the effect is the first that
+/// is added.
+pub fn implausible(data: &[&Signals], fit: &Fit, id: Id, clipped: bool, first: bool) -> Vec<String> {
+    let context = context(data, fit, id, clipped, first);
+    let slots = fit.model.slots().iter().filter(|slot| slot.effect == id);
+    let values: Vec<f64> = slots.map(|slot| slot.value).collect();
+    let mut said = Vec::new();
+    // A change of one detent alone is any map of position.
+    if let Some(period) = context.period.filter(|_| changes_detents(&fit.model, id)) {
+        let crossed = context.travel() / (TAU * period);
+        if crossed < CROSSED {
+            said.push(format!("only {crossed:.1} detents were crossed"));
+        }
+    }
+    said.extend(id.law().implausible(&values, &context));
+    said
+}
+
+fn changes_detents(model: &Model, id: Id) -> bool {
+    let detents = model.period().map(|at| model.slots()[at].effect.info().id);
+    detents.is_some() && id.info().needs == detents
+}
+
+fn context(data: &[&Signals], fit: &Fit, id: Id, clipped: bool, first: bool) -> Context {
+    let slots = fit.model.slots();
+    let errors = fit.standard_errors();
+    let error = |at: usize| match slots[at].role {
+        Role::Fixed => Some(0.0),
+        Role::Free => fit.free.iter().position(|free| *free == at).map(|i| errors[i]),
+        Role::Tied(to) => fit.free.iter().position(|free| *free == to).map(|i| errors[i]),
+    };
+    let counted = |signals: &&&Signals| (0..signals.len()).filter(|&at| signals.weight[at] > 0.0).collect();
+    let speed = data.first().map_or(0.0, |signals| {
+        let rows: Vec<usize> = counted(&signals);
+        let squares: f64 = rows.iter().map(|&at| signals.omega[at].powi(2)).sum();
+        (squares / rows.len().max(1) as f64).sqrt()
+    });
+    let theta = |signals: &&Signals| -> Vec<f64> {
+        let rows: Vec<usize> = counted(&signals);
+        rows.into_iter().map(|at| signals.theta[at]).collect()
+    };
+    Context {
+        errors: (0..slots.len()).filter(|&at| slots[at].effect == id).map(error).collect(),
+        theta: data.iter().flat_map(theta).collect(),
+        speed,
+        rate_hz: data.first().map_or(1.0, |signals| signals.rate_hz),
+        noise_floor: fit.noise_floor,
+        period: fit.model.period().map(|at| slots[at].value),
+        clipped,
+        first,
+    }
+}

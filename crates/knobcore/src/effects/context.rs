@@ -1,0 +1,82 @@
+//! What is known of the fit that the values of an effect come from: enough to say whether they can be its own.
+
+/// Surroundings of fitted values; SI.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Context {
+    /// Standard errors of the effect's own parameters, in its order; None where the captures do not determine one.
+    pub errors: Vec<Option<f64>>,
+    /// Positions of the samples that count, rad.
+    pub theta: Vec<f64>,
+    /// Root mean square of the velocity of the samples that count, rad/s.
+    pub speed: f64,
+    /// Sampling rate, Hz.
+    pub rate_hz: f64,
+    /// What the torque sensor's noise alone would leave of the error, N m.
+    pub noise_floor: f64,
+    /// Period of the detents over 2 pi, rad, if the model has some.
+    pub period: Option<f64>,
+    /// Whether the torque sensor was seen at its limit.
+    pub clipped: bool,
+    /// Whether the effect is the first that is added.
+    pub first: bool,
+}
+
+impl Context {
+    /// Range of positions that the samples go through, rad.
+    pub fn travel(&self) -> f64 {
+        let ends = |(low, high): (f64, f64), x: &f64| (low.min(*x), high.max(*x));
+        let (low, high) = self.theta.iter().fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+        (high - low).max(0.0)
+    }
+
+    /// Share of the samples at positions of which this holds.
+    pub fn share(&self, holds: impl Fn(f64) -> bool) -> f64 {
+        self.theta.iter().filter(|theta| holds(**theta)).count() as f64 / self.theta.len().max(1) as f64
+    }
+}
+
+/// A number with so many digits that count, as a person writes it.
+pub fn short(x: f64, digits: usize) -> String {
+    let scientific = format!("{:.*e}", digits.saturating_sub(1), x);
+    let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
+    let power: i32 = exponent.parse().unwrap_or(0);
+    let trimmed = |text: &str| {
+        if text.contains('.') {
+            text.trim_end_matches('0').trim_end_matches('.').to_owned()
+        } else {
+            text.into()
+        }
+    };
+    if (-4..digits as i32).contains(&power) {
+        return trimmed(&format!("{:.*}", (digits as i32 - 1 - power).max(0) as usize, x));
+    }
+    let sign = if power < 0 { '-' } else { '+' };
+    format!("{}e{sign}{:02}", trimmed(mantissa), power.abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_short_number_reads_as_people_write_it() {
+        let written = [0.01234, 1.0, 0.5, 123.4, 2.96e-5, 9.96, -0.25, 0.0];
+        let read = ["0.012", "1", "0.5", "1.2e+02", "3e-05", "10", "-0.25", "0"];
+        assert_eq!(written.map(|x| short(x, 2)), read);
+    }
+
+    #[test]
+    fn samples_are_counted_where_they_are() {
+        let context = Context {
+            errors: Vec::new(),
+            theta: vec![-1.0, 0.0, 0.5, 3.0],
+            speed: 1.0,
+            rate_hz: 5000.0,
+            noise_floor: 1e-3,
+            period: None,
+            clipped: false,
+            first: true,
+        };
+        assert_eq!((context.travel(), context.share(|theta| theta > 0.0)), (4.0, 0.5));
+    }
+}

@@ -1,0 +1,76 @@
+//! Values with which an effect stands in for another are called implausible, and its own are not.
+
+use super::*;
+use knobcore::effects::Context;
+
+/// A motion from -1 to 1 at 1 rad/s, detents of a tenth of a radian over 2 pi.
+fn context() -> Context {
+    Context {
+        errors: vec![None; 16],
+        theta: (0..=200).map(|i| f64::from(i) * 0.01 - 1.0).collect(),
+        speed: 1.0,
+        rate_hz: RATE_HZ,
+        noise_floor: 1e-3,
+        period: Some(0.1),
+        clipped: false,
+        first: true,
+    }
+}
+
+fn said(id: Id, p: &[f64], context: &Context) -> String {
+    id.law().implausible(p, context).join("; ")
+}
+
+#[test]
+fn no_effect_is_implausible_where_a_search_begins() {
+    for &id in Id::BUILT_IN.iter().filter(|id| !matches!(id, Id::PositionFriction | Id::Presliding)) {
+        let neutral: Vec<f64> = id.info().params.iter().map(|param| param.neutral).collect();
+        let gap = if id == Id::Backlash { 0.1 } else { neutral[0] };
+        let p = [&[gap][..], &neutral[1..]].concat();
+        assert_eq!(said(id, &p, &context()), "", "{}", name(id));
+    }
+}
+
+#[test]
+fn stops_that_hold_most_samples_or_overlap_are_a_spring() {
+    let stops = |lo: f64, hi: f64| said(Id::EndStop, &[1.0, lo, 1.0, hi, 0.0, 0.0], &context());
+    assert_eq!(stops(-0.9, 0.9), "");
+    assert_eq!(stops(-0.2, 0.2), "80 % of the samples lie in its stops: it is a spring");
+    assert!(stops(0.1, -0.1).starts_with("its stops overlap"));
+}
+
+#[test]
+fn friction_along_the_way_goes_through_a_period_of_its_own() {
+    let varies = |period: f64, a1: f64| {
+        said(Id::PositionFriction, &[period, a1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], &context())
+    };
+    assert_eq!(varies(0.17, 0.5), "");
+    assert_eq!(varies(1.0, 0.5), "only 0.3 of its periods were crossed: it is a trend");
+    assert_eq!(varies(0.17, 2.5), "it varies by 2.5 times the friction there is");
+    assert!(varies(0.1, 0.5).starts_with("it repeats with the detents"));
+}
+
+#[test]
+fn presliding_is_shorter_than_the_way_and_longer_than_a_sample() {
+    let over = |s: f64| said(Id::Presliding, &[s, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0], &context());
+    assert_eq!(over(0.1), "");
+    assert_eq!(over(1.0), "it takes 1 to slip, a good part of the way: it is a spring");
+    assert!(over(1e-5).starts_with("it slips within 1e-05, less than a sample"));
+}
+
+#[test]
+fn a_gap_that_noise_could_be_is_compliance() {
+    let gap = |gap: f64, error: Option<f64>| {
+        said(Id::Backlash, &[gap, 10.0, 0.01, 0.7], &Context { errors: vec![error], ..context() })
+    };
+    assert_eq!(gap(0.01, Some(1e-3)), "");
+    assert_eq!(gap(0.01, Some(1e-2)), "its gap is nothing: it is compliance");
+    assert_eq!(gap(1e-5, None), "its gap is nothing: it is compliance");
+}
+
+#[test]
+fn a_limit_beside_another_effect_is_proved_by_readings_that_repeat() {
+    let limit = |clipped, first| said(Id::Saturation, &[0.18], &Context { clipped, first, ..context() });
+    assert_eq!((limit(false, true), limit(true, false)), (String::new(), String::new()));
+    assert_eq!(limit(false, false), "no reading repeats at such a limit");
+}
