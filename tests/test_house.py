@@ -139,7 +139,9 @@ def test_nothing_is_left_for_later():
 
 def test_the_core_never_panics_on_purpose():
     panics = re.compile(r"\.unwrap\(\)|\.expect\(|\b(panic|unreachable|todo|unimplemented|assert(_eq|_ne)?)!")
-    found = {path: match.group() for path in rust_files(*CRATE_ORDER) if (match := panics.search(rust_code(path)))}
+    found = {
+        path: match.group() for path in rust_files(*CRATE_ORDER) if (match := panics.search(rust_code(path)))
+    }
     assert found == {}
 
 

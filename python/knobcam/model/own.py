@@ -100,8 +100,8 @@ def own_effect(
 ) -> Callable[[Law], Law]:
     """Register the decorated function as the effect `name`; it is in the catalogue from then on.
 
-    `acts` says where in the chain it acts, and so what the function gets beside its parameters by name and what
-    it returns at each sample, shape (samples,):
+    `acts` says where in the chain it acts, and so what the function gets beside its parameters by name and
+    what it returns at each sample, shape (samples,):
 
     - `load`: `(motion, ...)`, the torque that the rig has to apply, N m (N);
     - `friction`: `(motion, ...)`, a factor on the dry friction (cut at 0.001: friction never pushes);
@@ -156,11 +156,11 @@ def _line(text: str) -> str:
     return " ".join("".join(c if c.isprintable() else " " for c in text).split())
 
 
-def _check(
-    name: str, function: Callable[..., Any], acts: str, params: Mapping[str, OwnParameter]
-) -> None:
+def _check(name: str, function: Callable[..., Any], acts: str, params: Mapping[str, OwnParameter]) -> None:
     if acts not in _GIVEN:
-        raise InputError(f"effect '{name}': acts={acts!r} is no place in the chain; choose {', '.join(_GIVEN)}")
+        raise InputError(
+            f"effect '{name}': acts={acts!r} is no place in the chain; choose {', '.join(_GIVEN)}"
+        )
     for what, word in [("effect", name), *(("parameter", key) for key in params)]:
         if not (word.isidentifier() and word.isascii()):
             raise InputError(f"{what} {word!r}: its name must be letters a-z, digits and _, such as bump_2")
@@ -201,6 +201,7 @@ def _called(
     """
     linear = [i for i, param in enumerate(params.values()) if param.linear]
     tested = not linear
+    answers = "factor" if acts == "friction" else "torque"
 
     def call(values: list[float], given: tuple[Any, ...]) -> Any:
         try:
@@ -212,10 +213,10 @@ def _called(
         own, samples = np.asarray(call(values, given)), given[0].t.shape
         if own.shape != samples:
             raise InputError(
-                f"returned an array of shape {own.shape} for {samples}; it must be one number a sample"
+                f"returned an array of shape {own.shape} for {samples}; it must be one {answers} a sample"
             )
         if own.dtype.kind not in "iuf":
-            raise InputError(f"returned an array of {own.dtype}; it must be real numbers")
+            raise InputError(f"returned an array of {own.dtype}; a {answers} must be real numbers")
         return np.ascontiguousarray(own, dtype=np.float64)
 
     def joint(values: list[float], _: list[FloatArray]) -> FloatArray:

@@ -46,7 +46,7 @@ impl<T: Carried> Hidden<T> {
     pub fn new(model: &Model, p: &[T], start: Instant, dt: f64, substeps: usize) -> Option<Self> {
         let joint = model.joint(p)?;
         let [t, theta, omega, _] = start.map(T::of);
-        let knob = Body { theta, omega };
+        let knob = Body::at(theta, omega);
         let mut state = vec![T::of(0.0); model.states()];
         let inertia = model.load(p, &mut state, &Motion::exact(t, theta, omega, T::of(0.0))).inertia;
         let shafts = (T::of(1.0) - joint.share) * inertia;
@@ -78,13 +78,13 @@ impl<T: Carried> Hidden<T> {
         beside: Option<Beside<T>>,
         [theta, omega]: [T; 2],
     ) {
-        self.knob = Body { theta, omega };
+        self.knob = Body::at(theta, omega);
         self.before = Some((shaft, self.load(model, p, state, shaft[0]), beside));
     }
 
     /// Forgets where the shaft was: the next instant is the first.
     pub fn begin(&mut self, theta: T, omega: T) {
-        self.knob = Body { theta, omega };
+        self.knob = Body::at(theta, omega);
         self.before = None;
     }
 
@@ -102,7 +102,7 @@ impl<T: Carried> Hidden<T> {
             load.drive = load.drive + beside.drive;
             load.level = load.level * beside.level;
         }
-        Acts::of(&load, self.plain, self.knob.omega, self.own)
+        Acts::of(&load, self.plain, &self.knob, self.own)
     }
 
     /// Follows the shaft to its next instant, and answers the torque on it there but for its own inertia, N m.

@@ -65,7 +65,7 @@ pub fn push(model: &Model, reference: &[f64], dt: f64, hand: Hand) -> Result<Pus
     }
     let Hand { stiffness, damping } = hand;
     let grip = Joint { gap: 0.0, stiffness, damping, share: 1.0, welded: true };
-    let start = Body { theta: reference.first().copied().unwrap_or(0.0), omega: 0.0 };
+    let start = Body::at(reference.first().copied().unwrap_or(0.0), 0.0);
     let (joint, state) = (model.joint(&p), vec![0.0; model.states()]);
     let mut pushed = Pushing { model, p: &p, state, grip, joint, inertia, shaft: start, knob: start, h };
     let mut out = Pushed::default();
@@ -128,7 +128,7 @@ impl Pushing<'_> {
         let mut load = self.model.load(self.p, &mut self.state, &motion);
         self.model.own_load(self.p, &motion, &mut load);
         let share = self.joint.map_or(1.0, |joint| joint.share);
-        let acts = Acts::of(&load, false, self.knob.omega, share * self.inertia);
+        let acts = Acts::of(&load, false, &self.knob, share * self.inertia);
         let Some(joint) = self.joint else {
             let (next, force) = self.shaft.stepped(&self.grip, &acts, hand, self.h);
             (self.shaft, self.knob) = (next, next);

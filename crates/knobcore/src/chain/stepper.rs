@@ -15,6 +15,9 @@ pub struct Body<T> {
     pub theta: T,
     /// Angular velocity, rad/s.
     pub omega: T,
+    /// Whether it grew faster in the step before: a body that broke away sticks again when its speed falls back into
+    /// the stick band, not while it leaves it.
+    pub leaving: bool,
 }
 
 /// What acts on a body in a step.
@@ -29,14 +32,14 @@ pub struct Acts<T> {
 }
 
 impl<T: Scalar> Acts<T> {
-    /// A load on a body of this speed and inertia: the friction that slides, and within the stick band static
+    /// A load on a body of this inertia: the friction that slides, and within the stick band static
     /// friction (Karnopp 1985) where that holds more. `plain` where no effect shapes the friction of others.
     #[inline(always)]
-    pub fn of(load: &Load<T>, plain: bool, omega: T, inertia: T) -> Self {
+    pub fn of(load: &Load<T>, plain: bool, body: &Body<T>, inertia: T) -> Self {
         let (half, zero, one) = (T::of(0.5), T::of(0.0), T::of(1.0));
         let (mut forth, mut back) =
             if plain { (load.resist[1], -load.resist[0]) } else { (load.friction(one), load.friction(zero)) };
-        if (load.band - omega.abs()).is_positive() {
+        if !body.leaving && (load.band - body.omega.abs()).is_positive() {
             (forth, back) = (forth.max(load.hold[1]), back.min(-load.hold[0]));
         }
         let push = load.drive + half * (forth + back);
@@ -45,6 +48,11 @@ impl<T: Scalar> Acts<T> {
 }
 
 impl<T: Scalar> Body<T> {
+    /// A body at an angle and a speed.
+    pub fn at(theta: T, omega: T) -> Self {
+        Self { theta, omega, leaving: false }
+    }
+
     /// Its speed after a step of `h` seconds under what acts on it and under a torque along its motion that is
     /// `fixed - drag * (speed at the end)`, N m and N m s/rad.
     #[inline(always)]
@@ -59,7 +67,8 @@ impl<T: Scalar> Body<T> {
     /// Where it is after a step of `h` seconds at whose end it has this speed.
     #[inline(always)]
     pub fn moved(&self, omega: T, h: f64) -> Self {
-        Self { theta: self.theta + T::of(0.5 * h) * (self.omega + omega), omega }
+        let leaving = omega.abs().is_positive() && !(self.omega.abs() - omega.abs()).is_positive();
+        Self { theta: self.theta + T::of(0.5 * h) * (self.omega + omega), omega, leaving }
     }
 
     /// A step of `h` seconds behind a joint, and the torque of the joint in it, while the shaft goes from one angle
@@ -113,7 +122,7 @@ mod tests {
     fn surfaces_that_touch_push_and_never_pull() {
         let mut noise = Noise::new(1);
         for _ in 0..20_000 {
-            let knob = Body { theta: GAP * noise.normal(), omega: noise.normal() };
+            let knob = Body::at(GAP * noise.normal(), noise.normal());
             let joint = joint((10.0 * noise.uniform()).exp(), (-8.0 * noise.uniform()).exp());
             let shaft = [0.0, STEP_S * noise.normal()];
             let acts =
@@ -129,7 +138,7 @@ mod tests {
     fn a_knob_that_bounces_in_its_gap_loses_its_energy_and_never_gains_a_hundredth() {
         for stiffness in [1.0, 100.0, 1e4] {
             let joint = joint(stiffness, 0.1 * (stiffness * INERTIA).sqrt());
-            let mut knob = Body { theta: 0.0, omega: 1.0 };
+            let mut knob = Body::at(0.0, 1.0);
             let energy = |knob: &Body<f64>| {
                 let strain = (knob.theta.abs() - 0.5 * GAP).max(0.0);
                 0.5 * INERTIA * knob.omega * knob.omega + 0.5 * stiffness * strain * strain
@@ -148,7 +157,7 @@ mod tests {
     #[test]
     fn friction_stops_the_knob_and_does_not_turn_it_round() {
         let acts = Acts { inertia: INERTIA, push: 0.0, friction: 0.05 };
-        let start = Body { theta: 0.0, omega: 0.01 };
+        let start = Body::at(0.0, 0.01);
         let (knob, _) = start.stepped(&joint(1.0, 0.0), &acts, [0.0, 0.0], STEP_S);
         assert_eq!(knob.omega, 0.0);
     }

@@ -21,7 +21,7 @@ impl Handle {
     /// A handle at rest at `theta`, sampled every `dt` seconds.
     pub fn new(device: Device, dt: f64, theta: f64) -> Self {
         let late = std::iter::repeat_n(0.0, device.delay).collect();
-        Self { device, dt, body: Body { theta, omega: 0.0 }, alpha: 0.0, late }
+        Self { device, dt, body: Body::at(theta, 0.0), alpha: 0.0, late }
     }
 
     /// Angle, speed, and mean acceleration over the sample before: rad, rad/s, rad/s^2.
@@ -36,7 +36,7 @@ impl Handle {
 
     /// What its sensors say, with the torque of the hand if it measures that.
     pub fn sensed(&self, hand: Option<f64>) -> Sensed {
-        let Body { theta, omega } = self.body;
+        let Body { theta, omega, .. } = self.body;
         Sensed { theta: self.device.counted(theta), omega, alpha: self.alpha, hand }
     }
 
@@ -55,7 +55,7 @@ impl Handle {
         let (h, start, mut work) = (seconds / steps, self.body.omega, 0.0);
         let Device { inertia, damping, .. } = self.device;
         for step in 0..steps as usize {
-            let Body { theta, omega } = self.body;
+            let Body { theta, omega, .. } = self.body;
             let tau = hand((step as f64 + 0.5) / steps, [theta, omega]);
             let acts = Acts { inertia, push: 0.5 * damping * omega - motor, friction: 0.0 };
             let next = self.body.moved(self.body.slid(&acts, tau, 0.5 * damping, h), h);
