@@ -26,7 +26,7 @@ from ..capture.motions import motion as make_motion
 from ..errors import InputError
 from ..model import Model
 from ..model.effects import effect as catalogued
-from ..model.simulate import RIG
+from ..model.simulate import RIG, sensors, simulate
 from ..model.typical import with_typical
 
 if TYPE_CHECKING:

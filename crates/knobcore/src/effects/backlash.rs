@@ -1,6 +1,6 @@
 //! Backlash: free play between shaft and knob.
 
-use super::{Bends, CouplingEffect, Effect, Joint, Survey};
+use super::{Bends, Carrier, CouplingEffect, Effect, Id, Joint, Survey};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
@@ -42,6 +42,16 @@ impl Effect<4> for Backlash {
             gap *= 1.6;
         }
         starts
+    }
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 4] {
+        // Surfaces that hardly give under the largest torque, and ring well below the sampling rate, damped to a half.
+        let (inertia, share) = (carrier.inertia(), 0.7);
+        let omega = std::f64::consts::TAU * 0.03 * carrier.survey.rate_hz;
+        let k = (share * inertia * omega * omega).max(carrier.peak() / 0.02);
+        let d = (share * inertia * k).sqrt();
+        let widest = 0.08_f64.min(0.2 * carrier.survey.range());
+        carrier.sized(Id::Backlash, [0.05 * widest, widest], |gap| [gap, k, d, share])
     }
 }
 

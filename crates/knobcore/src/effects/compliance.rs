@@ -1,6 +1,6 @@
 //! Compliance: an elastic shaft between rig and knob.
 
-use super::{Bends, CouplingEffect, Effect, Joint, Survey};
+use super::{Bends, Carrier, CouplingEffect, Effect, Id, Joint, Survey};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
@@ -36,6 +36,16 @@ impl Effect<3> for Compliance {
             }
         }
         starts
+    }
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 3] {
+        // By how slowly the knob rings behind the shaft: from 100 Hz down to what a long soft shaft does.
+        let inertia = carrier.inertia();
+        carrier.sized(Id::Compliance, [1.0 / 100.0, 1.0 / 15.0], |period| {
+            let omega = std::f64::consts::TAU / period;
+            let k = 0.7 * inertia * omega * omega;
+            [k, 0.1 * k / omega, 0.7]
+        })
     }
 }
 

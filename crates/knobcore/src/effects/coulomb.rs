@@ -1,6 +1,6 @@
 //! Coulomb friction: a level per direction, whatever the speed.
 
-use super::{Effect, LoadEffect};
+use super::{Carrier, Effect, LoadEffect};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -20,6 +20,11 @@ impl Effect<2> for Coulomb {
         Param::linear("neg", Unit::of(1, 0, 0), "dry friction moving backward, a magnitude"),
         Param::linear("pos", Unit::of(1, 0, 0), "dry friction moving forward, a magnitude"),
     ];
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 2] {
+        let dry = if carrier.dry > 0.0 { carrier.dry } else { 0.004 };
+        [dry, dry]
+    }
 }
 
 impl LoadEffect<2> for Coulomb {

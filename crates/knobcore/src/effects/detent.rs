@@ -1,6 +1,6 @@
 //! Detents: evenly spaced valleys that the knob falls into.
 
-use super::{Effect, LoadEffect};
+use super::{Carrier, Effect, LoadEffect};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -19,6 +19,11 @@ impl Effect<3> for Detent {
         Param::shape("P", Unit::of(0, 1, 0), [1e-9, 1e6], 0.1, "period over 2 pi"),
         Param::phase("S", 0, "phase"),
     ];
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 3] {
+        let [a, p] = carrier.detent.unwrap_or([0.005, 0.08]);
+        [a, p, 0.5]
+    }
 }
 
 impl LoadEffect<3> for Detent {

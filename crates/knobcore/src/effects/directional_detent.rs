@@ -1,6 +1,6 @@
 //! Directional detents: gain and phase differ with the direction of motion.
 
-use super::{Effect, LoadEffect};
+use super::{Carrier, Effect, Id, LoadEffect};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit, Usual};
 use crate::scalar::Scalar;
@@ -26,6 +26,11 @@ impl Effect<3> for DirectionalDetent {
         Param::shape("P", Unit::of(0, 1, 0), [1e-9, 1e6], 0.1, "period of the detents over 2 pi")
             .usually(Usual::Follows("detent.P")),
     ];
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 3] {
+        let [a, p] = carrier.detent.unwrap_or([0.005, 0.08]);
+        carrier.sized(Id::DirectionalDetent, [0.05 * a, a], |a| [a, 0.9, p])
+    }
 }
 
 impl LoadEffect<3> for DirectionalDetent {

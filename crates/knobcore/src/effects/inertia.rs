@@ -1,6 +1,6 @@
 //! Inertia: the torque that accelerates the knob.
 
-use super::{Effect, LoadEffect};
+use super::{Carrier, Effect, LoadEffect};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -15,6 +15,10 @@ impl Effect<1> for Inertia {
     const SHOWS: &'static str = "in proportion to acceleration";
     const TOUCHES: &'static [Channel] = &[Channel::Inertia];
     const PARAMS: [Param; 1] = [Param::linear("M", Unit::of(1, -1, 2), "moment of inertia")];
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 1] {
+        [carrier.inertia()]
+    }
 }
 
 impl LoadEffect<1> for Inertia {

@@ -1,6 +1,6 @@
 //! Stiction: below a speed the knob counts as stuck, and friction answers whatever would move it.
 
-use super::{Effect, LoadEffect};
+use super::{Carrier, Effect, LoadEffect};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit, Usual};
 use crate::scalar::Scalar;
@@ -26,6 +26,12 @@ impl Effect<3> for Karnopp {
         Param::shape("dv", Unit::of(0, 1, -1), [0.0, 1e9], 0.0, "speed below which the knob is stuck")
             .usually(Usual::Fixed),
     ];
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 3] {
+        // It holds more than it rubs.
+        let holds = if carrier.dry > 0.0 { 2.0 * carrier.dry } else { 0.01 };
+        [holds, holds, 0.01 * carrier.fastest()]
+    }
 }
 
 impl LoadEffect<3> for Karnopp {

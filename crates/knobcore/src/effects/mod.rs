@@ -31,6 +31,7 @@
 //! assert_eq!(tau, -18.0);
 //! ```
 
+mod carrier;
 pub mod law;
 mod registry;
 mod survey;
@@ -44,6 +45,7 @@ use law::{Couples, Delays, Law, Loads, Remembers, Senses};
 use registry::registry;
 use std::marker::PhantomData;
 
+pub use carrier::Carrier;
 pub use registry::Info;
 pub use survey::Survey;
 pub use user::{Function, User};
@@ -106,6 +108,12 @@ pub trait Effect<const N: usize> {
     /// something that the effect needs to show at all vanishes there.
     fn starts(_: &Survey) -> Vec<[f64; N]> {
         vec![Self::PARAMS.map(|param| param.neutral)]
+    }
+
+    /// Parameter values of an ordinary size on a knob, in a motion that shows them and to sensors that see them.
+    fn typical(carrier: &Carrier<'_>) -> [f64; N] {
+        let values = carrier.by_unit(&Self::PARAMS);
+        std::array::from_fn(|i| values.get(i).copied().unwrap_or(0.0))
     }
 
     /// What is implausible about such values beside those that no parameter may have alone.

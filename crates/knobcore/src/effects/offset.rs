@@ -1,6 +1,6 @@
 //! Offset: the zero of the torque sensor.
 
-use super::{Effect, SensorEffect};
+use super::{Carrier, Effect, SensorEffect};
 use crate::motion::Motion;
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -17,6 +17,10 @@ impl Effect<1> for Offset {
     const SOURCE: &'static str = "P0 of the polynomials named beside Equation 1 of the haptic-camera paper";
     const SHOWS: &'static str = "everywhere alike";
     const PARAMS: [Param; 1] = [Param::linear("tau0", Unit::of(1, 0, 0), "constant torque")];
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 1] {
+        [4.0 * carrier.floor]
+    }
 }
 
 impl SensorEffect<1> for Offset {

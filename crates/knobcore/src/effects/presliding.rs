@@ -1,6 +1,6 @@
 //! Presliding: friction builds up over a distance after each reversal.
 
-use super::{Effect, MemoryEffect, Survey};
+use super::{Carrier, Effect, Id, MemoryEffect, Survey};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -39,6 +39,12 @@ impl Effect<7> for Presliding {
         let longest = 0.3 * survey.range();
         let lengths = [1.0, 0.4, 0.16, 0.064, 0.025, 0.01].map(|share| share * longest.min(1.0));
         lengths.into_iter().map(|s| [s.max(1e-7), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).collect()
+    }
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 7] {
+        // By the distance; a tenth of the friction follows the sign at once.
+        let range = carrier.survey.range().max(1e-6);
+        carrier.sized(Id::Presliding, [0.003 * range, 0.25 * range], |s| [s, 0.25, 0.2, 0.2, 0.1, 0.1, 0.05])
     }
 }
 

@@ -1,6 +1,6 @@
 //! Saturation: the torque sensor reads no further than its limit.
 
-use super::{Bends, Effect, SensorEffect, Survey};
+use super::{Bends, Carrier, Effect, Id, SensorEffect, Survey};
 use crate::motion::Motion;
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -21,6 +21,12 @@ impl Effect<1> for Saturation {
     fn starts(survey: &Survey) -> Vec<[f64; 1]> {
         // Noise reaches beyond the limit, so the largest reading is not it.
         [0.995, 0.97, 0.9].into_iter().map(|q| [Survey::quantile(&survey.torque, q).max(1e-9)]).collect()
+    }
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 1] {
+        // By the share of the largest torque that it cuts off.
+        let peak = carrier.peak().max(1e-9);
+        carrier.sized(Id::Saturation, [0.02, 0.6], |cut| [peak * (1.0 - cut)])
     }
 }
 

@@ -1,6 +1,6 @@
 //! Unbalance: once per revolution, by gravity or runout.
 
-use super::{Effect, LoadEffect};
+use super::{Carrier, Effect, Id, LoadEffect};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -17,6 +17,10 @@ impl Effect<2> for Unbalance {
     const TOUCHES: &'static [Channel] = &[Channel::Drive];
     const PARAMS: [Param; 2] =
         [Param::linear("a", Unit::of(1, 0, 0), "amplitude"), Param::phase("phi", 0, "phase")];
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 2] {
+        carrier.sized(Id::Unbalance, [carrier.floor, 100.0 * carrier.floor], |a| [a, 0.6])
+    }
 }
 
 impl LoadEffect<2> for Unbalance {

@@ -3,7 +3,7 @@ use super::convert::{Column, Floats, array, input_error};
 use super::signals::PySignals;
 use super::user::watched;
 use crate::chain::{self, Hand};
-use crate::effects::Id;
+use crate::effects::{Carrier, Id};
 use crate::model::{Model, Role};
 use crate::param::Axis;
 use crate::predict::{Columns, Seeds, raw};
@@ -108,6 +108,39 @@ impl PyModel {
         let values: Vec<f64> =
             self.0.slots().iter().filter(|slot| slot.effect == id).map(|slot| slot.value).collect();
         Ok(id.law().implausible(&values))
+    }
+
+    /// Parameter values of an effect of ordinary size on this knob, on the motion of prepared signals, in the order
+    /// of the catalogue. `noise` and `limit` are those of the torque sensor, N m.
+    fn typical(
+        &self,
+        py: Python<'_>,
+        id: &str,
+        signals: &PySignals,
+        noise: f64,
+        limit: f64,
+    ) -> PyResult<Vec<f64>> {
+        let id = Id::parse(id).map_err(input_error)?;
+        let signals = &signals.prepared.signals;
+        watched(py, &self.0, || id.law().typical(&Carrier::of(&self.0, signals, noise, limit)))
+    }
+
+    /// What an effect with such values would cost who does not know of it, RMS beside the noise; what the noise leaves;
+    /// and the largest torque; N m. None where the knob cannot have the effect.
+    fn cost(
+        &self,
+        py: Python<'_>,
+        id: &str,
+        values: Vec<f64>,
+        signals: &PySignals,
+        noise: f64,
+    ) -> PyResult<Option<[f64; 3]>> {
+        let id = Id::parse(id).map_err(input_error)?;
+        let signals = &signals.prepared.signals;
+        watched(py, &self.0, || {
+            let carrier = Carrier::of(&self.0, signals, noise, f64::INFINITY);
+            carrier.cost(id, &values).map(|[cost, peak]| [cost, carrier.floor, peak])
+        })
     }
 
     /// The same parameters, of these effects only.
