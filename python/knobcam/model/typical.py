@@ -30,6 +30,7 @@ CARRIER = {
     "detent.P": 0.076,
     "detent.S": 0.0,
 }
+_HOLDS = {"karnopp.D_neg": "coulomb.neg", "karnopp.D_pos": "coulomb.pos"}
 _PAPER_RATE_HZ = 5000.0
 _EDGE_HZ = 500.0  # of the measurement filter at that rate
 
@@ -82,13 +83,15 @@ class Carrier(NamedTuple):
 
     def typical(self, effect: Effect) -> dict[str, float]:
         """Return parameter values of an effect at the size that is ordinary here."""
-        values = self.model.core.typical(effect.id, self.signals, self.noise, self.limit)
+        core = _carrying(self.model, effect).core
+        values = core.typical(effect.id, self.signals, self.noise, self.limit)
         return {f"{effect.id}.{p.name}": value for p, value in zip(effect.params, values, strict=True)}
 
     def cost(self, effect: Effect) -> Cost | None:
         """Return what the effect costs at that size; None where this knob cannot have it."""
         values = list(self.typical(effect).values())
-        cost = self.model.core.cost(effect.id, values, self.signals, self.noise)
+        core = _carrying(self.model, effect).core
+        cost = core.cost(effect.id, values, self.signals, self.noise)
         return None if cost is None else Cost(*cost)
 
 
@@ -114,10 +117,24 @@ def with_typical(model: Model, effect: Effect, carrier: Carrier | None = None) -
     What the model ties stays tied.
     """
     values = typical(effect, carrier or Carrier.of(model))
+    model = _carrying(model, effect)
     model = model.with_effect(effect.id) if effect.id not in model.effects else model
     for name, value in values.items():
         if model.params[name].role in ("free", "fixed"):
             model = model.with_value(name, value)
+    return model
+
+
+def _carrying(model: Model, effect: Effect) -> Model:
+    """The knob as it carries an effect: behind a joint it holds no more than it rubs.
+
+    The shaft drags a knob along that would show its stiction in every reversal, a second cause beside the joint.
+    """
+    if effect.place != "coupling":
+        return model
+    for holds, rubs in _HOLDS.items():
+        if holds in model.params and rubs in model.params:
+            model = model.with_value(holds, abs(model.params[rubs].value))
     return model
 
 

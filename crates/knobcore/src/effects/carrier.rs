@@ -24,6 +24,8 @@ pub struct Carrier<'a> {
     pub survey: Survey,
     /// Dry friction, N m.
     pub dry: f64,
+    /// How much its viscous friction pushes where it is negative, N m s/rad: a joint must damp more than that.
+    pub pushes: f64,
     /// Amplitude (N m) and period over 2 pi (rad) of its detents, if it has some.
     pub detent: Option<[f64; 2]>,
     /// RMS that the torque sensor's noise leaves, N m.
@@ -56,14 +58,16 @@ impl<'a> Carrier<'a> {
         }
         let torque = torque_raw(model, signals);
         let gain = signals.filter.as_ref().map_or(1.0, |filter| filter.sos().mean_power());
-        let value = |name: &str| model.index(name).ok().map(|i| model.slots()[i].value.abs());
-        let dry = [value("coulomb.neg"), value("coulomb.pos")].into_iter().flatten();
+        let value = |name: &str| model.index(name).map(|i| model.slots()[i].value).ok();
+        let both = |names: [&str; 2]| names.into_iter().filter_map(value).collect::<Vec<f64>>();
+        let drag = both(["viscous.neg", "viscous.pos"]);
         Self {
-            dry: 0.5 * dry.sum::<f64>(),
-            detent: value("detent.A").zip(value("detent.P")).map(<[f64; 2]>::from),
+            dry: 0.5 * both(["coulomb.neg", "coulomb.pos"]).iter().map(|dry| dry.abs()).sum::<f64>(),
+            pushes: drag.iter().fold(0.0, |pushes: f64, b| pushes.max(-b)),
+            detent: value("detent.A").zip(value("detent.P")).map(|(a, p)| [a.abs(), p]),
             floor: (noise * gain.sqrt()).max(SHARE * rms(&torque)),
             limit,
-            survey: survey(signals, &torque, value("inertia.M").unwrap_or(0.0)),
+            survey: survey(signals, &torque, value("inertia.M").map_or(0.0, f64::abs)),
             taken: orthonormal(taken),
             model,
             signals,

@@ -31,7 +31,7 @@ impl Effect<9> for DetentHarmonics {
 
     fn typical(carrier: &Carrier<'_>) -> [f64; 9] {
         let [a, p] = carrier.detent.unwrap_or([0.005, 0.08]);
-        carrier.sized(Id::DetentHarmonics, [0.05 * a, a], |a| {
+        carrier.sized(Id::DetentHarmonics, [0.01 * a, a], |a| {
             [a, 0.8, 0.5 * a, -0.5, 0.25 * a, 1.9, 0.12 * a, -1.2, p]
         })
     }

@@ -29,7 +29,7 @@ impl Effect<3> for DirectionalDetent {
 
     fn typical(carrier: &Carrier<'_>) -> [f64; 3] {
         let [a, p] = carrier.detent.unwrap_or([0.005, 0.08]);
-        carrier.sized(Id::DirectionalDetent, [0.05 * a, a], |a| [a, 0.9, p])
+        carrier.sized(Id::DirectionalDetent, [0.01 * a, a], |a| [a, 0.9, p])
     }
 }
 

@@ -44,7 +44,7 @@ impl Effect<7> for Presliding {
     fn typical(carrier: &Carrier<'_>) -> [f64; 7] {
         // By the distance; a tenth of the friction follows the sign at once.
         let range = carrier.survey.range().max(1e-6);
-        carrier.sized(Id::Presliding, [0.003 * range, 0.25 * range], |s| [s, 0.25, 0.2, 0.2, 0.1, 0.1, 0.05])
+        carrier.sized(Id::Presliding, [0.0003 * range, 0.25 * range], |s| [s, 0.25, 0.2, 0.2, 0.1, 0.1, 0.05])
     }
 }
 

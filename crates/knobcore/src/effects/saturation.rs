@@ -24,9 +24,10 @@ impl Effect<1> for Saturation {
     }
 
     fn typical(carrier: &Carrier<'_>) -> [f64; 1] {
-        // By the share of the largest torque that it cuts off.
-        let peak = carrier.peak().max(1e-9);
-        carrier.sized(Id::Saturation, [0.02, 0.6], |cut| [peak * (1.0 - cut)])
+        // By the share of the samples that it cuts off.
+        carrier.sized(Id::Saturation, [0.005, 0.35], |cut| {
+            [Survey::quantile(&carrier.survey.torque, 1.0 - cut).max(1e-9)]
+        })
     }
 }
 
