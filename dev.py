@@ -5,19 +5,22 @@ python3 dev.py demo [OPTION...]   build, then run `knobcam demo`
 python3 dev.py test [OPTION...]   build, then the Rust tests and pytest (OPTION: for pytest)
 python3 dev.py lint               formatting, clippy, ruff, types, the order of the packages
 python3 dev.py check              lint, then test
-python3 dev.py bench [OPTION...]  the benchmarks against their peers
+python3 dev.py bench [OPTION...]  the benchmarks against their peers; --quick: each once, untimed
 python3 dev.py docs               the documentation site, in site/html
 python3 dev.py page [--check]     the workbench's page; --check: are the committed files what is built?
 python3 dev.py browser            Chromium and what drives it, for the tests in a browser
 python3 dev.py setup              only the set-up: .venv, pinned dependencies, the extension
-python3 dev.py wheel              a release wheel in dist/
-python3 dev.py lock               remake the requirements-*.lock files from pyproject.toml
+python3 dev.py wheel [--all]      a source archive and a wheel from it in dist/; --all: for every processor
+python3 dev.py lock [--upgrade]   bring the requirements-*.lock files to pyproject.toml; --upgrade: all to the
+                                  newest; --check: are they what pyproject.toml asks for?
 """
 
 from __future__ import annotations
 
 import hashlib
+import json
 import os
+import platform
 import shlex
 import shutil
 import subprocess
@@ -32,19 +35,32 @@ VENV = ROOT / ".venv"
 BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
 PYTHON = BIN / ("python.exe" if os.name == "nt" else "python")
 LOCKER = "uv==0.13.8"  # remakes the lock files; nothing else uses it
+LOCKS = {  # what each lock file pins, of pyproject.toml
+    "dev": ("pyproject.toml", "--extra", "dev"),
+    "demo": ("pyproject.toml", "--extra", "build"),  # no more than a first look needs
+    "bench": ("pyproject.toml", "--extra", "bench"),
+    "wheel": ("--group", "wheel"),
+}
+PROCESSORS = ("x86_64", "aarch64")  # computers that rigs hang on: PCs, Raspberry Pi, Jetson
+OLDEST = "manylinux_2_17"  # glibc 2.17, of 2012: what the Rust library itself asks for
 
 
-def run(*command: str | Path) -> None:
-    """Run in the checkout and inside .venv; a command that fails ends this one with its exit code."""
+def run(*command: str | Path, silent: bool = False) -> str:
+    """Run in the checkout and inside .venv; a command that fails ends this one with its exit code.
+
+    What a silent one prints is returned.
+    """
     words = [str(word) for word in command]
     print("+", shlex.join(word.replace(f"{ROOT}{os.sep}", "") for word in words), flush=True)
     environment = os.environ | {"VIRTUAL_ENV": str(VENV), "PATH": f"{BIN}{os.pathsep}{os.environ['PATH']}"}
     environment |= {"PIP_QUIET": "1", "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
     # A conda environment that happens to be active would compete with .venv for the extension.
     environment.pop("CONDA_PREFIX", None)
-    code = subprocess.run(words, cwd=ROOT, env=environment, check=False).returncode
-    if code:
-        sys.exit(code if code > 0 else 1)
+    output = subprocess.PIPE if silent else None
+    ended = subprocess.run(words, cwd=ROOT, env=environment, stdout=output, text=True, check=False)
+    if ended.returncode:
+        sys.exit(max(ended.returncode, 1))
+    return ended.stdout or ""
 
 
 def digest(*paths: Path) -> str:
@@ -78,13 +94,18 @@ def install(lock: str) -> None:
     done(lock, now)
 
 
-def setup() -> None:
-    """Dependencies, then the extension in release mode; Python sources are used where they are."""
+def needs_cargo() -> None:
+    """Say how to get Rust before anything else is done."""
     if shutil.which("cargo") is None:
         sys.exit("dev.py: cargo is not on the PATH; install Rust from https://rustup.rs and try again")
-    install("requirements-dev.lock")
+
+
+def setup(tools: str = "dev") -> None:
+    """Dependencies, then the extension in release mode; Python sources are used where they are."""
+    needs_cargo()
+    install(f"requirements-{tools}.lock")
     develop = (BIN / "maturin", "develop", "--release", "--locked")
-    metadata = digest(ROOT / "pyproject.toml", ROOT / "Cargo.toml", ROOT / "requirements-dev.lock")
+    metadata = digest(ROOT / "pyproject.toml", ROOT / "Cargo.toml", ROOT / "requirements-demo.lock")
     sources = [ROOT / "Cargo.lock", *(ROOT / "crates").rglob("Cargo.toml"), *(ROOT / "crates").rglob("*.rs")]
     rust = digest(*sources) + metadata
     compiled = any((ROOT / "python" / "knobcam").glob("_core*.so")) or os.name == "nt"
@@ -97,8 +118,8 @@ def setup() -> None:
 
 
 def demo(options: list[str]) -> None:
-    """Build, then run the demo."""
-    setup()
+    """Build, then run the demo, with what it needs and no more; what is there of the tests' set stays."""
+    setup("demo")
     run(BIN / "knobcam", "demo", *options)
 
 
@@ -131,14 +152,36 @@ def bench(options: list[str]) -> None:
     """The benchmarks; their peers are installed for them alone."""
     setup()
     install("requirements-bench.lock")
-    run(PYTHON, "-m", "pytest", "benches", "--benchmark-only", *options)
+    mode = "--benchmark-disable" if "--quick" in options else "--benchmark-only"
+    run(PYTHON, "-m", "pytest", "benches", mode, *(option for option in options if option != "--quick"))
 
 
-def wheel(_: list[str]) -> None:
-    """One wheel for every Python from 3.11 on."""
-    setup()
-    shutil.rmtree(ROOT / "dist", ignore_errors=True)
-    run(BIN / "maturin", "build", "--release", "--locked", "--out", "dist")
+def wheel(options: list[str]) -> None:
+    """One wheel for every Python from 3.11 on; pip builds it from the source archive, away from here."""
+    needs_cargo()
+    install("requirements-wheel.lock")
+    dist = ROOT / "dist"
+    shutil.rmtree(dist, ignore_errors=True)
+    run(BIN / "maturin", "sdist", "--out", dist)
+    source = next(dist.glob("*.tar.gz"))
+    # Without the cache, from which pip would take the wheel of an earlier archive of this name.
+    build: list[str | Path] = [PYTHON, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation"]
+    build += ["--no-cache-dir", source, "--wheel-dir", dist, "--config-settings"]
+    here = platform.machine()
+    if sys.platform != "linux" or here not in PROCESSORS:
+        run(*build, "build-args=--locked")
+        return
+    for processor in PROCESSORS if "--all" in options else (here,):
+        target = f"{processor}-unknown-linux-gnu"
+        if processor != here:
+            run("rustup", "target", "add", target)
+        run(*build, f"build-args=--locked --zig --compatibility {OLDEST} --target {target}")
+        made = next(dist.glob(f"*_{processor}.whl"))
+        run(BIN / "abi3audit", "--strict", made)
+        found = json.loads(run(BIN / "auditwheel", "show", "--json", made, silent=True))["overall_tag"]
+        if found != f"{OLDEST}_{processor}":
+            sys.exit(f"dev.py: {made.name}: its symbols ask for {found}")
+        print(f"{made.relative_to(ROOT)}: {found}, {made.stat().st_size / 1e6:.1f} MB")
 
 
 def docs(_: list[str]) -> None:
@@ -190,15 +233,27 @@ def browser(_: list[str]) -> None:
     run(*prefix, "apt-get", "install", "--yes", "--no-install-recommends", "chromium")
 
 
-def lock(_: list[str]) -> None:
-    """Pin every dependency with its hash, for all platforms; the benches keep the pins of the tests."""
+def lock(options: list[str]) -> None:
+    """Pin every dependency with its hash, for all platforms; what is pinned stays while it fits."""
     if not PYTHON.is_file():
         run(sys.executable, "-m", "venv", VENV)
     run(PYTHON, "-m", "pip", "install", LOCKER)
-    options = ["--universal", "--generate-hashes", "--upgrade", "--quiet"]
-    for extra, pins in (("dev", []), ("bench", ["--constraints", "requirements-dev.lock"])):
-        made = ["--custom-compile-command", "python3 dev.py lock", "-o", f"requirements-{extra}.lock"]
-        run(BIN / "uv", "pip", "compile", "pyproject.toml", "--extra", extra, *pins, *options, *made)
+    kept = {path: path.read_bytes() for path in sorted(ROOT.glob("requirements-*.lock"))}
+    common = ["--universal", "--generate-hashes", "--quiet"]
+    common += ["--custom-compile-command", "python3 dev.py lock"]
+    common += ["--upgrade"] if "--upgrade" in options else []
+    for name, what in LOCKS.items():
+        # One .venv serves them all.
+        pins = [] if name == "dev" else ["--constraints", "requirements-dev.lock"]
+        run(BIN / "uv", "pip", "compile", *what, *pins, *common, "-o", f"requirements-{name}.lock")
+    if "--check" in options:
+        other = [path for path, text in kept.items() if path.read_bytes() != text]
+        for path in other:
+            path.write_bytes(kept[path])
+        if other:
+            names = ", ".join(path.name for path in other)
+            sys.exit(f"dev.py: {names}: pyproject.toml asks for something else; run `python3 dev.py lock`")
+        print("The lock files are what pyproject.toml asks for.")
 
 
 def main() -> None:

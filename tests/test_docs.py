@@ -24,6 +24,7 @@ from knobcam.rig.emulator import EmulatedRig
 ROOT = Path(__file__).resolve().parents[1]
 README = ROOT / "README.md"
 PAGES = [README, *sorted((ROOT / "docs").glob("*.md"))]
+OTHERS = [ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"]  # about the sources: nothing in them is run here
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
 SHARED = Path(os.environ.get("KNOBCAM_SHARED_DATA", ROOT.parent / "shared" / "data"))
 NOT_RUN = "<!-- not run: builds -->"
@@ -192,14 +193,14 @@ def test_a_page_that_shows_something_else_is_noticed() -> None:
     assert not (right("a 1.05", "...") or right("a 1.00", "z") or right("...", "c") or right("b ...", "..."))
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", [*PAGES, *OTHERS], ids=lambda page: page.name)
 def test_links_lead_to_files_of_the_repository(page: Path) -> None:
     links = re.findall(r"\]\(([^)\s#]+)", page.read_text("utf-8"))
     inside = [link for link in links if not link.startswith("https://")]
     assert [link for link in inside if not (page.parent / link).exists()] == []
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", [*PAGES, *OTHERS], ids=lambda page: page.name)
 def test_files_that_a_page_names_exist(page: Path) -> None:
     named = re.findall(r"`((?:examples|docs|tests|benches|crates)/[\w./-]+)`", page.read_text("utf-8"))
     named = [name for name in named if not name.endswith("effects/drag.rs")]  # the one that is to be written

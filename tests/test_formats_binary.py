@@ -236,6 +236,19 @@ def test_a_missing_package_is_named_with_the_way_to_install_it(
         read_table(tmp_path / "run")
 
 
+@pytest.mark.parametrize(("module", "name"), [("pyarrow", "p.parquet"), ("h5py", "p.h5"), ("scipy", "p.mat")])
+def test_what_cannot_be_written_for_want_of_a_package_leaves_nothing_behind(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, module: str, name: str
+) -> None:
+    for loaded in [loaded for loaded in sys.modules if loaded.partition(".")[0] == module]:
+        monkeypatch.setitem(sys.modules, loaded, None)  # type: ignore[arg-type]
+    np.savez(tmp_path / "run.npz", t_s=T, theta_rad=THETA, tau_Nm=TAU)
+    capture = load(tmp_path / "run.npz")
+    with pytest.raises(InputError, match=rf'{module}; run: pip install "knobcam\[formats\]"'):
+        capture.save(tmp_path / name)
+    assert list(tmp_path.iterdir()) == [tmp_path / "run.npz"]
+
+
 def test_an_unknown_binary_is_refused(tmp_path: Path) -> None:
     (tmp_path / "run.bin").write_bytes(bytes(range(256)) * 4)
     with pytest.raises(InputError, match="neither text nor a format"):

@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from .model import KNOBS, Model, Parameter
     from .model.effects import Effect, effects
     from .model.hiding import hiding
-    from .model.own import OwnMotion, OwnParameter, forget_effect, own_effect
+    from .model.own import OwnJoint, OwnMotion, OwnParameter, forget_effect, own_effect
     from .model.simulate import SensorNoise, simulate
     from .render import Device, Renderer, Stability, check_stability
     from .render.emulated import EmulatedHandle
@@ -84,6 +84,7 @@ __all__ = [
     "Model",
     "MotionTrack",
     "Moved",
+    "OwnJoint",
     "OwnMotion",
     "OwnParameter",
     "Parameter",
@@ -141,6 +142,7 @@ _HOME = {
     "Model": "model",
     "MotionTrack": "capture.motions",
     "Moved": "fit.refit",
+    "OwnJoint": "model.own",
     "OwnMotion": "model.own",
     "OwnParameter": "model.own",
     "Parameter": "model",

@@ -3,7 +3,7 @@
 //! `tau` is the torque that the rig applies to move the knob (N m; N on a linear axis). Friction has the
 //! sign of omega: the rig must push with it. Resistances are magnitudes.
 
-use crate::scalar::Scalar;
+use crate::scalar::{Pack, Scalar};
 
 /// The motion of the knob at one instant.
 #[derive(Debug, Clone, Copy)]
@@ -52,6 +52,21 @@ impl<T: Scalar> Motion<T> {
     #[inline(always)]
     pub fn direction(&self) -> T {
         self.forward + self.forward - T::of(1.0)
+    }
+}
+
+impl Motion<Pack> {
+    /// Eight samples of columns (t, theta, omega, alpha, forward) from `at` on. Written out: mapped over an array it is
+    /// a call, which loads also what an effect does not look at.
+    #[inline(always)]
+    pub fn over([t, theta, omega, alpha, forward]: &[&[f64]; 5], at: usize) -> Self {
+        Self {
+            t: Pack::load(t, at),
+            theta: Pack::load(theta, at),
+            omega: Pack::load(omega, at),
+            alpha: Pack::load(alpha, at),
+            forward: Pack::load(forward, at),
+        }
     }
 }
 

@@ -33,9 +33,9 @@ if TYPE_CHECKING:
     from .stiction import Stiction
 
 Z95 = 1.959963984540054
+"""Two-sided 95 % quantile of the normal distribution."""
 AT_FLOOR = 1.05
 """An error this many times the noise floor is no different: the floor itself is known to a few percent."""
-"""Two-sided 95 % quantile of the normal distribution."""
 
 
 class Estimate(NamedTuple):

@@ -31,8 +31,8 @@ _LOCKED = 0.01  # two periods this close to a ratio of small numbers belong toge
 def unphysical(candidate: Candidate, before: Fit) -> tuple[str, ...]:
     """Return what is odd about the values of a candidate, a sentence each."""
     said = [*_out_of_range(candidate), *_below_zero(candidate, before)]
-    odd = candidate.fit.core.model.odd(candidate.effect)
-    said += [odd] if odd else []
+    implausible = candidate.fit.core.model.implausible(candidate.effect)
+    said += [implausible] if implausible else []
     if effects(candidate.fit.model.axis)[candidate.effect].needs == "detent":
         said += _too_few_detents(candidate)
     if candidate.effect == "saturation" and before.before is not None:

@@ -1,4 +1,4 @@
-"""Effects of one's own: a torque over the motion, as a Python function.
+"""Effects of one's own as Python functions: a load, a factor on friction, a sensor or a joint.
 
 >>> import knobcam as kc
 >>> @kc.own_effect("own_spring", law="k theta", k=kc.OwnParameter("N m/rad", linear=True))
@@ -15,7 +15,7 @@ import inspect
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -26,6 +26,16 @@ if TYPE_CHECKING:
     from ..base.arrays import FloatArray
 
 Law = TypeVar("Law", bound=Callable[..., Any])
+Acts = Literal["load", "friction", "sensor", "coupling"]
+"""Where in the chain from the motion to the measured torque an effect of one's own acts."""
+
+_GIVEN: dict[str, tuple[str, ...]] = {
+    "load": ("motion",),
+    "friction": ("motion",),
+    "sensor": ("motion", "tau"),
+    "coupling": (),
+}
+# What a function is given by position, before its parameters by name.
 
 # How far three torques may be from one line before a parameter is not linear.
 _STRAIGHT = 1e-6
@@ -62,11 +72,26 @@ class OwnMotion:
     direction: FloatArray
 
 
+class OwnJoint(NamedTuple):
+    """How an effect of one's own joins shaft and knob; the knob's side has `share` (0 to 1] of the inertia.
+
+    Beyond half of the free play `gap` (rad) to either side a spring of `stiffness` (N m/rad) and a damper of
+    `damping` (N m s/rad) push; where `pulls`, they hold on as well.
+    """
+
+    stiffness: float
+    damping: float
+    share: float
+    gap: float = 0.0
+    pulls: bool = True
+
+
 def own_effect(
     name: str,
     /,
     *,
     law: str,
+    acts: Acts = "load",
     source: str = "",
     shows: str = "",
     remembers: bool = False,
@@ -75,10 +100,17 @@ def own_effect(
 ) -> Callable[[Law], Law]:
     """Register the decorated function as the effect `name`; it is in the catalogue from then on.
 
-    The function gets an `OwnMotion` and the value of each parameter by name, and returns the torque that
-    the rig has to apply at each sample, N m (N), shape (samples,). It must depend on nothing else: it is
-    called with any stretch of any motion, in any order, and from several threads. With `remembers=True` it
-    always gets a whole recording without gaps, so that a torque may depend on the samples before it.
+    `acts` says where in the chain it acts, and so what the function gets beside its parameters by name and what
+    it returns at each sample, shape (samples,):
+
+    - `load`: `(motion, ...)`, the torque that the rig has to apply, N m (N);
+    - `friction`: `(motion, ...)`, a factor on the dry friction (cut at 0.001: friction never pushes);
+    - `sensor`: `(motion, tau, ...)`, the reading of the torque sensor where the torque is `tau`, N m (N);
+    - `coupling`: `(...)` alone, an `OwnJoint` between shaft and knob.
+
+    `motion` is an `OwnMotion`. The function must depend on nothing else: it is called with any stretch of any
+    motion, in any order, and from several threads. With `remembers=True` it always gets a whole recording
+    without gaps, so that what it returns may depend on the samples before.
 
     `law` is the equation in words, `source` where it is from (the function's name if empty), `shows` where
     in a measurement a person sees it; `starts` are parameter values from which a search starts, missing ones
@@ -90,9 +122,10 @@ def own_effect(
     """
 
     def register(function: Law) -> Law:
-        _check(name, function, params)
+        _check(name, function, acts, params)
         _core.register_effect(
             name,
+            acts,
             _line(law),
             _line(source or f"{function.__module__}.{function.__qualname__}"),
             _line(shows),
@@ -102,7 +135,7 @@ def own_effect(
             ],
             remembers,
             [_start(name, params, start) for start in starts],
-            _torque(function, params),
+            _called(function, acts, params),
         )
         return function
 
@@ -123,7 +156,11 @@ def _line(text: str) -> str:
     return " ".join("".join(c if c.isprintable() else " " for c in text).split())
 
 
-def _check(name: str, function: Callable[..., Any], params: Mapping[str, OwnParameter]) -> None:
+def _check(
+    name: str, function: Callable[..., Any], acts: str, params: Mapping[str, OwnParameter]
+) -> None:
+    if acts not in _GIVEN:
+        raise InputError(f"effect '{name}': acts={acts!r} is no place in the chain; choose {', '.join(_GIVEN)}")
     for what, word in [("effect", name), *(("parameter", key) for key in params)]:
         if not (word.isidentifier() and word.isascii()):
             raise InputError(f"{what} {word!r}: its name must be letters a-z, digits and _, such as bump_2")
@@ -136,12 +173,16 @@ def _check(name: str, function: Callable[..., Any], params: Mapping[str, OwnPara
             raise InputError(
                 f"parameter '{name}.{key}': a linear one has no bounds and is neutral at 0; leave out either"
             )
+        if param.linear and acts in ("friction", "coupling"):
+            raise InputError(
+                f"parameter '{name}.{key}': no torque is proportional to it where the effect acts as {acts}; "
+                "leave linear=True out"
+            )
     try:
-        inspect.signature(function).bind(object(), **dict.fromkeys(params, 0.0))
+        inspect.signature(function).bind(*_GIVEN[acts], **dict.fromkeys(params, 0.0))
     except TypeError as error:
-        raise InputError(
-            f"effect '{name}': its function must take (motion, {', '.join(params)}): {error}"
-        ) from None
+        takes = ", ".join([*_GIVEN[acts], *params])
+        raise InputError(f"effect '{name}': its function must take ({takes}): {error}") from None
 
 
 def _start(name: str, params: Mapping[str, OwnParameter], start: Mapping[str, float]) -> list[float]:
@@ -151,41 +192,56 @@ def _start(name: str, params: Mapping[str, OwnParameter], start: Mapping[str, fl
     return [float(start.get(key, param.neutral)) for key, param in params.items()]
 
 
-def _torque(
-    function: Callable[..., Any], params: Mapping[str, OwnParameter]
+def _called(
+    function: Callable[..., Any], acts: str, params: Mapping[str, OwnParameter]
 ) -> Callable[[list[float], list[FloatArray]], FloatArray]:
-    """Return what the core calls: parameter values and t, theta, omega, alpha, forward, to the torque.
+    """Return what the core calls: parameter values and columns (see its `Function`), to what the law says.
 
     Whatever is wrong with it is an InputError that says so in one line.
     """
     linear = [i for i, param in enumerate(params.values()) if param.linear]
     tested = not linear
 
-    def call(values: list[float], motion: OwnMotion) -> FloatArray:
+    def call(values: list[float], given: tuple[Any, ...]) -> Any:
         try:
-            tau = np.asarray(function(motion, **dict(zip(params, values, strict=True))))
+            return function(*given, **dict(zip(params, values, strict=True)))
         except Exception as error:
             raise InputError(f"raised {type(error).__name__}: {error}") from error
-        if tau.shape != motion.t.shape:
+
+    def column(values: list[float], given: tuple[Any, ...]) -> FloatArray:
+        own, samples = np.asarray(call(values, given)), given[0].t.shape
+        if own.shape != samples:
             raise InputError(
-                f"returned an array of shape {tau.shape} for {motion.t.shape}; it must be one torque a sample"
+                f"returned an array of shape {own.shape} for {samples}; it must be one number a sample"
             )
-        if tau.dtype.kind not in "iuf":
-            raise InputError(f"returned an array of {tau.dtype}; a torque must be real numbers")
-        return np.ascontiguousarray(tau, dtype=np.float64)
+        if own.dtype.kind not in "iuf":
+            raise InputError(f"returned an array of {own.dtype}; it must be real numbers")
+        return np.ascontiguousarray(own, dtype=np.float64)
 
-    def torque(values: list[float], columns: list[FloatArray]) -> FloatArray:
+    def joint(values: list[float], _: list[FloatArray]) -> FloatArray:
+        made = call(values, ())
+        if not isinstance(made, OwnJoint):
+            raise InputError(f"returned {made!r}; a coupling returns an OwnJoint")
+        try:
+            sizes = [float(x) for x in (made.gap, made.stiffness, made.damping, made.share, made.pulls)]
+        except (TypeError, ValueError) as error:
+            raise InputError(f"returned {made!r}: {error}") from error
+        return np.array(sizes)
+
+    def answer(values: list[float], columns: list[FloatArray]) -> FloatArray:
         nonlocal tested
-        t, theta, omega, alpha, forward = columns
-        motion = OwnMotion(t, theta, omega, alpha, 2.0 * forward - 1.0)
-        for column in vars(motion).values():
-            column.setflags(write=False)
+        for one in columns:
+            one.setflags(write=False)
+        t, theta, omega, alpha, forward, *tau = columns
+        direction = 2.0 * forward - 1.0
+        direction.setflags(write=False)
+        given = (OwnMotion(t, theta, omega, alpha, direction), *tau)
         if not tested:
-            _check_linear(lambda scale: call(_scaled(values, linear, scale), motion), list(params), linear)
+            _check_linear(lambda scale: column(_scaled(values, linear, scale), given), list(params), linear)
             tested = True
-        return call(values, motion)
+        return column(values, given)
 
-    return torque
+    return joint if acts == "coupling" else answer
 
 
 def _scaled(values: list[float], linear: list[int], scale: float) -> list[float]:

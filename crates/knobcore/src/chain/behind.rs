@@ -1,15 +1,11 @@
 //! The chain on a motion that is prescribed, through a joint: the hidden knob's torque and its derivatives.
 
 use super::hidden::{Beside, Hidden};
-use crate::effects::law::{Carried, Sweep};
+use crate::effects::law::{CARRIED, Carried, D, Sweep};
 use crate::effects::{Id, Place};
 use crate::isa;
 use crate::model::Model;
 use crate::motion::Channel;
-use crate::scalar::Dual;
-
-/// Derivatives that are carried along at a time.
-const MOST: usize = 16;
 
 /// Torque and derivatives on the shaft; what the columns held is replaced.
 pub(super) fn loads(
@@ -26,12 +22,8 @@ pub(super) fn loads(
         behind.simulate(p, |at| own.at(at), |at, tau: f64| torque[at] = tau);
         return;
     }
-    for (group, few) in over.slopes.chunks_mut(MOST).enumerate() {
-        let first = group * MOST;
-        match few.len() {
-            0..=8 => behind.carry::<8>(p, first, over.torque, few),
-            _ => behind.carry::<MOST>(p, first, over.torque, few),
-        }
+    for (group, few) in over.slopes.chunks_mut(CARRIED).enumerate() {
+        behind.carry(p, group * CARRIED, over.torque, few);
     }
 }
 
@@ -48,18 +40,15 @@ struct Behind<'a> {
 
 impl Behind<'_> {
     /// Simulates with the derivatives whose columns begin at `first`.
-    fn carry<const L: usize>(&self, p: &[f64], first: usize, torque: &mut [f64], few: &mut [Vec<f64>])
-    where
-        Dual<f64, L>: Carried,
-    {
-        let lane = |column: usize| column.checked_sub(first).filter(|lane| *lane < L);
+    fn carry(&self, p: &[f64], first: usize, torque: &mut [f64], few: &mut [Vec<f64>]) {
+        let lane = |column: usize| column.checked_sub(first).filter(|lane| *lane < CARRIED);
         let seed = |(i, x): (usize, &f64)| {
-            Dual::<f64, L>::seeded(*x, self.columns.get(i).copied().flatten().and_then(lane))
+            D::seeded(*x, self.columns.get(i).copied().flatten().and_then(lane))
         };
         let p: Vec<_> = p.iter().enumerate().map(seed).collect();
         let beside = |at: usize| {
             let Beside { drive, level } = self.own.at(at)?;
-            let mut beside = Beside { drive: Dual::constant(drive), level: Dual::constant(level) };
+            let mut beside = Beside { drive: D::constant(drive), level: D::constant(level) };
             for (channel, column, slope) in &self.own.slopes {
                 if let Some(lane) = lane(*column) {
                     match channel {
@@ -70,7 +59,7 @@ impl Behind<'_> {
             }
             Some(beside)
         };
-        let out = |at: usize, tau: Dual<f64, L>| {
+        let out = |at: usize, tau: D| {
             torque[at] = tau.v;
             few.iter_mut().zip(tau.d).for_each(|(column, slope)| column[at] = slope);
         };
@@ -83,7 +72,7 @@ impl Behind<'_> {
         beside: impl Fn(usize) -> Option<Beside<T>>,
         out: impl FnMut(usize, T),
     ) {
-        isa::dispatch(Simulation { of: self, p, beside, out });
+        isa::dispatch_narrow(Simulation { of: self, p, beside, out });
     }
 }
 

@@ -42,7 +42,7 @@ use crate::motion::{Channel, Load, Motion};
 use crate::param::Param;
 use crate::scalar::Scalar;
 use law::{Couples, Delays, Law, Loads, Remembers, Senses};
-use registry::registry;
+use registry::{lanes, registry};
 use std::marker::PhantomData;
 
 pub use carrier::Carrier;

@@ -56,6 +56,12 @@ impl Info {
     }
 }
 
+/// Parameters by which a load of so many is differentiated at a time: all, or shares that a compiler can bear.
+pub(super) const fn lanes(params: usize) -> usize {
+    const MOST: usize = 9;
+    params.div_ceil(params.div_ceil(MOST))
+}
+
 /// Generates [`Id`] and the modules of the effects from one line each, `module::Name(number of parameters)`; an
 /// effect with memory adds the size of its state.
 macro_rules! registry {
@@ -92,10 +98,10 @@ macro_rules! registry {
             pub fn law(self) -> &'static dyn Law {
                 match self {
                     $(Self::$joint => &Couples::<$joint, $jn>(PhantomData),)*
-                    $(Self::$load => &Loads::<$load, $ln>(PhantomData),)*
+                    $(Self::$load => &Loads::<$load, $ln, { lanes($ln) }>(PhantomData),)*
                     $(Self::$memory => &Remembers::<$memory, $mn, $ms>(PhantomData),)*
                     $(Self::$late => &Delays::<$late, $tn>(PhantomData),)*
-                    $(Self::$sensor => &Senses::<$sensor, $sn>(PhantomData),)*
+                    $(Self::$sensor => &Senses::<$sensor, $sn, { $sn + 1 }>(PhantomData),)*
                     Self::User(user) => user,
                 }
             }

@@ -144,7 +144,7 @@ def write_mat5(path: Path, columns: Mapping[str, FloatArray], document: Mapping[
     content: dict[str, Any] = {name: values[:, np.newaxis] for name, values in columns.items()}
     content[_DOCUMENT] = json.dumps(document)
     with path.open("wb") as file:
-        require("scipy.io", "a MATLAB file").savemat(file, content)
+        require("scipy.io", "writing a MATLAB file").savemat(file, content)
         # In place of the hour and the computer: equal captures are equal files.
         file.seek(len(MAGIC))
         file.write(b", written by knobcam".ljust(_TEXT - len(MAGIC)))

@@ -84,8 +84,7 @@ impl<'a> Totals<'a> {
 
     #[inline(always)]
     pub(super) fn motion(&self, at: usize) -> Motion<Pack> {
-        let [t, theta, omega, alpha, forward] = self.motion.map(|column| Pack::load(column, at));
-        Motion { t, theta, omega, alpha, forward }
+        Motion::over(&self.motion, at)
     }
 
     #[inline(always)]
@@ -152,7 +151,10 @@ impl NullaryFnOnce for Spent<'_, '_> {
     fn call(self) {
         let Self { totals, torque, mut by } = self;
         for at in (0..totals.block.len()).step_by(LANES) {
-            let packs: [Pack; CHANNELS] = std::array::from_fn(|c| Pack::load(&totals.channels[c], at));
+            let mut packs = [Pack::of(0.0); CHANNELS];
+            for (pack, channel) in packs.iter_mut().zip(&*totals.channels) {
+                *pack = Pack::load(channel, at);
+            }
             let motion = totals.motion(at);
             match &mut by {
                 None => load_of(packs).sliding(&motion).store(torque, at),
@@ -171,9 +173,12 @@ fn spend_by<const C: usize>(
     by: &mut Channels,
     at: usize,
 ) {
-    let mut seeds: [Dual<Pack, C>; CHANNELS] = packs.map(Dual::constant);
-    for (lane, seed) in seeds.iter_mut().enumerate().take(C) {
-        seed.d[lane] = Pack::of(1.0);
+    let mut seeds: [Dual<Pack, C>; CHANNELS] = [Dual::of(0.0); CHANNELS];
+    for (lane, (seed, pack)) in seeds.iter_mut().zip(packs).enumerate() {
+        seed.v = pack;
+        if lane < C {
+            seed.d[lane] = Pack::of(1.0);
+        }
     }
     let tau = load_of(seeds).sliding(&motion.map(Dual::constant));
     tau.v.store(torque, at);

@@ -55,13 +55,21 @@ impl Gradient<'_> {
         sums
     }
 
+    /// The derivatives of a load, `L` parameters at a time.
     #[inline(always)]
-    pub(super) fn chain<const N: usize, E: LoadEffect<N>>(&mut self, p: &[f64], columns: &[Option<usize>]) {
-        let p: [Dual<Pack, N>; N] = seeded(p);
-        for at in (0..self.totals.block.len()).step_by(LANES) {
-            let load = E::load(&p, &self.totals.motion(at).map(Dual::constant));
-            let slopes = self.through(at, &load, const { Channel::among(E::TOUCHES) });
-            self.add(columns, at, &slopes);
+    pub(super) fn chain<const N: usize, const L: usize, E: LoadEffect<N>>(
+        &mut self,
+        p: &[f64],
+        columns: &[Option<usize>],
+    ) {
+        for first in (0..N).step_by(L) {
+            let columns = columns.get(first..).unwrap_or(&[]);
+            let p: [Dual<Pack, L>; N] = seeded(p, first);
+            for at in (0..self.totals.block.len()).step_by(LANES) {
+                let load = E::load(&p, &self.totals.motion(at).map(Dual::constant));
+                let slopes = self.through(at, &load, const { Channel::among(E::TOUCHES) });
+                self.add(columns, at, &slopes);
+            }
         }
     }
 
@@ -72,7 +80,7 @@ impl Gradient<'_> {
         columns: &[Option<usize>],
         state: &mut [f64],
     ) {
-        let p: [Dual<f64, N>; N] = seeded(p);
+        let p: [Dual<f64, N>; N] = seeded(p, 0);
         let mut own: [Dual<f64, N>; M] = std::array::from_fn(|m| dual_from(&state[m * (1 + N)..]));
         let touches = const { Channel::among(E::TOUCHES) };
         for at in (0..self.totals.block.len()).step_by(LANES) {

@@ -55,24 +55,16 @@ pub trait Law: Sync {
     /// Brings its load at one instant into a sum.
     fn load(&self, _p: &[f64], _state: &mut [f64], _motion: &Motion<f64>, _sum: &mut Load<f64>) {}
 
-    /// The same with eight derivatives.
-    fn load8(&self, _p: &[D8], _state: &mut [D8], _motion: &Motion<D8>, _sum: &mut Load<D8>) {}
-
-    /// The same with sixteen.
-    fn load16(&self, _p: &[D16], _state: &mut [D16], _motion: &Motion<D16>, _sum: &mut Load<D16>) {}
+    /// The same with derivatives.
+    fn load_carried(&self, _p: &[D], _state: &mut [D], _motion: &Motion<D>, _sum: &mut Load<D>) {}
 
     /// How it joins shaft and knob, if it does.
     fn joint(&self, _p: &[f64]) -> Option<Joint<f64>> {
         None
     }
 
-    /// The same with eight derivatives.
-    fn joint8(&self, _p: &[D8]) -> Option<Joint<D8>> {
-        None
-    }
-
-    /// The same with sixteen.
-    fn joint16(&self, _p: &[D16]) -> Option<Joint<D16>> {
+    /// The same with derivatives.
+    fn joint_carried(&self, _p: &[D]) -> Option<Joint<D>> {
         None
     }
 
@@ -87,10 +79,11 @@ pub trait Law: Sync {
     fn pass(&self, _p: &[f64], _columns: &[Option<usize>], _over: &mut Sweep<'_>) {}
 }
 
-/// Eight derivatives.
-pub type D8 = Dual<f64, 8>;
-/// Sixteen derivatives.
-pub type D16 = Dual<f64, 16>;
+/// Derivatives that are carried along a simulated motion at a time: those of the base model and a joint, in three
+/// vectors of four.
+pub const CARRIED: usize = 12;
+/// A number with the derivatives that are carried along.
+pub type D = Dual<f64, CARRIED>;
 
 /// A number that a motion can be simulated with, step by step: alone, or with derivatives.
 pub trait Carried: Scalar {
@@ -122,8 +115,7 @@ macro_rules! carried {
 }
 
 carried!(f64, load, joint);
-carried!(D8, load8, joint8);
-carried!(D16, load16, joint16);
+carried!(D, load_carried, joint_carried);
 
 /// The first `N` of a slice, as an array; a model always hands over as many as the effect has.
 #[inline(always)]
@@ -131,8 +123,11 @@ pub(crate) fn take<T: Scalar, const N: usize>(p: &[T]) -> [T; N] {
     std::array::from_fn(|i| p.get(i).copied().unwrap_or(T::of(0.0)))
 }
 
-/// Parameters that are differentiated by, one lane each.
+/// Parameters of which those from `first` on are differentiated by, one lane each.
 #[inline(always)]
-fn seeded<V: Scalar, const N: usize, const L: usize>(p: &[f64]) -> [Dual<V, L>; N] {
-    std::array::from_fn(|i| Dual::seeded(p.get(i).copied().unwrap_or(0.0), Some(i)))
+fn seeded<V: Scalar, const N: usize, const L: usize>(p: &[f64], first: usize) -> [Dual<V, L>; N] {
+    std::array::from_fn(|i| {
+        let lane = i.checked_sub(first).filter(|lane| *lane < L);
+        Dual::seeded(p.get(i).copied().unwrap_or(0.0), lane)
+    })
 }

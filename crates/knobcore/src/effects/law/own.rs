@@ -3,7 +3,7 @@
 use super::block::Totals;
 use super::gradient::Gradient;
 use super::sweep::Sweep;
-use super::{D8, D16, Law};
+use super::{D, Law};
 use crate::effects::{Carrier, Info, Joint, Place, Survey, User};
 use crate::motion::{Channel, Load, Motion};
 use crate::scalar::Dual;
@@ -22,7 +22,7 @@ impl User {
     }
 
     /// Its joint, with derivatives where the parameters have some.
-    fn carried<const L: usize>(&self, p: &[Dual<f64, L>]) -> Option<Joint<Dual<f64, L>>> {
+    fn carried(&self, p: &[D]) -> Option<Joint<D>> {
         let values: Vec<f64> = p.iter().map(|p| p.v).collect();
         let joint = self.joined(&values)?;
         let [mut gap, mut stiffness, mut damping, mut share] =
@@ -87,11 +87,7 @@ impl Law for User {
         self.joined(p)
     }
 
-    fn joint8(&self, p: &[D8]) -> Option<Joint<D8>> {
-        self.carried(p)
-    }
-
-    fn joint16(&self, p: &[D16]) -> Option<Joint<D16>> {
+    fn joint_carried(&self, p: &[D]) -> Option<Joint<D>> {
         self.carried(p)
     }
 

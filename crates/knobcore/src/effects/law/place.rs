@@ -3,7 +3,7 @@
 use super::block::Totals;
 use super::gradient::Gradient;
 use super::sweep::Sweep;
-use super::{Carried, D8, D16, Law, take};
+use super::{Carried, D, Law, take};
 use crate::effects::{
     Carrier, CouplingEffect, Info, Joint, LateEffect, LoadEffect, MemoryEffect, Place, SensorEffect, Survey,
 };
@@ -14,14 +14,14 @@ use std::marker::PhantomData;
 
 /// A joint between shaft and knob.
 pub(crate) struct Couples<E, const N: usize>(pub PhantomData<E>);
-/// A load on the knob.
-pub(crate) struct Loads<E, const N: usize>(pub PhantomData<E>);
+/// A load on the knob, differentiated by `L` parameters at a time.
+pub(crate) struct Loads<E, const N: usize, const L: usize>(pub PhantomData<E>);
 /// A load that remembers `M` numbers.
 pub(crate) struct Remembers<E, const N: usize, const M: usize>(pub PhantomData<E>);
 /// A sensor that remembers what it has seen.
 pub(crate) struct Delays<E, const N: usize>(pub PhantomData<E>);
-/// A sensor.
-pub(crate) struct Senses<E, const N: usize>(pub PhantomData<E>);
+/// A sensor; `L` is one more than its parameters.
+pub(crate) struct Senses<E, const N: usize, const L: usize>(pub PhantomData<E>);
 
 /// What an effect says of itself, whatever its place.
 macro_rules! told {
@@ -55,28 +55,20 @@ impl<E: CouplingEffect<N> + Sync, const N: usize> Law for Couples<E, N> {
         Some(E::joint(&take(p)))
     }
 
-    fn joint8(&self, p: &[D8]) -> Option<Joint<D8>> {
-        Some(E::joint(&take(p)))
-    }
-
-    fn joint16(&self, p: &[D16]) -> Option<Joint<D16>> {
+    fn joint_carried(&self, p: &[D]) -> Option<Joint<D>> {
         Some(E::joint(&take(p)))
     }
 }
 
-impl<E: LoadEffect<N> + Sync, const N: usize> Law for Loads<E, N> {
+impl<E: LoadEffect<N> + Sync, const N: usize, const L: usize> Law for Loads<E, N, L> {
     told!(Place::Load);
 
     fn load(&self, p: &[f64], _: &mut [f64], motion: &Motion<f64>, sum: &mut Load<f64>) {
         sum.join(&E::load(&take(p), motion), const { Channel::among(E::TOUCHES) });
     }
 
-    fn load8(&self, p: &[D8], _: &mut [D8], motion: &Motion<D8>, sum: &mut Load<D8>) {
-        isa::dispatch(Summed::<_, E, N>(p, motion, sum, PhantomData));
-    }
-
-    fn load16(&self, p: &[D16], _: &mut [D16], motion: &Motion<D16>, sum: &mut Load<D16>) {
-        isa::dispatch(Summed::<_, E, N>(p, motion, sum, PhantomData));
+    fn load_carried(&self, p: &[D], _: &mut [D], motion: &Motion<D>, sum: &mut Load<D>) {
+        isa::dispatch_narrow(Summed::<_, E, N>(p, motion, sum, PhantomData));
     }
 
     fn total(&self, p: &[f64], _: &mut [f64], totals: &mut Totals<'_>) {
@@ -85,7 +77,7 @@ impl<E: LoadEffect<N> + Sync, const N: usize> Law for Loads<E, N> {
 
     fn slopes(&self, p: &[f64], columns: &[Option<usize>], _: &mut [f64], gradient: &mut Gradient<'_>) {
         if columns.iter().any(Option::is_some) {
-            isa::dispatch(Chained::<E, N>(p, columns, gradient, PhantomData));
+            isa::dispatch(Chained::<E, N, L>(p, columns, gradient, PhantomData));
         }
     }
 }
@@ -106,12 +98,8 @@ impl<E: MemoryEffect<N, M> + Sync, const N: usize, const M: usize> Law for Remem
         sum.join(&E::load(&take(p), state, motion), const { Channel::among(E::TOUCHES) });
     }
 
-    fn load8(&self, p: &[D8], state: &mut [D8], motion: &Motion<D8>, sum: &mut Load<D8>) {
-        isa::dispatch(Recalled::<_, E, N, M>(p, state, motion, sum, PhantomData));
-    }
-
-    fn load16(&self, p: &[D16], state: &mut [D16], motion: &Motion<D16>, sum: &mut Load<D16>) {
-        isa::dispatch(Recalled::<_, E, N, M>(p, state, motion, sum, PhantomData));
+    fn load_carried(&self, p: &[D], state: &mut [D], motion: &Motion<D>, sum: &mut Load<D>) {
+        isa::dispatch_narrow(Recalled::<_, E, N, M>(p, state, motion, sum, PhantomData));
     }
 
     fn total(&self, p: &[f64], state: &mut [f64], totals: &mut Totals<'_>) {
@@ -135,11 +123,11 @@ impl<E: LateEffect<N> + Sync, const N: usize> Law for Delays<E, N> {
     }
 }
 
-impl<E: SensorEffect<N> + Sync, const N: usize> Law for Senses<E, N> {
+impl<E: SensorEffect<N> + Sync, const N: usize, const L: usize> Law for Senses<E, N, L> {
     told!(Place::Sensor);
 
     fn pass(&self, p: &[f64], columns: &[Option<usize>], over: &mut Sweep<'_>) {
-        isa::dispatch(Sensed::<E, N>(p, columns, over, PhantomData));
+        isa::dispatch(Sensed::<E, N, L>(p, columns, over, PhantomData));
     }
 }
 
@@ -204,19 +192,19 @@ impl<E: MemoryEffect<N, M>, const N: usize, const M: usize> NullaryFnOnce for To
     }
 }
 
-struct Chained<'a, 'b, E, const N: usize>(
+struct Chained<'a, 'b, E, const N: usize, const L: usize>(
     &'a [f64],
     &'a [Option<usize>],
     &'a mut Gradient<'b>,
     PhantomData<E>,
 );
 
-impl<E: LoadEffect<N>, const N: usize> NullaryFnOnce for Chained<'_, '_, E, N> {
+impl<E: LoadEffect<N>, const N: usize, const L: usize> NullaryFnOnce for Chained<'_, '_, E, N, L> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        self.2.chain::<N, E>(self.0, self.1);
+        self.2.chain::<N, L, E>(self.0, self.1);
     }
 }
 
@@ -237,18 +225,18 @@ impl<E: MemoryEffect<N, M>, const N: usize, const M: usize> NullaryFnOnce for Ch
     }
 }
 
-struct Sensed<'a, 'b, E, const N: usize>(
+struct Sensed<'a, 'b, E, const N: usize, const L: usize>(
     &'a [f64],
     &'a [Option<usize>],
     &'a mut Sweep<'b>,
     PhantomData<E>,
 );
 
-impl<E: SensorEffect<N>, const N: usize> NullaryFnOnce for Sensed<'_, '_, E, N> {
+impl<E: SensorEffect<N>, const N: usize, const L: usize> NullaryFnOnce for Sensed<'_, '_, E, N, L> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        self.2.sense::<N, E>(self.0, self.1);
+        self.2.sense::<N, L, E>(self.0, self.1);
     }
 }

@@ -5,8 +5,6 @@ use crate::effects::{LateEffect, SensorEffect};
 use crate::motion::Motion;
 use crate::scalar::{Dual, LANES, Pack, Scalar};
 
-/// Derivatives of a sensor: its parameters (fewer than this), and last the torque that it senses.
-const SENSOR_LANES: usize = 12;
 /// Derivative columns that pass through a late sensor at a time.
 const AT_ONCE: usize = 4;
 
@@ -25,18 +23,23 @@ pub struct Sweep<'a> {
 }
 
 impl Sweep<'_> {
-    /// A sensor without memory: the chain rule by its own derivative to the torque.
+    /// A sensor without memory: the chain rule by its own derivative to the torque, which is the last of the `L`
+    /// lanes.
     #[inline(always)]
-    pub(super) fn sense<const N: usize, E: SensorEffect<N>>(&mut self, p: &[f64], columns: &[Option<usize>]) {
-        let p: [Dual<Pack, SENSOR_LANES>; N] = seeded(p);
+    pub(super) fn sense<const N: usize, const L: usize, E: SensorEffect<N>>(
+        &mut self,
+        p: &[f64],
+        columns: &[Option<usize>],
+    ) {
+        let p: [Dual<Pack, L>; N] = seeded(p, 0);
         for at in (0..self.torque.len()).step_by(LANES) {
             let mut tau = Dual::constant(Pack::load(self.torque, at));
-            tau.d[SENSOR_LANES - 1] = Pack::of(1.0);
-            let motion = constant_motion(self.motion, at);
+            tau.d[L - 1] = Pack::of(1.0);
+            let motion = Motion::over(&self.motion, at).map(Dual::constant);
             let sensed = E::sense(&p, &motion, tau);
             sensed.v.store(self.torque, at);
             for column in self.slopes.iter_mut() {
-                (Pack::load(column, at) * sensed.d[SENSOR_LANES - 1]).store(column, at);
+                (Pack::load(column, at) * sensed.d[L - 1]).store(column, at);
             }
             add(self.slopes, columns, at, &sensed.d);
         }
@@ -44,7 +47,7 @@ impl Sweep<'_> {
 
     /// A sensor with memory: each derivative column goes through it beside the torque.
     pub(super) fn late<const N: usize, E: LateEffect<N>>(&mut self, p: &[f64], columns: &[Option<usize>]) {
-        let own: [Dual<f64, N>; N] = seeded(p);
+        let own: [Dual<f64, N>; N] = seeded(p, 0);
         let torque: Vec<Dual<f64, N>> = self.torque.iter().map(|tau| Dual::constant(*tau)).collect();
         let fixed: [Dual<f64, AT_ONCE>; N] =
             std::array::from_fn(|i| Dual::constant(p.get(i).copied().unwrap_or(0.0)));
@@ -68,13 +71,6 @@ impl Sweep<'_> {
             }
         }
     }
-}
-
-/// The motion of eight samples, without derivatives.
-#[inline(always)]
-fn constant_motion<const L: usize>(columns: [&[f64]; 5], at: usize) -> Motion<Dual<Pack, L>> {
-    let [t, theta, omega, alpha, forward] = columns.map(|column| Dual::constant(Pack::load(column, at)));
-    Motion { t, theta, omega, alpha, forward }
 }
 
 /// Adds derivatives of eight samples to their columns.
