@@ -10,10 +10,16 @@ use crate::signals::Signals;
 const TIMES: f64 = 4.0;
 /// Where the sensors have no noise, this share of the torque stands for it.
 const SHARE: f64 = 0.005;
-/// Trials of a size; each halves what is still open of its logarithm.
+/// Trials of a size at the most.
 const TRIALS: usize = 7;
+/// A size that costs what it should but for this share of it will do.
+const NEAR: f64 = 0.1;
 /// The largest torque may be this share of the sensor's range: beyond it the range is what shows.
 const WITHIN: f64 = 0.93;
+/// Below this share of the fastest speed sensors cannot tell the direction, so that such samples will not count.
+const UNSURE: f64 = 0.003;
+/// As long as this share of the samples does.
+const MOSTLY: f64 = 0.75;
 /// Parts of a survey's quantiles.
 const QUANTILES: usize = 200;
 
@@ -38,6 +44,8 @@ pub struct Carrier<'a> {
     torque: Vec<f64>,
     /// Torques that the bare model takes up, orthonormal.
     taken: Vec<Vec<f64>>,
+    /// 1 where a sample will count, else 0.
+    counts: Vec<f64>,
 }
 
 impl<'a> Carrier<'a> {
@@ -56,6 +64,10 @@ impl<'a> Carrier<'a> {
                 own.extend_from_slice(&slope[chunk.inner()]);
             }
         }
+        let counts = counted(signals);
+        for own in &mut taken {
+            weigh(own, &counts);
+        }
         let torque = torque_raw(model, signals);
         let gain = signals.filter.as_ref().map_or(1.0, |filter| filter.sos().mean_power());
         let value = |name: &str| model.index(name).map(|i| model.slots()[i].value).ok();
@@ -69,6 +81,7 @@ impl<'a> Carrier<'a> {
             limit,
             survey: survey(signals, &torque, value("inertia.M").map_or(0.0, f64::abs)),
             taken: orthonormal(taken),
+            counts,
             model,
             signals,
             torque,
@@ -117,8 +130,10 @@ impl<'a> Carrier<'a> {
             self.signals.measure(&mut [&mut piece]);
             added.extend_from_slice(&piece[chunk.inner()]);
         }
+        weigh(&mut added, &self.counts);
         project(&mut added, &self.taken);
-        Some([rms(&added), peak])
+        let counted: f64 = self.counts.iter().sum();
+        Some([(dot(&added, &added) / counted.max(1.0)).sqrt(), peak])
     }
 
     /// The parameters of an effect at the size at which it costs a clear multiple of the noise, and by which the
@@ -137,21 +152,28 @@ impl<'a> Carrier<'a> {
             values
         };
         let limit = (WITHIN * self.limit).max(self.peak());
-        let suffices = |size: f64| {
+        // What it costs, in what it should: more than all where the torque leaves the range.
+        let costs = |size: f64| {
             let [cost, peak] = self.cost(id, &of(size))?;
-            Some(cost >= TIMES * self.floor || peak > limit)
+            Some(if peak > limit { f64::INFINITY } else { cost / (TIMES * self.floor) })
         };
-        match suffices(large) {
-            None => return of((small * large).sqrt()),
-            Some(false) => return of(large),
-            Some(true) => {}
+        let Some(mut most) = costs(large) else { return of((small * large).sqrt()) };
+        if most <= 1.0 {
+            return of(large);
         }
-        let (mut below, mut above) = (small.ln(), large.ln());
+        let (mut below, mut above) = (small, large);
         for _ in 0..TRIALS {
-            let middle = 0.5 * (below + above);
-            *(if suffices(middle.exp()) == Some(true) { &mut above } else { &mut below }) = middle;
+            // Most costs are nearly proportional to the size; where that leads nowhere, halfway.
+            let guess = above / most;
+            let inside = most.is_finite() && guess > below * 1.01 && guess < above / 1.01;
+            let trial = if inside { guess } else { (below * above).sqrt() };
+            match costs(trial) {
+                Some(share) if (share - 1.0).abs() < NEAR => return of(trial),
+                Some(share) if share > 1.0 => (above, most) = (trial, share),
+                _ => (below, most) = (trial, f64::INFINITY),
+            }
         }
-        of(below.exp())
+        of(below)
     }
 
     /// Values by their units alone, in powers of this knob's torque, way and time; neutral where that says something.
@@ -185,6 +207,24 @@ fn survey(signals: &Signals, torque: &[f64], inertia: f64) -> Survey {
         rate_hz: signals.rate_hz,
         inertia,
     }
+}
+
+/// Samples that a fit will count: not those that a direction which nobody can tell reaches through the filter.
+fn counted(signals: &Signals) -> Vec<f64> {
+    let reach = signals.filter.as_ref().map_or(0, |filter| filter.sos().settle() / 8);
+    let fastest = signals.omega.iter().fold(0.0_f64, |most, omega| most.max(omega.abs()));
+    let mut counts = vec![1.0; signals.len()];
+    for at in (0..signals.len()).filter(|&at| signals.omega[at].abs() < UNSURE * fastest) {
+        counts[at.saturating_sub(reach)..(at + reach).min(signals.len())].fill(0.0);
+    }
+    if counts.iter().sum::<f64>() < MOSTLY * counts.len() as f64 {
+        counts.fill(1.0);
+    }
+    counts
+}
+
+fn weigh(x: &mut [f64], weights: &[f64]) {
+    x.iter_mut().zip(weights).for_each(|(x, weight)| *x *= weight);
 }
 
 fn rms(x: &[f64]) -> f64 {
