@@ -2,8 +2,7 @@
 
 `python3 benches/study_pairs.py [--motions sweep,hand] [--knobs knob3] [--demo]` prints a row per pair that
 `hideable` offers: the error of the base model and that of a fit started at the truth, in noise floors. With
-`--demo` each pair is learned as `knobcam demo` does it, over an emulated rig, and the effects that it ends with
-are told.
+`--demo` each pair is learned as `knobcam demo` does it, over an emulated rig, and what it ends with is told.
 """
 
 from __future__ import annotations

@@ -106,8 +106,8 @@ class Story(showing.Tabled):
             if self.after.complete:
                 return (
                     f"{head} is missing that no single effect of the catalogue explains: "
-                    f"{100.0 * what.share:.0f} % of the error before them lies along {what.axis} ({what.hint}); "
-                    "with them the rest is chance."
+                    f"{100.0 * what.share:.0f} % of the error lies along {what.axis} ({what.hint}); "
+                    "with these the rest is chance."
                 )
             return (
                 f"{head} is missing that no effect of the catalogue explains: {100.0 * what.share:.0f} % of "

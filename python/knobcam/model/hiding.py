@@ -41,7 +41,7 @@ def hiding(
     knob: str,
     *hidden: str,
     motion: str | MotionTrack = "sweep",
-    noise: str | SensorNoise = "rig",
+    noise: str | SensorNoise = "ranged",
     duration_s: float = 6.0,
 ) -> Model:
     """Return one of the five knobs with these effects hidden in it.
@@ -69,7 +69,7 @@ def hiding(
 def hideable(
     knob: str,
     motion: str | MotionTrack = "sweep",
-    noise: str | SensorNoise = "rig",
+    noise: str | SensorNoise = "ranged",
     duration_s: float = 6.0,
 ) -> list[str]:
     """Return the effects that can be hidden in one of the five knobs, and found in such a motion."""

@@ -43,8 +43,8 @@ class SensorNoise(NamedTuple):
         """
         sensors = self
         while sensors.tau_limit < torque < math.inf:
-            tau_sd, tau_step, tau_limit = 2.0 * sensors.tau_sd, 2.0 * sensors.tau_step, 2.0 * sensors.tau_limit
-            sensors = sensors._replace(tau_sd=tau_sd, tau_step=tau_step, tau_limit=tau_limit)
+            tau_sd, tau_step, limit = (2.0 * x for x in (sensors.tau_sd, sensors.tau_step, sensors.tau_limit))
+            sensors = sensors._replace(tau_sd=tau_sd, tau_step=tau_step, tau_limit=limit)
         return sensors
 
 
@@ -55,24 +55,25 @@ class SensorNoise(NamedTuple):
 RIG = SensorNoise(0.0244, 0.4148, 0.0018, 9.8e-6, 2.0e-4, 1.8e-4, 0.180)
 # Equation 6: uniform noise of +-2 N m on the torque alone.
 PAPER = SensorNoise(tau_uniform=4.0)
-NOISES = {"rig": RIG, "paper": PAPER, "none": SensorNoise()}
+NOISES = {"ranged": RIG, "rig": RIG, "paper": PAPER, "none": SensorNoise()}
 
 
 def simulate(
     model: Model | str | os.PathLike[str],
     motion: str | MotionTrack = "sweep",
     *,
-    noise: str | SensorNoise = "rig",
+    noise: str | SensorNoise = "ranged",
     seed: int = 0,
     duration_s: float = 6.0,
     rate_hz: float = 5000.0,
 ) -> Capture:
     """Return the capture of a model (or its file or name) on a motion, with the noise of the rig's sensors.
 
-    `motion` is a name (sweep, multisine, turns, hand, micro) or a track; `noise` is `rig` (Tables 1 and 4 of
-    the paper, with a torque sensor of a range that the knob stays within), `paper` (Equation 6), `none`, or a
-    SensorNoise. The same seed gives the same capture. With the motion `push` a hand pushes the knob through a
-    spring, and the knob sticks and slips (`karnopp`).
+    `motion` is a name (sweep, multisine, turns, hand, micro) or a track; `noise` is `ranged` (the
+    sensors of the rig, that of the torque of a range in which the knob stays), `rig` (Tables 1 and 4 of the
+    paper: its torque sensor ends at 180 mN m), `paper` (Equation 6), `none`, or a SensorNoise. The same seed
+    gives the same capture. With the motion `push` a hand pushes the knob through a spring, and it sticks and
+    slips (`karnopp`).
     """
     _known(noise)
     if not isinstance(model, Model):
@@ -110,14 +111,14 @@ def simulate(
 
 
 def sensors(noise: str | SensorNoise, torque: float) -> SensorNoise:
-    """Return the sensors of such a noise; those of the rig by a torque sensor that reaches the torque.
+    """Return the sensors of such a noise, on a knob that asks for so much torque.
 
-    The paper's own saturates at 180 mN m, which its knob 5 exceeds at any speed: the detent alone is 202 mN m.
+    The paper's own saturates at 180 mN m, which its knob 5 exceeds at any speed: its detent has 202 mN m.
     """
     _known(noise)
     if not isinstance(noise, str):
         return noise
-    return RIG.reaching(torque) if noise == "rig" else NOISES[noise]
+    return RIG.reaching(torque) if noise == "ranged" else NOISES[noise]
 
 
 def _known(noise: str | SensorNoise) -> None:

@@ -1,4 +1,4 @@
-"""What an effect's ordinary size is on a knob, in a motion, to a rig's sensors; the effect's own file says it."""
+"""How large an effect ordinarily is on a knob, in a motion, to its sensors; the effect's own file says it."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ _EDGE_HZ = 500.0  # of the measurement filter at that rate
 class Cost(NamedTuple):
     """What an effect costs who does not know of it.
 
-    `rmse` is the error that the model without it keeps, beside noise, and `floor` what noise leaves; `peak` is
-    the largest torque; N m.
+    `rmse` is the error that the model without it keeps, beside noise, and `floor` what noise leaves; `peak`
+    is the largest torque; N m.
     """
 
     rmse: float
@@ -66,7 +66,7 @@ class Carrier(NamedTuple):
         cls,
         model: Model,
         motion: str | MotionTrack = "sweep",
-        noise: str | SensorNoise = "rig",
+        noise: str | SensorNoise = "ranged",
         duration_s: float = 6.0,
     ) -> Self:
         """Return the carrier that a model is in a motion; arguments as in `simulate`."""
@@ -128,7 +128,7 @@ def with_typical(model: Model, effect: Effect, carrier: Carrier | None = None) -
 def _carrying(model: Model, effect: Effect) -> Model:
     """The knob as it carries an effect: behind a joint it holds no more than it rubs.
 
-    The shaft drags a knob along that would show its stiction in every reversal, a second cause beside the joint.
+    Behind one, stiction shows in every reversal: a second cause beside the joint.
     """
     if effect.place != "coupling":
         return model

@@ -202,7 +202,7 @@ def _surprise(knob: str, motion: str, seconds: float) -> str:
     """An effect that leaves a trace on this knob in this motion: another would be no fun to look for."""
     effects = hideable(knob, motion, duration_s=seconds)
     if not effects:
-        raise InputError(f"no effect shows in {knob} in so little of this motion; record longer, or another one")
+        raise InputError(f"no effect shows in {knob} in so little of this motion; record longer")
     return secrets.choice(effects)
 
 

@@ -42,9 +42,12 @@ impl Effect<7> for Presliding {
     }
 
     fn typical(carrier: &Carrier<'_>) -> [f64; 7] {
-        // By the distance; a tenth of the friction follows the sign at once.
+        // By the share of the friction that builds up; where nine tenths are not enough, by the distance too.
         let range = carrier.survey.range().max(1e-6);
-        carrier.sized(Id::Presliding, [0.0003 * range, 0.25 * range], |s| [s, 0.25, 0.2, 0.2, 0.1, 0.1, 0.05])
+        carrier.sized(Id::Presliding, [0.03, 12.0], |size| {
+            let [w1, w2, w4] = [0.25, 0.2, 0.1].map(|share| share * size.min(1.0));
+            [0.02 * range * size.max(1.0), w1, w2, w2, w4, w4, 0.5 * w4]
+        })
     }
 }
 
