@@ -126,7 +126,7 @@ def demo(options: list[str]) -> None:
 def test(options: list[str]) -> None:
     """Rust first: it is the foundation. Its tests run without the bindings, which need a Python to link."""
     setup()
-    run("cargo", "test", "--release", "--locked", "--package", "knobcore")
+    run("cargo", "test", "--release", "--locked", "--workspace", "--exclude", "knobpy")
     run(PYTHON, "-m", "pytest", *options)
 
 
@@ -134,8 +134,7 @@ def lint(_: list[str]) -> None:
     """Formatting, lints, types and who imports whom; warnings are errors."""
     setup()
     run("cargo", "fmt", "--all", "--check")
-    for features in ([], ["--features", "python"]):
-        run("cargo", "clippy", "--locked", "--all-targets", *features, "--", "--deny", "warnings")
+    run("cargo", "clippy", "--locked", "--workspace", "--all-targets", "--", "--deny", "warnings")
     run(BIN / "ruff", "check")
     run(BIN / "ruff", "format", "--check")
     run(BIN / "lint-imports", "--no-cache")

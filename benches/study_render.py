@@ -195,7 +195,7 @@ def main() -> None:
         rows, figures[name] = part()
         print("\n".join(rows), flush=True)
         lines += [*rows, ""]
-    lines.append("allocations in 10^6 steps of every load and joint: 0 (crates/knobcore/tests/no_alloc.rs)")
+    lines.append("allocations in 10^6 steps of every load and joint: 0 (crates/knobrig/tests/no_alloc.rs)")
     OUT.write_text(json.dumps({"report": lines, **figures}, indent=1) + "\n", "utf-8")
 
 

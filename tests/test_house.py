@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+import tomllib
 from importlib.metadata import version
 from pathlib import Path
 
@@ -11,14 +12,18 @@ import knobcam
 from knobcam import _core
 
 ROOT = Path(__file__).parents[1]
-RUST = ROOT / "crates" / "knobcore" / "src"
+CRATES = ROOT / "crates"
+RUST = CRATES / "knobcore" / "src"
 PYTHON = ROOT / "python" / "knobcam"
 
+CRATE_ORDER = ["knobcore", "knobrender", "knobrig", "knobpy"]
+"""A crate knows those before it, by its Cargo.toml."""
 RUST_ORDER = [
-    *("error", "random", "special", "fourier", "scalar", "motion", "param", "effects", "model", "model_file"),
-    *("coupling", "filter", "signals", "smooth", "prepare", "predict", "simulate", "floor", "fit"),
-    *("diagnose", "stiction", "render", "realtime", "wire", "record", "emulate", "python"),
+    *("error", "random", "special", "fourier", "isa", "scalar", "motion", "param", "effects", "model"),
+    *("model_file", "chain", "filter", "signals", "smooth", "prepare", "predict", "carry", "floor", "fit"),
+    *("diagnose", "stiction"),
 ]
+"""Modules of knobcore, each of which knows those before it."""
 MOST = 12
 """Names at the top of the Python package that a reader can still hold in mind."""
 LONGEST = 400
@@ -34,8 +39,9 @@ def rust_code(path: Path) -> str:
     return re.sub(r"//.*", "", code)
 
 
-def rust_files() -> list[Path]:
-    return [path for path in sorted(RUST.rglob("*.rs")) if "tests" not in path.relative_to(RUST).parts]
+def rust_files(*crates: str) -> list[Path]:
+    found = [path for crate in crates for path in sorted((CRATES / crate / "src").rglob("*.rs"))]
+    return [path for path in found if "tests" not in path.relative_to(CRATES).parts]
 
 
 def written_files() -> list[Path]:
@@ -69,13 +75,20 @@ def module(path: Path, root: Path) -> str:
 
 
 def test_the_python_crates_are_named_in_the_bindings_alone():
-    outside = [path for path in rust_files() if path.relative_to(RUST).parts[0] != "python"]
+    outside = rust_files(*CRATE_ORDER[:-1])
     assert [path for path in outside if re.search(r"\b(pyo3|numpy)\b", rust_code(path))] == []
+
+
+def test_crates_use_only_those_before_them():
+    for place, crate in enumerate(CRATE_ORDER):
+        manifest = tomllib.loads((CRATES / crate / "Cargo.toml").read_text())
+        used = {name for name in manifest["dependencies"] if name in CRATE_ORDER}
+        assert used <= set(CRATE_ORDER[:place]), crate
 
 
 def test_rust_modules_use_only_those_before_them():
     backward, place = set(), {name: at for at, name in enumerate(RUST_ORDER)}
-    for path in rust_files():
+    for path in rust_files("knobcore"):
         user = module(path, RUST)
         if user != "lib":
             used = imported_by_rust(rust_code(path)) - {user}
@@ -124,7 +137,7 @@ def test_nothing_is_left_for_later():
 
 def test_the_core_never_panics_on_purpose():
     panics = re.compile(r"\.unwrap\(\)|\.expect\(|\b(panic|unreachable|todo|unimplemented|assert(_eq|_ne)?)!")
-    found = {path: match.group() for path in rust_files() if (match := panics.search(rust_code(path)))}
+    found = {path: match.group() for path in rust_files(*CRATE_ORDER) if (match := panics.search(rust_code(path)))}
     assert found == {}
 
 

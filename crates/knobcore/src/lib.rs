@@ -2,11 +2,11 @@
 //!
 //! One direction: motion and parameters -> effects -> model -> signals -> prediction -> fit -> diagnosis.
 //! A module imports only from those above it.
-#![cfg_attr(not(feature = "python"), forbid(unsafe_code))]
+#![forbid(unsafe_code)]
 
 pub mod error;
 mod fourier;
-mod isa;
+pub mod isa;
 pub mod random;
 pub mod scalar;
 pub mod special;
@@ -28,22 +28,11 @@ pub mod prepare;
 
 pub mod predict;
 
+pub mod carry;
+
 pub mod floor;
 
 pub mod fit;
 pub mod stiction;
 
 pub mod diagnose;
-
-pub mod render;
-
-pub mod realtime;
-
-pub mod wire;
-
-pub mod record;
-
-pub mod emulate;
-
-#[cfg(feature = "python")]
-mod python;

@@ -1,6 +1,5 @@
 //! A model: effects of the catalogue with their parameter values, and which of those may move.
 
-use crate::chain::{Block, Part};
 use crate::effects::law::Carried;
 use crate::effects::{Bends, Id, Joint, Place};
 use crate::error::{Error, Result};
@@ -40,6 +39,9 @@ impl Slot {
         format!("{}.{}", self.effect.info().id, self.param.name)
     }
 }
+
+/// One effect of a chain: which, its parameters, and the column of each.
+pub type Part<'a> = (Id, &'a [f64], &'a [Option<usize>]);
 
 /// An ordered chain of effects; at most one of each.
 #[derive(Debug, Clone)]
@@ -290,11 +292,9 @@ impl Model {
         }
     }
 
-    /// The loads on the knob over a block of a motion (t, theta, omega, alpha, forward), of effects that remember
-    /// nothing: the numbers that [`Model::load`] gives for each sample.
-    pub fn load_block(&self, p: &[f64], motion: [&[f64]; 5], block: &mut Block) {
-        let parts = self.parts.iter().map(|(id, range)| (*id, p.get(range.clone()).unwrap_or(&[])));
-        block.fill(parts, motion, self.plain);
+    /// The effects with their parameters, in the order of the chain.
+    pub fn chain<'a>(&'a self, p: &'a [f64]) -> impl Iterator<Item = (Id, &'a [f64])> {
+        self.parts.iter().map(|(id, range)| (*id, p.get(range.clone()).unwrap_or(&[])))
     }
 
     /// How shaft and knob are joined, if not rigidly.

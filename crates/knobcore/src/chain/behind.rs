@@ -42,9 +42,8 @@ impl Behind<'_> {
     /// Simulates with the derivatives whose columns begin at `first`.
     fn carry(&self, p: &[f64], first: usize, torque: &mut [f64], few: &mut [Vec<f64>]) {
         let lane = |column: usize| column.checked_sub(first).filter(|lane| *lane < CARRIED);
-        let seed = |(i, x): (usize, &f64)| {
-            D::seeded(*x, self.columns.get(i).copied().flatten().and_then(lane))
-        };
+        let seed =
+            |(i, x): (usize, &f64)| D::seeded(*x, self.columns.get(i).copied().flatten().and_then(lane));
         let p: Vec<_> = p.iter().enumerate().map(seed).collect();
         let beside = |at: usize| {
             let Beside { drive, level } = self.own.at(at)?;

@@ -1,7 +1,7 @@
 //! Loads over a block of samples, for a step that renders many at once.
 
-use crate::effects::Id;
 use crate::effects::law::{BLOCK, CHANNELS, Channels, Totals, load_of};
+use crate::model::Model;
 use crate::motion::Load;
 
 /// Loads on the moving knob over a block of samples, of effects that remember nothing: effect by effect, so that
@@ -18,16 +18,11 @@ impl Block {
     /// Samples that it holds.
     pub const SAMPLES: usize = BLOCK;
 
-    /// Brings the loads of effects together over a motion (t, theta, omega, alpha, forward) of at most
-    /// [`Block::SAMPLES`]; `plain` where none of them shapes the friction.
-    pub fn fill<'a>(
-        &mut self,
-        parts: impl Iterator<Item = (Id, &'a [f64])>,
-        motion: [&[f64]; 5],
-        plain: bool,
-    ) {
-        let mut totals = Totals::new(motion, 0..motion[0].len(), plain, &mut self.0);
-        for (id, p) in parts {
+    /// Brings the loads of a model together over a motion (t, theta, omega, alpha, forward) of at most
+    /// [`Block::SAMPLES`].
+    pub fn fill(&mut self, model: &Model, p: &[f64], motion: [&[f64]; 5]) {
+        let mut totals = Totals::new(motion, 0..motion[0].len(), model.is_plain(), &mut self.0);
+        for (id, p) in model.chain(p) {
             id.law().total(p, &mut [], &mut totals);
         }
     }

@@ -173,7 +173,6 @@ fn hermite([a, b]: [f64; 2], [da, db]: [f64; 2], u: f64) -> f64 {
     v * v * (1.0 + 2.0 * u) * a + u * u * (1.0 + 2.0 * v) * b + u * v * (v * da - u * db)
 }
 
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -22,15 +22,11 @@ pub use hidden::{Beside, Hidden, Instant};
 pub use push::{Hand, Pushed, push};
 pub use stepper::{Acts, Body};
 
-use crate::effects::Id;
 use crate::effects::law::Sweep;
 use crate::model::Model;
 
 /// Steps of a hidden knob from one sample to the next.
 pub const SUBSTEPS: usize = 4;
-
-/// One effect of a chain: which, its parameters, and the column of each.
-pub type Part<'a> = (Id, &'a [f64], &'a [Option<usize>]);
 
 /// Torque on the shaft and its derivatives along a motion: coupling and loads. `columns` says which column each
 /// parameter has.

@@ -34,11 +34,8 @@ impl<T: Scalar> Acts<T> {
     #[inline(always)]
     pub fn of(load: &Load<T>, plain: bool, omega: T, inertia: T) -> Self {
         let (half, zero, one) = (T::of(0.5), T::of(0.0), T::of(1.0));
-        let (mut forth, mut back) = if plain {
-            (load.resist[1], -load.resist[0])
-        } else {
-            (load.friction(one), load.friction(zero))
-        };
+        let (mut forth, mut back) =
+            if plain { (load.resist[1], -load.resist[0]) } else { (load.friction(one), load.friction(zero)) };
         if (load.band - omega.abs()).is_positive() {
             (forth, back) = (forth.max(load.hold[1]), back.min(-load.hold[0]));
         }
@@ -139,7 +136,9 @@ mod tests {
             };
             let start = energy(&knob);
             for _ in 0..40_000 {
-                knob = knob.stepped(&joint, &Acts { inertia: INERTIA, push: 0.0, friction: 0.0 }, [0.0, 0.0], STEP_S).0;
+                knob = knob
+                    .stepped(&joint, &Acts { inertia: INERTIA, push: 0.0, friction: 0.0 }, [0.0, 0.0], STEP_S)
+                    .0;
                 assert!(energy(&knob) < 1.01 * start, "{stiffness}: {}", energy(&knob) / start);
             }
             assert!(energy(&knob) < 0.1 * start, "{stiffness}: {}", energy(&knob) / start);

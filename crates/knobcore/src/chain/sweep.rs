@@ -4,8 +4,8 @@
 //! every channel of the load; by the chain rule each effect then needs derivatives to its own parameters only,
 //! however the loads act on each other.
 
-use super::Part;
 use crate::effects::law::{BLOCK, CHANNELS, Sweep, Totals};
+use crate::model::Part;
 
 /// Torque and derivatives of loads on the moving knob; what the columns held is replaced.
 pub(super) fn loads(parts: &[Part<'_>], over: &mut Sweep<'_>) {

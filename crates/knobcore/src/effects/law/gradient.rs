@@ -16,12 +16,7 @@ pub struct Gradient<'a> {
 impl Gradient<'_> {
     /// Chain rule: derivatives of the torque where those of an effect's own load are given.
     #[inline(always)]
-    fn through<const N: usize>(
-        &self,
-        at: usize,
-        load: &Load<Dual<Pack, N>>,
-        touches: Touched,
-    ) -> [Pack; N] {
+    fn through<const N: usize>(&self, at: usize, load: &Load<Dual<Pack, N>>, touches: Touched) -> [Pack; N] {
         if self.totals.plain {
             self.summed::<N, PLAIN>(at, load, touches)
         } else {

@@ -72,7 +72,13 @@ pub trait Law: Sync {
     fn total(&self, _p: &[f64], _kept: &mut [f64], _totals: &mut Totals<'_>) {}
 
     /// Adds the derivatives of the torque by its own parameters over a block of samples.
-    fn slopes(&self, _p: &[f64], _columns: &[Option<usize>], _kept: &mut [f64], _gradient: &mut Gradient<'_>) {
+    fn slopes(
+        &self,
+        _p: &[f64],
+        _columns: &[Option<usize>],
+        _kept: &mut [f64],
+        _gradient: &mut Gradient<'_>,
+    ) {
     }
 
     /// Passes torque and derivatives through it, if it is a sensor.

@@ -32,7 +32,8 @@ impl User {
             let (Some(low), Some(high)) = (below.1, above.1) else { continue };
             let by = |of: fn(&Joint<f64>) -> f64| (of(&high) - of(&low)) / (above.0 - below.0);
             let slopes = [by(|j| j.gap), by(|j| j.stiffness), by(|j| j.damping), by(|j| j.share)];
-            for (part, slope) in [&mut gap, &mut stiffness, &mut damping, &mut share].into_iter().zip(slopes) {
+            for (part, slope) in [&mut gap, &mut stiffness, &mut damping, &mut share].into_iter().zip(slopes)
+            {
                 *part = *part + Dual { v: 0.0, d: p.d.map(|d| slope * d) };
             }
         }

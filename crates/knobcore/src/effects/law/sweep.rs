@@ -82,4 +82,3 @@ fn add(slopes: &mut [Vec<f64>], columns: &[Option<usize>], at: usize, more: &[Pa
         }
     }
 }
-

@@ -1,0 +1,36 @@
+//! Between NumPy and the core.
+use knobcore::error::Error;
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+/// A column as it comes in: float64, contiguous.
+pub type Column<'py> = PyReadonlyArray1<'py, f64>;
+
+/// A column as it goes out.
+pub type Floats<'py> = Bound<'py, PyArray1<f64>>;
+
+/// A wrong call or input, as Python knows it: `knobcam.errors.InputError`, a `ValueError`.
+pub fn input_error(error: Error) -> PyErr {
+    let message = error.to_string();
+    Python::attach(|py| {
+        let class = py.import("knobcam.errors").and_then(|module| module.getattr("InputError"));
+        match class.and_then(|class| class.call1((message.clone(),))) {
+            Ok(error) => PyErr::from_value(error),
+            Err(_) => PyValueError::new_err(message),
+        }
+    })
+}
+
+/// A copy that Python owns.
+pub fn array<'py>(py: Python<'py>, column: &[f64]) -> Floats<'py> {
+    PyArray1::from_slice(py, column)
+}
+
+/// A small matrix as it goes out.
+pub fn matrix<'py>(py: Python<'py>, m: &faer::Mat<f64>) -> Bound<'py, PyArray2<f64>> {
+    PyArray2::from_owned_array(
+        py,
+        numpy::ndarray::Array2::from_shape_fn((m.nrows(), m.ncols()), |(i, j)| m[(i, j)]),
+    )
+}

@@ -1,0 +1,217 @@
+//! Bindings of the fit.
+use super::convert::{Floats, array, input_error, matrix};
+use super::model::PyModel;
+use super::progress::Progress;
+use super::signals::PySignals;
+use super::user::watched;
+use knobcore::diagnose::{Candidate, Split, diagnose as diagnose_core, locate as locate_core, settle};
+use knobcore::effects::Id;
+use knobcore::fit::{Detents, Fit, fit as fit_core, report, sketch};
+use knobcore::stiction::{Estimate, stiction as stiction_core};
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// A fitted model.
+#[pyclass(frozen, name = "Fit", module = "knobcam._core")]
+pub struct PyFit(pub Fit);
+
+#[pymethods]
+impl PyFit {
+    #[getter]
+    fn model(&self) -> PyModel {
+        PyModel(self.0.model.clone())
+    }
+
+    /// Names of the determined parameters, the order of `standard_errors`, `correlation` and `bootstrap`.
+    #[getter]
+    fn free(&self) -> Vec<String> {
+        self.0.free.iter().map(|&i| self.0.model.slots()[i].name()).collect()
+    }
+
+    #[getter]
+    fn standard_errors<'py>(&self, py: Python<'py>) -> Floats<'py> {
+        array(py, &self.0.standard_errors())
+    }
+
+    #[getter]
+    fn correlation<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        matrix(py, &self.0.correlation())
+    }
+
+    #[getter]
+    fn undetermined(&self) -> Vec<(String, String)> {
+        self.0.undetermined.iter().map(|u| (u.name.clone(), u.why.clone())).collect()
+    }
+
+    #[getter]
+    fn rmse(&self) -> f64 {
+        self.0.rmse
+    }
+
+    #[getter]
+    fn rmse_heldout(&self) -> f64 {
+        self.0.rmse_heldout
+    }
+
+    #[getter]
+    fn noise_floor(&self) -> f64 {
+        self.0.noise_floor
+    }
+
+    #[getter]
+    fn white_squares(&self) -> f64 {
+        self.0.white_squares
+    }
+
+    #[getter]
+    fn iterations(&self) -> usize {
+        self.0.iterations
+    }
+
+    #[getter]
+    fn evaluations(&self) -> usize {
+        self.0.evaluations
+    }
+
+    #[getter]
+    fn status(&self) -> &'static str {
+        self.0.status.word()
+    }
+
+    #[getter]
+    fn message(&self) -> &'static str {
+        self.0.status.message()
+    }
+
+    /// The detent scan: (1/P, gain in (N m)^2), where one was made.
+    #[getter]
+    fn scan<'py>(&self, py: Python<'py>) -> Option<(Floats<'py>, Floats<'py>)> {
+        let scan = self.0.scan.as_ref()?;
+        Some((array(py, &scan.inverse_period), array(py, &scan.gain)))
+    }
+
+    /// Block-bootstrap refits, shape (draws, parameters).
+    fn bootstrap<'py>(
+        &self,
+        py: Python<'py>,
+        draws: usize,
+        seed: u64,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let refits = watched(py, &self.0.model, || self.0.bootstrap(draws, seed))?;
+        Ok(PyArray2::from_vec2(py, &refits)?)
+    }
+
+    /// Half-width of the 95 % band of the mean prediction, N m.
+    fn band<'py>(&self, py: Python<'py>, signals: &PySignals) -> PyResult<Floats<'py>> {
+        let band = watched(py, &self.0.model, || self.0.band(&signals.prepared.signals))?;
+        Ok(array(py, &band))
+    }
+}
+
+/// An estimate as it goes out: (value, low, high).
+type Interval = Option<(f64, f64, f64)>;
+
+/// Static friction as it goes out: d_neg, d_pos, dv, breakaways.
+type Stiction = (Interval, Interval, Interval, [usize; 2]);
+
+/// Static friction that captures show beside a fitted model.
+#[pyfunction]
+pub fn stiction(py: Python<'_>, data: Vec<PyRef<'_, PySignals>>, model: &PyModel) -> PyResult<Stiction> {
+    let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
+    let (model, signals) = (&model.0, &signals[..]);
+    let found = watched(py, model, || stiction_core(signals, model))?;
+    let row = |e: Option<Estimate>| e.map(|e| (e.value, e.ci95[0], e.ci95[1]));
+    Ok((row(found.d_neg), row(found.d_pos), row(found.dv), found.breakaways))
+}
+
+/// Splits the error of a model over every axis: dicts with the fields of `Split`.
+#[pyfunction]
+pub fn locate<'py>(
+    py: Python<'py>,
+    data: Vec<PyRef<'py, PySignals>>,
+    model: &PyModel,
+) -> PyResult<Vec<Bound<'py, PyDict>>> {
+    let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
+    let (model, signals) = (&model.0, &signals[..]);
+    let splits = watched(py, model, || locate_core(signals, model))?;
+    splits.iter().map(|split| split_dict(py, split)).collect()
+}
+
+fn split_dict<'py>(py: Python<'py>, split: &Split) -> PyResult<Bound<'py, PyDict>> {
+    let row = PyDict::new(py);
+    row.set_item("axis", split.axis)?;
+    let columns = [
+        ("low", &split.low),
+        ("high", &split.high),
+        ("count", &split.count),
+        ("mean", &split.mean),
+        ("rms", &split.rms),
+        ("band", &split.band),
+    ];
+    for (name, column) in columns {
+        row.set_item(name, array(py, column))?;
+    }
+    row.set_item("direction", PyArray1::from_slice(py, &split.direction))?;
+    row.set_item("share", split.share)?;
+    row.set_item("part", split.part)?;
+    row.set_item("chance", split.chance)?;
+    let regions: Vec<_> =
+        split.regions.iter().map(|r| (r.from, r.to, r.direction, r.mean, r.share)).collect();
+    row.set_item("regions", regions)?;
+    Ok(row)
+}
+
+/// Fits a model to one or several captures; `find_detents` adds detents where the data show them.
+#[pyfunction]
+pub fn fit(
+    py: Python<'_>,
+    data: Vec<PyRef<'_, PySignals>>,
+    model: &PyModel,
+    find_detents: bool,
+) -> PyResult<PyFit> {
+    let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
+    let detents = if find_detents { Detents::Find } else { Detents::AsModel };
+    let (model, signals) = (&model.0, &signals[..]);
+    watched(py, model, || fit_core(signals, model, detents))?.map(PyFit).map_err(input_error)
+}
+
+/// Fits a model from the values that it has, near its best; not `thorough`: as far as comparing models needs.
+#[pyfunction]
+pub fn refine(
+    py: Python<'_>,
+    data: Vec<PyRef<'_, PySignals>>,
+    model: &PyModel,
+    thorough: bool,
+) -> PyResult<PyFit> {
+    let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
+    let (model, signals) = (&model.0, &signals[..]);
+    let work = || {
+        if thorough { settle(signals, model) } else { report(signals, model, sketch(signals, model)) }
+    };
+    watched(py, model, work)?.map(PyFit).map_err(input_error)
+}
+
+/// A candidate as it goes out: effect, fit, gain, parameters, p-value, note.
+type CandidateRow = (&'static str, Option<PyFit>, f64, usize, f64, String);
+
+/// Fits each of the effects beside a fitted model; best first. `progress` is told the share that is done; what it
+/// raises ends the work.
+#[pyfunction]
+#[pyo3(signature = (data, model, effects, progress=None))]
+pub fn diagnose(
+    py: Python<'_>,
+    data: Vec<PyRef<'_, PySignals>>,
+    model: &PyModel,
+    effects: Vec<String>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Vec<CandidateRow>> {
+    let ids = effects.iter().map(|id| Id::parse(id)).collect::<Result<Vec<_>, _>>().map_err(input_error)?;
+    let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
+    let (model, signals) = (&model.0, &signals[..]);
+    let progress = Progress::of(progress);
+    let found = watched(py, model, || diagnose_core(signals, model, &ids, &|share| progress.tell(share)))?;
+    let found = progress.ended(found)?;
+    let row = |c: Candidate| (c.id.info().id, c.fit.map(PyFit), c.gain, c.parameters, c.p_value, c.note);
+    Ok(found.into_iter().map(row).collect())
+}

@@ -1,0 +1,230 @@
+//! Bindings of models and of the catalogue.
+use super::convert::{Column, Floats, array, input_error};
+use super::signals::PySignals;
+use super::user::watched;
+use knobcore::carry::carrier;
+use knobcore::chain::{self, Hand};
+use knobcore::effects::Id;
+use knobcore::model::{Model, Role};
+use knobcore::param::Axis;
+use knobcore::predict::{Columns, Seeds, raw};
+
+use knobcore::{model_file, predict};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// An immutable model.
+#[pyclass(frozen, name = "Model", module = "knobcam._core")]
+#[derive(Clone)]
+pub struct PyModel(pub Model);
+
+/// Rotary or linear, by name.
+pub fn axis(name: &str) -> Axis {
+    if name == "linear" { Axis::Linear } else { Axis::Rotary }
+}
+
+impl PyModel {
+    fn changed(&self, change: impl FnOnce(&mut Model) -> knobcore::error::Result<()>) -> PyResult<Self> {
+        let mut model = self.0.clone();
+        change(&mut model).map_err(input_error)?;
+        Ok(Self(model))
+    }
+}
+
+#[pymethods]
+impl PyModel {
+    #[new]
+    #[pyo3(signature = (effects, axis_name="rotary", name=""))]
+    fn new(effects: Vec<String>, axis_name: &str, name: &str) -> PyResult<Self> {
+        let ids =
+            effects.iter().map(|id| Id::parse(id)).collect::<Result<Vec<_>, _>>().map_err(input_error)?;
+        let mut model = Model::new(&ids, axis(axis_name));
+        model.name = name.to_owned();
+        Ok(Self(model))
+    }
+
+    #[staticmethod]
+    fn parse(text: &str) -> PyResult<Self> {
+        model_file::parse(text).map(Self).map_err(input_error)
+    }
+
+    fn text(&self) -> String {
+        model_file::write(&self.0)
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        &self.0.name
+    }
+
+    #[getter]
+    fn axis(&self) -> &'static str {
+        if self.0.axis == Axis::Linear { "linear" } else { "rotary" }
+    }
+
+    #[getter]
+    fn effects(&self) -> Vec<&'static str> {
+        self.0.effects().map(|id| id.info().id).collect()
+    }
+
+    /// Rows of (name, value, unit, role), the role `free`, `fixed` or the name that it is tied to.
+    fn rows(&self) -> Vec<(String, f64, String, String)> {
+        let role = |role: Role| match role {
+            Role::Free => "free".to_owned(),
+            Role::Fixed => "fixed".to_owned(),
+            Role::Tied(to) => self.0.slots()[to].name(),
+        };
+        self.0
+            .slots()
+            .iter()
+            .map(|s| (s.name(), s.value, s.param.unit.text(self.0.axis), role(s.role)))
+            .collect()
+    }
+
+    fn renamed(&self, name: String) -> Self {
+        let mut model = self.0.clone();
+        model.name = name;
+        Self(model)
+    }
+
+    fn with_value(&self, name: &str, value: f64) -> PyResult<Self> {
+        self.changed(|model| model.set(name, value))
+    }
+
+    fn with_fixed(&self, name: &str, fixed: bool) -> PyResult<Self> {
+        self.changed(|model| model.set_role(name, if fixed { Role::Fixed } else { Role::Free }))
+    }
+
+    fn with_tie(&self, name: &str, to: &str) -> PyResult<Self> {
+        self.changed(|model| model.tie(name, to))
+    }
+
+    fn with_effect(&self, id: &str) -> PyResult<Self> {
+        Id::parse(id).and_then(|id| self.0.with(id)).map(Self).map_err(input_error)
+    }
+
+    /// What is implausible about the values of an effect, if anything is.
+    fn implausible(&self, id: &str) -> PyResult<Option<&'static str>> {
+        let id = Id::parse(id).map_err(input_error)?;
+        let values: Vec<f64> =
+            self.0.slots().iter().filter(|slot| slot.effect == id).map(|slot| slot.value).collect();
+        Ok(id.law().implausible(&values))
+    }
+
+    /// Parameter values of an effect of ordinary size on this knob, on the motion of prepared signals, in the order
+    /// of the catalogue. `noise` and `limit` are those of the torque sensor, N m.
+    fn typical(
+        &self,
+        py: Python<'_>,
+        id: &str,
+        signals: &PySignals,
+        noise: f64,
+        limit: f64,
+    ) -> PyResult<Vec<f64>> {
+        let id = Id::parse(id).map_err(input_error)?;
+        let signals = &signals.prepared.signals;
+        watched(py, &self.0, || id.law().typical(&carrier(&self.0, signals, noise, limit)))
+    }
+
+    /// What an effect with such values would cost who does not know of it, RMS beside the noise; what the noise leaves;
+    /// and the largest torque; N m. None where the knob cannot have the effect.
+    fn cost(
+        &self,
+        py: Python<'_>,
+        id: &str,
+        values: Vec<f64>,
+        signals: &PySignals,
+        noise: f64,
+    ) -> PyResult<Option<[f64; 3]>> {
+        let id = Id::parse(id).map_err(input_error)?;
+        let signals = &signals.prepared.signals;
+        watched(py, &self.0, || {
+            let here = carrier(&self.0, signals, noise, f64::INFINITY);
+            here.cost(id, &values).map(|[cost, peak]| [cost, here.floor, peak])
+        })
+    }
+
+    /// The same parameters, of these effects only.
+    fn only(&self, effects: Vec<String>) -> PyResult<Self> {
+        // Its own first: an effect of a user's own may have been registered anew since.
+        let own = |name: &String| self.0.effects().find(|id| id.info().id == name);
+        let ids = effects.iter().map(|name| own(name).map_or_else(|| Id::parse(name), Ok));
+        let ids = ids.collect::<Result<Vec<_>, _>>().map_err(input_error)?;
+        self.0.only(&ids).map(Self).map_err(input_error)
+    }
+
+    /// Torque on the motion of prepared signals, through their filter or raw; N m.
+    #[pyo3(signature = (signals, filtered=true))]
+    fn torque<'py>(&self, py: Python<'py>, signals: &PySignals, filtered: bool) -> PyResult<Floats<'py>> {
+        let of = if filtered { predict::torque } else { predict::torque_raw };
+        watched(py, &self.0, || of(&self.0, &signals.prepared.signals)).map(|tau| array(py, &tau))
+    }
+
+    /// Raw torque on the motion of prepared signals, N m, and its derivative to each free parameter, in the order
+    /// of `rows`.
+    fn sensitivities<'py>(
+        &self,
+        py: Python<'py>,
+        signals: &PySignals,
+    ) -> PyResult<(Floats<'py>, Vec<Floats<'py>>)> {
+        let signals = &signals.prepared.signals;
+        let slots = self.0.slots().iter().enumerate();
+        let free: Vec<usize> = slots.filter(|(_, slot)| slot.role == Role::Free).map(|(i, _)| i).collect();
+        let mut columns = Columns::default();
+        watched(py, &self.0, || {
+            let seeds = Seeds::of(&self.0, &free);
+            raw(&self.0, &self.0.values(), &seeds, signals, 0..signals.t.len(), &mut columns);
+        })?;
+        let (torque, slopes) = columns.split();
+        Ok((array(py, torque), slopes.iter().map(|column| array(py, column)).collect()))
+    }
+}
+
+/// A knob that a hand pushes through a spring and a damper: theta, omega, alpha and the hand's torque.
+#[pyfunction]
+pub fn push<'py>(
+    py: Python<'py>,
+    model: &PyModel,
+    reference: Column<'py>,
+    dt: f64,
+    stiffness: f64,
+    damping: f64,
+) -> PyResult<[Floats<'py>; 4]> {
+    let reference = reference.as_slice()?;
+    let pushed = watched(py, &model.0, || chain::push(&model.0, reference, dt, Hand { stiffness, damping }))?
+        .map_err(input_error)?;
+    Ok([&pushed.theta, &pushed.omega, &pushed.alpha, &pushed.tau].map(|x| array(py, x)))
+}
+
+/// The catalogue: for each effect a dict of id, place, law, source, shows and params.
+#[pyfunction]
+#[pyo3(signature = (axis_name="rotary"))]
+pub fn catalogue<'py>(py: Python<'py>, axis_name: &str) -> PyResult<Vec<Bound<'py, PyDict>>> {
+    let axis = axis(axis_name);
+    let row = |id: &Id| {
+        let info = id.info();
+        let row = PyDict::new(py);
+        row.set_item("id", info.id)?;
+        row.set_item("place", info.place.text())?;
+        row.set_item("law", info.law)?;
+        row.set_item("source", info.source)?;
+        row.set_item("shows", info.shows)?;
+        row.set_item("confused", info.confused)?;
+        row.set_item("needs", info.needs)?;
+        row.set_item("describes", info.describes)?;
+        let param = |p: &knobcore::param::Param| {
+            let row = PyDict::new(py);
+            row.set_item("name", p.name)?;
+            row.set_item("unit", p.unit.text(axis))?;
+            row.set_item("lower", p.lower)?;
+            row.set_item("upper", p.upper)?;
+            row.set_item("neutral", p.neutral)?;
+            row.set_item("plausible", (p.plausible[0], p.plausible[1]))?;
+            row.set_item("meaning", p.meaning)?;
+            PyResult::Ok(row)
+        };
+        row.set_item("params", info.params.iter().map(param).collect::<PyResult<Vec<_>>>()?)?;
+        Ok(row)
+    };
+    Id::all().iter().map(row).collect()
+}

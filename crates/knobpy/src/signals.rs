@@ -1,0 +1,135 @@
+//! Bindings of preparation.
+use super::convert::{Column, Floats, array, input_error};
+use super::model::axis;
+use knobcore::error::Error;
+use knobcore::param::Axis;
+use knobcore::prepare::{LowPass, Preparation, Prepared, Recording, Source, prepare as prepare_core};
+use numpy::PyReadonlyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::collections::HashMap;
+
+/// Prepared signals of one capture.
+#[pyclass(frozen, name = "Signals", module = "knobcam._core")]
+pub struct PySignals {
+    pub prepared: Prepared,
+}
+
+#[pymethods]
+impl PySignals {
+    /// One column by name: t, theta, omega, alpha, forward, tau, tau_raw, weight, or a standard deviation
+    /// omega_sd, theta_sd, alpha_sd (None where it is not known).
+    fn column<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Floats<'py>>> {
+        let s = &self.prepared.signals;
+        let sd = self.prepared.uncertainty.as_ref();
+        let column = match name {
+            "t" => &s.t,
+            "theta" => &s.theta,
+            "omega" => &s.omega,
+            "alpha" => &s.alpha,
+            "forward" => &s.forward,
+            "tau" => &s.tau,
+            "tau_raw" => &s.tau_raw,
+            "weight" => &s.weight,
+            "omega_sd" if sd.is_some() => &s.omega_sd,
+            "theta_sd" | "alpha_sd" | "omega_sd" => match sd {
+                Some([theta, alpha]) => {
+                    if name == "theta_sd" {
+                        theta
+                    } else {
+                        alpha
+                    }
+                }
+                None => return Ok(None),
+            },
+            _ => return Err(input_error(Error::invalid(format!("column '{name}'"), "does not exist"))),
+        };
+        Ok(Some(array(py, column)))
+    }
+
+    #[getter]
+    fn axis(&self) -> &'static str {
+        if self.prepared.signals.axis == Axis::Linear { "linear" } else { "rotary" }
+    }
+
+    #[getter]
+    fn rate_hz(&self) -> f64 {
+        self.prepared.signals.rate_hz
+    }
+
+    #[getter]
+    fn used(&self) -> usize {
+        self.prepared.signals.used()
+    }
+
+    /// Noise levels of the motion sensors and the jerk, where they were estimated.
+    #[getter]
+    fn noise(&self) -> Option<HashMap<&'static str, f64>> {
+        let noise = self.prepared.noise.as_ref()?;
+        Some(HashMap::from([
+            ("theta", noise.theta),
+            ("omega", noise.omega),
+            ("alpha", noise.alpha),
+            ("jerk", noise.jerk),
+        ]))
+    }
+}
+
+fn positive(options: &Bound<'_, PyDict>, name: &str) -> PyResult<Option<f64>> {
+    match options.get_item(name)? {
+        None => Ok(None),
+        Some(value) if value.is_none() => Ok(None),
+        Some(value) => value.extract().map(Some),
+    }
+}
+
+/// Prepares a recording by method `smooth`, `paper`, `none` or `differences`; see `knobcam.prepare`.
+#[pyfunction]
+#[allow(clippy::too_many_arguments)]
+pub fn prepare(
+    py: Python<'_>,
+    axis_name: &str,
+    rate_hz: f64,
+    t: Column<'_>,
+    theta: Column<'_>,
+    omega: Option<Column<'_>>,
+    alpha: Option<Column<'_>>,
+    tau: Column<'_>,
+    after_gap: PyReadonlyArray1<'_, bool>,
+    method: &str,
+    options: &Bound<'_, PyDict>,
+) -> PyResult<PySignals> {
+    let mut how = match method {
+        "smooth" => Preparation::smooth(rate_hz),
+        "paper" => Preparation::paper(rate_hz),
+        "none" => Preparation::none(),
+        "differences" => {
+            let cutoff = positive(options, "cutoff_hz")?.unwrap_or(0.1 * rate_hz);
+            Preparation::differences(cutoff, positive(options, "decimate")?.map_or(1, |d| d as usize))
+        }
+        other => {
+            let why = "is none; choose smooth, paper, none or differences";
+            return Err(input_error(Error::invalid(format!("prepare '{other}'"), why)));
+        }
+    };
+    if let Some(edge) = positive(options, "torque_edge_hz")? {
+        how.torque = Some(LowPass::Paper(edge));
+    }
+    if let (Some(edge), Source::Filtered { theta, omega, alpha }) =
+        (positive(options, "motion_edge_hz")?, &mut how.source)
+    {
+        (*theta, *omega, *alpha) = (LowPass::Paper(edge), LowPass::Paper(edge), LowPass::Paper(0.5 * edge));
+    }
+    let recording = Recording {
+        axis: axis(axis_name),
+        rate_hz,
+        t: t.as_slice()?,
+        theta: theta.as_slice()?,
+        omega: omega.as_ref().map(|c| c.as_slice()).transpose()?,
+        alpha: alpha.as_ref().map(|c| c.as_slice()).transpose()?,
+        tau: tau.as_slice()?,
+        after_gap: after_gap.as_slice()?,
+    };
+    let prepared = py.detach(|| prepare_core(&recording, &how)).map_err(input_error)?;
+    Ok(PySignals { prepared })
+}

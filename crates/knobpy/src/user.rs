@@ -1,0 +1,114 @@
+//! Bindings of effects of the user's own.
+use super::convert::{Column, array, input_error};
+use knobcore::effects::{Bends, Function, Id, Info, Place, User};
+use knobcore::error::{Error, Result};
+use knobcore::model::Model;
+use knobcore::motion::Channel;
+use knobcore::param::{Kind, Param, Unit};
+use pyo3::exceptions::PyException;
+use pyo3::prelude::*;
+use std::sync::{Mutex, PoisonError};
+
+/// A parameter as it comes in: name, unit, lower, upper, neutral, meaning, linear.
+type Row = (String, String, f64, f64, f64, String, bool);
+
+/// What ended a law and is no failure of it, such as Ctrl-C; it is raised when the work is over.
+static INTERRUPT: Mutex<Option<PyErr>> = Mutex::new(None);
+
+fn interrupt(error: Option<PyErr>) -> Option<PyErr> {
+    std::mem::replace(&mut *INTERRUPT.lock().unwrap_or_else(PoisonError::into_inner), error)
+}
+
+/// Registers an effect that acts as a `load`, as `friction`, on the `sensor` or as `coupling`. `function` gets the
+/// parameter values and the columns of [`Function`], and answers as that says; `starts` has one value per parameter in
+/// each row.
+#[pyfunction]
+#[allow(clippy::too_many_arguments)]
+pub fn register_effect(
+    id: String,
+    acts: &str,
+    law: String,
+    source: String,
+    shows: String,
+    params: Vec<Row>,
+    remembers: bool,
+    starts: Vec<Vec<f64>>,
+    function: Py<PyAny>,
+) -> PyResult<()> {
+    let params = params.into_iter().map(|row| param(&id, row));
+    let params = params.collect::<Result<Vec<_>>>().map_err(input_error)?;
+    let (place, touches, bends): (_, &[Channel], _) = match acts {
+        "friction" => (Place::Load, &[Channel::Level], None),
+        "sensor" => (Place::Sensor, &[], Some(Bends::Everything)),
+        "coupling" => (Place::Coupling, &[], Some(Bends::Everything)),
+        _ => (Place::Load, &[Channel::Drive], None),
+    };
+    let info = Info {
+        id: id.leak(),
+        place,
+        law: law.leak(),
+        source: source.leak(),
+        shows: shows.leak(),
+        params: params.leak(),
+        confused: &[],
+        needs: None,
+        touches,
+        shapes_friction: Channel::shape_friction(touches),
+        presses: false,
+        bends,
+        describes: false,
+    };
+    User::register(info, remembers, starts, called(function)).map_err(input_error)?;
+    Ok(())
+}
+
+fn param(id: &str, (name, unit, lower, upper, neutral, meaning, linear): Row) -> Result<Param> {
+    let unit = Unit::parse(&unit)
+        .map_err(|error| Error::invalid(format!("parameter '{id}.{name}'"), error.to_string()))?;
+    let kind = if linear { Kind::Linear } else { Kind::Nonlinear };
+    let (name, meaning) = (name.leak(), meaning.leak());
+    let shape = Param::shape(name, unit, [lower, upper], neutral, meaning);
+    Ok(Param { kind, ..shape })
+}
+
+fn called(function: Py<PyAny>) -> Function {
+    Box::new(move |p, columns| {
+        Python::attach(|py| {
+            let columns: Vec<_> = columns.iter().map(|column| array(py, column)).collect();
+            let told = function.bind(py).call1((p.to_vec(), columns)).and_then(|tau| {
+                let tau: Column<'_> = tau.extract()?;
+                Ok(tau.as_slice()?.to_vec())
+            });
+            told.map_err(|error| {
+                let why = error.value(py).to_string();
+                if !error.is_instance_of::<PyException>(py) {
+                    interrupt(Some(error));
+                }
+                why
+            })
+        })
+    })
+}
+
+/// Takes an effect out of the catalogue; models that have it keep it. Whether it was there.
+#[pyfunction]
+pub fn forget_effect(id: &str) -> bool {
+    User::forget(id)
+}
+
+/// What went wrong in an effect of the user's own on this thread since this was last asked.
+#[pyfunction]
+pub fn effect_failure(id: &str) -> PyResult<Option<String>> {
+    match Id::parse(id).map_err(input_error)? {
+        Id::User(user) => Ok(user.failure()),
+        _ => Ok(None),
+    }
+}
+
+/// Does work that evaluates a model, while Python may do other things; an effect of the model that fails in it is
+/// raised, and so is what ended any law and is no failure of it.
+pub fn watched<R: Send>(py: Python<'_>, model: &Model, work: impl FnOnce() -> R + Send) -> PyResult<R> {
+    interrupt(None);
+    let done = py.detach(|| model.watched(work));
+    interrupt(None).map_or_else(|| done.map_err(input_error), Err)
+}

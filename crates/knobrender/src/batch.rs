@@ -1,0 +1,205 @@
+//! A whole motion at once: the same numbers as single steps, eight samples at a time where the knob just slides.
+#![expect(clippy::needless_range_loop, reason = "a count known to the compiler becomes vector instructions")]
+
+use super::sliding::{Sliding, braked};
+use super::step::{Renderer, Sensed};
+use knobcore::chain::Block;
+use knobcore::isa;
+use knobcore::motion::Motion;
+use knobcore::scalar::LANES;
+
+/// Columns of a motion: angle, speed, acceleration, and the torque of the hand where it is measured.
+#[derive(Clone, Copy)]
+struct Columns<'a> {
+    motion: [&'a [f64]; 3],
+    hand: Option<&'a [f64]>,
+}
+
+impl Columns<'_> {
+    fn sensed(&self, i: usize) -> Sensed {
+        let [theta, omega, alpha] = self.motion;
+        let hand = self.hand.map(|hand| hand[i]).filter(|tau| !tau.is_nan());
+        Sensed { theta: theta[i], omega: omega[i], alpha: alpha[i], hand }
+    }
+}
+
+/// What a block of samples asks for if the knob slides in all of them.
+struct Ahead {
+    /// Time, angle when the torque acts, direction: beside the speed what an effect looks at.
+    motion: [[f64; Block::SAMPLES]; 3],
+    /// Angle of the sample before.
+    before: [f64; Block::SAMPLES],
+    moving: Block,
+    /// The same at rest, for a model that has to be guarded.
+    resting: Block,
+    /// Torque without inertia, N m, and inertia, kg m^2.
+    asked: [[f64; Block::SAMPLES]; 2],
+    /// The way in which the knob can slide through a sample: 1, -1, or 0 for none.
+    ways: [f64; Block::SAMPLES],
+}
+
+const ZEROS: [f64; Block::SAMPLES] = [0.0; Block::SAMPLES];
+const HALVES: [f64; Block::SAMPLES] = [0.5; Block::SAMPLES];
+
+impl Ahead {
+    fn new() -> Self {
+        let (moving, resting) = (Block::default(), Block::default());
+        Self { motion: [ZEROS; 3], before: ZEROS, moving, resting, asked: [ZEROS; 2], ways: ZEROS }
+    }
+
+    /// Whether the knob can slide that way through the eight samples from `at` on.
+    #[inline(always)]
+    fn all(&self, at: usize, way: f64) -> bool {
+        let differ = |other: u64, one: &f64| other | (one.to_bits() ^ way.to_bits());
+        self.ways.as_chunks::<LANES>().0[at / LANES].iter().fold(0, differ) == 0
+    }
+}
+
+impl Renderer {
+    /// The torque along a motion, N m, as single steps would give it, to the last bit; a hand torque that is
+    /// NaN is one that is not known. Rows beyond the shortest column are left as they are.
+    pub fn render(&mut self, motion: [&[f64]; 3], hand: Option<&[f64]>, out: &mut [f64]) {
+        let rows = motion.into_iter().chain(hand).map(<[f64]>::len).fold(out.len(), usize::min);
+        let columns = Columns { motion: motion.map(|column| &column[..rows]), hand };
+        let out = &mut out[..rows];
+        // The first step after missed periods stands for a longer time; who remembers has to take every step.
+        let remembers = self.hidden.is_some() || self.own || !self.state.memory.is_empty();
+        let single = remembers || self.tuning.rush_s != 0.0;
+        let first = if single { rows } else { rows.min(usize::from(self.state.missed > 0)) };
+        for i in 0..first {
+            out[i] = self.step(columns.sensed(i));
+        }
+        if first < rows {
+            isa::dispatch(Rendering { renderer: self, columns, first, out });
+        }
+    }
+
+    /// Whether single steps would only add up what eight samples ask for: nothing is filtered or rounded.
+    fn is_plain(&self) -> bool {
+        let tuning = &self.tuning;
+        tuning.freshness == 1.0 && tuning.count == 0.0 && self.limits.torque_rate == f64::INFINITY
+    }
+
+    /// The direction in which the knob slides on, 1 or -1; 0 where that has to be looked into.
+    fn way(&self) -> f64 {
+        let state = &self.state;
+        if state.samples == 0 || state.fault.is_some() {
+            return 0.0;
+        }
+        state.contact.slides(0.0, state.contact.strain)
+    }
+
+    /// Looks at the samples from `at` on.
+    #[inline(always)]
+    fn look_ahead(&self, columns: &Columns<'_>, at: usize, count: usize, ahead: &mut Ahead) {
+        let [theta, omega, _] = columns.motion.map(|column| &column[at..at + count]);
+        ahead.before[0] = if at > 0 { columns.motion[0][at - 1] } else { self.state.before[0] };
+        ahead.before[1..count].copy_from_slice(&theta[..count - 1]);
+        let [clock, there, forward] = &mut ahead.motion;
+        for i in 0..count {
+            clock[i] = self.clock(self.state.samples + i as u64);
+            there[i] = theta[i] + omega[i] * self.tuning.ahead_s;
+            forward[i] = Motion::exact(0.0, 0.0, omega[i], 0.0).forward;
+        }
+        let [clock, there, forward] = &ahead.motion;
+        let (clock, there, zeros) = (&clock[..count], &there[..count], &ZEROS[..count]);
+        ahead.moving.fill(&self.model, &self.p, [clock, there, omega, zeros, &forward[..count]]);
+        if self.guarded {
+            let rest = [clock, there, zeros, zeros, &HALVES[..count]];
+            ahead.resting.fill(&self.model, &self.p, rest);
+        }
+    }
+
+    /// The torque of the block wherever the knob slides, and for each sample the way in which it can.
+    #[inline(always)]
+    fn slide_through(&self, columns: &Columns<'_>, at: usize, ahead: &mut Ahead, out: &mut [f64]) {
+        let n = out.len().min(Block::SAMPLES);
+        let [theta, omega, alpha] = columns.motion.map(|column| &column[at..at + n]);
+        let Ahead { motion: [_, _, forward], before, moving, resting, asked, ways } = ahead;
+        let [inertia, damping] = self.tuning.own;
+        let (limit, fastest) = (self.limits.torque, self.limits.speed);
+        let most = fastest * self.dt;
+        // No branch within: every sample goes through this.
+        for i in 0..n {
+            let load = moving.load(i);
+            let drive = if self.guarded {
+                let motion = Motion { t: 0.0, theta: 0.0, omega: omega[i], alpha: 0.0, forward: forward[i] };
+                braked(&load, &motion, resting.load(i).drive)
+            } else {
+                load.drive
+            };
+            let torque = drive + load.friction(forward[i]);
+            (asked[0][i], asked[1][i]) = (torque, load.inertia);
+            let tau = torque + (load.inertia + inertia) * alpha[i] + damping * omega[i];
+            let by = theta[i] - before[i];
+            // What is not finite fails.
+            let sane = (by.abs() <= most) & (omega[i].abs() <= fastest);
+            let sane = sane & (alpha[i].abs() < f64::INFINITY) & (tau.abs() < f64::INFINITY);
+            let forth = (by >= 0.0) & (omega[i] > 0.0) & sane;
+            let back = (by <= 0.0) & (omega[i] < 0.0) & sane;
+            let way = if forth { 1.0 } else { 0.0 };
+            ways[i] = if back { -1.0 } else { way };
+            let cut = if tau < -limit { -limit } else { tau };
+            out[i] = if cut > limit { limit } else { cut };
+        }
+        if let Some(hand) = columns.hand {
+            // A hand that is NaN is not known.
+            for (way, hand) in ways.iter_mut().zip(&hand[at..at + n]) {
+                *way = if hand.is_infinite() { 0.0 } else { *way };
+            }
+        }
+    }
+
+    /// Remembers what sliding through `count` samples up to `end` leaves behind.
+    fn settle(&mut self, columns: &Columns<'_>, out: &[f64], count: usize, end: usize) {
+        let Some(last) = end.checked_sub(1).filter(|_| count > 0) else { return };
+        let [theta, omega, alpha] = columns.motion;
+        let state = &mut self.state;
+        state.samples += count as u64;
+        (state.before, state.between) = ([theta[last], omega[last]], theta[last]);
+        (state.alpha, state.tau) = (alpha[last], out[last]);
+    }
+}
+
+/// A rendering as a value, so that its body is compiled for the machine's instruction set.
+struct Rendering<'a> {
+    renderer: &'a mut Renderer,
+    columns: Columns<'a>,
+    first: usize,
+    out: &'a mut [f64],
+}
+
+impl pulp::NullaryFnOnce for Rendering<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { renderer, columns, first, out } = self;
+        let plain = renderer.is_plain();
+        let mut way = renderer.way();
+        let mut ahead = Ahead::new();
+        let mut start = first;
+        while start < out.len() {
+            let end = (start + Block::SAMPLES).min(out.len());
+            renderer.look_ahead(&columns, start, end - start, &mut ahead);
+            renderer.slide_through(&columns, start, &mut ahead, &mut out[start..end]);
+            let mut slid = 0;
+            for at in (start..end).step_by(LANES) {
+                let whole = at + LANES <= end;
+                if plain && whole && way != 0.0 && ahead.all(at - start, way) {
+                    slid += LANES;
+                    continue;
+                }
+                renderer.settle(&columns, out, slid, at);
+                slid = 0;
+                for i in at..(at + LANES).min(end) {
+                    let [torque, inertia] = [0, 1].map(|j: usize| ahead.asked[j][i - start]);
+                    out[i] = renderer.advance(columns.sensed(i), Some(Sliding { torque, inertia }));
+                }
+                way = renderer.way();
+            }
+            renderer.settle(&columns, out, slid, end);
+            start = end;
+        }
+    }
+}

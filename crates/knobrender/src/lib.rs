@@ -1,0 +1,20 @@
+//! The 5 kHz step: from what the device senses to the torque that it renders.
+//!
+//! The step is plain arithmetic on its own state: no allocation, no lock, no panic, no clock, no unbounded loop.
+#![forbid(unsafe_code)]
+
+mod batch;
+mod contact;
+mod device;
+mod limits;
+mod nature;
+mod sliding;
+mod stability;
+mod step;
+
+pub use contact::Contact;
+pub use device::Device;
+pub use limits::{Fault, Limits};
+pub use nature::Nature;
+pub use stability::{Stability, check_stability};
+pub use step::{Renderer, Sensed, State};

@@ -1,0 +1,72 @@
+//! What a model asks of the device that renders it: how heavy, stiff and damped it is at most.
+
+use super::sliding::{at_rest, braked};
+use knobcore::model::Model;
+use knobcore::motion::{Load, Motion};
+
+/// Extremes of a model over angles and speeds; SI.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Nature {
+    /// Inertia, kg m^2.
+    pub inertia: f64,
+    /// Least torque that holds a knob at rest, of both directions, N m.
+    pub hold: f64,
+    /// Greatest slope of torque over angle, rising or falling, N m/rad.
+    pub stiffness: f64,
+    /// Greatest slope of torque over speed, N m s/rad.
+    pub damping: f64,
+    /// Whether what depends on the motion brakes it everywhere, so that no guard is needed.
+    pub dissipates: bool,
+}
+
+const ANGLES: usize = 256;
+const SPEEDS: usize = 24;
+/// Angles that are looked at, rad to both sides of zero.
+const REACH: f64 = 4.0 * std::f64::consts::PI;
+
+impl Nature {
+    /// Looks at a grid of angles and of speeds up to `speed` (rad/s), at the start of time.
+    pub fn of(model: &Model, p: &[f64], speed: f64) -> Self {
+        let state = vec![0.0; model.states()];
+        let mut scratch = state.clone();
+        let mut load = |motion: &Motion<f64>| {
+            scratch.copy_from_slice(&state);
+            model.load(p, &mut scratch, motion)
+        };
+        let still = |theta: f64| Motion::exact(0.0, theta, 0.0, 0.0);
+        let start = load(&still(0.0));
+        let mut nature = Self {
+            inertia: start.inertia,
+            hold: f64::INFINITY,
+            stiffness: 0.0,
+            damping: 0.0,
+            dissipates: true,
+        };
+        for i in 0..ANGLES {
+            // Golden-ratio steps meet every phase of any detent.
+            let theta = REACH * (2.0 * (0.618_033_988_75 * i as f64).fract() - 1.0);
+            let here = load(&still(theta));
+            let h = 1e-6;
+            let slope = (load(&still(theta + h)).drive - load(&still(theta - h)).drive) / (2.0 * h);
+            nature.stiffness = nature.stiffness.max(slope.abs());
+            nature.hold = nature.hold.min(held(&here));
+            for k in 0..SPEEDS {
+                let fast = speed * 0.5_f64.powf(0.75 * k as f64);
+                for omega in [fast, -fast] {
+                    let motion = Motion::exact(0.0, theta, omega, 0.0);
+                    let (now, more) = (load(&motion), load(&Motion { omega: 1.001 * omega, ..motion }));
+                    let torque = |load: &Load<f64>| load.drive + load.friction(motion.forward);
+                    nature.damping = nature.damping.max((torque(&more) - torque(&now)) / (0.001 * omega));
+                    nature.dissipates &= braked(&now, &motion, load(&at_rest(&motion)).drive) == now.drive;
+                }
+            }
+        }
+        nature
+    }
+}
+
+/// What holds a knob at rest in the direction where it is held least, N m.
+fn held(load: &Load<f64>) -> f64 {
+    let back = load.hold[0].max(-load.friction(0.0));
+    back.min(load.hold[1].max(load.friction(1.0)))
+}

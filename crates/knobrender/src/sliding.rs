@@ -1,0 +1,50 @@
+//! The torque on a knob that slides: for one sample or eight, by the same arithmetic.
+
+use knobcore::model::Model;
+use knobcore::motion::{Load, Motion};
+
+/// Torque and inertia of a sliding knob.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sliding {
+    /// All torque but that of inertia, N m.
+    pub torque: f64,
+    /// Inertia, kg m^2.
+    pub inertia: f64,
+}
+
+/// What loads the knob, with effects of a user's own if there are any.
+pub(super) fn loaded(
+    model: &Model,
+    p: &[f64],
+    own: bool,
+    state: &mut [f64],
+    motion: &Motion<f64>,
+) -> Load<f64> {
+    let mut load = model.load(p, state, motion);
+    if own {
+        model.own_load(p, motion, &mut load);
+    }
+    load
+}
+
+/// What a load asks for on a motion whose direction is known; `rest` is what pushes at rest, for a model that may
+/// create energy.
+#[inline(always)]
+pub(super) fn sliding(load: &Load<f64>, rest: Option<f64>, motion: &Motion<f64>) -> Sliding {
+    let drive = rest.map_or(load.drive, |rest| braked(load, motion, rest));
+    Sliding { torque: drive + load.friction(motion.forward), inertia: load.inertia }
+}
+
+/// The same place and time, at rest.
+#[inline(always)]
+pub(super) fn at_rest(motion: &Motion<f64>) -> Motion<f64> {
+    Motion { omega: 0.0, forward: 0.5, ..*motion }
+}
+
+/// The torque that pushes, cut where what depends on the motion would push along with it by more than dry
+/// friction takes: a negative viscous coefficient (knobs 1 to 3 of the paper) would else create energy.
+#[inline(always)]
+pub(super) fn braked(load: &Load<f64>, motion: &Motion<f64>, rest: f64) -> f64 {
+    let (sign, dry) = (motion.direction(), load.dry(motion.forward));
+    if sign * (load.drive - rest) + dry > 0.0 { load.drive } else { rest - sign * dry }
+}

@@ -1,0 +1,136 @@
+//! An effect of the user's own obeys the laws of the built-in ones, and is left out where it fails.
+
+use super::*;
+use crate::derivatives::{SMOOTH, check};
+use crate::rendering::OPEN;
+use knobcore::effects::{Bends, Function, Info, User};
+use knobcore::motion::Channel;
+use knobcore::param::Unit;
+use knobrender::{Renderer, Sensed};
+
+const PARAMS: &[Param] = &[
+    Param::linear("d", Unit::of(1, -2, 2), "drag"),
+    Param::shape("shift", Unit::of(0, 1, -1), [-10.0, 10.0], 0.5, "speed of the air"),
+];
+
+fn register(id: &'static str, torque: Function) -> Id {
+    register_at(id, Place::Load, &[Channel::Drive], PARAMS, torque)
+}
+
+fn register_at(
+    id: &'static str,
+    place: Place,
+    touches: &'static [Channel],
+    params: &'static [Param],
+    function: Function,
+) -> Id {
+    let beyond = place != Place::Load;
+    let info = Info {
+        id,
+        place,
+        law: "d (omega - shift) |omega - shift|",
+        source: "made here",
+        shows: "at high speed",
+        params,
+        confused: &[],
+        needs: None,
+        touches,
+        shapes_friction: Channel::shape_friction(touches),
+        presses: false,
+        bends: beyond.then_some(Bends::Everything),
+        describes: false,
+    };
+    Id::User(User::register(info, false, Vec::new(), function).unwrap())
+}
+
+fn draught(p: &[f64], motion: &[&[f64]]) -> Vec<f64> {
+    motion[2].iter().map(|omega| p[0] * (omega - p[1]) * (omega - p[1]).abs()).collect()
+}
+
+#[test]
+fn it_is_silent_at_its_neutral_values_and_has_its_derivatives_in_the_chain() {
+    let id = register("draught", Box::new(|p, motion| Ok(draught(p, motion))));
+    assert!(Id::all().contains(&id) && Id::parse("draught") == Ok(id));
+    let model = knob().with(id).unwrap();
+    assert_eq!(torque(&model).tau, torque(&knob()).tau);
+    check(&at(model, id, &[2e-3, 0.7]), SMOOTH, "draught");
+    assert_eq!(user(id).failure(), None);
+}
+
+#[test]
+fn without_a_shift_it_is_the_drag_of_the_catalogue() {
+    let id = register("still_air", Box::new(|p, motion| Ok(draught(p, motion))));
+    let own = torque(&at(knob().with(id).unwrap(), id, &[2e-3, 0.0]));
+    let drag = Id::QuadraticDrag;
+    assert!(apart(&own, &torque(&at(knob_with(drag), drag, &[2e-3]))) < 1e-15);
+}
+
+#[test]
+fn a_law_that_fails_says_so_and_predicts_nothing() {
+    let nan: Function = Box::new(|_, motion| Ok(vec![f64::NAN; motion[0].len()]));
+    let short: Function = Box::new(|_, motion| Ok(vec![1.0; motion[0].len() - 1]));
+    let raises: Function = Box::new(|_, _| Err("no such material".into()));
+    for (name, torque_of, why) in
+        [("nan", nan, "NaN"), ("short", short, "values for"), ("raises", raises, "no such material")]
+    {
+        let id = register(name, torque_of);
+        let model = knob().with(id).unwrap();
+        assert_eq!(torque(&model).tau, torque(&knob()).tau, "{name}");
+        let said = user(id).failure();
+        assert!(said.as_ref().is_some_and(|said| said.contains(why)), "{name}: {said:?}");
+        assert_eq!(user(id).failure(), None, "{name}: it is said once");
+    }
+}
+
+/// At every place of the chain an effect of the user's own that says what one of the catalogue says is that one: the
+/// torque and, where the catalogue's are exact, nearly the derivatives.
+#[test]
+fn wherever_it_acts_it_is_the_effect_of_the_catalogue_that_it_repeats() {
+    const RISE: Param = Param::shape("rise", Unit::NUMBER, [-1.0, 9.0], 0.0, "rise");
+    const FRICTION: &[Param] =
+        &[RISE, Param::shape("tau", Unit::of(0, 0, 1), [0.1, 9.0], 1.0, "time constant")];
+    const SENSOR: &[Param] = &[Param::shape("limit", Unit::of(1, 0, 0), [1e-3, 1e3], 1e3, "limit")];
+    const JOINT: &[Param] = &[
+        Param::shape("k", Unit::of(1, -1, 0), [1e-3, 1e5], 1e5, "stiffness"),
+        Param::shape("d", Unit::of(1, -1, 1), [1e-9, 1e2], 1e2, "damping"),
+        Param::shape("share", Unit::NUMBER, [0.01, 1.0], 0.7, "share"),
+    ];
+    let warm: Function =
+        Box::new(|p, motion| Ok(motion[0].iter().map(|t| 1.0 + p[0] * (-t / p[1]).exp()).collect()));
+    let clip: Function =
+        Box::new(|p, motion| Ok(motion[5].iter().map(|tau| tau.clamp(-p[0], p[0])).collect()));
+    let soft: Function = Box::new(|p, _| Ok(vec![0.0, p[0], p[1], p[2], 1.0]));
+    let level: &[Channel] = &[Channel::Level];
+    for (id, place, touches, params, function, as_is, values) in [
+        ("own_warmth", Place::Load, level, FRICTION, warm, Id::FrictionDrift, vec![0.8, 0.5]),
+        ("own_clip", Place::Sensor, &[], SENSOR, clip, Id::Saturation, vec![0.05]),
+        ("own_shaft", Place::Coupling, &[], JOINT, soft, Id::Compliance, vec![5.0, 2e-3, 0.6]),
+    ] {
+        let own = register_at(id, place, touches, params, function);
+        let mine = at(knob().with(own).unwrap(), own, &values);
+        let theirs = at(knob_with(as_is), as_is, &values);
+        let scale = rms(torque(&theirs).tau.iter().copied());
+        assert!(apart(&torque(&mine), &torque(&theirs)) < 1e-9 * scale, "{id}");
+        assert!(apart(&torque(&mine), &torque(&knob())) > 1e-3 * scale, "{id} does something");
+        check(&mine, SMOOTH, id);
+        assert_eq!(user(own).failure(), None);
+        if place != Place::Sensor {
+            let mut knob = Renderer::new(&mine, RATE_HZ, None, OPEN).unwrap();
+            let steps = (0..CYCLE).map(|i| {
+                let Motion { theta, omega, alpha, .. } = motion(i as f64 / RATE_HZ);
+                knob.step(Sensed { theta, omega, alpha, hand: None })
+            });
+            let rendered: Vec<f64> = steps.collect();
+            let whole = torque(&mine).tau;
+            let near = rendered.iter().zip(&whole).filter(|(a, b)| (**a - **b).abs() < 1e-9 * scale).count();
+            assert!(near > 9 * CYCLE / 10, "{id}: rendered as predicted but where it sticks: {near}");
+        }
+    }
+}
+
+fn user(id: Id) -> &'static User {
+    match id {
+        Id::User(user) => user,
+        _ => panic!("{id:?} is built in"),
+    }
+}
