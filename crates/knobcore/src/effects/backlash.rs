@@ -49,7 +49,7 @@ impl Effect<4> for Backlash {
         let (inertia, share) = (carrier.inertia(), 0.7);
         let omega = std::f64::consts::TAU * 0.03 * carrier.survey.rate_hz;
         let k = (share * inertia * omega * omega).max(carrier.peak() / 0.02);
-        let d = (share * inertia * k).sqrt().max(2.0 * carrier.pushes);
+        let d = (share * inertia * k).sqrt() + carrier.pushes;
         let widest = 0.08_f64.min(0.2 * carrier.survey.range());
         carrier.sized(Id::Backlash, [0.01 * widest, widest], |gap| [gap, k, d, share])
     }

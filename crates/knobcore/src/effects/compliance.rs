@@ -39,12 +39,13 @@ impl Effect<3> for Compliance {
     }
 
     fn typical(carrier: &Carrier<'_>) -> [f64; 3] {
-        // By how slowly the knob rings behind the shaft: twenty samples a period at the least.
+        // By how slowly the knob rings behind the shaft: twenty samples a period at the least, and damped
+        // so that it has rung out before the next reversal.
         let inertia = carrier.inertia();
-        carrier.sized(Id::Compliance, [20.0 / carrier.survey.rate_hz, 1.0 / 20.0], |period| {
+        carrier.sized(Id::Compliance, [20.0 / carrier.survey.rate_hz, 1.0 / 15.0], |period| {
             let omega = std::f64::consts::TAU / period;
             let k = 0.7 * inertia * omega * omega;
-            [k, (0.1 * k / omega).max(2.0 * carrier.pushes), 0.7]
+            [k, 0.3 * k / omega + carrier.pushes, 0.7]
         })
     }
 }
