@@ -20,7 +20,6 @@ import time
 from pathlib import Path
 from typing import Any
 
-from knobcam.model.simulate import RIG
 from knobcam.rig.emulator import EmulatedRig, Emulation
 
 EFFECTS = ("stribeck", "presliding", "quadratic_drag", "return_spring", "position_friction")
@@ -74,8 +73,6 @@ def trip(knob: str, effect: str, speed: float, folder: Path) -> dict[str, Any]:
         again = knobcam("learn", folder / "felt.npz")
     before, after = learned["ladder"][-1]["params"], again["ladder"][-1]["params"]
     true = positive({name: p.value for name, p in model.params.items()})
-    # The rig's own sensor saturates, whatever knob is in it.
-    true["saturation.limit"] = RIG.tau_limit
     return {
         "knob": knob,
         "effect": effect,

@@ -59,7 +59,9 @@ def hidden_spring() -> kc.Capture:
 
 def five_knobs(folder: Path) -> None:
     """Draw what docs/paper.md draws of its knobs."""
-    fits = {name: kc.fit(kc.simulate(name, "sweep", duration_s=5.0, seed=1)) for name in kc.KNOBS}
+    fits = {
+        name: kc.fit(kc.simulate(name, "sweep", noise="rig", duration_s=5.0, seed=1)) for name in kc.KNOBS
+    }
     for name in ("knob1", "knob2"):
         keep(folder / f"paper-{name}-velocity.png", plot.velocity(fits[name]))
     for name in ("knob3", "knob4", "knob5"):

@@ -83,7 +83,7 @@ def rows_of(client: httpx.Client) -> list[dict[str, Any]]:
     return captures
 
 
-@pytest.mark.parametrize("hidden", [[], ["return_spring", "stribeck"]])
+@pytest.mark.parametrize("hidden", [[], ["return_spring", "unbalance"]])
 def test_a_knob_is_simulated_and_the_script_makes_the_same_capture(
     client: httpx.Client, bench: Bench, tmp_path: Path, hidden: list[str]
 ) -> None:
@@ -188,9 +188,9 @@ def test_whatever_is_offered_can_be_hidden(knob: str) -> None:
 
 
 def test_a_surprise_leaves_a_trace() -> None:
-    # Neither the drag nor the limit of the sensor shows in so slow a sweep of so light a knob.
+    # Neither the lag nor the limit of the sensor shows in so slow a sweep of so light a knob.
     hidden = {sources.simulated({"surprise": True, "knob": "knob3"}).hidden[0] for _ in range(40)}
-    assert len(hidden) > 5 and not hidden & {"quadratic_drag", "saturation"}
+    assert len(hidden) > 5 and not hidden & {"torque_lag", "saturation"}
 
 
 def test_a_surprise_is_told_to_who_asks_and_to_nobody_else(client: httpx.Client, bench: Bench) -> None:

@@ -28,6 +28,8 @@ pub mod prepare;
 
 pub mod predict;
 
+pub mod carry;
+
 pub mod floor;
 
 pub mod fit;

@@ -50,6 +50,12 @@ impl Unit {
         [self.torque as i32, self.angle as i32, self.time as i32]
     }
 
+    /// A value of this unit, by those of torque, angle and time.
+    pub fn sized(self, [torque, angle, time]: [f64; 3]) -> f64 {
+        let powers = [(torque, self.torque), (angle, self.angle), (time, self.time)];
+        powers.into_iter().map(|(size, power)| size.powi(power.into())).product()
+    }
+
     /// What a person writes, as [`Unit::text`] prints it: names with powers, after each `/` those below. With `m`
     /// for every `N` the torque is one of a rotary axis; without `rad`, and with other powers of `m`, of a linear
     /// one.

@@ -2,6 +2,7 @@
 use super::convert::{Column, Floats, array, input_error};
 use super::signals::PySignals;
 use super::user::watched;
+use knobcore::carry::carrier;
 use knobcore::chain::{self, Hand};
 use knobcore::effects::{Base, Id};
 use knobcore::model::{Model, Role};
@@ -115,6 +116,39 @@ impl PyModel {
         let mut state = vec![0.0; self.0.states()];
         let rest = self.0.load(&self.0.values(), &mut state, &Motion::exact(0.0, 0.0, 0.0, 0.0));
         (rest.inertia, rest.resist, rest.hold, rest.band)
+    }
+
+    /// Parameter values of an effect of ordinary size on this knob, on the motion of prepared signals, in the order
+    /// of the catalogue. `noise` and `limit` are those of the torque sensor, N m.
+    fn typical(
+        &self,
+        py: Python<'_>,
+        id: &str,
+        signals: &PySignals,
+        noise: f64,
+        limit: f64,
+    ) -> PyResult<Vec<f64>> {
+        let id = Id::parse(id).map_err(input_error)?;
+        let signals = &signals.prepared.signals;
+        watched(py, &self.0, || id.law().typical(&carrier(&self.0, signals, noise, limit)))
+    }
+
+    /// What an effect with such values would cost who does not know of it, RMS beside the noise; what the noise leaves;
+    /// and the largest torque; N m. None where the knob cannot have the effect.
+    fn cost(
+        &self,
+        py: Python<'_>,
+        id: &str,
+        values: Vec<f64>,
+        signals: &PySignals,
+        noise: f64,
+    ) -> PyResult<Option<[f64; 3]>> {
+        let id = Id::parse(id).map_err(input_error)?;
+        let signals = &signals.prepared.signals;
+        watched(py, &self.0, || {
+            let here = carrier(&self.0, signals, noise, f64::INFINITY);
+            here.cost(id, &values).map(|[cost, peak]| [cost, here.floor, peak])
+        })
     }
 
     /// The same parameters, of these effects only.

@@ -30,7 +30,9 @@ def register(commands: arguments.Commands) -> None:
     parser.add_argument(
         "--motion", default="sweep", metavar="NAME", help="sweep, multisine, turns, hand, micro or push"
     )
-    parser.add_argument("--noise", default="rig", metavar="NAME", help="of the sensors: rig, paper or none")
+    parser.add_argument(
+        "--noise", default="ranged", metavar="NAME", help="of the sensors: ranged, rig, paper or none"
+    )
     parser.add_argument("--seed", type=arguments.whole, default=0, metavar="N", help="of the noise")
     parser.add_argument("--duration", type=arguments.number, default=6.0, metavar="S", help="default 6 s")
     parser.add_argument("--rate", type=arguments.number, default=5000.0, metavar="HZ", help="default 5000 Hz")

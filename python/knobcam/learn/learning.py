@@ -103,6 +103,12 @@ class Story(showing.Tabled):
         if self.unexplained is not None:
             what = self.unexplained
             head = f"{names} found, and still something" if names else "Something"
+            if self.after.complete:
+                return (
+                    f"{head} is missing that no single effect of the catalogue explains: "
+                    f"{100.0 * what.share:.0f} % of the error lies along {what.axis} ({what.hint}); "
+                    "with these the rest is chance."
+                )
             return (
                 f"{head} is missing that no effect of the catalogue explains: {100.0 * what.share:.0f} % of "
                 f"the remaining error lies along {what.axis} ({what.hint})."

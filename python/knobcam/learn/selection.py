@@ -77,7 +77,10 @@ def concluded(ladder: list[Rung], last: Diagnosis, base: Collection[str]) -> Sel
     maps = [one for one in found if _is_map(one, ladder[-1].fit)]
     if len(maps) > 1:
         words = f"it takes {' and '.join(maps)} together to draw it, and so many draw any map of position"
-        share = last.comparison["position"].share if unexplained else 1.0
+        # Where they leave chance alone, it is of the error before them that position has a share.
+        before = next(rung.diagnosis for rung in ladder if rung.added in maps)
+        seen = last if unexplained or before is None else before
+        share = seen.comparison["position"].share
         found = tuple(one for one in found if one not in maps)
         unexplained = Unexplained("position", share, words)
     elif unexplained is not None:

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from ..errors import InputError
 from .effects import effect as catalogued
 from .effects import effects
 from .model import KNOBS, Model
-from .typical import with_typical
+from .typical import Carrier, with_typical
 
 if TYPE_CHECKING:
+    from ..capture.motions import MotionTrack
     from .effects import Effect
+    from .simulate import SensorNoise
 
 _NOT_NAMED = {
     "detent": "it belongs to the base model, which is fitted with it where it shows",
@@ -19,6 +22,8 @@ _NOT_NAMED = {
     "offset": "the two Coulomb levels take it up",
 }
 """Effects that no search names, and why."""
+LEAST = 1.6
+"""An effect that makes less of the error than this, in noise floors, leaves nothing to look for."""
 
 
 def knob_name(text: str) -> str:
@@ -32,31 +37,59 @@ def knob_name(text: str) -> str:
     return name
 
 
-def hiding(knob: str, *hidden: str) -> Model:
-    """Return one of the five knobs with these effects hidden in it, of typical sizes.
+def hiding(
+    knob: str,
+    *hidden: str,
+    motion: str | MotionTrack = "sweep",
+    noise: str | SensorNoise = "ranged",
+    duration_s: float = 6.0,
+) -> Model:
+    """Return one of the five knobs with these effects hidden in it.
+
+    Each has the size that is ordinary on this knob and shows in such a `motion` to sensors of such `noise`,
+    arguments as in `simulate`.
 
     Raises InputError for an effect that the knob has anyway, that the catalogue does not have, or that is
-    nothing to find.
+    nothing to find, with the knobs in which it is.
     """
     name = knob_name(knob)
-    model = Model.load(name)
+    bare = Model.load(name)
+    carrier = Carrier.of(bare, motion, noise, duration_s)
+    model = bare
     for effect in hidden:
         entry = catalogued(effect)
-        why = f"{name} has it anyway" if effect in model.effects else _unfound(entry)
-        if why:
-            raise InputError(f"effect '{effect}' is nothing to hide: {why}; choose another")
-        model = with_typical(model, entry)
+        if why := _unfound(entry) or _hopeless(carrier, entry, name):
+            others = [] if _unfound(entry) else _others(name, entry, motion, noise, duration_s)
+            instead = f"hide it in {' or '.join(others)}" if others else "choose another"
+            raise InputError(f"effect '{effect}' is nothing to hide: {why}; {instead}")
+        model = with_typical(model, entry, carrier)
     return model
 
 
-def hideable(knob: str) -> list[str]:
-    """Return the effects that can be hidden in one of the five knobs."""
-    has = Model.load(knob_name(knob)).effects
-    return [
-        name
-        for name, entry in effects().items()
-        if name not in has and entry.needs in (None, *has) and not _unfound(entry)
-    ]
+def hideable(
+    knob: str,
+    motion: str | MotionTrack = "sweep",
+    noise: str | SensorNoise = "ranged",
+    duration_s: float = 6.0,
+) -> list[str]:
+    """Return the effects that can be hidden in one of the five knobs, and found in such a motion."""
+    name = knob_name(knob)
+    if isinstance(motion, str) and isinstance(noise, str):
+        return list(_hideable(name, tuple(effects()), motion, noise, duration_s))
+    carrier = Carrier.of(Model.load(name), motion, noise, duration_s)
+    return [id for id, entry in effects().items() if not (_unfound(entry) or _hopeless(carrier, entry, name))]
+
+
+@lru_cache(64)
+def _hideable(
+    name: str, catalogue: tuple[str, ...], motion: str, noise: str, duration_s: float
+) -> tuple[str, ...]:
+    """The same, once for each knob and motion: sizes take a while."""
+    carrier = Carrier.of(Model.load(name), motion, noise, duration_s)
+    named = {id: catalogued(id) for id in catalogue}
+    return tuple(
+        id for id, entry in named.items() if not (_unfound(entry) or _hopeless(carrier, entry, name))
+    )
 
 
 def _unfound(entry: Effect) -> str | None:
@@ -64,3 +97,29 @@ def _unfound(entry: Effect) -> str | None:
     if entry.describes:
         return "it describes a torque over position, whatever the cause"
     return _NOT_NAMED.get(entry.id)
+
+
+def _hopeless(carrier: Carrier, entry: Effect, name: str) -> str | None:
+    """Why this knob cannot hide the effect in this motion; None where it can."""
+    if entry.id in carrier.model.effects:
+        return f"{name} has it anyway"
+    if entry.needs not in (None, *carrier.model.effects):
+        return f"it changes '{entry.needs}', which {name} does not have"
+    cost = carrier.cost(entry)
+    if cost is None or cost.times < LEAST:
+        least = 1.0 if cost is None else cost.times
+        return (
+            f"in {name} and this motion an ordinary size of it makes an error of {least:.2f} noise floors, "
+            f"and {LEAST:g} would stand out"
+        )
+    return None
+
+
+def _others(
+    name: str, entry: Effect, motion: str | MotionTrack, noise: str | SensorNoise, duration_s: float
+) -> list[str]:
+    """The knobs that can hide it in this motion."""
+    carriers = {
+        knob: Carrier.of(Model.load(knob), motion, noise, duration_s) for knob in KNOBS if knob != name
+    }
+    return [knob for knob, carrier in carriers.items() if not _hopeless(carrier, entry, knob)]

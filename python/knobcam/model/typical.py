@@ -1,16 +1,22 @@
-"""What a small knob has: telling values of an effect's parameters, to show it and to hide it."""
+"""How large an effect ordinarily is on a knob, in a motion, to its sensors; the effect's own file says it."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import math
+from typing import TYPE_CHECKING, NamedTuple, Self
 
 import numpy as np
 
+from .. import _core
+from ..capture.motions import MotionTrack
+from ..capture.motions import motion as make_motion
 from .effects import effects
+from .model import Model
+from .simulate import exact, sensors, simulate
 
 if TYPE_CHECKING:
-    from .effects import Effect, ParameterInfo
-    from .model import Model
+    from .effects import Effect
+    from .simulate import SensorNoise
 
 # The knob that carries an effect in its picture: friction and detents of middling size among the knobs of the
 # haptic-camera paper (Table 7).
@@ -24,96 +30,117 @@ CARRIER = {
     "detent.P": 0.076,
     "detent.S": 0.0,
 }
-# Sizes that a hand would notice on such a knob. What is not listed has its neutral value, or, where that is
-# zero, one by its unit.
-_SIZES = {
-    "backlash.gap": 0.04,
-    "compliance.k": 1.0,
-    "compliance.d": 0.002,
-    "stribeck.rise": 2.0,
-    "stribeck.vs": 0.5,
-    "quadratic_drag.d": 1e-4,
-    "detent_harmonics.A2": 0.004,
-    "detent_harmonics.A3": 0.002,
-    "detent_harmonics.A4": 0.001,
-    "detent_harmonics.A5": 5e-4,
-    "detent_harmonics.P": 0.076,
-    "directional_detent.A": 0.003,
-    "directional_detent.S": 0.5,
-    "directional_detent.P": 0.076,
-    "position_polynomial.p1": 0.002,
-    "position_polynomial.p2": 0.001,
-    "position_polynomial.p3": 5e-4,
-    "return_spring.k": 0.004,
-    "unbalance.a": 0.004,
-    "end_stop.lo": -0.7,
-    "end_stop.hi": 0.7,
-    "end_stop.k_lo": 0.02,
-    "end_stop.k_hi": 0.02,
-    "end_stop.d": 5e-4,
-    "position_friction.P": 0.5,
-    "position_friction.a1": 0.5,
-    "position_friction.b1": 0.1,
-    "position_friction.a2": 0.2,
-    "position_friction.b2": 0.1,
-    "position_friction.a3": 0.1,
-    "position_friction.b3": 0.1,
-    "friction_drift.tau": 2.0,
-    "regional.b1": -0.5,
-    "regional.b2": 0.1,
-    "regional.b3": 0.6,
-    "regional.f1": 0.004,
-    "regional.k1": 0.002,
-    "regional.f2": -0.003,
-    "regional.k2": 0.01,
-    "regional.f3": 0.002,
-    "regional.k3": -0.01,
-    "regional.f4": -0.002,
-    "regional.k4": 0.003,
-    "wavelet.lo": -1.0,
-    "wavelet.hi": 1.0,
-    **{f"wavelet.c{n}": 0.005 * (-0.9) ** n for n in range(1, 32)},
-    "presliding.w1": 0.3,
-    "presliding.w2": 0.2,
-    "presliding.w3": 0.2,
-    "presliding.w4": 0.1,
-    "presliding.w5": 0.1,
-    "presliding.w6": 0.05,
-    "torque_lag.lag": 0.003,
-    "torque_lag.delay": 0.002,
-    "torque_drift.d": 0.002,
-    "torque_drift.e": 0.002,
-    "saturation.limit": 0.008,
-    "offset.tau0": 0.003,
-}
-_BY_UNIT = {
-    "N m": 0.01,
-    "N m s/rad": 0.001,
-    "N m s^2/rad": 5e-5,
-    "N m/rad": 0.01,
-    "rad": 0.05,
-    "rad/s": 0.5,
-    "s": 0.005,
-    "1": 0.5,
-}
+_HOLDS = {"karnopp.D_neg": "coulomb.neg", "karnopp.D_pos": "coulomb.pos"}
+_PAPER_RATE_HZ = 5000.0
+_EDGE_HZ = 500.0  # of the measurement filter at that rate
 
 
-def typical(effect: Effect) -> dict[str, float]:
-    """Return a telling value of each parameter of an effect on a small knob."""
+class Cost(NamedTuple):
+    """What an effect costs who does not know of it.
+
+    `rmse` is the error that the model without it keeps, beside noise, and `floor` what noise leaves; `peak`
+    is the largest torque; N m.
+    """
+
+    rmse: float
+    floor: float
+    peak: float
+
+    @property
+    def times(self) -> float:
+        """The error without the effect, in noise floors."""
+        return math.hypot(self.rmse, self.floor) / self.floor
+
+
+class Carrier(NamedTuple):
+    """A knob, a motion and the sensors that watch it: what the size of an effect depends on."""
+
+    model: Model
+    track: MotionTrack
+    signals: _core.Signals
+    noise: float
+    limit: float
+
+    @classmethod
+    def of(
+        cls,
+        model: Model,
+        motion: str | MotionTrack = "sweep",
+        noise: str | SensorNoise = "ranged",
+        duration_s: float = 6.0,
+    ) -> Self:
+        """Return the carrier that a model is in a motion; arguments as in `simulate`."""
+        if motion == "push":
+            pushed = simulate(model, "push", noise="none", duration_s=duration_s).columns
+            motion = MotionTrack(*(pushed[name] for name in MotionTrack._fields))
+        track = make_motion(motion, duration_s) if isinstance(motion, str) else motion
+        rate = (len(track.t) - 1) / float(track.t[-1] - track.t[0])
+        edge = _EDGE_HZ * min(rate / _PAPER_RATE_HZ, 1.0)
+        signals = exact(model.axis, track, {"torque_edge_hz": edge})
+        peak = float(np.max(np.abs(model.core.torque(signals, filtered=False))))
+        seen = sensors(noise, peak)
+        return cls(model, track, signals, seen.torque_noise, seen.tau_limit)
+
+    def typical(self, effect: Effect) -> dict[str, float]:
+        """Return parameter values of an effect at the size that is ordinary here."""
+        core = _carrying(self.model, effect).core
+        values = core.typical(effect.id, self.signals, self.noise, self.limit)
+        return {f"{effect.id}.{p.name}": value for p, value in zip(effect.params, values, strict=True)}
+
+    def cost(self, effect: Effect) -> Cost | None:
+        """Return what the effect costs at that size; None where this knob cannot have it."""
+        values = list(self.typical(effect).values())
+        core = _carrying(self.model, effect).core
+        cost = core.cost(effect.id, values, self.signals, self.noise)
+        return None if cost is None else Cost(*cost)
+
+
+def pictured() -> Carrier:
+    """Return the carrier of the pictures, over more than a turn, with many reversals at many speeds.
+
+    What follows one axis then follows no other.
+    """
+    return Carrier.of(
+        of_values(CARRIER), make_motion("multisine", 12.0, seed=1, amplitude=4.0, highest_hz=1.5)
+    )
+
+
+def typical(effect: Effect, carrier: Carrier | None = None) -> dict[str, float]:
+    """Return a telling value of each parameter of an effect, by default on the small knob of the pictures."""
     entry = effects("rotary").get(effect.id, effect)
-    return {f"{effect.id}.{p.name}": _size(effect.id, p) for p in entry.params}
+    return (carrier or pictured()).typical(entry)
 
 
-def _size(effect: str, parameter: ParameterInfo) -> float:
-    value = parameter.neutral if parameter.neutral != 0.0 else _BY_UNIT.get(parameter.unit, 0.01)
-    value = _SIZES.get(f"{effect}.{parameter.name}", value)
-    return float(np.clip(value, parameter.lower, parameter.upper))
+def with_typical(model: Model, effect: Effect, carrier: Carrier | None = None) -> Model:
+    """Return a model with an effect more, of the size that is ordinary in the carrier, by default in a sweep.
 
-
-def with_typical(model: Model, effect: Effect) -> Model:
-    """Return a model with an effect more, of typical size; what the model ties stays tied."""
+    What the model ties stays tied.
+    """
+    values = typical(effect, carrier or Carrier.of(model))
+    model = _carrying(model, effect)
     model = model.with_effect(effect.id) if effect.id not in model.effects else model
-    for name, value in typical(effect).items():
+    for name, value in values.items():
         if model.params[name].role in ("free", "fixed"):
             model = model.with_value(name, value)
+    return model
+
+
+def _carrying(model: Model, effect: Effect) -> Model:
+    """The knob as it carries an effect: behind a joint it holds no more than it rubs.
+
+    Behind one, stiction shows in every reversal: a second cause beside the joint.
+    """
+    if effect.place != "coupling":
+        return model
+    for holds, rubs in _HOLDS.items():
+        if holds in model.params and rubs in model.params:
+            model = model.with_value(holds, abs(model.params[rubs].value))
+    return model
+
+
+def of_values(values: dict[str, float]) -> Model:
+    """Return the model that has these parameters."""
+    model = Model.of(dict.fromkeys(name.split(".")[0] for name in values))
+    for name, value in values.items():
+        model = model.with_value(name, value)
     return model

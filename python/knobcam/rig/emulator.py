@@ -26,7 +26,7 @@ from ..capture.motions import motion as make_motion
 from ..errors import InputError
 from ..model import Model
 from ..model.effects import effect as catalogued
-from ..model.simulate import RIG
+from ..model.simulate import RIG, SensorNoise, simulate
 from ..model.typical import with_typical
 
 if TYPE_CHECKING:
@@ -86,10 +86,18 @@ class Emulation(NamedTuple):
             raise InputError(f"c_cal={self.c_cal:g}: give a sensitivity above 0, such as {C_CAL:g}")
         return self
 
+    def sensors(self) -> SensorNoise:
+        """Return its sensors; that of the torque reaches as far as the knob asks for in a sweep."""
+        if self.fixture != "knob":
+            return RIG
+        asked = simulate(self.model(), "sweep", noise="none").tau
+        return RIG.reaching(float(np.max(np.abs(asked))))
+
     def rig(self) -> _core.Rig:
         """Return the rig itself, which hears and speaks bytes."""
         hand = _resting(make_motion("hand", _HAND_S, seed=self.seed))
-        noise = (RIG.omega_sd, RIG.alpha_sd, RIG.tau_sd) if self.noise else (0.0, 0.0, 0.0)
+        seen = self.sensors()
+        noise = (seen.omega_sd, seen.alpha_sd, seen.tau_sd) if self.noise else (0.0, 0.0, 0.0)
         return _core.Rig(
             _descriptor(self),
             self.model().core if self.fixture == "knob" else None,
@@ -102,6 +110,7 @@ class Emulation(NamedTuple):
 
 def _descriptor(emulation: Emulation) -> dict[str, Any]:
     """What the rig says of itself: the paper's sensors (Tables 1 and 8), and a motor to render with."""
+    seen = emulation.sensors()
 
     def channel(scale: float, unit: str, most: int) -> dict[str, Any]:
         return {"scale": scale, "offset": 0.0, "unit": unit, "lower": -most, "upper": most}
@@ -115,7 +124,7 @@ def _descriptor(emulation: Emulation) -> dict[str, Any]:
         # Twice the paper's step, so that 16 bits reach to 13 rad/s.
         "omega": channel(2.0 * RIG.omega_step, "rad_per_second", 32767),
         "alpha": channel(20.0 / 65536.0, "volt", 32767),
-        "tau": channel(RIG.tau_step, "newton_metre", round(RIG.tau_limit / RIG.tau_step)),
+        "tau": channel(seen.tau_step, "newton_metre", round(seen.tau_limit / seen.tau_step)),
         "c_cal": C_CAL,
         "torque_limit": 0.5,
         "torque_rate_limit": 2000.0,

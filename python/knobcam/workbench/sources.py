@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ..errors import InputError
-from ..fit import fit
 from ..model import KNOBS, Model
 from ..model.effects import effects
 from ..model.hiding import hideable, hiding
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
 _LONGEST_S = 600.0
 _SECONDS = 6.0
 _SEED = 2**32 - 1
-_TRACE = 1.3  # times the noise floor
 _FASTEST = 100.0  # times real time
 _FASTEST_BAUD = 100_000_000
 MOVES = {
@@ -76,15 +74,16 @@ class Simulated:
 
     def capture(self) -> Capture:
         """Simulate it."""
-        knob = hiding(self.name, *self.hidden)
+        knob = hiding(self.name, *self.hidden, motion=self.motion, duration_s=self.duration_s)
         return simulate(knob, self.motion, duration_s=self.duration_s, seed=self.seed)
 
     @property
     def made(self) -> str:
         """The Python that makes the same capture."""
         names = ", ".join(repr(name) for name in (self.name, *self.hidden))
-        knob = f"kc.hiding({names})" if self.hidden else names
-        return f"kc.simulate({knob}, {self.motion!r}, duration_s={self.duration_s!r}, seed={self.seed})"
+        length = f"duration_s={self.duration_s!r}"
+        knob = f"kc.hiding({names}, motion={self.motion!r}, {length})" if self.hidden else names
+        return f"kc.simulate({knob}, {self.motion!r}, {length}, seed={self.seed})"
 
 
 @dataclass(frozen=True)
@@ -101,7 +100,8 @@ class Emulated:
     def record(self, log: Path, tell: Tell, progress: Watch) -> Capture:
         """Record from it over its port."""
         tell("starting the emulated rig")
-        with EmulatedRig(hiding(self.name, *self.hidden), seed=self.seed, speed=self.speed) as rig:
+        knob = hiding(self.name, *self.hidden, motion=self.motion, duration_s=self.duration_s)
+        with EmulatedRig(knob, seed=self.seed, speed=self.speed) as rig:
             tell("sending the motion to the rig")
             return record(rig.port, self.motion, output=log, duration_s=self.duration_s, progress=progress)
 
@@ -152,7 +152,7 @@ def document() -> dict[str, Any]:
 def simulated(body: Mapping[str, Any]) -> Simulated:
     """Return the simulation that a body asks for. Raises InputError for what cannot be simulated."""
     motion, seconds, seed = _motion(body, MOVES | _PUSH), _seconds(body), _seed(body)
-    return Simulated(*_knob(body, motion, seed), motion, seconds, seed)
+    return Simulated(*_knob(body, motion, seconds), motion, seconds, seed)
 
 
 def recorded(body: Mapping[str, Any]) -> Source:
@@ -163,7 +163,7 @@ def recorded(body: Mapping[str, Any]) -> Source:
             raise InputError(f"the emulated rig: {why}")
         speed = number(body, "speed", 1.0, 0.1, _FASTEST)
         motion, seconds, seed = _motion(body, MOVES), _seconds(body), _seed(body)
-        return Emulated(*_knob(body, motion, seed), motion, seconds, seed, speed)
+        return Emulated(*_knob(body, motion, seconds), motion, seconds, seed, speed)
     if source != "port":
         raise InputError(f"source={source!r} is unknown; choose emulated or port")
     port = text(body, "port", "").strip()
@@ -185,7 +185,7 @@ def new_log(folder: str, source: Source) -> Path:
     return next(log for log in logs if not log.exists())
 
 
-def _knob(body: Mapping[str, Any], motion: str, seed: int) -> tuple[str, tuple[str, ...]]:
+def _knob(body: Mapping[str, Any], motion: str, seconds: float) -> tuple[str, tuple[str, ...]]:
     """The knob and what it hides; a surprise is chosen here, and told nobody."""
     knob, named = text(body, "knob", "knob3"), body.get("effects", [])
     if not isinstance(named, list) or not all(isinstance(one, str) for one in named):
@@ -193,20 +193,17 @@ def _knob(body: Mapping[str, Any], motion: str, seed: int) -> tuple[str, tuple[s
     if flag(body, "surprise", False):
         if named:
             raise InputError("a surprise is what nobody has chosen; choose no effects, or no surprise")
-        named = [_surprise(knob, motion, seed)]
-    hiding(knob, *named)  # refuses what cannot be hidden
+        named = [_surprise(knob, motion, seconds)]
+    hiding(knob, *named, motion=motion, duration_s=seconds)  # refuses what cannot be hidden
     return knob, tuple(named)
 
 
-def _surprise(knob: str, motion: str, seed: int) -> str:
+def _surprise(knob: str, motion: str, seconds: float) -> str:
     """An effect that leaves a trace on this knob in this motion: another would be no fun to look for."""
-    effects = hideable(knob)
-    secrets.SystemRandom().shuffle(effects)
-    for effect in effects:
-        first = fit(simulate(hiding(knob, effect), motion, duration_s=_SECONDS, seed=seed))
-        if first.rmse > _TRACE * first.noise_floor:
-            return effect
-    return effects[0]
+    effects = hideable(knob, motion, duration_s=seconds)
+    if not effects:
+        raise InputError(f"no effect shows in {knob} in so little of this motion; record longer")
+    return secrets.choice(effects)
 
 
 def _motion(body: Mapping[str, Any], among: Mapping[str, str]) -> str:

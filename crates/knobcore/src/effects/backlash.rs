@@ -1,6 +1,6 @@
 //! Backlash: free play between shaft and knob.
 
-use super::{Context, CouplingEffect, Effect, Joint, Nonlinear, Survey, Words};
+use super::{Carrier, Context, CouplingEffect, Effect, Id, Joint, Nonlinear, Survey, Words};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
@@ -74,6 +74,16 @@ impl Effect<4> for Backlash {
             return Vec::new();
         }
         vec!["its gap is nothing: it is compliance".into()]
+    }
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 4] {
+        // Surfaces that hardly give under the largest torque, and ring well below the sampling rate, damped to a half.
+        let (inertia, share) = (carrier.inertia(), 0.7);
+        let omega = std::f64::consts::TAU * 0.03 * carrier.survey.rate_hz;
+        let k = (share * inertia * omega * omega).max(carrier.peak() / 0.02);
+        let d = (share * inertia * k).sqrt() + carrier.pushes;
+        let widest = 0.08_f64.min(0.2 * carrier.survey.range());
+        carrier.sized(Id::Backlash, [0.01 * widest, widest], |gap| [gap, k, d, share])
     }
 }
 

@@ -1,6 +1,6 @@
 //! Compliance: an elastic shaft between rig and knob.
 
-use super::{CouplingEffect, Effect, Joint, Nonlinear, Survey, Words};
+use super::{Carrier, CouplingEffect, Effect, Id, Joint, Nonlinear, Survey, Words};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
@@ -52,6 +52,17 @@ impl Effect<3> for Compliance {
             }
         }
         starts
+    }
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 3] {
+        // By how slowly the knob rings behind the shaft: twenty samples a period at the least, and damped
+        // so that it has rung out before the next reversal.
+        let inertia = carrier.inertia();
+        carrier.sized(Id::Compliance, [20.0 / carrier.survey.rate_hz, 1.0 / 15.0], |period| {
+            let omega = std::f64::consts::TAU / period;
+            let k = 0.7 * inertia * omega * omega;
+            [k, 0.3 * k / omega + carrier.pushes, 0.7]
+        })
     }
 }
 

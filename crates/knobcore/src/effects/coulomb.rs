@@ -1,6 +1,6 @@
 //! Coulomb friction: a level per direction, whatever the speed.
 
-use super::{Base, Effect, LoadEffect, Over, Words};
+use super::{Base, Carrier, Effect, LoadEffect, Over, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -40,6 +40,11 @@ impl Effect<2> for Coulomb {
         Param::linear("pos", Unit::of(1, 0, 0), "dry friction moving forward, a magnitude")
             .plausibly(0.0, f64::INFINITY),
     ];
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 2] {
+        let dry = if carrier.dry > 0.0 { carrier.dry } else { 0.004 };
+        [dry, dry]
+    }
 }
 
 impl LoadEffect<2> for Coulomb {

@@ -1,6 +1,6 @@
 //! Detents: evenly spaced valleys that the knob falls into.
 
-use super::{Base, Effect, LoadEffect, Over, Survey, Wave, Words};
+use super::{Base, Carrier, Effect, LoadEffect, Over, Survey, Wave, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -40,6 +40,11 @@ impl Effect<3> for Detent {
 
     fn starts(survey: &Survey) -> Vec<[f64; 3]> {
         survey.waves.clone().unwrap_or_else(|| vec![Self::PARAMS.map(|param| param.neutral)])
+    }
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 3] {
+        let [a, p] = carrier.detent.unwrap_or([0.005, 0.08]);
+        [a, p, 0.5]
     }
 }
 

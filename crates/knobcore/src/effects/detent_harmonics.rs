@@ -1,6 +1,6 @@
 //! Detent harmonics: valleys that are no pure sine.
 
-use super::{Effect, LoadEffect, Over, Words};
+use super::{Carrier, Effect, Id, LoadEffect, Over, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit, Usual};
 use crate::scalar::Scalar;
@@ -46,6 +46,13 @@ impl Effect<9> for DetentHarmonics {
         Param::shape("P", Unit::of(0, 1, 0), [1e-9, 1e6], 0.1, "period of the detents over 2 pi")
             .usually(Usual::Follows("detent.P")),
     ];
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 9] {
+        let [a, p] = carrier.detent.unwrap_or([0.005, 0.08]);
+        carrier.sized(Id::DetentHarmonics, [0.01 * a, a], |a| {
+            [a, 0.8, 0.5 * a, -0.5, 0.25 * a, 1.9, 0.12 * a, -1.2, p]
+        })
+    }
 }
 
 impl LoadEffect<9> for DetentHarmonics {

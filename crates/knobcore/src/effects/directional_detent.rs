@@ -1,6 +1,6 @@
 //! Directional detents: gain and phase differ with the direction of motion.
 
-use super::{Effect, LoadEffect, Words};
+use super::{Carrier, Effect, Id, LoadEffect, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit, Usual};
 use crate::scalar::Scalar;
@@ -28,11 +28,7 @@ impl Effect<3> for DirectionalDetent {
             "teeth that are steeper on one side",
             "friction between ball and wheel",
         ],
-        remedies: &[
-            "guide the spring without play",
-            "make the teeth symmetric",
-            "grease the detent",
-        ],
+        remedies: &["guide the spring without play", "make the teeth symmetric", "grease the detent"],
         latex: r"\operatorname{sgn}(\omega)\, A \sin\!\left(\frac{\theta}{P} + S\right)",
     };
     const PARAMS: [Param; 3] = [
@@ -41,6 +37,11 @@ impl Effect<3> for DirectionalDetent {
         Param::shape("P", Unit::of(0, 1, 0), [1e-9, 1e6], 0.1, "period of the detents over 2 pi")
             .usually(Usual::Follows("detent.P")),
     ];
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 3] {
+        let [a, p] = carrier.detent.unwrap_or([0.005, 0.08]);
+        carrier.sized(Id::DirectionalDetent, [0.01 * a, a], |a| [a, 0.9, p])
+    }
 }
 
 impl LoadEffect<3> for DirectionalDetent {

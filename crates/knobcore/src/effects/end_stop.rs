@@ -1,6 +1,6 @@
 //! End stop: a stiff ramp beyond an angle, on each side.
 
-use super::{Context, Effect, LoadEffect, Over, Survey, Words};
+use super::{Carrier, Context, Effect, Id, LoadEffect, Over, Survey, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -71,6 +71,16 @@ impl Effect<6> for EndStop {
             .flat_map(sides)
             .map(|(x, lower, upper)| [lower * stiff(x), at(x), upper * stiff(x), at(1.0 - x), 0.0, 0.0])
             .collect()
+    }
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 6] {
+        // Within the last of the way at each end, damped as a rubber stop is.
+        let (low, range) = (Survey::quantile(&carrier.survey.theta, 0.0), carrier.survey.range().max(1e-9));
+        let (lo, hi, slow) = (low + 0.15 * range, low + 0.85 * range, 0.15 * range / carrier.fastest());
+        carrier.sized(Id::EndStop, [carrier.floor, 1e3 * carrier.floor], |torque| {
+            let k = torque / (0.15 * range);
+            [k, lo, 1.2 * k, hi, 0.05 * k * slow, 0.5 / range]
+        })
     }
 }
 

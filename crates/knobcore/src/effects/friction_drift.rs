@@ -1,6 +1,6 @@
 //! Friction drift: a knob that warms up.
 
-use super::{Effect, LoadEffect, Survey, Words};
+use super::{Carrier, Effect, Id, LoadEffect, Survey, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -38,6 +38,11 @@ impl Effect<2> for FrictionDrift {
 
     fn starts(survey: &Survey) -> Vec<[f64; 2]> {
         [0.03, 0.15, 0.5, 2.0].into_iter().map(|share| [0.0, (share * survey.duration_s).max(1e-3)]).collect()
+    }
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 2] {
+        let tau = (0.3 * carrier.survey.duration_s).max(1e-3);
+        carrier.sized(Id::FrictionDrift, [0.2, 3.0], |rise| [rise, tau])
     }
 }
 

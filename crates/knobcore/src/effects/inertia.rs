@@ -1,6 +1,6 @@
 //! Inertia: the torque that accelerates the knob.
 
-use super::{Base, Effect, LoadEffect, Over, Words};
+use super::{Base, Carrier, Effect, LoadEffect, Over, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -21,16 +21,17 @@ impl Effect<1> for Inertia {
             "the mass of the knob, most of all far from its axis",
             "the rotor and the coupling that turn along",
         ],
-        remedies: &[
-            "make the knob lighter or smaller in diameter",
-            "take off what turns along without need",
-        ],
+        remedies: &["make the knob lighter or smaller in diameter", "take off what turns along without need"],
         latex: r"M\,\alpha",
     };
     const OVER: Over = Over::Acceleration;
     const BASE: Option<Base> = Some(Base::Always);
     const PARAMS: [Param; 1] =
         [Param::linear("M", Unit::of(1, -1, 2), "moment of inertia").plausibly(0.0, f64::INFINITY)];
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 1] {
+        [carrier.inertia()]
+    }
 }
 
 impl LoadEffect<1> for Inertia {

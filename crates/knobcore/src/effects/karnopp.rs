@@ -1,6 +1,6 @@
 //! Stiction: below a speed the knob counts as stuck, and friction answers whatever would move it.
 
-use super::{Effect, LoadEffect, Over, Words};
+use super::{Carrier, Effect, LoadEffect, Over, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit, Usual};
 use crate::scalar::Scalar;
@@ -46,6 +46,12 @@ impl Effect<3> for Karnopp {
         Param::shape("dv", Unit::of(0, 1, -1), [0.0, 1e9], 0.0, "speed below which the knob is stuck")
             .usually(Usual::Fixed),
     ];
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 3] {
+        // It holds more than it rubs.
+        let holds = if carrier.dry > 0.0 { 2.0 * carrier.dry } else { 0.01 };
+        [holds, holds, 0.01 * carrier.fastest()]
+    }
 }
 
 impl LoadEffect<3> for Karnopp {

@@ -1,6 +1,6 @@
 //! Load-dependent friction: what presses the surfaces together makes them rub.
 
-use super::{Effect, LoadEffect, Nonlinear, Words};
+use super::{Carrier, Effect, Id, LoadEffect, Nonlinear, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -36,6 +36,10 @@ impl Effect<1> for LoadFriction {
     const PARAMS: [Param; 1] =
         [Param::shape("mu", Unit::NUMBER, [-10.0, 10.0], 0.0, "friction per detent torque")
             .plausibly(0.0, f64::INFINITY)];
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 1] {
+        carrier.sized(Id::LoadFriction, [0.02, 1.0], |mu| [mu])
+    }
 }
 
 impl LoadEffect<1> for LoadFriction {

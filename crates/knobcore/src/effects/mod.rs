@@ -38,6 +38,7 @@
 //! assert_eq!(tau, -18.0);
 //! ```
 
+mod carrier;
 mod context;
 pub mod law;
 mod registry;
@@ -53,6 +54,7 @@ use law::{Couples, Delays, Law, Loads, Remembers, Senses};
 use registry::{lanes, registry};
 use std::marker::PhantomData;
 
+pub use carrier::Carrier;
 pub use context::Context;
 pub(crate) use context::short;
 pub use registry::Info;
@@ -135,6 +137,12 @@ pub trait Effect<const N: usize> {
     /// something that the effect needs to show at all vanishes there.
     fn starts(_: &Survey) -> Vec<[f64; N]> {
         vec![Self::PARAMS.map(|param| param.neutral)]
+    }
+
+    /// Parameter values of an ordinary size on a knob, in a motion that shows them and to sensors that see them.
+    fn typical(carrier: &Carrier<'_>) -> [f64; N] {
+        let values = carrier.by_unit(&Self::PARAMS);
+        std::array::from_fn(|i| values.get(i).copied().unwrap_or(0.0))
     }
 
     /// What is implausible about such values in such a fit, a sentence each, beside those that no parameter may have

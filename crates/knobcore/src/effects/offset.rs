@@ -1,6 +1,6 @@
 //! Offset: the zero of the torque sensor.
 
-use super::{Effect, Over, SensorEffect, TakenUp, Words};
+use super::{Carrier, Effect, Over, SensorEffect, TakenUp, Words};
 use crate::motion::Motion;
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -33,6 +33,10 @@ impl Effect<1> for Offset {
         why: "a constant torque is what the difference of the Coulomb levels makes",
     });
     const PARAMS: [Param; 1] = [Param::linear("tau0", Unit::of(1, 0, 0), "constant torque")];
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 1] {
+        [4.0 * carrier.floor]
+    }
 }
 
 impl SensorEffect<1> for Offset {

@@ -1,6 +1,6 @@
 //! Position-dependent friction: the level of dry friction varies along the way.
 
-use super::{Context, Effect, LoadEffect, Survey, Wave, Words};
+use super::{Carrier, Context, Effect, Id, LoadEffect, Survey, Wave, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -108,6 +108,13 @@ impl Effect<9> for PositionFriction {
             return vec![format!("it repeats with the detents: {others}")];
         }
         Vec::new()
+    }
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 9] {
+        let period = carrier.survey.range().max(1e-6) / (1.5 * std::f64::consts::TAU);
+        carrier.sized(Id::PositionFriction, [0.1, 1.1], |s| {
+            [period, 0.5 * s, 0.1 * s, 0.2 * s, 0.1 * s, 0.1 * s, -0.05 * s, 0.03 * s, 0.03 * s]
+        })
     }
 }
 

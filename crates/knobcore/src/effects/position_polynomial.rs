@@ -1,6 +1,6 @@
 //! Position polynomial: any smooth torque over position.
 
-use super::{Effect, LoadEffect, Over, Words};
+use super::{Carrier, Effect, Id, LoadEffect, Over, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -38,6 +38,14 @@ impl Effect<3> for PositionPolynomial {
         Param::linear("p2", Unit::of(1, -2, 0), "curvature"),
         Param::linear("p3", Unit::of(1, -3, 0), "cubic term"),
     ];
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 3] {
+        // By the torque of each term where the way ends.
+        let reach = carrier.reach().max(carrier.middle().abs());
+        carrier.sized(Id::PositionPolynomial, [carrier.floor, 100.0 * carrier.floor], |torque| {
+            [0.4 * torque / reach, torque / reach.powi(2), -0.8 * torque / reach.powi(3)]
+        })
+    }
 }
 
 impl LoadEffect<3> for PositionPolynomial {

@@ -1,6 +1,6 @@
 //! Presliding: friction builds up over a distance after each reversal.
 
-use super::{Context, Effect, MemoryEffect, Over, Survey, Words, short};
+use super::{Carrier, Context, Effect, Id, MemoryEffect, Over, Survey, Words, short};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -81,6 +81,15 @@ impl Effect<7> for Presliding {
             return vec![format!("it slips within {over}, {why}")];
         }
         Vec::new()
+    }
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 7] {
+        // By the share of the friction that builds up; where nine tenths are not enough, by the distance too.
+        let range = carrier.survey.range().max(1e-6);
+        carrier.sized(Id::Presliding, [0.03, 12.0], |size| {
+            let [w1, w2, w4] = [0.25, 0.2, 0.1].map(|share| share * size.min(1.0));
+            [0.02 * range * size.max(1.0), w1, w2, w2, w4, w4, 0.5 * w4]
+        })
     }
 }
 

@@ -1,6 +1,6 @@
 //! Quadratic drag: a fluid that the knob stirs.
 
-use super::{Effect, LoadEffect, Over, Words};
+use super::{Carrier, Effect, Id, LoadEffect, Over, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -31,6 +31,12 @@ impl Effect<1> for QuadraticDrag {
     };
     const OVER: Over = Over::Velocity;
     const PARAMS: [Param; 1] = [Param::linear("d", Unit::of(1, -2, 2), "drag").plausibly(0.0, f64::INFINITY)];
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 1] {
+        // By its torque at the fastest.
+        let square = carrier.fastest() * carrier.fastest();
+        carrier.sized(Id::QuadraticDrag, [carrier.floor, 100.0 * carrier.floor], |torque| [torque / square])
+    }
 }
 
 impl LoadEffect<1> for QuadraticDrag {

@@ -1,6 +1,6 @@
 //! Regional: a force-displacement line of its own in each region of the way.
 
-use super::{Effect, LoadEffect, Over, Survey, Words};
+use super::{Carrier, Effect, LoadEffect, Over, Survey, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -61,6 +61,13 @@ impl Effect<11> for Regional {
         let at = |share: f64| low + share * survey.range();
         let borders = [[0.25, 0.5, 0.75], [0.1, 0.5, 0.9], [0.1, 0.2, 0.5], [0.5, 0.8, 0.9]];
         borders.map(|b| std::array::from_fn(|i| b.get(i).map_or(0.0, |share| at(*share)))).into()
+    }
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 11] {
+        let (at, torque) = (|share: f64| carrier.middle() + share * carrier.reach(), 6.0 * carrier.floor);
+        let k = torque / carrier.reach();
+        let [f1, f2, f3, f4] = [0.8, -0.6, 0.4, -0.4].map(|share| share * torque);
+        [at(-0.5), at(0.1), at(0.6), f1, 0.4 * k, f2, 2.0 * k, f3, -2.0 * k, f4, 0.6 * k]
     }
 }
 

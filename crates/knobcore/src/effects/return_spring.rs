@@ -1,6 +1,6 @@
 //! Return spring: the ramp of the paper, K theta about a rest angle.
 
-use super::{Effect, LoadEffect, Over, Words};
+use super::{Carrier, Effect, Id, LoadEffect, Over, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -37,6 +37,14 @@ impl Effect<2> for ReturnSpring {
         Param::linear("k", Unit::of(1, -1, 0), "stiffness"),
         Param::shape("theta0", Unit::of(0, 1, 0), [-1e6, 1e6], 0.0, "rest angle"),
     ];
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 2] {
+        // By its torque where the way ends; it rests beside the middle.
+        let reach = carrier.reach();
+        carrier.sized(Id::ReturnSpring, [carrier.floor, 100.0 * carrier.floor], |torque| {
+            [torque / reach, carrier.middle() + 0.1 * reach]
+        })
+    }
 }
 
 impl LoadEffect<2> for ReturnSpring {

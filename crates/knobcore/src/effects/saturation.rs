@@ -1,6 +1,6 @@
 //! Saturation: the torque sensor reads no further than its limit.
 
-use super::{Context, Effect, Nonlinear, Over, SensorEffect, Survey, Words};
+use super::{Carrier, Context, Effect, Id, Nonlinear, Over, SensorEffect, Survey, Words};
 use crate::motion::Motion;
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -46,6 +46,13 @@ impl Effect<1> for Saturation {
             return Vec::new();
         }
         vec!["no reading repeats at such a limit".into()]
+    }
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 1] {
+        // By the share of the samples that it cuts off.
+        carrier.sized(Id::Saturation, [0.005, 0.35], |cut| {
+            [Survey::quantile(&carrier.survey.torque, 1.0 - cut).max(1e-9)]
+        })
     }
 }
 

@@ -1,6 +1,6 @@
 //! Stribeck friction: dry friction rises towards zero speed.
 
-use super::{Effect, LoadEffect, Over, Survey, Words};
+use super::{Carrier, Effect, Id, LoadEffect, Over, Survey, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -49,6 +49,11 @@ impl Effect<3> for Stribeck {
         let speed = |q| Survey::quantile(&survey.speed, q).max(1e-6);
         let speeds = [0.05, 0.15, 0.35, 0.7];
         speeds.iter().flat_map(|q| [[0.0, speed(*q), 1.0], [0.0, speed(*q), 2.0]]).collect()
+    }
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 3] {
+        let vs = Survey::quantile(&carrier.survey.speed, 0.2).max(1e-6);
+        carrier.sized(Id::Stribeck, [0.2, 4.0], |rise| [rise, vs, 1.0])
     }
 }
 

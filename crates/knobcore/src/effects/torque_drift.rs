@@ -1,6 +1,6 @@
 //! Torque drift: the baseline of the torque sensor creeps.
 
-use super::{Effect, Over, SensorEffect, Survey, Words};
+use super::{Carrier, Effect, Id, Over, SensorEffect, Survey, Words};
 use crate::motion::Motion;
 use crate::param::{Param, Unit, Usual};
 use crate::scalar::Scalar;
@@ -55,6 +55,15 @@ impl Effect<8> for TorqueDrift {
         let share = |s: f64| (s * survey.duration_s).max(1e-3);
         let shapes = [[0.5, 0.1], [1.0, 0.1], [1.0, 0.3], [2.0, 0.1]];
         shapes.map(|[n, s]| [0.0, n, 0.0, share(s), 0.0, 0.0, 0.0, share(1.0)]).into()
+    }
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 8] {
+        // A transient that dies away, on a creep over the whole capture.
+        let length = carrier.survey.duration_s.max(1e-3);
+        carrier.sized(Id::TorqueDrift, [carrier.floor, 100.0 * carrier.floor], |torque| {
+            let [c1, c2, c3] = [0.1, 0.1, -0.05].map(|share| share * torque);
+            [torque / length, 1.0, 0.7 * torque, 0.15 * length, c1, c2, c3, length]
+        })
     }
 }
 

@@ -1,6 +1,6 @@
 //! Torque lag: the torque channel comes late.
 
-use super::{Effect, LateEffect, Survey, Words};
+use super::{Carrier, Effect, Id, LateEffect, Survey, Words};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
@@ -46,6 +46,11 @@ impl Effect<2> for TorqueLag {
         // No lag at all is a bound, where a search may get caught.
         let sample = 1.0 / survey.rate_hz;
         vec![[sample, 0.0], [4.0 * sample, 0.0], [0.5 * sample, sample]]
+    }
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 2] {
+        let sample = 1.0 / carrier.survey.rate_hz;
+        carrier.sized(Id::TorqueLag, [sample, 50.0 * sample], |lag| [lag, 0.6 * lag])
     }
 }
 

@@ -1,6 +1,6 @@
 //! Unbalance: once per revolution, by gravity or runout.
 
-use super::{Effect, LoadEffect, Over, Words};
+use super::{Carrier, Effect, Id, LoadEffect, Over, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -34,6 +34,10 @@ impl Effect<2> for Unbalance {
     const OVER: Over = Over::Position;
     const PARAMS: [Param; 2] =
         [Param::linear("a", Unit::of(1, 0, 0), "amplitude"), Param::phase("phi", 0, "phase")];
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 2] {
+        carrier.sized(Id::Unbalance, [carrier.floor, 100.0 * carrier.floor], |a| [a, 0.6])
+    }
 }
 
 impl LoadEffect<2> for Unbalance {

@@ -1,6 +1,6 @@
 //! Viscous friction: proportional to the speed, with a coefficient per direction.
 
-use super::{Base, Effect, LoadEffect, Over, Words};
+use super::{Base, Carrier, Effect, LoadEffect, Over, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -41,6 +41,12 @@ impl Effect<2> for Viscous {
         Param::linear("neg", Unit::of(1, -1, 1), "viscous coefficient moving backward"),
         Param::linear("pos", Unit::of(1, -1, 1), "viscous coefficient moving forward"),
     ];
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; 2] {
+        // At the fastest as much as dry friction of a small knob.
+        let b = 0.004 / carrier.fastest();
+        [b, 1.2 * b]
+    }
 }
 
 impl LoadEffect<2> for Viscous {

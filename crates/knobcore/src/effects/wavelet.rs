@@ -1,6 +1,6 @@
 //! Wavelet: torque over position without a law, in the spatial-frequency domain.
 
-use super::{Effect, LoadEffect, Over, Survey, Words};
+use super::{Carrier, Effect, LoadEffect, Over, Survey, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit, Usual};
 use crate::scalar::Scalar;
@@ -61,6 +61,18 @@ impl Effect<COUNT> for Wavelet {
         start[0] = Survey::quantile(&survey.theta, 0.0);
         start[1] = Survey::quantile(&survey.theta, 1.0).max(start[0] + 1e-9);
         vec![start]
+    }
+
+    fn typical(carrier: &Carrier<'_>) -> [f64; COUNT] {
+        let mut values = [0.0; COUNT];
+        let mut c = 6.0 * carrier.floor;
+        for value in &mut values[2..] {
+            *value = c;
+            c *= -0.9;
+        }
+        values[0] = carrier.middle() - carrier.reach();
+        values[1] = carrier.middle() + carrier.reach();
+        values
     }
 }
 

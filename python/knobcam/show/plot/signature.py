@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from matplotlib.lines import Line2D
 
-from ...capture.motions import MotionTrack, motion
-from ...model import Model
+from ...capture.motions import MotionTrack
 from ...model.simulate import simulate
-from ...model.typical import CARRIER, typical, with_typical
+from ...model.typical import CARRIER, of_values, pictured, with_typical
 from .laws import friction
 from .style import (
     BACKWARD,
@@ -34,7 +33,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ...base.arrays import FloatArray
+    from ...model import Model
     from ...model.effects import Effect
+    from ...model.typical import Carrier
 
 _BINS = 60
 # Whatever is smooth follows time as well; it is said of time only where no other axis does nearly as much.
@@ -66,11 +67,12 @@ def effect(effect: Effect) -> Picture:
     The knob is simulated with and without it on the same motion, so couplings, sensors and effects with a
     memory show as they would in a capture. The axis that it follows, if it follows any, is framed.
     """
-    values = typical(effect)
+    carried = pictured()
+    values = carried.typical(effect)
     carrier = {name: value for name, value in CARRIER.items() if not name.startswith(f"{effect.id}.")}
     if effect.unsearched is not None:
-        return _standing(effect, _model({**carrier, **values}))
-    added = _added(carrier, effect)
+        return _standing(effect, of_values({**carrier, **values}))
+    added = _added(of_values(carrier), effect, carried)
     scale = torque_scale("rotary", float(np.max(np.abs(added.tau), initial=0.0)))
     figure = Picture(13.0, 6.6, _title(effect, values))
     units = motion_units("rotary")
@@ -98,22 +100,13 @@ def effect(effect: Effect) -> Picture:
     return figure
 
 
-def _added(carrier: dict[str, float], effect: Effect) -> _Added:
+def _added(bare: Model, effect: Effect, carried: Carrier) -> _Added:
     """Simulate the knob with and without the effect, without sensor noise."""
-    # Over more than a turn, with many reversals at many speeds: what follows one axis follows no other.
-    track = motion("multisine", 12.0, seed=1, amplitude=4.0, highest_hz=1.5)
-    bare = _model(carrier)
     with_it, without = (
-        simulate(model, track, noise="none").tau for model in (with_typical(bare, effect), bare)
+        simulate(model, carried.track, noise="none").tau
+        for model in (with_typical(bare, effect, carried), bare)
     )
-    return _Added(track, np.nan_to_num(with_it - without), without)
-
-
-def _model(values: dict[str, float]) -> Model:
-    model = Model.of(dict.fromkeys(name.split(".")[0] for name in values))
-    for name, value in values.items():
-        model = model.with_value(name, value)
-    return model
+    return _Added(carried.track, np.nan_to_num(with_it - without), without)
 
 
 def _share(x: FloatArray, added: _Added) -> float:

@@ -16,7 +16,7 @@ pub(crate) use gradient::Gradient;
 pub(crate) use place::{Couples, Delays, Loads, Remembers, Senses};
 pub use sweep::Sweep;
 
-use super::{Context, Info, Joint, Survey};
+use super::{Carrier, Context, Info, Joint, Survey};
 use crate::motion::{Load, Motion};
 use crate::scalar::{Dual, Scalar};
 
@@ -27,6 +27,9 @@ pub trait Law: Sync {
 
     /// Parameter values to start a search from.
     fn starts(&self, survey: &Survey) -> Vec<Vec<f64>>;
+
+    /// Parameter values of an ordinary size on a knob.
+    fn typical(&self, carrier: &Carrier<'_>) -> Vec<f64>;
 
     /// What is implausible about such values in such a fit, a sentence each.
     fn implausible(&self, _p: &[f64], _context: &Context) -> Vec<String> {

@@ -4,7 +4,7 @@ use super::block::Totals;
 use super::gradient::Gradient;
 use super::sweep::Sweep;
 use super::{D, Law};
-use crate::effects::{Info, Joint, Place, Survey, User};
+use crate::effects::{Carrier, Info, Joint, Place, Survey, User};
 use crate::motion::{Channel, Load, Motion};
 use crate::scalar::Dual;
 
@@ -51,6 +51,10 @@ impl Law for User {
             return vec![self.info.params.iter().map(|param| param.neutral).collect()];
         }
         self.starts.clone()
+    }
+
+    fn typical(&self, carrier: &Carrier<'_>) -> Vec<f64> {
+        carrier.by_unit(self.info.params)
     }
 
     fn remembers(&self) -> bool {

@@ -5,7 +5,8 @@ use super::gradient::Gradient;
 use super::sweep::Sweep;
 use super::{Carried, D, Law, take};
 use crate::effects::{
-    Context, CouplingEffect, Info, Joint, LateEffect, LoadEffect, MemoryEffect, Place, SensorEffect, Survey,
+    Carrier, Context, CouplingEffect, Info, Joint, LateEffect, LoadEffect, MemoryEffect, Place, SensorEffect,
+    Survey,
 };
 use crate::isa;
 use crate::motion::{Channel, Load, Motion};
@@ -32,6 +33,10 @@ macro_rules! told {
 
         fn starts(&self, survey: &Survey) -> Vec<Vec<f64>> {
             E::starts(survey).into_iter().map(Vec::from).collect()
+        }
+
+        fn typical(&self, carrier: &Carrier<'_>) -> Vec<f64> {
+            E::typical(carrier).into()
         }
 
         fn implausible(&self, p: &[f64], context: &Context) -> Vec<String> {

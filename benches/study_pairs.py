@@ -1,0 +1,119 @@
+"""Every effect in every knob: does the truth, once it is added, explain the capture, and is it missed before?
+
+`python3 benches/study_pairs.py [--motions sweep,hand] [--knobs knob3] [--demo]` prints a row per pair that
+`hideable` offers: the error of the base model and that of a fit started at the truth, in noise floors. With
+`--demo` each pair is learned as `knobcam demo` does it, over an emulated rig, and what it ends with is told.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+import knobcam as kc
+from knobcam import _core
+from knobcam.capture.motions import MOTIONS
+from knobcam.cli.demonstration import FASTER
+from knobcam.model.hiding import hideable
+from knobcam.rig.emulator import EmulatedRig
+from knobcam.rig.record import record
+
+LEAST = 1.5
+AT_FLOOR = 1.05
+CAP_S = 120.0
+
+
+class Solved(NamedTuple):
+    """A pair, and the errors before and after in noise floors."""
+
+    knob: str
+    effect: str
+    motion: str
+    before: float
+    after: float
+
+    @property
+    def solvable(self) -> bool:
+        """Whether the effect is missed without, and is all that there is with it."""
+        return self.before >= LEAST and self.after <= AT_FLOOR
+
+
+def solve(knob: str, effect: str, motion: str, seed: int = 5) -> Solved:
+    """Simulate a pair by the rig's sensors; fit the base model, and the hidden one from the truth."""
+    hidden = kc.hiding(knob, effect, motion=motion)
+    capture = kc.simulate(hidden, motion, seed=seed)
+    base = kc.fit(capture)
+    true = _core.refine([signals.core for signals in base.prepared], hidden.core, True)
+    return Solved(knob, effect, motion, base.rmse / base.noise_floor, true.rmse / true.noise_floor)
+
+
+class Demonstrated(NamedTuple):
+    """A demonstration: what it ended with, from which error to which, in noise floors."""
+
+    knob: str
+    effect: str
+    found: str
+    before: float
+    after: float
+    seconds: float
+
+    @property
+    def alone(self) -> bool:
+        """Whether it ended with what was hidden and nothing else, at the floor, from well above it."""
+        return self.found == self.effect and self.after <= AT_FLOOR and self.before >= LEAST
+
+
+def demonstrate(knob: str, effect: str) -> Demonstrated:
+    """Record a pair from an emulated rig and learn what is missing, as `knobcam demo` does."""
+    start = time.monotonic()
+
+    def watch(_: str) -> None:
+        if time.monotonic() - start > CAP_S:
+            raise TimeoutError
+
+    with tempfile.TemporaryDirectory() as folder:
+        with EmulatedRig(kc.hiding(knob, effect), speed=FASTER) as rig:
+            capture = record(rig.port, "sweep", output=Path(folder) / "capture.npz")
+        try:
+            story = kc.learn(capture, progress=watch)
+        except TimeoutError:
+            return Demonstrated(knob, effect, f"not done in {CAP_S:.0f} s", 0.0, 0.0, CAP_S)
+    floor = story.noise_floor
+    found = ", ".join([*story.found, *(["?"] if story.verdict == "unexplained" else [])])
+    before, after = story.ladder[0].rmse / floor, story.fit.rmse / floor
+    return Demonstrated(knob, effect, found or "-", before, after, time.monotonic() - start)
+
+
+def main() -> None:
+    """Print the table, and how many pairs hold."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--motions", default=",".join(MOTIONS))
+    parser.add_argument("--knobs", default=",".join(kc.KNOBS))
+    parser.add_argument("--effects", help="only these")
+    parser.add_argument("--demo", action="store_true")
+    args = parser.parse_args()
+    only = args.effects.split(",") if args.effects else None
+    held = pairs = 0
+    for motion in ["sweep"] if args.demo else args.motions.split(","):
+        for knob in args.knobs.split(","):
+            for effect in hideable(knob, motion):
+                if only is not None and effect not in only:
+                    continue
+                if args.demo:
+                    shown = demonstrate(knob, effect)
+                    good, row = shown.alone, f"{shown.seconds:5.0f} s  ends with {shown.found}"
+                    before, after = shown.before, shown.after
+                else:
+                    solved = solve(knob, effect, motion)
+                    good, row, before, after = solved.solvable, motion, solved.before, solved.after
+                mark = " " if good else "x"
+                print(f"{mark} {knob} {effect:<20} {before:7.2f} {after:7.3f}  {row}", flush=True)
+                held, pairs = held + good, pairs + 1
+    print(f"{held} of {pairs} pairs hold ({100.0 * held / max(pairs, 1):.0f} %)")
+
+
+if __name__ == "__main__":
+    main()
