@@ -278,7 +278,7 @@ impl Model {
     pub fn kind(&self, slot: &Slot) -> Kind {
         let bent = self.effects().any(|id| match id.info().makes_nonlinear {
             Some(Nonlinear::Everything) => slot.effect.info().place != Place::Sensor || slot.effect < id,
-            Some(Nonlinear::Press) => slot.effect.info().presses,
+            Some(Nonlinear::ByNormalLoad) => slot.effect.info().presses,
             None => false,
         });
         if bent { Kind::Nonlinear } else { slot.param.kind }

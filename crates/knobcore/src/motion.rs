@@ -81,10 +81,10 @@ pub enum Channel {
     Back,
     /// `resist`, forward.
     Forth,
-    /// `press`.
-    Press,
-    /// `level`.
-    Level,
+    /// `normal_load`.
+    NormalLoad,
+    /// `friction_scale`.
+    FrictionScale,
     /// `mu`.
     Mu,
     /// `lag`.
@@ -103,8 +103,8 @@ impl Channel {
         Self::Inertia,
         Self::Back,
         Self::Forth,
-        Self::Press,
-        Self::Level,
+        Self::NormalLoad,
+        Self::FrictionScale,
         Self::Mu,
         Self::Lag,
         Self::Stick,
@@ -123,7 +123,7 @@ impl Channel {
     /// Whether one of these channels shapes the friction of other effects.
     pub const fn shape_friction(these: &[Self]) -> bool {
         let mask = Self::among(these);
-        mask[Self::Level as usize] || mask[Self::Mu as usize] || mask[Self::Lag as usize]
+        mask[Self::FrictionScale as usize] || mask[Self::Mu as usize] || mask[Self::Lag as usize]
     }
 }
 
@@ -133,12 +133,12 @@ pub struct Load<T> {
     /// Torque that pushes, N m.
     pub drive: T,
     /// The part of `drive` that presses the sliding surfaces together, N m (what detents do).
-    pub press: T,
+    pub normal_load: T,
     /// Dry friction, N m: magnitudes when moving backward and forward. It may only oppose motion.
     pub resist: [T; 2],
     /// Factor on the dry friction; the factors of several effects multiply.
-    pub level: T,
-    /// Dry friction per press.
+    pub friction_scale: T,
+    /// Dry friction per normal load.
     pub mu: T,
     /// How far dry friction is from following the sign of the motion: 0 fully, -2 still fully backward in a
     /// forward motion, +2 the other way round.
@@ -158,9 +158,9 @@ impl<T: Scalar> Load<T> {
         let zero = T::of(0.0);
         Self {
             drive: zero,
-            press: zero,
+            normal_load: zero,
             resist: [zero; 2],
-            level: T::of(1.0),
+            friction_scale: T::of(1.0),
             mu: zero,
             lag: zero,
             inertia: zero,
@@ -178,13 +178,13 @@ impl<T: Scalar> Load<T> {
     /// A torque that pushes, and presses the sliding surfaces together as it does.
     #[inline(always)]
     pub fn detent(tau: T) -> Self {
-        Self { drive: tau, press: tau, ..Self::none() }
+        Self { drive: tau, normal_load: tau, ..Self::none() }
     }
 
     /// A factor on the dry friction.
     #[inline(always)]
-    pub fn level(factor: T) -> Self {
-        Self { level: factor, ..Self::none() }
+    pub fn friction_scale(factor: T) -> Self {
+        Self { friction_scale: factor, ..Self::none() }
     }
 
     /// Both loads together: they add up, but for the factors on friction, which multiply.
@@ -210,11 +210,11 @@ impl<T: Scalar> Load<T> {
         if touches(Channel::Forth) {
             self.resist[1] = self.resist[1] + o.resist[1];
         }
-        if touches(Channel::Press) {
-            self.press = self.press + o.press;
+        if touches(Channel::NormalLoad) {
+            self.normal_load = self.normal_load + o.normal_load;
         }
-        if touches(Channel::Level) {
-            self.level = self.level * o.level;
+        if touches(Channel::FrictionScale) {
+            self.friction_scale = self.friction_scale * o.friction_scale;
         }
         if touches(Channel::Mu) {
             self.mu = self.mu + o.mu;
@@ -234,15 +234,16 @@ impl<T: Scalar> Load<T> {
         let half = T::of(0.5);
         let forth = forward + half * self.lag;
         let back = T::of(1.0) - forth;
-        (self.resist[1] * forth - self.resist[0] * back) * self.level
-            + self.mu * self.press.abs() * (forth - back)
+        (self.resist[1] * forth - self.resist[0] * back) * self.friction_scale
+            + self.mu * self.normal_load.abs() * (forth - back)
     }
 
     /// Magnitude of the friction that follows the sign of the motion, N m.
     #[inline(always)]
     pub fn dry(&self, forward: T) -> T {
         let back = T::of(1.0) - forward;
-        (self.resist[0] * back + self.resist[1] * forward) * self.level + self.mu * self.press.abs()
+        (self.resist[0] * back + self.resist[1] * forward) * self.friction_scale
+            + self.mu * self.normal_load.abs()
     }
 
     /// Friction that a spring among the effects holds whichever way the knob would go, N m: of the lags of both ways,

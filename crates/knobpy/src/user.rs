@@ -38,7 +38,7 @@ pub fn register_effect(
     let params = params.into_iter().map(|row| param(&id, row));
     let params = params.collect::<Result<Vec<_>>>().map_err(input_error)?;
     let (place, touches, makes_nonlinear): (_, &[Channel], _) = match acts {
-        "friction" => (Place::Load, &[Channel::Level], None),
+        "friction" => (Place::Load, &[Channel::FrictionScale], None),
         "sensor" => (Place::Sensor, &[], Some(Nonlinear::Everything)),
         "coupling" => (Place::Coupling, &[], Some(Nonlinear::Everything)),
         _ => (Place::Load, &[Channel::Drive], None),

@@ -218,7 +218,7 @@ impl Renderer {
         }
         let mut load = Load::none();
         self.model.own_load(&self.p, motion, &mut load);
-        Some(Beside { drive: load.drive, level: load.level })
+        Some(Beside { drive: load.drive, friction_scale: load.friction_scale })
     }
 
     pub(super) fn clock(&self, samples: u64) -> f64 {

@@ -46,12 +46,13 @@ impl Behind<'_> {
             |(i, x): (usize, &f64)| D::seeded(*x, self.columns.get(i).copied().flatten().and_then(lane));
         let p: Vec<_> = p.iter().enumerate().map(seed).collect();
         let beside = |at: usize| {
-            let Beside { drive, level } = self.own.at(at)?;
-            let mut beside = Beside { drive: D::constant(drive), level: D::constant(level) };
+            let Beside { drive, friction_scale } = self.own.at(at)?;
+            let mut beside =
+                Beside { drive: D::constant(drive), friction_scale: D::constant(friction_scale) };
             for (channel, column, slope) in &self.own.slopes {
                 if let Some(lane) = lane(*column) {
                     match channel {
-                        Channel::Level => beside.level.d[lane] += slope[at] * level,
+                        Channel::FrictionScale => beside.friction_scale.d[lane] += slope[at] * friction_scale,
                         _ => beside.drive.d[lane] += slope[at],
                     }
                 }
@@ -109,13 +110,13 @@ impl<T: Carried, B: Fn(usize) -> Option<Beside<T>>, F: FnMut(usize, T)> pulp::Nu
 /// without any; and derivatives by column, those of factors as a share of the factor.
 struct Own {
     drive: Vec<f64>,
-    level: Vec<f64>,
+    friction_scale: Vec<f64>,
     slopes: Vec<(Channel, usize, Vec<f64>)>,
 }
 
 impl Own {
     fn over(model: &Model, p: &[f64], columns: &[Option<usize>], motion: [&[f64]; 5]) -> Self {
-        let mut own = Self { drive: Vec::new(), level: Vec::new(), slopes: Vec::new() };
+        let mut own = Self { drive: Vec::new(), friction_scale: Vec::new(), slopes: Vec::new() };
         let samples = motion[0].len();
         for (id, p, columns) in model.parts(p, columns) {
             let Id::User(user) = id else { continue };
@@ -123,17 +124,17 @@ impl Own {
                 continue;
             }
             own.drive.resize(samples, 0.0);
-            own.level.resize(samples, 1.0);
+            own.friction_scale.resize(samples, 1.0);
             let (channel, values) = (user.channel(), user.over(p, &motion));
             for (i, value) in values.iter().enumerate() {
                 match channel {
-                    Channel::Level => own.level[i] *= value,
+                    Channel::FrictionScale => own.friction_scale[i] *= value,
                     _ => own.drive[i] += value,
                 }
             }
             for (i, column) in columns.iter().enumerate().filter_map(|(i, column)| Some((i, (*column)?))) {
                 let mut slope = user.slope(p, i, &motion);
-                if channel == Channel::Level {
+                if channel == Channel::FrictionScale {
                     slope.iter_mut().zip(&values).for_each(|(slope, value)| *slope /= value);
                 }
                 own.slopes.push((channel, column, slope));
@@ -143,6 +144,6 @@ impl Own {
     }
 
     fn at(&self, at: usize) -> Option<Beside<f64>> {
-        Some(Beside { drive: *self.drive.get(at)?, level: *self.level.get(at)? })
+        Some(Beside { drive: *self.drive.get(at)?, friction_scale: *self.friction_scale.get(at)? })
     }
 }

@@ -20,7 +20,7 @@ pub struct Beside<T> {
     /// N m.
     pub drive: T,
     /// Factor.
-    pub level: T,
+    pub friction_scale: T,
 }
 
 /// The hidden knob, carried along behind the shaft.
@@ -100,7 +100,7 @@ impl<T: Carried> Hidden<T> {
         let mut load = *load;
         if let Some(beside) = beside {
             load.drive = load.drive + beside.drive;
-            load.level = load.level * beside.level;
+            load.friction_scale = load.friction_scale * beside.friction_scale;
         }
         Acts::of(&load, self.plain, &self.knob, self.own)
     }
@@ -157,7 +157,8 @@ impl<T: Carried> Hidden<T> {
             let next = hermite([from[1], to[1]], [from[2] * time, to[2] * time], share(step + 1));
             let between = was.zip(beside).map(|(was, now)| Beside {
                 drive: was.drive + T::of(share(step)) * (now.drive - was.drive),
-                level: was.level + T::of(share(step)) * (now.level - was.level),
+                friction_scale: was.friction_scale
+                    + T::of(share(step)) * (now.friction_scale - was.friction_scale),
             });
             let acts = self.acts(&load, between);
             let (knob, force) = self.knob.stepped(&self.joint, &acts, [T::of(angle), T::of(next)], h);

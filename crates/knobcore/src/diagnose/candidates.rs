@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 const FOLLOWED: usize = 3;
 /// A start that promises to take off this share of what the best one does is followed too.
 const RIVAL: f64 = 0.7;
-/// Beside a coupling a start must promise this share of the sum of squares to be followed.
+/// Beside a coupling a start must predict this share of the sum of squares to be followed.
 const WORTH: f64 = 0.005;
 /// Where an effect explains this share of what noise does not, a coupling can wait for what is left.
 const MOST: f64 = 0.95;
@@ -106,14 +106,14 @@ fn fitted(screen: &Screen<'_>, id: Id, white: f64) -> (Candidate, Vec<Start>) {
         coupled(screen, id)
     } else {
         let starts = screen.starts(id);
-        let promised = screen.squares - starts.first().map_or(0.0, |best| best.promise);
+        let best_predicted = screen.squares - starts.first().map_or(0.0, |best| best.predicted);
         // Beside a coupling each step takes long.
         let (most, least) = if screen.coupled { (1, WORTH * screen.squares) } else { (FOLLOWED, 0.0) };
         // The starts of what changes the detents are of other periods: which is right the first step cannot tell.
         let rival = if id.info().needs.is_some() { 0.3 * RIVAL } else { RIVAL };
         let worth = |start: &&Start| {
-            let promise = screen.squares - start.promise;
-            promise >= rival * promised && promise >= least
+            let predicted = screen.squares - start.predicted;
+            predicted >= rival * best_predicted && predicted >= least
         };
         let followed = starts.iter().take(most).filter(worth);
         let ends = followed.take_while(|_| screen.watch.wanted());

@@ -37,7 +37,7 @@ pub struct Start {
     /// The model with the effect, at the start.
     pub model: Model,
     /// Sum of squares that one Gauss-Newton step from it promises, (N m)^2.
-    pub promise: f64,
+    pub predicted: f64,
 }
 
 impl<'a> Screen<'a> {
@@ -69,10 +69,10 @@ impl<'a> Screen<'a> {
             .iter()
             .flat_map(|values| self.placed(&with, id, values))
             .take_while(|_| self.watch.wanted())
-            .map(|model| Start { promise: self.promise(id, &model), model })
-            .filter(|start| start.promise.is_finite())
+            .map(|model| Start { predicted: self.predicted(id, &model), model })
+            .filter(|start| start.predicted.is_finite())
             .collect();
-        starts.sort_by(|a, b| a.promise.total_cmp(&b.promise));
+        starts.sort_by(|a, b| a.predicted.total_cmp(&b.predicted));
         starts
     }
 
@@ -118,7 +118,7 @@ impl<'a> Screen<'a> {
         models
     }
 
-    fn promise(&self, id: Id, model: &Model) -> f64 {
+    fn predicted(&self, id: Id, model: &Model) -> f64 {
         let slots = model.slots();
         let moved = |i: usize| {
             slots[i].value

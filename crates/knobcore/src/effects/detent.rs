@@ -13,7 +13,7 @@ impl Effect<3> for Detent {
     const LAW: &'static str = "A sin(theta/P + S)";
     const SOURCE: &'static str = "position part of Equation 1 of the haptic-camera paper";
     const SHOWS: &'static str = "over position, repeating every 2 pi P";
-    const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::Press];
+    const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::NormalLoad];
     const WORDS: Words = Words {
         name: "there are detents",
         about: "The knob falls into evenly spaced valleys and has to be pushed out of each.",

@@ -15,7 +15,7 @@ impl Effect<9> for DetentHarmonics {
     const SHOWS: &'static str = "over position, two to five times per detent";
     const CONFUSED: &'static [&'static str] = &["load_friction", "directional_detent"];
     const NEEDS: Option<&'static str> = Some("detent");
-    const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::Press];
+    const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::NormalLoad];
     const WORDS: Words = Words {
         name: "the detent is not a pure sine",
         about: "The valleys of the detents have another shape than a sine: sharper, flatter or leaning to \

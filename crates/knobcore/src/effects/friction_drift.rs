@@ -15,7 +15,7 @@ impl Effect<2> for FrictionDrift {
         "first-order warm-up; Armstrong-Helouvry, Dupont & Canudas de Wit 1994, section 2";
     const SHOWS: &'static str = "over time, with the sign of the motion";
     const CONFUSED: &'static [&'static str] = &["torque_drift", "position_friction"];
-    const TOUCHES: &'static [Channel] = &[Channel::Level];
+    const TOUCHES: &'static [Channel] = &[Channel::FrictionScale];
     const WORDS: Words = Words {
         name: "friction changes while the capture goes on",
         about: "Friction begins higher or lower than it ends, as grease warms up or spreads.",
@@ -49,7 +49,7 @@ impl Effect<2> for FrictionDrift {
 impl LoadEffect<2> for FrictionDrift {
     #[inline(always)]
     fn load<T: Scalar>([rise, tau]: &[T; 2], motion: &Motion<T>) -> Load<T> {
-        Load::level(T::of(1.0) + *rise * (-motion.t / *tau).exp())
+        Load::friction_scale(T::of(1.0) + *rise * (-motion.t / *tau).exp())
     }
 }
 
@@ -59,7 +59,8 @@ mod tests {
 
     #[test]
     fn friction_relaxes_to_coulomb_as_the_knob_warms_up() {
-        let level = |t: f64| FrictionDrift::load(&[0.8, 2.0], &Motion::exact(t, 0.0, 1.0, 0.0)).level;
+        let level =
+            |t: f64| FrictionDrift::load(&[0.8, 2.0], &Motion::exact(t, 0.0, 1.0, 0.0)).friction_scale;
         assert!((level(0.0) - 1.8).abs() < 1e-12 && (level(100.0) - 1.0).abs() < 1e-12);
         assert!((level(2.0) - (1.0 + 0.8 / std::f64::consts::E)).abs() < 1e-12);
     }

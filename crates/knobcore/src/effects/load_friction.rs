@@ -16,7 +16,7 @@ impl Effect<1> for LoadFriction {
     const SHOWS: &'static str = "wherever the detent pushes, with the sign of the motion";
     const CONFUSED: &'static [&'static str] = &["detent_harmonics", "position_friction"];
     const NEEDS: Option<&'static str> = Some("detent");
-    const MAKES_NONLINEAR: Option<Nonlinear> = Some(Nonlinear::Press);
+    const MAKES_NONLINEAR: Option<Nonlinear> = Some(Nonlinear::ByNormalLoad);
     const TOUCHES: &'static [Channel] = &[Channel::Mu];
     const WORDS: Words = Words {
         name: "friction grows with the force of the detent",

@@ -90,7 +90,7 @@ pub enum Nonlinear {
     /// All that act before it in the chain.
     Everything,
     /// Those of effects that press the sliding surfaces together.
-    Press,
+    ByNormalLoad,
 }
 
 /// What every effect says of itself. `N` is its number of parameters.

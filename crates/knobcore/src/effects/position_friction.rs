@@ -33,7 +33,7 @@ impl Effect<9> for PositionFriction {
     const SOURCE: &'static str = "Popovic & Goldenberg 1998 (friction over position by its spectrum)";
     const SHOWS: &'static str = "over position, with the sign of the motion";
     const CONFUSED: &'static [&'static str] = &["friction_drift", "load_friction", "directional_detent"];
-    const TOUCHES: &'static [Channel] = &[Channel::Level];
+    const TOUCHES: &'static [Channel] = &[Channel::FrictionScale];
     const WORDS: Words = Words {
         name: "friction varies along the way",
         about: "The knob rubs harder at some positions than at others.",
@@ -128,7 +128,7 @@ impl LoadEffect<9> for PositionFriction {
         let (s4, c4) = (two * s2 * c2, c2 * c2 - s2 * s2);
         let level =
             T::of(1.0) + *a1 * s + *b1 * c + *a2 * s2 + *b2 * c2 + *a3 * s3 + *b3 * c3 + *a4 * s4 + *b4 * c4;
-        Load::level(level.max(T::of(LEAST)))
+        Load::friction_scale(level.max(T::of(LEAST)))
     }
 }
 
@@ -139,8 +139,9 @@ mod tests {
     #[test]
     fn friction_varies_along_the_way_and_never_pushes() {
         let p = [0.5, 0.3, 0.0, 0.0, 0.2, 0.0, 0.0, 0.0, 0.0];
-        let level =
-            |p: &[f64; 9], theta: f64| PositionFriction::load(p, &Motion::exact(0.0, theta, 1.0, 0.0)).level;
+        let level = |p: &[f64; 9], theta: f64| {
+            PositionFriction::load(p, &Motion::exact(0.0, theta, 1.0, 0.0)).friction_scale
+        };
         let x = 0.7_f64;
         assert!((level(&p, 0.5 * x) - (1.0 + 0.3 * x.sin() + 0.2 * (2.0 * x).cos())).abs() < 1e-12);
         let wild = [0.5, 5.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];

@@ -65,7 +65,7 @@ impl Info {
             needs: E::NEEDS,
             touches: E::TOUCHES,
             shapes_friction: matches!(place, Place::Load) && Channel::shape_friction(E::TOUCHES),
-            presses: matches!(place, Place::Load) && Channel::among(E::TOUCHES)[Channel::Press as usize],
+            presses: matches!(place, Place::Load) && Channel::among(E::TOUCHES)[Channel::NormalLoad as usize],
             makes_nonlinear: E::MAKES_NONLINEAR,
             words: E::WORDS,
             over: E::OVER,
@@ -91,7 +91,8 @@ impl Info {
 
     /// Whether it is part of the friction: it rubs, shapes what rubs, or opposes the motion by its speed.
     pub fn is_friction(&self) -> bool {
-        let rubs = |channel: &Channel| !matches!(channel, Channel::Drive | Channel::Inertia | Channel::Press);
+        let rubs =
+            |channel: &Channel| !matches!(channel, Channel::Drive | Channel::Inertia | Channel::NormalLoad);
         self.over == Over::Velocity || self.place == Place::Load && self.touches.iter().all(rubs)
     }
 }

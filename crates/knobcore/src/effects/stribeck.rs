@@ -20,7 +20,7 @@ impl Effect<3> for Stribeck {
         "Stribeck 1902; Bo & Pavelescu 1982; Armstrong-Helouvry, Dupont & Canudas de Wit 1994, Equation 4";
     const SHOWS: &'static str = "at low speed, on both sides of every reversal";
     const CONFUSED: &'static [&'static str] = &["presliding", "quadratic_drag", "viscous"];
-    const TOUCHES: &'static [Channel] = &[Channel::Level];
+    const TOUCHES: &'static [Channel] = &[Channel::FrictionScale];
     const WORDS: Words = Words {
         name: "friction rises towards standstill",
         about: "As the knob slows down the film of lubricant between the surfaces thins out, they touch, and \
@@ -61,7 +61,7 @@ impl LoadEffect<3> for Stribeck {
     #[inline(always)]
     fn load<T: Scalar>([rise, vs, delta]: &[T; 3], motion: &Motion<T>) -> Load<T> {
         let speed = (motion.omega.abs() / *vs).max(T::of(REST));
-        Load::level(T::of(1.0) + *rise * (-speed.powf(*delta)).exp())
+        Load::friction_scale(T::of(1.0) + *rise * (-speed.powf(*delta)).exp())
     }
 }
 
@@ -71,7 +71,9 @@ mod tests {
 
     #[test]
     fn friction_at_rest_is_higher_by_the_rise_and_falls_to_coulomb() {
-        let level = |omega: f64| Stribeck::load(&[0.5, 0.2, 2.0], &Motion::exact(0.0, 0.0, omega, 0.0)).level;
+        let level = |omega: f64| {
+            Stribeck::load(&[0.5, 0.2, 2.0], &Motion::exact(0.0, 0.0, omega, 0.0)).friction_scale
+        };
         assert!((level(0.0) - 1.5).abs() < 1e-12 && (level(-100.0) - 1.0).abs() < 1e-12);
         assert!((level(0.2) - (1.0 + 0.5 * (-1.0_f64).exp())).abs() < 1e-12);
         assert_eq!(level(0.1), level(-0.1));

@@ -116,7 +116,7 @@ impl User {
                 None => Ok(own),
             }
         });
-        let factor = self.info.touches.contains(&Channel::Level);
+        let factor = self.info.touches.contains(&Channel::FrictionScale);
         match checked {
             Ok(own) if factor => own.into_iter().map(|x| x.max(LEAST)).collect(),
             Ok(own) => own,
@@ -186,7 +186,7 @@ impl User {
     pub fn at(&self, p: &[f64], motion: &Motion<f64>) -> f64 {
         if self.remembers {
             self.fail(p, "remembers, so it has no torque at one instant, which a simulated motion needs");
-            return f64::from(u8::from(self.info.touches.contains(&Channel::Level)));
+            return f64::from(u8::from(self.info.touches.contains(&Channel::FrictionScale)));
         }
         let Motion { t, theta, omega, alpha, forward } = motion;
         let columns = [t, theta, omega, alpha, forward].map(std::slice::from_ref);

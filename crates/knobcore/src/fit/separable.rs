@@ -35,7 +35,7 @@ impl Effort {
 
 /// A step that promises less than this share of the mean square error is taken and ends the fit: it moves no
 /// parameter by more than a thirtieth of its standard error, and what is left after it is its square.
-const PROMISE: f64 = 1e-3;
+const PREDICTED: f64 = 1e-3;
 /// The longest such last step, as a share of each hard parameter.
 const UNSEEN: f64 = 1e-2;
 /// A step below this share of every hard parameter ends the fit.
@@ -305,8 +305,8 @@ impl Problem<'_> {
                 step[column] -= x * value;
             }
         }
-        let promise = point.cost - m.squares_after(&step);
-        Some((step, promise))
+        let predicted = point.cost - m.squares_after(&step);
+        Some((step, predicted))
     }
 }
 
@@ -351,16 +351,16 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64],
         if problem.evaluations >= effort.evaluations() {
             return ended(&problem, &here, iterations, Status::Limit);
         }
-        let Some((step, promise)) = problem.step(&here, damping) else {
+        let Some((step, predicted)) = problem.step(&here, damping) else {
             return ended(&problem, &here, iterations, Status::Converged);
         };
         let small =
             layout.hard.iter().all(|&h| step[h].abs() <= STEP * here.p[layout.free[h]].abs().max(STEP));
-        if promise <= (PROMISE / rows).max(effort.least_gain()) * here.cost || small {
+        if predicted <= (PREDICTED / rows).max(effort.least_gain()) * here.cost || small {
             if damping > 1e8 {
                 return ended(&problem, &here, iterations, Status::Stalled);
             }
-            // A parameter that hardly matters may take a long step for a small promise: not unseen.
+            // A parameter that hardly matters may take a long step for a small predicted gain: not unseen.
             let short = layout.hard.iter().all(|&h| step[h].abs() <= UNSEEN * here.p[layout.free[h]].abs());
             let found = ended(&problem, &here, iterations, Status::Converged);
             return if short {
@@ -370,7 +370,7 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64],
             };
         }
         let there = problem.point(layout.moved(model, &here.p, &step));
-        let gain = (here.cost - there.cost) / promise;
+        let gain = (here.cost - there.cost) / predicted;
         if there.cost < here.cost {
             let fell = 1.0 - there.cost / here.cost;
             here = there;

@@ -82,7 +82,7 @@ fn resistance_static_friction_inertia_and_stick_band_are_never_negative() {
                 let least = [load.resist, load.hold].concat().into_iter().chain([
                     load.inertia,
                     load.band,
-                    load.level,
+                    load.friction_scale,
                 ]);
                 assert!(least.into_iter().all(|x| x >= 0.0), "{}: {load:?}", name(id));
             }
@@ -96,7 +96,17 @@ fn a_load_touches_no_channel_that_it_does_not_name() {
     let channels = |load: Load<f64>| {
         let [back, forth] = load.resist;
         let held = load.hold[0] + load.hold[1] + load.band;
-        [load.drive, load.inertia, back, forth, load.press, load.level, load.mu, load.lag, held]
+        [
+            load.drive,
+            load.inertia,
+            back,
+            forth,
+            load.normal_load,
+            load.friction_scale,
+            load.mu,
+            load.lag,
+            held,
+        ]
     };
     for &id in Id::BUILT_IN.iter().filter(|id| id.info().place == Place::Load) {
         let (touched, mut moved) = (Channel::among(id.info().touches), [false; Channel::ALL.len()]);

@@ -100,7 +100,7 @@ fn wherever_it_acts_it_is_the_effect_of_the_catalogue_that_it_repeats() {
     let clip: Function =
         Box::new(|p, motion| Ok(motion[5].iter().map(|tau| tau.clamp(-p[0], p[0])).collect()));
     let soft: Function = Box::new(|p, _| Ok(vec![0.0, p[0], p[1], p[2], 1.0]));
-    let level: &[Channel] = &[Channel::Level];
+    let level: &[Channel] = &[Channel::FrictionScale];
     for (id, place, touches, params, function, as_is, values) in [
         ("own_warmth", Place::Load, level, FRICTION, warm, Id::FrictionDrift, vec![0.8, 0.5]),
         ("own_clip", Place::Sensor, &[], SENSOR, clip, Id::Saturation, vec![0.05]),

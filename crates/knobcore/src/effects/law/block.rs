@@ -10,25 +10,26 @@ use std::ops::Range;
 
 /// Samples that are evaluated at a time: their channels stay in the first cache.
 pub(crate) const BLOCK: usize = 256;
-/// Channels of a load that a moving knob feels: drive, inertia, dry friction backward and forward; press, level,
-/// friction per press, lag.
+/// Channels of a load that a moving knob feels: drive, inertia, dry friction backward and forward; normal load, friction
+/// scale,
+/// friction per normal load, lag.
 pub(crate) const CHANNELS: usize = Channel::Stick as usize;
 /// The first of them, which suffice where nothing shapes the friction.
-pub(crate) const PLAIN: usize = Channel::Press as usize;
+pub(crate) const PLAIN: usize = Channel::NormalLoad as usize;
 /// The channel that multiplies.
-pub(crate) const LEVEL: usize = Channel::Level as usize;
+pub(crate) const SCALE: usize = Channel::FrictionScale as usize;
 
 #[inline(always)]
 pub(super) fn channels<T: Scalar>(load: &Load<T>) -> [T; CHANNELS] {
     let [back, forth] = load.resist;
-    [load.drive, load.inertia, back, forth, load.press, load.level, load.mu, load.lag]
+    [load.drive, load.inertia, back, forth, load.normal_load, load.friction_scale, load.mu, load.lag]
 }
 
 #[inline(always)]
 pub(crate) fn load_of<T: Scalar>(
-    [drive, inertia, back, forth, press, level, mu, lag]: [T; CHANNELS],
+    [drive, inertia, back, forth, normal_load, friction_scale, mu, lag]: [T; CHANNELS],
 ) -> Load<T> {
-    Load { drive, inertia, resist: [back, forth], press, level, mu, lag, ..Load::none() }
+    Load { drive, inertia, resist: [back, forth], normal_load, friction_scale, mu, lag, ..Load::none() }
 }
 
 /// A block of every channel.
@@ -52,10 +53,10 @@ impl<'a> Totals<'a> {
         channels: &'a mut Channels,
     ) -> Self {
         for (channel, column) in channels.iter_mut().enumerate().take(if plain { PLAIN } else { CHANNELS }) {
-            column.fill(if channel == LEVEL { 1.0 } else { 0.0 });
+            column.fill(if channel == SCALE { 1.0 } else { 0.0 });
         }
         if plain {
-            channels[LEVEL].fill(1.0);
+            channels[SCALE].fill(1.0);
         }
         let motion = whole.map(|column| &column[block.clone()]);
         Self { whole, motion, block, channels, plain }
@@ -78,7 +79,7 @@ impl<'a> Totals<'a> {
                 continue;
             }
             let before = Pack::load(column, at);
-            (if channel == LEVEL { before * own } else { before + own }).store(column, at);
+            (if channel == SCALE { before * own } else { before + own }).store(column, at);
         }
     }
 
@@ -117,7 +118,7 @@ impl<'a> Totals<'a> {
     /// Brings in what was worked out for the whole motion at once, into one channel.
     pub(super) fn add_column(&mut self, channel: Channel, column: &[f64]) {
         for (total, own) in self.channels[channel as usize].iter_mut().zip(&column[self.block.clone()]) {
-            *total = if channel == Channel::Level { *total * own } else { *total + own };
+            *total = if channel == Channel::FrictionScale { *total * own } else { *total + own };
         }
     }
 

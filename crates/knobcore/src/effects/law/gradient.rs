@@ -1,6 +1,6 @@
 //! The second half of a sweep: each effect's own derivatives, by the chain rule through the channels of its load.
 
-use super::block::{CHANNELS, Channels, LEVEL, PLAIN, Totals, channels, load_of};
+use super::block::{CHANNELS, Channels, PLAIN, SCALE, Totals, channels, load_of};
 use super::seeded;
 use crate::effects::{LoadEffect, MemoryEffect};
 use crate::motion::{Channel, Load, Touched};
@@ -39,9 +39,9 @@ impl Gradient<'_> {
                 continue;
             }
             let mut by = Pack::load(&self.by[channel], at);
-            if channel == LEVEL {
+            if channel == SCALE {
                 // The derivative of a product by one of its factors.
-                by = by * Pack::load(&self.totals.channels[LEVEL], at) / own.v;
+                by = by * Pack::load(&self.totals.channels[SCALE], at) / own.v;
             }
             for (sum, slope) in sums.iter_mut().zip(own.d) {
                 *sum = *sum + by * slope;
@@ -110,7 +110,7 @@ impl Gradient<'_> {
         let weight = |i: usize| {
             let by = self.by[channel as usize][i];
             match values[block.start + i] {
-                own if channel == Channel::Level => by * self.totals.channels[LEVEL][i] / own,
+                own if channel == Channel::FrictionScale => by * self.totals.channels[SCALE][i] / own,
                 _ => by,
             }
         };

@@ -79,7 +79,11 @@ impl Law for User {
     fn load(&self, p: &[f64], _: &mut [f64], motion: &Motion<f64>, sum: &mut Load<f64>) {
         if self.loads() {
             let own = self.at(p, motion);
-            let load = if self.channel() == Channel::Level { Load::level(own) } else { Load::drive(own) };
+            let load = if self.channel() == Channel::FrictionScale {
+                Load::friction_scale(own)
+            } else {
+                Load::drive(own)
+            };
             sum.join(&load, Channel::among(self.info.touches));
         }
     }
