@@ -24,7 +24,7 @@ from ..model.effects import base_effects, base_effects_shown, effects
 from . import refit
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Callable, Collection
 
     from ..base.arrays import FloatArray
     from ..base.showing import Figure, Look
@@ -171,11 +171,17 @@ class Fit(showing.Tabled):
 
         return compare(self)
 
-    def diagnose(self, *, without: Collection[str] = ()) -> Diagnosis:
-        """Return which effects could be missing, ranked; `without` takes ids out of the catalogue."""
+    def diagnose(
+        self,
+        *,
+        only: Collection[str] | None = None,
+        without: Collection[str] = (),
+        progress: Callable[[float], object] | None = None,
+    ) -> Diagnosis:
+        """Return which effects could be missing, ranked: what `knobcam.diagnose` says of this fit."""
         from .diagnose import diagnose
 
-        return diagnose(self, without=without)
+        return diagnose(self, only=only, without=without, progress=progress)
 
     def add(self, effect: str) -> Fit:
         """Return the fit with one effect of the catalogue more, every free parameter fitted anew.

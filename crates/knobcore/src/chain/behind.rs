@@ -99,9 +99,9 @@ impl<T: Carried, B: Fn(usize) -> Option<Beside<T>>, F: FnMut(usize, T)> pulp::Nu
             return;
         }
         let Some(mut hidden) = Hidden::new(model, p, instant(0), *dt, *substeps) else { return };
-        for at in 0..t.len() {
+        for (at, alpha) in alpha.iter().enumerate() {
             let force = hidden.follow(model, p, &mut state, instant(at), 0, beside(at));
-            out(at, hidden.shafts * T::of(alpha[at]) + force);
+            out(at, hidden.shafts * T::of(*alpha) + force);
         }
     }
 }
