@@ -135,7 +135,13 @@ def lint(_: list[str]) -> None:
     setup()
     run("cargo", "fmt", "--all", "--check")
     # Effects are named by a macro, behind which cargo fmt does not look.
-    run("rustfmt", "--check", "--edition", "2024", *sorted((ROOT / "crates/knobcore/src/effects").glob("*.rs")))
+    run(
+        "rustfmt",
+        "--check",
+        "--edition",
+        "2024",
+        *sorted((ROOT / "crates/knobcore/src/effects").glob("*.rs")),
+    )
     run("cargo", "clippy", "--locked", "--workspace", "--all-targets", "--", "--deny", "warnings")
     run(BIN / "ruff", "check")
     run(BIN / "ruff", "format", "--check")

@@ -35,7 +35,10 @@ nitpick_ignore_regex = [
     ("py:.*", r"(os|pathlib|collections|typing|np|numpy|matplotlib)\..*"),
     ("py:.*", r"(knobcam\.)?_core\..*"),
     ("py:.*", r"(.*\.)?(FloatArray|IntArray|BoolArray|ArrayLike|NDArray|Axis|ColumnMap|Figure|Path|Law)"),
-    ("py:.*", r"(.*\.)?(Watch|Picture|Window|Figures|Content|Severity|Shown|TextTable|Widget)"),
+    (
+        "py:.*",
+        r"(.*\.)?(Watch|Picture|Window|Figures|Content|Severity|Shown|TextTable|Widget|Over|TakenUp|Acts)",
+    ),
 ]
 
 highlight_language = "text"  # of what names no language

@@ -58,7 +58,7 @@ def hiding(
     model = bare
     for effect in hidden:
         entry = catalogued(effect)
-        if why := _unfound(entry) or _hopeless(carrier, entry, name):
+        if why := _there(bare, entry, name) or _unfound(entry) or _hopeless(carrier, entry, name):
             others = [] if _unfound(entry) else _others(name, entry, motion, noise, duration_s)
             instead = f"hide it in {' or '.join(others)}" if others else "choose another"
             raise InputError(f"effect '{effect}' is nothing to hide: {why}; {instead}")
@@ -99,10 +99,15 @@ def _unfound(entry: Effect) -> str | None:
     return _NOT_NAMED.get(entry.id)
 
 
+def _there(knob: Model, entry: Effect, name: str) -> str | None:
+    """Why there is nothing to hide; None where the knob does not have the effect."""
+    return f"{name} has it anyway" if entry.id in knob.effects else None
+
+
 def _hopeless(carrier: Carrier, entry: Effect, name: str) -> str | None:
     """Why this knob cannot hide the effect in this motion; None where it can."""
-    if entry.id in carrier.model.effects:
-        return f"{name} has it anyway"
+    if why := _there(carrier.model, entry, name):
+        return why
     if entry.needs not in (None, *carrier.model.effects):
         return f"it changes '{entry.needs}', which {name} does not have"
     cost = carrier.cost(entry)
