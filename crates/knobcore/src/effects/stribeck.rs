@@ -53,7 +53,7 @@ impl Effect<3> for Stribeck {
 
     fn typical(carrier: &Carrier<'_>) -> [f64; 3] {
         let vs = Survey::quantile(&carrier.survey.speed, 0.2).max(1e-6);
-        carrier.sized(Id::Stribeck, [0.2, 8.0], |rise| [rise, vs, 1.0])
+        carrier.sized(Id::Stribeck, [0.2, 5.0], |rise| [rise, vs, 1.0])
     }
 }
 
