@@ -58,7 +58,7 @@ def hiding(
     model = bare
     for effect in hidden:
         entry = catalogued(effect)
-        if why := _there(bare, entry, name) or _unfound(entry) or _hopeless(carrier, entry, name):
+        if why := _refusal(carrier, entry, name):
             others = [] if _unfound(entry) else _others(name, entry, motion, noise, duration_s)
             instead = f"hide it in {' or '.join(others)}" if others else "choose another"
             raise InputError(f"effect '{effect}' is nothing to hide: {why}; {instead}")
@@ -75,21 +75,31 @@ def hideable(
     """Return the effects that can be hidden in one of the five knobs, and found in such a motion."""
     name = knob_name(knob)
     if isinstance(motion, str) and isinstance(noise, str):
-        return list(_hideable(name, tuple(effects()), motion, noise, duration_s))
-    carrier = Carrier.of(Model.load(name), motion, noise, duration_s)
-    return [id for id, entry in effects().items() if not (_unfound(entry) or _hopeless(carrier, entry, name))]
+        return list(_known(name, tuple(effects()), motion, noise, duration_s))
+    return list(_offered(name, tuple(effects()), motion, noise, duration_s))
 
 
-@lru_cache(64)
-def _hideable(
-    name: str, catalogue: tuple[str, ...], motion: str, noise: str, duration_s: float
+def _offered(
+    name: str,
+    catalogue: tuple[str, ...],
+    motion: str | MotionTrack,
+    noise: str | SensorNoise,
+    duration_s: float,
 ) -> tuple[str, ...]:
-    """The same, once for each knob and motion: sizes take a while."""
+    """Return those of the catalogue that the knob can hide."""
     carrier = Carrier.of(Model.load(name), motion, noise, duration_s)
-    named = {id: catalogued(id) for id in catalogue}
-    return tuple(
-        id for id, entry in named.items() if not (_unfound(entry) or _hopeless(carrier, entry, name))
-    )
+    return tuple(id for id in catalogue if not _refusal(carrier, catalogued(id), name))
+
+
+# Once for each knob and motion: sizes take a while.
+_known = lru_cache(64)(_offered)
+
+
+def _refusal(carrier: Carrier, entry: Effect, name: str) -> str | None:
+    """Why a knob does not hide an effect; None where it can."""
+    if entry.id in carrier.model.effects:
+        return f"{name} has it anyway"
+    return _unfound(entry) or _hopeless(carrier, entry, name)
 
 
 def _unfound(entry: Effect) -> str | None:
@@ -99,15 +109,8 @@ def _unfound(entry: Effect) -> str | None:
     return _NOT_NAMED.get(entry.id)
 
 
-def _there(knob: Model, entry: Effect, name: str) -> str | None:
-    """Why there is nothing to hide; None where the knob does not have the effect."""
-    return f"{name} has it anyway" if entry.id in knob.effects else None
-
-
 def _hopeless(carrier: Carrier, entry: Effect, name: str) -> str | None:
     """Why this knob cannot hide the effect in this motion; None where it can."""
-    if why := _there(carrier.model, entry, name):
-        return why
     if entry.needs not in (None, *carrier.model.effects):
         return f"it changes '{entry.needs}', which {name} does not have"
     cost = carrier.cost(entry)
@@ -127,4 +130,4 @@ def _others(
     carriers = {
         knob: Carrier.of(Model.load(knob), motion, noise, duration_s) for knob in KNOBS if knob != name
     }
-    return [knob for knob, carrier in carriers.items() if not _hopeless(carrier, entry, knob)]
+    return [knob for knob, carrier in carriers.items() if not _refusal(carrier, entry, knob)]
