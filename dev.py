@@ -100,14 +100,14 @@ def needs_cargo() -> None:
         sys.exit("dev.py: cargo is not on the PATH; install Rust from https://rustup.rs and try again")
 
 
-def setup(tools: str = "dev") -> None:
-    """Dependencies, then the extension in release mode; Python sources are used where they are."""
+def setup(tools: str = "dev", profile: str = "develop") -> None:
+    """Dependencies, then the extension; Python sources are used where they are."""
     needs_cargo()
     install(f"requirements-{tools}.lock")
-    develop = (BIN / "maturin", "develop", "--release", "--locked")
+    develop = (BIN / "maturin", "develop", "--profile", profile, "--locked")
     metadata = digest(ROOT / "pyproject.toml", ROOT / "Cargo.toml", ROOT / "requirements-demo.lock")
     sources = [ROOT / "Cargo.lock", *(ROOT / "crates").rglob("Cargo.toml"), *(ROOT / "crates").rglob("*.rs")]
-    rust = digest(*sources) + metadata
+    rust = digest(*sources) + metadata + profile
     compiled = any((ROOT / "python" / "knobcam").glob("_core*.so")) or os.name == "nt"
     if changed("metadata", metadata):
         run(*develop)
@@ -126,7 +126,7 @@ def demo(options: list[str]) -> None:
 def test(options: list[str]) -> None:
     """Rust first: it is the foundation. Its tests run without the bindings, which need a Python to link."""
     setup()
-    run("cargo", "test", "--release", "--locked", "--workspace", "--exclude", "knobpy")
+    run("cargo", "test", "--profile", "develop", "--locked", "--workspace", "--exclude", "knobpy")
     run(PYTHON, "-m", "pytest", *options)
 
 
@@ -156,8 +156,8 @@ def check(options: list[str]) -> None:
 
 
 def bench(options: list[str]) -> None:
-    """The benchmarks; their peers are installed for them alone."""
-    setup()
+    """The benchmarks, on what a wheel holds; their peers are installed for them alone."""
+    setup(profile="release")
     install("requirements-bench.lock")
     mode = "--benchmark-disable" if "--quick" in options else "--benchmark-only"
     run(PYTHON, "-m", "pytest", "benches", mode, *(option for option in options if option != "--quick"))

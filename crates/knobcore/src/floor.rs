@@ -3,11 +3,10 @@
 //! Above the bandwidth of the model the raw torque holds noise alone. Its level there, with the gain of the
 //! measurement filter for white noise, is the floor.
 
-use crate::fourier;
+use crate::fourier::Transform;
 use crate::model::Model;
 use crate::predict::torque_raw;
 use crate::signals::Signals;
-use realfft::RealToComplex;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -92,9 +91,9 @@ impl Floor {
     }
 }
 
-/// Hann-tapered periodograms of one length.
+/// Hann-tapered periodograms of one length, a power of two.
 pub(crate) struct Periodogram {
-    plan: Arc<dyn RealToComplex<f64>>,
+    transform: Arc<Transform>,
     taper: Vec<f64>,
     energy: f64,
 }
@@ -104,16 +103,13 @@ impl Periodogram {
         let taper: Vec<f64> =
             (0..n).map(|i| 0.5 - 0.5 * (2.0 * PI * (i as f64 + 0.5) / n as f64).cos()).collect();
         let energy = taper.iter().map(|w| w * w).sum();
-        Self { plan: fourier::forward(n), taper, energy }
+        Self { transform: Transform::of(n), taper, energy }
     }
 
     /// Power per bin; the mean over the bins of white noise is its variance.
     pub fn of(&self, x: &[f64]) -> Vec<f64> {
         let mean = x.iter().sum::<f64>() / x.len() as f64;
-        let mut tapered: Vec<f64> = x.iter().zip(&self.taper).map(|(x, w)| (x - mean) * w).collect();
-        let mut spectrum = self.plan.make_output_vec();
-        // The lengths are those of the plan: it cannot refuse.
-        let _ = self.plan.process(&mut tapered, &mut spectrum);
-        spectrum.iter().map(|c| c.norm_sqr() / self.energy).collect()
+        let tapered: Vec<f64> = x.iter().zip(&self.taper).map(|(x, w)| (x - mean) * w).collect();
+        self.transform.forward(&tapered).iter().map(|c| c.norm_sqr() / self.energy).collect()
     }
 }

@@ -5,16 +5,10 @@
 
 use pulp::NullaryFnOnce;
 
-/// Does work that is compiled for vectors of eight numbers (AVX-512), of four (AVX2), and for whatever the target has.
+/// Does work that is compiled for vectors of four numbers (AVX2) and for whatever the target has. Vectors of eight
+/// (AVX-512) were no faster in any of the kernels, and took a third copy of each to compile.
 #[inline]
 pub fn dispatch<W: NullaryFnOnce>(work: W) -> W::Output {
-    pulp::Arch::new().dispatch(work)
-}
-
-/// The same without vectors of eight: what carries derivatives from step to step gains nothing by them, and takes as
-/// long again to compile.
-#[inline]
-pub fn dispatch_narrow<W: NullaryFnOnce>(work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
     if let Some(avx2) = pulp::x86::V3::try_new() {
         return pulp::Simd::vectorize(avx2, work);

@@ -56,7 +56,7 @@ impl<T: Scalar> Motion<T> {
 }
 
 impl Motion<Pack> {
-    /// Eight samples of columns (t, theta, omega, alpha, forward) from `at` on. Written out: mapped over an array it is
+    /// A pack of samples of columns (t, theta, omega, alpha, forward) from `at` on. Written out: mapped over an array it is
     /// a call, which loads also what an effect does not look at.
     #[inline(always)]
     pub fn over([t, theta, omega, alpha, forward]: &[&[f64]; 5], at: usize) -> Self {
@@ -248,6 +248,7 @@ impl<T: Scalar> Load<T> {
 
     /// Friction that a spring among the effects holds whichever way the knob would go, N m: of the lags of both ways,
     /// this one backward and that forward, the mean is what it is strained by.
+    #[inline]
     pub fn strained(&self, forth: &Self) -> T {
         let half = T::of(0.5);
         half * (self.lag + forth.lag) * forth.dry(half)

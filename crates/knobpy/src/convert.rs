@@ -28,7 +28,7 @@ pub fn array<'py>(py: Python<'py>, column: &[f64]) -> Floats<'py> {
 }
 
 /// A small matrix as it goes out.
-pub fn matrix<'py>(py: Python<'py>, m: &faer::Mat<f64>) -> Bound<'py, PyArray2<f64>> {
+pub fn matrix<'py>(py: Python<'py>, m: &nalgebra::DMatrix<f64>) -> Bound<'py, PyArray2<f64>> {
     PyArray2::from_owned_array(
         py,
         numpy::ndarray::Array2::from_shape_fn((m.nrows(), m.ncols()), |(i, j)| m[(i, j)]),

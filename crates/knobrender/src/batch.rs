@@ -1,4 +1,4 @@
-//! A whole motion at once: the same numbers as single steps, eight samples at a time where the knob just slides.
+//! A whole motion at once: the same numbers as single steps, a pack of samples at a time where the knob just slides.
 #![expect(clippy::needless_range_loop, reason = "a count known to the compiler becomes vector instructions")]
 
 use super::sliding::{Sliding, braked};
@@ -47,7 +47,7 @@ impl Ahead {
         Self { motion: [ZEROS; 3], before: ZEROS, moving, resting, asked: [ZEROS; 2], ways: ZEROS }
     }
 
-    /// Whether the knob can slide that way through the eight samples from `at` on.
+    /// Whether the knob can slide that way through the pack of samples from `at` on.
     #[inline(always)]
     fn all(&self, at: usize, way: f64) -> bool {
         let differ = |other: u64, one: &f64| other | (one.to_bits() ^ way.to_bits());
@@ -74,7 +74,7 @@ impl Renderer {
         }
     }
 
-    /// Whether single steps would only add up what eight samples ask for: nothing is filtered or rounded.
+    /// Whether single steps would only add up what a pack of samples asks for: nothing is filtered or rounded.
     fn is_plain(&self) -> bool {
         let tuning = &self.tuning;
         tuning.freshness == 1.0 && tuning.count == 0.0 && self.limits.torque_rate == f64::INFINITY

@@ -1,4 +1,4 @@
-//! The torque on a knob that slides: for one sample or eight, by the same arithmetic.
+//! The torque on a knob that slides: for one sample or a pack of them, by the same arithmetic.
 
 use knobcore::model::Model;
 use knobcore::motion::{Load, Motion};

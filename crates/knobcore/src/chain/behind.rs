@@ -72,7 +72,7 @@ impl Behind<'_> {
         beside: impl Fn(usize) -> Option<Beside<T>>,
         out: impl FnMut(usize, T),
     ) {
-        isa::dispatch_narrow(Simulation { of: self, p, beside, out });
+        isa::dispatch(Simulation { of: self, p, beside, out });
     }
 }
 

@@ -56,6 +56,7 @@ impl<T: Carried> Hidden<T> {
     }
 
     /// Cuts the joint to a stiffness and raises its damping to at least what such a stiffness needs.
+    #[inline]
     pub fn soften(&mut self, [stiffness, damping]: [f64; 2]) {
         if (self.joint.stiffness - T::of(stiffness)).is_positive() {
             self.joint.stiffness = T::of(stiffness);
@@ -64,11 +65,13 @@ impl<T: Carried> Hidden<T> {
     }
 
     /// Angle and speed of the knob.
+    #[inline]
     pub fn knob(&self) -> [T; 2] {
         [self.knob.theta, self.knob.omega]
     }
 
     /// Puts shaft and knob there. `state` is what the effects remember once they have seen that instant.
+    #[inline]
     pub fn put(
         &mut self,
         model: &Model,
@@ -83,6 +86,7 @@ impl<T: Carried> Hidden<T> {
     }
 
     /// Forgets where the shaft was: the next instant is the first.
+    #[inline]
     pub fn begin(&mut self, theta: T, omega: T) {
         self.knob = Body::at(theta, omega);
         self.before = None;

@@ -49,6 +49,7 @@ impl<T: Scalar> Acts<T> {
 
 impl<T: Scalar> Body<T> {
     /// A body at an angle and a speed.
+    #[inline]
     pub fn at(theta: T, omega: T) -> Self {
         Self { theta, omega, leaving: false }
     }

@@ -7,9 +7,10 @@
 
 use super::screen::{Screen, Start};
 use crate::effects::{Id, Place};
+use crate::fit::add_products;
 use crate::random::Noise;
 use crate::signals::Signals;
-use faer::{Mat, Par, Side};
+use nalgebra::{Cholesky, DMatrix, DVector};
 use std::collections::BTreeMap;
 
 /// Captures of noise alone.
@@ -50,10 +51,10 @@ impl Null {
         let mut noise = Noise::new(0x6e75_6c6c);
         let mut gains: BTreeMap<Id, Vec<f64>> = BTreeMap::new();
         for _ in 0..DRAWS {
-            let z = draw(&factor, &mut noise);
+            let z = &factor * DVector::from_fn(factor.nrows(), |_, _| noise.normal());
             let mut best: BTreeMap<Id, f64> = BTreeMap::new();
             for (id, group) in &groups {
-                let gain: f64 = z[group.clone()].iter().map(|z| z * z).sum();
+                let gain: f64 = z.as_slice()[group.clone()].iter().map(|z| z * z).sum();
                 let slot = best.entry(*id).or_default();
                 *slot = slot.max(gain);
             }
@@ -97,12 +98,8 @@ fn evenly(starts: &[Start], most: usize) -> impl Iterator<Item = &Start> {
 }
 
 /// A root of the covariance of the products of columns with noise that went through the measurement filter.
-fn covariance_root(data: &[&Signals], mut columns: Vec<Vec<f64>>) -> Mat<f64> {
+fn covariance_root(data: &[&Signals], mut columns: Vec<Vec<f64>>) -> DMatrix<f64> {
     let k = columns.len();
-    let rows = columns.first().map_or(0, Vec::len);
-    if k == 0 {
-        return Mat::zeros(0, 0);
-    }
     // The filter runs forward and backward and so is its own transpose, up to its ends, which do not count.
     let mut from = 0;
     for signals in data {
@@ -115,26 +112,11 @@ fn covariance_root(data: &[&Signals], mut columns: Vec<Vec<f64>>) -> Mat<f64> {
             from = to;
         }
     }
-    let c = Mat::from_fn(rows, k, |i, j| columns[j][i]);
-    let mut gram = Mat::<f64>::zeros(k, k);
-    faer::linalg::matmul::matmul(
-        gram.as_mut(),
-        faer::Accum::Replace,
-        c.transpose(),
-        c.as_ref(),
-        1.0,
-        Par::Seq,
-    );
-    let top = (0..k).map(|i| gram[(i, i)]).fold(0.0, f64::max);
-    for i in 0..k {
-        // Signatures of neighbouring starts are nearly the same.
-        gram[(i, i)] += 1e-9 * top;
-    }
-    gram.llt(Side::Lower).map_or_else(|_| Mat::zeros(k, k), |llt| llt.L().to_owned())
-}
-
-fn draw(factor: &Mat<f64>, noise: &mut Noise) -> Vec<f64> {
-    let k = factor.nrows();
-    let white: Vec<f64> = (0..k).map(|_| noise.normal()).collect();
-    (0..k).map(|i| (0..=i).map(|j| factor[(i, j)] * white[j]).sum()).collect()
+    let views: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+    let mut gram = DMatrix::zeros(k, k);
+    add_products(&views, gram.as_mut_slice());
+    // Signatures of neighbouring starts are nearly the same.
+    let ridge = 1e-9 * gram.diagonal().amax();
+    gram += DMatrix::from_diagonal_element(k, k, ridge);
+    Cholesky::new(gram).map_or_else(|| DMatrix::zeros(k, k), Cholesky::unpack)
 }

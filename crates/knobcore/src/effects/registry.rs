@@ -135,7 +135,8 @@ macro_rules! registry {
                 $(Self::$joint,)* $(Self::$load,)* $(Self::$memory,)* $(Self::$late,)* $(Self::$sensor,)*
             ];
 
-            /// What it does.
+            /// What it does. Inlined into another crate it would have all effects compiled there once more.
+            #[inline(never)]
             pub fn law(self) -> &'static dyn Law {
                 match self {
                     $(Self::$joint => &Couples::<$joint, $jn>(PhantomData),)*

@@ -27,7 +27,7 @@ pub fn refits(blocks: &[Moments], kept: &[usize], draws: usize, seed: u64) -> Ve
         let entries = (0..order.len()).flat_map(row);
         let products: Vec<f64> =
             entries.map(|(i, j)| block.gram(order[i], order[j]) * scaled(i) * scaled(j)).collect();
-        let mut packs: Vec<Pack> = products.chunks(LANES).map(|eight| Pack::load(eight, 0)).collect();
+        let mut packs: Vec<Pack> = products.chunks(LANES).map(|few| Pack::load(few, 0)).collect();
         packs.resize(packs.len().next_multiple_of(2), Pack::of(0.0));
         packs
     };

@@ -9,7 +9,7 @@ mod serial;
 mod solve;
 
 pub use moments::Moments;
-pub(crate) use moments::{dot, sweep};
+pub(crate) use moments::{add_products, dot, sweep};
 pub use scan::Scan;
 pub use separable::{Found, Status};
 
@@ -22,8 +22,8 @@ use crate::predict::{Columns, Seeds, raw};
 use crate::signals::Signals;
 use crate::special::Z95;
 use detents::{Judge, best_from_scan, scan_beside};
-use faer::Mat;
 use moments::{Blocks, used};
+use nalgebra::DMatrix;
 use separable::{Effort, Layout, descend};
 use serial::{Meat, Serial};
 use solve::{Normal, independent, solvable};
@@ -60,7 +60,7 @@ pub struct Fit {
     /// The free parameters that the data determine, as indices into the slots of the model.
     pub free: Vec<usize>,
     /// Their covariance, with correlated residuals.
-    pub covariance: Mat<f64>,
+    pub covariance: DMatrix<f64>,
     /// What the data say nothing about; those values are not results.
     pub undetermined: Vec<Undetermined>,
     /// Root mean square error, N m.
@@ -292,12 +292,13 @@ fn finish(
     let covariance = match Normal::of(gram, &kept) {
         Some(normal) => {
             let bread = normal.inverse();
-            let middle = Mat::from_fn(kept.len(), kept.len(), |i, j| meat.products[kept[i] * k + kept[j]]);
+            let middle =
+                DMatrix::from_fn(kept.len(), kept.len(), |i, j| meat.products[kept[i] * k + kept[j]]);
             let degrees = used / (used - kept.len() as f64);
             let sandwich = &bread * &middle * &bread;
-            Mat::from_fn(kept.len(), kept.len(), |i, j| sandwich[(i, j)] * degrees)
+            DMatrix::from_fn(kept.len(), kept.len(), |i, j| sandwich[(i, j)] * degrees)
         }
-        None => Mat::zeros(0, 0),
+        None => DMatrix::zeros(0, 0),
     };
     let floor = Floor::of(data, &model);
     let undetermined = (0..layout.free.len())
@@ -349,13 +350,11 @@ impl Fit {
     }
 
     /// Correlation of the estimates, in the order of `free`.
-    pub fn correlation(&self) -> Mat<f64> {
+    pub fn correlation(&self) -> DMatrix<f64> {
         let se = self.standard_errors();
-        Mat::from_fn(
-            se.len(),
-            se.len(),
-            |i, j| if i == j { 1.0 } else { self.covariance[(i, j)] / (se[i] * se[j]) },
-        )
+        DMatrix::from_fn(se.len(), se.len(), |i, j| {
+            if i == j { 1.0 } else { self.covariance[(i, j)] / (se[i] * se[j]) }
+        })
     }
 
     /// Block-bootstrap refits: each a value per determined parameter, in the order of `free`.

@@ -71,8 +71,13 @@ impl Moments {
 
     /// Adds the products of weighted columns, each of the same length; the last one is the residual.
     pub(super) fn add_columns(&mut self, columns: &[&[f64]]) {
-        isa::dispatch(Products { columns, products: &mut self.products });
+        add_products(columns, &mut self.products);
     }
+}
+
+/// Adds the products of columns of one length with each other to a symmetric matrix, row by row.
+pub fn add_products(columns: &[&[f64]], products: &mut [f64]) {
+    isa::dispatch(Products { columns, products });
 }
 
 /// Rows that are multiplied at a time: ten columns of them stay in the first cache.

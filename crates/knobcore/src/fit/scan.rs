@@ -8,13 +8,13 @@
 use super::moments::sweep;
 use super::solve::{Normal, independent};
 use crate::effects::Wave;
-use crate::fourier;
+use crate::fourier::Transform;
 use crate::model::Model;
 use crate::param::Axis;
 use crate::predict::Seeds;
 use crate::scalar::{LANES, Pack, Scalar};
 use crate::signals::Signals;
-use realfft::num_complex::Complex64;
+use rustfft::num_complex::Complex64;
 use std::f64::consts::TAU;
 
 /// A detent must turn by this many radians of its own phase within the capture to show at all.
@@ -142,7 +142,7 @@ impl Grid {
         TAU * index as f64 / (self.transform as f64 * self.width)
     }
 
-    /// Spreads a row of up to eight columns over the two cells around each position.
+    /// Spreads a row of up to a pack of columns over the two cells around each position.
     fn spread(&self, theta: &[f64], columns: &[&[f64]], cells: &mut [Pack]) {
         let per_cell = 1.0 / self.width;
         for (row, x) in theta.iter().enumerate() {
@@ -161,8 +161,8 @@ impl Grid {
     }
 
     /// Sum over the samples of value * exp(-i k theta), up to a common phase, for every frequency k.
-    fn spectra(&self, cells: &[Vec<Pack>], columns: usize) -> Option<Vec<Vec<Complex64>>> {
-        let plan = fourier::forward(self.transform);
+    fn spectra(&self, cells: &[Vec<Pack>], columns: usize) -> Vec<Vec<Complex64>> {
+        let transform = Transform::of(self.transform);
         // What the spreading takes off each frequency.
         let spread = |index: usize| {
             let half = 0.5 * self.frequency(index) * self.width;
@@ -170,14 +170,11 @@ impl Grid {
         };
         let restore: Vec<f64> = (0..=2 * self.last).map(|index| 1.0 / spread(index)).collect();
         let spectrum = |column: usize| {
-            let mut column: Vec<f64> =
-                cells[column / LANES].iter().map(|cell| cell.0[column % LANES]).collect();
-            column.resize(self.transform, 0.0);
-            let mut out = plan.make_output_vec();
-            plan.process(&mut column, &mut out).ok()?;
+            let column: Vec<f64> = cells[column / LANES].iter().map(|cell| cell.0[column % LANES]).collect();
+            let mut out = transform.forward(&column);
             out.truncate(restore.len());
             out.iter_mut().zip(&restore).for_each(|(value, restore)| *value *= restore);
-            Some(out)
+            out
         };
         (0..columns).map(spectrum).collect()
     }
@@ -195,7 +192,7 @@ pub fn scan(
     let grid = Grid::over(data)?;
     let seeds = Seeds::of(model, linear);
     let k = linear.len();
-    // The k columns, the residual, and the count of samples; eight to a pack.
+    // The k columns, the residual, and the count of samples, packed.
     let mut spread = vec![vec![Pack::of(0.0); grid.cells + 2]; (k + 2).div_ceil(LANES)];
     let mut sum = super::moments::Moments::empty(k);
     sweep(data, model, p, &seeds, |swept| {
@@ -215,8 +212,8 @@ pub fn scan(
             Wave::Friction => signed.iter().map(Vec::as_slice).collect(),
         };
         columns.push(&swept.signals.weight[core.clone()]);
-        for (cells, eight) in spread.iter_mut().zip(columns.chunks(LANES)) {
-            grid.spread(&swept.signals.theta[core.clone()], eight, cells);
+        for (cells, few) in spread.iter_mut().zip(columns.chunks(LANES)) {
+            grid.spread(&swept.signals.theta[core.clone()], few, cells);
         }
     });
     let kept = independent(|i, j| sum.gram(i, j), &(0..k).collect::<Vec<_>>());
@@ -224,7 +221,7 @@ pub fn scan(
     let solved = normal.solve(|i| sum.slope(kept[i]));
     let without = sum.squares() - kept.iter().zip(&solved).map(|(&i, c)| c * sum.slope(i)).sum::<f64>();
     let inverse = normal.inverse();
-    let spectra = grid.spectra(&spread, k + 2)?;
+    let spectra = grid.spectra(&spread, k + 2);
     let count = &spectra[k + 1];
     // Gain, and the sine and cosine coefficient counted from position zero.
     let detent = |at: usize| -> (f64, [f64; 2]) {

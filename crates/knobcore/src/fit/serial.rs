@@ -64,7 +64,7 @@ impl Serial {
 pub struct Meat<'a> {
     serial: &'a Serial,
     k: usize,
-    /// For every eight columns their last values after the recursion, oldest first.
+    /// For every pack of columns their last values after the recursion, oldest first.
     past: Vec<Vec<Pack>>,
     capture: usize,
     /// k x k, row by row.
@@ -95,9 +95,8 @@ impl<'a> Meat<'a> {
         let weight = &swept.signals.weight[swept.chunk.core.clone()];
         let order = self.serial.coefficients.len();
         let mut coloured: Vec<Vec<Pack>> = Vec::with_capacity(self.past.len());
-        for (eight, past) in swept.columns[..self.k].chunks(LANES).zip(&mut self.past) {
-            let recursion =
-                Recursion { coefficients: &self.serial.coefficients, columns: eight, weight, past };
+        for (few, past) in swept.columns[..self.k].chunks(LANES).zip(&mut self.past) {
+            let recursion = Recursion { coefficients: &self.serial.coefficients, columns: few, weight, past };
             let series = isa::dispatch(recursion);
             past.copy_from_slice(&series[series.len() - order..]);
             coloured.push(series);
@@ -116,7 +115,7 @@ impl<'a> Meat<'a> {
     }
 }
 
-/// y_t = x_t - a_1 y_(t-1) - a_2 y_(t-2) - ... of up to eight columns at once, over the used samples.
+/// y_t = x_t - a_1 y_(t-1) - a_2 y_(t-2) - ... of up to a pack of columns at once, over the used samples.
 struct Recursion<'a> {
     coefficients: &'a [f64],
     columns: &'a [&'a [f64]],

@@ -1,8 +1,7 @@
 //! Small dense systems: which parameters the data determine, and where the equations have their solution.
 
 use super::moments::Moments;
-use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// A column counts as a combination of others when less than this share of its squared length is its own.
 ///
@@ -45,7 +44,7 @@ pub fn independent(gram: impl Fn(usize, usize) -> f64, order: &[usize]) -> Vec<u
 /// The Gram matrix of the columns `kept`, each scaled to unit length, factored.
 pub struct Normal {
     scale: Vec<f64>,
-    factor: faer::linalg::solvers::Llt<f64>,
+    factor: Cholesky<f64, Dyn>,
 }
 
 impl Normal {
@@ -53,23 +52,25 @@ impl Normal {
     pub fn of(gram: impl Fn(usize, usize) -> f64, kept: &[usize]) -> Option<Self> {
         let scale: Vec<f64> = kept.iter().map(|&i| gram(i, i).sqrt().recip()).collect();
         let matrix =
-            Mat::from_fn(kept.len(), kept.len(), |i, j| gram(kept[i], kept[j]) * scale[i] * scale[j]);
-        let factor = matrix.llt(Side::Lower).ok()?;
+            DMatrix::from_fn(kept.len(), kept.len(), |i, j| gram(kept[i], kept[j]) * scale[i] * scale[j]);
+        let factor = Cholesky::new(matrix)?;
         Some(Self { scale, factor })
     }
 
     /// The solution for one right-hand side.
     pub fn solve(&self, right: impl Fn(usize) -> f64) -> Vec<f64> {
-        let b = Mat::from_fn(self.scale.len(), 1, |i, _| right(i) * self.scale[i]);
-        let x = self.factor.solve(&b);
-        (0..self.scale.len()).map(|i| x[(i, 0)] * self.scale[i]).collect()
+        let x = self.factor.solve(&DVector::from_fn(self.scale.len(), |i, _| right(i) * self.scale[i]));
+        x.iter().zip(&self.scale).map(|(x, scale)| x * scale).collect()
     }
 
     /// The inverse, row by row.
-    pub fn inverse(&self) -> Mat<f64> {
-        let n = self.scale.len();
-        let inverse = self.factor.solve(&Mat::<f64>::identity(n, n));
-        Mat::from_fn(n, n, |i, j| inverse[(i, j)] * self.scale[i] * self.scale[j])
+    pub fn inverse(&self) -> DMatrix<f64> {
+        let mut inverse = self.factor.inverse();
+        for (at, x) in inverse.iter_mut().enumerate() {
+            let n = self.scale.len();
+            *x *= self.scale[at % n] * self.scale[at / n];
+        }
+        inverse
     }
 }
 

@@ -114,6 +114,7 @@ impl<V: Scalar, const L: usize> Scalar for Dual<V, L> {
         yes.zip(no, v, |a, b| self.v.where_positive(a, b))
     }
 
+    #[inline]
     fn is_positive(self) -> bool {
         self.v.is_positive()
     }

@@ -1,7 +1,7 @@
 //! The number that physics is written over.
 //!
 //! Every effect is one generic function. Instantiated with `f64` it renders, with [`Pack`] it runs over
-//! eight samples at once, with [`Dual`] it carries exact derivatives, and with a `Dual` of `Pack` both.
+//! several samples at once, with [`Dual`] it carries exact derivatives, and with a `Dual` of `Pack` both.
 //! No derivative is written by hand and no formula twice.
 
 mod dual;
@@ -84,6 +84,7 @@ impl Scalar for f64 {
     fn where_positive(self, yes: Self, no: Self) -> Self {
         if self > 0.0 { yes } else { no }
     }
+    #[inline]
     fn is_positive(self) -> bool {
         self > 0.0
     }

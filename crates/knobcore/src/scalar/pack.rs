@@ -1,13 +1,14 @@
-//! Eight samples side by side, so that a memoryless effect runs on whole vector registers.
+//! Four samples side by side, so that a memoryless effect runs on whole vector registers.
 #![expect(clippy::needless_range_loop, reason = "a count known to the compiler becomes vector instructions")]
 
 use super::{Scalar, elementary};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Samples in a [`Pack`]: two AVX2 registers, which hides the latency of one.
-pub const LANES: usize = 8;
+/// Samples in a [`Pack`]: one AVX2 register. Two of them hide the latency of one, but fill the registers that
+/// derivatives need, and take twice as long to compile.
+pub const LANES: usize = 4;
 
-/// Eight values of one quantity at eight consecutive samples.
+/// Values of one quantity at as many consecutive samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(32))]
 pub struct Pack(pub [f64; LANES]);
@@ -123,6 +124,7 @@ impl Scalar for Pack {
         Self(out)
     }
 
+    #[inline]
     fn is_positive(self) -> bool {
         self.0.iter().all(|x| *x > 0.0)
     }

@@ -52,7 +52,7 @@ fn a_batch_is_single_steps_to_the_last_bit() {
         let single: Vec<f64> = steps.iter().map(|s| one.step(*s)).collect();
         let mut knob = renderer(&model);
         let mut batch = vec![0.0; steps.len()];
-        // In two parts of odd lengths, so that the groups of eight fall differently.
+        // In two parts of odd lengths, so that the packs fall differently.
         let (first, second) = batch.split_at_mut(1237);
         knob.render([&theta[..1237], &omega[..1237], &alpha[..1237]], None, first);
         knob.render([&theta[1237..], &omega[1237..], &alpha[1237..]], None, second);

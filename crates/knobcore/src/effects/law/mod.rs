@@ -1,5 +1,5 @@
-//! One effect as the chain meets it: an object, behind which its function is compiled for numbers, for eight
-//! samples at once and with derivatives.
+//! One effect as the chain meets it: an object, behind which its function is compiled for numbers, for a pack
+//! of samples and with derivatives.
 //!
 //! Each effect is compiled by itself, for each instruction set, and called once a block: nothing is inlined across
 //! effects, so that a build grows with their number and not with its square.

@@ -69,7 +69,7 @@ impl<E: LoadEffect<N> + Sync, const N: usize, const L: usize> Law for Loads<E, N
     }
 
     fn load_carried(&self, p: &[D], _: &mut [D], motion: &Motion<D>, sum: &mut Load<D>) {
-        isa::dispatch_narrow(Summed::<_, E, N>(p, motion, sum, PhantomData));
+        isa::dispatch(Summed::<_, E, N>(p, motion, sum, PhantomData));
     }
 
     fn total(&self, p: &[f64], _: &mut [f64], totals: &mut Totals<'_>) {
@@ -100,7 +100,7 @@ impl<E: MemoryEffect<N, M> + Sync, const N: usize, const M: usize> Law for Remem
     }
 
     fn load_carried(&self, p: &[D], state: &mut [D], motion: &Motion<D>, sum: &mut Load<D>) {
-        isa::dispatch_narrow(Recalled::<_, E, N, M>(p, state, motion, sum, PhantomData));
+        isa::dispatch(Recalled::<_, E, N, M>(p, state, motion, sum, PhantomData));
     }
 
     fn total(&self, p: &[f64], state: &mut [f64], totals: &mut Totals<'_>) {

@@ -73,7 +73,7 @@ impl Sweep<'_> {
     }
 }
 
-/// Adds derivatives of eight samples to their columns.
+/// Adds derivatives of a pack of samples to their columns.
 #[inline(always)]
 fn add(slopes: &mut [Vec<f64>], columns: &[Option<usize>], at: usize, more: &[Pack]) {
     for (column, slope) in columns.iter().zip(more) {
