@@ -19,6 +19,7 @@ STUDIES = {
     "basin": "No starting values",
     "rig": "Random knobs under the rig's sensors",
     "hidden": "Knobs with something hidden in them",
+    "pairs": "Every effect in every knob",
     "capture": "Recording",
     "render": "Rendering",
     "roundtrip": "Round trips",
