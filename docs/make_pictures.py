@@ -31,7 +31,7 @@ COGGING = Path("odrive_cogging", "map_a_16.npy")
 def main() -> None:
     """Make every picture."""
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else DOCS / "pictures"
-    keep(folder / "story.png", plot.story(kc.learn(hidden_spring())), 80)
+    keep(folder / "story.png", plot.learned(kc.learn(hidden_spring())), 80)
     keep(
         folder / "stability.png", plot.stability(kc.check_stability("knob4", kc.Device(delay_samples=1))), 90
     )
@@ -90,7 +90,7 @@ def motor(folder: Path, data: Path, cogging: Path) -> None:
         with contextlib.redirect_stdout(io.StringIO()):
             exec("\n".join(re.findall(r"^```python\n(.*?)^```", page, re.M | re.S)), names)
     keep(folder / "motor-map.png", plot.position(names["better"]))
-    keep(folder / "motor-story.png", plot.story(names["story"]))
+    keep(folder / "motor-story.png", plot.learned(names["story"]))
 
 
 if __name__ == "__main__":

@@ -39,15 +39,15 @@ def pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     def effect(effect: kc.Effect) -> Any:
         return SimpleNamespace(savefig=lambda path: Path(path).write_text(effect.id))
 
-    def save_story(story: kc.Story, folder: Path, rendered: kc.Fit | None = None) -> list[Path]:
+    def save_learning(story: kc.LearningResult, folder: Path, rendered: kc.Fit | None = None) -> list[Path]:
         (folder / "story.png").write_bytes(b"picture")
         return [folder / "story.png"]
 
-    def write(story: kc.Story, path: Path) -> Path:
+    def write(story: kc.LearningResult, path: Path) -> Path:
         path.write_text(story.headline)
         return path
 
-    plot = SimpleNamespace(save_all=save_all, save_story=save_story, effect=effect)
+    plot = SimpleNamespace(save_all=save_all, save_learning=save_learning, effect=effect)
     monkeypatch.setitem(sys.modules, "knobcam.show.report", SimpleNamespace(write=write))
     monkeypatch.setitem(sys.modules, "knobcam.show.plot", plot)
     monkeypatch.setattr(show, "plot", plot, raising=False)

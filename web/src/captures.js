@@ -45,11 +45,11 @@ function words({ name, samples, rate_hz, findings }) {
  * @param {HTMLElement} place
  * @param {State} state
  */
-export function showFindings(place, { captures, active, lacks }) {
+export function showFindings(place, { captures, active, limitations }) {
   const fitted = captures.filter(({ id }) => active.includes(id));
   const found = fitted.flatMap(({ name, findings }) =>
     findings.map((text) => make("li", { class: "odd", text: `⚠ ${fitted.length > 1 ? `${name}: ` : ""}${text}` })),
   );
-  const missing = lacks.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
+  const missing = limitations.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
   place.replaceChildren(...found, ...missing);
 }

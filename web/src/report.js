@@ -8,7 +8,7 @@ import { times } from "./timing.js";
 /** @typedef {import("./packed.js").Packed} Packed */
 
 /**
- * What the file holds: columns by name; of each rung its residual, and what each candidate would explain of it.
+ * What the file holds: columns by name; of each step its residual, and what each candidate would explain of it.
  * @typedef {import("./look.js").Head & {columns: Record<string, Packed>, residuals: Packed[],
  *   signatures: Record<string, Packed>[]}} Kept
  */
@@ -26,7 +26,7 @@ async function main() {
   /** @type {string | null} */
   let looked = null;
   const look = new Look(kept, measured, residuals, {
-    rung: (at) => {
+    step: (at) => {
       [shown, looked] = [at, null];
       look.show(at);
       look.overlay(null, null);

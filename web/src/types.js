@@ -19,7 +19,7 @@
  *   node: string | null, noise_floor: number | null, unit: string, params: Param[], rmse: number,
  *   rmse_heldout: number, verdict_text: string,
  *   candidates: {ready: boolean, rows: Candidate[], unexplained: Unexplained | null},
- *   job: Job | null, recording: boolean, revision: number, warnings?: string[], lacks: string[], absent: Effect[]}} State
+ *   job: Job | null, recording: boolean, revision: number, warnings?: string[], limitations: string[], absent: Effect[]}} State
  */
 
 /**

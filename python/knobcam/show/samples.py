@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from ..base.arrays import FloatArray
     from ..fit import Fit
     from ..fit.diagnose import Diagnosis
-    from ..learn import Story
+    from ..learn import LearningResult
     from ..learn.ladder import Unexplained
 
 _MOTION = ("theta", "omega", "tau")
@@ -51,24 +51,24 @@ class Shown(NamedTuple):
         return {"label": self.label, "rmse": self.fit.rmse, "candidates": candidates}
 
 
-def rungs(story: Story) -> tuple[Shown, ...]:
-    """Return every rung of a ladder, with what was weighed on it."""
-    weighed = [*(rung.diagnosis for rung in story.ladder[1:]), story.last]
-    left = [*(None for _ in story.ladder[1:]), story.unexplained]
-    labels = [f"+ {rung.added}" if rung.added else "first model" for rung in story.ladder]
-    fits = [rung.fit for rung in story.ladder]
+def steps(learned: LearningResult) -> tuple[Shown, ...]:
+    """Return every step of a ladder, with what was weighed on it."""
+    weighed = [*(step.diagnosis for step in learned.ladder[1:]), learned.last]
+    left = [*(None for _ in learned.ladder[1:]), learned.unexplained]
+    labels = [f"+ {step.added}" if step.added else "first model" for step in learned.ladder]
+    fits = [step.fit for step in learned.ladder]
     return tuple(map(Shown, labels, fits, weighed, left))
 
 
 def head(shown: Sequence[Shown]) -> dict[str, Any]:
-    """Return all but the samples: units, noise floor, how many samples there are, the rungs."""
+    """Return all but the samples: units, noise floor, how many samples there are, the steps."""
     last = shown[-1].fit
     return {
         "unit": "N m" if last.model.axis == "rotary" else "N",
         "axis": last.model.axis,
         "noise": last.noise_floor,
         "all": sum(one.capture.samples for one in last.prepared),
-        "rungs": [rung.document() for rung in shown],
+        "steps": [step.document() for step in shown],
     }
 
 

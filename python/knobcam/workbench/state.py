@@ -6,15 +6,15 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
-from ..learn.lacks import lacks
+from ..learn.limitations import limitations
 from ..learn.selection import choose
 from ..model.effects import effects
-from .story import conclusion, in_vain, ladder
+from .learned import conclusion, in_vain, ladder
 
 if TYPE_CHECKING:
     from ..fit import Estimate
     from ..fit.diagnose import Diagnosis
-    from ..learn.ladder import Rung
+    from ..learn.ladder import LearningStep
     from ..learn.selection import Selection
     from ..model import Model, Parameter
     from ..model.effects import Effect
@@ -40,11 +40,11 @@ def document(session: Session) -> dict[str, Any]:
         branch, view = session.branch, session.view
         diagnosis = session.diagnosis_of(branch.node.id)
     fitted = view.fit
-    rungs = ladder(branch.done)
+    steps = ladder(branch.done)
     # Where something is left to be added nothing is concluded yet.
     end = None
     if diagnosis is not None and choose(diagnosis) is None:
-        end = conclusion(rungs, diagnosis)
+        end = conclusion(steps, diagnosis)
     return known | {
         "active": list(view.node.captures),
         "branch": branch.id,
@@ -54,18 +54,18 @@ def document(session: Session) -> dict[str, Any]:
         "params": _parameters(view),
         "rmse": view.rmse,
         "rmse_heldout": view.rmse_heldout,
-        "verdict_text": _verdict(rungs, diagnosis, end),
+        "verdict_text": _verdict(steps, diagnosis, end),
         "ladder": [
             {
-                "label": "first model" if rung.added is None else f"+ {rung.added}",
-                "rmse": rung.rmse,
-                "rmse_heldout": rung.rmse_heldout,
+                "label": "first model" if step.added is None else f"+ {step.added}",
+                "rmse": step.rmse,
+                "rmse_heldout": step.rmse_heldout,
             }
-            for rung in rungs
+            for step in steps
         ],
         "candidates": _candidates(diagnosis, end),
         "warnings": list(fitted.warnings),
-        "lacks": [f"{lack.message}; {lack.record}" for lack in lacks(fitted)],
+        "limitations": [f"{one.message}; {one.record}" for one in limitations(fitted)],
         "absent": [one.document() for one in absent(fitted.model)],
     }
 
@@ -87,7 +87,7 @@ def _nothing() -> dict[str, Any]:
     return {
         **{"active": [], "branch": None, "node": None, "noise_floor": math.nan, "unit": "N m"},
         **{"params": [], "rmse": math.nan, "rmse_heldout": math.nan, "ladder": [], "warnings": []},
-        "lacks": [],
+        "limitations": [],
         "verdict_text": "Open a capture to begin.",
         "absent": [],
         "candidates": {"ready": False, "rows": [], "unexplained": None},
@@ -170,8 +170,8 @@ def _odd(name: str, estimate: Estimate, plausible: tuple[float, float], view: Vi
     return f"{estimate.value:.3g} is unphysical: it should be {limits}"
 
 
-def _verdict(rungs: list[Rung], diagnosis: Diagnosis | None, end: Selection | None) -> str:
-    useless = in_vain(rungs)
+def _verdict(steps: list[LearningStep], diagnosis: Diagnosis | None, end: Selection | None) -> str:
+    useless = in_vain(steps)
     was, it = ("was", "it") if len(useless) == 1 else ("were", "they")
     said = f"{' and '.join(useless)} {was} added, and {it} took off no more than chance. " if useless else ""
     if diagnosis is None:

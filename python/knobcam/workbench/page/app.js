@@ -174,12 +174,12 @@ function words({ name, samples, rate_hz, findings }) {
   const odd = make("span", { class: "odd", text: "⚠ ", title: findings.join("\n") });
   return [...findings.length > 0 ? [odd] : [], make("strong", { text: name }), facts];
 }
-function showFindings(place3, { captures, active, lacks }) {
+function showFindings(place3, { captures, active, limitations }) {
   const fitted = captures.filter(({ id }) => active.includes(id));
   const found2 = fitted.flatMap(
     ({ name, findings }) => findings.map((text) => make("li", { class: "odd", text: `⚠ ${fitted.length > 1 ? `${name}: ` : ""}${text}` }))
   );
-  const missing = lacks.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
+  const missing = limitations.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
   place3.replaceChildren(...found2, ...missing);
 }
 
@@ -613,7 +613,7 @@ function showLadder(place3, state) {
   const widest = Math.max(...errors.filter(Number.isFinite), floor ?? 0) * 1.02;
   const scale = torqueScale(state.unit, widest);
   const shown = (value) => number(value * scale.factor);
-  const rungs = steps.map(({ added, dropped, rmse, rmse_heldout }, at) => {
+  const lines = steps.map(({ added, dropped, rmse, rmse_heldout }, at) => {
     const now = at === here;
     const undone = at > here;
     const label = added ? `+ ${added}` : dropped ? `− ${dropped}` : at === 0 ? "first model" : "fitted anew";
@@ -624,7 +624,7 @@ function showLadder(place3, state) {
     const track = make("span", { class: "track" }, bar, held, floorMark(floor, widest));
     return make(
       "li",
-      { class: `rung${now ? " now" : ""}${undone ? " undone" : ""}`, "aria-current": now ? "step" : null },
+      { class: `ladder-line${now ? " now" : ""}${undone ? " undone" : ""}`, "aria-current": now ? "step" : null },
       make("span", { class: "label", text: label, title: label }),
       track,
       make("span", { class: "figure", text: shown(rmse), title: "RMS error" }),
@@ -633,12 +633,12 @@ function showLadder(place3, state) {
   });
   const head = make(
     "div",
-    { class: "rung head" },
+    { class: "ladder-line head" },
     make("span", { class: "legend", text: floor === null ? "noise floor unknown" : `┆ noise floor ${shown(floor)}` }),
     make("span", { class: "figure", text: `RMS, ${scale.unit}` }),
     make("span", { class: "figure", text: "unseen" })
   );
-  place3.replaceChildren(head, make("ol", {}, ...rungs));
+  place3.replaceChildren(head, make("ol", {}, ...lines));
   const dragged = state.params.some((param) => param.dragged);
   if (dragged) place3.append(make("p", { class: "soft", text: `as dragged: ${shown(state.rmse)} ${scale.unit}` }));
 }
