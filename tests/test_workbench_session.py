@@ -10,8 +10,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import told as told_as
 
 import knobcam as kc
+from knobcam.base import pages
 from knobcam.base.strict_json import as_json
 from knobcam.errors import InputError
 from knobcam.workbench import arrays, saving, state
@@ -47,7 +49,9 @@ def weighed(recording: Path) -> Session:
 
 
 def told(session: Session) -> dict:
-    return json.loads(as_json(state.document(session)))
+    document: dict = json.loads(as_json(state.document(session)))
+    told_as.check(document, pages.Session)
+    return document
 
 
 def test_a_capture_is_fitted_when_it_is_opened(session: Session, sprung: kc.Capture):

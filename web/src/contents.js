@@ -3,7 +3,7 @@
 import { limits } from "./axes.js";
 import { torqueScale } from "./numbers.js";
 
-/** @typedef {import("./types.js").Columns} Columns */
+/** @typedef {import("./store.js").Columns} Columns */
 /** @typedef {import("./plot.js").Contents} Contents */
 
 /**

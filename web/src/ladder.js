@@ -14,9 +14,9 @@ export function showLadder(place, state) {
   const { steps, at: here } = sameCaptures(branch?.steps ?? [], branch?.at ?? 0);
   const errors = steps.flatMap(({ rmse, rmse_heldout }) => [rmse, rmse_heldout]).concat(state.rmse);
   const floor = state.noise_floor;
-  const widest = Math.max(...errors.filter(Number.isFinite), floor ?? 0) * 1.02;
+  const widest = Math.max(...errors.map((error) => error ?? 0), floor ?? 0) * 1.02;
   const scale = torqueScale(state.unit, widest);
-  const shown = (/** @type {number} */ value) => number(value * scale.factor);
+  const shown = (/** @type {number | null} */ value) => number(value === null ? null : value * scale.factor);
 
   const lines = steps.map(({ added, dropped, rmse, rmse_heldout }, at) => {
     const now = at === here;
@@ -25,8 +25,8 @@ export function showLadder(place, state) {
     const bar = make("span", { class: "bar" });
     const held = make("span", { class: "held" });
     bar.style.width = `${(100 * rmse) / widest}%`;
-    held.style.left = `${(100 * rmse_heldout) / widest}%`;
-    const track = make("span", { class: "track" }, bar, held, floorMark(floor, widest));
+    if (rmse_heldout !== null) held.style.left = `${(100 * rmse_heldout) / widest}%`;
+    const track = make("span", { class: "track" }, bar, rmse_heldout === null ? null : held, floorMark(floor, widest));
     return make(
       "li",
       { class: `ladder-line${now ? " now" : ""}${undone ? " undone" : ""}`, "aria-current": now ? "step" : null },

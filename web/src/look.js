@@ -6,14 +6,8 @@ import { Linked } from "./linked.js";
 import { number, torqueScale } from "./numbers.js";
 import { timed } from "./timing.js";
 
-/** @typedef {import("./types.js").Columns} Columns */
-/** @typedef {import("./types.js").State["candidates"]} Weighed */
-
-/**
- * What there is to look at: `n` of `all` samples of captures, and models held against them.
- * @typedef {{unit: string, axis: string, noise: number | null, n: number, all: number,
- *   steps: {label: string, rmse: number, candidates: Weighed | null}[]}} Head
- */
+/** @typedef {import("./store.js").Columns} Columns */
+/** @typedef {import("./types.js").Head} Head */
 
 const HINT = "Drag a rectangle in any plot: its samples light up in all of them. Escape clears.";
 

@@ -5,13 +5,8 @@ import { Look } from "./look.js";
 import { unpacked } from "./packed.js";
 import { times } from "./timing.js";
 
-/** @typedef {import("./packed.js").Packed} Packed */
-
-/**
- * What the file holds: columns by name; of each step its residual, and what each candidate would explain of it.
- * @typedef {import("./look.js").Head & {columns: Record<string, Packed>, residuals: Packed[],
- *   signatures: Record<string, Packed>[]}} Kept
- */
+/** @typedef {import("./types.js").Packed} Packed */
+/** @typedef {import("./types.js").Kept} Kept */
 
 async function main() {
   /** @type {Kept} */

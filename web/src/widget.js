@@ -25,7 +25,7 @@ const MEASURED = ["t", "theta", "omega", "tau"];
 
 /** @param {{model: Model, el: HTMLElement}} notebook */
 function render({ model, el }) {
-  /** @type {import("./look.js").Head} */
+  /** @type {import("./types.js").Head} */
   const head = JSON.parse(model.get("head"));
   const floats = floatsOf(model.get("floats"));
   const column = (/** @type {number} */ at) => floats.subarray(at * head.n, (at + 1) * head.n);

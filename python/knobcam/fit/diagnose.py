@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from .. import _core
-from ..base import showing
+from ..base import pages, showing
 from ..base.tables import TextTable, text_table
 from ..errors import InputError
 from ..model.effects import clipping, effects
@@ -106,7 +106,7 @@ class Candidate:
         same = f"cannot be told from {', '.join(self.equivalent)}" if self.equivalent else ""
         return "; ".join(part for part in (same, *self.implausible, self.note) if part)
 
-    def evidence(self) -> dict[str, Any]:
+    def evidence(self) -> pages.Candidate:
         """Return what speaks for it and against it, as the pages list it."""
         return {
             **catalogued(self.effect, self.fit.model.axis).document(),
@@ -116,7 +116,7 @@ class Candidate:
             "rmse_heldout": self.rmse_heldout,
             "moved": describe(self.moved),
             "equivalent": list(self.equivalent),
-            "unphysical": list(self.implausible),
+            "implausible": list(self.implausible),
             "note": self.note,
         }
 
@@ -124,7 +124,8 @@ class Candidate:
         """Return it as the diagnosis's document has it."""
         params = self.fit.document()["params"]
         own = {name: params[name] for name in self.parameters}
-        return self.evidence() | {"rmse": self.rmse, "params": own}
+        older = {"unphysical": list(self.implausible)}  # its name until now, for one version
+        return {**self.evidence(), **older, "rmse": self.rmse, "params": own}
 
 
 @dataclass(frozen=True, eq=False, repr=False)

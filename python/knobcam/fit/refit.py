@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .. import _core
+from ..base import pages
 from ..base.tables import text_table
 from ..capture.prepare import prepare
 from ..errors import InputError
@@ -111,9 +112,9 @@ def moved(before: Fit, after: Fit) -> dict[str, Moved]:
     return both
 
 
-def describe(moves: Mapping[str, Moved]) -> dict[str, dict[str, float]]:
+def describe(moves: Mapping[str, Moved]) -> dict[str, pages.Movement]:
     """Return movements as a document has them."""
-    return {name: move._asdict() for name, move in moves.items()}
+    return {name: {"by_se": move.by_se, "by_percent": move.by_percent} for name, move in moves.items()}
 
 
 def document(fit: Fit) -> dict[str, Any]:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from .. import _core
-from ..base import showing
+from ..base import pages, showing
 from ..base.tables import TextTable, text_table
 from ..errors import InputError
 from .plugins import load_plugins
@@ -87,7 +87,7 @@ class Effect(showing.Tabled):
         """Its signature: the torque that it adds to a small knob, over time and where it shows."""
         return showing.plot(self)
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> pages.Effect:
         """Return what the pages tell of it."""
         return {
             "effect": self.id,

@@ -6,10 +6,11 @@ import base64
 import hashlib
 from importlib import resources
 from string import Template
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ..base import pages
 from ..base.strict_json import as_json
 from . import samples
 from .packed import FINE, packed, step_of
@@ -75,7 +76,7 @@ def built(name: str) -> str:
     return resources.files("knobcam").joinpath("workbench", "page", name).read_text("utf-8").strip()
 
 
-def _kept(steps: Sequence[Shown]) -> dict[str, Any]:
+def _kept(steps: Sequence[Shown]) -> pages.Kept:
     """What a page holds: columns, each step's residual, and what each candidate would explain of it."""
     head = samples.head(steps)
     count = head["all"]
@@ -91,7 +92,8 @@ def _kept(steps: Sequence[Shown]) -> dict[str, Any]:
         signatures.append(
             {effect: packed(step.explained(effect)[rows], _COARSE * grain) for effect in step.effects}
         )
-    return head | {
+    return {
+        **head,
         "n": len(rows),
         "columns": {
             name: packed(column, step_of(column, FINE) if name == "t" else step_of(column))

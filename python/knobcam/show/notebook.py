@@ -9,6 +9,7 @@ import anywidget
 import numpy as np
 import traitlets
 
+from ..base import pages
 from ..base.arrays import IntArray
 from ..base.strict_json import as_json
 from ..errors import InputError
@@ -54,10 +55,11 @@ class Widget(anywidget.AnyWidget):
         self.steps = steps
         fit = steps[-1].fit
         self.counts = [one.capture.samples for one in fit.prepared]
-        head = samples.head(steps)
+        shown = samples.head(steps)
+        head: pages.Head = {**shown, "n": shown["all"]}
         columns = [*samples.measured(fit).values(), *(step.fit.residual for step in steps)]
         super().__init__(
-            head=as_json(head | {"n": head["all"]}, indent=None),
+            head=as_json(head, indent=None),
             floats=np.stack(columns).astype("<f4").tobytes(),
             chosen=[[] for _ in self.counts],
         )

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+
+from ..base import pages
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -39,16 +41,23 @@ class Shown(NamedTuple):
         parts = [one.on_capture(core.torque(one.core) - one.tau) for one in self.fit.prepared]
         return self.fit.residual + np.concatenate(parts)
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> pages.ShownStep:
         """Return what a page lists of it."""
-        candidates = None
-        if self.weighed is not None:
-            candidates = {
-                "ready": True,
-                "rows": [one.evidence() for one in self.weighed.candidates],
-                "unexplained": self.unexplained and self.unexplained._asdict(),
-            }
-        return {"label": self.label, "rmse": self.fit.rmse, "candidates": candidates}
+        weighed = None if self.weighed is None else candidates(self.weighed, self.unexplained)
+        return {"label": self.label, "rmse": self.fit.rmse, "candidates": weighed}
+
+
+def candidates(weighed: Diagnosis, unexplained: Unexplained | None) -> pages.Candidates:
+    """Return what a page lists of what was weighed."""
+    rest: pages.Unexplained | None = None
+    if unexplained is not None:
+        rest = {"axis": unexplained.axis, "share": unexplained.share, "hint": unexplained.hint}
+    return {
+        "ready": True,
+        "rows": [one.evidence() for one in weighed.candidates],
+        "unexplained": rest,
+        "left_out": dict(weighed.left_out),
+    }
 
 
 def steps(learned: LearningResult) -> tuple[Shown, ...]:
@@ -60,7 +69,7 @@ def steps(learned: LearningResult) -> tuple[Shown, ...]:
     return tuple(map(Shown, labels, fits, weighed, left))
 
 
-def head(shown: Sequence[Shown]) -> dict[str, Any]:
+def head(shown: Sequence[Shown]) -> pages.Shown:
     """Return all but the samples: units, noise floor, how many samples there are, the steps."""
     last = shown[-1].fit
     return {

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from ..base import pages
 from ..errors import InputError
 from ..learn.limitations import limitations
 from ..learn.selection import choose
 from ..model.effects import effects
+from ..show.samples import candidates
 from .learned import conclusion, in_vain, ladder
 
 if TYPE_CHECKING:
@@ -26,17 +28,12 @@ SCHEMA = "knobcam.workbench/1"
 _SURE = 2.0  # standard errors beyond a plausible range
 
 
-def document(session: Session) -> dict[str, Any]:
+def document(session: Session) -> pages.Session:
     """Return the state of a session; what is not a number is NaN, and JSON has null for it."""
     with session.lock:
-        known: dict[str, Any] = {
-            "schema": SCHEMA,
-            "revision": session.revision,
-            "captures": [_capture(one) for one in session.captures.values()],
-            "branches": [_branch(one) for one in session.branches.values()],
-        }
+        known = _nothing(session)
         if not session.branches:
-            return known | _nothing()
+            return known
         branch, view = session.branch, session.view
         diagnosis = session.diagnosis_of(branch.node.id)
     fitted = view.fit
@@ -45,7 +42,9 @@ def document(session: Session) -> dict[str, Any]:
     end = None
     if diagnosis is not None and choose(diagnosis) is None:
         end = conclusion(steps, diagnosis)
-    return known | {
+    left = None if end is None else end.unexplained
+    return {
+        **known,
         "active": list(view.node.captures),
         "branch": branch.id,
         "node": view.id,
@@ -63,7 +62,7 @@ def document(session: Session) -> dict[str, Any]:
             }
             for step in steps
         ],
-        "candidates": _candidates(diagnosis, end),
+        "candidates": known["candidates"] if diagnosis is None else candidates(diagnosis, left),
         "warnings": list(fitted.warnings),
         "limitations": [f"{one.message}; {one.record}" for one in limitations(fitted)],
         "absent": [one.document() for one in absent(fitted.model)],
@@ -83,18 +82,31 @@ def _fits(effect: Effect, model: Model) -> bool:
     return True
 
 
-def _nothing() -> dict[str, Any]:
+def _nothing(session: Session) -> pages.Session:
+    """What is told of a session before anything is fitted in it."""
     return {
-        **{"active": [], "branch": None, "node": None, "noise_floor": math.nan, "unit": "N m"},
-        **{"params": [], "rmse": math.nan, "rmse_heldout": math.nan, "ladder": [], "warnings": []},
-        "limitations": [],
+        "schema": SCHEMA,
+        "revision": session.revision,
+        "captures": [_capture(one) for one in session.captures.values()],
+        "branches": [_branch(one) for one in session.branches.values()],
+        "active": [],
+        "branch": None,
+        "node": None,
+        "noise_floor": None,
+        "unit": "N m",
+        "params": [],
+        "rmse": None,
+        "rmse_heldout": None,
         "verdict_text": "Open a capture to begin.",
+        "ladder": [],
+        "candidates": {"ready": False, "rows": [], "unexplained": None, "left_out": {}},
+        "warnings": [],
+        "limitations": [],
         "absent": [],
-        "candidates": {"ready": False, "rows": [], "unexplained": None},
     }
 
 
-def _capture(opened: Opened) -> dict[str, Any]:
+def _capture(opened: Opened) -> pages.CaptureInfo:
     capture = opened.capture
     return {
         "id": opened.id,
@@ -107,7 +119,7 @@ def _capture(opened: Opened) -> dict[str, Any]:
     }
 
 
-def _branch(branch: Branch) -> dict[str, Any]:
+def _branch(branch: Branch) -> pages.Branch:
     return {
         "id": branch.id,
         "name": branch.name,
@@ -126,9 +138,9 @@ def _branch(branch: Branch) -> dict[str, Any]:
     }
 
 
-def _parameters(view: View) -> list[dict[str, Any]]:
+def _parameters(view: View) -> list[pages.Param]:
     catalogue = effects(view.model.axis)
-    rows = []
+    rows: list[pages.Param] = []
     for name, now in view.model.params.items():
         effect, own = name.split(".", 1)
         info = catalogue[effect].parameter(own)
@@ -137,7 +149,7 @@ def _parameters(view: View) -> list[dict[str, Any]]:
             {
                 "name": name,
                 "value": now.value,
-                "ci95": list(estimate.ci95) if estimate.determined else None,
+                "ci95": estimate.ci95 if estimate.determined else None,
                 "unit": now.unit,
                 "role": now.role,
                 "fitted": estimate.value,
@@ -145,7 +157,7 @@ def _parameters(view: View) -> list[dict[str, Any]]:
                 "lower": info.lower,
                 "upper": info.upper,
                 "meaning": info.meaning,
-                "odd": _odd(name, estimate, info.plausible, view),
+                "doubt": _doubt(name, estimate, info.plausible, view),
             }
         )
     return rows
@@ -155,7 +167,7 @@ def _moved(name: str, now: Parameter, view: View) -> bool:
     return name in view.dragged or (bool(view.dragged) and now.role in view.dragged)
 
 
-def _odd(name: str, estimate: Estimate, plausible: tuple[float, float], view: View) -> str | None:
+def _doubt(name: str, estimate: Estimate, plausible: tuple[float, float], view: View) -> str | None:
     """What is doubtful about a fitted value, if anything is."""
     if name in view.fit.undetermined:
         return view.fit.undetermined[name]
@@ -181,15 +193,3 @@ def _verdict(steps: list[LearningStep], diagnosis: Diagnosis | None, end: Select
     names = " and ".join(end.found)
     was = "was" if len(end.found) == 1 else "were"
     return f"{said}{names} {was} missing. {diagnosis.comparison.summary}"
-
-
-def _candidates(diagnosis: Diagnosis | None, end: Selection | None) -> dict[str, Any]:
-    if diagnosis is None:
-        return {"ready": False, "rows": [], "unexplained": None}
-    unexplained = end.unexplained if end else None
-    return {
-        "ready": True,
-        "rows": [one.evidence() for one in diagnosis.candidates],
-        "unexplained": None if unexplained is None else unexplained._asdict(),
-        "left_out": dict(diagnosis.left_out),
-    }
