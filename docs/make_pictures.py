@@ -73,7 +73,7 @@ def five_knobs(folder: Path) -> None:
 
 def axis(folder: Path, data: Path) -> None:
     """Draw friction of the EMPS axis (Janot, Gautier & Brunot 2019), and where its model fails."""
-    fit = kc.fit(kc.load(data, map="t=t, theta=qm, tau=35.1507*vir", axis="linear"), detents="no")
+    fit = kc.fit(kc.load(data, map="t=t, theta=qm, tau=35.1507*vir", coordinate="linear"), detents="no")
     keep(folder / "emps-velocity.png", plot.velocity(fit), 110)
     keep(folder / "emps-compared.png", plot.comparison(fit.compare()))
 

@@ -9,7 +9,7 @@
 The packages stand in one order, and each imports only from those above it (`.importlinter` holds that):
 
 errors          what is raised
-base            files written whole, strict JSON, what pages are told, tables, arrays, how a result shows itself
+base            files written whole, JSON and what pages are told, tables, arrays, how a result shows itself
 capture         captures: formats, faults of logs, motions, prepared signals
 model           models, the catalogue of effects, effects of one's own, the five knobs, simulated captures
 fit             the fit, where it fails, what each effect more would change

@@ -4,7 +4,7 @@
 
 /**
  * A capture that is open; `findings` in words, `hides` whether something in it is to be found.
- * @typedef {{id: string, name: string, samples: number, rate_hz: number, axis: "rotary" | "linear",
+ * @typedef {{id: string, name: string, samples: number, rate_hz: number, coordinate: "rotary" | "linear",
  *   findings: string[], hides: boolean}} CaptureInfo
  */
 
@@ -141,13 +141,13 @@
 
 /**
  * What linked plots show: models held against captures of `all` samples.
- * @typedef {{unit: string, axis: "rotary" | "linear", noise: number | null, all: number, steps: ShownStep[]}}
- *   Shown
+ * @typedef {{unit: string, coordinate: "rotary" | "linear", noise: number | null, all: number,
+ *   steps: ShownStep[]}} Shown
  */
 
 /**
  * The same where `n` of the samples are carried along.
- * @typedef {{unit: string, axis: "rotary" | "linear", noise: number | null, all: number, steps: ShownStep[],
+ * @typedef {{unit: string, coordinate: "rotary" | "linear", noise: number | null, all: number, steps: ShownStep[],
  *   n: number}} Head
  */
 
@@ -161,7 +161,7 @@
 
 /**
  * What a page holds in itself: columns, of each step its residual and what each candidate explains.
- * @typedef {{unit: string, axis: "rotary" | "linear", noise: number | null, all: number, steps: ShownStep[],
+ * @typedef {{unit: string, coordinate: "rotary" | "linear", noise: number | null, all: number, steps: ShownStep[],
  *   n: number, columns: Record<string, Packed>, residuals: Packed[], signatures: Record<string, Packed>[]}} Kept
  */
 

@@ -14,7 +14,7 @@ class CaptureInfo(TypedDict):
     name: str
     samples: int
     rate_hz: float
-    axis: Literal["rotary", "linear"]
+    coordinate: Literal["rotary", "linear"]
     findings: list[str]
     hides: bool
 
@@ -255,7 +255,7 @@ class Shown(TypedDict):
     """What linked plots show: models held against captures of `all` samples."""
 
     unit: str
-    axis: Literal["rotary", "linear"]
+    coordinate: Literal["rotary", "linear"]
     noise: float | None
     all: int
     steps: list[ShownStep]

@@ -77,7 +77,13 @@ def read(path: str, args: argparse.Namespace) -> Capture:
     """Return the capture in a file, read as the options say."""
     from ..capture import load
 
-    return load(path, map=args.map, axis=args.coordinate, rate=args.rate, start=args.start, end=args.end)
+    return load(path, map=args.map, **reading(args))
+
+
+def reading(args: argparse.Namespace) -> dict[str, Any]:
+    """Return the options of `knobcam.load` that `add_reading` adds, but for the map."""
+    options = {"coordinate": args.coordinate, "rate_hz": args.rate}
+    return options | {"start": args.start, "end": args.end}
 
 
 def add_preparation(parser: argparse.ArgumentParser) -> None:

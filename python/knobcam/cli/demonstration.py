@@ -113,5 +113,5 @@ def run(knob: str, effect: str, folder: Path, status: Callable[[str], None]) -> 
 
 def feelable(model: Model) -> Model:
     """Return the model without the effects of the sensor: no hand feels them, they are the rig's."""
-    places = effects(model.axis)
+    places = effects(model.coordinate)
     return Model(model.core.only([name for name in model.effects if places[name].place != "sensor"]))

@@ -69,7 +69,7 @@ def run(args: Namespace) -> Answer:
 
     model, device = Model.load(args.model), Device(delay_samples=args.delay)
     check_rotary(model)
-    stability = check_stability(model, device, rate=args.rate)
+    stability = check_stability(model, device, rate_hz=args.rate)
     renderer = Renderer(model, args.rate, device=device)
     handle = EmulatedHandle(device, to_and_fro())
     status(f"rendering for {args.seconds:g} s")

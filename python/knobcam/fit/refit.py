@@ -36,7 +36,7 @@ def add(fit: Fit, effect: str, progress: Callable[[float], object] | None = None
     """
     check(effect, fit.model)
     fit.model.with_effect(effect)  # says why not, if it does not go with the model
-    fit = with_clipped(fit) if catalogued(effect, fit.model.axis).clips else fit
+    fit = with_clipped(fit) if catalogued(effect, fit.model.coordinate).clips else fit
     (_, core, _, _, _, note), *_ = _core.diagnose(cores(fit), fit.model.core, [effect], progress)
     if core is None:
         raise InputError(f"effect '{effect}': {note}")
@@ -61,7 +61,7 @@ def drop(fit: Fit, effect: str) -> Fit:
     """
     if effect not in fit.model.effects:
         raise InputError(f"effect '{effect}' is not in the model, which has {', '.join(fit.model.effects)}")
-    catalogue = effects(fit.model.axis)
+    catalogue = effects(fit.model.coordinate)
     kept = [one for one in fit.model.effects if one != effect and catalogue[one].needs != effect]
     if not kept:
         raise InputError(f"effect '{effect}' is all that the model has; add another one first")
@@ -83,7 +83,7 @@ def with_clipped(fit: Fit) -> Fit:
 
 def check(effect: str, model: Model) -> None:
     """Raise InputError for an effect that a model cannot be given."""
-    catalogued(effect, model.axis)
+    catalogued(effect, model.coordinate)
     if effect in model.effects:
         raise InputError(f"effect '{effect}' is in the model already, which has {', '.join(model.effects)}")
 
@@ -129,7 +129,7 @@ def in_words(fit: Fit) -> str:
     """Return in words what adding did to the error and to the parameters that were there before."""
     if fit.before is None:
         return ""
-    unit = "N m" if fit.model.axis == "rotary" else "N"
+    unit = "N m" if fit.model.coordinate == "rotary" else "N"
     change = f"{fit.before.rmse:.4g} to {fit.rmse:.4g} {unit} ({percent(-fit.error_fall)})"
     lines = [f"With {', '.join(added(fit))}: RMS error from {change}."]
     if fit.moved:

@@ -158,7 +158,7 @@ class LearningResult(showing.Tabled):
     @property
     def head(self) -> tuple[str, ...]:
         """What the columns of `rows` are."""
-        unit = "N m" if self.model.axis == "rotary" else "N"
+        unit = "N m" if self.model.coordinate == "rotary" else "N"
         return ("model", f"RMS error ({unit})", "on unseen blocks", "error", "p-value", "cannot be told from")
 
     def rows(self) -> list[tuple[str, ...]]:
@@ -224,7 +224,7 @@ def learn(
     tell = progress or (lambda _: None)
     if isinstance(model, str | os.PathLike):
         model = Model.load(model)
-    without = check_effects("without", without, model.axis if model else "rotary")
+    without = check_effects("without", without, model.coordinate if model else "rotary")
     tell("fitting the first model")
     first = fit(captures, model, prepare=prepare, detents=detents, **options)
     given = model is not None

@@ -100,7 +100,7 @@ def _slowness(omega: FloatArray) -> Limitation | None:
 
 def _excitation(fit: Fit) -> Limitation | None:
     """The fastest parts of the motion must move the torque by more than what is left of it."""
-    base = base_effects(fit.model.axis)
+    base = base_effects(fit.model.coordinate)
     # A torque that needs motion has a time in its unit.
     swift = [
         e for name, e in fit.params.items() if name.split(".", 1)[0] in base and re.search(r"\bs\b", e.unit)
@@ -117,11 +117,11 @@ def _excitation(fit: Fit) -> Limitation | None:
 def _width(fit: Fit) -> Limitation | None:
     wide = travel(fit.prepared)
     period = fit.model.period
-    unit = "rad" if fit.model.axis == "rotary" else "m"
+    unit = "rad" if fit.model.coordinate == "rotary" else "m"
     if period is not None:
         needed = 2.0 * math.pi * abs(period)
     else:
-        needed = _SMALL_TURN_RAD if fit.model.axis == "rotary" else 0.0
+        needed = _SMALL_TURN_RAD if fit.model.coordinate == "rotary" else 0.0
     if wide >= needed:
         return None
     return Limitation(

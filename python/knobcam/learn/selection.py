@@ -43,9 +43,9 @@ def select(
     `given` says that a user gave the first model; the base model has detents where there are any, so that
     these are nothing to find. `detents` says that they come in by themselves where the data show them.
     """
-    axis = first.model.axis
-    fit = with_clipped(first) if clipping(axis) - set(without) else first
-    described, shown = descriptions(axis), base_effects_shown(axis)
+    coordinate = first.model.coordinate
+    fit = with_clipped(first) if clipping(coordinate) - set(without) else first
+    described, shown = descriptions(coordinate), base_effects_shown(coordinate)
     ladder = [LearningStep(fit)]
     base = first.model.effects
     nothing_to_find = base if given else [*base, *shown]
@@ -90,7 +90,7 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
 
 def _is_map(effect: str, fit: Fit) -> bool:
     """Whether an effect draws maps of position, and is not bound to return with each of many detents."""
-    row, period = effects(fit.model.axis)[effect], fit.model.period
+    row, period = effects(fit.model.coordinate)[effect], fit.model.period
     crossed = 0.0 if row.needs is None or period is None else travel(fit.prepared) / (2.0 * math.pi * period)
     return row.map and crossed < _MANY
 

@@ -90,7 +90,7 @@ def _found(learned: LearningResult) -> str:
     for step in learned.ladder:
         if step.added not in learned.found:
             continue
-        entry = catalogued(step.added, learned.model.axis)
+        entry = catalogued(step.added, learned.model.coordinate)
         parts.append(f"<h3>{escape(step.added)}</h3>")
         parts.append(_paragraph(f"{entry.law}. Acts on the {entry.place}; shows {entry.shows}."))
         parts.append(_paragraph(_evidence(step)))
@@ -138,7 +138,7 @@ def _alternatives(learned: LearningResult) -> str:
         parts.append(f"<h3>Instead of {escape(step.added)}</h3>")
         if step.equivalent:
             names = [step.added, *step.equivalent]
-            shows = [f"{name} shows {catalogued(name, learned.model.axis).shows}" for name in names]
+            shows = [f"{name} shows {catalogued(name, learned.model.coordinate).shows}" for name in names]
             parts.append(
                 _paragraph("This capture cannot tell them apart. Record a motion in which they differ:")
             )
@@ -186,7 +186,7 @@ def _remains(learned: LearningResult) -> str:
 
 def _sure(learned: LearningResult) -> str:
     fit = learned.fit
-    unit = "N m" if fit.model.axis == "rotary" else "N"
+    unit = "N m" if fit.model.coordinate == "rotary" else "N"
     parts = [
         _paragraph(
             f"The sensor's noise alone would leave {fit.noise_floor:.4g} {unit}; the last model leaves "

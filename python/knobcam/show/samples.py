@@ -73,8 +73,8 @@ def head(shown: Sequence[Shown]) -> pages.Shown:
     """Return all but the samples: units, noise floor, how many samples there are, the steps."""
     last = shown[-1].fit
     return {
-        "unit": "N m" if last.model.axis == "rotary" else "N",
-        "axis": last.model.axis,
+        "unit": "N m" if last.model.coordinate == "rotary" else "N",
+        "coordinate": last.model.coordinate,
         "noise": last.noise_floor,
         "all": sum(one.capture.samples for one in last.prepared),
         "steps": [step.document() for step in shown],

@@ -54,7 +54,7 @@ def in_vain(steps: Sequence[LearningStep]) -> list[str]:
 def conclusion(steps: list[LearningStep], last: Diagnosis) -> Selection:
     """Return what a ladder says that ends where `last` was weighed."""
     base = steps[0].fit.model
-    return concluded(steps, last, [*base.effects, *base_effects_shown(base.axis), *in_vain(steps)])
+    return concluded(steps, last, [*base.effects, *base_effects_shown(base.coordinate), *in_vain(steps)])
 
 
 def learned(done: Sequence[Node], last: Diagnosis) -> LearningResult:

@@ -211,7 +211,7 @@ class Session:
             return known
         doing = "weighing what could be missing"
         tell(doing)
-        described = descriptions(node.fit.model.axis)
+        described = descriptions(node.fit.model.coordinate)
         diagnosis = diagnose(node.fit, without=described, progress=lambda share: tell(doing, share))
         _ = diagnosis.comparison.summary  # computed here, where nobody waits for it
         self._diagnoses[node.id] = diagnosis  # whoever comes back to the node has it, wanted now or not

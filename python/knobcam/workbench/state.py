@@ -49,7 +49,7 @@ def document(session: Session) -> pages.Session:
         "branch": branch.id,
         "node": view.id,
         "noise_floor": fitted.noise_floor,
-        "unit": "N m" if fitted.model.axis == "rotary" else "N",
+        "unit": "N m" if fitted.model.coordinate == "rotary" else "N",
         "params": _parameters(view),
         "rmse": view.rmse,
         "rmse_heldout": view.rmse_heldout,
@@ -71,7 +71,9 @@ def document(session: Session) -> pages.Session:
 
 def absent(model: Model) -> list[Effect]:
     """Return the effects that a model could be given."""
-    return [one for one in effects(model.axis).values() if one.id not in model.effects and _fits(one, model)]
+    return [
+        one for one in effects(model.coordinate).values() if one.id not in model.effects and _fits(one, model)
+    ]
 
 
 def _fits(effect: Effect, model: Model) -> bool:
@@ -113,7 +115,7 @@ def _capture(opened: Opened) -> pages.CaptureInfo:
         "name": opened.name,
         "samples": capture.samples,
         "rate_hz": capture.rate_hz,
-        "axis": capture.axis,
+        "coordinate": capture.coordinate,
         "findings": [str(finding) for finding in capture.findings],
         "hides": bool(opened.hidden),
     }
@@ -139,7 +141,7 @@ def _branch(branch: Branch) -> pages.Branch:
 
 
 def _parameters(view: View) -> list[pages.Param]:
-    catalogue = effects(view.model.axis)
+    catalogue = effects(view.model.coordinate)
     rows: list[pages.Param] = []
     for name, now in view.model.params.items():
         effect, own = name.split(".", 1)

@@ -761,15 +761,14 @@ function reachOf({ columns, beside, noise }) {
   return Math.max(-low, high, 2 * (noise ?? 0));
 }
 function rowsOf(data, view, widest) {
-  const { columns, beside } = data;
-  const axis = data.axis === "linear" ? "linear" : "rotary";
-  const word = axis === "linear" ? "force" : "torque";
+  const { columns, beside, coordinate } = data;
+  const word = coordinate === "linear" ? "force" : "torque";
   const model = less(columns.tau, columns.residual);
   const other = beside ? less(columns.tau, beside.residual) : null;
   return ROWS.map((row) => {
     const x = columns[row.column];
     const [low, high] = limits([x], { air: 0.01 });
-    const common = { x, xAxis: { low, high, factor: 1, label: `${row.over}, ${row.units[axis]}` }, picked: 0 };
+    const common = { x, xAxis: { low, high, factor: 1, label: `${row.over}, ${row.units[coordinate]}` }, picked: 0 };
     const part = view.isolated && row.part ? columns[row.part] : null;
     const { measured, modelled } = part ? isolated(columns, part) : { measured: columns.tau, modelled: model };
     const series = [
@@ -2140,7 +2139,7 @@ var App = class {
     const rest = otherNode ? await this.store.columns(otherNode, active, ["residual"]) : null;
     if (this.state && this.state.node !== node) return;
     this.drawn = wanted2;
-    const axis = captures.find(({ id }) => active.includes(id))?.axis ?? "rotary";
+    const coordinate = captures.find(({ id }) => active.includes(id))?.coordinate ?? "rotary";
     const view = this.view;
     const { what, start } = this.deed ?? { what: "data", start: performance.now() };
     this.deed = null;
@@ -2148,7 +2147,7 @@ var App = class {
     const name = state.branches.find(({ id }) => id === state.branch)?.name;
     const beside = other && rest ? { name: other.name, residual: rest.residual } : null;
     this.legend(beside?.name ?? null);
-    const data = { columns, unit, axis, noise: state.noise_floor, fitted, name, beside };
+    const data = { columns, unit, coordinate, noise: state.noise_floor, fitted, name, beside };
     timed(what, () => this.linked.show(data, view), start);
   }
   /** @param {State} state */
