@@ -150,6 +150,7 @@ CALLS: dict[str, tuple[list[str], list[str]]] = {
     "pictures into a file": (["fit", "good.csv", "--plots", "good.csv"], ["good.csv", "is a file"]),
     "pictures where the model goes": (["fit", "good.csv", "--plots", "p", "-o", "p"], ["p:", "two names"]),
     "compare without a model": (["compare", "good.csv"], ["MODEL"]),
+    "compare with two models": (["compare", "good.csv", "knob1", "--model", "knob2"], ["MODEL", "twice"]),
     "compare with a capture for a model": (["compare", "good.csv", "good.csv"], ["good.csv", "line 1"]),
     "compare with a missing model": (["compare", "good.csv", "absent.toml"], ["absent.toml"]),
     "diagnose without a capture": (["diagnose"], ["CAPTURE"]),

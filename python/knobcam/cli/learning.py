@@ -26,9 +26,7 @@ def register(commands: arguments.Commands) -> None:
         commands, "diagnose", run_diagnose, "Rank the effects that could be missing from a model."
     )
     parser.add_argument("capture", metavar="CAPTURE", help="what the model is fitted to")
-    parser.add_argument(
-        "model", nargs="?", metavar="MODEL", help="model file, or knob1 to knob5; default the base"
-    )
+    arguments.add_model(parser, "model file, or knob1 to knob5; default the base", required=False)
     arguments.add_plots(parser)
     _shared(parser)
 
@@ -37,7 +35,7 @@ def register(commands: arguments.Commands) -> None:
     )
     parser.add_argument("effect", metavar="EFFECT", help="id from `knobcam effects`")
     parser.add_argument("capture", metavar="CAPTURE", help="what the model is fitted to")
-    parser.add_argument("model", metavar="MODEL", help="model file, or knob1 to knob5")
+    arguments.add_model(parser, "model file, or knob1 to knob5")
     arguments.add_output(parser, "model")
     arguments.add_plots(parser)
     arguments.add_preparation(parser)

@@ -26,7 +26,7 @@ def register(commands: arguments.Commands) -> None:
     parser = arguments.add_command(
         commands, "simulate", run_simulate, "Write the capture that a rig would record of a model."
     )
-    parser.add_argument("model", metavar="MODEL", help="model file, or knob1 to knob5")
+    arguments.add_model(parser, "model file, or knob1 to knob5")
     parser.add_argument(
         "--motion", default="sweep", metavar="NAME", help="sweep, multisine, turns, hand, micro or push"
     )

@@ -25,7 +25,7 @@ def register(commands: arguments.Commands) -> None:
     parser = arguments.add_command(
         commands, "render", run, "Feel a model: render it in a loop on an emulated handle that a hand turns."
     )
-    parser.add_argument("model", metavar="MODEL", help="model file, or knob1 to knob5")
+    arguments.add_model(parser, "model file, or knob1 to knob5")
     parser.add_argument("--seconds", type=arguments.number, default=5.0, metavar="S", help="default 5 s")
     parser.add_argument("--rate", type=arguments.number, default=5000.0, metavar="HZ", help="default 5000 Hz")
     parser.add_argument(

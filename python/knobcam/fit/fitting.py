@@ -197,7 +197,7 @@ class Fit(showing.Tabled):
 
         Raises InputError for an effect that the model does not have, or that is its only one.
         """
-        return refit.settle(refit.drop(self, effect))
+        return refit.converged(refit.drop(self, effect))
 
     @property
     def error_fall(self) -> float:

@@ -40,7 +40,7 @@ def add(fit: Fit, effect: str, progress: Callable[[float], object] | None = None
     (_, core, _, _, _, note), *_ = _core.diagnose(cores(fit), fit.model.core, [effect], progress)
     if core is None:
         raise InputError(f"effect '{effect}': {note}")
-    return settle(replace(fit, core=core, before=fit))
+    return converged(replace(fit, core=core, before=fit))
 
 
 def cores(fit: Fit) -> list[_core.Signals]:
@@ -48,7 +48,7 @@ def cores(fit: Fit) -> list[_core.Signals]:
     return [one.core for one in fit.prepared]
 
 
-def settle(fit: Fit) -> Fit:
+def converged(fit: Fit) -> Fit:
     """Return a fit that was sketched, followed to its optimum."""
     core = _core.refine(cores(fit), fit.core.model, True)
     return replace(fit, core=core if core.rmse <= fit.core.rmse else fit.core)

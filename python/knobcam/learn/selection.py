@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from .. import _core
 from ..capture.prepare import travel
 from ..fit.diagnose import PENALTY, Candidate, Diagnosis, diagnose
-from ..fit.refit import cores, drop, settle, with_clipped
+from ..fit.refit import converged, cores, drop, with_clipped
 from ..model.effects import base_effects_shown, clipping, descriptions, effects
 from .ladder import LearningStep, Unexplained
 
@@ -57,13 +57,13 @@ def select(
         if best is None or len(ladder) > _MOST:
             return concluded(ladder, diagnosis, nothing_to_find)
         tell(f"adding {best.effect}")
-        richer = settle(best.fit)
+        richer = converged(best.fit)
         if detents and richer.model.period is None:
             richer = with_detents(richer)
         tell("re-testing the effects that came in before")
         tested = [one for one in richer.model.effects if one not in (*base, best.effect)]
         richer, dropped = retested(richer, [*tested, *(one for one in shown if detents and one in base)])
-        richer = replace(settle(richer) if dropped else richer, before=fit)
+        richer = replace(converged(richer) if dropped else richer, before=fit)
         ladder.append(LearningStep(richer, best.effect, best.p_value, best.equivalent, dropped, diagnosis))
 
 
@@ -123,7 +123,7 @@ def choose(diagnosis: Diagnosis) -> Candidate | None:
 def with_detents(fit: Fit) -> Fit:
     """Return the fit with detents where the data show them now."""
     core = _core.fit(cores(fit), fit.core.model, True)
-    return settle(replace(fit, core=core)) if core.model.period is not None else fit
+    return converged(replace(fit, core=core)) if core.model.period is not None else fit
 
 
 def retested(fit: Fit, tested: Collection[str]) -> tuple[Fit, tuple[str, ...]]:

@@ -122,12 +122,12 @@ def _ratio(
 
     best: tuple[float, float] | None = None
     for window in _WINDOWS_S:
-        lag = max(1, round(window / usual))
-        start = np.arange(0, len(t) - order * lag, max(1, lag // 2))
-        start = start[holes[start] == holes[start + order * lag]]
+        span = max(1, round(window / usual))
+        start = np.arange(0, len(t) - order * span, max(1, span // 2))
+        start = start[holes[start] == holes[start + order * span]]
         if len(start) < _MIN_WINDOWS:
             break
-        wanted, found = (_difference(values, start, lag, order) for values in (theta, integral))
+        wanted, found = (_difference(values, start, span, order) for values in (theta, integral))
         strong = (np.abs(wanted) >= quantile(np.abs(wanted), 0.6)) & (wanted != 0.0)
         if strong.sum() < _MIN_WINDOWS // 4:
             continue
@@ -138,8 +138,8 @@ def _ratio(
     return float(best[1]) if best is not None and best[0] <= MAX_SPREAD else None
 
 
-def _difference(values: FloatArray, start: NDArray[np.intp], lag: int, order: int) -> FloatArray:
-    """Return the first or second difference of `values` over `lag` samples from each `start`."""
+def _difference(values: FloatArray, start: NDArray[np.intp], span: int, order: int) -> FloatArray:
+    """Return the first or second difference of `values` over `span` samples from each `start`."""
     if order == 1:
-        return values[start + lag] - values[start]
-    return values[start + 2 * lag] - 2.0 * values[start + lag] + values[start]
+        return values[start + span] - values[start]
+    return values[start + 2 * span] - 2.0 * values[start + span] + values[start]
