@@ -34,7 +34,7 @@ def _out_of_range(candidate: Candidate) -> list[str]:
         margin = _SURE * estimate.se if estimate.determined else 0.0
         if estimate.value + margin < low or estimate.value - margin > high:
             limits = f"at least {low:g}" if math.isinf(high) else f"{low:g} to {high:g}"
-            said.append(f"{name} = {estimate.value:.3g} is unphysical: it should be {limits}")
+            said.append(f"{name} = {estimate.value:.3g} is implausible: it should be {limits}")
     return said
 
 

@@ -181,7 +181,7 @@ def _doubt(name: str, estimate: Estimate, plausible: tuple[float, float], view: 
     if low <= estimate.value + margin and estimate.value - margin <= high:
         return None
     limits = f"at least {low:g}" if math.isinf(high) else f"{low:g} to {high:g}"
-    return f"{estimate.value:.3g} is unphysical: it should be {limits}"
+    return f"{estimate.value:.3g} is implausible: it should be {limits}"
 
 
 def _verdict(steps: list[LearningStep], diagnosis: Diagnosis | None, end: Selection | None) -> str:
