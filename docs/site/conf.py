@@ -34,10 +34,10 @@ python_maximum_signature_line_length = 90
 nitpick_ignore_regex = [
     ("py:.*", r"(os|pathlib|collections|typing|np|numpy|matplotlib)\..*"),
     ("py:.*", r"(knobcam\.)?(_core|pages)\..*"),
-    ("py:.*", r"(.*\.)?(FloatArray|IntArray|BoolArray|ArrayLike|NDArray|Coordinate|ColumnMap|Figure|Path|Law)"),
+    ("py:.*", r"(.*\.)?(FloatArray|IntArray|BoolArray|ArrayLike|NDArray|ColumnMap|Figure|Path|Law)"),
     (
         "py:.*",
-        r"(.*\.)?(Watch|Picture|Window|Figures|Content|Severity|Shown|TextTable|Widget|Over|TakenUp|Acts)",
+        r"(.*\.)?(Coordinate|Watch|Picture|Window|Figures|Content|Severity|Shown|TextTable|Widget|Over|TakenUp|Acts)",
     ),
 ]
 
