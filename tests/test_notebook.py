@@ -133,3 +133,12 @@ def test_what_goes_to_the_widget_is_json_even_where_numbers_are_none(fit: kc.Fit
         raise AssertionError(word)
 
     json.loads(fit.diagnose().look().widget.head, parse_constant=refuse)
+
+
+def test_the_step_that_is_shown_is_found_under_its_old_name_too(look: Look) -> None:
+    with pytest.warns(DeprecationWarning, match=r"Look\.rung is now called step"):
+        look.rung = 1
+    with pytest.warns(DeprecationWarning, match=r"Look\.rung is now called step"):
+        assert look.rung == look.step == 1
+    with pytest.warns(DeprecationWarning, match=r"Look\.rungs is now called steps"):
+        assert look.rungs is look.steps

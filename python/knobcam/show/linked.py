@@ -81,6 +81,12 @@ class Look:
         warnings.warn("Look.rung is now called step", DeprecationWarning, stacklevel=2)
         self.step = at
 
+    @property
+    def rungs(self) -> tuple[Shown, ...]:
+        """The older name of `steps`."""
+        warnings.warn("Look.rungs is now called steps", DeprecationWarning, stacklevel=2)
+        return self.steps
+
     def html(self) -> str:
         """Return a page of the plots alone."""
         return html(self.steps)
