@@ -48,6 +48,10 @@ def test_a_page_of_linked_plots_holds_what_the_schema_says(story: kc.LearningRes
     told.check(carried(Look((samples.Shown("alone", story.fit),)).html()), pages.Kept)
 
 
+def test_a_notebook_is_told_what_the_schema_says(story: kc.LearningResult):
+    told.check(json.loads(story.look().widget.head), pages.Head)
+
+
 def test_what_is_left_unexplained_is_told_as_the_schema_says(story: kc.LearningResult):
     left = samples.candidates(story.last, kc.Unexplained("time", 0.4, "a line at 50.0 Hz"))
     told.check(json.loads(as_json(left)), pages.Candidates)
