@@ -212,6 +212,12 @@ def npm() -> None:
 def page(options: list[str]) -> None:
     """Build the browser's side, or check that the committed files are what is built."""
     npm()
+    types = WEB / "src" / "types.js"
+    told = run(sys.executable, WEB / "typed.py", silent=True)
+    if "--check" not in options:
+        types.write_text(told, "utf-8")
+    elif types.read_text("utf-8") != told:
+        sys.exit("dev.py: web/src/types.js: not what pages.py says; run `python3 dev.py page` and commit it")
     run("npm", "run", "--prefix", WEB, "--silent", "types")
     run("npm", "test", "--prefix", WEB, "--silent")
     if "--check" not in options:

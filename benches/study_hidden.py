@@ -54,11 +54,11 @@ def one(name: str) -> Iterator[str]:
     floor = document["noise_floor"] / knob.noise_floor
     yield f"{document['verdict']}: found {document['found']}, unexplained {document['unexplained']}"
     yield f"noise floor {knob.noise_floor:.4g}, reported / true {floor:.3f}; errors over the true one"
-    for rung in document["ladder"]:
-        moved = {key: rung[key] for key in ("p_value", "equivalent") if key in rung}
-        seen, unseen = rung["rmse"] / knob.noise_floor, rung["rmse_heldout"] / knob.noise_floor
-        yield f"  {rung['added'] or 'base':20} {seen:8.4f} ({unseen:.4f} unseen) {moved}"
-        for parameter, estimate in rung["params"].items():
+    for step in document["ladder"]:
+        moved = {key: step[key] for key in ("p_value", "equivalent") if key in step}
+        seen, unseen = step["rmse"] / knob.noise_floor, step["rmse_heldout"] / knob.noise_floor
+        yield f"  {step['added'] or 'base':20} {seen:8.4f} ({unseen:.4f} unseen) {moved}"
+        for parameter, estimate in step["params"].items():
             true = knob.knob.get(parameter)
             beside = "" if true is None else f"  true {true:.5g}"
             yield f"    {parameter:28} {estimate['value']:12.5g} {estimate['ci95']}{beside}"

@@ -31,7 +31,7 @@ COGGING = Path("odrive_cogging", "map_a_16.npy")
 def main() -> None:
     """Make every picture."""
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else DOCS / "pictures"
-    keep(folder / "story.png", plot.story(kc.learn(hidden_spring())), 80)
+    keep(folder / "story.png", plot.learned(kc.learn(hidden_spring())), 80)
     keep(
         folder / "stability.png", plot.stability(kc.check_stability("knob4", kc.Device(delay_samples=1))), 90
     )
@@ -73,7 +73,7 @@ def five_knobs(folder: Path) -> None:
 
 def axis(folder: Path, data: Path) -> None:
     """Draw friction of the EMPS axis (Janot, Gautier & Brunot 2019), and where its model fails."""
-    fit = kc.fit(kc.load(data, map="t=t, theta=qm, tau=35.1507*vir", axis="linear"), detents="no")
+    fit = kc.fit(kc.load(data, map="t=t, theta=qm, tau=35.1507*vir", coordinate="linear"), detents="no")
     keep(folder / "emps-velocity.png", plot.velocity(fit), 110)
     keep(folder / "emps-compared.png", plot.comparison(fit.compare()))
 
@@ -90,7 +90,7 @@ def motor(folder: Path, data: Path, cogging: Path) -> None:
         with contextlib.redirect_stdout(io.StringIO()):
             exec("\n".join(re.findall(r"^```python\n(.*?)^```", page, re.M | re.S)), names)
     keep(folder / "motor-map.png", plot.position(names["better"]))
-    keep(folder / "motor-story.png", plot.story(names["story"]))
+    keep(folder / "motor-story.png", plot.learned(names["story"]))
 
 
 if __name__ == "__main__":

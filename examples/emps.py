@@ -23,7 +23,7 @@ def main() -> None:
     if not path.is_file():
         print(f"{path} is absent: name DATA_EMPS.mat, or set KNOBCAM_SHARED_DATA")
         return
-    capture = kc.load(path, map="t=t, theta=qm, tau=35.1507*vir", axis="linear")
+    capture = kc.load(path, map="t=t, theta=qm, tau=35.1507*vir", coordinate="linear")
 
     model = kc.Model.of(["inertia", "coulomb", "viscous", "offset"], "linear")
     model = model.with_tie("coulomb.neg", "coulomb.pos").with_tie("viscous.neg", "viscous.pos")

@@ -33,7 +33,7 @@ def sprung() -> kc.Capture:
 
 
 @pytest.fixture(scope="session")
-def story(sprung: kc.Capture) -> kc.Story:
+def story(sprung: kc.Capture) -> kc.LearningResult:
     return kc.learn(sprung)
 
 

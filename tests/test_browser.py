@@ -100,10 +100,10 @@ def test_a_brush_in_a_notebook_is_heard_in_python_and_nothing_stays_behind(
     tmp_path: Path, pictures: Path
 ) -> None:
     story = kc.learn(capture_with_stribeck(tmp_path, 25_000))
-    first, *rest = story.look().rungs
+    first, *rest = story.look().steps
     widget = Look((first._replace(label="<img src=x onerror=\"document.title='hit'\">"), *rest)).widget
     widget.looked = first.effects[0]
-    state: dict[str, Any] = {name: getattr(widget, name) for name in ("head", "rung", "overlay")}
+    state: dict[str, Any] = {name: getattr(widget, name) for name in ("head", "step", "overlay")}
     state["head"] = json.dumps(json.loads(widget.head) | {"all": 1_000_000})
     state |= {"looked": "", "floats": base64.b64encode(widget.floats).decode(), "chosen": ""}
     state["overlay"] |= {"floats": base64.b64encode(widget.overlay["floats"]).decode()}

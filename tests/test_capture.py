@@ -41,7 +41,8 @@ def same(a: Capture, b: Capture) -> bool:
             for name, values in a.columns.items()
         )
         and np.array_equal(a.mask, b.mask)
-        and (a.axis, a.rate_hz, dict(a.meta), a.findings) == (b.axis, b.rate_hz, dict(b.meta), b.findings)
+        and (a.coordinate, a.rate_hz, dict(a.meta), a.findings)
+        == (b.coordinate, b.rate_hz, dict(b.meta), b.findings)
     )
 
 
@@ -60,7 +61,7 @@ def test_arrays_cannot_be_changed_and_the_callers_stay_writable() -> None:
     with pytest.raises(ValueError, match="read-only"):
         capture.theta[0] = 1.0
     with pytest.raises(dataclasses.FrozenInstanceError):
-        capture.axis = "linear"  # type: ignore[misc]
+        capture.coordinate = "linear"  # type: ignore[misc]
     with pytest.raises(TypeError):
         capture.meta["notes"] = "changed"  # type: ignore[index]
     theta[0] = 7.0
@@ -70,8 +71,8 @@ def test_arrays_cannot_be_changed_and_the_callers_stay_writable() -> None:
 def test_units_follow_the_axis() -> None:
     assert swing().units["tau"] == "N m"
     assert swing().units["alpha"] == "rad/s^2"
-    assert swing(axis="linear").units["tau"] == "N"
-    assert swing(axis="linear").units["theta"] == "m"
+    assert swing(coordinate="linear").units["tau"] == "N"
+    assert swing(coordinate="linear").units["theta"] == "m"
 
 
 def test_a_capture_shows_itself_and_escapes_what_it_shows() -> None:
@@ -90,7 +91,9 @@ def test_a_capture_survives_pickling() -> None:
 def test_what_is_saved_reads_back_exactly(tmp_path: Path, extension: str) -> None:
     tau = 0.01 * np.sin(np.arange(400) / 7.0)
     tau[[3, 17]] = np.nan
-    capture = swing(tau=tau, alpha=None, axis="linear", meta={"notes": "µ, \n two lines", "gain": 35.1507})
+    capture = swing(
+        tau=tau, alpha=None, coordinate="linear", meta={"notes": "µ, \n two lines", "gain": 35.1507}
+    )
     again = load(capture.save(tmp_path / f"capture.{extension}"))
     assert same(capture, again)
     assert same(again, load(again.save(tmp_path / f"again.{extension}")))
@@ -142,7 +145,7 @@ def test_a_part_of_a_native_capture_keeps_its_mask(tmp_path: Path) -> None:
 def test_a_native_capture_keeps_its_axis(tmp_path: Path) -> None:
     path = swing().save(tmp_path / "capture.npz")
     with pytest.raises(InputError, match="rotary axis, not linear"):
-        load(path, axis="linear")
+        load(path, coordinate="linear")
 
 
 def test_a_newer_schema_is_refused(tmp_path: Path) -> None:
@@ -171,18 +174,18 @@ def test_arrays_of_different_length_are_named() -> None:
 
 
 def test_without_times_a_rate_numbers_the_samples() -> None:
-    capture = swing(t=None, rate=1000.0)
+    capture = swing(t=None, rate_hz=1000.0)
     assert capture.t[1] == 0.001
     assert capture.rate_hz == 1000.0
-    with pytest.raises(InputError, match="rate="):
+    with pytest.raises(InputError, match="give the sampling rate"):
         swing(t=None)
     with pytest.raises(InputError, match="no sampling rate"):
-        swing(t=None, rate=-1.0)
+        swing(t=None, rate_hz=-1.0)
 
 
 def test_a_rate_that_contradicts_the_times_is_refused() -> None:
-    with pytest.raises(InputError, match="1000 Hz, rate=5000"):
-        swing(rate=5000.0)
+    with pytest.raises(InputError, match="1000 Hz, a rate of 5000"):
+        swing(rate_hz=5000.0)
 
 
 def test_input_errors_are_one_line_with_exit_code_2() -> None:

@@ -210,7 +210,7 @@ def test_a_torque_beyond_any_hand_is_noted() -> None:
     finding = only(recording(tau=1000.0 * recording().tau))
     assert (finding.column, finding.severity) == ("tau", "note")
     assert "mNm" in finding.message
-    assert recording(tau=1000.0 * recording().tau, axis="linear").findings == ()
+    assert recording(tau=1000.0 * recording().tau, coordinate="linear").findings == ()
 
 
 def test_an_angle_that_wraps_is_warned_about() -> None:

@@ -24,10 +24,10 @@ def real(path: Path) -> Path:
 
 def test_the_emps_axis_reads_from_its_matlab_file() -> None:
     path = real(SHARED / "emps" / "DATA_EMPS.mat")
-    capture = load(path, map="t=t, theta=qm, tau=35.1507*vir", axis="linear")
+    capture = load(path, map="t=t, theta=qm, tau=35.1507*vir", coordinate="linear")
     assert capture.samples == 24841
     assert capture.rate_hz == 1000.0
-    assert capture.axis == "linear"
+    assert capture.coordinate == "linear"
     assert capture.findings == ()
     by_name = load(path, map="t=t, theta=qm [m], tau=gtau*vir [N]")
     np.testing.assert_allclose(by_name.tau, capture.tau, rtol=1e-5)  # the file has 35.15065

@@ -16,6 +16,7 @@ from command import knobcam, process
 
 import knobcam as kc
 from knobcam import cli, show
+from knobcam.cli import command_parser
 
 COMMANDS = ["import", "simulate", "fit", "compare", "diagnose", "add", "learn", "effects", "demo"]
 
@@ -39,15 +40,15 @@ def pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     def effect(effect: kc.Effect) -> Any:
         return SimpleNamespace(savefig=lambda path: Path(path).write_text(effect.id))
 
-    def save_story(story: kc.Story, folder: Path, rendered: kc.Fit | None = None) -> list[Path]:
+    def save_learning(story: kc.LearningResult, folder: Path, rendered: kc.Fit | None = None) -> list[Path]:
         (folder / "story.png").write_bytes(b"picture")
         return [folder / "story.png"]
 
-    def write(story: kc.Story, path: Path) -> Path:
+    def write(story: kc.LearningResult, path: Path) -> Path:
         path.write_text(story.headline)
         return path
 
-    plot = SimpleNamespace(save_all=save_all, save_story=save_story, effect=effect)
+    plot = SimpleNamespace(save_all=save_all, save_learning=save_learning, effect=effect)
     monkeypatch.setitem(sys.modules, "knobcam.show.report", SimpleNamespace(write=write))
     monkeypatch.setitem(sys.modules, "knobcam.show.plot", plot)
     monkeypatch.setattr(show, "plot", plot, raising=False)
@@ -110,6 +111,27 @@ def test_import_writes_the_capture_that_load_reads(tmp_path: Path) -> None:
     assert ended.document["capture"]["samples"] == expected.samples == 400
     assert ended.document["files"] == {"capture": str(target)}
     assert len(ended.document["findings"]) == len(expected.findings) == ended.err.count("\n")
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        "simulate -o c.npz",
+        "compare c.npz",
+        "diagnose c.npz",
+        "add offset c.npz",
+        "render",
+        "emulate",
+        "fit c.npz",
+    ],
+)
+def test_a_model_is_taken_by_its_option_and_where_there_is_one_by_its_place(call: str) -> None:
+    parse = command_parser().parse_args
+    assert parse([*call.split(), "--model", "knob2"]).model == "knob2"
+    command, *others = call.split()
+    assert parse([command, "--model=knob2", *others]).model == "knob2"
+    if command != "fit":
+        assert parse([*call.split(), "knob2"]).model == "knob2"
 
 
 def test_simulate_gives_the_same_capture_for_the_same_seed(tmp_path: Path) -> None:

@@ -193,12 +193,12 @@ def test_a_map_with_units_gives_si(recording: Path) -> None:
     np.testing.assert_allclose(capture.t, raw[:, 0] * 1e-3, rtol=1e-15)
     np.testing.assert_allclose(capture.theta, np.deg2rad(raw[:, 1]), rtol=1e-14)
     np.testing.assert_allclose(capture.tau, raw[:, 2] * 1e-3, rtol=1e-15)
-    assert capture.axis == "rotary"
+    assert capture.coordinate == "rotary"
     assert capture.omega is None
 
 
 def test_a_length_makes_a_linear_axis(recording: Path) -> None:
-    assert load(recording, map="t=ms [ms], theta=pos [mm], tau=ch3").axis == "linear"
+    assert load(recording, map="t=ms [ms], theta=pos [mm], tau=ch3").coordinate == "linear"
 
 
 @pytest.mark.parametrize(
@@ -210,15 +210,15 @@ def test_a_length_makes_a_linear_axis(recording: Path) -> None:
     ],
 )
 def test_units_that_contradict_the_axis_are_refused(recording: Path, column_map: str, axis: Any) -> None:
-    with pytest.raises(InputError, match="change the unit or the axis"):
-        load(recording, map=column_map, axis=axis)
+    with pytest.raises(InputError, match="change the unit or the coordinate"):
+        load(recording, map=column_map, coordinate=axis)
 
 
 def test_an_unknown_axis_is_refused(recording: Path) -> None:
     with pytest.raises(InputError, match="choose rotary or linear"):
-        load(recording, map="t=ms, theta=pos, tau=ch3", axis="round")  # type: ignore[arg-type]
+        load(recording, map="t=ms, theta=pos, tau=ch3", coordinate="round")  # type: ignore[arg-type]
     with pytest.raises(InputError, match="choose rotary or linear"):
-        Capture.from_arrays(t=[0, 1], theta=[0, 1], tau=[0, 1], axis="round")  # type: ignore[arg-type]
+        Capture.from_arrays(t=[0, 1], theta=[0, 1], tau=[0, 1], coordinate="round")  # type: ignore[arg-type]
 
 
 def test_a_single_value_is_no_column(recording: Path) -> None:

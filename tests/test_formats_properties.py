@@ -113,7 +113,7 @@ def test_any_numbers_read_back_exactly(
     t = step * np.arange(len(theta))
     try:
         capture = Capture.from_arrays(
-            t=t, theta=theta, tau=tau, omega=omega, axis=axis, meta={"notes": notes, "step": step}
+            t=t, theta=theta, tau=tau, omega=omega, coordinate=axis, meta={"notes": notes, "step": step}
         )
     except InputError:
         return

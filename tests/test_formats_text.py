@@ -124,9 +124,9 @@ def test_an_unknown_header_lists_the_columns_and_an_example(tmp_path: Path) -> N
 def test_a_linear_axis_is_known_by_its_columns(tmp_path: Path) -> None:
     path = tmp_path / "run.csv"
     path.write_text("t_s,theta_m,tau_N\n0,0,0\n1,1,2\n2,3,1\n")
-    assert load(path).axis == "linear"
+    assert load(path).coordinate == "linear"
     with pytest.raises(InputError, match="no columns theta_rad and tau_Nm"):
-        load(path, axis="rotary")
+        load(path, coordinate="rotary")
 
 
 @pytest.mark.parametrize("content", ["", "\n\n", "# only a comment\n", "a,b,c\n"])
@@ -172,10 +172,10 @@ def test_a_path_that_is_no_file_is_refused(tmp_path: Path) -> None:
 def test_a_file_without_times_needs_a_rate(tmp_path: Path) -> None:
     path = tmp_path / "run.csv"
     path.write_text("theta_rad,tau_Nm\n0,0\n1,1\n2,0\n")
-    with pytest.raises(InputError, match="give rate= in Hz"):
+    with pytest.raises(InputError, match="give the sampling rate in Hz"):
         load(path)
-    assert load(path, rate=100.0).t.tolist() == [0.0, 0.01, 0.02]
-    assert load(path, rate=100.0).meta["rate"] == 100.0
+    assert load(path, rate_hz=100.0).t.tolist() == [0.0, 0.01, 0.02]
+    assert load(path, rate_hz=100.0).meta["rate_hz"] == 100.0
 
 
 def test_a_capture_says_where_it_came_from(tmp_path: Path) -> None:

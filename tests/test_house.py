@@ -53,7 +53,12 @@ def written_files() -> list[Path]:
     found = [path for folder in folders for path in (ROOT / folder).rglob("*") if path.is_file()]
     found = [path for path in found if not path.is_relative_to(PYTHON / "workbench" / "page")]
     texts = {".rs", ".py", ".pyi", ".toml", ".md", ".js", ".css", ".html", ""}
-    return [*ROOT.glob("*.py"), *ROOT.glob("*.md"), *(path for path in found if path.suffix in texts)]
+    return [
+        *ROOT.glob("*.py"),
+        *ROOT.glob("web/*.py"),
+        *ROOT.glob("*.md"),
+        *(path for path in found if path.suffix in texts),
+    ]
 
 
 def imported_by_rust(code: str) -> set[str]:

@@ -12,7 +12,7 @@ import knobcam as kc
 from knobcam.learn import selection
 
 
-def test_the_hidden_spring_is_found_and_the_rest_is_chance(story: kc.Story) -> None:
+def test_the_hidden_spring_is_found_and_the_rest_is_chance(story: kc.LearningResult) -> None:
     assert story.verdict == "missing"
     assert len(story.found) == 1
     last = story.ladder[-1]
@@ -21,23 +21,23 @@ def test_the_hidden_spring_is_found_and_the_rest_is_chance(story: kc.Story) -> N
     assert story.headline.startswith(f"{story.found[0]} was missing")
 
 
-def test_the_ladder_starts_at_the_base_model_and_goes_down(story: kc.Story) -> None:
+def test_the_ladder_starts_at_the_base_model_and_goes_down(story: kc.LearningResult) -> None:
     assert story.ladder[0].added is None
     assert story.ladder[0].effects == ("inertia", "coulomb", "viscous", "detent")
-    errors = [rung.rmse for rung in story.ladder]
+    errors = [step.rmse for step in story.ladder]
     assert errors == sorted(errors, reverse=True)
-    for above, rung in zip(story.ladder, story.ladder[1:], strict=False):
-        assert rung.error_fall == pytest.approx(1.0 - rung.rmse / above.rmse)
-        assert rung.fit.before is above.fit
+    for above, step in zip(story.ladder, story.ladder[1:], strict=False):
+        assert step.error_fall == pytest.approx(1.0 - step.rmse / above.rmse)
+        assert step.fit.before is above.fit
 
 
 def test_the_interval_of_an_error_holds_it_and_narrows_with_the_capture() -> None:
     knob = kc.Model.load("knob4")
     widths = []
     for duration in (3.0, 12.0):
-        rung = kc.Rung(kc.fit(kc.simulate(knob, "multisine", duration_s=duration)))
-        low, high = rung.rmse_ci95
-        assert low < rung.rmse < high
+        step = kc.LearningStep(kc.fit(kc.simulate(knob, "multisine", duration_s=duration)))
+        low, high = step.rmse_ci95
+        assert low < step.rmse < high
         widths.append(high - low)
     assert widths[1] < 0.75 * widths[0]
 
@@ -45,7 +45,7 @@ def test_the_interval_of_an_error_holds_it_and_narrows_with_the_capture() -> Non
 def test_a_knob_with_nothing_missing_is_complete(capture: kc.Capture) -> None:
     story = kc.learn(capture)
     assert (story.verdict, story.found, story.unexplained) == ("complete", (), None)
-    assert len(story.ladder) == 1 and story.lacks == ()
+    assert len(story.ladder) == 1 and story.limitations == ()
     assert story.headline == "Nothing is missing that this capture could show: chance explains the error."
 
 
@@ -61,7 +61,7 @@ def test_hum_in_the_torque_is_unexplained_and_its_line_is_named(capture: kc.Capt
 
 def test_detents_belong_to_the_base_model_also_where_they_come_in_late(sprung: kc.Capture) -> None:
     without_detents = kc.learn(sprung, detents="no")
-    assert "detent" in [rung.added for rung in without_detents.ladder]
+    assert "detent" in [step.added for step in without_detents.ladder]
     assert "detent" not in without_detents.found
     bare = kc.Model.of(["inertia", "coulomb", "viscous"])
     assert "detent" in kc.learn(sprung, bare).found
@@ -104,7 +104,7 @@ def test_each_step_is_told_while_it_runs(sprung: kc.Capture) -> None:
     assert any(story.found[0] in step for step in told)
 
 
-def test_the_document_is_that_of_the_contract(story: kc.Story) -> None:
+def test_the_document_is_that_of_the_contract(story: kc.LearningResult) -> None:
     document = story.document()
     keys = {"schema", "capture", "noise_floor", "verdict", "found", "ladder", "unexplained"}
     assert keys <= document.keys() and document["schema"] == "knobcam.learn/1"
@@ -120,7 +120,7 @@ def test_the_document_is_that_of_the_contract(story: kc.Story) -> None:
     json.dumps(document)
 
 
-def test_a_story_tells_itself_in_the_terminal(story: kc.Story) -> None:
+def test_a_story_tells_itself_in_the_terminal(story: kc.LearningResult) -> None:
     lines = repr(story).splitlines()
     assert lines[0] == story.headline
     bars = [line.count("#") for line in lines if "#" in line]
@@ -131,11 +131,11 @@ def test_a_story_tells_itself_in_the_terminal(story: kc.Story) -> None:
     assert "<table>" in story._repr_html_()
 
 
-def kinds(story: kc.Story) -> set[str]:
-    for lack in story.lacks:
-        assert lack.message in repr(story) and lack.record in repr(story)
-    assert [lack["kind"] for lack in story.document()["lacks"]] == [lack.kind for lack in story.lacks]
-    return {lack.kind for lack in story.lacks}
+def kinds(story: kc.LearningResult) -> set[str]:
+    for one in story.limitations:
+        assert one.message in repr(story) and one.record in repr(story)
+    assert [one["kind"] for one in story.document()["limitations"]] == [one.kind for one in story.limitations]
+    return {one.kind for one in story.limitations}
 
 
 def track(omega: np.ndarray, rate: float = 5000.0) -> kc.MotionTrack:
@@ -147,7 +147,7 @@ def test_a_motion_in_one_direction_tells_nothing_of_the_other_nor_of_reversals()
     t = np.arange(1, 15001) / 5000.0
     story = kc.learn(kc.simulate(kc.Model.load("knob4"), track(3.0 + 2.5 * np.sin(4.0 * t))))
     assert {"no_reversal", "one_direction"} <= kinds(story)
-    assert "friction backward" in " ".join(lack.message for lack in story.lacks)
+    assert "friction backward" in " ".join(one.message for one in story.limitations)
 
 
 def test_a_motion_that_is_never_slow_shows_no_friction_near_standstill() -> None:
@@ -176,7 +176,7 @@ def test_a_torque_too_slowly_sampled_has_no_noise_floor_and_accuses_nothing() ->
 @pytest.mark.parametrize("motion", ["sweep", "multisine", "hand", "turns"])
 def test_an_ordinary_motion_lacks_nothing(motion: str) -> None:
     knob = kc.Model.load("knob4")
-    lacking = {lack.kind for lack in kc.learn(kc.simulate(knob, motion)).lacks}
+    lacking = {one.kind for one in kc.learn(kc.simulate(knob, motion)).limitations}
     assert lacking <= ({"no_slow_motion"} if motion == "turns" else set())
 
 
@@ -196,5 +196,11 @@ def test_captures_of_one_knob_agree_and_those_of_a_changed_one_do_not() -> None:
     assert story.document()["disagreements"][0]["param"] == worst.param
 
 
-def test_one_capture_agrees_with_itself(story: kc.Story) -> None:
+def test_one_capture_agrees_with_itself(story: kc.LearningResult) -> None:
     assert story.disagreements == ()
+
+
+def test_limitations_are_found_under_their_old_name_too(story: kc.LearningResult) -> None:
+    with pytest.warns(DeprecationWarning, match="lacks is now called limitations"):
+        assert story.lacks == story.limitations
+    assert story.document()["lacks"] == story.document()["limitations"]

@@ -1,4 +1,4 @@
-"""Modules that have another name now: for one version they are found under their old one too."""
+"""What has another name now: for one version it is found under its old one too."""
 
 from __future__ import annotations
 
@@ -47,3 +47,20 @@ def test_the_warning_names_the_line_that_has_to_change() -> None:
     with pytest.warns(DeprecationWarning) as said:
         import knobcam.linked  # noqa: F401
     assert said[0].filename == __file__
+
+
+RENAMED = {"Lack": kc.Limitation, "Rung": kc.LearningStep, "Story": kc.LearningResult}
+DRAWN = {"save_story": kc.plot.save_learning, "story": kc.plot.learned}
+
+
+@pytest.mark.parametrize("old", RENAMED)
+def test_a_class_that_was_renamed_is_found_under_its_old_name_too(old: str) -> None:
+    with pytest.warns(DeprecationWarning, match=f"{old} is now called {RENAMED[old].__name__}"):
+        assert getattr(kc, old) is RENAMED[old]
+    assert old not in dir(kc)
+
+
+@pytest.mark.parametrize("old", DRAWN)
+def test_a_picture_that_was_renamed_is_found_under_its_old_name_too(old: str) -> None:
+    with pytest.warns(DeprecationWarning, match=f"{old} is now called {DRAWN[old].__name__}"):
+        assert getattr(kc.plot, old) is DRAWN[old]

@@ -16,7 +16,7 @@ WIDGET = "application/vnd.jupyter.widget-view+json"
 
 
 @pytest.fixture
-def look(story: kc.Story) -> Look:
+def look(story: kc.LearningResult) -> Look:
     return story.look()
 
 
@@ -48,12 +48,12 @@ except kc.InputError as error:
     assert 'pip install "knobcam[notebook]"' in said
 
 
-def test_samples_go_to_the_widget_whole_and_as_bytes(look: Look, story: kc.Story) -> None:
+def test_samples_go_to_the_widget_whole_and_as_bytes(look: Look, story: kc.LearningResult) -> None:
     head = json.loads(look.widget.head)
     floats = np.frombuffer(look.widget.floats, "<f4").reshape(4 + len(story.ladder), head["n"])
     assert head["n"] == head["all"] == story.captures[0].samples
-    for rung, residual in zip(story.ladder, floats[4:], strict=True):
-        assert residual == pytest.approx(rung.fit.residual, rel=1e-6, nan_ok=True)
+    for step, residual in zip(story.ladder, floats[4:], strict=True):
+        assert residual == pytest.approx(step.fit.residual, rel=1e-6, nan_ok=True)
 
 
 def test_what_is_brushed_comes_back_as_indices_with_its_share_of_the_error(look: Look) -> None:
@@ -64,7 +64,7 @@ def test_what_is_brushed_comes_back_as_indices_with_its_share_of_the_error(look:
     assert len(heard) == 1
     told(look, chosen=memoryview(b""))
     assert look.share == 0.0 and not look.chosen[0].size
-    residual = look.rungs[0].fit.residual
+    residual = look.steps[0].fit.residual
     worst = np.argsort(-np.abs(np.nan_to_num(residual)))[: len(residual) // 10]
     look.chosen = [worst]
     assert look.share == pytest.approx(np.sum(residual[worst] ** 2) / np.nansum(residual**2))
@@ -90,17 +90,17 @@ def test_the_captures_of_a_joint_fit_have_their_own_indices() -> None:
 
 
 def test_the_share_is_that_of_the_model_that_is_shown(look: Look) -> None:
-    residuals = [rung.fit.residual for rung in look.rungs]
+    residuals = [step.fit.residual for step in look.steps]
     look.chosen = [np.argsort(-np.abs(np.nan_to_num(residuals[0])))[:1000]]
     before = look.share
-    look.rung = 1
+    look.step = 1
     assert look.share < before
 
 
-@pytest.mark.parametrize("rung", [-1, 2])
-def test_a_rung_that_is_not_there_is_refused(look: Look, rung: int) -> None:
-    with pytest.raises(kc.InputError, match=f"rung={rung} is none of the 2 models"):
-        look.rung = rung
+@pytest.mark.parametrize("step", [-1, 2])
+def test_a_step_that_is_not_there_is_refused(look: Look, step: int) -> None:
+    with pytest.raises(kc.InputError, match=f"step={step} is none of the 2 models"):
+        look.step = step
 
 
 def test_samples_that_are_not_there_are_refused(look: Look) -> None:
@@ -118,11 +118,11 @@ def test_a_mask_is_refused_rather_than_taken_for_indices(look: Look) -> None:
 
 
 def test_a_candidate_that_is_looked_at_is_answered_with_what_it_would_explain(look: Look) -> None:
-    effect = look.rungs[0].effects[0]
+    effect = look.steps[0].effects[0]
     told(look, looked=effect)
     overlay = look.widget.overlay
-    assert (overlay["effect"], overlay["rung"]) == (effect, 0)
-    expected = look.rungs[0].explained(effect)
+    assert (overlay["effect"], overlay["step"]) == (effect, 0)
+    expected = look.steps[0].explained(effect)
     assert np.frombuffer(overlay["floats"], "<f4") == pytest.approx(expected, rel=1e-5, nan_ok=True)
     told(look, looked="no such effect")
     assert look.widget.overlay == overlay
@@ -133,3 +133,12 @@ def test_what_goes_to_the_widget_is_json_even_where_numbers_are_none(fit: kc.Fit
         raise AssertionError(word)
 
     json.loads(fit.diagnose().look().widget.head, parse_constant=refuse)
+
+
+def test_the_step_that_is_shown_is_found_under_its_old_name_too(look: Look) -> None:
+    with pytest.warns(DeprecationWarning, match=r"Look\.rung is now called step"):
+        look.rung = 1
+    with pytest.warns(DeprecationWarning, match=r"Look\.rung is now called step"):
+        assert look.rung == look.step == 1
+    with pytest.warns(DeprecationWarning, match=r"Look\.rungs is now called steps"):
+        assert look.rungs is look.steps

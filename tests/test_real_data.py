@@ -31,7 +31,7 @@ def real(path: Path) -> Path:
 
 @cache
 def emps() -> kc.Capture:
-    return kc.load(real(EMPS), map="t=t, theta=qm, tau=35.1507*vir", axis="linear")
+    return kc.load(real(EMPS), map="t=t, theta=qm, tau=35.1507*vir", coordinate="linear")
 
 
 @cache

@@ -87,7 +87,7 @@ def test_torque_stays_within_the_limits_of_the_device_and_of_the_call():
         (lambda: kc.Renderer("knob4", device=kc.Device(delay_samples=-1)), "delay"),
         (lambda: kc.Renderer("knob4").along([0.0, 1.0], [0.0]), "differ in length"),
         (lambda: kc.Renderer("knob4").set_state({"samples": 1}), "is missing"),
-        (lambda: kc.check_stability("knob4", rate=0.0), "rate"),
+        (lambda: kc.check_stability("knob4", rate_hz=0.0), "rate"),
         (lambda: kc.check_stability("knob4", kc.Device(damping_Nms_rad=math.nan)), "damping"),
         (lambda: kc.EmulatedHandle(hand=kc.MotionTrack(*[np.zeros(1)] * 4)), "hand"),
         (lambda: kc.EmulatedHandle(hand=kc.MotionTrack(np.arange(3.0), *[np.full(3, np.nan)] * 3)), "hand"),

@@ -51,11 +51,11 @@ class Page(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def page(story: kc.Story) -> str:
+def page(story: kc.LearningResult) -> str:
     return report.html(story)
 
 
-def test_a_report_answers_its_questions_in_order(page: str, story: kc.Story) -> None:
+def test_a_report_answers_its_questions_in_order(page: str, story: kc.LearningResult) -> None:
     text = Page(page).text
     asked = ["What was found", "Why", "What else it could be", "What remains", "How sure"]
     places = [text.index(f" {question} ") for question in asked]
@@ -89,7 +89,7 @@ def test_the_one_script_of_a_report_is_the_package_s_own(page: str) -> None:
         assert word not in code[1]
 
 
-def test_a_report_carries_what_its_story_looks_at(page: str, story: kc.Story) -> None:
+def test_a_report_carries_what_its_story_looks_at(page: str, story: kc.LearningResult) -> None:
     assert carried(page) == carried(story.look().html())
 
 
@@ -117,9 +117,9 @@ def test_hostile_names_are_printed_and_never_interpreted(capture: kc.Capture) ->
 
 def test_a_report_says_what_a_capture_cannot_tell_and_what_is_unexplained() -> None:
     story = kc.learn(kc.simulate(kc.Model.load("knob4"), "micro", duration_s=2.0))
-    assert story.lacks
+    assert story.limitations
     text = Page(report.html(story)).text
-    assert all(lack.message in text and lack.record in text for lack in story.lacks)
+    assert all(one.message in text and one.record in text for one in story.limitations)
     left = dataclasses.replace(story, unexplained=kc.Unexplained("time", 0.4, "a line at 50.0 Hz"))
     assert left.verdict == "unexplained"
     assert (
@@ -128,11 +128,11 @@ def test_a_report_says_what_a_capture_cannot_tell_and_what_is_unexplained() -> N
     )
 
 
-def test_the_same_story_gives_the_same_report(story: kc.Story, page: str) -> None:
+def test_the_same_story_gives_the_same_report(story: kc.LearningResult, page: str) -> None:
     assert report.html(story) == page
 
 
-def test_a_report_appears_whole_at_its_path(story: kc.Story, page: str, tmp_path: Path) -> None:
+def test_a_report_appears_whole_at_its_path(story: kc.LearningResult, page: str, tmp_path: Path) -> None:
     path = story.report(tmp_path / "knob.html")
     assert path.read_text("utf-8") == page
     assert [one.name for one in tmp_path.iterdir()] == ["knob.html"]

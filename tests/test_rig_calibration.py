@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import knobcam as kc
-from knobcam.rig.calibration import Calibration, Run, anchored, lag, spatial
+from knobcam.rig.calibration import Calibration, Run, anchored, phase_lag, spatial
 
 TRUE, NOMINAL = 1160.0, 1148.0
 
@@ -56,10 +56,10 @@ def test_a_gripper_that_turns_is_no_anchor():
         anchored("KC-7", [anchored_run(theta=1.0)])
 
 
-def test_a_lag_is_found_to_a_fraction_of_a_sample():
+def test_a_phase_lag_is_found_to_a_fraction_of_a_sample():
     t = np.arange(25_000) / 5000.0
     for late in (0.0, 3e-5, 1e-3):
-        found = lag(np.sin(6.0 * t), 2.0 * np.sin(6.0 * (t - late)), 5000.0)
+        found = phase_lag(np.sin(6.0 * t), 2.0 * np.sin(6.0 * (t - late)), 5000.0)
         assert found == pytest.approx(late, abs=2e-6)
 
 

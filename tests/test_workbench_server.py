@@ -123,8 +123,8 @@ def test_the_share_of_a_region_is_told(opened: httpx.Client, sprung: kc.Capture)
         ("params", {"detent.P": "1"}),
         ("open", {"path": "/no/such\nfile"}),
         ("open", {"path": "a\0b"}),
-        ("open", {"path": ".", "rate": "fast"}),
-        ("open", {"path": "x", "axis": HOSTILE}),
+        ("open", {"path": ".", "rate_hz": "fast"}),
+        ("open", {"path": "x", "coordinate": HOSTILE}),
         ("use", {"captures": "c1"}),
         ("use", {"captures": []}),
         ("save", {"what": "model", "path": "/no/such/folder/x"}),
@@ -183,7 +183,12 @@ def test_what_can_be_saved_can_be_fetched(opened: httpx.Client, tmp_path: Path):
 def test_work_is_cancelled_and_nothing_changed(opened: httpx.Client, bench: Bench):
     before = opened.get("/api/state").json()
     job = bench.work.start("waiting", lambda job: [job.rest(60.0)])
-    assert opened.get("/api/state").json()["job"] == {"id": job.id, "what": "waiting", "done": None}
+    assert opened.get("/api/state").json()["job"] == {
+        "id": job.id,
+        "what": "waiting",
+        "done": None,
+        "recording": False,
+    }
     assert opened.post("/api/cancel").status_code == 200
     with pytest.raises(InputError, match="cancelled"):
         job.result.result(10.0)

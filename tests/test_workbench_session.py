@@ -10,14 +10,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import told as told_as
 
 import knobcam as kc
+from knobcam.base import pages
 from knobcam.base.strict_json import as_json
 from knobcam.errors import InputError
 from knobcam.workbench import arrays, saving, state
 from knobcam.workbench.jobs import Cancelled, Job, Worker
+from knobcam.workbench.learned import ladder
 from knobcam.workbench.session import Session
-from knobcam.workbench.story import ladder
 from knobcam.workbench.tree import Start
 
 
@@ -47,7 +49,9 @@ def weighed(recording: Path) -> Session:
 
 
 def told(session: Session) -> dict:
-    return json.loads(as_json(state.document(session)))
+    document: dict = json.loads(as_json(state.document(session)))
+    told_as.check(document, pages.Session)
+    return document
 
 
 def test_a_capture_is_fitted_when_it_is_opened(session: Session, sprung: kc.Capture):
@@ -69,7 +73,7 @@ def test_adding_the_missing_effect_brings_the_error_to_the_floor(weighed: Sessio
     weighed.add(top["effect"])
     fit = weighed.node.fit
     assert fit.rmse < 1.05 * fit.noise_floor < weighed.branch.steps[0].fit.rmse
-    assert [rung["label"] for rung in told(weighed)["ladder"]] == ["first model", "+ return_spring"]
+    assert [step["label"] for step in told(weighed)["ladder"]] == ["first model", "+ return_spring"]
     weighed.undo()
 
 
@@ -185,7 +189,7 @@ def test_captures_of_one_knob_are_fitted_together_and_one_can_be_left_out(
     assert "return_spring" in session.node.fit.model.effects
     session.use([other])
     assert session.node.captures == (other,)
-    assert [rung["label"] for rung in told(session)["ladder"]] == ["first model"]
+    assert [step["label"] for step in told(session)["ladder"]] == ["first model"]
     session.undo()
     session.undo()
     assert len(session.node.fit.prepared) == 1
@@ -342,12 +346,12 @@ def test_a_model_a_report_and_pictures_are_saved(weighed: Session, tmp_path: Pat
     weighed.switch(next(iter(weighed.branches)))
 
 
-def test_a_rung_that_lost_an_effect_says_so(session: Session):
+def test_a_step_that_lost_an_effect_says_so(session: Session):
     session.add("return_spring")
     session.drop("viscous")
-    rungs = ladder(session.branch.done)
-    assert [(rung.added, rung.dropped) for rung in rungs] == [(None, ()), ("return_spring", ("viscous",))]
-    assert rungs[1].fit.before is rungs[0].fit
+    steps = ladder(session.branch.done)
+    assert [(step.added, step.dropped) for step in steps] == [(None, ()), ("return_spring", ("viscous",))]
+    assert steps[1].fit.before is steps[0].fit
 
 
 def test_a_job_that_is_cancelled_ends_at_its_next_round_and_the_next_one_is_done():

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 import httpx
+import told
 
+from knobcam.base import pages
 from knobcam.workbench.bench import Bench
 from knobcam.workbench.guard import HEADER
 from knobcam.workbench.server import application
@@ -27,12 +30,26 @@ def served(bench: Bench) -> Iterator[httpx.Client]:
         thread = threading.Thread(target=serving.run, args=([listening],))
         thread.start()
         with httpx.Client(
-            base_url=f"http://127.0.0.1:{port}", headers={HEADER: TOKEN}, timeout=60.0
+            base_url=f"http://127.0.0.1:{port}",
+            headers={HEADER: TOKEN},
+            timeout=60.0,
+            event_hooks={"response": [as_the_schema_says]},
         ) as client:
             yield client
         serving.should_exit = True
         thread.join()
     bench.close()
+
+
+def as_the_schema_says(answer: httpx.Response) -> None:
+    """Assert that an answer is what the pages are told to expect."""
+    kind = answer.headers.get("content-type", "")
+    if kind == "application/json":
+        shape = {"/api/state": pages.State, "/api/sources": pages.Sources}.get(answer.url.path, pages.Answer)
+        answer.read()
+        told.check(answer.json(), shape if answer.is_success else pages.Refused)
+    elif kind == "application/octet-stream" and "content-disposition" not in answer.headers:
+        told.check(json.loads(answer.read().partition(b"\n")[0]), pages.ColumnsHead)
 
 
 def wrong(answer: httpx.Response, status: int, words: str) -> None:

@@ -33,11 +33,11 @@ python_maximum_signature_line_length = 90
 # package's own that nobody makes by hand.
 nitpick_ignore_regex = [
     ("py:.*", r"(os|pathlib|collections|typing|np|numpy|matplotlib)\..*"),
-    ("py:.*", r"(knobcam\.)?_core\..*"),
-    ("py:.*", r"(.*\.)?(FloatArray|IntArray|BoolArray|ArrayLike|NDArray|Axis|ColumnMap|Figure|Path|Law)"),
+    ("py:.*", r"(knobcam\.)?(_core|pages)\..*"),
+    ("py:.*", r"(.*\.)?(FloatArray|IntArray|BoolArray|ArrayLike|NDArray|ColumnMap|Figure|Path|Law)"),
     (
         "py:.*",
-        r"(.*\.)?(Watch|Picture|Window|Figures|Content|Severity|Shown|TextTable|Widget|Over|TakenUp|Acts)",
+        r"(.*\.)?(Coordinate|Watch|Picture|Window|Figures|Content|Severity|Shown|TextTable|Widget|Over|TakenUp|Acts)",
     ),
 ]
 

@@ -9,7 +9,7 @@
 The packages stand in one order, and each imports only from those above it (`.importlinter` holds that):
 
 errors          what is raised
-base            files written whole, strict JSON, tables, arrays, how a result shows itself
+base            files written whole, JSON and what pages are told, tables, arrays, how a result shows itself
 capture         captures: formats, faults of logs, motions, prepared signals
 model           models, the catalogue of effects, effects of one's own, the five knobs, simulated captures
 fit             the fit, where it fails, what each effect more would change
@@ -27,6 +27,7 @@ A sample is recorded by `rig` or read by `capture`, fitted and weighed by `fit`;
 from __future__ import annotations
 
 import sys
+import warnings
 from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -44,10 +45,10 @@ if TYPE_CHECKING:
     from .fit.diagnose import Candidate, Diagnosis, diagnose
     from .fit.refit import Moved
     from .fit.stiction import Stiction, stiction
-    from .learn import Story, learn
+    from .learn import LearningResult, learn
     from .learn.agreement import Disagreement
-    from .learn.lacks import Lack
-    from .learn.ladder import Rung, Unexplained
+    from .learn.ladder import LearningStep, Unexplained
+    from .learn.limitations import Limitation
     from .model import KNOBS, Model, Parameter
     from .model.effects import Effect, effects
     from .model.hiding import hiding
@@ -78,7 +79,9 @@ __all__ = [
     "InputError",
     "KnobcamError",
     "KnobcamWarning",
-    "Lack",
+    "LearningResult",
+    "LearningStep",
+    "Limitation",
     "Link",
     "LoopReport",
     "Model",
@@ -90,11 +93,9 @@ __all__ = [
     "Parameter",
     "Prepared",
     "Renderer",
-    "Rung",
     "SensorNoise",
     "Stability",
     "Stiction",
-    "Story",
     "Unexplained",
     "WireLog",
     "__version__",
@@ -136,7 +137,9 @@ _HOME = {
     "InputError": "errors",
     "KnobcamError": "errors",
     "KnobcamWarning": "errors",
-    "Lack": "learn.lacks",
+    "LearningResult": "learn",
+    "LearningStep": "learn.ladder",
+    "Limitation": "learn.limitations",
     "Link": "rig.link",
     "LoopReport": "render.loop_report",
     "Model": "model",
@@ -148,11 +151,9 @@ _HOME = {
     "Parameter": "model",
     "Prepared": "capture.prepare",
     "Renderer": "render",
-    "Rung": "learn.ladder",
     "SensorNoise": "model.simulate",
     "Stability": "render",
     "Stiction": "fit.stiction",
-    "Story": "learn",
     "Unexplained": "learn.ladder",
     "WireLog": "rig.wirelog",
     "__version__": "_core",
@@ -177,7 +178,14 @@ _HOME = {
 }
 
 
+# Older names, for one version.
+_RENAMED = {"Lack": "Limitation", "Rung": "LearningStep", "Story": "LearningResult"}
+
+
 def __getattr__(name: str) -> Any:
+    if name in _RENAMED:
+        warnings.warn(f"knobcam.{name} is now called {_RENAMED[name]}", DeprecationWarning, stacklevel=2)
+        return getattr(sys.modules[__name__], _RENAMED[name])
     if name not in _HOME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     home = import_module(f".{_HOME[name]}", __name__)

@@ -99,7 +99,7 @@ await inView(0, ".key .signature").waitFor();
 await first.getByRole("button").click();
 await page.mouse.move(5, 5);
 await page.waitForTimeout(200);
-assert.match(await inView(0, ".rungs").textContent(), /would explain/, "what is held stays");
+assert.match(await inView(0, ".steps").textContent(), /would explain/, "what is held stays");
 await page.screenshot({ path: join(folder, "11-widget.png") });
 
 const ground = () =>
@@ -130,12 +130,12 @@ assert.equal(await page.evaluate(() => window.notebook.model.get("looked")), "")
 await page.evaluate(() => {
   const { model } = window.notebook;
   model.set("chosen", new DataView(Uint8Array.of(0b1010_0001).buffer));
-  model.set("rung", 1);
+  model.set("step", 1);
 });
 await page.waitForTimeout(300);
 for (const at of [0, 1]) {
   assert.match(await words(at), /^3 samples chosen/, "what Python chooses lights up");
-  assert.equal(await inView(at, ".rungs button").nth(1).getAttribute("aria-pressed"), "true");
+  assert.equal(await inView(at, ".steps button").nth(1).getAttribute("aria-pressed"), "true");
 }
 assert.equal(await inView(0, "img, script").count(), 0, "names are text");
 assert.equal(await page.title(), "notebook");

@@ -36,9 +36,9 @@ async function request(path, options = {}) {
     throw new Error("the workbench does not answer; is its command still running?");
   }
   if (answer.ok) return answer;
+  /** @type {Partial<import("./types.js").Refused>} */
   const said = await answer.json().catch(() => ({}));
-  const words = typeof said.error === "string" ? said.error : `the workbench answered ${answer.status}`;
-  throw new Refusal(words, Array.isArray(said.columns) ? said.columns : null);
+  throw new Refusal(said.error ?? `the workbench answered ${answer.status}`, said.columns ?? null);
 }
 
 /**
@@ -77,7 +77,7 @@ export async function fetchPicture(effect) {
  * Ask for something to be done.
  * @param {string} verb of the API: add, undo, params...
  * @param {object} [body]
- * @returns {Promise<{revision?: number, job?: string, path?: string, log?: string, share?: number}>}
+ * @returns {Promise<import("./types.js").Answer>}
  */
 export async function post(verb, body = {}) {
   const headers = { "content-type": "application/json" };
@@ -115,8 +115,7 @@ export function listen(heard) {
   const source = new EventSource(`/api/events?${new URLSearchParams({ token })}`);
   source.addEventListener("state", (event) => heard.state(JSON.parse(event.data).revision));
   source.addEventListener("progress", (event) => {
-    const { job, what, done, recording } = JSON.parse(event.data);
-    heard.progress({ id: job, what, done, recording });
+    heard.progress(JSON.parse(event.data));
   });
   source.addEventListener("open", () => heard.connected(true));
   source.addEventListener("error", () => heard.connected(false));

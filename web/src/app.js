@@ -170,7 +170,7 @@ class App {
     const rest = otherNode ? await this.store.columns(otherNode, active, ["residual"]) : null;
     if (this.state && this.state.node !== node) return;
     this.drawn = wanted;
-    const axis = captures.find(({ id }) => active.includes(id))?.axis ?? "rotary";
+    const coordinate = captures.find(({ id }) => active.includes(id))?.coordinate ?? "rotary";
     const view = this.view;
     const { what, start } = this.deed ?? { what: "data", start: performance.now() };
     this.deed = null;
@@ -178,7 +178,7 @@ class App {
     const name = state.branches.find(({ id }) => id === state.branch)?.name;
     const beside = other && rest ? { name: other.name, residual: rest.residual } : null;
     this.legend(beside?.name ?? null);
-    const data = { columns, unit, axis, noise: state.noise_floor, fitted, name, beside };
+    const data = { columns, unit, coordinate, noise: state.noise_floor, fitted, name, beside };
     timed(what, () => this.linked.show(data, view), start);
   }
 

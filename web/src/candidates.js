@@ -84,7 +84,7 @@ export class Candidates {
       make("span", { class: "deeds" }, this.deeds.about ? about : null, take),
       make("span", { class: "evidence soft", text: evidence(row) }),
       ...remarks(row).map((text) => make("span", { class: "alike soft", text })),
-      ...row.unphysical.map((text) => make("span", { class: "alike odd", text: `⚠ ${text}` })),
+      ...row.implausible.map((text) => make("span", { class: "alike doubt", text: `⚠ ${text}` })),
     );
   }
 

@@ -36,20 +36,20 @@ export function showCaptures(place, { captures, active }, use) {
 /** @param {CaptureInfo} capture */
 function words({ name, samples, rate_hz, findings }) {
   const facts = ` ${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
-  const odd = make("span", { class: "odd", text: "⚠ ", title: findings.join("\n") });
-  return [...(findings.length > 0 ? [odd] : []), make("strong", { text: name }), facts];
+  const doubt = make("span", { class: "doubt", text: "⚠ ", title: findings.join("\n") });
+  return [...(findings.length > 0 ? [doubt] : []), make("strong", { text: name }), facts];
 }
 
 /**
- * Say what is odd about the captures that are fitted, and what they cannot tell.
+ * Say what is doubtful about the captures that are fitted, and what they cannot tell.
  * @param {HTMLElement} place
  * @param {State} state
  */
-export function showFindings(place, { captures, active, lacks }) {
+export function showFindings(place, { captures, active, limitations }) {
   const fitted = captures.filter(({ id }) => active.includes(id));
   const found = fitted.flatMap(({ name, findings }) =>
-    findings.map((text) => make("li", { class: "odd", text: `⚠ ${fitted.length > 1 ? `${name}: ` : ""}${text}` })),
+    findings.map((text) => make("li", { class: "doubt", text: `⚠ ${fitted.length > 1 ? `${name}: ` : ""}${text}` })),
   );
-  const missing = lacks.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
+  const missing = limitations.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
   place.replaceChildren(...found, ...missing);
 }

@@ -3,12 +3,12 @@
 import { limits } from "./axes.js";
 import { torqueScale } from "./numbers.js";
 
-/** @typedef {import("./types.js").Columns} Columns */
+/** @typedef {import("./store.js").Columns} Columns */
 /** @typedef {import("./plot.js").Contents} Contents */
 
 /**
  * What the plots are made of.
- * @typedef {{columns: Columns, unit: string, axis: string, noise: number | null, fitted: boolean,
+ * @typedef {{columns: Columns, unit: string, coordinate: "rotary" | "linear", noise: number | null, fitted: boolean,
  *   name?: string, beside?: Beside | null}} Data
  * `columns`: t, theta, omega, tau, residual; for isolated components also position_part and velocity_part; for
  * the band also band. `fitted`: no parameter is dragged away from the fit. `name`: of the branch
@@ -55,15 +55,14 @@ export function reachOf({ columns, beside, noise }) {
  * @returns {Row[]}
  */
 export function rowsOf(data, view, widest) {
-  const { columns, beside } = data;
-  const axis = data.axis === "linear" ? "linear" : "rotary";
-  const word = axis === "linear" ? "force" : "torque";
+  const { columns, beside, coordinate } = data;
+  const word = coordinate === "linear" ? "force" : "torque";
   const model = less(columns.tau, columns.residual);
   const other = beside ? less(columns.tau, beside.residual) : null;
   return ROWS.map((row) => {
     const x = columns[row.column];
     const [low, high] = limits([x], { air: 0.01 });
-    const common = { x, xAxis: { low, high, factor: 1, label: `${row.over}, ${row.units[axis]}` }, picked: 0 };
+    const common = { x, xAxis: { low, high, factor: 1, label: `${row.over}, ${row.units[coordinate]}` }, picked: 0 };
     const part = view.isolated && row.part ? columns[row.part] : null;
     const { measured, modelled } = part ? isolated(columns, part) : { measured: columns.tau, modelled: model };
     const series = [

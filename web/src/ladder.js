@@ -1,4 +1,4 @@
-/** The error ladder: one rung per step of the branch, down to the noise floor. */
+/** The error ladder: one line per step of the branch, down to the noise floor. */
 
 import { make } from "./dom.js";
 import { number, torqueScale } from "./numbers.js";
@@ -14,22 +14,22 @@ export function showLadder(place, state) {
   const { steps, at: here } = sameCaptures(branch?.steps ?? [], branch?.at ?? 0);
   const errors = steps.flatMap(({ rmse, rmse_heldout }) => [rmse, rmse_heldout]).concat(state.rmse);
   const floor = state.noise_floor;
-  const widest = Math.max(...errors.filter(Number.isFinite), floor ?? 0) * 1.02;
+  const widest = Math.max(...errors.map((error) => error ?? 0), floor ?? 0) * 1.02;
   const scale = torqueScale(state.unit, widest);
-  const shown = (/** @type {number} */ value) => number(value * scale.factor);
+  const shown = (/** @type {number | null} */ value) => number(value === null ? null : value * scale.factor);
 
-  const rungs = steps.map(({ added, dropped, rmse, rmse_heldout }, at) => {
+  const lines = steps.map(({ added, dropped, rmse, rmse_heldout }, at) => {
     const now = at === here;
     const undone = at > here;
     const label = added ? `+ ${added}` : dropped ? `− ${dropped}` : at === 0 ? "first model" : "fitted anew";
     const bar = make("span", { class: "bar" });
     const held = make("span", { class: "held" });
     bar.style.width = `${(100 * rmse) / widest}%`;
-    held.style.left = `${(100 * rmse_heldout) / widest}%`;
-    const track = make("span", { class: "track" }, bar, held, floorMark(floor, widest));
+    if (rmse_heldout !== null) held.style.left = `${(100 * rmse_heldout) / widest}%`;
+    const track = make("span", { class: "track" }, bar, rmse_heldout === null ? null : held, floorMark(floor, widest));
     return make(
       "li",
-      { class: `rung${now ? " now" : ""}${undone ? " undone" : ""}`, "aria-current": now ? "step" : null },
+      { class: `ladder-line${now ? " now" : ""}${undone ? " undone" : ""}`, "aria-current": now ? "step" : null },
       make("span", { class: "label", text: label, title: label }),
       track,
       make("span", { class: "figure", text: shown(rmse), title: "RMS error" }),
@@ -38,12 +38,12 @@ export function showLadder(place, state) {
   });
   const head = make(
     "div",
-    { class: "rung head" },
+    { class: "ladder-line head" },
     make("span", { class: "legend", text: floor === null ? "noise floor unknown" : `┆ noise floor ${shown(floor)}` }),
     make("span", { class: "figure", text: `RMS, ${scale.unit}` }),
     make("span", { class: "figure", text: "unseen" }),
   );
-  place.replaceChildren(head, make("ol", {}, ...rungs));
+  place.replaceChildren(head, make("ol", {}, ...lines));
   const dragged = state.params.some((param) => param.dragged);
   if (dragged) place.append(make("p", { class: "soft", text: `as dragged: ${shown(state.rmse)} ${scale.unit}` }));
 }

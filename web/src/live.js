@@ -8,13 +8,7 @@ import { Plot } from "./plot.js";
 import { unpacked } from "./store.js";
 import { timed } from "./timing.js";
 
-/**
- * How it goes: the line of JSON of `GET /api/live`.
- * @typedef {{what: string, log: string, every: number, done: number | null, ended: boolean,
- *   error: string | null, capture: string | null, elapsed_s?: number, total_s?: number, received?: number,
- *   missing?: number, rate_hz?: number, peak_torque?: number | null, clipped?: Record<string, number>,
- *   temperature?: number | null, torque_limit?: number}} Told
- */
+/** @typedef {import("./types.js").Live} Told */
 
 const PAUSE_MS = 120; // between the answer to one question and the next question
 const PATIENCE = 8; // questions that may stay without an answer
@@ -92,7 +86,7 @@ export class Live {
   async look() {
     const since = String(this.columns.t?.length ?? 0);
     const { head, columns } = unpacked(await fetchBytes("/api/live", { since }));
-    this.told = head.live;
+    this.told = head.live ?? null;
     for (const [name, more] of Object.entries(columns)) this.columns[name] = appended(this.columns[name], more);
     if (this.waiting) return; // a page that nobody looks at draws nothing
     this.waiting = true;

@@ -1,4 +1,4 @@
-/** The linked plots of a report and of a notebook: rungs to choose from, what could be missing beside them. */
+/** The linked plots of a report and of a notebook: steps to choose from, what could be missing beside them. */
 
 import { Candidates } from "./candidates.js";
 import { make } from "./dom.js";
@@ -6,14 +6,8 @@ import { Linked } from "./linked.js";
 import { number, torqueScale } from "./numbers.js";
 import { timed } from "./timing.js";
 
-/** @typedef {import("./types.js").Columns} Columns */
-/** @typedef {import("./types.js").State["candidates"]} Weighed */
-
-/**
- * What there is to look at: `n` of `all` samples of captures, and models held against them.
- * @typedef {{unit: string, axis: string, noise: number | null, n: number, all: number,
- *   rungs: {label: string, rmse: number, candidates: Weighed | null}[]}} Head
- */
+/** @typedef {import("./store.js").Columns} Columns */
+/** @typedef {import("./types.js").Head} Head */
 
 const HINT = "Drag a rectangle in any plot: its samples light up in all of them. Escape clears.";
 
@@ -21,8 +15,8 @@ export class Look {
   /**
    * @param {Head} head
    * @param {Columns} measured t, theta, omega, tau
-   * @param {Float32Array[]} residuals of each rung
-   * @param {{rung: (at: number) => void, look: (effect: string | null) => void,
+   * @param {Float32Array[]} residuals of each step
+   * @param {{step: (at: number) => void, look: (effect: string | null) => void,
    *   chosen?: () => void}} deeds of the person
    */
   constructor(head, measured, residuals, deeds) {
@@ -37,10 +31,10 @@ export class Look {
       words.textContent = said ?? HINT;
       deeds.chosen?.();
     });
-    this.buttons = head.rungs.map(({ label, rmse }, at) => {
+    this.buttons = head.steps.map(({ label, rmse }, at) => {
       const scale = torqueScale(head.unit, rmse);
       const text = `${label}: ${number(rmse * scale.factor)} ${scale.unit}`;
-      return make("button", { type: "button", text, on: { click: () => deeds.rung(at) } });
+      return make("button", { type: "button", text, on: { click: () => deeds.step(at) } });
     });
     this.looked = make("span", { class: "key" });
     this.missing = make("section", { class: "missing", "aria-label": "what could be missing" });
@@ -53,11 +47,11 @@ export class Look {
       ...{ type: "button", text: "Zoom", title: "Z: see the rectangle alone, or everything again" },
       on: { click: () => this.linked.lookCloser() },
     });
-    const weighed = head.rungs.some(({ candidates }) => candidates);
+    const weighed = head.steps.some(({ candidates }) => candidates);
     this.element = make(
       "div",
       { class: "look", on: { keydown: (event) => this.key(event) } },
-      make("div", { class: "rungs" }, ...this.buttons, ...keys(), this.looked),
+      make("div", { class: "steps" }, ...this.buttons, ...keys(), this.looked),
       make("div", { class: weighed ? "beside" : "" }, this.linked.element, weighed ? this.missing : null),
       make("div", { class: "below" }, words, closer),
       head.n < head.all ? make("p", { class: "soft", text: thinned(head) }) : null,
@@ -66,15 +60,15 @@ export class Look {
     this.element.addEventListener("wheel", (event) => within(event) || event.stopPropagation(), { capture: true });
   }
 
-  /** @param {number} rung */
-  show(rung) {
+  /** @param {number} step */
+  show(step) {
     const { head, measured, residuals } = this;
-    const columns = { ...measured, residual: residuals[rung] };
+    const columns = { ...measured, residual: residuals[step] };
     this.held = null;
-    for (const [at, button] of this.buttons.entries()) button.setAttribute("aria-pressed", String(at === rung));
-    const { candidates } = head.rungs[rung];
+    for (const [at, button] of this.buttons.entries()) button.setAttribute("aria-pressed", String(at === step));
+    const { candidates } = head.steps[step];
     this.missing.hidden = candidates === null;
-    if (candidates) this.candidates.show({ candidates, node: String(rung), job: null });
+    if (candidates) this.candidates.show({ candidates, node: String(step), job: null });
     timed("data", () => this.linked.show({ ...head, columns, fitted: true }, { isolated: false, band: false, held: true }));
   }
 

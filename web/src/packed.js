@@ -1,10 +1,6 @@
 /** Columns of samples as a file holds them: whole steps, their differences, deflated. */
 
-/**
- * `deflated`: base64 of the bytes of n 32-bit differences, all lowest bytes first; a difference has its sign in
- * its lowest bit. Of the steps that they sum up to, 0 is "not a number" and 1 is `low`.
- * @typedef {{low: number, step: number, deflated: string}} Packed
- */
+/** @typedef {import("./types.js").Packed} Packed */
 
 /**
  * @param {Packed} packed

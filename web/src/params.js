@@ -71,12 +71,12 @@ export class Params {
     const value = make("span", { class: "figure" });
     this.rows.set(param.name, { slider, value, low, high });
     const between = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
-    const odd = param.odd ? make("span", { class: "odd", text: " ⚠", "aria-label": param.odd }) : null;
-    const about = [param.name, param.meaning, param.odd].filter(Boolean).join(": ");
+    const doubt = param.doubt ? make("span", { class: "doubt", text: " ⚠", "aria-label": param.doubt }) : null;
+    const about = [param.name, param.meaning, param.doubt].filter(Boolean).join(": ");
     return make(
       "tr",
       {},
-      make("th", { scope: "row", title: about }, param.name.split(".").slice(1).join("."), odd),
+      make("th", { scope: "row", title: about }, param.name.split(".").slice(1).join("."), doubt),
       make("td", {}, slider),
       make("td", { class: "value", title: `95 % interval ${between} ${param.unit}` }, value),
       make("td", { class: "soft unit", text: param.unit, title: param.unit }),

@@ -1,6 +1,9 @@
 /** Which points lie in a rectangle: a uniform grid of cells, so that a brush looks at few points. */
 
-/** @typedef {import("./types.js").Rect} Rect */
+/**
+ * A rectangle in pixels of a plot's raster, all edges inside it.
+ * @typedef {{left: number, right: number, top: number, bottom: number}} Rect
+ */
 
 const CELL = 16; // pixels
 

@@ -5,13 +5,8 @@ import { Look } from "./look.js";
 import { unpacked } from "./packed.js";
 import { times } from "./timing.js";
 
-/** @typedef {import("./packed.js").Packed} Packed */
-
-/**
- * What the file holds: columns by name; of each rung its residual, and what each candidate would explain of it.
- * @typedef {import("./look.js").Head & {columns: Record<string, Packed>, residuals: Packed[],
- *   signatures: Record<string, Packed>[]}} Kept
- */
+/** @typedef {import("./types.js").Packed} Packed */
+/** @typedef {import("./types.js").Kept} Kept */
 
 async function main() {
   /** @type {Kept} */
@@ -26,7 +21,7 @@ async function main() {
   /** @type {string | null} */
   let looked = null;
   const look = new Look(kept, measured, residuals, {
-    rung: (at) => {
+    step: (at) => {
       [shown, looked] = [at, null];
       look.show(at);
       look.overlay(null, null);

@@ -3,12 +3,7 @@
 import { ask, post, wordsOf } from "./api.js";
 import { byId, make } from "./dom.js";
 
-/**
- * What there is to choose from: the answer of `GET /api/sources`.
- * @typedef {{knobs: {name: string, words: string, hideable: string[]}[], effects: Record<string, string>,
- *   motions: Record<string, Record<string, string>>, no_emulated_rig: string | null,
- *   ports: {port: string, words: string}[], folder: string}} Sources
- */
+/** @typedef {import("./types.js").Sources} Sources */
 
 const NUMBERS = new Set(["duration_s", "speed", "seed", "baud"]);
 

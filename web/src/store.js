@@ -2,7 +2,10 @@
 
 import { fetchBytes } from "./api.js";
 
-/** @typedef {import("./types.js").Columns} Columns */
+/**
+ * Columns of samples, all captures one after the other.
+ * @typedef {Record<string, Float32Array>} Columns
+ */
 
 const MOTION = new Set(["t", "theta", "omega", "alpha", "tau"]); // the same for every model
 const NODES_KEPT = 32; // undo and redo are answered from memory
@@ -19,14 +22,15 @@ export function decode(buffer) {
 /**
  * The same, with the whole line of JSON.
  * @param {ArrayBuffer} buffer
- * @returns {{head: any, columns: Columns}}
+ * @returns {{head: import("./types.js").ColumnsHead, columns: Columns}}
  */
 export function unpacked(buffer) {
   const end = new Uint8Array(buffer).indexOf(10);
+  /** @type {import("./types.js").ColumnsHead} */
   const head = JSON.parse(new TextDecoder().decode(buffer.slice(0, end)));
   const start = Math.ceil((end + 1) / 4) * 4;
   /** @type {[string, Float32Array][]} */
-  const columns = head.names.map((/** @type {string} */ name, /** @type {number} */ at) => [
+  const columns = head.names.map((name, at) => [
     name,
     new Float32Array(buffer, start + 4 * at * head.n, head.n),
   ]);

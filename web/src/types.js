@@ -1,41 +1,168 @@
 /**
- * What the server tells: the document of `GET /api/state`. Torques in N m (forces in N on a linear axis).
- *
- * @typedef {{id: string, name: string, samples: number, rate_hz: number, axis: string,
+ * What the server and the reports tell. Made by `python3 dev.py page` of python/knobcam/base/pages.py.
+ */
+
+/**
+ * A capture that is open; `findings` in words, `hides` whether something in it is to be found.
+ * @typedef {{id: string, name: string, samples: number, rate_hz: number, coordinate: "rotary" | "linear",
  *   findings: string[], hides: boolean}} CaptureInfo
- * @typedef {{node: string, added: string | null, dropped?: string | null, rmse: number,
- *   rmse_heldout: number, captures: string[]}} Step
- * @typedef {{id: string, name: string, steps: Step[], at: number}} Branch
+ */
+
+/**
+ * A fit on the way of a branch.
+ * @typedef {{node: string, added: string | null, dropped: string | null, rmse: number,
+ *   rmse_heldout: number | null, captures: string[]}} Step
+ */
+
+/**
+ * A branch, and at which of its steps it is.
+ * @typedef {{id: string, name: string, at: number, steps: Step[]}} Branch
+ */
+
+/**
+ * A step of the error ladder: what came in, and the error with it.
+ * @typedef {{label: string, rmse: number, rmse_heldout: number | null}} LadderStep
+ */
+
+/**
+ * A parameter; `doubt` is what is doubtful about its fitted value, `dragged` whether a hand moved it.
  * @typedef {{name: string, value: number, ci95: [number, number] | null, unit: string, role: string,
- *   fitted: number, dragged: boolean, lower: number | null, upper: number | null, odd: string | null,
- *   meaning?: string}} Param
- * @typedef {{effect: string, place: string, law: string, source: string, shows: string,
- *   confused: string[], name: string, about: string, causes: string[], remedies: string[]}} Effect
- * @typedef {Effect & {error_fall: number, p_value: number, unphysical: string[],
- *   equivalent: string[], beyond_chance: boolean, note: string}} Candidate
+ *   fitted: number, dragged: boolean, lower: number | null, upper: number | null, meaning: string,
+ *   doubt: string | null}} Param
+ */
+
+/**
+ * An effect of the catalogue, in words.
+ * @typedef {{effect: string, place: string, law: string, source: string, shows: string, confused: string[],
+ *   name: string, about: string, causes: string[], remedies: string[]}} Effect
+ */
+
+/**
+ * How far a parameter went when an effect came in.
+ * @typedef {{by_se: number, by_percent: number | null}} Movement
+ */
+
+/**
+ * An effect that could be missing, with what speaks for it and against it.
+ * @typedef {{effect: string, place: string, law: string, source: string, shows: string, confused: string[],
+ *   name: string, about: string, causes: string[], remedies: string[], beyond_chance: boolean, p_value: number,
+ *   error_fall: number, rmse_heldout: number | null, moved: Record<string, Movement>, equivalent: string[],
+ *   implausible: string[], note: string}} Candidate
+ */
+
+/**
+ * What no effect explains: along which axis, which share of the error, of what shape.
  * @typedef {{axis: string, share: number, hint: string}} Unexplained
- * @typedef {{id: string, what: string, done: number | null, recording?: boolean}} Job
- * @typedef {{schema: string, captures: CaptureInfo[], active: string[], branches: Branch[], branch: string,
- *   node: string | null, noise_floor: number | null, unit: string, params: Param[], rmse: number,
- *   rmse_heldout: number, verdict_text: string,
- *   candidates: {ready: boolean, rows: Candidate[], unexplained: Unexplained | null},
- *   job: Job | null, recording: boolean, revision: number, warnings?: string[], lacks: string[], absent: Effect[]}} State
  */
 
 /**
- * A column of a file that is no capture yet; `outline` has the lowest and highest of its pieces, from 0 to 1.
- * @typedef {{name: string, rows: number, low: number | null, high: number | null,
- *   outline: [number, number][]}} FileColumn
+ * What was weighed, best first, once it is `ready`; `left_out` is what could not be, and why.
+ * @typedef {{ready: boolean, rows: Candidate[], unexplained: Unexplained | null,
+ *   left_out: Record<string, string>}} Candidates
  */
 
 /**
- * A rectangle in pixels of a plot's raster, all edges inside it.
- * @typedef {{left: number, right: number, top: number, bottom: number}} Rect
+ * What is being done; `done` from 0 to 1, null while nobody can tell.
+ * @typedef {{id: string, what: string, done: number | null, recording: boolean}} Job
  */
 
 /**
- * Columns of samples, all captures one after the other.
- * @typedef {Record<string, Float32Array>} Columns
+ * What a session has; before the first capture there is no node.
+ * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
+ *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, params: Param[],
+ *   rmse: number | null, rmse_heldout: number | null, verdict_text: string, ladder: LadderStep[],
+ *   candidates: Candidates, warnings: string[], limitations: string[], absent: Effect[]}} Session
+ */
+
+/**
+ * The answer of `GET /api/state`: a session, and what is being done to it.
+ * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
+ *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, params: Param[],
+ *   rmse: number | null, rmse_heldout: number | null, verdict_text: string, ladder: LadderStep[],
+ *   candidates: Candidates, warnings: string[], limitations: string[], absent: Effect[], job: Job | null,
+ *   recording: boolean}} State
+ */
+
+/**
+ * A knob that can be simulated, and the effects that it can hide.
+ * @typedef {{name: string, words: string, hideable: string[]}} Knob
+ */
+
+/**
+ * A serial port, and what is plugged in there.
+ * @typedef {{port: string, words: string}} FoundPort
+ */
+
+/**
+ * The answer of `GET /api/sources`: what captures can be made of; names with words for them.
+ * @typedef {{knobs: Knob[], effects: Record<string, string>, motions: Record<string, Record<string, string>>,
+ *   no_emulated_rig: string | null, ports: FoundPort[], folder: string}} Sources
+ */
+
+/**
+ * How a recording goes; what is not required comes with the first figures.
+ * @typedef {{what: string, log: string, every: number, done: number | null, ended: boolean, error: string | null,
+ *   capture: string | null, elapsed_s?: number, total_s?: number, received?: number, missing?: number,
+ *   rate_hz?: number, peak_torque?: number | null, torque_limit?: number, clipped?: Record<string, number>,
+ *   temperature?: number | null}} Live
+ */
+
+/**
+ * The line in front of columns of bytes: their names, their length; `live` of a recording.
+ * @typedef {{names: string[], n: number, dtype: "f32", live?: Live}} ColumnsHead
+ */
+
+/**
+ * What an answer may say besides the revision.
+ * @typedef {{job?: string, path?: string, log?: string, share?: number, hidden?: string[]}} More
+ */
+
+/**
+ * What a request is answered that changes or asks something.
+ * @typedef {{job?: string, path?: string, log?: string, share?: number, hidden?: string[], revision: number}}
+ *   Answer
+ */
+
+/**
+ * A column of a file that is no capture yet; `outline` is lowest and highest of its pieces, 0 to 1.
+ * @typedef {{name: string, rows: number, low: number | null, high: number | null, outline: [number, number][]}}
+ *   FileColumn
+ */
+
+/**
+ * What is wrong with a request; `columns` of a file that could not be taken for a capture.
+ * @typedef {{error: string, columns?: FileColumn[]}} Refused
+ */
+
+/**
+ * A model that linked plots show, and what could be missing from it where that was weighed.
+ * @typedef {{label: string, rmse: number, candidates: Candidates | null}} ShownStep
+ */
+
+/**
+ * What linked plots show: models held against captures of `all` samples.
+ * @typedef {{unit: string, coordinate: "rotary" | "linear", noise: number | null, all: number,
+ *   steps: ShownStep[]}} Shown
+ */
+
+/**
+ * The same where `n` of the samples are carried along.
+ * @typedef {{unit: string, coordinate: "rotary" | "linear", noise: number | null, all: number, steps: ShownStep[],
+ *   n: number}} Head
+ */
+
+/**
+ * A column in few letters.
+ *
+ * `deflated` is base64 of the bytes of n 32-bit differences, all lowest bytes first; a difference has its
+ * sign in its lowest bit. Of the steps that they sum up to, 0 is "not a number" and 1 is `low`.
+ * @typedef {{low: number, step: number, deflated: string}} Packed
+ */
+
+/**
+ * What a page holds in itself: columns, of each step its residual and what each candidate explains.
+ * @typedef {{unit: string, coordinate: "rotary" | "linear", noise: number | null, all: number, steps: ShownStep[],
+ *   n: number, columns: Record<string, Packed>, residuals: Packed[], signatures: Record<string, Packed>[]}} Kept
  */
 
 export {};

@@ -12,8 +12,8 @@ import { times } from "./timing.js";
 /**
  * What is shared with Python, which several views may show. `chosen`: see bits.js; `looked`: the candidate that
  * is looked at, "" for none; `overlay`: what it would explain, which Python answers to `looked`.
- * @typedef {{head: string, floats: DataView, rung: number, chosen: DataView, looked: string,
- *   overlay: {effect: string, rung: number, floats: DataView} | {}}} Shared
+ * @typedef {{head: string, floats: DataView, step: number, chosen: DataView, looked: string,
+ *   overlay: {effect: string, step: number, floats: DataView} | {}}} Shared
  * @typedef {{get: <K extends keyof Shared>(name: K) => Shared[K],
  *   set: <K extends keyof Shared>(name: K, value: Shared[K]) => void, save_changes: () => void,
  *   on: (event: string, heard: () => void) => void, off: (event: string, heard: () => void) => void}} Model
@@ -25,12 +25,12 @@ const MEASURED = ["t", "theta", "omega", "tau"];
 
 /** @param {{model: Model, el: HTMLElement}} notebook */
 function render({ model, el }) {
-  /** @type {import("./look.js").Head} */
+  /** @type {import("./types.js").Head} */
   const head = JSON.parse(model.get("head"));
   const floats = floatsOf(model.get("floats"));
   const column = (/** @type {number} */ at) => floats.subarray(at * head.n, (at + 1) * head.n);
   const measured = Object.fromEntries(MEASURED.map((name, at) => [name, column(at)]));
-  const residuals = head.rungs.map((_, at) => column(MEASURED.length + at));
+  const residuals = head.steps.map((_, at) => column(MEASURED.length + at));
   const share = (/** @type {Partial<Shared>} */ state) => {
     for (const [name, value] of Object.entries(state)) model.set(/** @type {keyof Shared} */ (name), value);
     model.save_changes();
@@ -40,7 +40,7 @@ function render({ model, el }) {
   const looking = spaced(LOOK_MS);
   let chosen = bytesOf(model.get("chosen")); // what this view shows
   const look = new Look(head, measured, residuals, {
-    rung: (rung) => share({ rung, looked: "" }),
+    step: (step) => share({ step, looked: "" }),
     look: (effect) => looking(() => share({ looked: effect ?? "" })),
     chosen: () => telling(tell),
   });
@@ -51,8 +51,8 @@ function render({ model, el }) {
     share({ chosen: new DataView(bits.buffer) });
   }
   const heard = {
-    "change:rung": () => {
-      look.show(model.get("rung"));
+    "change:step": () => {
+      look.show(model.get("step"));
       lay();
     },
     "change:chosen": () => {
@@ -66,14 +66,14 @@ function render({ model, el }) {
   };
   function lay() {
     const overlay = model.get("overlay");
-    const fits = "effect" in overlay && overlay.effect === model.get("looked") && overlay.rung === model.get("rung");
+    const fits = "effect" in overlay && overlay.effect === model.get("looked") && overlay.step === model.get("step");
     look.overlay(fits ? overlay.effect : null, fits ? floatsOf(overlay.floats) : null);
   }
 
   for (const [event, hear] of Object.entries(heard)) model.on(event, hear);
   const leave = framed(el, look);
   look.linked.choose(indicesOf(chosen));
-  heard["change:rung"]();
+  heard["change:step"]();
 
   return () => {
     for (const [event, hear] of Object.entries(heard)) model.off(event, hear);

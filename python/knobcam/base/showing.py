@@ -24,7 +24,7 @@ class Look(Protocol):
     """Linked plots to brush in, as `look()` returns them; see `knobcam.show.linked.Look`."""
 
     chosen: Sequence[IntArray]
-    rung: int
+    step: int
 
     @property
     def widget(self) -> Any:

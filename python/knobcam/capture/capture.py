@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
@@ -16,13 +17,14 @@ from numpy.typing import ArrayLike
 
 from ..base import showing
 from ..base.arrays import BoolArray, FloatArray
+from ..base.renamed import renamed
 from ..base.tables import TextTable
 from ..errors import InputError
 from .finding import Finding, Rows
 from .formats import DEFAULT_MAX_BYTES, Table, document, read_table, write_table
 from .formats.columnmap import ColumnMap
 from .formats.resolve import CONTRACT, resolve
-from .formats.units import SI, Axis
+from .formats.units import SI, Coordinate
 from .quality import check
 from .quality.limits import check_limits
 
@@ -30,7 +32,7 @@ if TYPE_CHECKING:
     from ..base.showing import Figure
     from .prepare import Prepared
 
-_RATE_AGREEMENT = 0.01  # a rate= that differs more from the time stamps (relative) contradicts them
+_RATE_AGREEMENT = 0.01  # a given rate that differs more from the time stamps (relative) contradicts them
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -49,14 +51,14 @@ class Capture(showing.Tabled):
     alpha: FloatArray | None
     tau: FloatArray
     mask: BoolArray
-    axis: Axis
+    coordinate: Coordinate
     rate_hz: float
     meta: Mapping[str, Any] = field(default_factory=dict)
     findings: tuple[Finding, ...] = ()
 
     def __post_init__(self) -> None:
-        if self.axis not in SI:
-            raise InputError(f"axis={self.axis!r} is unknown; choose rotary or linear")
+        if self.coordinate not in SI:
+            raise InputError(f"coordinate={self.coordinate!r} is unknown; choose rotary or linear")
         for name in ("t", "theta", "omega", "alpha", "tau"):
             if getattr(self, name) is not None:
                 self._freeze(name, np.float64)
@@ -76,9 +78,10 @@ class Capture(showing.Tabled):
 
     def __reduce__(self) -> tuple[Any, ...]:
         arrays = (self.t, self.theta, self.omega, self.alpha, self.tau, self.mask)
-        return Capture, (*arrays, self.axis, self.rate_hz, dict(self.meta), self.findings)
+        return Capture, (*arrays, self.coordinate, self.rate_hz, dict(self.meta), self.findings)
 
     @classmethod
+    @renamed(axis="coordinate", rate="rate_hz")
     def from_arrays(
         cls,
         *,
@@ -87,11 +90,11 @@ class Capture(showing.Tabled):
         t: ArrayLike | None = None,
         omega: ArrayLike | None = None,
         alpha: ArrayLike | None = None,
-        axis: Axis = "rotary",
-        rate: float | None = None,
+        coordinate: Coordinate = "rotary",
+        rate_hz: float | None = None,
         meta: Mapping[str, Any] | None = None,
     ) -> Capture:
-        """Return a checked capture from arrays in SI, shape (samples,) each; without `t`, `rate` in Hz.
+        """Return a checked capture from arrays in SI, shape (samples,) each; `rate_hz` stands in for `t`.
 
         Raises InputError for arrays of different length and for what leaves nothing to work with.
         """
@@ -103,7 +106,15 @@ class Capture(showing.Tabled):
                     f"columns of different length: theta has {len(columns['theta'])} samples, "
                     f"{name} has {len(values)}; cut them to one length"
                 )
-        return _checked(columns, axis, rate, meta or {}, np.arange(1, len(columns["theta"]) + 1), "arrays")
+        return _checked(
+            columns, coordinate, rate_hz, meta or {}, np.arange(1, len(columns["theta"]) + 1), "arrays"
+        )
+
+    @property
+    def axis(self) -> Coordinate:
+        """The older name of `coordinate`."""
+        warnings.warn("Capture.axis is now called coordinate", DeprecationWarning, stacklevel=2)
+        return self.coordinate
 
     @property
     def clipped(self) -> bool:
@@ -138,8 +149,8 @@ class Capture(showing.Tabled):
 
     @property
     def units(self) -> Mapping[str, str]:
-        """SI unit of each column, as its axis has it."""
-        return MappingProxyType(SI[self.axis])
+        """SI unit of each column, as its coordinate has it."""
+        return MappingProxyType(SI[self.coordinate])
 
     @property
     def columns(self) -> Mapping[str, FloatArray]:
@@ -160,12 +171,12 @@ class Capture(showing.Tabled):
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the capture and return the path: .csv(.gz), .parquet, .mat, .h5, .hdf5, else the native .npz.
 
-        Numbers, mask, axis and meta read back exactly. The file appears whole or not at all; InputError says
-        why it cannot be written.
+        Numbers, mask, coordinate and meta read back exactly. The file appears whole or not at all; InputError
+        says why it cannot be written.
         """
         target = Path(path)
-        names = CONTRACT[self.axis]
-        content = document.build(self.axis, self.rate_hz, self.meta, self.mask, self.findings)
+        names = CONTRACT[self.coordinate]
+        content = document.build(self.coordinate, self.rate_hz, self.meta, self.mask, self.findings)
         write_table(
             target, {names[name]: values for name, values in self.columns.items()}, self.mask, content
         )
@@ -176,7 +187,7 @@ class Capture(showing.Tabled):
         source = str(self.meta.get("source", "arrays"))
         facts = [
             ("source", source),
-            ("axis", self.axis),
+            ("coordinate", self.coordinate),
             ("samples", f"{self.samples}, {masked} masked"),
             ("duration", f"{self.duration_s:.4g} s at {self.rate_hz:.6g} Hz"),
         ]
@@ -194,12 +205,13 @@ class Capture(showing.Tabled):
         return (TextTable("Capture", (), self._facts()),)
 
 
+@renamed(axis="coordinate", rate="rate_hz")
 def load(
     path: str | os.PathLike[str],
     *,
     map: ColumnMap | None = None,
-    axis: Axis | None = None,
-    rate: float | None = None,
+    coordinate: Coordinate | None = None,
+    rate_hz: float | None = None,
     start: float | None = None,
     end: float | None = None,
     max_bytes: int = DEFAULT_MAX_BYTES,
@@ -209,14 +221,15 @@ def load(
     A file is known by its content. Of a wire log the last run is read.
 
     Columns t_s, theta_rad, omega_rad_s, alpha_rad_s2, tau_Nm (or theta_m, omega_m_s, alpha_m_s2, tau_N) are
-    understood; any others by `map`, for example `"t=c0, theta=c1/8192 [turn], tau=0.0551*c2"`. `rate` (Hz)
+    understood; any others by `map`, for example `"t=c0, theta=c1/8192 [turn], tau=0.0551*c2"`. `rate_hz`
     numbers the samples of a file without times. `start` and `end` (s, on the capture's own clock) keep a
     part. What is wrong with the samples is masked and listed in `findings`; what leaves no capture raises
     InputError. Row numbers count the file's rows of data from 1. Files, and what they inflate to, may have
     up to `max_bytes`.
     """
     file = Path(path)
-    return of_table(file, read_table(file, max_bytes), map=map, axis=axis, rate=rate, start=start, end=end)
+    table = read_table(file, max_bytes)
+    return of_table(file, table, map=map, coordinate=coordinate, rate_hz=rate_hz, start=start, end=end)
 
 
 def of_table(
@@ -224,29 +237,33 @@ def of_table(
     table: Table,
     *,
     map: ColumnMap | None = None,
-    axis: Axis | None = None,
-    rate: float | None = None,
+    coordinate: Coordinate | None = None,
+    rate_hz: float | None = None,
     start: float | None = None,
     end: float | None = None,
 ) -> Capture:
     """Return the capture in the content of a file; options as `load` takes them."""
     native = document.check_schema(table) if map is None else None
     if native is not None:
-        if axis is not None and axis != native["axis"]:
-            raise InputError(f"{file}: the capture has a {native['axis']} axis, not {axis}; leave axis out")
-        axis = native["axis"]
-    resolved = resolve(table, map, axis)
+        if coordinate is not None and coordinate != native["axis"]:
+            raise InputError(
+                f"{file}: the capture has a {native['axis']} axis, not {coordinate}; leave coordinate out"
+            )
+        coordinate = native["axis"]
+    resolved = resolve(table, map, coordinate)
     columns = resolved.columns
-    keep = _between(str(file), columns, rate, start, end)
+    keep = _between(str(file), columns, rate_hz, start, end)
     rows = np.arange(1, len(columns["theta"]) + 1)
     if table.meta is not None:
         meta = dict(table.meta)
     elif native is None:
-        meta = _provenance(file, table, {name: str(entry) for name, entry in resolved.entries.items()}, rate)
+        meta = _provenance(
+            file, table, {name: str(entry) for name, entry in resolved.entries.items()}, rate_hz
+        )
     else:
         meta = native["meta"]
     part = {name: values[keep] for name, values in columns.items()}
-    capture = _checked(part, resolved.axis, rate, meta, rows[keep], str(file))
+    capture = _checked(part, resolved.coordinate, rate_hz, meta, rows[keep], str(file))
     if native is not None:
         return _restored(capture, native, table, keep)
     limits = {name: at[keep] for name, at in table.limits.items() if name in capture.columns}
@@ -263,7 +280,9 @@ def _restored(capture: Capture, native: Mapping[str, Any], table: Table, keep: s
         said = document.stored_findings(native)
         dropped = tuple(finding for finding in said if finding.column not in capture.columns)
         return Capture(
-            **{name: getattr(capture, name) for name in ("t", "theta", "omega", "alpha", "tau", "axis")},
+            **{
+                name: getattr(capture, name) for name in ("t", "theta", "omega", "alpha", "tau", "coordinate")
+            },
             mask=stored if whole else stored & capture.mask,
             rate_hz=float(native["rate_hz"]) if whole else capture.rate_hz,
             meta=capture.meta,
@@ -278,17 +297,17 @@ def _restored(capture: Capture, native: Mapping[str, Any], table: Table, keep: s
 def _between(
     source: str,
     columns: dict[str, FloatArray],
-    rate: float | None,
+    rate_hz: float | None,
     start: float | None,
     end: float | None,
 ) -> slice | BoolArray:
     """Return which samples lie from `start` to `end`; a file without times is numbered first."""
-    if rate is not None and not (math.isfinite(rate) and rate > 0.0):
-        raise InputError(f"rate={rate} is no sampling rate; give samples a second, in Hz")
+    if rate_hz is not None and not (math.isfinite(rate_hz) and rate_hz > 0.0):
+        raise InputError(f"a rate of {rate_hz} Hz is no sampling rate; give samples a second")
     if "t" not in columns:
-        if rate is None:
-            raise InputError(f"{source}: no column of times; map t=COLUMN, or give rate= in Hz")
-        columns["t"] = np.arange(len(columns["theta"])) / rate
+        if rate_hz is None:
+            raise InputError(f"{source}: no column of times; map t=COLUMN, or give the sampling rate in Hz")
+        columns["t"] = np.arange(len(columns["theta"])) / rate_hz
     if start is None and end is None:
         return slice(None)
     t = columns["t"]
@@ -305,18 +324,18 @@ def _between(
 
 def _checked(
     columns: dict[str, FloatArray],
-    axis: Axis,
-    rate: float | None,
+    coordinate: Coordinate,
+    rate_hz: float | None,
     meta: Mapping[str, Any],
     rows: Rows,
     source: str,
 ) -> Capture:
-    _between(source, columns, rate, None, None)
-    verdict = check(columns, axis, rows, source)
-    if rate is not None and abs(rate / verdict.rate_hz - 1.0) > _RATE_AGREEMENT:
+    _between(source, columns, rate_hz, None, None)
+    verdict = check(columns, coordinate, rows, source)
+    if rate_hz is not None and abs(rate_hz / verdict.rate_hz - 1.0) > _RATE_AGREEMENT:
         raise InputError(
-            f"{source}: the time stamps run at {verdict.rate_hz:.6g} Hz, rate={rate:.6g} was given; "
-            f"leave rate out, or leave t out of the map"
+            f"{source}: the time stamps run at {verdict.rate_hz:.6g} Hz, a rate of {rate_hz:.6g} was given; "
+            f"leave it out, or leave t out of the map"
         )
     present = {name: values if name in verdict.present else None for name, values in columns.items()}
     return Capture(
@@ -326,14 +345,16 @@ def _checked(
         alpha=present.get("alpha"),
         tau=columns["tau"],
         mask=verdict.mask,
-        axis=axis,
+        coordinate=coordinate,
         rate_hz=verdict.rate_hz,
         meta=meta,
         findings=verdict.findings,
     )
 
 
-def _provenance(file: Path, table: Table, calibration: dict[str, str], rate: float | None) -> dict[str, Any]:
+def _provenance(
+    file: Path, table: Table, calibration: dict[str, str], rate_hz: float | None
+) -> dict[str, Any]:
     modified = datetime.fromtimestamp(file.stat().st_mtime, UTC)
     meta: dict[str, Any] = {
         "source": str(file),
@@ -342,8 +363,8 @@ def _provenance(file: Path, table: Table, calibration: dict[str, str], rate: flo
         "date": modified.isoformat(timespec="seconds"),
         "notes": "",
     }
-    if rate is not None:
-        meta["rate"] = rate
+    if rate_hz is not None:
+        meta["rate_hz"] = rate_hz
     return meta
 
 

@@ -107,7 +107,7 @@ def motion(name: str, duration_s: float = 6.0, rate_hz: float = 5000.0, **option
     if name not in MOTIONS:
         raise InputError(f"motion={name!r} is unknown; choose {', '.join(MOTIONS)} (or push, to simulate)")
     if not 1.0 <= rate_hz <= 1e7:
-        raise InputError(f"rate={rate_hz} Hz is no sampling rate of a rig; choose 1 to 1e7")
+        raise InputError(f"a rate of {rate_hz} Hz is no sampling rate of a rig; choose 1 to 1e7")
     samples = duration_s * rate_hz
     if not 3.0 <= samples <= 1e8:
         raise InputError(f"duration={duration_s} s at {rate_hz} Hz is {samples:g} samples; choose 3 to 1e8")

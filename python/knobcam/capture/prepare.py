@@ -133,7 +133,7 @@ def prepare(capture: Capture, method: str = "smooth", **options: float) -> Prepa
     kept = {name: values if whole else values[rows] for name, values in capture.columns.items()}
     try:
         core = _core.prepare(
-            capture.axis,
+            capture.coordinate,
             capture.rate_hz,
             kept["t"],
             kept["theta"],

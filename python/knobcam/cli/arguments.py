@@ -26,10 +26,30 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, **settings: Any) -> None:
         # Abbreviations would tie scripts to the options of today.
         super().__init__(allow_abbrev=False, **settings)
+        self.by_place: list[argparse.Action] = []
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Ask for no model by its place where it is given by its option."""
+        if any(word.partition("=")[0] == "--model" for word in args or ()):
+            for one in self.by_place:
+                one.nargs, one.required = "?", False
+        return super().parse_known_args(args, namespace)
 
     def error(self, message: str) -> NoReturn:
         """Raise `message` with the place to look."""
         raise InputError(f"{message}; see {self.prog} --help")
+
+
+class _Given(argparse.Action):
+    """Takes what may come in two forms; both at once are refused."""
+
+    def __call__(
+        self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, value: Any, *_: Any
+    ) -> None:
+        """Keep the value."""
+        if getattr(namespace, self.dest, None) is not None:
+            parser.error(f"{self.metavar} is given twice, by its place and by --{self.dest}; leave one out")
+        setattr(namespace, self.dest, value)
 
 
 class VersionAction(argparse.Action):
@@ -45,15 +65,23 @@ class VersionAction(argparse.Action):
 
 def add_command(
     commands: Commands, name: str, run: Callable[[argparse.Namespace], Answer | None], about: str
-) -> argparse.ArgumentParser:
+) -> Parser:
     """Return the parser of a new command, with what every command takes."""
-    parser: argparse.ArgumentParser = commands.add_parser(
-        name, help=about.replace("%", "%%"), description=about
-    )
+    parser: Parser = commands.add_parser(name, help=about.replace("%", "%%"), description=about)
     parser.set_defaults(run=run)
     parser.add_argument("--json", action="store_true", help="print one JSON document")
     parser.add_argument("--traceback", action="store_true", help="show where an error arose")
     return parser
+
+
+def add_model(parser: Parser, about: str, required: bool = True) -> None:
+    """Add MODEL, which can be given by its place or, as in the commands of several captures, by `--model`."""
+    both: dict[str, Any] = {"action": _Given, "metavar": "MODEL"}
+    by_place = parser.add_argument(
+        "model", nargs=None if required else "?", default=argparse.SUPPRESS, help=about, **both
+    )
+    parser.add_argument("--model", help="the same as MODEL", **both)
+    parser.by_place.append(by_place)
 
 
 def add_reading(parser: argparse.ArgumentParser) -> None:
@@ -77,7 +105,13 @@ def read(path: str, args: argparse.Namespace) -> Capture:
     """Return the capture in a file, read as the options say."""
     from ..capture import load
 
-    return load(path, map=args.map, axis=args.coordinate, rate=args.rate, start=args.start, end=args.end)
+    return load(path, map=args.map, **reading(args))
+
+
+def reading(args: argparse.Namespace) -> dict[str, Any]:
+    """Return the options of `knobcam.load` that `add_reading` adds, but for the map."""
+    options = {"coordinate": args.coordinate, "rate_hz": args.rate}
+    return options | {"start": args.start, "end": args.end}
 
 
 def add_preparation(parser: argparse.ArgumentParser) -> None:

@@ -79,7 +79,7 @@ def _draw(effect: Effect, path: Path) -> str:
 
 
 def _document(effect: Effect) -> dict[str, Any]:
-    told = effect.document()
+    told = dict(effect.document())
     return {
         "id": told.pop("effect"),
         **told,

@@ -38,9 +38,9 @@ def run(args: Namespace) -> Answer:
     check_folder(folder)
     with writing(folder):
         shown = demonstration.run(knob, effect, folder, status)
-    fitted = shown.story.fit
+    fitted = shown.learned.fit
     text = f"{shown!r}\nreport: {shown.files['report']}\nfiles in {folder.absolute()}"
     rendered = {"rmse": shown.rendered.rmse, "params": shown.rendered.document()["params"]}
-    document = shown.story.document()
+    document = shown.learned.document()
     document |= {"hidden": list(shown.hidden), "rendered": rendered, "files": shown.files}
     return Answer(text, document, findings(shown.files["capture"], fitted.signals.capture, fitted.signals))

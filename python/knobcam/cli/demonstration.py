@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from ..fit import Fit
-    from ..learn import Story
+    from ..learn import LearningResult
     from ..rig.figures import Figures
 
 HIDDEN = "stribeck"
@@ -31,14 +31,14 @@ FASTER = 10.0
 
 @dataclass(frozen=True, repr=False)
 class Demo:
-    """What the demonstration made: the emulated knob, what it hides, the story of finding it, the files.
+    """What the demonstration made: the emulated knob, what it hides, what was learned of it, the files.
 
     `rendered` is the learned model, fitted again to a capture of the device that rendered it.
     """
 
     knob: Model
     hidden: tuple[str, ...]
-    story: Story
+    learned: LearningResult
     rendered: Fit
     files: Mapping[str, Any]
 
@@ -53,11 +53,11 @@ class Demo:
                 f"{again[name].value:.5g}" if name in again and again[name].determined else "-",
                 e.unit,
             )
-            for name, e in self.story.fit.params.items()
+            for name, e in self.learned.fit.params.items()
         ]
         head = ("parameter", "emulated", "learned", "95 % interval", "felt on the device", "unit")
         hides = f"{self.knob.name}, which hides {', '.join(self.hidden)}"
-        return f"{hides}\n{self.story!r}\n{text_table(head, rows)}"
+        return f"{hides}\n{self.learned!r}\n{text_table(head, rows)}"
 
 
 def _with_positive_amplitude(knob: Model) -> dict[str, float]:
@@ -87,9 +87,9 @@ def run(knob: str, effect: str, folder: Path, status: Callable[[str], None]) -> 
         status(f"recording {knob} over {rig.port}")
         seen = watch(f"recording {knob} over {rig.port}")
         capture = record(rig.port, "sweep", output=folder / "capture.npz", progress=seen)
-        story = learn(capture, progress=status)
-        fitted = story.model.renamed(f"{knob}, fitted").save(folder / "model.toml")
-        felt = feelable(story.model)
+        learned = learn(capture, progress=status)
+        fitted = learned.model.renamed(f"{knob}, fitted").save(folder / "model.toml")
+        felt = feelable(learned.model)
         seen = watch("recording the learned model, which the device renders")
         again = record(rig.port, "sweep", output=folder / "rendered.npz", model=felt, progress=seen)
     rendered = fit(again, model=felt)
@@ -97,7 +97,7 @@ def run(knob: str, effect: str, folder: Path, status: Callable[[str], None]) -> 
     status("drawing")
     from ..show import plot
 
-    pictures = plot.save_story(story, folder, rendered)
+    pictures = plot.save_learning(learned, folder, rendered)
     status("writing the report")
     files = {
         "folder": str(folder.absolute()),
@@ -105,13 +105,13 @@ def run(knob: str, effect: str, folder: Path, status: Callable[[str], None]) -> 
         "capture": str(folder / "capture.npz"),
         "model": str(fitted),
         "rendered": str(folder / "rendered.npz"),
-        "report": str(story.report(folder / "report.html")),
+        "report": str(learned.report(folder / "report.html")),
         "pictures": [str(path) for path in pictures],
     }
-    return Demo(model, (effect,), story, rendered, files)
+    return Demo(model, (effect,), learned, rendered, files)
 
 
 def feelable(model: Model) -> Model:
     """Return the model without the effects of the sensor: no hand feels them, they are the rig's."""
-    places = effects(model.axis)
+    places = effects(model.coordinate)
     return Model(model.core.only([name for name in model.effects if places[name].place != "sensor"]))

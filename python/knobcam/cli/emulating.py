@@ -21,9 +21,7 @@ def register(commands: arguments.Commands) -> None:
     parser = arguments.add_command(
         commands, "emulate", run, "Run an emulated rig; its first line is the port to capture from."
     )
-    parser.add_argument(
-        "model", metavar="MODEL", nargs="?", default="knob3", help="model file, or knob1 to knob5"
-    )
+    arguments.add_model(parser, "model file, or knob1 to knob5; default knob3", required=False)
     parser.add_argument(
         "--effect", action="append", default=[], metavar="ID", help="hide it in the knob; may be repeated"
     )
@@ -51,7 +49,7 @@ def run(args: Namespace) -> None:
     from ..rig.emulator import Emulation, serve
 
     emulation = Emulation(
-        args.model,
+        args.model or "knob3",
         tuple(args.effect),
         args.fixture,
         args.seed,

@@ -35,7 +35,7 @@ def register(commands: arguments.Commands) -> None:
         commands, "compare", run_compare, "Split the error of a model over position, velocity, time and more."
     )
     parser.add_argument("capture", metavar="CAPTURE", help="what the model is held against")
-    parser.add_argument("model", metavar="MODEL", help="model file, or knob1 to knob5")
+    arguments.add_model(parser, "model file, or knob1 to knob5")
     parser.add_argument("--refit", action="store_true", help="fit the free parameters of the model first")
     arguments.add_plots(parser)
     arguments.add_preparation(parser)

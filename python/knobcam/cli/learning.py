@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from ..capture import Capture
     from ..fit import Fit
-    from ..learn import Story
+    from ..learn import LearningResult
     from ..model import Model
 
 
@@ -26,9 +26,7 @@ def register(commands: arguments.Commands) -> None:
         commands, "diagnose", run_diagnose, "Rank the effects that could be missing from a model."
     )
     parser.add_argument("capture", metavar="CAPTURE", help="what the model is fitted to")
-    parser.add_argument(
-        "model", nargs="?", metavar="MODEL", help="model file, or knob1 to knob5; default the base"
-    )
+    arguments.add_model(parser, "model file, or knob1 to knob5; default the base", required=False)
     arguments.add_plots(parser)
     _shared(parser)
 
@@ -37,7 +35,7 @@ def register(commands: arguments.Commands) -> None:
     )
     parser.add_argument("effect", metavar="EFFECT", help="id from `knobcam effects`")
     parser.add_argument("capture", metavar="CAPTURE", help="what the model is fitted to")
-    parser.add_argument("model", metavar="MODEL", help="model file, or knob1 to knob5")
+    arguments.add_model(parser, "model file, or knob1 to knob5")
     arguments.add_output(parser, "model")
     arguments.add_plots(parser)
     arguments.add_preparation(parser)
@@ -137,31 +135,35 @@ def run_learn(args: Namespace) -> Answer:
 
     captures = _read(args.captures, args)
     with about(*args.captures):
-        story = learn(captures, model, without=args.without, prepare=args.prepare, progress=status, **options)
-    files = write(story, args.report, args.output, args.plots)
-    document = story.document() | {"files": files}
+        learned = learn(
+            captures, model, without=args.without, prepare=args.prepare, progress=status, **options
+        )
+    files = write(learned, args.report, args.output, args.plots)
+    document = learned.document() | {"files": files}
     for described, path in zip(document["captures"], args.captures, strict=True):
         described["path"] = path
-    text = "\n".join([repr(story), *said(files)])
-    notes = [findings(*each) for each in zip(args.captures, captures, story.fit.prepared, strict=True)]
+    text = "\n".join([repr(learned), *said(files)])
+    notes = [findings(*each) for each in zip(args.captures, captures, learned.fit.prepared, strict=True)]
     return Answer(text, document, tuple(chain.from_iterable(notes)))
 
 
-def write(story: Story, report: Path | None, model: Path | None, folder: Path | None) -> dict[str, object]:
-    """Write what was asked for of a story and return the paths."""
+def write(
+    learned: LearningResult, report: Path | None, model: Path | None, folder: Path | None
+) -> dict[str, object]:
+    """Write what was asked for of what was learned and return the paths."""
     files: dict[str, object] = {}
     if model is not None:
-        files["model"] = str(story.model.save(model))
+        files["model"] = str(learned.model.save(model))
     if folder is not None:
         from ..show import plot
 
         status("drawing")
         with writing(folder):
             folder.mkdir(exist_ok=True)
-            files["pictures"] = [str(path) for path in plot.save_story(story, folder)]
+            files["pictures"] = [str(path) for path in plot.save_learning(learned, folder)]
     if report is not None:
         status("writing the report")
-        files["report"] = str(story.report(report))
+        files["report"] = str(learned.report(report))
     return files
 
 

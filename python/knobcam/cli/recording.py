@@ -26,7 +26,7 @@ def register(commands: arguments.Commands) -> None:
     parser = arguments.add_command(
         commands, "simulate", run_simulate, "Write the capture that a rig would record of a model."
     )
-    parser.add_argument("model", metavar="MODEL", help="model file, or knob1 to knob5")
+    arguments.add_model(parser, "model file, or knob1 to knob5")
     parser.add_argument(
         "--motion", default="sweep", metavar="NAME", help="sweep, multisine, turns, hand, micro or push"
     )
@@ -75,7 +75,7 @@ def _written(capture: Capture, path: Path, schema: str) -> Answer:
             "masked": int((~capture.mask).sum()),
             "duration_s": capture.duration_s,
             "sample_rate_hz": capture.rate_hz,
-            "axis": capture.axis,
+            "axis": capture.coordinate,
             "columns": list(capture.columns),
         },
         "findings": [vars(finding) for finding in capture.findings],
@@ -84,6 +84,6 @@ def _written(capture: Capture, path: Path, schema: str) -> Answer:
     masked = document["capture"]["masked"]
     text = (
         f"{path}: {capture.samples} samples ({masked} masked) of {', '.join(capture.columns)}, "
-        f"{capture.duration_s:.4g} s at {capture.rate_hz:.6g} Hz, {capture.axis} axis"
+        f"{capture.duration_s:.4g} s at {capture.rate_hz:.6g} Hz, {capture.coordinate} axis"
     )
     return Answer(text, document, findings(path, capture))

@@ -25,7 +25,7 @@ def register(commands: arguments.Commands) -> None:
     parser = arguments.add_command(
         commands, "render", run, "Feel a model: render it in a loop on an emulated handle that a hand turns."
     )
-    parser.add_argument("model", metavar="MODEL", help="model file, or knob1 to knob5")
+    arguments.add_model(parser, "model file, or knob1 to knob5")
     parser.add_argument("--seconds", type=arguments.number, default=5.0, metavar="S", help="default 5 s")
     parser.add_argument("--rate", type=arguments.number, default=5000.0, metavar="HZ", help="default 5000 Hz")
     parser.add_argument(
@@ -69,7 +69,7 @@ def run(args: Namespace) -> Answer:
 
     model, device = Model.load(args.model), Device(delay_samples=args.delay)
     check_rotary(model)
-    stability = check_stability(model, device, rate=args.rate)
+    stability = check_stability(model, device, rate_hz=args.rate)
     renderer = Renderer(model, args.rate, device=device)
     handle = EmulatedHandle(device, to_and_fro())
     status(f"rendering for {args.seconds:g} s")

@@ -47,8 +47,7 @@ def run(args: Namespace) -> Answer:
 
     bench = Bench(_start(args))
     if args.captures:
-        options = {"axis": args.coordinate, "rate": args.rate, "start": args.start, "end": args.end}
-        bench.session.open(*args.captures, map=args.map, **options)
+        bench.session.open(*args.captures, map=args.map, **arguments.reading(args))
 
     def tell(address: str) -> None:
         print(address, flush=True)

@@ -196,7 +196,7 @@ def compare(fit: Fit) -> Comparison:
     Chance is made, not looked up: white noise of the sensor's level goes through the same filter into the
     same bins.
     """
-    rotary = fit.model.axis == "rotary"
+    rotary = fit.model.coordinate == "rotary"
     splits = []
     for row in _core.locate([signals.core for signals in fit.prepared], fit.core.model):
         regions = tuple(Region(*region) for region in row.pop("regions"))

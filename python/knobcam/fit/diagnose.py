@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from .. import _core
-from ..base import showing
+from ..base import pages, showing
 from ..base.tables import TextTable, text_table
 from ..errors import InputError
 from ..model.effects import clipping, effects
@@ -67,7 +67,7 @@ class Candidate:
     @property
     def place(self) -> str:
         """Where in the chain it acts: coupling, load or sensor."""
-        return catalogued(self.effect, self.fit.model.axis).place
+        return catalogued(self.effect, self.fit.model.coordinate).place
 
     @property
     def error_fall(self) -> float:
@@ -106,17 +106,17 @@ class Candidate:
         same = f"cannot be told from {', '.join(self.equivalent)}" if self.equivalent else ""
         return "; ".join(part for part in (same, *self.implausible, self.note) if part)
 
-    def evidence(self) -> dict[str, Any]:
+    def evidence(self) -> pages.Candidate:
         """Return what speaks for it and against it, as the pages list it."""
         return {
-            **catalogued(self.effect, self.fit.model.axis).document(),
+            **catalogued(self.effect, self.fit.model.coordinate).document(),
             "beyond_chance": self.beyond_chance,
             "p_value": self.p_value,
             "error_fall": self.error_fall,
             "rmse_heldout": self.rmse_heldout,
             "moved": describe(self.moved),
             "equivalent": list(self.equivalent),
-            "unphysical": list(self.implausible),
+            "implausible": list(self.implausible),
             "note": self.note,
         }
 
@@ -124,7 +124,8 @@ class Candidate:
         """Return it as the diagnosis's document has it."""
         params = self.fit.document()["params"]
         own = {name: params[name] for name in self.parameters}
-        return self.evidence() | {"rmse": self.rmse, "params": own}
+        older = {"unphysical": list(self.implausible)}  # its name until now, for one version
+        return {**self.evidence(), **older, "rmse": self.rmse, "params": own}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -251,21 +252,21 @@ def diagnose(
     of the work that is done, 0 to 1, from any thread; what it raises ends the work. Raises InputError for an
     effect that the catalogue does not have.
     """
-    out = set(check_effects("without", without, fit.model.axis))
+    out = set(check_effects("without", without, fit.model.coordinate))
     if only is not None:
-        out |= set(effects(fit.model.axis)) - set(check_effects("only", only, fit.model.axis))
-    fit = with_clipped(fit) if clipping(fit.model.axis) - out else fit
+        out |= set(effects(fit.model.coordinate)) - set(check_effects("only", only, fit.model.coordinate))
+    fit = with_clipped(fit) if clipping(fit.model.coordinate) - out else fit
     candidates, left_out = _candidates(fit, out, progress)
     return Diagnosis(fit, tuple(sorted(candidates, key=lambda one: not one.beyond_chance)), left_out)
 
 
-def check_effects(name: str, ids: Collection[str], axis: str) -> tuple[str, ...]:
+def check_effects(name: str, ids: Collection[str], coordinate: str) -> tuple[str, ...]:
     """Return the ids if they are in the catalogue; raise InputError that names the argument if not."""
     if isinstance(ids, str):
         raise InputError(f"{name}={ids!r} is one text; give a list of effects")
     for one in ids:
         try:
-            catalogued(one, axis)
+            catalogued(one, coordinate)
         except InputError as error:
             raise InputError(f"{name}: {error}") from None
     return tuple(ids)
@@ -280,7 +281,7 @@ def _candidates(
     fit: Fit, without: Collection[str], progress: Callable[[float], object] | None
 ) -> tuple[list[Candidate], dict[str, str]]:
     """Return every absent effect fitted, the one that explains most first, and why some are not."""
-    catalogue = effects(fit.model.axis)
+    catalogue = effects(fit.model.coordinate)
     have = fit.model.effects
     coupled = any(catalogue[one].place == "coupling" for one in have)
     free = {name for name, parameter in fit.model.params.items() if parameter.role == "free"}

@@ -146,8 +146,10 @@ class Fit(showing.Tabled):
 
         Shape (samples,); NaN at samples that are masked.
         """
-        if capture.axis != self.model.axis:
-            raise InputError(f"the model is of a {self.model.axis} axis, the capture of a {capture.axis} one")
+        if capture.coordinate != self.model.coordinate:
+            raise InputError(
+                f"the model is of a {self.model.coordinate} axis, the capture of a {capture.coordinate} one"
+            )
         signals = prepare_signals(capture, self.signals.method, **self.signals.options)
         return signals.on_capture(self.model.core.torque(signals.core))
 
@@ -195,7 +197,7 @@ class Fit(showing.Tabled):
 
         Raises InputError for an effect that the model does not have, or that is its only one.
         """
-        return refit.settle(refit.drop(self, effect))
+        return refit.converged(refit.drop(self, effect))
 
     @property
     def error_fall(self) -> float:
@@ -255,7 +257,7 @@ class Fit(showing.Tabled):
 
     @property
     def _summary(self) -> str:
-        unit = "N m" if self.model.axis == "rotary" else "N"
+        unit = "N m" if self.model.coordinate == "rotary" else "N"
         noise = f"{self.noise_floor:.4g} by sensor noise alone"
         if math.isnan(self.noise_floor):
             noise = "too few samples, or too slow ones, to tell the sensor's noise"
@@ -273,7 +275,7 @@ class Fit(showing.Tabled):
         base = {
             name: e
             for name, e in self.params.items()
-            if name.split(".", 1)[0] in base_effects(self.model.axis)
+            if name.split(".", 1)[0] in base_effects(self.model.coordinate)
         }
         negative = [name for name, e in base.items() if e.determined and e.ci95[1] < 0.0]
         if len(negative) > 2 and len(negative) == len(base):
@@ -297,7 +299,7 @@ class Fit(showing.Tabled):
 
 def _at_bounds(fit: Fit) -> list[str]:
     """What is said of parameters that the search ended at; at a neutral bound there is just none of it."""
-    catalogue = effects(fit.model.axis)
+    catalogue = effects(fit.model.coordinate)
     found = []
     for name, estimate in fit.params.items():
         effect, own = name.split(".", 1)
@@ -340,9 +342,9 @@ def fit(
             "add the effect detent to it, or take it out"
         )
     signals = tuple(prepare_signals(capture, prepare, **options) for capture in several)
-    axis = several[0].axis
-    base = base_effects(axis) + (base_effects_shown(axis) if detents == "yes" else ())
-    start = model or Model.of(base, axis)
+    coordinate = several[0].coordinate
+    base = base_effects(coordinate) + (base_effects_shown(coordinate) if detents == "yes" else ())
+    start = model or Model.of(base, coordinate)
     core = _core.fit([s.core for s in signals], start.core, model is None and detents == "auto")
     return Fit(signals, core)
 

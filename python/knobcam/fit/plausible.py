@@ -27,21 +27,21 @@ def implausible(candidate: Candidate, before: Fit) -> tuple[str, ...]:
 
 def _out_of_range(candidate: Candidate) -> list[str]:
     said = []
-    for row in catalogued(candidate.effect, candidate.fit.model.axis).params:
+    for row in catalogued(candidate.effect, candidate.fit.model.coordinate).params:
         name = f"{candidate.effect}.{row.name}"
         estimate = candidate.fit.params[name]
         low, high = row.plausible
         margin = _SURE * estimate.se if estimate.determined else 0.0
         if estimate.value + margin < low or estimate.value - margin > high:
             limits = f"at least {low:g}" if math.isinf(high) else f"{low:g} to {high:g}"
-            said.append(f"{name} = {estimate.value:.3g} is unphysical: it should be {limits}")
+            said.append(f"{name} = {estimate.value:.3g} is implausible: it should be {limits}")
     return said
 
 
 def _below_zero(candidate: Candidate, before: Fit) -> list[str]:
     """Return what it bends below zero that was not before."""
     said = []
-    for name in _never_negative(candidate.fit.model.axis):
+    for name in _never_negative(candidate.fit.model.coordinate):
         now, then = candidate.fit.params.get(name), before.params.get(name)
         if now is None or then is None or not (now.determined and then.determined):
             continue
@@ -50,7 +50,7 @@ def _below_zero(candidate: Candidate, before: Fit) -> list[str]:
     return said
 
 
-def _never_negative(axis: str) -> list[str]:
+def _never_negative(coordinate: str) -> list[str]:
     """Return the parameters of the base model that no knob has below zero."""
-    base = [one for one in effects(axis).values() if one.base is not None]
+    base = [one for one in effects(coordinate).values() if one.base is not None]
     return [f"{one.id}.{row.name}" for one in base for row in one.params if row.plausible[0] == 0.0]

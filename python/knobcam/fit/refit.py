@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .. import _core
+from ..base import pages
 from ..base.tables import text_table
 from ..capture.prepare import prepare
 from ..errors import InputError
@@ -35,11 +36,11 @@ def add(fit: Fit, effect: str, progress: Callable[[float], object] | None = None
     """
     check(effect, fit.model)
     fit.model.with_effect(effect)  # says why not, if it does not go with the model
-    fit = with_clipped(fit) if catalogued(effect, fit.model.axis).clips else fit
+    fit = with_clipped(fit) if catalogued(effect, fit.model.coordinate).clips else fit
     (_, core, _, _, _, note), *_ = _core.diagnose(cores(fit), fit.model.core, [effect], progress)
     if core is None:
         raise InputError(f"effect '{effect}': {note}")
-    return settle(replace(fit, core=core, before=fit))
+    return converged(replace(fit, core=core, before=fit))
 
 
 def cores(fit: Fit) -> list[_core.Signals]:
@@ -47,7 +48,7 @@ def cores(fit: Fit) -> list[_core.Signals]:
     return [one.core for one in fit.prepared]
 
 
-def settle(fit: Fit) -> Fit:
+def converged(fit: Fit) -> Fit:
     """Return a fit that was sketched, followed to its optimum."""
     core = _core.refine(cores(fit), fit.core.model, True)
     return replace(fit, core=core if core.rmse <= fit.core.rmse else fit.core)
@@ -60,7 +61,7 @@ def drop(fit: Fit, effect: str) -> Fit:
     """
     if effect not in fit.model.effects:
         raise InputError(f"effect '{effect}' is not in the model, which has {', '.join(fit.model.effects)}")
-    catalogue = effects(fit.model.axis)
+    catalogue = effects(fit.model.coordinate)
     kept = [one for one in fit.model.effects if one != effect and catalogue[one].needs != effect]
     if not kept:
         raise InputError(f"effect '{effect}' is all that the model has; add another one first")
@@ -82,7 +83,7 @@ def with_clipped(fit: Fit) -> Fit:
 
 def check(effect: str, model: Model) -> None:
     """Raise InputError for an effect that a model cannot be given."""
-    catalogued(effect, model.axis)
+    catalogued(effect, model.coordinate)
     if effect in model.effects:
         raise InputError(f"effect '{effect}' is in the model already, which has {', '.join(model.effects)}")
 
@@ -111,9 +112,9 @@ def moved(before: Fit, after: Fit) -> dict[str, Moved]:
     return both
 
 
-def describe(moves: Mapping[str, Moved]) -> dict[str, dict[str, float]]:
+def describe(moves: Mapping[str, Moved]) -> dict[str, pages.Movement]:
     """Return movements as a document has them."""
-    return {name: move._asdict() for name, move in moves.items()}
+    return {name: {"by_se": move.by_se, "by_percent": move.by_percent} for name, move in moves.items()}
 
 
 def document(fit: Fit) -> dict[str, Any]:
@@ -128,7 +129,7 @@ def in_words(fit: Fit) -> str:
     """Return in words what adding did to the error and to the parameters that were there before."""
     if fit.before is None:
         return ""
-    unit = "N m" if fit.model.axis == "rotary" else "N"
+    unit = "N m" if fit.model.coordinate == "rotary" else "N"
     change = f"{fit.before.rmse:.4g} to {fit.rmse:.4g} {unit} ({percent(-fit.error_fall)})"
     lines = [f"With {', '.join(added(fit))}: RMS error from {change}."]
     if fit.moved:

@@ -1,5 +1,5 @@
 """Learning: effects added until the rest is chance or unexplained, and what the captures cannot tell."""
 
-from .learning import Story, learn
+from .learning import LearningResult, learn
 
-__all__ = ["Story", "learn"]
+__all__ = ["LearningResult", "learn"]

@@ -1,4 +1,4 @@
-"""The error ladder: one rung for the first model, one for each effect that came in."""
+"""The error ladder: one step for the first model, one for each effect that came in."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Unexplained(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Rung:
+class LearningStep:
     """A model on the way: `added` is what came in last (None for the first model), `dropped` what went.
 
     `fit` is the fit of the whole model, `p_value` and `equivalent` are the evidence for `added`, and
@@ -77,7 +77,7 @@ class Rung:
 
     @property
     def error_fall(self) -> float:
-        """The part of the RMS error of the rung before that is gone."""
+        """The part of the RMS error of the step before that is gone."""
         return self.fit.error_fall
 
     @property

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,8 +17,8 @@ from ..fit.diagnose import Diagnosis, check_effects, p_in_words
 from ..fit.refit import percent
 from ..model import Model
 from .agreement import Disagreement, disagreements
-from .lacks import Lack, lacks
-from .ladder import Rung, Unexplained
+from .ladder import LearningStep, Unexplained
+from .limitations import Limitation, limitations
 from .selection import select
 
 if TYPE_CHECKING:
@@ -31,14 +32,14 @@ _BAR = 24  # characters of the longest
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Story(showing.Tabled):
-    """How a model was completed, rung by rung, and what the captures still do not tell; immutable.
+class LearningResult(showing.Tabled):
+    """How a model was completed, step by step, and what the captures still do not tell; immutable.
 
     `found` are the effects that were missing, in the order in which they came in; `last` is what was weighed
-    on the last rung and not added, `without` what was not weighed.
+    on the last step and not added, `without` what was not weighed.
     """
 
-    ladder: tuple[Rung, ...]
+    ladder: tuple[LearningStep, ...]
     found: tuple[str, ...]
     last: Diagnosis
     unexplained: Unexplained | None
@@ -46,12 +47,12 @@ class Story(showing.Tabled):
 
     @property
     def fit(self) -> Fit:
-        """The fit on the last rung."""
+        """The fit on the last step."""
         return self.ladder[-1].fit
 
     @property
     def model(self) -> Model:
-        """The model on the last rung."""
+        """The model on the last step."""
         return self.fit.model
 
     @property
@@ -72,9 +73,15 @@ class Story(showing.Tabled):
         return tuple(signals.capture for signals in self.fit.prepared)
 
     @cached_property
-    def lacks(self) -> tuple[Lack, ...]:
+    def limitations(self) -> tuple[Limitation, ...]:
         """What these captures cannot tell, and what to record instead."""
-        return lacks(self.fit)
+        return limitations(self.fit)
+
+    @property
+    def lacks(self) -> tuple[Limitation, ...]:
+        """The older name of `limitations`."""
+        warnings.warn("LearningResult.lacks is now called limitations", DeprecationWarning, stacklevel=2)
+        return self.limitations
 
     @cached_property
     def disagreements(self) -> tuple[Disagreement, ...]:
@@ -83,8 +90,8 @@ class Story(showing.Tabled):
 
     @property
     def first_diagnosis(self) -> Diagnosis:
-        """What was weighed on the first rung."""
-        return next((rung.diagnosis for rung in self.ladder if rung.diagnosis is not None), self.last)
+        """What was weighed on the first step."""
+        return next((step.diagnosis for step in self.ladder if step.diagnosis is not None), self.last)
 
     @property
     def before(self) -> Comparison:
@@ -123,11 +130,11 @@ class Story(showing.Tabled):
         return showing.plot(self)
 
     def look(self) -> Look:
-        """Return linked plots to brush in, for every rung of the ladder and what was weighed on it."""
+        """Return linked plots to brush in, for every step of the ladder and what was weighed on it."""
         return showing.look(self)
 
     def report(self, path: str | os.PathLike[str]) -> Path:
-        """Write the whole story as one HTML file that needs nothing else, and return its path."""
+        """Write all of it as one HTML file that needs nothing else, and return its path."""
         return showing.report(self, path)
 
     def document(self) -> dict[str, Any]:
@@ -140,9 +147,10 @@ class Story(showing.Tabled):
             "noise_floor": self.noise_floor,
             "verdict": self.verdict,
             "found": list(self.found),
-            "ladder": [rung.document() for rung in self.ladder],
+            "ladder": [step.document() for step in self.ladder],
             "unexplained": None if self.unexplained is None else self.unexplained._asdict(),
-            "lacks": [lack._asdict() for lack in self.lacks],
+            "limitations": [one._asdict() for one in self.limitations],
+            "lacks": [one._asdict() for one in self.limitations],  # its older name, for one version
             "disagreements": [one._asdict() for one in self.disagreements],
             "headline": self.headline,
         }
@@ -150,25 +158,25 @@ class Story(showing.Tabled):
     @property
     def head(self) -> tuple[str, ...]:
         """What the columns of `rows` are."""
-        unit = "N m" if self.model.axis == "rotary" else "N"
+        unit = "N m" if self.model.coordinate == "rotary" else "N"
         return ("model", f"RMS error ({unit})", "on unseen blocks", "error", "p-value", "cannot be told from")
 
     def rows(self) -> list[tuple[str, ...]]:
         """The ladder as rows of text, under the words of `head`."""
         rows = []
-        for rung in self.ladder:
-            new = rung.added is not None
-            name = f"+ {rung.added}" if new else "first model"
-            if rung.dropped:
-                name += f" - {' - '.join(rung.dropped)}"
+        for step in self.ladder:
+            new = step.added is not None
+            name = f"+ {step.added}" if new else "first model"
+            if step.dropped:
+                name += f" - {' - '.join(step.dropped)}"
             rows.append(
                 (
                     name,
-                    f"{rung.rmse:.4g}",
-                    f"{rung.rmse_heldout:.4g}",
-                    percent(-rung.error_fall) if new else "",
-                    p_in_words(rung.p_value) if new else "",
-                    ", ".join(rung.equivalent),
+                    f"{step.rmse:.4g}",
+                    f"{step.rmse_heldout:.4g}",
+                    percent(-step.error_fall) if new else "",
+                    p_in_words(step.p_value) if new else "",
+                    ", ".join(step.equivalent),
                 )
             )
         return [*rows, ("sensor noise alone", f"{self.noise_floor:.4g}", "", "", "", "")]
@@ -180,14 +188,14 @@ class Story(showing.Tabled):
         if self.disagreements:
             lines.append("Where the captures disagree:")
             lines += [f"  {one}." for one in self.disagreements]
-        if self.lacks:
+        if self.limitations:
             lines.append("What this capture cannot tell:")
-            lines += [f"  {lack.message}; {lack.record}." for lack in self.lacks]
+            lines += [f"  {one.message}; {one.record}." for one in self.limitations]
         return "\n".join(lines)
 
     def _bars(self) -> list[str]:
-        """The ladder drawn in characters, one bar a rung, the noise floor last and dotted."""
-        errors = [*(rung.rmse for rung in self.ladder), self.noise_floor]
+        """The ladder drawn in characters, one bar a step, the noise floor last and dotted."""
+        errors = [*(step.rmse for step in self.ladder), self.noise_floor]
         longest = max(error for error in errors if error == error) or 1.0
         lengths = [round(_BAR * error / longest) if error == error else 0 for error in errors]
         return [*("#" * length for length in lengths[:-1]), "." * lengths[-1]]
@@ -206,7 +214,7 @@ def learn(
     detents: str = "auto",
     progress: Callable[[str], None] | None = None,
     **options: float,
-) -> Story:
+) -> LearningResult:
     """Learn which effects are missing from a model (by default the base model) of one or several captures.
 
     `without` takes effects out of the catalogue; `progress` is told each step; the rest as in `fit`.
@@ -216,9 +224,9 @@ def learn(
     tell = progress or (lambda _: None)
     if isinstance(model, str | os.PathLike):
         model = Model.load(model)
-    without = check_effects("without", without, model.axis if model else "rotary")
+    without = check_effects("without", without, model.coordinate if model else "rotary")
     tell("fitting the first model")
     first = fit(captures, model, prepare=prepare, detents=detents, **options)
     given = model is not None
     selection = select(first, without, tell, given=given, detents=not given and detents == "auto")
-    return Story(*selection, without)
+    return LearningResult(*selection, without)

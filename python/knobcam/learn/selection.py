@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, NamedTuple
 from .. import _core
 from ..capture.prepare import travel
 from ..fit.diagnose import PENALTY, Candidate, Diagnosis, diagnose
-from ..fit.refit import cores, drop, settle, with_clipped
+from ..fit.refit import converged, cores, drop, with_clipped
 from ..model.effects import base_effects_shown, clipping, descriptions, effects
-from .ladder import Rung, Unexplained
+from .ladder import LearningStep, Unexplained
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
@@ -29,7 +29,7 @@ _MAINLY = 0.5  # of what noise does not explain: what a cause takes off where so
 class Selection(NamedTuple):
     """The ladder, which effects were missing, what was weighed last and not added, and what none explains."""
 
-    ladder: tuple[Rung, ...]
+    ladder: tuple[LearningStep, ...]
     found: tuple[str, ...]
     last: Diagnosis
     unexplained: Unexplained | None
@@ -43,10 +43,10 @@ def select(
     `given` says that a user gave the first model; the base model has detents where there are any, so that
     these are nothing to find. `detents` says that they come in by themselves where the data show them.
     """
-    axis = first.model.axis
-    fit = with_clipped(first) if clipping(axis) - set(without) else first
-    described, shown = descriptions(axis), base_effects_shown(axis)
-    ladder = [Rung(fit)]
+    coordinate = first.model.coordinate
+    fit = with_clipped(first) if clipping(coordinate) - set(without) else first
+    described, shown = descriptions(coordinate), base_effects_shown(coordinate)
+    ladder = [LearningStep(fit)]
     base = first.model.effects
     nothing_to_find = base if given else [*base, *shown]
     while True:
@@ -57,19 +57,19 @@ def select(
         if best is None or len(ladder) > _MOST:
             return concluded(ladder, diagnosis, nothing_to_find)
         tell(f"adding {best.effect}")
-        richer = settle(best.fit)
+        richer = converged(best.fit)
         if detents and richer.model.period is None:
             richer = with_detents(richer)
         tell("re-testing the effects that came in before")
         tested = [one for one in richer.model.effects if one not in (*base, best.effect)]
         richer, dropped = retested(richer, [*tested, *(one for one in shown if detents and one in base)])
-        richer = replace(settle(richer) if dropped else richer, before=fit)
-        ladder.append(Rung(richer, best.effect, best.p_value, best.equivalent, dropped, diagnosis))
+        richer = replace(converged(richer) if dropped else richer, before=fit)
+        ladder.append(LearningStep(richer, best.effect, best.p_value, best.equivalent, dropped, diagnosis))
 
 
-def concluded(ladder: list[Rung], last: Diagnosis, base: Collection[str]) -> Selection:
+def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]) -> Selection:
     """Return what the ladder says: which effects were causes, and what remains."""
-    came = dict.fromkeys(rung.added for rung in ladder if rung.added is not None)
+    came = dict.fromkeys(step.added for step in ladder if step.added is not None)
     effects_now = ladder[-1].fit.model.effects
     found = tuple(one for one in came if one in effects_now and one not in base)
     unexplained = _unexplained(last.comparison)
@@ -78,27 +78,27 @@ def concluded(ladder: list[Rung], last: Diagnosis, base: Collection[str]) -> Sel
     if len(maps) > 1:
         words = f"it takes {' and '.join(maps)} together to draw it, and so many draw any map of position"
         # Where they leave chance alone, it is of the error before them that position has a share.
-        before = next(rung.diagnosis for rung in ladder if rung.added in maps)
+        before = next(step.diagnosis for step in ladder if step.added in maps)
         seen = last if unexplained or before is None else before
         share = seen.comparison["position"].share
         found = tuple(one for one in found if one not in maps)
         unexplained = Unexplained("position", share, words)
     elif unexplained is not None:
-        found = tuple(one for one in found if any(rung.added == one and _mainly(rung) for rung in ladder))
+        found = tuple(one for one in found if any(step.added == one and _mainly(step) for step in ladder))
     return Selection(tuple(ladder), found, last, unexplained)
 
 
 def _is_map(effect: str, fit: Fit) -> bool:
     """Whether an effect draws maps of position, and is not bound to return with each of many detents."""
-    row, period = effects(fit.model.axis)[effect], fit.model.period
+    row, period = effects(fit.model.coordinate)[effect], fit.model.period
     crossed = 0.0 if row.needs is None or period is None else travel(fit.prepared) / (2.0 * math.pi * period)
     return row.map and crossed < _MANY
 
 
-def _mainly(rung: Rung) -> bool:
-    """Whether the effect of a rung took off most of what noise did not explain before it."""
-    before = rung.fit.before
-    return before is not None and before.rmse**2 - rung.fit.rmse**2 >= _MAINLY * before.excess
+def _mainly(step: LearningStep) -> bool:
+    """Whether the effect of a step took off most of what noise did not explain before it."""
+    before = step.fit.before
+    return before is not None and before.rmse**2 - step.fit.rmse**2 >= _MAINLY * before.excess
 
 
 def choose(diagnosis: Diagnosis) -> Candidate | None:
@@ -123,7 +123,7 @@ def choose(diagnosis: Diagnosis) -> Candidate | None:
 def with_detents(fit: Fit) -> Fit:
     """Return the fit with detents where the data show them now."""
     core = _core.fit(cores(fit), fit.core.model, True)
-    return settle(replace(fit, core=core)) if core.model.period is not None else fit
+    return converged(replace(fit, core=core)) if core.model.period is not None else fit
 
 
 def retested(fit: Fit, tested: Collection[str]) -> tuple[Fit, tuple[str, ...]]:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from .. import _core
-from ..base import showing
+from ..base import pages, showing
+from ..base.renamed import renamed
 from ..base.tables import TextTable, text_table
 from ..errors import InputError
 from .plugins import load_plugins
@@ -87,7 +88,7 @@ class Effect(showing.Tabled):
         """Its signature: the torque that it adds to a small knob, over time and where it shows."""
         return showing.plot(self)
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> pages.Effect:
         """Return what the pages tell of it."""
         return {
             "effect": self.id,
@@ -117,10 +118,11 @@ class Effect(showing.Tabled):
         return (TextTable(caption, self._HEAD, self._rows()),)
 
 
-def effects(axis: str = "rotary") -> dict[str, Effect]:
+@renamed(axis="coordinate")
+def effects(coordinate: str = "rotary") -> dict[str, Effect]:
     """Return the catalogue by id, units for a rotary or a linear axis; with effects of one's own."""
     load_plugins()
-    rows = _core.catalogue(axis)
+    rows = _core.catalogue(coordinate)
     return {
         row["id"]: Effect(
             **{name: tuple(value) if isinstance(value, list) else value for name, value in row.items()}
@@ -133,32 +135,32 @@ def effects(axis: str = "rotary") -> dict[str, Effect]:
     }
 
 
-def descriptions(axis: str) -> set[str]:
+def descriptions(coordinate: str) -> set[str]:
     """Return the effects that only describe a torque: they name no cause, so no search names them."""
-    return {name for name, one in effects(axis).items() if one.describes}
+    return {name for name, one in effects(coordinate).items() if one.describes}
 
 
-def base_effects(axis: str) -> tuple[str, ...]:
+def base_effects(coordinate: str) -> tuple[str, ...]:
     """Return the effects of the base model, but for those that are part of it only where they show."""
-    return tuple(name for name, one in effects(axis).items() if one.base == "always")
+    return tuple(name for name, one in effects(coordinate).items() if one.base == "always")
 
 
-def base_effects_shown(axis: str) -> tuple[str, ...]:
+def base_effects_shown(coordinate: str) -> tuple[str, ...]:
     """Return the effects that are part of the base model where a capture shows them: its detents."""
-    return tuple(name for name, one in effects(axis).items() if one.base == "where it shows")
+    return tuple(name for name, one in effects(coordinate).items() if one.base == "where it shows")
 
 
-def clipping(axis: str) -> set[str]:
+def clipping(coordinate: str) -> set[str]:
     """Return the effects beside which readings of a sensor at its limit count."""
-    return {name for name, one in effects(axis).items() if one.clips}
+    return {name for name, one in effects(coordinate).items() if one.clips}
 
 
-def effect(name: str, axis: str = "rotary") -> Effect:
+def effect(name: str, coordinate: str = "rotary") -> Effect:
     """Return one effect by id, units for a rotary or a linear axis.
 
     Raises InputError for an unknown id, with those that exist.
     """
-    catalogue = effects(axis)
+    catalogue = effects(coordinate)
     if name not in catalogue:
         raise InputError(f"effect '{name}' is not in the catalogue; it has {', '.join(catalogue)}")
     return catalogue[name]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from .. import _core
 from ..base import showing
 from ..base.atomic import write_atomically
+from ..base.renamed import renamed
 from ..base.tables import TextTable, text_table
 from ..errors import InputError
 from .plugins import load_plugins
@@ -19,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from ..base.showing import Figure
-    from ..capture.formats.units import Axis
+    from ..capture.formats.units import Coordinate
 
 KNOBS = ("knob1", "knob2", "knob3", "knob4", "knob5")
 
@@ -40,10 +42,11 @@ class Model(showing.Tabled):
     core: _core.Model
 
     @classmethod
-    def of(cls, effects: Iterable[str], axis: str = "rotary", **values: float) -> Model:
+    @renamed(axis="coordinate")
+    def of(cls, effects: Iterable[str], coordinate: str = "rotary", **values: float) -> Model:
         """Return a model of these effects; values by `effect__parameter=1.0`, others are neutral."""
         load_plugins()
-        model = cls(_core.Model(list(effects), axis))
+        model = cls(_core.Model(list(effects), coordinate))
         if not model.effects:
             raise InputError("a model needs an effect, such as inertia; `effects()` lists them")
         for name, value in values.items():
@@ -103,9 +106,15 @@ class Model(showing.Tabled):
         return self.core.name
 
     @property
-    def axis(self) -> Axis:
+    def coordinate(self) -> Coordinate:
         """Rotary or linear."""
         return self.core.axis
+
+    @property
+    def axis(self) -> Coordinate:
+        """The older name of `coordinate`."""
+        warnings.warn("Model.axis is now called coordinate", DeprecationWarning, stacklevel=2)
+        return self.coordinate
 
     @property
     def effects(self) -> tuple[str, ...]:

@@ -99,7 +99,7 @@ def simulate(
         omega=measured(track.omega, rig.omega_sd, rig.omega_step),
         alpha=measured(track.alpha, rig.alpha_sd, 0.0),
         tau=np.clip(tau, -rig.tau_limit, rig.tau_limit),
-        axis=model.axis,
+        coordinate=model.coordinate,
         meta={
             "source": f"simulated {model.name}".strip(),
             "motion": motion if isinstance(motion, str) else "given",
@@ -126,19 +126,19 @@ def _known(noise: str | SensorNoise) -> None:
         raise InputError(f"noise={noise!r} is unknown; choose {', '.join(NOISES)}")
 
 
-def exact(axis: str, track: MotionTrack, options: dict[str, float] | None = None) -> _core.Signals:
+def exact(coordinate: str, track: MotionTrack, options: dict[str, float] | None = None) -> _core.Signals:
     """Return the signals of a motion that is known exactly, without torque; options as the core's."""
     n = len(track.t)
     if n < 2:
         raise InputError("motion: a track of fewer than two samples is no motion")
     rate = (n - 1) / float(track.t[-1] - track.t[0])
     gaps = np.zeros(n, dtype=bool)
-    return _core.prepare(axis, rate, *track, np.zeros(n), gaps, "none", options or {})
+    return _core.prepare(coordinate, rate, *track, np.zeros(n), gaps, "none", options or {})
 
 
 def _torque(model: Model, track: MotionTrack) -> FloatArray:
     """The torque that moves the knob so: inverse dynamics, N m."""
-    return model.core.torque(exact(model.axis, track), filtered=False)
+    return model.core.torque(exact(model.coordinate, track), filtered=False)
 
 
 def _pushed(model: Model, duration_s: float, rate_hz: float) -> tuple[MotionTrack, FloatArray]:

@@ -76,7 +76,7 @@ class Carrier(NamedTuple):
         track = make_motion(motion, duration_s) if isinstance(motion, str) else motion
         rate = (len(track.t) - 1) / float(track.t[-1] - track.t[0])
         edge = _EDGE_HZ * min(rate / _PAPER_RATE_HZ, 1.0)
-        signals = exact(model.axis, track, {"torque_edge_hz": edge})
+        signals = exact(model.coordinate, track, {"torque_edge_hz": edge})
         peak = float(np.max(np.abs(model.core.torque(signals, filtered=False))))
         seen = sensors(noise, peak)
         return cls(model, track, signals, seen.torque_noise, seen.tau_limit)

@@ -143,9 +143,9 @@ def start_loop(
         ("device", device, () if core_device else ("read", "write")),
         ("controller", controller, ("step",)),
     ):
-        lacks = [call for call in calls if not callable(getattr(taker, call, None))]
-        if lacks:
-            raise InputError(f"{name}: a {type(taker).__name__} has no {lacks[0]}(...)")
+        missing = [call for call in calls if not callable(getattr(taker, call, None))]
+        if missing:
+            raise InputError(f"{name}: a {type(taker).__name__} has no {missing[0]}(...)")
     if missed_run is not None and missed_run < 0:
         raise InputError(f"missed_run={missed_run}: periods in a row are counted from 0")
     core = _core.start_loop(

@@ -11,6 +11,7 @@ import numpy as np
 
 from .. import _core
 from ..base import showing
+from ..base.renamed import renamed
 from ..base.tables import TextTable, text_table
 from ..errors import InputError
 from ..model import Model
@@ -80,20 +81,22 @@ class Renderer(_core.Renderer):
     def __new__(
         cls,
         model: Model | str | os.PathLike[str],
-        rate: float = 5000.0,
+        rate_hz: float = 5000.0,
         *,
+        rate: float | None = None,
         device: Device | None = None,
         torque_limit: float = math.inf,
         torque_rate_limit: float = math.inf,
         speed_limit: float = 1000.0,
     ) -> Self:
-        """Render `model` (or its file or name) at `rate` Hz; limits in N m, N m/s, rad/s.
+        """Render `model` (or its file or name); limits in N m, N m/s, rad/s. `rate` is short for `rate_hz`.
 
         Raises InputError for a rate, limit or device that cannot be.
         """
         model = model if isinstance(model, Model) else Model.load(model)
         row = None if device is None else device.row
-        return super().__new__(cls, model.core, rate, row, torque_limit, torque_rate_limit, speed_limit)
+        rate_hz = rate_hz if rate is None else rate
+        return super().__new__(cls, model.core, rate_hz, row, torque_limit, torque_rate_limit, speed_limit)
 
     def along(
         self,
@@ -123,9 +126,9 @@ class Renderer(_core.Renderer):
 
 def check_rotary(model: Model) -> None:
     """Raise InputError for a model of a linear axis: the devices turn."""
-    if model.axis != "rotary":
+    if model.coordinate != "rotary":
         raise InputError(
-            f"model '{model.name}': is of a {model.axis} axis, and the device turns; give a rotary one"
+            f"model '{model.name}': is of a {model.coordinate} axis, and the device turns; give a rotary one"
         )
 
 
@@ -208,8 +211,9 @@ class Stability(showing.Tabled):
         return (TextTable(self.verdict, ("figure", "value", "unit"), self._rows()),)
 
 
+@renamed(rate="rate_hz")
 def check_stability(
-    model: Model | str | os.PathLike[str], rig: Device | None = None, *, rate: float = 5000.0
+    model: Model | str | os.PathLike[str], rig: Device | None = None, *, rate_hz: float = 5000.0
 ) -> Stability:
     """Say which stiffness the delay of a device allows, and how far `model` on it is from ringing.
 
@@ -219,6 +223,6 @@ def check_stability(
     """
     model = model if isinstance(model, Model) else Model.load(model)
     rig = Device() if rig is None else rig
-    if not 10.0 <= rate <= 1e6:
-        raise InputError(f"rate={rate} Hz is none of a device; choose 10 to 1e6, usually 5000")
-    return Stability(model, rig, rate, _core.check_stability(model.core, rig.row, rate))
+    if not 10.0 <= rate_hz <= 1e6:
+        raise InputError(f"a rate of {rate_hz} Hz is none of a device; choose 10 to 1e6, usually 5000")
+    return Stability(model, rig, rate_hz, _core.check_stability(model.core, rig.row, rate_hz))

@@ -47,8 +47,9 @@ class Calibration(showing.Tabled):
     """The sensors of one rig, by its serial number; what was not tested is None.
 
     `c_cal` is the mean over the runs, (rad/s^2)/V, and `c_cal_variance` the variance between them, as the
-    paper prints them. The `_sd` are the standard deviations of recorded minus commanded (Table 4), `lag_s` is
-    how much later the recorded motion is, `anchor_Nm_rad` the stiffness that the torque test found.
+    paper prints them. The `_sd` are the standard deviations of recorded minus commanded (Table 4), `lag_s`
+    is the phase lag, how much later the recorded motion is, `anchor_Nm_rad` the stiffness that the torque
+    test found.
     """
 
     serial: str
@@ -130,8 +131,8 @@ class Calibration(showing.Tabled):
             ("omega", self.omega_sd_rad_s, "rad/s"),
             ("alpha", self.alpha_sd_rad_s2, "rad/s^2"),
             ("tau", self.tau_sd_Nm, "N m"),
-            ("lag of theta", self.lag_s, "s"),
-            ("lag of tau", self.torque_lag_s, "s"),
+            ("phase lag of theta", self.lag_s, "s"),
+            ("phase lag of tau", self.torque_lag_s, "s"),
             ("stiffness of the anchor", self.anchor_Nm_rad, "N m/rad"),
         ]
         return [(name, f"{value:.4g}", unit) for name, value, unit in rows if value is not None]
@@ -198,7 +199,7 @@ def spatial(serial: str, runs: Sequence[Run]) -> Calibration:
                 columns["theta"][at] - start - run.commanded.theta[at],
                 columns["omega"][at] - run.commanded.omega[at],
                 factor * volts - wanted,
-                lag(run.commanded.omega[at], columns["omega"][at], run.recorded.rate_hz),
+                phase_lag(run.commanded.omega[at], columns["omega"][at], run.recorded.rate_hz),
             )
         )
     sds = [float(np.std(np.concatenate([run[i] for run in differences]))) for i in range(3)]
@@ -240,7 +241,7 @@ def anchored(serial: str, runs: Sequence[Run]) -> Calibration:
             )
         wanted.append(run.commanded.theta[at])
         tau.append(run.recorded.tau[at])
-        lags.append(lag(wanted[-1], tau[-1], run.recorded.rate_hz))
+        lags.append(phase_lag(wanted[-1], tau[-1], run.recorded.rate_hz))
     x, y = np.concatenate(wanted), np.concatenate(tau)
     stiffness = float(x @ y / (x @ x))
     return Calibration(
@@ -253,7 +254,7 @@ def anchored(serial: str, runs: Sequence[Run]) -> Calibration:
     )
 
 
-def lag(wanted: FloatArray, recorded: FloatArray, rate_hz: float) -> float:
+def phase_lag(wanted: FloatArray, recorded: FloatArray, rate_hz: float) -> float:
     """Return how much later `recorded` is, s: the shift that least squares finds, shape (samples,) both.
 
     Linear in a small shift: recorded = gain (wanted - lag d wanted/dt).

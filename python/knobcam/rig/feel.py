@@ -70,7 +70,7 @@ def feel(
     with contextlib.ExitStack() as stack:
         link = port if isinstance(port, Link) else stack.enter_context(Link(port, baud=baud))
         device = device_of(link.device)
-        stability = check_stability(model, device, rate=link.rate_hz)
+        stability = check_stability(model, device, rate_hz=link.rate_hz)
         if not stability.stable and not force:
             raise InputError(
                 f"{link.port}: the model rings on it: the device allows "

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from dataclasses import dataclass
 from functools import cached_property
 from html import escape
@@ -29,10 +30,10 @@ class Look:
     """Linked plots of torque and residual over position, velocity and time; a notebook shows them.
 
     In a notebook with anywidget they are alive: `chosen` are the samples that are brushed, `share` their
-    part of the squared error, and `rung` is which of the models is shown. `save` writes them as a page.
+    part of the squared error, and `step` is which of the models is shown. `save` writes them as a page.
     """
 
-    rungs: tuple[Shown, ...]
+    steps: tuple[Shown, ...]
 
     @cached_property
     def widget(self) -> Widget:
@@ -40,7 +41,7 @@ class Look:
         require("anywidget", "a live plot", extra="notebook")
         from .notebook import Widget
 
-        return Widget(self.rungs)
+        return Widget(self.steps)
 
     @property
     def chosen(self) -> tuple[IntArray, ...]:
@@ -55,23 +56,40 @@ class Look:
     @property
     def share(self) -> float:
         """The part of the shown model's squared error that the chosen samples have, 0 to 1."""
-        residuals = self.rungs[self.rung].fit.residuals
+        residuals = self.steps[self.step].fit.residuals
         whole = sum(float(np.nansum(np.square(rest))) for rest in residuals)
         parts = (rest[rows] for rest, rows in zip(residuals, self.chosen, strict=True))
         return sum(float(np.nansum(np.square(part))) for part in parts) / whole if whole > 0.0 else 0.0
 
     @property
-    def rung(self) -> int:
+    def step(self) -> int:
         """Which of the models is shown, from 0; it can be set."""
-        return self.widget.rung
+        return self.widget.step
+
+    @step.setter
+    def step(self, at: int) -> None:
+        self.widget.step = at
+
+    @property
+    def rung(self) -> int:
+        """The older name of `step`."""
+        warnings.warn("Look.rung is now called step", DeprecationWarning, stacklevel=2)
+        return self.step
 
     @rung.setter
     def rung(self, at: int) -> None:
-        self.widget.rung = at
+        warnings.warn("Look.rung is now called step", DeprecationWarning, stacklevel=2)
+        self.step = at
+
+    @property
+    def rungs(self) -> tuple[Shown, ...]:
+        """The older name of `steps`."""
+        warnings.warn("Look.rungs is now called steps", DeprecationWarning, stacklevel=2)
+        return self.steps
 
     def html(self) -> str:
         """Return a page of the plots alone."""
-        return html(self.rungs)
+        return html(self.steps)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write that page and return its path; it appears whole or not at all."""
@@ -80,7 +98,7 @@ class Look:
         return target
 
     def __repr__(self) -> str:
-        labels = ", ".join(rung.label for rung in self.rungs)
+        labels = ", ".join(step.label for step in self.steps)
         return f"Look({labels}): a notebook shows it, .save(path) writes it as a page"
 
     def _repr_html_(self) -> str:

@@ -6,10 +6,11 @@ import base64
 import hashlib
 from importlib import resources
 from string import Template
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ..base import pages
 from ..base.strict_json import as_json
 from . import samples
 from .packed import FINE, packed, step_of
@@ -51,12 +52,12 @@ class Section(NamedTuple):
     script_hash: str
 
 
-def section(rungs: Sequence[Shown]) -> Section:
+def section(steps: Sequence[Shown]) -> Section:
     """Return the plots for a page that has more."""
     script = built("report.js")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
     # No text of a file can end the element: JSON has another way to write its first letter.
-    held = as_json(_kept(rungs), indent=None).replace("<", "\\u003c")
+    held = as_json(_kept(steps), indent=None).replace("<", "\\u003c")
     markup = (
         '<div id="look"></div>'
         f'<script type="application/json" id="look-samples">{held}</script>'
@@ -65,9 +66,9 @@ def section(rungs: Sequence[Shown]) -> Section:
     return Section(markup, built("report.css"), digest)
 
 
-def html(rungs: Sequence[Shown]) -> str:
+def html(steps: Sequence[Shown]) -> str:
     """Return a page of the plots alone."""
-    return _PAGE.substitute(section(rungs)._asdict())
+    return _PAGE.substitute(section(steps)._asdict())
 
 
 def built(name: str) -> str:
@@ -75,23 +76,24 @@ def built(name: str) -> str:
     return resources.files("knobcam").joinpath("workbench", "page", name).read_text("utf-8").strip()
 
 
-def _kept(rungs: Sequence[Shown]) -> dict[str, Any]:
-    """What a page holds: columns, each rung's residual, and what each candidate would explain of it."""
-    head = samples.head(rungs)
+def _kept(steps: Sequence[Shown]) -> pages.Kept:
+    """What a page holds: columns, each step's residual, and what each candidate would explain of it."""
+    head = samples.head(steps)
     count = head["all"]
     rows = np.arange(count)
     if count > MOST:
         rows = np.sort(np.random.default_rng(0).choice(rows, MOST, replace=False))
-    measured = {name: column[rows] for name, column in samples.measured(rungs[-1].fit).items()}
+    measured = {name: column[rows] for name, column in samples.measured(steps[-1].fit).items()}
     residuals, signatures = [], []
-    for rung in rungs:
-        rest = rung.fit.residual[rows]
-        step = step_of(rest)
-        residuals.append(packed(rest, step))
+    for step in steps:
+        rest = step.fit.residual[rows]
+        grain = step_of(rest)
+        residuals.append(packed(rest, grain))
         signatures.append(
-            {effect: packed(rung.explained(effect)[rows], _COARSE * step) for effect in rung.effects}
+            {effect: packed(step.explained(effect)[rows], _COARSE * grain) for effect in step.effects}
         )
-    return head | {
+    return {
+        **head,
         "n": len(rows),
         "columns": {
             name: packed(column, step_of(column, FINE) if name == "t" else step_of(column))

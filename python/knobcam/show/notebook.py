@@ -9,6 +9,7 @@ import anywidget
 import numpy as np
 import traitlets
 
+from ..base import pages
 from ..base.arrays import IntArray
 from ..base.strict_json import as_json
 from ..errors import InputError
@@ -38,35 +39,36 @@ def _indices(bits: memoryview, widget: Widget) -> tuple[IntArray, ...]:
 class Widget(anywidget.AnyWidget):
     """What Python and the views of a notebook share; every trait can be observed.
 
-    `rung` is which of the models is shown, `chosen` are the indices of the chosen samples, an array for each
+    `step` is which of the models is shown, `chosen` are the indices of the chosen samples, an array for each
     capture, `looked` is the candidate that is looked at (empty for none).
     """
 
     _esm = built("widget.js")
     head = traitlets.Unicode().tag(sync=True)
     floats = traitlets.Bytes().tag(sync=True)
-    rung = traitlets.Int(0).tag(sync=True)
+    step = traitlets.Int(0).tag(sync=True)
     chosen = traitlets.Any().tag(sync=True, to_json=_bits, from_json=_indices)
     looked = traitlets.Unicode("").tag(sync=True)
     overlay = traitlets.Dict().tag(sync=True)
 
-    def __init__(self, rungs: Sequence[Shown]) -> None:
-        self.rungs = rungs
-        fit = rungs[-1].fit
+    def __init__(self, steps: Sequence[Shown]) -> None:
+        self.steps = steps
+        fit = steps[-1].fit
         self.counts = [one.capture.samples for one in fit.prepared]
-        head = samples.head(rungs)
-        columns = [*samples.measured(fit).values(), *(rung.fit.residual for rung in rungs)]
+        shown = samples.head(steps)
+        head: pages.Head = {**shown, "n": shown["all"]}
+        columns = [*samples.measured(fit).values(), *(step.fit.residual for step in steps)]
         super().__init__(
-            head=as_json(head | {"n": head["all"]}, indent=None),
+            head=as_json(head, indent=None),
             floats=np.stack(columns).astype("<f4").tobytes(),
             chosen=[[] for _ in self.counts],
         )
 
-    @traitlets.validate("rung")
+    @traitlets.validate("step")
     def _there(self, proposal: Any) -> int:
         at: int = proposal["value"]
-        if not 0 <= at < len(self.rungs):
-            raise InputError(f"rung={at} is none of the {len(self.rungs)} models that are shown, from 0")
+        if not 0 <= at < len(self.steps):
+            raise InputError(f"step={at} is none of the {len(self.steps)} models that are shown, from 0")
         return at
 
     @traitlets.validate("chosen")
@@ -84,10 +86,10 @@ class Widget(anywidget.AnyWidget):
                 raise InputError(f"chosen: samples are counted from 0 to {count - 1}")
         return tuple(np.unique(rows).astype(np.intp) for rows in given)
 
-    @traitlets.observe("looked", "rung")
+    @traitlets.observe("looked", "step")
     def _answer(self, _: Any) -> None:
         """Tell the views what the candidate that is looked at would explain of the model that is shown."""
-        shown = self.rungs[self.rung]
+        shown = self.steps[self.step]
         if self.looked in shown.effects:
             floats = shown.explained(self.looked).astype("<f4").tobytes()
-            self.overlay = {"effect": self.looked, "rung": self.rung, "floats": floats}
+            self.overlay = {"effect": self.looked, "step": self.step, "floats": floats}

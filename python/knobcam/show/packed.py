@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import base64
 import zlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 if TYPE_CHECKING:
+    from ..base import pages
     from ..base.arrays import FloatArray
 
 FINE = 2**24
@@ -23,7 +24,7 @@ def step_of(values: FloatArray, steps: int = USUAL) -> float:
     return float(np.ptp(known)) / steps or 1.0 if len(known) else 1.0
 
 
-def packed(values: FloatArray, step: float) -> dict[str, Any]:
+def packed(values: FloatArray, step: float) -> pages.Packed:
     """Return values, rounded to a step, as a page unpacks them: shape (n,), not a number allowed.
 
     `deflated` is base64 of the bytes of n 32-bit differences, all lowest bytes first; a difference has its

@@ -1,4 +1,4 @@
-"""The story of a capture as one HTML file: no network, no other file, nothing in it that could be markup."""
+"""What was learned as one HTML file: no network, no other file, nothing in it that could be markup."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ..base.atomic import write_atomically
 from ..fit.refit import percent
 from ..model.effects import effect as catalogued
 from .look_page import section
-from .samples import rungs
+from .samples import steps
 from .tables import html_table
 
 if TYPE_CHECKING:
@@ -26,14 +26,14 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ..fit.diagnose import Diagnosis
-    from ..learn import Story
-    from ..learn.ladder import Rung
+    from ..learn import LearningResult
+    from ..learn.ladder import LearningStep
 
 
-def write(story: Story, path: str | os.PathLike[str]) -> Path:
+def write(learned: LearningResult, path: str | os.PathLike[str]) -> Path:
     """Write the report; it appears whole or not at all."""
     target = Path(path)
-    page = html(story)
+    page = html(learned)
     write_atomically(target, lambda part: _write_text(part, page))
     return target
 
@@ -42,38 +42,38 @@ def _write_text(path: Path, text: str) -> None:
     path.write_text(text, "utf-8", errors="replace")  # a path of the system may hold what no text can
 
 
-def html(story: Story) -> str:
-    """Return the report of a story: what was found, why, what else it could be, what remains, how sure."""
-    look = section(rungs(story))
+def html(learned: LearningResult) -> str:
+    """Return the report: what was found, why, what else it could be, what remains, how sure."""
+    look = section(steps(learned))
     page = resources.files("knobcam.show").joinpath("report.html").read_text("utf-8")
     return Template(page).substitute(
-        title=escape(_title(story)),
-        facts=escape(_facts(story)),
-        verdict=story.verdict,
-        headline=escape(story.headline),
-        story=_figure(
-            story.plot(), "Error ladder, residual before and after, parameters that moved, the rest."
+        title=escape(_title(learned)),
+        facts=escape(_facts(learned)),
+        verdict=learned.verdict,
+        headline=escape(learned.headline),
+        learned=_figure(
+            learned.plot(), "Error ladder, residual before and after, parameters that moved, the rest."
         ),
         look=look.markup,
         look_style=look.style,
         look_hash=look.script_hash,
-        found=_found(story),
-        why=_why(story),
-        **{"else": _alternatives(story)},
-        remains=_remains(story),
-        sure=_sure(story),
-        made=escape(_made(story)),
+        found=_found(learned),
+        why=_why(learned),
+        **{"else": _alternatives(learned)},
+        remains=_remains(learned),
+        sure=_sure(learned),
+        made=escape(_made(learned)),
     )
 
 
-def _title(story: Story) -> str:
-    sources = [str(capture.meta.get("source", "")) or "capture" for capture in story.captures]
+def _title(learned: LearningResult) -> str:
+    sources = [str(capture.meta.get("source", "")) or "capture" for capture in learned.captures]
     return f"What is missing in the model of {', '.join(sources)}"
 
 
-def _facts(story: Story) -> str:
+def _facts(learned: LearningResult) -> str:
     parts = []
-    for capture, signals in zip(story.captures, story.fit.prepared, strict=True):
+    for capture, signals in zip(learned.captures, learned.fit.prepared, strict=True):
         masked = int((~capture.mask).sum())
         parts.append(
             f"{capture.samples} samples, {capture.duration_s:.4g} s at {capture.rate_hz:.6g} Hz, "
@@ -82,35 +82,35 @@ def _facts(story: Story) -> str:
     return "; ".join(parts)
 
 
-def _found(story: Story) -> str:
+def _found(learned: LearningResult) -> str:
     """Each effect that came in: its law, its values, its evidence."""
-    if not story.found:
+    if not learned.found:
         return _paragraph("Nothing: no effect of the catalogue was added.")
     parts = []
-    for rung in story.ladder:
-        if rung.added not in story.found:
+    for step in learned.ladder:
+        if step.added not in learned.found:
             continue
-        entry = catalogued(rung.added, story.model.axis)
-        parts.append(f"<h3>{escape(rung.added)}</h3>")
+        entry = catalogued(step.added, learned.model.coordinate)
+        parts.append(f"<h3>{escape(step.added)}</h3>")
         parts.append(_paragraph(f"{entry.law}. Acts on the {entry.place}; shows {entry.shows}."))
-        parts.append(_paragraph(_evidence(rung)))
+        parts.append(_paragraph(_evidence(step)))
         parts.append(_paragraph(f"Source: {entry.source}.", "soft"))
         rows = [
             (name, f"{e.value:.5g}" if e.determined else "-", e.interval, e.unit)
-            for name, e in story.fit.params.items()
-            if name.split(".", 1)[0] == rung.added
+            for name, e in learned.fit.params.items()
+            if name.split(".", 1)[0] == step.added
         ]
         parts.append(_table("As fitted in the end", ("parameter", "value", "95 % interval", "unit"), rows))
     return "\n".join(parts)
 
 
-def _evidence(rung: Rung) -> str:
-    said = f"With it the RMS error changes by {percent(-rung.error_fall)}, to {rung.rmse:.4g}"
-    said += f" ({rung.rmse_heldout:.4g} on blocks that the fit did not see)."
-    if math.isfinite(rung.p_value):
-        said += f" Chance alone would do as well in {_chances(rung.p_value)}."
-    if rung.dropped:
-        said += f" It made superfluous: {', '.join(rung.dropped)}."
+def _evidence(step: LearningStep) -> str:
+    said = f"With it the RMS error changes by {percent(-step.error_fall)}, to {step.rmse:.4g}"
+    said += f" ({step.rmse_heldout:.4g} on blocks that the fit did not see)."
+    if math.isfinite(step.p_value):
+        said += f" Chance alone would do as well in {_chances(step.p_value)}."
+    if step.dropped:
+        said += f" It made superfluous: {', '.join(step.dropped)}."
     return said
 
 
@@ -118,38 +118,38 @@ def _chances(p_value: float) -> str:
     return "fewer than one capture of 1000" if p_value < 0.001 else f"{100.0 * p_value:.2g} captures of 100"
 
 
-def _why(story: Story) -> str:
+def _why(learned: LearningResult) -> str:
     said = "Where the first model failed: the residual along every axis, beside the band of chance."
     return "\n".join(
         [
-            _paragraph(f"The first model: {story.before.summary}"),
-            _figure(story.before.plot(), said),
-            _table("The error ladder", story.head, story.rows()),
+            _paragraph(f"The first model: {learned.before.summary}"),
+            _figure(learned.before.plot(), said),
+            _table("The error ladder", learned.head, learned.rows()),
         ]
     )
 
 
-def _alternatives(story: Story) -> str:
-    """What was weighed on each rung, and what looks alike in this capture."""
+def _alternatives(learned: LearningResult) -> str:
+    """What was weighed on each step, and what looks alike in this capture."""
     parts = []
-    for rung in story.ladder:
-        if rung.added is None or rung.diagnosis is None:
+    for step in learned.ladder:
+        if step.added is None or step.diagnosis is None:
             continue
-        parts.append(f"<h3>Instead of {escape(rung.added)}</h3>")
-        if rung.equivalent:
-            names = [rung.added, *rung.equivalent]
-            shows = [f"{name} shows {catalogued(name, story.model.axis).shows}" for name in names]
+        parts.append(f"<h3>Instead of {escape(step.added)}</h3>")
+        if step.equivalent:
+            names = [step.added, *step.equivalent]
+            shows = [f"{name} shows {catalogued(name, learned.model.coordinate).shows}" for name in names]
             parts.append(
                 _paragraph("This capture cannot tell them apart. Record a motion in which they differ:")
             )
             parts.append(_list(shows))
         else:
             parts.append(_paragraph("No other effect of the catalogue explains the capture as well."))
-        parts.append(_weighed(rung.diagnosis))
+        parts.append(_weighed(step.diagnosis))
     parts.append("<h3>Weighed in the end, and not added</h3>")
-    parts.append(_weighed(story.last))
-    if story.without:
-        parts.append(_paragraph(f"Not weighed at all: {', '.join(story.without)}."))
+    parts.append(_weighed(learned.last))
+    if learned.without:
+        parts.append(_paragraph(f"Not weighed at all: {', '.join(learned.without)}."))
     return "\n".join(parts)
 
 
@@ -162,10 +162,10 @@ def _weighed(diagnosis: Diagnosis) -> str:
     return picture + table + (left_out if diagnosis.left_out else "")
 
 
-def _remains(story: Story) -> str:
-    parts = [_paragraph(story.after.summary)]
-    if story.unexplained is not None:
-        what = story.unexplained
+def _remains(learned: LearningResult) -> str:
+    parts = [_paragraph(learned.after.summary)]
+    if learned.unexplained is not None:
+        what = learned.unexplained
         parts.append(
             _paragraph(
                 f"Unexplained: {100.0 * what.share:.0f} % of the remaining error variance lies along "
@@ -173,20 +173,20 @@ def _remains(story: Story) -> str:
             )
         )
     said = "Where the last model fails: the residual along every axis, beside the band of chance."
-    if len(story.ladder) > 1:
-        parts.append(_figure(story.after.plot(), said))
-    if story.disagreements:
+    if len(learned.ladder) > 1:
+        parts.append(_figure(learned.after.plot(), said))
+    if learned.disagreements:
         parts.append("<h3>Where the captures disagree</h3>")
-        parts.append(_list(f"{one}." for one in story.disagreements))
-    if story.lacks:
+        parts.append(_list(f"{one}." for one in learned.disagreements))
+    if learned.limitations:
         parts.append("<h3>What this capture cannot tell</h3>")
-        parts.append(_list(f"{lack.message}; {lack.record}." for lack in story.lacks))
+        parts.append(_list(f"{one.message}; {one.record}." for one in learned.limitations))
     return "\n".join(parts)
 
 
-def _sure(story: Story) -> str:
-    fit = story.fit
-    unit = "N m" if fit.model.axis == "rotary" else "N"
+def _sure(learned: LearningResult) -> str:
+    fit = learned.fit
+    unit = "N m" if fit.model.coordinate == "rotary" else "N"
     parts = [
         _paragraph(
             f"The sensor's noise alone would leave {fit.noise_floor:.4g} {unit}; the last model leaves "
@@ -204,8 +204,8 @@ def _sure(story: Story) -> str:
     return "\n".join(parts)
 
 
-def _made(story: Story) -> str:
-    signals = story.fit.signals
+def _made(learned: LearningResult) -> str:
+    signals = learned.fit.signals
     options = "".join(f", {name}={value:g}" for name, value in signals.options.items())
     return f"Made by knobcam {__version__}; signals prepared by '{signals.method}'{options}. SI units."
 

@@ -10,14 +10,14 @@ from ..fit import Fit
 from ..fit.compare import Comparison
 from ..fit.diagnose import Diagnosis
 from ..fit.stiction import Stiction
-from ..learn import Story
+from ..learn import LearningResult
 from ..model import Model
 from ..model.effects import Effect
 from ..render import Stability
 from ..render.loop_report import LoopReport
 from ..rig.calibration import Calibration
 from .linked import Look
-from .samples import Shown, rungs
+from .samples import Shown, steps
 from .tables import html as html
 
 if TYPE_CHECKING:
@@ -48,8 +48,8 @@ def plot(result: object) -> Figure:
             return pictures.stiction(result.fit, result)
         case Diagnosis():
             return pictures.diagnosis(result)
-        case Story():
-            return pictures.story(result)
+        case LearningResult():
+            return pictures.learned(result)
         case Stability():
             return pictures.stability(result)
         case LoopReport():
@@ -66,15 +66,15 @@ def look(result: object) -> Look:
             return Look((Shown("fit", result),))
         case Diagnosis():
             return Look((Shown("fit", result.fit, result),))
-        case Story():
-            return Look(rungs(result))
+        case LearningResult():
+            return Look(steps(result))
     raise TypeError(f"{type(result).__name__} has no linked plots")
 
 
 def report(result: object, path: str | os.PathLike[str]) -> Path:
-    """Write the report of a story and return its path."""
+    """Write the report of what was learned and return its path."""
     from .report import write
 
-    if not isinstance(result, Story):
+    if not isinstance(result, LearningResult):
         raise TypeError(f"{type(result).__name__} has no report")
     return write(result, path)

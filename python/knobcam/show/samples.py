@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+
+from ..base import pages
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -12,7 +14,7 @@ if TYPE_CHECKING:
     from ..base.arrays import FloatArray
     from ..fit import Fit
     from ..fit.diagnose import Diagnosis
-    from ..learn import Story
+    from ..learn import LearningResult
     from ..learn.ladder import Unexplained
 
 _MOTION = ("theta", "omega", "tau")
@@ -39,36 +41,43 @@ class Shown(NamedTuple):
         parts = [one.on_capture(core.torque(one.core) - one.tau) for one in self.fit.prepared]
         return self.fit.residual + np.concatenate(parts)
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> pages.ShownStep:
         """Return what a page lists of it."""
-        candidates = None
-        if self.weighed is not None:
-            candidates = {
-                "ready": True,
-                "rows": [one.evidence() for one in self.weighed.candidates],
-                "unexplained": self.unexplained and self.unexplained._asdict(),
-            }
-        return {"label": self.label, "rmse": self.fit.rmse, "candidates": candidates}
+        weighed = None if self.weighed is None else candidates(self.weighed, self.unexplained)
+        return {"label": self.label, "rmse": self.fit.rmse, "candidates": weighed}
 
 
-def rungs(story: Story) -> tuple[Shown, ...]:
-    """Return every rung of a ladder, with what was weighed on it."""
-    weighed = [*(rung.diagnosis for rung in story.ladder[1:]), story.last]
-    left = [*(None for _ in story.ladder[1:]), story.unexplained]
-    labels = [f"+ {rung.added}" if rung.added else "first model" for rung in story.ladder]
-    fits = [rung.fit for rung in story.ladder]
+def candidates(weighed: Diagnosis, unexplained: Unexplained | None) -> pages.Candidates:
+    """Return what a page lists of what was weighed."""
+    rest: pages.Unexplained | None = None
+    if unexplained is not None:
+        rest = {"axis": unexplained.axis, "share": unexplained.share, "hint": unexplained.hint}
+    return {
+        "ready": True,
+        "rows": [one.evidence() for one in weighed.candidates],
+        "unexplained": rest,
+        "left_out": dict(weighed.left_out),
+    }
+
+
+def steps(learned: LearningResult) -> tuple[Shown, ...]:
+    """Return every step of a ladder, with what was weighed on it."""
+    weighed = [*(step.diagnosis for step in learned.ladder[1:]), learned.last]
+    left = [*(None for _ in learned.ladder[1:]), learned.unexplained]
+    labels = [f"+ {step.added}" if step.added else "first model" for step in learned.ladder]
+    fits = [step.fit for step in learned.ladder]
     return tuple(map(Shown, labels, fits, weighed, left))
 
 
-def head(shown: Sequence[Shown]) -> dict[str, Any]:
-    """Return all but the samples: units, noise floor, how many samples there are, the rungs."""
+def head(shown: Sequence[Shown]) -> pages.Shown:
+    """Return all but the samples: units, noise floor, how many samples there are, the steps."""
     last = shown[-1].fit
     return {
-        "unit": "N m" if last.model.axis == "rotary" else "N",
-        "axis": last.model.axis,
+        "unit": "N m" if last.model.coordinate == "rotary" else "N",
+        "coordinate": last.model.coordinate,
         "noise": last.noise_floor,
         "all": sum(one.capture.samples for one in last.prepared),
-        "rungs": [rung.document() for rung in shown],
+        "steps": [step.document() for step in shown],
     }
 
 

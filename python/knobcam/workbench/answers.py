@@ -3,19 +3,37 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 from starlette.responses import Response
 
+from ..base import pages
 from ..base.strict_json import as_json
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from .jobs import Job
+    from .session import Session
 
 
-def json_answer(document: dict[str, Any], status: int = 200) -> Response:
+def json_answer(document: Mapping[str, Any], status: int = 200) -> Response:
     """Return a document as strict JSON."""
     return Response(as_json(document, indent=None), status, media_type="application/json")
+
+
+def answered(session: Session, **more: Unpack[pages.More]) -> Response:
+    """Return at which revision a session is, and what else there is to say."""
+    answer: pages.Answer = {"revision": session.revision, **more}
+    return json_answer(answer)
+
+
+def refusal(said: str, status: int, columns: list[pages.FileColumn] | None = None) -> Response:
+    """Return what is wrong; `columns` of a file that could not be taken for a capture."""
+    refused: pages.Refused = {"error": said}
+    if columns is not None:
+        refused["columns"] = columns
+    return json_answer(refused, status)
 
 
 def bytes_answer(content: bytes) -> Response:

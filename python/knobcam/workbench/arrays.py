@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..base import pages
 from ..base.strict_json import as_json
 from ..errors import InputError
 
@@ -53,9 +54,12 @@ def signature(candidate: Candidate, view: View, at: int) -> bytes:
     return packed({candidate.effect: signals.on_capture(step)})
 
 
-def packed(found: Mapping[str, FloatArray], **more: Any) -> bytes:
+def packed(found: Mapping[str, FloatArray], live: pages.Live | None = None) -> bytes:
     """Return columns of one length as a header line, filled up to whole floats, and their values."""
     n = len(next(iter(found.values())))
-    head = as_json({"names": list(found), "n": n, "dtype": "f32", **more}, indent=None).encode() + b"\n"
+    told: pages.ColumnsHead = {"names": list(found), "n": n, "dtype": "f32"}
+    if live is not None:
+        told["live"] = live
+    head = as_json(told, indent=None).encode() + b"\n"
     head += bytes(-len(head) % _ALIGNED)
     return head + b"".join(np.ascontiguousarray(values, dtype="<f4").tobytes() for values in found.values())

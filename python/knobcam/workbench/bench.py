@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
+from ..base import pages
 from . import state
 from .jobs import Job, Worker
 from .recorder import Recorder
@@ -14,7 +15,7 @@ from .tree import Start
 
 _PAUSE_S = 0.02
 _AFTER_S = 1.0  # so that a page that has just been told of a fit can draw it first
-Hear = Callable[[str, dict[str, Any]], None]
+Hear = Callable[[str, Mapping[str, Any]], None]
 """Called with the name of an event and its content, from any thread."""
 
 
@@ -30,11 +31,14 @@ class Bench:
         self._weighed = ""
         self._lock = threading.Lock()
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> pages.State:
         """Return the state of the session, and what is being done."""
         job = self.work.current or self.weighing.current
-        busy = {"job": None if job is None else _described(job), "recording": self.recorder.busy}
-        return state.document(self.session) | busy
+        return {
+            **state.document(self.session),
+            "job": None if job is None else self._described(job),
+            "recording": self.recorder.busy,
+        }
 
     def weigh(self, after_s: float = 0.0) -> Job:
         """Weigh what could be missing where the session is; what was weighed elsewhere is given up."""
@@ -83,16 +87,13 @@ class Bench:
 
     def _moved(self, job: Job) -> None:
         if job.active:
-            told = _described(job)
-            progress = {"job": told["id"], "what": told["what"], "done": told["done"]}
-            self._say("progress", progress | {"recording": job is self.recorder.job})
+            self._say("progress", self._described(job))
         else:
             self._say("state", {"revision": self.session.revision})
 
-    def _say(self, event: str, content: dict[str, Any]) -> None:
+    def _say(self, event: str, content: Mapping[str, Any]) -> None:
         for hear in list(self.listeners):
             hear(event, content)
 
-
-def _described(job: Job) -> dict[str, Any]:
-    return {"id": job.id, "what": job.what, "done": job.done}
+    def _described(self, job: Job) -> pages.Job:
+        return {"id": job.id, "what": job.what, "done": job.done, "recording": job is self.recorder.job}

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 _JSON_BYTES = 16_000_000  # the indices of a million samples, and room to spare
 _NAME = 100  # characters of a file's name
-_OPTIONS = ("map", "axis", "rate", "start", "end")
+_OPTIONS = ("map", "coordinate", "rate_hz", "start", "end")
 
 
 class TooLarge(InputError):
@@ -107,15 +107,15 @@ def reading(given: Mapping[str, Any]) -> dict[str, Any]:
         value = given.get(name)
         if value is None or value == "":
             continue
-        if name in ("map", "axis"):
+        if name in ("map", "coordinate"):
             options[name] = text(given, name)
             continue
         try:
             options[name] = float(value)
         except (TypeError, ValueError):
             raise InputError(f"{name}={value!r} is no number; give one in SI") from None
-    if options.get("axis", "rotary") not in ("rotary", "linear"):
-        raise InputError(f"axis={options['axis']!r} is unknown; choose rotary or linear")
+    if options.get("coordinate", "rotary") not in ("rotary", "linear"):
+        raise InputError(f"coordinate={options['coordinate']!r} is unknown; choose rotary or linear")
     return options
 
 

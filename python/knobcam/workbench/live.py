@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import threading
 from concurrent.futures import Future
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..base import pages
 from ..rig.tail import Tail
 from .arrays import packed
 from .jobs import Cancelled
@@ -76,21 +77,22 @@ class Live:
             columns = self._thinned.since(since) or {name: np.zeros(0) for name in _COLUMNS}
             return packed(columns, live=self._told())
 
-    def _told(self) -> dict[str, Any]:
-        told: dict[str, Any] = {
+    def _told(self) -> pages.Live:
+        told: pages.Live = {
             "what": self.what,
             "log": str(self.log),
             "every": self._thinned.every,
             "done": self.done,
             "ended": self.ended.is_set(),
-            "error": self.failure and " ".join(str(self.failure).split()),
+            "error": None if self.failure is None else " ".join(str(self.failure).split()),
             "capture": self.capture,
         }
         if self._figures is None or self._tail is None or self._tail.device is None:
             return told
         figures, device = self._figures, self._tail.device
         rate = device["rate_hz"]
-        return told | {
+        return {
+            **told,
             "elapsed_s": (figures.received + figures.missing) / rate,
             "total_s": self._tail.planned / rate,
             "received": figures.received,

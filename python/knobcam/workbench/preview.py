@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
+    from ..base import pages
     from ..base.arrays import FloatArray
 
 _MOST = 60  # columns; what has more was not meant to be looked at
@@ -23,7 +24,7 @@ _WIDE = 60  # pieces of a column's outline
 class Unmapped(InputError):
     """A file that has columns, but not those of a capture; `columns` describes them."""
 
-    def __init__(self, said: str, columns: list[dict[str, Any]]) -> None:
+    def __init__(self, said: str, columns: list[pages.FileColumn]) -> None:
         super().__init__(said)
         self.columns = columns
 
@@ -43,7 +44,7 @@ def explained(error: InputError, path: Path, options: Mapping[str, Any], max_byt
     return error
 
 
-def _described(name: str, column: FloatArray) -> dict[str, Any]:
+def _described(name: str, column: FloatArray) -> pages.FileColumn:
     """A column's name, rows, range, and its outline: lowest and highest of each piece, from 0 to 1."""
     finite = column[np.isfinite(column)]
     if not len(finite):
@@ -51,5 +52,5 @@ def _described(name: str, column: FloatArray) -> dict[str, Any]:
     low, high = float(finite.min()), float(finite.max())
     shares = (column - low) / (high - low or 1.0)
     pieces = [piece[np.isfinite(piece)] for piece in np.array_split(shares, min(_WIDE, len(column)))]
-    outline = [[float(piece.min()), float(piece.max())] for piece in pieces if len(piece)]
+    outline = [(float(piece.min()), float(piece.max())) for piece in pieces if len(piece)]
     return {"name": name, "rows": len(column), "low": low, "high": high, "outline": outline}

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Unpack
 
 from starlette.concurrency import run_in_threadpool
 
+from ..base import pages
 from ..errors import InputError
 from . import sources
-from .answers import bytes_answer, finished, json_answer
+from .answers import answered, bytes_answer, finished, json_answer
 from .bodies import flag, read_json, text
 
 if TYPE_CHECKING:
@@ -80,5 +81,5 @@ class Recording:
             raise InputError(f"capture {asked!r} is not in this session")
         return self._now(hidden=list(opened.hidden))
 
-    def _now(self, **more: object) -> Response:
-        return json_answer({"revision": self.bench.session.revision, **more})
+    def _now(self, **more: Unpack[pages.More]) -> Response:
+        return answered(self.bench.session, **more)

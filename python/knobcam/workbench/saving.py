@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING
 from ..base.atomic import write_atomically, write_text_atomically
 from ..errors import InputError
 from ..show import plot
+from .learned import learned
 from .script import script
-from .story import story
 
 if TYPE_CHECKING:
-    from ..learn import Story
+    from ..learn import LearningResult
     from ..model.effects import Effect
     from .session import Session, Tell
 
@@ -44,9 +44,9 @@ def save(session: Session, what: str, path: Path, tell: Tell) -> Path:
     return target
 
 
-def told(session: Session, tell: Tell) -> Story:
-    """Return the story of the current branch; what is not weighed yet is weighed for it."""
-    return story(session.branch.done, session.weigh(tell))
+def told(session: Session, tell: Tell) -> LearningResult:
+    """Return what the current branch has learned; what is not weighed yet is weighed for it."""
+    return learned(session.branch.done, session.weigh(tell))
 
 
 def drawn(effect: Effect) -> bytes:
@@ -80,7 +80,7 @@ def _figures(session: Session, target: Path, tell: Tell) -> None:
     tell("drawing the figures")
     try:
         plot.save_all(whole.fit, target / "fit", whole.after)
-        plot.save_story(whole, target / "story")
+        plot.save_learning(whole, target / "story")
     except OSError as error:
         why = error.strerror or error
         raise InputError(f"{target}: cannot be written ({why}); choose another place") from error

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import secrets
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, cast
+from typing import Any, Unpack, cast
 
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
@@ -20,13 +20,14 @@ from starlette.responses import Response, StreamingResponse
 from starlette.routing import Route
 from starlette.types import ASGIApp
 
+from ..base import pages
 from ..base.strict_json import as_json
 from ..capture import load
 from ..capture.formats import DEFAULT_MAX_BYTES
 from ..errors import InputError
 from ..model.effects import effect as catalogued
 from . import arrays, saving
-from .answers import bytes_answer, finished, json_answer
+from .answers import answered, bytes_answer, finished, json_answer, refusal
 from .bench import Bench
 from .bodies import TooLarge, file_name, flag, indices, read_json, reading, receive, text
 from .guard import Guard
@@ -85,18 +86,18 @@ def new_token() -> str:
 
 
 async def _wrong(_: Request, error: Exception) -> Response:
-    columns = {"columns": error.columns} if isinstance(error, Unmapped) else {}
-    return json_answer({"error": str(error), **columns}, 413 if isinstance(error, TooLarge) else 400)
+    columns = error.columns if isinstance(error, Unmapped) else None
+    return refusal(str(error), 413 if isinstance(error, TooLarge) else 400, columns)
 
 
 async def _unknown(_: Request, error: Exception) -> Response:
     status = error.status_code if isinstance(error, HTTPException) else 500
-    return json_answer({"error": "there is nothing of that name"}, status)
+    return refusal("there is nothing of that name", status)
 
 
 async def _failed(_: Request, error: Exception) -> Response:
     said = " ".join(f"{type(error).__name__}: {error}".split())
-    return json_answer({"error": f"the program failed ({said}); please report it"}, 500)
+    return refusal(f"the program failed ({said}); please report it", 500)
 
 
 class _Server:
@@ -273,7 +274,7 @@ class _Server:
     async def _events(self) -> AsyncIterator[str]:
         loop, heard = asyncio.get_running_loop(), asyncio.Queue[str]()
 
-        def hear(event: str, content: dict[str, Any]) -> None:
+        def hear(event: str, content: Mapping[str, Any]) -> None:
             line = f"event: {event}\ndata: {as_json(content, indent=None)}\n\n"
             with suppress(RuntimeError):  # the server has ended
                 loop.call_soon_threadsafe(heard.put_nowait, line)
@@ -289,8 +290,8 @@ class _Server:
         finally:
             self.bench.listeners.discard(hear)
 
-    def _now(self, **more: Any) -> Response:
-        return json_answer({"revision": self.session.revision, **more})
+    def _now(self, **more: Unpack[pages.More]) -> Response:
+        return answered(self.session, **more)
 
     async def _short(self, change: Callable[..., Any], *given: Any) -> Response:
         await run_in_threadpool(change, *given)

@@ -186,10 +186,10 @@ class Session:
         evidence: dict[str, Any] = {"diagnosis": diagnosis}
         if weighed:
             evidence |= {"p_value": weighed[0].p_value, "equivalent": weighed[0].equivalent}
-        # What was weighed has been fitted with the effect already, and only has to settle; where clipped
+        # What was weighed has been fitted with the effect already, and only has to converge; where clipped
         # samples were counted for that, it was a fit of something else.
         if weighed and diagnosis is not None and diagnosis.fit is node.fit:
-            richer = refit.settle(weighed[0].fit)
+            richer = refit.converged(weighed[0].fit)
         else:
             richer = refit.add(node.fit, effect, lambda _: tell(doing))
         tell(f"putting {effect} in place")
@@ -211,7 +211,7 @@ class Session:
             return known
         doing = "weighing what could be missing"
         tell(doing)
-        described = descriptions(node.fit.model.axis)
+        described = descriptions(node.fit.model.coordinate)
         diagnosis = diagnose(node.fit, without=described, progress=lambda share: tell(doing, share))
         _ = diagnosis.comparison.summary  # computed here, where nobody waits for it
         self._diagnoses[node.id] = diagnosis  # whoever comes back to the node has it, wanted now or not

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
+from ..base import pages
 from ..errors import InputError
 from ..model import KNOBS, Model
 from ..model.effects import effects
@@ -134,7 +135,7 @@ class OnPort:
         )
 
 
-def document() -> dict[str, Any]:
+def document() -> pages.Sources:
     """Return what there is to choose from."""
     laws = effects()
     return {

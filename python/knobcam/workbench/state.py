@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from ..base import pages
 from ..errors import InputError
-from ..learn.lacks import lacks
+from ..learn.limitations import limitations
 from ..learn.selection import choose
 from ..model.effects import effects
-from .story import conclusion, in_vain, ladder
+from ..show.samples import candidates
+from .learned import conclusion, in_vain, ladder
 
 if TYPE_CHECKING:
     from ..fit import Estimate
     from ..fit.diagnose import Diagnosis
-    from ..learn.ladder import Rung
+    from ..learn.ladder import LearningStep
     from ..learn.selection import Selection
     from ..model import Model, Parameter
     from ..model.effects import Effect
@@ -26,53 +28,52 @@ SCHEMA = "knobcam.workbench/1"
 _SURE = 2.0  # standard errors beyond a plausible range
 
 
-def document(session: Session) -> dict[str, Any]:
+def document(session: Session) -> pages.Session:
     """Return the state of a session; what is not a number is NaN, and JSON has null for it."""
     with session.lock:
-        known: dict[str, Any] = {
-            "schema": SCHEMA,
-            "revision": session.revision,
-            "captures": [_capture(one) for one in session.captures.values()],
-            "branches": [_branch(one) for one in session.branches.values()],
-        }
+        known = _nothing(session)
         if not session.branches:
-            return known | _nothing()
+            return known
         branch, view = session.branch, session.view
         diagnosis = session.diagnosis_of(branch.node.id)
     fitted = view.fit
-    rungs = ladder(branch.done)
+    steps = ladder(branch.done)
     # Where something is left to be added nothing is concluded yet.
     end = None
     if diagnosis is not None and choose(diagnosis) is None:
-        end = conclusion(rungs, diagnosis)
-    return known | {
+        end = conclusion(steps, diagnosis)
+    left = None if end is None else end.unexplained
+    return {
+        **known,
         "active": list(view.node.captures),
         "branch": branch.id,
         "node": view.id,
         "noise_floor": fitted.noise_floor,
-        "unit": "N m" if fitted.model.axis == "rotary" else "N",
+        "unit": "N m" if fitted.model.coordinate == "rotary" else "N",
         "params": _parameters(view),
         "rmse": view.rmse,
         "rmse_heldout": view.rmse_heldout,
-        "verdict_text": _verdict(rungs, diagnosis, end),
+        "verdict_text": _verdict(steps, diagnosis, end),
         "ladder": [
             {
-                "label": "first model" if rung.added is None else f"+ {rung.added}",
-                "rmse": rung.rmse,
-                "rmse_heldout": rung.rmse_heldout,
+                "label": "first model" if step.added is None else f"+ {step.added}",
+                "rmse": step.rmse,
+                "rmse_heldout": step.rmse_heldout,
             }
-            for rung in rungs
+            for step in steps
         ],
-        "candidates": _candidates(diagnosis, end),
+        "candidates": known["candidates"] if diagnosis is None else candidates(diagnosis, left),
         "warnings": list(fitted.warnings),
-        "lacks": [f"{lack.message}; {lack.record}" for lack in lacks(fitted)],
+        "limitations": [f"{one.message}; {one.record}" for one in limitations(fitted)],
         "absent": [one.document() for one in absent(fitted.model)],
     }
 
 
 def absent(model: Model) -> list[Effect]:
     """Return the effects that a model could be given."""
-    return [one for one in effects(model.axis).values() if one.id not in model.effects and _fits(one, model)]
+    return [
+        one for one in effects(model.coordinate).values() if one.id not in model.effects and _fits(one, model)
+    ]
 
 
 def _fits(effect: Effect, model: Model) -> bool:
@@ -83,31 +84,44 @@ def _fits(effect: Effect, model: Model) -> bool:
     return True
 
 
-def _nothing() -> dict[str, Any]:
+def _nothing(session: Session) -> pages.Session:
+    """What is told of a session before anything is fitted in it."""
     return {
-        **{"active": [], "branch": None, "node": None, "noise_floor": math.nan, "unit": "N m"},
-        **{"params": [], "rmse": math.nan, "rmse_heldout": math.nan, "ladder": [], "warnings": []},
-        "lacks": [],
+        "schema": SCHEMA,
+        "revision": session.revision,
+        "captures": [_capture(one) for one in session.captures.values()],
+        "branches": [_branch(one) for one in session.branches.values()],
+        "active": [],
+        "branch": None,
+        "node": None,
+        "noise_floor": None,
+        "unit": "N m",
+        "params": [],
+        "rmse": None,
+        "rmse_heldout": None,
         "verdict_text": "Open a capture to begin.",
+        "ladder": [],
+        "candidates": {"ready": False, "rows": [], "unexplained": None, "left_out": {}},
+        "warnings": [],
+        "limitations": [],
         "absent": [],
-        "candidates": {"ready": False, "rows": [], "unexplained": None},
     }
 
 
-def _capture(opened: Opened) -> dict[str, Any]:
+def _capture(opened: Opened) -> pages.CaptureInfo:
     capture = opened.capture
     return {
         "id": opened.id,
         "name": opened.name,
         "samples": capture.samples,
         "rate_hz": capture.rate_hz,
-        "axis": capture.axis,
+        "coordinate": capture.coordinate,
         "findings": [str(finding) for finding in capture.findings],
         "hides": bool(opened.hidden),
     }
 
 
-def _branch(branch: Branch) -> dict[str, Any]:
+def _branch(branch: Branch) -> pages.Branch:
     return {
         "id": branch.id,
         "name": branch.name,
@@ -126,9 +140,9 @@ def _branch(branch: Branch) -> dict[str, Any]:
     }
 
 
-def _parameters(view: View) -> list[dict[str, Any]]:
-    catalogue = effects(view.model.axis)
-    rows = []
+def _parameters(view: View) -> list[pages.Param]:
+    catalogue = effects(view.model.coordinate)
+    rows: list[pages.Param] = []
     for name, now in view.model.params.items():
         effect, own = name.split(".", 1)
         info = catalogue[effect].parameter(own)
@@ -137,7 +151,7 @@ def _parameters(view: View) -> list[dict[str, Any]]:
             {
                 "name": name,
                 "value": now.value,
-                "ci95": list(estimate.ci95) if estimate.determined else None,
+                "ci95": estimate.ci95 if estimate.determined else None,
                 "unit": now.unit,
                 "role": now.role,
                 "fitted": estimate.value,
@@ -145,7 +159,7 @@ def _parameters(view: View) -> list[dict[str, Any]]:
                 "lower": info.lower,
                 "upper": info.upper,
                 "meaning": info.meaning,
-                "odd": _odd(name, estimate, info.plausible, view),
+                "doubt": _doubt(name, estimate, info.plausible, view),
             }
         )
     return rows
@@ -155,7 +169,7 @@ def _moved(name: str, now: Parameter, view: View) -> bool:
     return name in view.dragged or (bool(view.dragged) and now.role in view.dragged)
 
 
-def _odd(name: str, estimate: Estimate, plausible: tuple[float, float], view: View) -> str | None:
+def _doubt(name: str, estimate: Estimate, plausible: tuple[float, float], view: View) -> str | None:
     """What is doubtful about a fitted value, if anything is."""
     if name in view.fit.undetermined:
         return view.fit.undetermined[name]
@@ -167,11 +181,11 @@ def _odd(name: str, estimate: Estimate, plausible: tuple[float, float], view: Vi
     if low <= estimate.value + margin and estimate.value - margin <= high:
         return None
     limits = f"at least {low:g}" if math.isinf(high) else f"{low:g} to {high:g}"
-    return f"{estimate.value:.3g} is unphysical: it should be {limits}"
+    return f"{estimate.value:.3g} is implausible: it should be {limits}"
 
 
-def _verdict(rungs: list[Rung], diagnosis: Diagnosis | None, end: Selection | None) -> str:
-    useless = in_vain(rungs)
+def _verdict(steps: list[LearningStep], diagnosis: Diagnosis | None, end: Selection | None) -> str:
+    useless = in_vain(steps)
     was, it = ("was", "it") if len(useless) == 1 else ("were", "they")
     said = f"{' and '.join(useless)} {was} added, and {it} took off no more than chance. " if useless else ""
     if diagnosis is None:
@@ -181,15 +195,3 @@ def _verdict(rungs: list[Rung], diagnosis: Diagnosis | None, end: Selection | No
     names = " and ".join(end.found)
     was = "was" if len(end.found) == 1 else "were"
     return f"{said}{names} {was} missing. {diagnosis.comparison.summary}"
-
-
-def _candidates(diagnosis: Diagnosis | None, end: Selection | None) -> dict[str, Any]:
-    if diagnosis is None:
-        return {"ready": False, "rows": [], "unexplained": None}
-    unexplained = end.unexplained if end else None
-    return {
-        "ready": True,
-        "rows": [one.evidence() for one in diagnosis.candidates],
-        "unexplained": None if unexplained is None else unexplained._asdict(),
-        "left_out": dict(diagnosis.left_out),
-    }

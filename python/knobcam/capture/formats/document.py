@@ -17,13 +17,13 @@ SCHEMA = "knobcam.capture/1"
 
 
 def build(
-    axis: str, rate_hz: float, meta: Mapping[str, Any], mask: BoolArray, findings: tuple[Finding, ...]
+    coordinate: str, rate_hz: float, meta: Mapping[str, Any], mask: BoolArray, findings: tuple[Finding, ...]
 ) -> dict[str, Any]:
     """Return the document; InputError when `meta` holds what JSON cannot."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], ~mask, [False]))))
     document = {
         "schema": SCHEMA,
-        "axis": axis,
+        "axis": coordinate,
         "rate_hz": rate_hz,
         "samples": len(mask),
         "masked_rows": [[int(a) + 1, int(b)] for a, b in zip(edges[::2], edges[1::2], strict=True)],

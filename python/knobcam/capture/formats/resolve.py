@@ -9,9 +9,9 @@ from ...errors import InputError
 from .columnmap import TARGETS, ColumnMap, Entry, example_map, parse_map
 from .expression import evaluate
 from .table import Table
-from .units import SI, Axis, to_si
+from .units import SI, Coordinate, to_si
 
-CONTRACT: dict[Axis, dict[str, str]] = {
+CONTRACT: dict[Coordinate, dict[str, str]] = {
     "rotary": {
         "t": "t_s",
         "theta": "theta_rad",
@@ -21,7 +21,7 @@ CONTRACT: dict[Axis, dict[str, str]] = {
     },
     "linear": {"t": "t_s", "theta": "theta_m", "omega": "omega_m_s", "alpha": "alpha_m_s2", "tau": "tau_N"},
 }
-"""Column names that are understood without a map, by axis and column of a capture."""
+"""Column names that are understood without a map, by coordinate and column of a capture."""
 
 
 @dataclass(frozen=True)
@@ -29,16 +29,16 @@ class Resolved:
     """The columns of a capture in SI, shape (samples,) each, with where they came from."""
 
     columns: dict[str, FloatArray]
-    axis: Axis
+    coordinate: Coordinate
     entries: dict[str, Entry]
 
 
-def resolve(table: Table, column_map: ColumnMap | None, axis: Axis | None) -> Resolved:
+def resolve(table: Table, column_map: ColumnMap | None, coordinate: Coordinate | None) -> Resolved:
     """Return the columns of a capture; InputError names the columns found and an example of a map."""
-    if axis is not None and axis not in SI:
-        raise InputError(f"axis={axis!r} is unknown; choose rotary or linear")
+    if coordinate is not None and coordinate not in SI:
+        raise InputError(f"coordinate={coordinate!r} is unknown; choose rotary or linear")
     if column_map is None:
-        entries, axis = _by_contract(table, axis)
+        entries, coordinate = _by_contract(table, coordinate)
     else:
         entries = parse_map(column_map)
     columns: dict[str, FloatArray] = {}
@@ -47,12 +47,12 @@ def resolve(table: Table, column_map: ColumnMap | None, axis: Axis | None) -> Re
             continue
         entry = entries[target]
         factor, implied = (1.0, None) if entry.unit is None else to_si(target, entry.unit)
-        if implied is not None and axis is not None and implied != axis:
+        if implied is not None and coordinate is not None and implied != coordinate:
             raise InputError(
-                f"map: {target} in [{entry.unit}] is for a {implied} axis, but the axis is {axis}; "
-                f"change the unit or the axis"
+                f"map: {target} in [{entry.unit}] is for a {implied} axis, but it is {coordinate}; "
+                f"change the unit or the coordinate"
             )
-        axis = implied or axis
+        coordinate = implied or coordinate
         values = evaluate(entry.expression, table.column)
         if values.ndim == 0:
             raise InputError(
@@ -60,16 +60,16 @@ def resolve(table: Table, column_map: ColumnMap | None, axis: Axis | None) -> Re
             )
         columns[target] = values if factor == 1.0 else values * factor
     _check_lengths(table, columns, entries)
-    return Resolved(columns, axis or "rotary", entries)
+    return Resolved(columns, coordinate or "rotary", entries)
 
 
-def _by_contract(table: Table, axis: Axis | None) -> tuple[dict[str, Entry], Axis]:
+def _by_contract(table: Table, coordinate: Coordinate | None) -> tuple[dict[str, Entry], Coordinate]:
     known = {*table.columns, *table.broken}
     for candidate, names in CONTRACT.items():
-        if axis in (None, candidate) and {names["theta"], names["tau"]} <= known:
+        if coordinate in (None, candidate) and {names["theta"], names["tau"]} <= known:
             found = {target: Entry(f"`{name}`", None) for target, name in names.items() if name in known}
             return found, candidate
-    wanted = CONTRACT[axis or "rotary"]
+    wanted = CONTRACT[coordinate or "rotary"]
     raise InputError(
         f"{table.source}: no columns {wanted['theta']} and {wanted['tau']}; the file has {table.listing()}; "
         f"say which is which, for example {example_map(table.columns)}"

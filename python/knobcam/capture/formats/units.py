@@ -9,28 +9,29 @@ from typing import Any, Literal
 from ...base.optional import require
 from ...errors import InputError
 
-Axis = Literal["rotary", "linear"]
+Coordinate = Literal["rotary", "linear"]
 
-SI: dict[Axis, dict[str, str]] = {
+SI: dict[Coordinate, dict[str, str]] = {
     "rotary": {"t": "s", "theta": "rad", "omega": "rad/s", "alpha": "rad/s^2", "tau": "N m"},
     "linear": {"t": "s", "theta": "m", "omega": "m/s", "alpha": "m/s^2", "tau": "N"},
 }
-"""The SI unit of each column of a capture, by axis."""
+"""The SI unit of each column of a capture, by its coordinate."""
 
 _NOT_UNITS = re.compile(r"\b(counts?|ticks?|steps?|lsb|pulses?)\b", re.IGNORECASE)
 _TORQUE_SPELLING = re.compile(r"\b([numkM]?N)[ .*-]?([cm]?m)\b")
 
 
-def to_si(target: str, unit: str) -> tuple[float, Axis | None]:
-    """Return the factor from `unit` to the SI unit of column `target`, and the axis that the unit implies.
+def to_si(target: str, unit: str) -> tuple[float, Coordinate | None]:
+    """Return the factor from `unit` to the SI unit of column `target`, and the coordinate that it implies.
 
-    The axis is None where both share the unit (t). Raises InputError for an unknown unit or one of the wrong
-    dimension. An angle needs an angle in its unit: a bare 1/s would leave a factor of 2 pi to be guessed.
+    The coordinate is None where both share the unit (t). Raises InputError for an unknown unit or one of the
+    wrong dimension. An angle needs an angle in its unit: a bare 1/s would leave a factor of 2 pi to be
+    guessed.
     """
     spelling = " ".join(unit.split())
-    for axis, units in SI.items():
+    for coordinate, units in SI.items():
         if spelling == units[target]:
-            return 1.0, None if target == "t" else axis
+            return 1.0, None if target == "t" else coordinate
     if _NOT_UNITS.search(spelling):
         raise InputError(
             f"map: {target} in [{spelling}]: a count is not a unit; divide by the counts per turn, "
@@ -43,10 +44,10 @@ def to_si(target: str, unit: str) -> tuple[float, Axis | None]:
         raise InputError(
             f"map: {target} in [{spelling}]: unknown unit; write for example {_examples(target)}"
         ) from error
-    for axis, units in SI.items():
+    for coordinate, units in SI.items():
         reference = registry.Quantity(1.0, units[target]).to_root_units()
         if quantity.units == reference.units:
-            return float(quantity.magnitude / reference.magnitude), None if target == "t" else axis
+            return float(quantity.magnitude / reference.magnitude), None if target == "t" else coordinate
     raise InputError(
         f"map: {target} in [{spelling}] has the wrong dimension; expected for example {_examples(target)}"
     )

@@ -9,7 +9,7 @@ import numpy as np
 from ...base.arrays import BoolArray, FloatArray
 from ...errors import InputError
 from ..finding import Finding, Rows, first_rows, rows_in_words
-from ..formats.units import Axis
+from ..formats.units import Coordinate
 from .motion import check_scale, check_stuck, check_wrapped
 from .timing import check_times
 from .torque import check_clipping, check_size
@@ -30,7 +30,7 @@ class Checked:
     present: frozenset[str]
 
 
-def check(columns: dict[str, FloatArray], axis: Axis, rows: Rows, source: str) -> Checked:
+def check(columns: dict[str, FloatArray], coordinate: Coordinate, rows: Rows, source: str) -> Checked:
     """Check the columns t, theta, tau and, where there, omega and alpha: SI, shape (samples,) each.
 
     `rows` is the data row of each sample, from 1. Raises InputError when there is nothing to work with: fewer
@@ -39,10 +39,10 @@ def check(columns: dict[str, FloatArray], axis: Axis, rows: Rows, source: str) -
     if len(rows) < 2:
         raise InputError(f"{source}: {len(rows)} rows of data; a capture needs at least 2, better thousands")
     with np.errstate(all="ignore"):
-        return _check(columns, axis, rows, source)
+        return _check(columns, coordinate, rows, source)
 
 
-def _check(columns: dict[str, FloatArray], axis: Axis, rows: Rows, source: str) -> Checked:
+def _check(columns: dict[str, FloatArray], coordinate: Coordinate, rows: Rows, source: str) -> Checked:
     findings: list[Finding] = []
     present = dict(columns)
     for name, values in columns.items():
@@ -79,14 +79,14 @@ def _check(columns: dict[str, FloatArray], axis: Axis, rows: Rows, source: str) 
         )
     clipped, found = check_clipping(present["tau"], present["theta"], mask, rows)
     findings += found
-    findings += check_size(present["tau"], mask, axis)
+    findings += check_size(present["tau"], mask, coordinate)
     for name in ("theta", "omega", "alpha", "tau"):
         if name in present:
             findings += check_stuck(name, present[name], mask)
-    findings += check_wrapped(present["theta"], mask, rows, axis)
+    findings += check_wrapped(present["theta"], mask, rows, coordinate)
     for order, name in enumerate(("omega", "alpha"), start=1):
         if name in present:
-            findings += check_scale(present["t"], present["theta"], present[name], order, mask, axis)
+            findings += check_scale(present["t"], present["theta"], present[name], order, mask, coordinate)
     return Checked(mask & ~clipped, tuple(findings), rate, frozenset(present))
 
 

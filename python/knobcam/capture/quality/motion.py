@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...base.arrays import BoolArray, FloatArray
 from ..finding import Finding, Rows, first_rows, rows_in_words
-from ..formats.units import SI, Axis
+from ..formats.units import SI, Coordinate
 from .order import quantile
 
 AGREEMENT = (0.8, 1.25)
@@ -21,7 +21,7 @@ MAX_SPREAD = 0.3
 _WINDOWS_S = (0.005, 0.02, 0.08, 0.32)  # spans compared: short ones for fast motion, long ones for noise
 _MIN_WINDOWS = 20
 
-_FACTORS: dict[Axis, dict[float, str]] = {
+_FACTORS: dict[Coordinate, dict[float, str]] = {
     "linear": {1e3: "thousandths", 1e6: "millionths"},
     "rotary": {
         1e3: "thousandths",
@@ -46,9 +46,9 @@ def check_stuck(name: str, values: FloatArray, usable: BoolArray) -> list[Findin
     return [Finding("stuck", name, len(held), (), message, "warning")]
 
 
-def check_wrapped(theta: FloatArray, usable: BoolArray, rows: Rows, axis: Axis) -> list[Finding]:
+def check_wrapped(theta: FloatArray, usable: BoolArray, rows: Rows, coordinate: Coordinate) -> list[Finding]:
     """Return a warning when a rotary theta (rad) jumps by most of a turn between neighbours."""
-    if axis == "linear":
+    if coordinate == "linear":
         return []
     jump = np.abs(np.diff(theta)) > math.pi
     at = rows[1:][jump & usable[1:] & usable[:-1]]
@@ -62,7 +62,12 @@ def check_wrapped(theta: FloatArray, usable: BoolArray, rows: Rows, axis: Axis) 
 
 
 def check_scale(
-    t: FloatArray, theta: FloatArray, column: FloatArray, order: int, usable: BoolArray, axis: Axis
+    t: FloatArray,
+    theta: FloatArray,
+    column: FloatArray,
+    order: int,
+    usable: BoolArray,
+    coordinate: Coordinate,
 ) -> list[Finding]:
     """Return a warning when omega (`order` 1) or alpha (2) is not that derivative of theta.
 
@@ -77,21 +82,21 @@ def check_scale(
     if -AGREEMENT[1] <= ratio <= -AGREEMENT[0]:
         reason = "its sign is reversed, map it with a minus"
     else:
-        reason = _likely(name, abs(ratio), axis)
+        reason = _likely(name, abs(ratio), coordinate)
     message = f"{name}: {ratio:.4g} times {derivative}: {reason}; nothing is changed"
     return [Finding("scale", name, int(usable.sum()), (), message, "warning")]
 
 
-def _likely(name: str, ratio: float, axis: Axis) -> str:
+def _likely(name: str, ratio: float, coordinate: Coordinate) -> str:
     """Return the unit that would explain `ratio`, within the agreement that passes as equal."""
-    unit = SI[axis][name]
+    unit = SI[coordinate][name]
     known = [
         (factor, f"the column may be in {word} where {unit} is expected")
-        for factor, word in _FACTORS[axis].items()
+        for factor, word in _FACTORS[coordinate].items()
     ]
     known += [
-        (1 / factor, f"theta may be in {word} where {SI[axis]['theta']} is expected")
-        for factor, word in _FACTORS[axis].items()
+        (1 / factor, f"theta may be in {word} where {SI[coordinate]['theta']} is expected")
+        for factor, word in _FACTORS[coordinate].items()
     ]
     factor, reason = min(known, key=lambda pair: abs(math.log(pair[0] / ratio)))
     if AGREEMENT[0] <= ratio / factor <= AGREEMENT[1]:
@@ -117,12 +122,12 @@ def _ratio(
 
     best: tuple[float, float] | None = None
     for window in _WINDOWS_S:
-        lag = max(1, round(window / usual))
-        start = np.arange(0, len(t) - order * lag, max(1, lag // 2))
-        start = start[holes[start] == holes[start + order * lag]]
+        span = max(1, round(window / usual))
+        start = np.arange(0, len(t) - order * span, max(1, span // 2))
+        start = start[holes[start] == holes[start + order * span]]
         if len(start) < _MIN_WINDOWS:
             break
-        wanted, found = (_difference(values, start, lag, order) for values in (theta, integral))
+        wanted, found = (_difference(values, start, span, order) for values in (theta, integral))
         strong = (np.abs(wanted) >= quantile(np.abs(wanted), 0.6)) & (wanted != 0.0)
         if strong.sum() < _MIN_WINDOWS // 4:
             continue
@@ -133,8 +138,8 @@ def _ratio(
     return float(best[1]) if best is not None and best[0] <= MAX_SPREAD else None
 
 
-def _difference(values: FloatArray, start: NDArray[np.intp], lag: int, order: int) -> FloatArray:
-    """Return the first or second difference of `values` over `lag` samples from each `start`."""
+def _difference(values: FloatArray, start: NDArray[np.intp], span: int, order: int) -> FloatArray:
+    """Return the first or second difference of `values` over `span` samples from each `start`."""
     if order == 1:
-        return values[start + lag] - values[start]
-    return values[start + 2 * lag] - 2.0 * values[start + lag] + values[start]
+        return values[start + span] - values[start]
+    return values[start + 2 * span] - 2.0 * values[start + span] + values[start]

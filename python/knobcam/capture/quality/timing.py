@@ -34,7 +34,7 @@ def check_times(t: FloatArray, rows: Rows, source: str) -> tuple[BoolArray, list
     if len(index) < 2:
         raise InputError(
             f"{source}: column t does not advance: fewer than 2 usable time stamps; map another column, "
-            f"or leave t out and give rate="
+            f"or leave t out and give the sampling rate"
         )
     interval = np.diff(t[index])
     stride = np.diff(index)  # rows from one usable stamp to the next: masked rows are no gap
@@ -100,7 +100,7 @@ def _rising(t: FloatArray, rows: Rows) -> tuple[BoolArray, list[Finding]]:
                 first_rows(rows[duplicate]),
                 f"t: {len(duplicate)} samples repeat the time stamp before them "
                 f"({rows_in_words(rows[duplicate])}); masked; if the stamps are merely rounded, "
-                f"leave t out of the map and give rate=",
+                f"leave t out of the map and give the sampling rate",
                 "masked",
             )
         )

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray
 from ..finding import Finding, Rows, first_rows, rows_in_words
-from ..formats.units import Axis
+from ..formats.units import Coordinate
 
 MIN_RUN = 4
 """Identical extreme samples in a row, below which a limit is not suspected."""
@@ -58,10 +58,10 @@ def check_clipping(
     return clipped, findings
 
 
-def check_size(tau: FloatArray, usable: BoolArray, axis: Axis) -> list[Finding]:
+def check_size(tau: FloatArray, usable: BoolArray, coordinate: Coordinate) -> list[Finding]:
     """Return a note when a rotary torque is larger than hands turn."""
     rms = float(np.sqrt(np.mean(np.square(tau[usable]))))
-    if axis == "linear" or rms <= IMPLAUSIBLE_RMS_NM:
+    if coordinate == "linear" or rms <= IMPLAUSIBLE_RMS_NM:
         return []
     message = f"tau: {rms:.4g} N m RMS is much for a knob; if the column is in mN m, map tau=... [mNm]"
     return [Finding("scale", "tau", int(usable.sum()), (), message, "note")]

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import warnings
+from typing import Any
+
 from .calibration import calibration
 from .candidates import diagnosis
 from .change import before_after
 from .failures import comparison
 from .felt import felt
-from .gallery import save_all, save_story
+from .gallery import save_all, save_learning
 from .ladder import ladder
 from .laws import model
+from .learned import learned, remaining
 from .movements import movements
 from .over_time import capture, overlay, prepared
 from .profile import haptic_profile
@@ -17,7 +21,6 @@ from .rest import residual, scan
 from .signature import effect
 from .stability import stability
 from .standstill import stiction
-from .story import remaining, story
 from .timing import timing
 from .torques import fit, position, velocity, zoom
 
@@ -32,6 +35,7 @@ __all__ = [
     "fit",
     "haptic_profile",
     "ladder",
+    "learned",
     "model",
     "movements",
     "overlay",
@@ -40,12 +44,20 @@ __all__ = [
     "remaining",
     "residual",
     "save_all",
-    "save_story",
+    "save_learning",
     "scan",
     "stability",
     "stiction",
-    "story",
     "timing",
     "velocity",
     "zoom",
 ]
+
+_RENAMED = {"save_story": "save_learning", "story": "learned"}  # older names, for one version
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _RENAMED:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    warnings.warn(f"kc.plot.{name} is now called {_RENAMED[name]}", DeprecationWarning, stacklevel=2)
+    return globals()[_RENAMED[name]]

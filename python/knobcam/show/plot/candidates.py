@@ -95,7 +95,7 @@ def draw_candidates(axes: Axes, diagnosis: Diagnosis) -> None:
 def _words(one: Candidate) -> str:
     said = "p < 0.001" if one.p_value < 0.001 else f"p = {one.p_value:.2g}"
     if one.implausible:
-        said += "   unphysical"
+        said += "   implausible"
     return said
 
 

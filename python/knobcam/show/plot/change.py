@@ -16,29 +16,29 @@ if TYPE_CHECKING:
     from matplotlib.gridspec import SubplotSpec
 
     from ...fit.compare import Split
-    from ...learn import Story
+    from ...learn import LearningResult
 
 
 @styled
-def before_after(story: Story) -> Picture:
+def before_after(learned: LearningResult) -> Picture:
     """The residual of the first and of the last model on the axis where the first failed most.
 
     Bin means with the band that chance gives them; where nothing failed, over position.
     """
-    figure = Picture(9.0, 6.0 if len(story.ladder) > 1 else 3.6, title(story))
-    draw_change(figure, figure.add_gridspec(1, 1)[0], story)
+    figure = Picture(9.0, 6.0 if len(learned.ladder) > 1 else 3.6, title(learned))
+    draw_change(figure, figure.add_gridspec(1, 1)[0], learned)
     return figure
 
 
-def draw_change(figure: Figure, cell: SubplotSpec, story: Story) -> None:
+def draw_change(figure: Figure, cell: SubplotSpec, learned: LearningResult) -> None:
     """Draw the two residuals on the same scales, the first above the last; one if nothing was added."""
-    worst = story.before.worst
+    worst = learned.before.worst
     axis = worst.axis if worst is not None else "position"
-    splits = {"First model": story.before[axis], "Last model": story.after[axis]}
-    if len(story.ladder) == 1:
-        splits = {"Residual": story.after[axis]}
+    splits = {"First model": learned.before[axis], "Last model": learned.after[axis]}
+    if len(learned.ladder) == 1:
+        splits = {"Residual": learned.after[axis]}
     highest = max(_peak(split) for split in splits.values())
-    scale = torque_scale(story.model.axis, highest)
+    scale = torque_scale(learned.model.coordinate, highest)
     rows = cell.subgridspec(len(splits), 1)
     first = None
     for row, (name, split) in enumerate(splits.items()):

@@ -40,7 +40,7 @@ def part_of(effect: Effect) -> Part:
 
 def effects_of(model: Model, part: Part) -> list[str]:
     """Return the ids of a model's effects that belong to a part."""
-    catalogue = effects(model.axis)
+    catalogue = effects(model.coordinate)
     return [one for one in model.effects if one in catalogue and part_of(catalogue[one]) == part]
 
 
@@ -54,7 +54,7 @@ def torque_at(
     rate_hz = 1000.0
     t = np.arange(n) / rate_hz
     exact = _core.prepare(
-        model.axis, rate_hz, t, theta, omega, alpha, np.zeros(n), np.zeros(n, dtype=bool), "none", {}
+        model.coordinate, rate_hz, t, theta, omega, alpha, np.zeros(n), np.zeros(n, dtype=bool), "none", {}
     )
     return model.core.only(effects).torque(exact, filtered=False)
 

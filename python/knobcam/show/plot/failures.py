@@ -43,7 +43,7 @@ def comparison(comparison: Comparison) -> Picture:
     fit = comparison.fit
     figure = Picture(11.5, 9.6, headline(fit))
     peak = max(float(np.max(np.abs(split.mean), initial=0.0)) for split in comparison.splits)
-    scale = torque_scale(fit.model.axis, peak)
+    scale = torque_scale(fit.model.coordinate, peak)
     shares(figure.add_subplot(4, 2, 1), comparison)
     for i, split in enumerate(comparison.splits):
         axes = figure.add_subplot(4, 2, i + 2)

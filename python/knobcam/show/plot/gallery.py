@@ -10,13 +10,13 @@ from .change import before_after
 from .failures import comparison as draw_comparison
 from .ladder import ladder
 from .laws import model
+from .learned import learned as draw_learned
+from .learned import remaining
 from .movements import movements
 from .over_time import capture, prepared
 from .profile import haptic_profile
 from .rest import residual, scan
 from .standstill import stiction
-from .story import remaining
-from .story import story as draw_story
 from .torques import fit as draw_fit
 from .torques import position, velocity, zoom
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from ...fit import Fit
     from ...fit.compare import Comparison
-    from ...learn import Story
+    from ...learn import LearningResult
     from .style import Picture
 
 _DPI = 130
@@ -57,23 +57,25 @@ def save_all(fit: Fit, folder: str | os.PathLike[str], comparison: Comparison | 
     return _save(pictures, Path(folder))
 
 
-def save_story(story: Story, folder: str | os.PathLike[str], rendered: Fit | None = None) -> list[Path]:
-    """Write the pictures of a story as PNG into a folder, made if need be, and return their paths.
+def save_learning(
+    learned: LearningResult, folder: str | os.PathLike[str], rendered: Fit | None = None
+) -> list[Path]:
+    """Write the pictures of what was learned as PNG into a folder, made if need be, and return their paths.
 
     `rendered` is the fit of what a device rendered of it, if one did.
     """
     pictures: dict[str, Callable[[], Picture]] = {
-        "story": lambda: draw_story(story),
-        "ladder": lambda: ladder(story),
-        "before-after": lambda: before_after(story),
-        "movements": lambda: movements(story),
-        "diagnosis-first": lambda: diagnosis(story.first_diagnosis),
-        "diagnosis-last": lambda: diagnosis(story.last),
-        "remaining": lambda: remaining(story),
+        "story": lambda: draw_learned(learned),
+        "ladder": lambda: ladder(learned),
+        "before-after": lambda: before_after(learned),
+        "movements": lambda: movements(learned),
+        "diagnosis-first": lambda: diagnosis(learned.first_diagnosis),
+        "diagnosis-last": lambda: diagnosis(learned.last),
+        "remaining": lambda: remaining(learned),
     }
     if rendered is not None:
         pictures["rendered"] = lambda: position(rendered)
-    if len(story.ladder) == 1:
+    if len(learned.ladder) == 1:
         del pictures["movements"], pictures["diagnosis-first"]
     return _save(pictures, Path(folder))
 

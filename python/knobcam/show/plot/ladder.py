@@ -25,48 +25,48 @@ from .style import (
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ...learn import Story
-    from ...learn.ladder import Rung
+    from ...learn import LearningResult
+    from ...learn.ladder import LearningStep
 
 _NAMED = 2  # of the effects that look alike; a table has the others
 _TOLD = 1.05  # the noise floor is known to a few percent: less than that beyond it is not drawn as excess
 
 
 @styled
-def ladder(story: Story) -> Picture:
-    """The RMS error of every rung, what each effect took off it, and what sensor noise alone would leave.
+def ladder(learned: LearningResult) -> Picture:
+    """The RMS error of every step, what each effect took off it, and what sensor noise alone would leave.
 
     Whiskers are the 95 % interval of the RMS error, diamonds the error on blocks that the fit did not see.
     """
-    figure = Picture(9.0, 1.9 + 0.5 * (len(story.ladder) + 1), title(story))
-    draw_ladder(figure.add_subplot(), story)
+    figure = Picture(9.0, 1.9 + 0.5 * (len(learned.ladder) + 1), title(learned))
+    draw_ladder(figure.add_subplot(), learned)
     return figure
 
 
-def title(story: Story) -> str:
+def title(learned: LearningResult) -> str:
     """Return the verdict and the capture, for the top of a picture."""
-    first = story.captures[0]
-    more = f" and {len(story.captures) - 1} more" if len(story.captures) > 1 else ""
-    return f"{plain(story.headline, 400)}\n{source_of(first)}{more}"
+    first = learned.captures[0]
+    more = f" and {len(learned.captures) - 1} more" if len(learned.captures) > 1 else ""
+    return f"{plain(learned.headline, 400)}\n{source_of(first)}{more}"
 
 
-def draw_ladder(axes: Axes, story: Story) -> None:
-    """Draw the waterfall, one row a rung and one for what is left."""
-    rungs = story.ladder
-    longest = max(rung.rmse for rung in rungs)
-    scale = torque_scale(story.model.axis, longest)
-    names = ["first model", *(f"+ {plain(rung.added, 30)}" for rung in rungs[1:]), "what is left"]
-    for row, rung in enumerate(rungs):
+def draw_ladder(axes: Axes, learned: LearningResult) -> None:
+    """Draw the waterfall, one row a step and one for what is left."""
+    steps = learned.ladder
+    longest = max(step.rmse for step in steps)
+    scale = torque_scale(learned.model.coordinate, longest)
+    names = ["first model", *(f"+ {plain(step.added, 30)}" for step in steps[1:]), "what is left"]
+    for row, step in enumerate(steps):
         if row:
-            _step(axes, row, rungs[row - 1], rung, scale)
+            _step(axes, row, steps[row - 1], step, scale)
         else:
-            axes.barh(0, rung.rmse * scale.factor, height=0.6, color=GREY, lw=0)
-            right = scale.factor * max(rung.rmse_ci95[1], rung.rmse_heldout)
-            _say(axes, right, 0, f"{number(rung.rmse * scale.factor)} {scale.unit}")
-        _whiskers(axes, rung, row, scale, "error on unseen blocks" if row == 0 else "")
-    _rest(axes, story, len(rungs), scale)
-    if math.isfinite(story.noise_floor):
-        floor = story.noise_floor * scale.factor
+            axes.barh(0, step.rmse * scale.factor, height=0.6, color=GREY, lw=0)
+            right = scale.factor * max(step.rmse_ci95[1], step.rmse_heldout)
+            _say(axes, right, 0, f"{number(step.rmse * scale.factor)} {scale.unit}")
+        _whiskers(axes, step, row, scale, "error on unseen blocks" if row == 0 else "")
+    _rest(axes, learned, len(steps), scale)
+    if math.isfinite(learned.noise_floor):
+        floor = learned.noise_floor * scale.factor
         axes.axvline(floor, color=BLACK, lw=1.3, ls="--", label=f"sensor noise alone: {number(floor)}")
     axes.set_yticks(range(len(names)), names)
     axes.set_ylim(len(names) - 0.45, -0.55)
@@ -78,41 +78,41 @@ def draw_ladder(axes: Axes, story: Story) -> None:
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1, ncols=2)
 
 
-def _step(axes: Axes, row: int, above: Rung, rung: Rung, scale: Scale) -> None:
-    """Draw what an effect took off (or, after a backward test, gave back), hung on the rung above."""
-    low, high = sorted((above.rmse * scale.factor, rung.rmse * scale.factor))
-    fell = rung.rmse <= above.rmse
+def _step(axes: Axes, row: int, above: LearningStep, step: LearningStep, scale: Scale) -> None:
+    """Draw what an effect took off (or, after a backward test, gave back), hung on the step above."""
+    low, high = sorted((above.rmse * scale.factor, step.rmse * scale.factor))
+    fell = step.rmse <= above.rmse
     axes.barh(row, high - low, left=low, height=0.6, color=GREEN if fell else WRONG, lw=0)
     axes.plot([above.rmse * scale.factor] * 2, [row - 0.7, row + 0.3], color=GREY, lw=0.8)
-    said = f"{number(-100.0 * rung.error_fall)} %"
-    if math.isfinite(rung.p_value):
-        said += f"   p {p_in_words(rung.p_value)}" if rung.p_value < 0.001 else f"   p = {rung.p_value:.3f}"
-    if rung.equivalent:
-        others = [plain(name, 30) for name in rung.equivalent]
+    said = f"{number(-100.0 * step.error_fall)} %"
+    if math.isfinite(step.p_value):
+        said += f"   p {p_in_words(step.p_value)}" if step.p_value < 0.001 else f"   p = {step.p_value:.3f}"
+    if step.equivalent:
+        others = [plain(name, 30) for name in step.equivalent]
         said += f"\nor {', '.join(others[:_NAMED])}" + (
             f" and {len(others) - _NAMED} more" if others[_NAMED:] else ""
         )
     _say(axes, above.rmse * scale.factor, row, said)
 
 
-def _rest(axes: Axes, story: Story, row: int, scale: Scale) -> None:
+def _rest(axes: Axes, learned: LearningResult, row: int, scale: Scale) -> None:
     """Draw the last error: the part that noise explains, and what is beyond it."""
-    rung, floor = story.ladder[-1], story.noise_floor
-    left = rung.rmse * scale.factor
+    step, floor = learned.ladder[-1], learned.noise_floor
+    left = step.rmse * scale.factor
     axes.plot([left, left], [row - 0.7, row + 0.3], color=GREY, lw=0.8)
-    beyond = math.isfinite(floor) and rung.rmse > _TOLD * floor
+    beyond = math.isfinite(floor) and step.rmse > _TOLD * floor
     chance = floor * scale.factor if beyond else left
     axes.barh(row, chance, height=0.6, color=BLUE if math.isfinite(floor) else PALE, lw=0)
     if beyond:
         axes.barh(row, left - chance, left=chance, height=0.6, color=WRONG, lw=0)
     said = f"{number(left)} {scale.unit}"
     if math.isfinite(floor) and floor > 0.0:
-        said += f" = {rung.rmse / floor:.2f} × noise"
+        said += f" = {step.rmse / floor:.2f} × noise"
     _say(axes, max(left, floor * scale.factor if math.isfinite(floor) else left), row, said)
 
 
-def _whiskers(axes: Axes, rung: Rung, row: int, scale: Scale, label: str) -> None:
-    low, high = (scale.factor * limit for limit in rung.rmse_ci95)
+def _whiskers(axes: Axes, step: LearningStep, row: int, scale: Scale, label: str) -> None:
+    low, high = (scale.factor * limit for limit in step.rmse_ci95)
     axes.plot([low, high], [row, row], color=BLACK, lw=1.2)
     axes.plot(
         [low, low, math.nan, high, high],
@@ -120,7 +120,7 @@ def _whiskers(axes: Axes, rung: Rung, row: int, scale: Scale, label: str) -> Non
         color=BLACK,
         lw=1.2,
     )
-    unseen = rung.rmse_heldout * scale.factor
+    unseen = step.rmse_heldout * scale.factor
     axes.plot([unseen], [row], "D", ms=4.5, color="white", mec=BLACK, mew=1.0, label=label or None)
 
 

@@ -50,17 +50,17 @@ def model(model: Model) -> Picture:
 
 def friction(axes: Axes, model: Model) -> None:
     """Draw friction over velocity; close to zero, where stiction holds, in an inset."""
-    fastest = _FASTEST[model.axis]
+    fastest = _FASTEST[model.coordinate]
     omega = _both_sides(fastest)
     tau = curve(model, "velocity", omega)
-    scale = torque_scale(model.axis, float(np.max(np.abs(tau))))
+    scale = torque_scale(model.coordinate, float(np.max(np.abs(tau))))
     # Breakaway can be far above sliding friction: it leaves the panel, and the inset shows where it ends.
     top = 1.3 * scale.factor * float(np.max(np.abs(tau))) or 1.0
     axes.plot(omega, tau * scale.factor, color=BLUE, lw=1.8)
     _origin(axes)
     axes.set(xlim=(-1.05 * fastest, 1.05 * fastest), ylim=(-top, top))
     axes.set_title("Friction over velocity")
-    axes.set_xlabel(f"velocity ({motion_units(model.axis)['omega']})")
+    axes.set_xlabel(f"velocity ({motion_units(model.coordinate)['omega']})")
     axes.set_ylabel(f"friction ({scale.unit})")
     _name_friction(axes, model, scale)
     if model.core.at_rest()[3] > 0.0:
@@ -69,8 +69,8 @@ def friction(axes: Axes, model: Model) -> None:
 
 def _name_friction(axes: Axes, model: Model, scale: Scale) -> None:
     """Mark C at the step and B at the slope of each direction; their values stand in the empty corner."""
-    fastest = _FASTEST[model.axis]
-    slope_unit = f"{scale.unit} s/{motion_units(model.axis)['theta']}"
+    fastest = _FASTEST[model.coordinate]
+    slope_unit = f"{scale.unit} s/{motion_units(model.coordinate)['theta']}"
     omega, friction = (np.asarray(values) for values in axes.lines[0].get_data())
     texts = []
     _, dry, held, band = model.core.at_rest()
@@ -96,7 +96,7 @@ def _name_friction(axes: Axes, model: Model, scale: Scale) -> None:
 def _stick_band(axes: Axes, model: Model, scale: Scale) -> None:
     """Draw what happens within dv, where the knob is stuck: any torque from -D_neg to D_pos is answered."""
     _, _, (back, forth), dv = model.core.at_rest()
-    unit = motion_units(model.axis)["omega"]
+    unit = motion_units(model.coordinate)["omega"]
     low, high = -back * scale.factor, forth * scale.factor
     axes.plot([0.0, 0.0], [low, high], color=PURPLE, lw=1.8)
     inset = axes.inset_axes((0.64, 0.09, 0.35, 0.28))
@@ -121,27 +121,27 @@ def _stick_band(axes: Axes, model: Model, scale: Scale) -> None:
 def detents(axes: Axes, model: Model) -> None:
     """Draw the position part, with the detent's amplitude, length and shift where it has one."""
     length = 2.0 * np.pi * abs(model.period or 0.0)
-    reach = 1.6 * length if length else _FARTHEST[model.axis]
+    reach = 1.6 * length if length else _FARTHEST[model.coordinate]
     theta = np.linspace(-reach, reach, 1200)
     tau = curve(model, "position", theta)
     peak = float(np.max(np.abs(tau)))
-    scale = torque_scale(model.axis, peak)
+    scale = torque_scale(model.coordinate, peak)
     top = 2.5 * peak * scale.factor or 1.0
     axes.plot(theta, tau * scale.factor, color=BLUE, lw=1.8)
     _origin(axes)
     axes.set(xlim=(-reach, reach), ylim=(-top, top))
-    axes.set_title(f"{torque_word(model.axis).capitalize()} over position")
-    axes.set_xlabel(f"position ({motion_units(model.axis)['theta']})")
-    axes.set_ylabel(f"{torque_word(model.axis)} ({scale.unit})")
+    axes.set_title(f"{torque_word(model.coordinate).capitalize()} over position")
+    axes.set_xlabel(f"position ({motion_units(model.coordinate)['theta']})")
+    axes.set_ylabel(f"{torque_word(model.coordinate)} ({scale.unit})")
     if length:
         _name_detent(axes, model, scale, peak)
 
 
 def _name_detent(axes: Axes, model: Model, scale: Scale, peak: float) -> None:
     """Mark A at a crest, one detent between two crests, and S by how far it shifts the start of the sine."""
-    (detent,) = (effects(model.axis)[one] for one in base_effects_shown(model.axis))
+    (detent,) = (effects(model.coordinate)[one] for one in base_effects_shown(model.coordinate))
     amplitude, p, s = (model.params[f"{detent.id}.{row.name}"].value for row in detent.params)
-    length, unit = 2.0 * np.pi * abs(p), motion_units(model.axis)["theta"]
+    length, unit = 2.0 * np.pi * abs(p), motion_units(model.coordinate)["theta"]
     height, level = abs(amplitude) * scale.factor, 1.25 * peak * scale.factor
     # A crest lies where theta / P + S is pi/2, or -pi/2 for a negative A.
     crest = p * (np.copysign(0.5 * np.pi, amplitude) - s)
@@ -159,7 +159,7 @@ def _name_detent(axes: Axes, model: Model, scale: Scale, peak: float) -> None:
     _arrow(axes, (0.0, -level), (start, -level), VERMILLION)
     right_end = (max(0.0, start), -level)
     axes.annotate("−S·P", right_end, (5, 0), textcoords="offset points", color=VERMILLION, va="center")
-    each = f": {number(1.0 / abs(p), 4)} detents a turn" if model.axis == "rotary" else ""
+    each = f": {number(1.0 / abs(p), 4)} detents a turn" if model.coordinate == "rotary" else ""
     _listed(
         axes,
         [

@@ -11,36 +11,36 @@ from .style import BAND, BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILLION, Picture
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ...learn import Story
+    from ...learn import LearningResult
 
 _COLORS = (BLUE, ORANGE, GREEN, PURPLE, VERMILLION)
 _USUAL = 2.0  # standard errors: within that nothing happened
 
 
 @styled
-def movements(story: Story) -> Picture:
+def movements(learned: LearningResult) -> Picture:
     """Movement of each parameter of the first model, in standard errors, for each effect that came in."""
-    rows = len(story.ladder[0].params)
-    figure = Picture(8.5, 1.8 + 0.36 * rows, title(story))
-    draw_movements(figure.add_subplot(), story)
+    rows = len(learned.ladder[0].params)
+    figure = Picture(8.5, 1.8 + 0.36 * rows, title(learned))
+    draw_movements(figure.add_subplot(), learned)
     return figure
 
 
-def draw_movements(axes: Axes, story: Story) -> None:
+def draw_movements(axes: Axes, learned: LearningResult) -> None:
     """Draw a bar for each parameter and effect; linear up to 2 standard errors, then by decades."""
-    names = list(story.ladder[0].params)
-    came = [rung for rung in story.ladder if rung.added is not None]
+    names = list(learned.ladder[0].params)
+    came = [step for step in learned.ladder if step.added is not None]
     width = 0.72 / max(len(came), 1)
     reach = 10.0
-    for i, rung in enumerate(came):
-        moves = {name: rung.moved[name] for name in names if name in rung.moved}
+    for i, step in enumerate(came):
+        moves = {name: step.moved[name] for name in names if name in step.moved}
         rows = [names.index(name) + (i - 0.5 * (len(came) - 1)) * width for name in moves]
-        steps = [move.by_se for move in moves.values()]
+        moved = [move.by_se for move in moves.values()]
         color = _COLORS[i % len(_COLORS)]
-        axes.barh(rows, steps, height=0.9 * width, color=color, lw=0, label=f"with {plain(rung.added, 30)}")
+        axes.barh(rows, moved, height=0.9 * width, color=color, lw=0, label=f"with {plain(step.added, 30)}")
         for row, move in zip(rows, moves.values(), strict=True):
             _say(axes, row, move.by_se, move.by_percent)
-        reach = max([reach, *map(abs, steps)])
+        reach = max([reach, *map(abs, moved)])
     axes.axvspan(-_USUAL, _USUAL, color=BAND, alpha=0.3, lw=0, zorder=0.5)
     axes.axvline(0.0, color=BLACK, lw=0.8)
     axes.set_xscale("symlog", linthresh=_USUAL, linscale=0.6)

@@ -90,7 +90,7 @@ def overlay(commanded: MotionTrack, capture: Capture, torque: FloatArray | None 
 
 
 def _factor(capture: Capture, name: str) -> float:
-    return torque_scale(capture.axis, _peak(capture)).factor if name == "tau" else 1.0
+    return torque_scale(capture.coordinate, _peak(capture)).factor if name == "tau" else 1.0
 
 
 def _peak(capture: Capture) -> float:
@@ -100,8 +100,8 @@ def _peak(capture: Capture) -> float:
 def _stack(capture: Capture, columns: list[str], title: str) -> tuple[Picture, list[Axes]]:
     """Return a figure with one row per column, sharing time, labelled with units."""
     figure = Picture(8.5, 1.1 + 1.55 * len(columns), title)
-    units = motion_units(capture.axis) | {"tau": torque_scale(capture.axis, _peak(capture)).unit}
-    names = _LINEAR if capture.axis == "linear" else _NAMES
+    units = motion_units(capture.coordinate) | {"tau": torque_scale(capture.coordinate, _peak(capture)).unit}
+    names = _LINEAR if capture.coordinate == "linear" else _NAMES
     rows: list[Axes] = []
     for i, name in enumerate(columns):
         axes = figure.add_subplot(len(columns), 1, i + 1, sharex=rows[0] if rows else None)

@@ -25,26 +25,26 @@ def haptic_profile(source: Fit | Capture) -> Picture:
     """
     if isinstance(source, Fit):
         samples = Samples(source)
-        theta, omega, axis = samples.theta, samples.omega, source.model.axis
+        theta, omega, coordinate = samples.theta, samples.omega, source.model.coordinate
         panels = {"Measured": samples.tau, "Modelled": samples.modelled}
         title = headline(source)
     else:
         signals = source.prepare()
         used = signals.used
-        theta, omega, axis = signals.theta[used], signals.omega[used], source.axis
+        theta, omega, coordinate = signals.theta[used], signals.omega[used], source.coordinate
         panels = {"Measured": signals.tau[used]}
         title = source_of(source)
-    return _profile(theta, omega, panels, axis, title)
+    return _profile(theta, omega, panels, coordinate, title)
 
 
 def _profile(
-    theta: FloatArray, omega: FloatArray, panels: dict[str, FloatArray], axis: str, title: str
+    theta: FloatArray, omega: FloatArray, panels: dict[str, FloatArray], coordinate: str, title: str
 ) -> Picture:
     every = np.concatenate(list(panels.values()))
     # A few spikes must not take the colour from all the rest.
     peak = float(np.quantile(np.abs(every), 0.998)) or 1.0
-    scale = torque_scale(axis, peak)
-    units = motion_units(axis)
+    scale = torque_scale(coordinate, peak)
+    units = motion_units(coordinate)
     figure = Picture(5.6 * len(panels) + 1.0, 5.0, title)
     rows = np.random.default_rng(0).permutation(some(np.ones(len(theta), dtype=bool)))
     first = None
@@ -67,6 +67,6 @@ def _profile(
         axes.set_xlabel(f"position ({units['theta']})")
         axes.set_ylabel(f"velocity ({units['omega']})")
     figure.colorbar(
-        dots, ax=figure.axes, label=f"{torque_word(axis)} ({scale.unit})", extend="both", pad=0.01
+        dots, ax=figure.axes, label=f"{torque_word(coordinate)} ({scale.unit})", extend="both", pad=0.01
     )
     return figure

@@ -23,7 +23,7 @@ def stability(found: Stability) -> Figure:
     from ...render import check_stability
 
     rows = [
-        check_stability(found.model, replace(found.device, delay_samples=n), rate=found.rate_hz).figures
+        check_stability(found.model, replace(found.device, delay_samples=n), rate_hz=found.rate_hz).figures
         for n in _DELAYS
     ]
 

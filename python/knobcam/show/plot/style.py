@@ -122,9 +122,9 @@ class Scale(NamedTuple):
     unit: str
 
 
-def torque_scale(axis: str, peak: float = 0.0) -> Scale:
+def torque_scale(coordinate: str, peak: float = 0.0) -> Scale:
     """Return the unit of torque: mNm as in the paper, N m far beyond knobs, N on a linear axis."""
-    if axis == "linear":
+    if coordinate == "linear":
         return Scale(1.0, "N")
     return Scale(1.0, "N m") if peak > _STRONG_N_M else Scale(1000.0, "mNm")
 
@@ -132,19 +132,19 @@ def torque_scale(axis: str, peak: float = 0.0) -> Scale:
 _STRONG_N_M = 2.0  # ten times what the rig of the paper measures
 
 
-def torque_symbol(axis: str) -> str:
+def torque_symbol(coordinate: str) -> str:
     """Return the symbol of torque, or of force on a linear axis, for the inside of a formula."""
-    return "F" if axis == "linear" else "\\tau"
+    return "F" if coordinate == "linear" else "\\tau"
 
 
-def torque_word(axis: str) -> str:
-    """Return what the axis measures."""
-    return "force" if axis == "linear" else "torque"
+def torque_word(coordinate: str) -> str:
+    """Return what is measured along the coordinate."""
+    return "force" if coordinate == "linear" else "torque"
 
 
-def motion_units(axis: str) -> dict[str, str]:
+def motion_units(coordinate: str) -> dict[str, str]:
     """Return the units of theta, omega and alpha as they are printed."""
-    length = "m" if axis == "linear" else "rad"
+    length = "m" if coordinate == "linear" else "rad"
     return {"theta": length, "omega": f"{length}/s", "alpha": f"{length}/s²"}
 
 

@@ -21,8 +21,7 @@ async function request(path, options = {}) {
   }
   if (answer.ok) return answer;
   const said = await answer.json().catch(() => ({}));
-  const words2 = typeof said.error === "string" ? said.error : `the workbench answered ${answer.status}`;
-  throw new Refusal(words2, Array.isArray(said.columns) ? said.columns : null);
+  throw new Refusal(said.error ?? `the workbench answered ${answer.status}`, said.columns ?? null);
 }
 async function ask(what, query = {}) {
   return (await request(`/api/${what}?${new URLSearchParams(query)}`)).json();
@@ -56,8 +55,7 @@ function listen(heard) {
   const source = new EventSource(`/api/events?${new URLSearchParams({ token })}`);
   source.addEventListener("state", (event) => heard.state(JSON.parse(event.data).revision));
   source.addEventListener("progress", (event) => {
-    const { job, what, done, recording } = JSON.parse(event.data);
-    heard.progress({ id: job, what, done, recording });
+    heard.progress(JSON.parse(event.data));
   });
   source.addEventListener("open", () => heard.connected(true));
   source.addEventListener("error", () => heard.connected(false));
@@ -171,15 +169,15 @@ function showCaptures(place3, { captures, active }, use) {
 }
 function words({ name, samples, rate_hz, findings }) {
   const facts = ` ${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
-  const odd = make("span", { class: "odd", text: "⚠ ", title: findings.join("\n") });
-  return [...findings.length > 0 ? [odd] : [], make("strong", { text: name }), facts];
+  const doubt = make("span", { class: "doubt", text: "⚠ ", title: findings.join("\n") });
+  return [...findings.length > 0 ? [doubt] : [], make("strong", { text: name }), facts];
 }
-function showFindings(place3, { captures, active, lacks }) {
+function showFindings(place3, { captures, active, limitations }) {
   const fitted = captures.filter(({ id }) => active.includes(id));
   const found2 = fitted.flatMap(
-    ({ name, findings }) => findings.map((text) => make("li", { class: "odd", text: `⚠ ${fitted.length > 1 ? `${name}: ` : ""}${text}` }))
+    ({ name, findings }) => findings.map((text) => make("li", { class: "doubt", text: `⚠ ${fitted.length > 1 ? `${name}: ` : ""}${text}` }))
   );
-  const missing = lacks.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
+  const missing = limitations.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
   place3.replaceChildren(...found2, ...missing);
 }
 
@@ -256,7 +254,7 @@ var Candidates = class {
       make("span", { class: "deeds" }, this.deeds.about ? about2 : null, take),
       make("span", { class: "evidence soft", text: evidence(row) }),
       ...remarks(row).map((text) => make("span", { class: "alike soft", text })),
-      ...row.unphysical.map((text) => make("span", { class: "alike odd", text: `⚠ ${text}` }))
+      ...row.implausible.map((text) => make("span", { class: "alike doubt", text: `⚠ ${text}` }))
     );
   }
   /** @param {number} at */
@@ -610,21 +608,21 @@ function showLadder(place3, state) {
   const { steps, at: here } = sameCaptures(branch?.steps ?? [], branch?.at ?? 0);
   const errors = steps.flatMap(({ rmse, rmse_heldout }) => [rmse, rmse_heldout]).concat(state.rmse);
   const floor = state.noise_floor;
-  const widest = Math.max(...errors.filter(Number.isFinite), floor ?? 0) * 1.02;
+  const widest = Math.max(...errors.map((error) => error ?? 0), floor ?? 0) * 1.02;
   const scale = torqueScale(state.unit, widest);
-  const shown = (value) => number(value * scale.factor);
-  const rungs = steps.map(({ added, dropped, rmse, rmse_heldout }, at) => {
+  const shown = (value) => number(value === null ? null : value * scale.factor);
+  const lines = steps.map(({ added, dropped, rmse, rmse_heldout }, at) => {
     const now = at === here;
     const undone = at > here;
     const label = added ? `+ ${added}` : dropped ? `− ${dropped}` : at === 0 ? "first model" : "fitted anew";
     const bar = make("span", { class: "bar" });
     const held = make("span", { class: "held" });
     bar.style.width = `${100 * rmse / widest}%`;
-    held.style.left = `${100 * rmse_heldout / widest}%`;
-    const track = make("span", { class: "track" }, bar, held, floorMark(floor, widest));
+    if (rmse_heldout !== null) held.style.left = `${100 * rmse_heldout / widest}%`;
+    const track = make("span", { class: "track" }, bar, rmse_heldout === null ? null : held, floorMark(floor, widest));
     return make(
       "li",
-      { class: `rung${now ? " now" : ""}${undone ? " undone" : ""}`, "aria-current": now ? "step" : null },
+      { class: `ladder-line${now ? " now" : ""}${undone ? " undone" : ""}`, "aria-current": now ? "step" : null },
       make("span", { class: "label", text: label, title: label }),
       track,
       make("span", { class: "figure", text: shown(rmse), title: "RMS error" }),
@@ -633,12 +631,12 @@ function showLadder(place3, state) {
   });
   const head = make(
     "div",
-    { class: "rung head" },
+    { class: "ladder-line head" },
     make("span", { class: "legend", text: floor === null ? "noise floor unknown" : `┆ noise floor ${shown(floor)}` }),
     make("span", { class: "figure", text: `RMS, ${scale.unit}` }),
     make("span", { class: "figure", text: "unseen" })
   );
-  place3.replaceChildren(head, make("ol", {}, ...rungs));
+  place3.replaceChildren(head, make("ol", {}, ...lines));
   const dragged = state.params.some((param) => param.dragged);
   if (dragged) place3.append(make("p", { class: "soft", text: `as dragged: ${shown(state.rmse)} ${scale.unit}` }));
 }
@@ -763,15 +761,14 @@ function reachOf({ columns, beside, noise }) {
   return Math.max(-low, high, 2 * (noise ?? 0));
 }
 function rowsOf(data, view, widest) {
-  const { columns, beside } = data;
-  const axis = data.axis === "linear" ? "linear" : "rotary";
-  const word = axis === "linear" ? "force" : "torque";
+  const { columns, beside, coordinate } = data;
+  const word = coordinate === "linear" ? "force" : "torque";
   const model = less(columns.tau, columns.residual);
   const other = beside ? less(columns.tau, beside.residual) : null;
   return ROWS.map((row) => {
     const x = columns[row.column];
     const [low, high] = limits([x], { air: 0.01 });
-    const common = { x, xAxis: { low, high, factor: 1, label: `${row.over}, ${row.units[axis]}` }, picked: 0 };
+    const common = { x, xAxis: { low, high, factor: 1, label: `${row.over}, ${row.units[coordinate]}` }, picked: 0 };
     const part = view.isolated && row.part ? columns[row.part] : null;
     const { measured, modelled } = part ? isolated(columns, part) : { measured: columns.tau, modelled: model };
     const series = [
@@ -1634,7 +1631,7 @@ var Live = class {
   async look() {
     const since = String(this.columns.t?.length ?? 0);
     const { head, columns } = unpacked(await fetchBytes("/api/live", { since }));
-    this.told = head.live;
+    this.told = head.live ?? null;
     for (const [name, more] of Object.entries(columns)) this.columns[name] = appended(this.columns[name], more);
     if (this.waiting) return;
     this.waiting = true;
@@ -1803,12 +1800,12 @@ var Params = class {
     const value = make("span", { class: "figure" });
     this.rows.set(param.name, { slider, value, low, high });
     const between2 = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
-    const odd = param.odd ? make("span", { class: "odd", text: " ⚠", "aria-label": param.odd }) : null;
-    const about2 = [param.name, param.meaning, param.odd].filter(Boolean).join(": ");
+    const doubt = param.doubt ? make("span", { class: "doubt", text: " ⚠", "aria-label": param.doubt }) : null;
+    const about2 = [param.name, param.meaning, param.doubt].filter(Boolean).join(": ");
     return make(
       "tr",
       {},
-      make("th", { scope: "row", title: about2 }, param.name.split(".").slice(1).join("."), odd),
+      make("th", { scope: "row", title: about2 }, param.name.split(".").slice(1).join("."), doubt),
       make("td", {}, slider),
       make("td", { class: "value", title: `95 % interval ${between2} ${param.unit}` }, value),
       make("td", { class: "soft unit", text: param.unit, title: param.unit })
@@ -2142,7 +2139,7 @@ var App = class {
     const rest = otherNode ? await this.store.columns(otherNode, active, ["residual"]) : null;
     if (this.state && this.state.node !== node) return;
     this.drawn = wanted2;
-    const axis = captures.find(({ id }) => active.includes(id))?.axis ?? "rotary";
+    const coordinate = captures.find(({ id }) => active.includes(id))?.coordinate ?? "rotary";
     const view = this.view;
     const { what, start } = this.deed ?? { what: "data", start: performance.now() };
     this.deed = null;
@@ -2150,7 +2147,7 @@ var App = class {
     const name = state.branches.find(({ id }) => id === state.branch)?.name;
     const beside = other && rest ? { name: other.name, residual: rest.residual } : null;
     this.legend(beside?.name ?? null);
-    const data = { columns, unit, axis, noise: state.noise_floor, fitted, name, beside };
+    const data = { columns, unit, coordinate, noise: state.noise_floor, fitted, name, beside };
     timed(what, () => this.linked.show(data, view), start);
   }
   /** @param {State} state */

@@ -18,7 +18,7 @@ from knobcam.model.typical import typical
 
 
 @pytest.fixture(scope="module")
-def humming(capture: kc.Capture) -> kc.Story:
+def humming(capture: kc.Capture) -> kc.LearningResult:
     """A knob with nothing missing and a torque that hums."""
     tau = capture.tau + 2e-3 * np.sin(2.0 * np.pi * 50.0 * capture.t)
     return kc.learn(dataclasses.replace(capture, tau=tau, meta={"source": "$hum$ <b>"}))
@@ -35,12 +35,14 @@ def bars(axes: Axes) -> list[tuple[float, float, float]]:
     return [(row, min(a, b), max(a, b)) for row, a, b in ends]
 
 
-def test_the_results_of_a_search_plot_themselves(story: kc.Story) -> None:
+def test_the_results_of_a_search_plot_themselves(story: kc.LearningResult) -> None:
     assert isinstance(story.plot(), Figure)
     assert isinstance(story.last.plot(), Figure)
 
 
-def test_the_waterfall_hangs_each_effect_between_the_errors_before_and_after_it(story: kc.Story) -> None:
+def test_the_waterfall_hangs_each_effect_between_the_errors_before_and_after_it(
+    story: kc.LearningResult,
+) -> None:
     (axes,) = plot.ladder(story).axes
     drawn = bars(axes)
     first, last = 1e3 * story.ladder[0].rmse, 1e3 * story.ladder[-1].rmse
@@ -51,7 +53,7 @@ def test_the_waterfall_hangs_each_effect_between_the_errors_before_and_after_it(
 
 
 def test_the_floor_is_a_line_and_what_is_beyond_it_has_a_colour_of_its_own(
-    story: kc.Story, humming: kc.Story
+    story: kc.LearningResult, humming: kc.LearningResult
 ) -> None:
     for one in (story, humming):
         (axes,) = plot.ladder(one).axes
@@ -63,7 +65,7 @@ def test_the_floor_is_a_line_and_what_is_beyond_it_has_a_colour_of_its_own(
     assert beyond[2] == pytest.approx(1e3 * humming.fit.rmse)
 
 
-def test_before_and_after_share_one_scale_on_the_axis_that_failed(story: kc.Story) -> None:
+def test_before_and_after_share_one_scale_on_the_axis_that_failed(story: kc.LearningResult) -> None:
     top, bottom = plot.before_after(story).axes
     assert story.before.worst is not None
     assert story.before.worst.axis in bottom.get_xlabel()
@@ -72,18 +74,20 @@ def test_before_and_after_share_one_scale_on_the_axis_that_failed(story: kc.Stor
 
 
 def test_movements_are_drawn_in_standard_errors_for_every_parameter_of_the_first_model(
-    story: kc.Story,
+    story: kc.LearningResult,
 ) -> None:
     (axes,) = plot.movements(story).axes
     names = [label.get_text() for label in axes.get_yticklabels()]
     assert names == list(story.ladder[0].params)
-    rung = story.ladder[1]
+    step = story.ladder[1]
     drawn = {names[round(row)]: right if right > 0.0 else left for row, left, right in bars(axes)}
-    for name, move in rung.moved.items():
+    for name, move in step.moved.items():
         assert drawn[name] == pytest.approx(move.by_se)
 
 
-def test_candidates_beyond_chance_are_solid_and_those_that_look_alike_are_linked(story: kc.Story) -> None:
+def test_candidates_beyond_chance_are_solid_and_those_that_look_alike_are_linked(
+    story: kc.LearningResult,
+) -> None:
     diagnosis = story.first_diagnosis
     (axes,) = plot.diagnosis(diagnosis).axes
     patches = [patch for patch in axes.patches if isinstance(patch, Rectangle)]
@@ -97,14 +101,18 @@ def test_candidates_beyond_chance_are_solid_and_those_that_look_alike_are_linked
     assert linked == any(one.equivalent for one in diagnosis.candidates)
 
 
-def test_the_story_shows_what_remains_where_it_is_unexplained(humming: kc.Story, story: kc.Story) -> None:
+def test_the_story_shows_what_remains_where_it_is_unexplained(
+    humming: kc.LearningResult, story: kc.LearningResult
+) -> None:
     assert "What is left along frequency" in writing(humming.plot())
     assert "Chance explains the rest" in writing(story.plot())
     assert humming.headline.split(":")[0] in writing(humming.plot()).replace("\n", " ")
 
 
-def test_a_hostile_name_is_printed_in_every_picture_of_a_story(humming: kc.Story, tmp_path: Path) -> None:
-    paths = plot.save_story(humming, tmp_path)
+def test_a_hostile_name_is_printed_in_every_picture_of_a_story(
+    humming: kc.LearningResult, tmp_path: Path
+) -> None:
+    paths = plot.save_learning(humming, tmp_path)
     assert paths[0].name == "01-story.png"
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in paths)
     assert r"\$hum\$ <b>" in writing(plot.ladder(humming))

@@ -1,4 +1,4 @@
-"""What a capture cannot tell whatever the model: the motion that it lacks, and what to record instead."""
+"""What a capture cannot tell whatever the model: the motion that is missing, and what to record instead."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _ONE_WAY = 0.02  # less of the way than this in one direction tells nothing of i
 _SMALL_TURN_RAD = 0.5  # about the widest detent of the haptic-camera paper's knobs (knob 4: 0.478 rad)
 
 
-class Lack(NamedTuple):
+class Limitation(NamedTuple):
     """Something that captures do not show: its `kind`, what follows from it, and what to `record`."""
 
     kind: str
@@ -31,7 +31,7 @@ class Lack(NamedTuple):
     record: str
 
 
-def lacks(fit: Fit) -> tuple[Lack, ...]:
+def limitations(fit: Fit) -> tuple[Limitation, ...]:
     """Return what the captures of a fit cannot tell, all of them together."""
     omega = np.concatenate([one.omega[one.used] for one in fit.prepared])
     found = [
@@ -42,28 +42,28 @@ def lacks(fit: Fit) -> tuple[Lack, ...]:
         _width(fit),
         _noise(fit),
     ]
-    return tuple(lack for lack in found if lack is not None)
+    return tuple(one for one in found if one is not None)
 
 
-def _length(fit: Fit) -> Lack | None:
+def _length(fit: Fit) -> Limitation | None:
     seconds = sum(one.core.used / one.core.rate_hz for one in fit.prepared)
     if seconds >= _SHORT_S:
         return None
-    return Lack(
+    return Limitation(
         "too_short",
         f"only {seconds:.2g} s count: chance and effect cannot be told apart",
         "record at least 5 s, with several turns back and forth",
     )
 
 
-def _directions(fit: Fit, omega: FloatArray) -> list[Lack | None]:
+def _directions(fit: Fit, omega: FloatArray) -> list[Limitation | None]:
     forward = float(np.sum(omega[omega > 0.0]))
     backward = -float(np.sum(omega[omega < 0.0]))
     way = forward + backward
     one_way = None
     if min(forward, backward) < _ONE_WAY * way:
         seen, missing = ("forward", "backward") if forward > backward else ("backward", "forward")
-        one_way = Lack(
+        one_way = Limitation(
             "one_direction",
             f"the motion is {seen} only: friction {missing}, and whatever differs with the direction, is not "
             "seen, and dry friction cannot be told from a constant torque",
@@ -72,7 +72,7 @@ def _directions(fit: Fit, omega: FloatArray) -> list[Lack | None]:
     turned = sum(_reversals(one.omega, _MOVING * float(np.max(np.abs(omega)))) for one in fit.prepared)
     no_reversal = None
     if turned == 0:
-        no_reversal = Lack(
+        no_reversal = Limitation(
             "no_reversal",
             "the motion never turns back: presliding, backlash and other effects of a reversal cannot show",
             "reverse the motion several times, at different places",
@@ -86,45 +86,45 @@ def _reversals(omega: FloatArray, moving: float) -> int:
     return int(np.sum(signs[1:] != signs[:-1]))
 
 
-def _slowness(omega: FloatArray) -> Lack | None:
+def _slowness(omega: FloatArray) -> Limitation | None:
     speed = np.abs(omega)
     top = float(np.max(speed))
     if float(np.mean(speed < _SLOW * top)) >= _SLOW_TIME:
         return None
-    return Lack(
+    return Limitation(
         "no_slow_motion",
         f"the speed never falls below {_SLOW * top:.3g}: what friction does near standstill cannot show",
         "record slow turning and gentle reversals as well",
     )
 
 
-def _excitation(fit: Fit) -> Lack | None:
+def _excitation(fit: Fit) -> Limitation | None:
     """The fastest parts of the motion must move the torque by more than what is left of it."""
-    base = base_effects(fit.model.axis)
+    base = base_effects(fit.model.coordinate)
     # A torque that needs motion has a time in its unit.
     swift = [
         e for name, e in fit.params.items() if name.split(".", 1)[0] in base and re.search(r"\bs\b", e.unit)
     ]
     if not swift or any(e.determined and abs(e.value) > 3.0 * e.se for e in swift):
         return None
-    return Lack(
+    return Limitation(
         "too_slow",
         "the motion is too slow or too even: neither viscous friction nor inertia stands out",
         "turn faster and change speed more, as a sweep does",
     )
 
 
-def _width(fit: Fit) -> Lack | None:
+def _width(fit: Fit) -> Limitation | None:
     wide = travel(fit.prepared)
     period = fit.model.period
-    unit = "rad" if fit.model.axis == "rotary" else "m"
+    unit = "rad" if fit.model.coordinate == "rotary" else "m"
     if period is not None:
         needed = 2.0 * math.pi * abs(period)
     else:
-        needed = _SMALL_TURN_RAD if fit.model.axis == "rotary" else 0.0
+        needed = _SMALL_TURN_RAD if fit.model.coordinate == "rotary" else 0.0
     if wide >= needed:
         return None
-    return Lack(
+    return Limitation(
         "less_than_one_detent",
         f"only {wide:.3g} {unit} are turned through, less than one detent of {needed:.3g} {unit}: what "
         "depends on position cannot be told apart",
@@ -132,10 +132,10 @@ def _width(fit: Fit) -> Lack | None:
     )
 
 
-def _noise(fit: Fit) -> Lack | None:
+def _noise(fit: Fit) -> Limitation | None:
     if not math.isnan(fit.noise_floor):
         return None
-    return Lack(
+    return Limitation(
         "no_noise_floor",
         "too few samples, or too slow ones, to tell the sensor's noise: nothing can be called beyond chance",
         "sample faster (5 kHz is usual), and record the torque without a filter",

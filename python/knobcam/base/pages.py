@@ -1,0 +1,287 @@
+"""What the pages are told, as JSON: one schema for Python, which writes it, and for `web/`, which reads it.
+
+`python3 dev.py page` makes `web/src/types.js` of it. A number that may be none (NaN) is `float | None`, since
+JSON has null for it. Torques in N m, or forces in N on a linear axis; all else in SI too.
+"""
+
+from typing import Literal, NotRequired, TypedDict
+
+
+class CaptureInfo(TypedDict):
+    """A capture that is open; `findings` in words, `hides` whether something in it is to be found."""
+
+    id: str
+    name: str
+    samples: int
+    rate_hz: float
+    coordinate: Literal["rotary", "linear"]
+    findings: list[str]
+    hides: bool
+
+
+class Step(TypedDict):
+    """A fit on the way of a branch."""
+
+    node: str
+    added: str | None
+    dropped: str | None
+    rmse: float
+    rmse_heldout: float | None
+    captures: list[str]
+
+
+class Branch(TypedDict):
+    """A branch, and at which of its steps it is."""
+
+    id: str
+    name: str
+    at: int
+    steps: list[Step]
+
+
+class LadderStep(TypedDict):
+    """A step of the error ladder: what came in, and the error with it."""
+
+    label: str
+    rmse: float
+    rmse_heldout: float | None
+
+
+class Param(TypedDict):
+    """A parameter; `doubt` is what is doubtful about its fitted value, `dragged` whether a hand moved it."""
+
+    name: str
+    value: float
+    ci95: tuple[float, float] | None
+    unit: str
+    role: str
+    fitted: float
+    dragged: bool
+    lower: float | None
+    upper: float | None
+    meaning: str
+    doubt: str | None
+
+
+class Effect(TypedDict):
+    """An effect of the catalogue, in words."""
+
+    effect: str
+    place: str
+    law: str
+    source: str
+    shows: str
+    confused: list[str]
+    name: str
+    about: str
+    causes: list[str]
+    remedies: list[str]
+
+
+class Movement(TypedDict):
+    """How far a parameter went when an effect came in."""
+
+    by_se: float
+    by_percent: float | None
+
+
+class Candidate(Effect):
+    """An effect that could be missing, with what speaks for it and against it."""
+
+    beyond_chance: bool
+    p_value: float
+    error_fall: float
+    rmse_heldout: float | None
+    moved: dict[str, Movement]
+    equivalent: list[str]
+    implausible: list[str]
+    note: str
+
+
+class Unexplained(TypedDict):
+    """What no effect explains: along which axis, which share of the error, of what shape."""
+
+    axis: str
+    share: float
+    hint: str
+
+
+class Candidates(TypedDict):
+    """What was weighed, best first, once it is `ready`; `left_out` is what could not be, and why."""
+
+    ready: bool
+    rows: list[Candidate]
+    unexplained: Unexplained | None
+    left_out: dict[str, str]
+
+
+class Job(TypedDict):
+    """What is being done; `done` from 0 to 1, null while nobody can tell."""
+
+    id: str
+    what: str
+    done: float | None
+    recording: bool
+
+
+class Session(TypedDict):
+    """What a session has; before the first capture there is no node."""
+
+    schema: str
+    revision: int
+    captures: list[CaptureInfo]
+    branches: list[Branch]
+    active: list[str]
+    branch: str | None
+    node: str | None
+    noise_floor: float | None
+    unit: str
+    params: list[Param]
+    rmse: float | None
+    rmse_heldout: float | None
+    verdict_text: str
+    ladder: list[LadderStep]
+    candidates: Candidates
+    warnings: list[str]
+    limitations: list[str]
+    absent: list[Effect]
+
+
+class State(Session):
+    """The answer of `GET /api/state`: a session, and what is being done to it."""
+
+    job: Job | None
+    recording: bool
+
+
+class Knob(TypedDict):
+    """A knob that can be simulated, and the effects that it can hide."""
+
+    name: str
+    words: str
+    hideable: list[str]
+
+
+class FoundPort(TypedDict):
+    """A serial port, and what is plugged in there."""
+
+    port: str
+    words: str
+
+
+class Sources(TypedDict):
+    """The answer of `GET /api/sources`: what captures can be made of; names with words for them."""
+
+    knobs: list[Knob]
+    effects: dict[str, str]
+    motions: dict[str, dict[str, str]]
+    no_emulated_rig: str | None
+    ports: list[FoundPort]
+    folder: str
+
+
+class Live(TypedDict):
+    """How a recording goes; what is not required comes with the first figures."""
+
+    what: str
+    log: str
+    every: int
+    done: float | None
+    ended: bool
+    error: str | None
+    capture: str | None
+    elapsed_s: NotRequired[float]
+    total_s: NotRequired[float]
+    received: NotRequired[int]
+    missing: NotRequired[int]
+    rate_hz: NotRequired[float]
+    peak_torque: NotRequired[float | None]
+    torque_limit: NotRequired[float]
+    clipped: NotRequired[dict[str, int]]
+    temperature: NotRequired[float | None]
+
+
+class ColumnsHead(TypedDict):
+    """The line in front of columns of bytes: their names, their length; `live` of a recording."""
+
+    names: list[str]
+    n: int
+    dtype: Literal["f32"]
+    live: NotRequired[Live]
+
+
+class More(TypedDict, total=False):
+    """What an answer may say besides the revision."""
+
+    job: str
+    path: str
+    log: str
+    share: float
+    hidden: list[str]
+
+
+class Answer(More):
+    """What a request is answered that changes or asks something."""
+
+    revision: int
+
+
+class FileColumn(TypedDict):
+    """A column of a file that is no capture yet; `outline` is lowest and highest of its pieces, 0 to 1."""
+
+    name: str
+    rows: int
+    low: float | None
+    high: float | None
+    outline: list[tuple[float, float]]
+
+
+class Refused(TypedDict):
+    """What is wrong with a request; `columns` of a file that could not be taken for a capture."""
+
+    error: str
+    columns: NotRequired[list[FileColumn]]
+
+
+class ShownStep(TypedDict):
+    """A model that linked plots show, and what could be missing from it where that was weighed."""
+
+    label: str
+    rmse: float
+    candidates: Candidates | None
+
+
+class Shown(TypedDict):
+    """What linked plots show: models held against captures of `all` samples."""
+
+    unit: str
+    coordinate: Literal["rotary", "linear"]
+    noise: float | None
+    all: int
+    steps: list[ShownStep]
+
+
+class Head(Shown):
+    """The same where `n` of the samples are carried along."""
+
+    n: int
+
+
+class Packed(TypedDict):
+    """A column in few letters.
+
+    `deflated` is base64 of the bytes of n 32-bit differences, all lowest bytes first; a difference has its
+    sign in its lowest bit. Of the steps that they sum up to, 0 is "not a number" and 1 is `low`.
+    """
+
+    low: float
+    step: float
+    deflated: str
+
+
+class Kept(Head):
+    """What a page holds in itself: columns, of each step its residual and what each candidate explains."""
+
+    columns: dict[str, Packed]
+    residuals: list[Packed]
+    signatures: list[dict[str, Packed]]

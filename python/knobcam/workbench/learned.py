@@ -1,0 +1,62 @@
+"""What a branch tells: its ladder, and the learning result that a report is made of."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from ..learn import LearningResult
+from ..learn.ladder import LearningStep
+from ..learn.selection import Selection, concluded, unpaid
+from ..model.effects import base_effects_shown
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ..fit.diagnose import Diagnosis
+    from .tree import Node
+
+
+def ladder(done: Sequence[Node]) -> list[LearningStep]:
+    """Return the ladder of nodes: one step for the first model, one for each effect that was added.
+
+    An effect that was dropped changes the step that it was dropped from. Where other captures came in the
+    ladder starts anew: errors on different captures cannot be compared.
+    """
+    steps: list[LearningStep] = []
+    for node in done:
+        if node.how == "fitted":
+            steps = [LearningStep(node.fit)]
+        elif node.how == "added":
+            fitted = replace(node.fit, before=steps[-1].fit)
+            evidence = (node.effect, node.p_value, node.equivalent, (), node.diagnosis)
+            steps.append(LearningStep(fitted, *evidence))
+        else:
+            last = steps.pop()
+            before = steps[-1].fit if steps else None
+            dropped = (*last.dropped, node.effect) if node.effect else last.dropped
+            steps.append(replace(last, fit=replace(node.fit, before=before), dropped=dropped))
+    return steps
+
+
+def in_vain(steps: Sequence[LearningStep]) -> list[str]:
+    """Return the effects that were added and took off no more than chance does, for their parameters."""
+    return [
+        step.added
+        for step in steps
+        if step.added is not None
+        and step.fit.before is not None
+        and step.fit.noise_floor > 0.0
+        and unpaid(step.fit, step.fit.before)
+    ]
+
+
+def conclusion(steps: list[LearningStep], last: Diagnosis) -> Selection:
+    """Return what a ladder says that ends where `last` was weighed."""
+    base = steps[0].fit.model
+    return concluded(steps, last, [*base.effects, *base_effects_shown(base.coordinate), *in_vain(steps)])
+
+
+def learned(done: Sequence[Node], last: Diagnosis) -> LearningResult:
+    """Return what was learned along nodes that end where `last` was weighed."""
+    return LearningResult(*conclusion(ladder(done), last))
