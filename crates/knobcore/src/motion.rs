@@ -87,8 +87,8 @@ pub enum Channel {
     FrictionScale,
     /// `mu`.
     Mu,
-    /// `lag`.
-    Lag,
+    /// `hysteresis`.
+    Hysteresis,
     /// `hold` and `band`: only a knob at rest feels them.
     Stick,
 }
@@ -106,7 +106,7 @@ impl Channel {
         Self::NormalLoad,
         Self::FrictionScale,
         Self::Mu,
-        Self::Lag,
+        Self::Hysteresis,
         Self::Stick,
     ];
 
@@ -123,7 +123,7 @@ impl Channel {
     /// Whether one of these channels shapes the friction of other effects.
     pub const fn shape_friction(these: &[Self]) -> bool {
         let mask = Self::among(these);
-        mask[Self::FrictionScale as usize] || mask[Self::Mu as usize] || mask[Self::Lag as usize]
+        mask[Self::FrictionScale as usize] || mask[Self::Mu as usize] || mask[Self::Hysteresis as usize]
     }
 }
 
@@ -142,7 +142,7 @@ pub struct Load<T> {
     pub mu: T,
     /// How far dry friction is from following the sign of the motion: 0 fully, -2 still fully backward in a
     /// forward motion, +2 the other way round.
-    pub lag: T,
+    pub hysteresis: T,
     /// Stored inertia, kg m^2 (kg).
     pub inertia: T,
     /// Static friction, N m: magnitudes that hold the knob backward and forward while it sticks.
@@ -162,7 +162,7 @@ impl<T: Scalar> Load<T> {
             resist: [zero; 2],
             friction_scale: T::of(1.0),
             mu: zero,
-            lag: zero,
+            hysteresis: zero,
             inertia: zero,
             hold: [zero; 2],
             band: zero,
@@ -219,8 +219,8 @@ impl<T: Scalar> Load<T> {
         if touches(Channel::Mu) {
             self.mu = self.mu + o.mu;
         }
-        if touches(Channel::Lag) {
-            self.lag = self.lag + o.lag;
+        if touches(Channel::Hysteresis) {
+            self.hysteresis = self.hysteresis + o.hysteresis;
         }
         if touches(Channel::Stick) {
             self.hold = [self.hold[0] + o.hold[0], self.hold[1] + o.hold[1]];
@@ -232,7 +232,7 @@ impl<T: Scalar> Load<T> {
     #[inline(always)]
     pub fn friction(&self, forward: T) -> T {
         let half = T::of(0.5);
-        let forth = forward + half * self.lag;
+        let forth = forward + half * self.hysteresis;
         let back = T::of(1.0) - forth;
         (self.resist[1] * forth - self.resist[0] * back) * self.friction_scale
             + self.mu * self.normal_load.abs() * (forth - back)
@@ -246,12 +246,12 @@ impl<T: Scalar> Load<T> {
             + self.mu * self.normal_load.abs()
     }
 
-    /// Friction that a spring among the effects holds whichever way the knob would go, N m: of the lags of both ways,
+    /// Friction that a spring among the effects holds whichever way the knob would go, N m: of the hysteresis of both ways,
     /// this one backward and that forward, the mean is what it is strained by.
     #[inline]
     pub fn strained(&self, forth: &Self) -> T {
         let half = T::of(0.5);
-        half * (self.lag + forth.lag) * forth.dry(half)
+        half * (self.hysteresis + forth.hysteresis) * forth.dry(half)
     }
 
     /// Torque on the moving knob: inverse dynamics, N m.

@@ -1,7 +1,7 @@
 //! From the motion to the torque, and to its exact derivatives.
 
 use crate::chain;
-use crate::effects::law::Sweep;
+use crate::effects::law::Response;
 use crate::model::{Model, Role};
 use crate::signals::{Chunk, Signals};
 use std::ops::Range;
@@ -87,7 +87,7 @@ pub fn raw(
     out.clear(1 + seeds.columns, range.len());
     let motion = signals.motion_columns(range);
     let (torque, slopes) = out.split();
-    let mut over = Sweep { motion, dt: 1.0 / signals.rate_hz, torque, slopes };
+    let mut over = Response { motion, dt: 1.0 / signals.rate_hz, torque, slopes };
     chain::along(model, p, &seeds.column, signals.substeps, &mut over);
 }
 

@@ -5,8 +5,8 @@ use super::progress::Progress;
 use super::signals::PySignals;
 use super::user::watched;
 use knobcore::diagnose::{
-    Candidate, Split, diagnose as diagnose_core, implausible as implausible_core, locate as locate_core,
-    settle,
+    Candidate, Split, converge, diagnose as diagnose_core, implausible as implausible_core,
+    locate as locate_core,
 };
 use knobcore::effects::Id;
 use knobcore::fit::{Detents, Fit, fit as fit_core, report, sketch};
@@ -190,7 +190,7 @@ pub fn refine(
     let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
     let (model, signals) = (&model.0, &signals[..]);
     let work = || {
-        if thorough { settle(signals, model) } else { report(signals, model, sketch(signals, model)) }
+        if thorough { converge(signals, model) } else { report(signals, model, sketch(signals, model)) }
     };
     watched(py, model, work)?.map(PyFit).map_err(input_error)
 }

@@ -151,7 +151,7 @@ impl Renderer {
     }
 
     /// Remembers what sliding through `count` samples up to `end` leaves behind.
-    fn settle(&mut self, columns: &Columns<'_>, out: &[f64], count: usize, end: usize) {
+    fn remember(&mut self, columns: &Columns<'_>, out: &[f64], count: usize, end: usize) {
         let Some(last) = end.checked_sub(1).filter(|_| count > 0) else { return };
         let [theta, omega, alpha] = columns.motion;
         let state = &mut self.state;
@@ -190,7 +190,7 @@ impl pulp::NullaryFnOnce for Rendering<'_> {
                     slid += LANES;
                     continue;
                 }
-                renderer.settle(&columns, out, slid, at);
+                renderer.remember(&columns, out, slid, at);
                 slid = 0;
                 for i in at..(at + LANES).min(end) {
                     let [torque, inertia] = [0, 1].map(|j: usize| ahead.asked[j][i - start]);
@@ -198,7 +198,7 @@ impl pulp::NullaryFnOnce for Rendering<'_> {
                 }
                 way = renderer.way();
             }
-            renderer.settle(&columns, out, slid, end);
+            renderer.remember(&columns, out, slid, end);
             start = end;
         }
     }

@@ -1,7 +1,7 @@
 //! The chain on a motion that is prescribed, through a joint: the hidden knob's torque and its derivatives.
 
 use super::hidden::{Beside, Hidden};
-use crate::effects::law::{CARRIED, Carried, D, Sweep};
+use crate::effects::law::{CARRIED, Carried, D, Response};
 use crate::effects::{Id, Place};
 use crate::isa;
 use crate::model::Model;
@@ -13,7 +13,7 @@ pub(super) fn loads(
     p: &[f64],
     columns: &[Option<usize>],
     substeps: usize,
-    over: &mut Sweep<'_>,
+    over: &mut Response<'_>,
 ) {
     let own = Own::over(model, p, columns, over.motion);
     let behind = Behind { model, columns, own: &own, motion: over.motion, dt: over.dt, substeps };

@@ -14,15 +14,15 @@ mod behind;
 mod block;
 mod hidden;
 mod push;
+mod rigid;
 mod stepper;
-mod sweep;
 
 pub use block::Block;
 pub use hidden::{Beside, Hidden, Instant};
 pub use push::{Hand, Pushed, push};
 pub use stepper::{Acts, Body};
 
-use crate::effects::law::Sweep;
+use crate::effects::law::Response;
 use crate::model::Model;
 
 /// Steps of a hidden knob from one sample to the next.
@@ -30,23 +30,23 @@ pub const SUBSTEPS: usize = 4;
 
 /// Torque on the shaft and its derivatives along a motion: coupling and loads. `columns` says which column each
 /// parameter has.
-pub fn loads(model: &Model, p: &[f64], columns: &[Option<usize>], substeps: usize, over: &mut Sweep<'_>) {
+pub fn loads(model: &Model, p: &[f64], columns: &[Option<usize>], substeps: usize, over: &mut Response<'_>) {
     if model.is_coupled() {
         behind::loads(model, p, columns, substeps, over);
     } else {
-        sweep::loads(&model.parts(p, columns), over);
+        rigid::loads(&model.parts(p, columns), over);
     }
 }
 
 /// Passes torque and derivatives through the sensors.
-pub fn sensors(model: &Model, p: &[f64], columns: &[Option<usize>], over: &mut Sweep<'_>) {
+pub fn sensors(model: &Model, p: &[f64], columns: &[Option<usize>], over: &mut Response<'_>) {
     for (id, p, columns) in model.parts(p, columns) {
         id.law().pass(p, columns, over);
     }
 }
 
 /// The recorded torque and its derivatives along a motion: the whole chain.
-pub fn along(model: &Model, p: &[f64], columns: &[Option<usize>], substeps: usize, over: &mut Sweep<'_>) {
+pub fn along(model: &Model, p: &[f64], columns: &[Option<usize>], substeps: usize, over: &mut Response<'_>) {
     loads(model, p, columns, substeps, over);
     sensors(model, p, columns, over);
 }

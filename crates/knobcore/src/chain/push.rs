@@ -7,7 +7,7 @@
 use super::stepper::{Acts, Body};
 use super::{SUBSTEPS, loads, sensors};
 use crate::effects::Joint;
-use crate::effects::law::Sweep;
+use crate::effects::law::Response;
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::motion::Motion;
@@ -97,7 +97,7 @@ fn recorded(model: &Model, p: &[f64], motion: &Pushed, dt: f64, held: &[f64]) ->
     let mut tau = vec![0.0; held.len()];
     let columns = vec![None; p.len()];
     let motion_columns = [&t, &motion.theta, &motion.omega, &motion.alpha, &forward].map(Vec::as_slice);
-    let mut over = Sweep { motion: motion_columns, dt, torque: &mut tau, slopes: &mut [] };
+    let mut over = Response { motion: motion_columns, dt, torque: &mut tau, slopes: &mut [] };
     loads(model, p, &columns, SUBSTEPS, &mut over);
     if !model.is_coupled() {
         let rest = |i: &usize| motion.omega[*i] == 0.0;

@@ -56,7 +56,7 @@ pub fn coupled(whole: &Screen<'_>, id: Id) -> (Vec<Start>, Option<(Model, Found)
 ///
 /// # Errors
 /// As of [`crate::fit::fit`].
-pub fn settle(data: &[&Signals], model: &Model) -> Result<Fit> {
+pub fn converge(data: &[&Signals], model: &Model) -> Result<Fit> {
     let mut best = refine(data, model)?;
     if !model.is_coupled() {
         return Ok(best);

@@ -11,7 +11,7 @@ mod spectrum;
 mod watch;
 
 pub use candidates::{Candidate, diagnose};
-pub use coupled::settle;
+pub use coupled::converge;
 pub use implausible::implausible;
 pub use locate::{Region, Split, locate};
 pub use watch::Tell;

@@ -1,11 +1,11 @@
 //! Screening: what an effect would take off the error, to first order, from each of its starts.
 //!
-//! The columns of the base model are swept once and kept; a start costs its own columns alone, projected off all
+//! The columns of the base model are evaluated once and kept; a start costs its own columns alone, projected off all
 //! of the base's, so that what the base parameters can absorb does not count.
 
 use super::watch::Watch;
 use crate::effects::{Id, Place, Survey, Wave};
-use crate::fit::{dot, sweep, waves};
+use crate::fit::{dot, evaluate, waves};
 use crate::model::{Model, Role};
 use crate::param::Usual;
 use crate::predict::Seeds;
@@ -175,8 +175,8 @@ impl<'a> Screen<'a> {
 /// Derivative columns by these parameters, and the residual, over all samples; zero where one does not count.
 fn columns(data: &[&Signals], model: &Model, params: &[usize]) -> Vec<Vec<f64>> {
     let mut columns = vec![Vec::new(); params.len() + 1];
-    sweep(data, model, &model.values(), &Seeds::of(model, params), |swept| {
-        for (column, part) in columns.iter_mut().zip(swept.columns) {
+    evaluate(data, model, &model.values(), &Seeds::of(model, params), |evaluated| {
+        for (column, part) in columns.iter_mut().zip(evaluated.columns) {
             column.extend_from_slice(part);
         }
     });

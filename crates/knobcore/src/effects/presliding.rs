@@ -29,7 +29,7 @@ impl Effect<7> for Presliding {
                                   Canudas de Wit, Olsson, Astrom & Lischinsky 1995";
     const SHOWS: &'static str = "over the first few hundredths of a radian after each reversal";
     const CONFUSED: &'static [&'static str] = &["torque_lag", "backlash", "compliance", "stribeck"];
-    const TOUCHES: &'static [Channel] = &[Channel::Lag];
+    const TOUCHES: &'static [Channel] = &[Channel::Hysteresis];
     const WORDS: Words = Words {
         name: "friction builds up over a distance after each reversal",
         about: "Before surfaces slip they give a little like a spring, so that friction turns round over a \
@@ -102,13 +102,13 @@ impl MemoryEffect<7, 8> for Presliding {
         let moved = *running * (motion.theta - *before) / *s;
         (*running, *before) = (T::of(1.0), motion.theta);
         let (one, sign) = (T::of(1.0), motion.direction());
-        let (mut lag, mut finer) = (T::of(0.0), one);
+        let (mut hysteresis, mut finer) = (T::of(0.0), one);
         for (z, share) in z.iter_mut().zip(shares) {
             *z = (*z + moved * finer).min(one).max(-one);
-            lag = lag + *share * (*z - sign);
+            hysteresis = hysteresis + *share * (*z - sign);
             finer = finer + finer;
         }
-        Load { lag, ..Load::none() }
+        Load { hysteresis, ..Load::none() }
     }
 }
 

@@ -30,7 +30,7 @@ const TIE: f64 = 4.0;
 const CANDIDATES: usize = 3;
 const RIVAL: f64 = 0.8;
 
-/// The best descent over the peaks of the scan. The sweeps of every descent count as evaluations.
+/// The best descent over the peaks of the scan. The passes of every descent count as evaluations.
 pub fn best_from_scan(
     data: &[&Signals],
     model: &Model,
@@ -67,7 +67,7 @@ pub fn scan_beside(data: &[&Signals], model: &Model) -> Option<(Model, Found, Sc
     let bare = model.only(&effects).ok()?;
     let layout = Layout::of(&bare);
     if layout.is_linear() {
-        // The scan's own sweep solves it.
+        // The scan's own pass solves it.
         let start = bare.values();
         let (scan, step) = scan(data, &bare, &start, &layout.free, Wave::Torque)?;
         let found = Found {

@@ -9,7 +9,7 @@ mod serial;
 mod solve;
 
 pub use moments::Moments;
-pub(crate) use moments::{add_products, dot, sweep};
+pub(crate) use moments::{add_products, dot, evaluate};
 pub use scan::Scan;
 pub use separable::{Found, Status};
 
@@ -73,7 +73,7 @@ pub struct Fit {
     pub white_squares: f64,
     /// Accepted steps.
     pub iterations: usize,
-    /// Sweeps over the data.
+    /// Passes over the data.
     pub evaluations: usize,
     /// Why it stopped.
     pub status: Status,
@@ -271,11 +271,11 @@ fn finish(
     let used = used(data);
     let mut blocks = Blocks::of(used / BLOCKS);
     let mut residuals: Vec<Vec<f64>> = vec![Vec::new(); data.len()];
-    sweep(data, &model, &found.p, &seeds, |swept| {
-        blocks.add(swept);
-        let weight = &swept.signals.weight[swept.chunk.core.clone()];
-        let rest = swept.columns[k].iter().zip(weight).filter(|(_, w)| **w > 0.0).map(|(r, _)| *r);
-        residuals[swept.capture].extend(rest);
+    evaluate(data, &model, &found.p, &seeds, |evaluated| {
+        blocks.add(evaluated);
+        let weight = &evaluated.signals.weight[evaluated.chunk.core.clone()];
+        let rest = evaluated.columns[k].iter().zip(weight).filter(|(_, w)| **w > 0.0).map(|(r, _)| *r);
+        residuals[evaluated.capture].extend(rest);
     });
     let blocks = blocks.done();
     let mut at = Moments::empty(k);
@@ -287,7 +287,7 @@ fn finish(
     if serial.coefficients.is_empty() {
         meat.of_white(gram);
     } else {
-        sweep(data, &model, &found.p, &seeds, |swept| meat.add(swept));
+        evaluate(data, &model, &found.p, &seeds, |evaluated| meat.add(evaluated));
     }
     let covariance = match Normal::of(gram, &kept) {
         Some(normal) => {
@@ -370,9 +370,9 @@ impl Fit {
         let seeds = Seeds::of(&self.model, &self.free);
         let mut band = vec![f64::NAN; signals.len()];
         let unweighted = Signals { weight: vec![1.0; signals.len()], ..signals.clone() };
-        sweep(&[&unweighted], &self.model, &self.model.values(), &seeds, |swept| {
-            for (row, at) in swept.chunk.core.clone().enumerate() {
-                let j = |c: usize| swept.columns[c][row];
+        evaluate(&[&unweighted], &self.model, &self.model.values(), &seeds, |evaluated| {
+            for (row, at) in evaluated.chunk.core.clone().enumerate() {
+                let j = |c: usize| evaluated.columns[c][row];
                 let mut variance = 0.0;
                 for a in 0..self.free.len() {
                     for b in 0..self.free.len() {

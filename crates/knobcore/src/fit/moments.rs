@@ -1,6 +1,6 @@
-//! Normal equations: what one sweep over the data leaves of it.
+//! Normal equations: what one pass over the data leaves of it.
 //!
-//! A sweep evaluates the model and its derivatives chunk by chunk and keeps only the products of the
+//! A pass evaluates the model and its derivatives chunk by chunk and keeps only the products of the
 //! columns, so that memory does not grow with the capture.
 
 use crate::isa;
@@ -167,8 +167,8 @@ fn inner(a: &[f64], b: &[f64]) -> f64 {
     (first + second).0.iter().sum::<f64>() + tail
 }
 
-/// One chunk of a sweep: the derivative columns and then the residual, zero where a sample does not count.
-pub struct Swept<'a> {
+/// One chunk of a pass: the derivative columns and then the residual, zero where a sample does not count.
+pub struct Evaluated<'a> {
     /// Which capture.
     pub capture: usize,
     /// Its samples.
@@ -179,8 +179,14 @@ pub struct Swept<'a> {
     pub columns: &'a [&'a [f64]],
 }
 
-/// Sweeps over all captures: evaluates the model with derivatives and hands over chunk after chunk.
-pub fn sweep(data: &[&Signals], model: &Model, p: &[f64], seeds: &Seeds, mut visit: impl FnMut(&Swept<'_>)) {
+/// Passes over all captures: evaluates the model with derivatives and hands over chunk after chunk.
+pub fn evaluate(
+    data: &[&Signals],
+    model: &Model,
+    p: &[f64],
+    seeds: &Seeds,
+    mut visit: impl FnMut(&Evaluated<'_>),
+) {
     let mut columns = Columns::default();
     for (capture, signals) in data.iter().enumerate() {
         for chunk in signals.chunks(model.remembers()) {
@@ -200,7 +206,7 @@ pub fn sweep(data: &[&Signals], model: &Model, p: &[f64], seeds: &Seeds, mut vis
             }
             let mut views: Vec<&[f64]> = derivatives.iter().map(|column| &column[inner.clone()]).collect();
             views.push(&model_torque[inner]);
-            visit(&Swept { capture, signals, chunk: &chunk, columns: &views });
+            visit(&Evaluated { capture, signals, chunk: &chunk, columns: &views });
         }
     }
 }
@@ -208,7 +214,7 @@ pub fn sweep(data: &[&Signals], model: &Model, p: &[f64], seeds: &Seeds, mut vis
 /// The normal equations at `p`.
 pub fn moments(data: &[&Signals], model: &Model, p: &[f64], seeds: &Seeds) -> Moments {
     let mut sum = Moments::empty(seeds.columns());
-    sweep(data, model, p, seeds, |swept| sum.add_columns(swept.columns));
+    evaluate(data, model, p, seeds, |evaluated| sum.add_columns(evaluated.columns));
     sum.rows = used(data);
     sum
 }
@@ -232,14 +238,14 @@ impl Blocks {
         Self { samples: samples.max(1.0), capture: usize::MAX, blocks: Vec::new() }
     }
 
-    /// Takes one chunk of a sweep.
-    pub fn add(&mut self, swept: &Swept<'_>) {
-        let k = swept.columns.len() - 1;
-        if swept.capture != self.capture {
-            self.capture = swept.capture;
+    /// Takes one chunk of a pass.
+    pub fn add(&mut self, evaluated: &Evaluated<'_>) {
+        let k = evaluated.columns.len() - 1;
+        if evaluated.capture != self.capture {
+            self.capture = evaluated.capture;
             self.blocks.push(Moments::empty(k));
         }
-        let weight = &swept.signals.weight[swept.chunk.core.clone()];
+        let weight = &evaluated.signals.weight[evaluated.chunk.core.clone()];
         let mut from = 0;
         while from < weight.len() {
             let Some(block) = self.blocks.last_mut() else { return };
@@ -250,7 +256,7 @@ impl Blocks {
                 counted <= room
             });
             let to = from + take.count();
-            let views: Vec<&[f64]> = swept.columns.iter().map(|column| &column[from..to]).collect();
+            let views: Vec<&[f64]> = evaluated.columns.iter().map(|column| &column[from..to]).collect();
             block.add_columns(&views);
             block.rows += weight[from..to].iter().sum::<f64>();
             if to < weight.len() {

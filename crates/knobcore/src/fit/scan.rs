@@ -5,7 +5,7 @@
 //! spread over a fine grid of positions (cloud in cell; Hockney & Eastwood 1981), so that one FFT per column
 //! serves every frequency.
 
-use super::moments::sweep;
+use super::moments::evaluate;
 use super::solve::{Normal, independent};
 use crate::effects::Wave;
 use crate::fourier::Transform;
@@ -195,25 +195,29 @@ pub fn scan(
     // The k columns, the residual, and the count of samples, packed.
     let mut spread = vec![vec![Pack::of(0.0); grid.cells + 2]; (k + 2).div_ceil(LANES)];
     let mut sum = super::moments::Moments::empty(k);
-    sweep(data, model, p, &seeds, |swept| {
-        sum.add_columns(swept.columns);
-        let core = swept.chunk.core.clone();
+    evaluate(data, model, p, &seeds, |evaluated| {
+        sum.add_columns(evaluated.columns);
+        let core = evaluated.chunk.core.clone();
         let signed: Vec<Vec<f64>> = match wave {
             Wave::Torque => Vec::new(),
             // A product of two signed columns is that of the columns: only the products with the wave change.
             Wave::Friction => {
                 let sign = |(x, forward): (&f64, &f64)| if *forward > 0.5 { *x } else { -x };
-                let forward = &swept.signals.forward[core.clone()];
-                swept.columns.iter().map(|column| column.iter().zip(forward).map(sign).collect()).collect()
+                let forward = &evaluated.signals.forward[core.clone()];
+                evaluated
+                    .columns
+                    .iter()
+                    .map(|column| column.iter().zip(forward).map(sign).collect())
+                    .collect()
             }
         };
         let mut columns: Vec<&[f64]> = match wave {
-            Wave::Torque => swept.columns.to_vec(),
+            Wave::Torque => evaluated.columns.to_vec(),
             Wave::Friction => signed.iter().map(Vec::as_slice).collect(),
         };
-        columns.push(&swept.signals.weight[core.clone()]);
+        columns.push(&evaluated.signals.weight[core.clone()]);
         for (cells, few) in spread.iter_mut().zip(columns.chunks(LANES)) {
-            grid.spread(&swept.signals.theta[core.clone()], few, cells);
+            grid.spread(&evaluated.signals.theta[core.clone()], few, cells);
         }
     });
     let kept = independent(|i, j| sum.gram(i, j), &(0..k).collect::<Vec<_>>());

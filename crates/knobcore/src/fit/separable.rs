@@ -1,7 +1,7 @@
 //! Levenberg-Marquardt over the parameters that are hard, with the linear ones eliminated in every step.
 //!
 //! Source: Golub & Pereyra 1973 (variable projection), in Kaufman's 1975 form; damping by Nielsen 1999.
-//! One sweep per trial gives everything: with the products of all derivative columns and the residual, the
+//! One pass per trial gives everything: with the products of all derivative columns and the residual, the
 //! linear parameters are solved exactly, the cost is that of the solved problem, and the hard columns are
 //! projected off the linear ones. An amplitude and its phase count as linear, in polar form.
 
@@ -207,7 +207,7 @@ fn keep_ties(model: &Model, p: &mut [f64]) {
     }
 }
 
-/// A trial: the sweep at `p`, and its linear problem solved.
+/// A trial: the pass at `p`, and its linear problem solved.
 struct Point {
     p: Vec<f64>,
     moments: Moments,
@@ -227,7 +227,7 @@ pub struct Found {
     pub cost: f64,
     /// Accepted steps.
     pub iterations: usize,
-    /// Sweeps over the data.
+    /// Passes over the data.
     pub evaluations: usize,
     /// Why it stopped.
     pub status: Status,

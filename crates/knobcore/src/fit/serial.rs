@@ -5,7 +5,7 @@
 //! Levin 1997 ("VARHAC"), for one series. J' Sigma J needs no matrix of the length of the capture: it is
 //! the product of the columns after they went through the same recursion 1 / A(z).
 
-use super::moments::{Swept, dot};
+use super::moments::{Evaluated, dot};
 use crate::isa;
 use crate::scalar::{LANES, Pack, Scalar};
 
@@ -60,7 +60,7 @@ impl Serial {
     }
 }
 
-/// Accumulates J' Sigma J over a sweep.
+/// Accumulates J' Sigma J over a pass.
 pub struct Meat<'a> {
     serial: &'a Serial,
     k: usize,
@@ -78,7 +78,7 @@ impl<'a> Meat<'a> {
         Self { serial, k, past, capture: usize::MAX, products: vec![0.0; k * k] }
     }
 
-    /// J' Sigma J of white residuals: no sweep is needed.
+    /// J' Sigma J of white residuals: no pass is needed.
     pub fn of_white(&mut self, gram: impl Fn(usize, usize) -> f64) {
         let k = self.k;
         for (at, product) in self.products.iter_mut().enumerate() {
@@ -87,15 +87,15 @@ impl<'a> Meat<'a> {
     }
 
     /// Takes the derivative columns of one chunk.
-    pub fn add(&mut self, swept: &Swept<'_>) {
-        if swept.capture != self.capture {
-            self.capture = swept.capture;
+    pub fn add(&mut self, evaluated: &Evaluated<'_>) {
+        if evaluated.capture != self.capture {
+            self.capture = evaluated.capture;
             self.past.iter_mut().for_each(|past| past.fill(Pack::of(0.0)));
         }
-        let weight = &swept.signals.weight[swept.chunk.core.clone()];
+        let weight = &evaluated.signals.weight[evaluated.chunk.core.clone()];
         let order = self.serial.coefficients.len();
         let mut coloured: Vec<Vec<Pack>> = Vec::with_capacity(self.past.len());
-        for (few, past) in swept.columns[..self.k].chunks(LANES).zip(&mut self.past) {
+        for (few, past) in evaluated.columns[..self.k].chunks(LANES).zip(&mut self.past) {
             let recursion = Recursion { coefficients: &self.serial.coefficients, columns: few, weight, past };
             let series = isa::dispatch(recursion);
             past.copy_from_slice(&series[series.len() - order..]);

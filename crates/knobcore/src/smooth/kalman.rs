@@ -17,7 +17,7 @@ use nalgebra::{Matrix3, Vector3, Vector6};
 const SAME_STEP: f64 = 1e-3;
 
 /// Variances that change less than this from sample to sample have converged.
-const SETTLED: f64 = 1e-6;
+const STEADY: f64 = 1e-6;
 
 /// Square roots before and after a prediction; the smoother's gain follows from them.
 #[derive(Debug, Clone, Copy)]
@@ -43,7 +43,7 @@ pub struct Gains {
     weights: [Vector3<f64>; 3],
     seen: [bool; 3],
     prediction: Prediction,
-    settled: bool,
+    steady: bool,
 }
 
 /// The filter after some sample.
@@ -111,7 +111,7 @@ impl Gains {
         let weights = [Vector3::zeros(); 3];
         let prediction =
             Prediction { r: 0.0, lift: 1.0, before: root, after: root, turn: Matrix3::identity() };
-        let mut gains = Self { model, root, weights, seen: [false; 3], prediction, settled: false };
+        let mut gains = Self { model, root, weights, seen: [false; 3], prediction, steady: false };
         gains.weigh(gains.sees(z));
         gains
     }
@@ -122,12 +122,12 @@ impl Gains {
         let r = if (r - 1.0).abs() < SAME_STEP { 1.0 } else { r };
         let seen = self.sees(z);
         let same = r == self.prediction.r && lift == self.prediction.lift && seen == self.seen;
-        if !(same && self.settled) {
+        if !(same && self.steady) {
             let before = variances(&self.root);
             self.predict(r, lift);
             self.weigh(seen);
             let change = (variances(&self.root) - before).component_div(&before).amax();
-            self.settled = same && change < SETTLED;
+            self.steady = same && change < STEADY;
         }
     }
 
@@ -142,8 +142,8 @@ impl Gains {
     }
 
     /// Whether the next sample like this one will have the same gains.
-    pub fn settled(&self) -> bool {
-        self.settled
+    pub fn steady(&self) -> bool {
+        self.steady
     }
 
     /// The prediction that led to this sample.

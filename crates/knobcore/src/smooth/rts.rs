@@ -26,7 +26,7 @@ use nalgebra::{Matrix3, Vector3};
 const BLOCK: usize = 4096;
 
 /// Smoothed variances that change less than this have converged.
-const SETTLED: f64 = 1e-6;
+const STEADY: f64 = 1e-6;
 
 /// The motion, its standard deviations, and the noise that they rest on. SI units.
 #[derive(Debug, Clone, PartialEq)]
@@ -95,7 +95,7 @@ pub fn smooth_rows(sensors: &Sensors<'_>, model: &Model, lifts: &Lifts) -> Motio
 
     let mut motion = Motion::new(n, model);
     let (mut x, mut covariance) = (Vector3::zeros(), Matrix3::zeros());
-    let mut settled = false;
+    let mut steady = false;
     for (block, checkpoint) in checkpoints.into_iter().enumerate().rev() {
         let first = block * BLOCK;
         let last = (first + BLOCK).min(n - 1);
@@ -110,16 +110,16 @@ pub fn smooth_rows(sensors: &Sensors<'_>, model: &Model, lifts: &Lifts) -> Motio
             let Backward { gain, own } = &pass.gains[index];
             let r = (sensors.t[k + 1] - sensors.t[k]) / step;
             x = filtered + gain * (x - coast(&filtered, r));
-            if !(settled && index == used) {
+            if !(steady && index == used) {
                 let before = covariance.diagonal();
                 covariance = own + gain * covariance * gain.transpose();
                 let change = (covariance.diagonal() - before).component_div(&before).amax();
-                settled = index == used && change < SETTLED;
+                steady = index == used && change < STEADY;
                 used = index;
             }
             motion.set(k, &x, &covariance);
         }
-        settled = false;
+        steady = false;
     }
     motion
 }
@@ -147,11 +147,11 @@ impl Pass {
             let x = pass.end.x;
             let r = (sensors.t[k + 1] - sensors.t[k]) / model.scale[1];
             pass.end.advance(r, lifts.at(k + 1), &sensors.row(k + 1));
-            let settled = pass.end.gains.settled();
-            if !(reusable && settled) {
+            let steady = pass.end.gains.steady();
+            if !(reusable && steady) {
                 pass.gains.push(Backward::new(model, pass.end.gains.prediction()));
             }
-            reusable = settled;
+            reusable = steady;
             pass.states.push((x, pass.gains.len() - 1));
         }
         pass

@@ -107,7 +107,7 @@ impl Meter {
     }
 
     /// Enters what follows from the books and from the clocks.
-    pub fn settle(&mut self, runs: &[Run], now: Instant, figures: &mut Figures) {
+    pub fn enter(&mut self, runs: &[Run], now: Instant, figures: &mut Figures) {
         while self
             .recent
             .front()

@@ -82,7 +82,7 @@ impl Session {
                 Event::Foreign { version } => papers.figures.foreign_version = Some(version),
                 Event::Unknown { .. } => {}
             });
-            meter.settle(ledger.runs(), now, &mut papers.figures);
+            meter.enter(ledger.runs(), now, &mut papers.figures);
         });
     }
 

@@ -12,8 +12,8 @@ pub(super) struct Coverage {
     /// Nothing before this place is taken any more.
     horizon: i64,
     /// Places missing before the horizon, and the gaps that they form.
-    settled: u64,
-    settled_gaps: u64,
+    given_up: u64,
+    given_up_gaps: u64,
 }
 
 /// What became of stretches that were offered; places.
@@ -42,7 +42,7 @@ impl Coverage {
     /// An empty stretch at `start` that keeps so many gaps open.
     pub fn new(start: i64, keep: usize) -> Self {
         let gaps = VecDeque::new();
-        Self { whole: start..start, gaps, keep, horizon: i64::MIN, settled: 0, settled_gaps: 0 }
+        Self { whole: start..start, gaps, keep, horizon: i64::MIN, given_up: 0, given_up_gaps: 0 }
     }
 
     pub fn whole(&self) -> Range<i64> {
@@ -55,12 +55,12 @@ impl Coverage {
     }
 
     pub fn gap_count(&self) -> u64 {
-        self.settled_gaps + self.gaps.len() as u64
+        self.given_up_gaps + self.gaps.len() as u64
     }
 
     /// Places of the stretch that are not filled.
     pub fn missing(&self) -> u64 {
-        self.settled + self.gaps.iter().map(length).sum::<u64>()
+        self.given_up + self.gaps.iter().map(length).sum::<u64>()
     }
 
     /// Places missing at the very beginning and at the very end.
@@ -107,7 +107,7 @@ impl Coverage {
             }
             tell(part);
         }
-        self.settle();
+        self.give_up();
         offer.duplicate = length(&offered) - offer.on_time - offer.late;
         offer
     }
@@ -128,12 +128,12 @@ impl Coverage {
     }
 
     /// Gives up the oldest gaps when there are too many.
-    fn settle(&mut self) {
+    fn give_up(&mut self) {
         while self.gaps.len() > self.keep
             && let Some(gap) = self.gaps.pop_front()
         {
-            self.settled += length(&gap);
-            self.settled_gaps += 1;
+            self.given_up += length(&gap);
+            self.given_up_gaps += 1;
             self.horizon = self.horizon.max(gap.end);
         }
     }
@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn gaps_beyond_those_kept_are_settled_and_still_counted() {
+    fn gaps_beyond_those_kept_are_given_up_and_still_counted() {
         let mut coverage = Coverage::new(0, 2);
         for at in 0..10 {
             filled(&mut coverage, 10 * at + 5..10 * at + 10);

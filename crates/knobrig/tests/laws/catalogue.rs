@@ -104,7 +104,7 @@ fn a_load_touches_no_channel_that_it_does_not_name() {
             load.normal_load,
             load.friction_scale,
             load.mu,
-            load.lag,
+            load.hysteresis,
             held,
         ]
     };

@@ -12,7 +12,7 @@ use std::ops::Range;
 pub(crate) const BLOCK: usize = 256;
 /// Channels of a load that a moving knob feels: drive, inertia, dry friction backward and forward; normal load, friction
 /// scale,
-/// friction per normal load, lag.
+/// friction per normal load, hysteresis.
 pub(crate) const CHANNELS: usize = Channel::Stick as usize;
 /// The first of them, which suffice where nothing shapes the friction.
 pub(crate) const PLAIN: usize = Channel::NormalLoad as usize;
@@ -22,14 +22,23 @@ pub(crate) const SCALE: usize = Channel::FrictionScale as usize;
 #[inline(always)]
 pub(super) fn channels<T: Scalar>(load: &Load<T>) -> [T; CHANNELS] {
     let [back, forth] = load.resist;
-    [load.drive, load.inertia, back, forth, load.normal_load, load.friction_scale, load.mu, load.lag]
+    [load.drive, load.inertia, back, forth, load.normal_load, load.friction_scale, load.mu, load.hysteresis]
 }
 
 #[inline(always)]
 pub(crate) fn load_of<T: Scalar>(
-    [drive, inertia, back, forth, normal_load, friction_scale, mu, lag]: [T; CHANNELS],
+    [drive, inertia, back, forth, normal_load, friction_scale, mu, hysteresis]: [T; CHANNELS],
 ) -> Load<T> {
-    Load { drive, inertia, resist: [back, forth], normal_load, friction_scale, mu, lag, ..Load::none() }
+    Load {
+        drive,
+        inertia,
+        resist: [back, forth],
+        normal_load,
+        friction_scale,
+        mu,
+        hysteresis,
+        ..Load::none()
+    }
 }
 
 /// A block of every channel.

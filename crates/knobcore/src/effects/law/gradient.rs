@@ -1,4 +1,4 @@
-//! The second half of a sweep: each effect's own derivatives, by the chain rule through the channels of its load.
+//! The second half of a response: each effect's own derivatives, by the chain rule through the channels of its load.
 
 use super::block::{CHANNELS, Channels, PLAIN, SCALE, Totals, channels, load_of};
 use super::seeded;

@@ -8,13 +8,13 @@ mod block;
 mod gradient;
 mod own;
 mod place;
-mod sweep;
+mod response;
 
 pub use block::Totals;
 pub(crate) use block::{BLOCK, CHANNELS, Channels, load_of};
 pub(crate) use gradient::Gradient;
 pub(crate) use place::{Couples, Delays, Loads, Remembers, Senses};
-pub use sweep::Sweep;
+pub use response::Response;
 
 use super::{Carrier, Context, Info, Joint, Survey};
 use crate::motion::{Load, Motion};
@@ -82,7 +82,7 @@ pub trait Law: Sync {
     }
 
     /// Passes torque and derivatives through it, if it is a sensor.
-    fn pass(&self, _p: &[f64], _columns: &[Option<usize>], _over: &mut Sweep<'_>) {}
+    fn pass(&self, _p: &[f64], _columns: &[Option<usize>], _over: &mut Response<'_>) {}
 }
 
 /// Derivatives that are carried along a simulated motion at a time: those of the base model and a joint, in three

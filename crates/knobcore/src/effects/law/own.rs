@@ -2,7 +2,7 @@
 
 use super::block::Totals;
 use super::gradient::Gradient;
-use super::sweep::Sweep;
+use super::response::Response;
 use super::{D, Law};
 use crate::effects::{Carrier, Info, Joint, Place, Survey, User};
 use crate::motion::{Channel, Load, Motion};
@@ -108,7 +108,7 @@ impl Law for User {
         }
     }
 
-    fn pass(&self, p: &[f64], columns: &[Option<usize>], over: &mut Sweep<'_>) {
+    fn pass(&self, p: &[f64], columns: &[Option<usize>], over: &mut Response<'_>) {
         if self.info.place != Place::Sensor {
             return;
         }

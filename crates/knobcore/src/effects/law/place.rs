@@ -2,7 +2,7 @@
 
 use super::block::Totals;
 use super::gradient::Gradient;
-use super::sweep::Sweep;
+use super::response::Response;
 use super::{Carried, D, Law, take};
 use crate::effects::{
     Carrier, Context, CouplingEffect, Info, Joint, LateEffect, LoadEffect, MemoryEffect, Place, SensorEffect,
@@ -119,7 +119,7 @@ impl<E: LateEffect<N> + Sync, const N: usize> Law for Delays<E, N> {
         true
     }
 
-    fn pass(&self, p: &[f64], columns: &[Option<usize>], over: &mut Sweep<'_>) {
+    fn pass(&self, p: &[f64], columns: &[Option<usize>], over: &mut Response<'_>) {
         over.late::<N, E>(p, columns);
     }
 }
@@ -127,7 +127,7 @@ impl<E: LateEffect<N> + Sync, const N: usize> Law for Delays<E, N> {
 impl<E: SensorEffect<N> + Sync, const N: usize, const L: usize> Law for Senses<E, N, L> {
     told!(Place::Sensor);
 
-    fn pass(&self, p: &[f64], columns: &[Option<usize>], over: &mut Sweep<'_>) {
+    fn pass(&self, p: &[f64], columns: &[Option<usize>], over: &mut Response<'_>) {
         isa::dispatch(Sensed::<E, N, L>(p, columns, over, PhantomData));
     }
 }
@@ -229,7 +229,7 @@ impl<E: MemoryEffect<N, M>, const N: usize, const M: usize> NullaryFnOnce for Ch
 struct Sensed<'a, 'b, E, const N: usize, const L: usize>(
     &'a [f64],
     &'a [Option<usize>],
-    &'a mut Sweep<'b>,
+    &'a mut Response<'b>,
     PhantomData<E>,
 );
 

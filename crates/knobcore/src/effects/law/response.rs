@@ -11,7 +11,7 @@ const AT_ONCE: usize = 4;
 /// Columns of a motion, and what a chain of effects makes of them.
 ///
 /// All columns have the length of the torque. A parameter with a column has its derivative there.
-pub struct Sweep<'a> {
+pub struct Response<'a> {
     /// t, theta, omega, alpha, forward: the fields of [`Motion`].
     pub motion: [&'a [f64]; 5],
     /// Sampling interval, s.
@@ -22,7 +22,7 @@ pub struct Sweep<'a> {
     pub slopes: &'a mut [Vec<f64>],
 }
 
-impl Sweep<'_> {
+impl Response<'_> {
     /// A sensor without memory: the chain rule by its own derivative to the torque, which is the last of the `L`
     /// lanes.
     #[inline(always)]

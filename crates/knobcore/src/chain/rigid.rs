@@ -4,11 +4,11 @@
 //! every channel of the load; by the chain rule each effect then needs derivatives to its own parameters only,
 //! however the loads act on each other.
 
-use crate::effects::law::{BLOCK, CHANNELS, Sweep, Totals};
+use crate::effects::law::{BLOCK, CHANNELS, Response, Totals};
 use crate::model::Part;
 
 /// Torque and derivatives of loads on the moving knob; what the columns held is replaced.
-pub(super) fn loads(parts: &[Part<'_>], over: &mut Sweep<'_>) {
+pub(super) fn loads(parts: &[Part<'_>], over: &mut Response<'_>) {
     let plain = !parts.iter().any(|(id, ..)| id.info().shapes_friction);
     let samples = over.torque.len();
     let kept = |(id, p, columns): &Part<'_>, slopes| id.law().kept(p, columns, over.motion, slopes);
