@@ -24,6 +24,9 @@ STUDIES = {
     "render": "Rendering",
     "roundtrip": "Round trips",
     "page": "The workbench in a browser",
+    "build": "Building",
+    "versions": "Speed before and after",
+    "mutants": "Faults planted by a machine",
 }
 
 
