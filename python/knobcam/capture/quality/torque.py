@@ -31,6 +31,8 @@ SPIKE = 10.0
 QUIET = 5.0
 """Deviations within which the readings beside a spike stay: an impact lasts, or rings."""
 
+_ROUNDS = 5
+
 IMPLAUSIBLE_RMS_NM = 20.0
 """A hand-turned knob above this RMS torque (N m) is more often recorded in mN m."""
 
@@ -76,13 +78,26 @@ def check_spikes(
     What is felt moves the knob: a leap that the acceleration has too, measured or in the differences of the
     other columns, is none.
     """
-    index = np.flatnonzero(usable)
     spikes = np.zeros(len(usable), dtype=np.bool_)
-    if len(index) < 64:
+    # With the first ones out of the way, others stand alone.
+    for _ in range(_ROUNDS):
+        index = np.flatnonzero(usable & ~spikes)
+        alone = _alone({name: values[index] for name, values in columns.items()})
+        if not alone.size:
+            break
+        spikes[index[alone]] = True
+    if not spikes.any():
         return spikes, []
-    tau = columns["tau"][index]
+    found = rows[spikes]
+    message = f"tau: leaps for a single row at {rows_in_words(found)}, which no knob does; masked"
+    return spikes, [Finding("spike", "tau", len(found), spans(found), message, "masked")]
+
+
+def _alone(columns: dict[str, FloatArray]) -> NDArray[np.intp]:
+    """Return the rows whose torque is far from all that is around it."""
+    tau = columns["tau"]
     step = np.diff(tau)
-    noise = _noise(step)
+    noise = _noise(step) if len(step) else 0.0
     # Away from both neighbours to the same side: no step, as of friction at a reversal.
     both = np.minimum(np.abs(step[:-1]), np.abs(step[1:])) > 0.5 * SPIKE * noise
     at = 1 + np.flatnonzero(both & (step[:-1] * step[1:] < 0.0))
@@ -92,15 +107,10 @@ def check_spikes(
         alone &= _leaps(tau, at + beside, noise) < QUIET
     for name, order in (("theta", 2), ("omega", 1), ("alpha", 0)):
         if name in columns:
-            jerk = np.diff(columns[name][index], n=order)
+            jerk = np.diff(columns[name], n=order)
             for late in range(order + 1):  # differences that the row has a part in
                 alone &= _leaps(jerk, at - late, _noise(np.diff(jerk))) < QUIET
-    if not alone.any():
-        return spikes, []
-    spikes[index[at[alone]]] = True
-    found = rows[spikes]
-    message = f"tau: leaps for a single row at {rows_in_words(found)}, which no knob does; masked"
-    return spikes, [Finding("spike", "tau", len(found), spans(found), message, "masked")]
+    return at[alone]
 
 
 def _noise(step: FloatArray) -> float:
