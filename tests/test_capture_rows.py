@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from knobcam import Capture
+from knobcam import Capture, fit, load
 from knobcam.base.arrays import FloatArray
 
 RATE_HZ = 5000.0
@@ -133,6 +133,17 @@ def test_what_was_found_survives_saving(tmp_path) -> None:
     at = fast(columns, 4)
     columns["tau"][at] += 0.05
     capture = measured(columns)
-    from knobcam import load
-
     assert load(capture.save(tmp_path / "capture.npz")).findings == capture.findings
+
+
+def test_a_fault_of_a_few_rows_costs_those_rows_alone() -> None:
+    columns = motion()
+    whole = measured(columns)
+    lacking = np.random.default_rng(4).random(N) < 0.01
+    columns["tau"][lacking] = np.nan
+    broken = measured(columns)
+    assert abs(broken.prepare().used.sum() / (whole.prepare().used.sum() - lacking.sum()) - 1.0) < 0.01
+    before, after = fit(whole), fit(broken)
+    low, high = before.params["inertia.M"].ci95
+    assert low < after.params["inertia.M"].value < high
+    assert abs(after.noise_floor / before.noise_floor - 1.0) < 0.03

@@ -32,6 +32,7 @@ QUIET = 5.0
 """Deviations within which the readings beside a spike stay: an impact lasts, or rings."""
 
 _ROUNDS = 5
+_FEWEST = 64  # rows from which the noise of a column can be told
 
 IMPLAUSIBLE_RMS_NM = 20.0
 """A hand-turned knob above this RMS torque (N m) is more often recorded in mN m."""
@@ -96,8 +97,10 @@ def check_spikes(
 def _alone(columns: dict[str, FloatArray]) -> NDArray[np.intp]:
     """Return the rows whose torque is far from all that is around it."""
     tau = columns["tau"]
+    if len(tau) < _FEWEST:
+        return np.empty(0, dtype=np.intp)
     step = np.diff(tau)
-    noise = _noise(step) if len(step) else 0.0
+    noise = _noise(step)
     # Away from both neighbours to the same side: no step, as of friction at a reversal.
     both = np.minimum(np.abs(step[:-1]), np.abs(step[1:])) > 0.5 * SPIKE * noise
     at = 1 + np.flatnonzero(both & (step[:-1] * step[1:] < 0.0))
