@@ -95,7 +95,9 @@ def presliding_works() -> tuple[Callable[[], np.ndarray], dict[str, Callable[[],
     track = motions.sweep(np.arange(1, PRESLIDING + 1) / RATE_HZ)
     motion = (track.theta, track.omega, track.alpha)
     gaps = np.zeros(PRESLIDING, dtype=bool)
-    signals = _core.prepare("rotary", RATE_HZ, track.t, *motion, np.zeros(PRESLIDING), gaps, "none", {})
+    signals = _core.prepare(
+        "rotary", RATE_HZ, track.t, *motion, np.zeros(PRESLIDING), gaps, ~gaps, "none", {}
+    )
     p = np.array([value for name, value, _, _ in model.core.rows() if name != "presliding.s"])
     p, s = np.concatenate([p[:5], [SHARES["presliding.s"]], p[5:]]), SHARES["presliding.s"]
 

@@ -103,11 +103,14 @@ def lines() -> Iterator[str]:
     yield ""
     yield from table(bench_memory.HEAD, [g.cells for g in bench_memory.growth()])
     for name, title in STUDIES.items():
+        results = ROOT / "benches" / "results" / f"{name}.json"
+        if not results.is_file():
+            continue
         yield ""
         yield f"## {title}"
         yield ""
         yield "```"
-        yield from json.loads((ROOT / "benches" / "results" / f"{name}.json").read_text("utf-8"))["report"]
+        yield from json.loads(results.read_text("utf-8"))["report"]
         yield "```"
 
 

@@ -213,12 +213,11 @@ def test_a_torque_beyond_any_hand_is_noted() -> None:
     assert recording(tau=1000.0 * recording().tau, coordinate="linear").findings == ()
 
 
-def test_an_angle_that_wraps_is_warned_about() -> None:
-    t = times()
-    wrapped = np.mod(10.0 * t, 2.0 * np.pi)
-    capture = Capture.from_arrays(t=t, theta=wrapped, tau=np.cos(t))
-    assert only(capture).kind == "wrapped"
-    assert "unwrap" in only(capture).message
+def test_an_angle_that_jumps_by_no_whole_turn_is_warned_about() -> None:
+    theta = recording().theta + np.where(times() > 1.0, 4.0, 0.0)
+    finding = only(recording(theta=theta))
+    assert (finding.kind, finding.severity) == ("wrap", "warning")
+    assert "unwrap" in finding.message
 
 
 @pytest.mark.parametrize("name", ["omega", "alpha"])

@@ -167,10 +167,11 @@ def test_a_slow_motion_tells_neither_inertia_nor_viscous_friction() -> None:
     assert "too_slow" in kinds(kc.learn(kc.simulate(kc.Model.load("knob2"), slow)))
 
 
-def test_a_torque_too_slowly_sampled_has_no_noise_floor_and_accuses_nothing() -> None:
-    story = kc.learn(kc.simulate(kc.Model.load("knob4"), "sweep", rate_hz=100.0))
+def test_without_a_noise_floor_there_is_neither_an_accusation_nor_an_all_clear() -> None:
+    story = kc.learn(kc.simulate(kc.Model.load("knob4"), "sweep", rate_hz=25.0), prepare="none")
     assert "no_noise_floor" in kinds(story)
-    assert story.unexplained is None
+    assert (story.verdict, story.found) == ("unexplained", ())
+    assert "cannot be told" in story.headline
 
 
 @pytest.mark.parametrize("motion", ["sweep", "multisine", "hand", "turns"])

@@ -125,6 +125,7 @@ def prepare(
     alpha: Floats | None,
     tau: Floats,
     after_gap: NDArray[np.bool_],
+    measured: NDArray[np.bool_],
     method: str,
     options: dict[str, float],
 ) -> Signals: ...

@@ -10,8 +10,10 @@ use crate::signals::Signals;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Samples of one periodogram.
-const WINDOW: usize = 512;
+/// Samples of one periodogram: as many of these as leave enough periodograms.
+const WINDOWS: [usize; 4] = [512, 256, 128, 64];
+/// Periodograms below which their mean tells nothing.
+const ENOUGH: usize = 4;
 /// A window this many times as loud as the middle one holds an impact: five deviations of noise alone.
 const LOUD: f64 = 1.5;
 /// The band that is taken for noise alone, as shares of the Nyquist frequency.
@@ -31,14 +33,18 @@ fn white_variance(signals: &Signals, model: &Model) -> f64 {
 /// Variance of white noise with the power of `rest` in the band; the median over frequencies keeps a line (mains,
 /// a resonance) out.
 fn variance_above(signals: &Signals, rest: &[f64]) -> f64 {
-    let periodogram = Periodogram::new(WINDOW);
-    let bin = |share: f64| (share * (WINDOW / 2) as f64) as usize;
+    let count = |window: usize| {
+        signals.segments.iter().map(|s| (2 * s.len() / window).saturating_sub(1)).sum::<usize>()
+    };
+    let Some(window) = WINDOWS.into_iter().find(|window| count(*window) >= ENOUGH) else { return f64::NAN };
+    let periodogram = Periodogram::new(window);
+    let bin = |share: f64| (share * (window / 2) as f64) as usize;
     let band = bin(BAND[0])..bin(BAND[1]);
     let mut powers: Vec<(f64, Vec<f64>)> = Vec::new();
     for segment in &signals.segments {
-        for start in segment.clone().step_by(WINDOW / 2) {
-            if start + WINDOW <= segment.end {
-                let power = periodogram.of(&rest[start..start + WINDOW])[band.clone()].to_vec();
+        for start in segment.clone().step_by(window / 2) {
+            if start + window <= segment.end {
+                let power = periodogram.of(&rest[start..start + window])[band.clone()].to_vec();
                 powers.push((power.iter().sum(), power));
             }
         }
@@ -50,9 +56,6 @@ fn variance_above(signals: &Signals, rest: &[f64]) -> f64 {
     let windows = powers.len() as f64;
     let mut band: Vec<f64> =
         (0..band.len()).map(|i| powers.iter().map(|(_, p)| p[i]).sum::<f64>() / windows).collect();
-    if windows < 4.0 {
-        return f64::NAN;
-    }
     band.sort_by(f64::total_cmp);
     // The median of an average of K exponential variables, by Wilson & Hilferty 1931; half-overlapping
     // windows count as about 0.95 each under a Hann taper (Welch 1967), no matter at this accuracy.
@@ -72,12 +75,17 @@ pub struct Floor {
 }
 
 impl Floor {
-    /// Of captures beside a model; NaN where no stretch is long enough to know the noise.
+    /// Of captures beside a model; NaN where no stretch of any is long enough to know the noise. A capture that is
+    /// too short by itself has the noise of the others: it was the same sensor.
     pub fn of(data: &[&Signals], model: &Model) -> Self {
         let mut floor = Self { white: 0.0, squares: 0.0, rows: 0.0 };
-        for signals in data {
+        let whites: Vec<f64> = data.iter().map(|signals| white_variance(signals, model)).collect();
+        let known = || data.iter().zip(&whites).filter(|(_, white)| white.is_finite());
+        let heard: f64 = known().map(|(signals, _)| signals.used() as f64).sum();
+        let usual = known().map(|(signals, white)| white * signals.used() as f64).sum::<f64>() / heard;
+        for (signals, white) in data.iter().zip(whites) {
             let gain = signals.filter.as_ref().map_or(1.0, |filter| filter.sos().mean_power());
-            let (white, used) = (white_variance(signals, model), signals.used() as f64);
+            let (white, used) = (if white.is_finite() { white } else { usual }, signals.used() as f64);
             floor.white += white * used;
             floor.squares += white * gain * used;
             floor.rows += used;

@@ -96,6 +96,7 @@ pub fn prepare(
     alpha: Option<Column<'_>>,
     tau: Column<'_>,
     after_gap: PyReadonlyArray1<'_, bool>,
+    measured: PyReadonlyArray1<'_, bool>,
     method: &str,
     options: &Bound<'_, PyDict>,
 ) -> PyResult<PySignals> {
@@ -129,6 +130,7 @@ pub fn prepare(
         alpha: alpha.as_ref().map(|c| c.as_slice()).transpose()?,
         tau: tau.as_slice()?,
         after_gap: after_gap.as_slice()?,
+        measured: measured.as_slice()?,
     };
     let prepared = py.detach(|| prepare_core(&recording, &how)).map_err(input_error)?;
     Ok(PySignals { prepared })

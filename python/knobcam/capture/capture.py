@@ -337,13 +337,13 @@ def _checked(
             f"{source}: the time stamps run at {verdict.rate_hz:.6g} Hz, a rate of {rate_hz:.6g} was given; "
             f"leave it out, or leave t out of the map"
         )
-    present = {name: values if name in verdict.present else None for name, values in columns.items()}
+    found = verdict.columns
     return Capture(
-        t=columns["t"],
-        theta=columns["theta"],
-        omega=present.get("omega"),
-        alpha=present.get("alpha"),
-        tau=columns["tau"],
+        t=found["t"],
+        theta=found["theta"],
+        omega=found.get("omega"),
+        alpha=found.get("alpha"),
+        tau=found["tau"],
         mask=verdict.mask,
         coordinate=coordinate,
         rate_hz=verdict.rate_hz,

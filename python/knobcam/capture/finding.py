@@ -3,47 +3,78 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from itertools import islice
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-Severity = Literal["note", "masked", "warning"]
+Severity = Literal["note", "masked", "mended", "warning"]
 Rows = NDArray[np.int64]
 
 MAX_ROWS = 5
-"""Rows that a finding lists."""
+"""Rows, or runs of rows, that a message lists."""
+
+MAX_SPANS = 1000
+"""Runs of rows that a finding keeps."""
+
+_DONE = {"masked": "masked", "mended": "mended", "note": "none", "warning": "none"}
 
 
 @dataclass(frozen=True)
 class Finding:
-    """What was found: `count` samples of `column`, the first few `rows` (data rows of the file, from 1).
+    """What was found: `count` samples of `column`, in runs of rows from `spans[i][0]` to `spans[i][1]`.
 
-    `severity`: "masked" took samples out of use, "warning" should be looked at before trusting a fit,
-    "note" is worth knowing.
+    Rows are data rows of the file, from 1. `severity`: "masked" took samples out of use, "mended" changed
+    what the evidence left no doubt about, "warning" should be looked at before trusting a fit, "note" is
+    worth knowing.
     """
 
     kind: str
     column: str
     count: int
-    rows: tuple[int, ...]
+    spans: tuple[tuple[int, int], ...]
     message: str
     severity: Severity
+
+    @property
+    def rows(self) -> tuple[int, ...]:
+        """The first few rows."""
+        every = (row for first, last in self.spans for row in range(first, last + 1))
+        return tuple(islice(every, MAX_ROWS))
+
+    def document(self) -> dict[str, Any]:
+        """Return it as JSON documents have it."""
+        return {
+            "kind": self.kind,
+            "column": self.column,
+            "count": self.count,
+            "rows": [list(span) for span in self.spans],
+            "message": self.message,
+            "done": _DONE[self.severity],
+            "severity": self.severity,
+        }
 
     def __str__(self) -> str:
         return f"{self.severity}: {self.message}"
 
 
-def first_rows(rows: Rows) -> tuple[int, ...]:
-    """Return the first few of `rows`."""
-    return tuple(int(row) for row in rows[:MAX_ROWS])
+def spans(rows: Rows) -> tuple[tuple[int, int], ...]:
+    """Return the runs, first and last, of ascending `rows`."""
+    starts, ends = _runs(rows)
+    ends = ends[:MAX_SPANS]
+    return tuple((int(first), int(last)) for first, last in zip(starts[:MAX_SPANS], ends, strict=True))
 
 
 def rows_in_words(rows: Rows) -> str:
     """Return ascending `rows` as a message names them: `row 7`, `rows 3, 10-12 and 8 more`."""
-    starts = np.concatenate(([0], np.flatnonzero(np.diff(rows) != 1) + 1))
-    ends = np.concatenate((starts[1:], [len(rows)])) - 1
-    spans = [(int(rows[starts[i]]), int(rows[ends[i]])) for i in range(min(MAX_ROWS, len(starts)))]
-    shown = ", ".join(str(first) if first == last else f"{first}-{last}" for first, last in spans)
-    left = len(rows) - sum(last - first + 1 for first, last in spans)
+    runs = [(int(first), int(last)) for first, last in zip(*_runs(rows), strict=True)][:MAX_ROWS]
+    shown = ", ".join(str(first) if first == last else f"{first}-{last}" for first, last in runs)
+    left = len(rows) - sum(last - first + 1 for first, last in runs)
     return f"{'row' if len(rows) == 1 else 'rows'} {shown}" + (f" and {left} more" if left else "")
+
+
+def _runs(rows: Rows) -> tuple[Rows, Rows]:
+    """First and last row of each run."""
+    breaks = np.flatnonzero(np.diff(rows) != 1)
+    return rows[np.concatenate(([0], breaks + 1))], rows[np.concatenate((breaks, [len(rows) - 1]))]

@@ -25,6 +25,7 @@ _OPTIONS = {
     "none": set[str](),
     "differences": {"cutoff_hz", "decimate"},
 }
+_BRIDGE = 3  # rows
 _PAPER_RATE_HZ = 5000.0
 
 
@@ -126,11 +127,19 @@ def prepare(capture: Capture, method: str = "smooth", **options: float) -> Prepa
     capture with no stretch that is long enough.
     """
     check_options(method, options)
-    rows = np.flatnonzero(capture.mask)
-    gap = _gaps(capture, rows)
+    bridge = _bridges(capture)
+    rows = np.flatnonzero(capture.mask | bridge)
+    measured = capture.mask[rows]
     # A capture without a masked sample goes as it is: picking rows would copy every column.
     whole = len(rows) == capture.samples
     kept = {name: values if whole else values[rows] for name, values in capture.columns.items()}
+    if not measured.all():
+        known = np.flatnonzero(measured)
+        lacking = np.flatnonzero(~measured)
+        for name, values in kept.items():
+            kept[name] = values.copy()
+            kept[name][lacking] = np.interp(lacking, known, values[known])
+    gap = _gaps(capture, rows, kept["t"])
     try:
         core = _core.prepare(
             capture.coordinate,
@@ -141,6 +150,7 @@ def prepare(capture: Capture, method: str = "smooth", **options: float) -> Prepa
             kept.get("alpha"),
             kept["tau"],
             gap,
+            measured,
             method,
             options,
         )
@@ -163,11 +173,27 @@ def check_options(method: str, options: Mapping[str, float]) -> None:
         raise InputError(f"decimate={every} must be a whole number of samples from 1")
 
 
-def _gaps(capture: Capture, rows: np.ndarray[Any, np.dtype[np.intp]]) -> BoolArray:
-    """Return where samples are missing or masked just before a kept one."""
+def _bridges(capture: Capture) -> BoolArray:
+    """Return the masked samples that lie in so short a run that its neighbours tell what was there.
+
+    They go through the filters as a straight line and do not count; else each would cost what a filter needs
+    to settle on both sides.
+    """
+    masked = ~capture.mask
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], masked, [False]))))
+    bridges = np.zeros(capture.samples, dtype=np.bool_)
+    for first, end in zip(edges[::2], edges[1::2], strict=True):
+        if end - first <= _BRIDGE and first > 0 and end < capture.samples:
+            passed = (capture.t[end] - capture.t[first - 1]) * capture.rate_hz
+            bridges[first:end] = abs(passed - (end - first + 1)) < 0.5
+    return bridges
+
+
+def _gaps(capture: Capture, rows: np.ndarray[Any, np.dtype[np.intp]], t: FloatArray) -> BoolArray:
+    """Return where samples are missing or masked just before a kept one, of times `t`."""
     gap = np.zeros(len(rows), dtype=bool)
     gap[1:] = np.diff(rows) > 1
-    steps = np.diff(capture.t[rows])
+    steps = np.diff(t)
     if len(steps):
         # Half as long again as the longest ordinary step: jittery clocks have no gaps, lost samples do.
         at = len(steps) * 99 // 100

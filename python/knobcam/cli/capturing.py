@@ -130,7 +130,7 @@ def _written(recorded: Capture, path: Path, schema: str, files: dict[str, str], 
             "columns": list(recorded.columns),
         },
         "rig": {name: recorded.meta.get(name) for name in ("serial", "firmware", "run", "calibration")},
-        "findings": [vars(finding) for finding in recorded.findings],
+        "findings": [finding.document() for finding in recorded.findings],
         "files": files,
     }
     lost = "" if account.get("missing") is None else f", {account['missing']} lost"

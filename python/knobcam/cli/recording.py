@@ -78,7 +78,7 @@ def _written(capture: Capture, path: Path, schema: str) -> Answer:
             "axis": capture.coordinate,
             "columns": list(capture.columns),
         },
-        "findings": [vars(finding) for finding in capture.findings],
+        "findings": [finding.document() for finding in capture.findings],
         "files": {"capture": str(path)},
     }
     masked = document["capture"]["masked"]

@@ -82,6 +82,14 @@ class Split:
         """Whether the model fails along this axis beyond chance."""
         return bool(self.regions) and self.share > self.chance
 
+    @property
+    def mean_share(self) -> float:
+        """The part of the squared error that the bin means hold, noise included; none along frequency."""
+        squares = float((self.count * self.rms**2).sum())
+        if self.axis == "frequency" or not squares > 0.0:
+            return 0.0
+        return float((self.count * self.mean**2).sum()) / squares
+
     def where(self) -> str:
         """The worst region in words."""
         if not self.fails:
@@ -163,7 +171,7 @@ class Comparison(showing.Tabled):
         fit = self.fit
         return {
             "schema": "knobcam.compare/1",
-            "captures": fit.document()["captures"],
+            **{name: fit.document()[name] for name in ("captures", "findings")},
             "effects": list(fit.model.effects),
             "rmse": fit.rmse,
             "noise_floor": fit.noise_floor,

@@ -185,7 +185,7 @@ class Diagnosis(showing.Tabled):
         fit = self.fit
         return {
             "schema": "knobcam.diagnose/1",
-            "captures": fit.document()["captures"],
+            **{name: fit.document()[name] for name in ("captures", "findings")},
             "effects": list(fit.model.effects),
             "rmse": fit.rmse,
             "rmse_heldout": fit.rmse_heldout,

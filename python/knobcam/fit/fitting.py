@@ -228,6 +228,7 @@ class Fit(showing.Tabled):
         return {
             "schema": "knobcam.fit/1",
             "captures": [_describe(signals) for signals in self.prepared],
+            "findings": said(self.prepared),
             "rmse": self.rmse,
             "rmse_heldout": self.rmse_heldout,
             "noise_floor": self.noise_floor,
@@ -368,6 +369,14 @@ def _moves_like_a_spring(signals: Prepared) -> bool:
     return spread > 0.0 and float(np.mean((theta - theta.mean()) * (alpha - alpha.mean()))) < -0.98 * spread
 
 
+def said(prepared: Sequence[Prepared]) -> list[dict[str, Any]]:
+    """What was found in captures, as the JSON documents have it: of several, which one each is about."""
+    every = [(one.capture, finding) for one in prepared for finding in one.capture.findings]
+    if len(prepared) == 1:
+        return [finding.document() for _, finding in every]
+    return [{"capture": str(capture.meta.get("source", ""))} | one.document() for capture, one in every]
+
+
 def _describe(signals: Prepared) -> dict[str, Any]:
     capture = signals.capture
     return {
@@ -377,5 +386,5 @@ def _describe(signals: Prepared) -> dict[str, Any]:
         "sample_rate_hz": capture.rate_hz,
         "masked": int(np.sum(~capture.mask)),
         "used": signals.core.used,
-        "findings": [vars(finding) for finding in capture.findings],
+        "findings": [finding.document() for finding in capture.findings],
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import warnings
 from collections.abc import Callable, Collection, Sequence
@@ -109,6 +110,11 @@ class LearningResult(showing.Tabled):
         names = " and ".join(self.found)
         if self.unexplained is not None:
             what = self.unexplained
+            if math.isnan(self.noise_floor):
+                return (
+                    "Whether anything is missing cannot be told: these samples do not show how much of the "
+                    f"error is noise; {100.0 * what.share:.0f} % of it lies along {what.axis}."
+                )
             head = f"{names} found, and still something" if names else "Something"
             if self.after.complete:
                 return (
@@ -139,11 +145,12 @@ class LearningResult(showing.Tabled):
 
     def document(self) -> dict[str, Any]:
         """Return the JSON document of `knobcam learn --json`."""
-        described = self.fit.document()["captures"]
+        fitted = self.fit.document()
         return {
             "schema": "knobcam.learn/1",
-            "capture": described[0],
-            "captures": described,
+            "capture": fitted["captures"][0],
+            "captures": fitted["captures"],
+            "findings": fitted["findings"],
             "noise_floor": self.noise_floor,
             "verdict": self.verdict,
             "found": list(self.found),

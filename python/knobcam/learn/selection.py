@@ -147,8 +147,12 @@ def unpaid(fit: Fit, bare: Fit) -> bool:
 
 
 def _unexplained(comparison: Comparison) -> Unexplained | None:
-    if comparison.complete or not comparison.splits or math.isnan(comparison.fit.noise_floor):
+    if comparison.complete or not comparison.splits:
         return None
+    if math.isnan(comparison.fit.noise_floor):
+        # No all-clear without it, however little is left.
+        largest = max(comparison.splits, key=lambda split: split.mean_share)
+        return Unexplained(largest.axis, largest.mean_share, "no noise floor: chance cannot be told from it")
     worst = comparison.worst or max(comparison.splits, key=lambda split: split.share)
     hint = f"worst at {worst.where()}"
     axis = worst.axis

@@ -133,7 +133,7 @@ def exact(coordinate: str, track: MotionTrack, options: dict[str, float] | None 
         raise InputError("motion: a track of fewer than two samples is no motion")
     rate = (n - 1) / float(track.t[-1] - track.t[0])
     gaps = np.zeros(n, dtype=bool)
-    return _core.prepare(coordinate, rate, *track, np.zeros(n), gaps, "none", options or {})
+    return _core.prepare(coordinate, rate, *track, np.zeros(n), gaps, ~gaps, "none", options or {})
 
 
 def _torque(model: Model, track: MotionTrack) -> FloatArray:

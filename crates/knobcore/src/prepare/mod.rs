@@ -140,6 +140,8 @@ pub struct Recording<'a> {
     pub tau: &'a [f64],
     /// Whether rows were left out just before this one.
     pub after_gap: &'a [bool],
+    /// Whether this row was measured: others bridge a fault of a few rows, go through the filters and do not count.
+    pub measured: &'a [bool],
 }
 
 /// What came out.
@@ -190,7 +192,8 @@ pub fn prepare(recording: &Recording<'_>, how: &Preparation) -> Result<Prepared>
         let counted = segment.start + trim..segment.end - trim;
         let last = counted.end - 1;
         for at in counted {
-            weight[at] = if (last - at).is_multiple_of(how.every) { 1.0 } else { 0.0 };
+            let counts = recording.measured[at] && (last - at).is_multiple_of(how.every);
+            weight[at] = if counts { 1.0 } else { 0.0 };
         }
     }
     let stuck = standing_still(&moving, &segments, recording.rate_hz);

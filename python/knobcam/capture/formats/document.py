@@ -27,7 +27,7 @@ def build(
         "rate_hz": rate_hz,
         "samples": len(mask),
         "masked_rows": [[int(a) + 1, int(b)] for a, b in zip(edges[::2], edges[1::2], strict=True)],
-        "findings": [vars(finding) | {"rows": list(finding.rows)} for finding in findings],
+        "findings": [finding.document() for finding in findings],
         "meta": dict(meta),
     }
     try:
@@ -68,4 +68,11 @@ def stored_mask(document: Mapping[str, Any], table: Table, samples: int) -> Bool
 
 def stored_findings(document: Mapping[str, Any]) -> tuple[Finding, ...]:
     """Return the findings of the document."""
-    return tuple(Finding(**entry | {"rows": tuple(entry["rows"])}) for entry in document.get("findings", ()))
+    return tuple(_finding(entry) for entry in document.get("findings", ()))
+
+
+def _finding(entry: Mapping[str, Any]) -> Finding:
+    # Versions before had single rows.
+    runs = ((row, row) if isinstance(row, int) else (int(row[0]), int(row[1])) for row in entry["rows"])
+    said = {name: entry[name] for name in ("kind", "column", "count", "message", "severity")}
+    return Finding(spans=tuple(runs), **said)

@@ -1,4 +1,4 @@
-"""What is wrong with a capture: found, said, masked; never repaired."""
+"""What is wrong with a capture: found, said, masked; mended only where the evidence leaves no doubt."""
 
 from __future__ import annotations
 
@@ -8,11 +8,12 @@ import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray
 from ...errors import InputError
-from ..finding import Finding, Rows, first_rows, rows_in_words
+from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import Coordinate
 from .motion import check_scale, check_stuck, check_wrapped
+from .steps import check_steps
 from .timing import check_times
-from .torque import check_clipping, check_size
+from .torque import check_clipping, check_size, check_spikes
 
 __all__ = ["Checked", "Finding", "Rows", "check"]
 
@@ -22,12 +23,12 @@ LARGEST = 1e30
 
 @dataclass(frozen=True)
 class Checked:
-    """The verdict: which samples are usable, what was found, the rate, and which columns hold anything."""
+    """The verdict: which samples are usable, what was found, the rate, and the columns that hold anything."""
 
     mask: BoolArray
     findings: tuple[Finding, ...]
     rate_hz: float
-    present: frozenset[str]
+    columns: dict[str, FloatArray]
 
 
 def check(columns: dict[str, FloatArray], coordinate: Coordinate, rows: Rows, source: str) -> Checked:
@@ -55,7 +56,7 @@ def _check(columns: dict[str, FloatArray], coordinate: Coordinate, rows: Rows, s
             )
         del present[name]
         message = f"{name}: no number in any row; it is derived from theta as if the column were absent"
-        findings.append(Finding("empty", name, len(rows), first_rows(rows), message, "note"))
+        findings.append(Finding("empty", name, len(rows), spans(rows), message, "note"))
 
     mask = np.ones(len(rows), dtype=np.bool_)
     for name, values in present.items():
@@ -67,7 +68,7 @@ def _check(columns: dict[str, FloatArray], coordinate: Coordinate, rows: Rows, s
                 f"{name}: {len(at)} samples are not finite or beyond {LARGEST:g} "
                 f"({rows_in_words(at)}); masked"
             )
-            findings.append(Finding("non-finite", name, len(at), first_rows(at), message, "masked"))
+            findings.append(Finding("non-finite", name, len(at), spans(at), message, "masked"))
 
     rising, found, rate = check_times(present["t"], rows, source)
     findings += found
@@ -77,6 +78,13 @@ def _check(columns: dict[str, FloatArray], coordinate: Coordinate, rows: Rows, s
             f"{source}: fewer than 2 usable samples are left of {len(rows)}: "
             + "; ".join(finding.message for finding in findings)
         )
+    steps = check_steps(present, mask, rows, coordinate, rate)
+    present |= {"t": steps.t, "theta": steps.theta}
+    findings += steps.findings
+    mask &= ~steps.bad
+    spikes, found = check_spikes(present, mask, rows)
+    findings += found
+    mask &= ~spikes
     clipped, found = check_clipping(present["tau"], present["theta"], mask, rows)
     findings += found
     findings += check_size(present["tau"], mask, coordinate)
@@ -87,7 +95,7 @@ def _check(columns: dict[str, FloatArray], coordinate: Coordinate, rows: Rows, s
     for order, name in enumerate(("omega", "alpha"), start=1):
         if name in present:
             findings += check_scale(present["t"], present["theta"], present[name], order, mask, coordinate)
-    return Checked(mask & ~clipped, tuple(findings), rate, frozenset(present))
+    return Checked(mask & ~clipped, tuple(findings), rate, present)
 
 
 def _measured(values: FloatArray) -> BoolArray:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ...base.arrays import BoolArray
-from ..finding import Finding, Rows, first_rows, rows_in_words
+from ..finding import Finding, Rows, rows_in_words, spans
 
 
 def check_limits(
@@ -26,5 +26,5 @@ def check_limits(
             f"which is only a bound; masked"
         )
         kind = "clipped" if column == "tau" else "limit"
-        findings.append(Finding(kind, column, int(at.sum()), first_rows(rows[at]), message, "masked"))
+        findings.append(Finding(kind, column, int(at.sum()), spans(rows[at]), message, "masked"))
     return clipped, findings

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arrays import BoolArray, FloatArray
-from ..finding import Finding, Rows, first_rows, rows_in_words
+from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import SI, Coordinate
 from .order import quantile
 
@@ -58,7 +58,7 @@ def check_wrapped(theta: FloatArray, usable: BoolArray, rows: Rows, coordinate: 
         f"theta: jumps by more than half a turn at {rows_in_words(at)}; "
         f"if the angle wraps around, map theta=unwrap(...)"
     )
-    return [Finding("wrapped", "theta", len(at), first_rows(at), message, "warning")]
+    return [Finding("wrap", "theta", len(at), spans(at), message, "warning")]
 
 
 def check_scale(

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray
 from ...errors import InputError
-from ..finding import Finding, Rows, first_rows, rows_in_words
+from ..finding import Finding, Rows, rows_in_words, spans
 from .order import quantile
 
 JITTER_TOLERANCE = 0.05
@@ -57,7 +57,7 @@ def check_times(t: FloatArray, rows: Rows, source: str) -> tuple[BoolArray, list
                 "gap",
                 "t",
                 missing,
-                first_rows(before),
+                spans(before),
                 f"t: about {missing} samples are missing after {rows_in_words(before)}; nothing is filled in",
                 "warning",
             )
@@ -72,7 +72,7 @@ def check_times(t: FloatArray, rows: Rows, source: str) -> tuple[BoolArray, list
                 "uneven",
                 "t",
                 int(off.sum()),
-                first_rows(late),
+                spans(late),
                 f"t: sampling is uneven: intervals from {low:.4g} to {high:.4g} ms, usually "
                 f"{1e3 * usual:.4g} ms; {share:.1%} of them are off by more than {JITTER_TOLERANCE:.0%} "
                 f"({rows_in_words(late)}); the stamps are used as they are",
@@ -97,7 +97,7 @@ def _rising(t: FloatArray, rows: Rows) -> tuple[BoolArray, list[Finding]]:
                 "duplicate",
                 "t",
                 len(duplicate),
-                first_rows(rows[duplicate]),
+                spans(rows[duplicate]),
                 f"t: {len(duplicate)} samples repeat the time stamp before them "
                 f"({rows_in_words(rows[duplicate])}); masked; if the stamps are merely rounded, "
                 f"leave t out of the map and give the sampling rate",
@@ -114,7 +114,7 @@ def _rising(t: FloatArray, rows: Rows) -> tuple[BoolArray, list[Finding]]:
                 "backward",
                 "t",
                 len(backward),
-                first_rows(rows[backward]),
+                spans(rows[backward]),
                 f"t: {len(backward)} samples have stamps out of order ({rows_in_words(rows[backward])}); "
                 f"masked",
                 "masked",

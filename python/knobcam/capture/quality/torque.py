@@ -1,12 +1,16 @@
-"""Torque that sits at the limit of its sensor, or at an implausible size."""
+"""Torque that sits at the limit of its sensor, leaps for a single row, or has an implausible size."""
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ...base.arrays import BoolArray, FloatArray
-from ..finding import Finding, Rows, first_rows, rows_in_words
+from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import Coordinate
+from .order import quantile
 
 MIN_RUN = 4
 """Identical extreme samples in a row, below which a limit is not suspected."""
@@ -20,6 +24,15 @@ EXCESS = 5.0
 A quantised sine fills its top level at most 3.0 times as much (levels of equal height under a parabola hold
 1, sqrt 2 - 1, sqrt 3 - sqrt 2, 2 - sqrt 3), and noise makes the top level the emptiest.
 """
+
+SPIKE = 10.0
+"""Deviations of noise by which a reading leaves its neighbours, and they do not: a fault of the reading."""
+
+QUIET = 5.0
+"""Deviations within which the readings beside a spike stay: an impact lasts, or rings."""
+
+_ROUNDS = 5
+_FEWEST = 64  # rows from which the noise of a column can be told
 
 IMPLAUSIBLE_RMS_NM = 20.0
 """A hand-turned knob above this RMS torque (N m) is more often recorded in mN m."""
@@ -49,13 +62,73 @@ def check_clipping(
                 "clipped",
                 "tau",
                 int(at.sum()),
-                first_rows(rows[at]),
+                spans(rows[at]),
                 f"tau: {int(at.sum())} samples sit at its {side} limit {limit:.6g}, up to "
                 f"{_longest_run(at)} in a row ({rows_in_words(rows[at])}): the sensor is saturated; masked",
                 "masked",
             )
         )
     return clipped, findings
+
+
+def check_spikes(
+    columns: dict[str, FloatArray], usable: BoolArray, rows: Rows
+) -> tuple[BoolArray, list[Finding]]:
+    """Return at which rows the torque leaps for that row alone, and the finding.
+
+    What is felt moves the knob: a leap that the acceleration has too, measured or in the differences of the
+    other columns, is none.
+    """
+    spikes = np.zeros(len(usable), dtype=np.bool_)
+    # With the first ones out of the way, others stand alone.
+    for _ in range(_ROUNDS):
+        index = np.flatnonzero(usable & ~spikes)
+        alone = _alone({name: values[index] for name, values in columns.items()})
+        if not alone.size:
+            break
+        spikes[index[alone]] = True
+    if not spikes.any():
+        return spikes, []
+    found = rows[spikes]
+    message = f"tau: leaps for a single row at {rows_in_words(found)}, which no knob does; masked"
+    return spikes, [Finding("spike", "tau", len(found), spans(found), message, "masked")]
+
+
+def _alone(columns: dict[str, FloatArray]) -> NDArray[np.intp]:
+    """Return the rows whose torque is far from all that is around it."""
+    tau = columns["tau"]
+    if len(tau) < _FEWEST:
+        return np.empty(0, dtype=np.intp)
+    step = np.diff(tau)
+    noise = _noise(step)
+    # Away from both neighbours to the same side: no step, as of friction at a reversal.
+    both = np.minimum(np.abs(step[:-1]), np.abs(step[1:])) > 0.5 * SPIKE * noise
+    at = 1 + np.flatnonzero(both & (step[:-1] * step[1:] < 0.0))
+    at = at[(at >= 5) & (at < len(tau) - 5)]
+    alone = _leaps(tau, at, noise) > SPIKE
+    for beside in (-2, -1, 1, 2):
+        alone &= _leaps(tau, at + beside, noise) < QUIET
+    for name, order in (("theta", 2), ("omega", 1), ("alpha", 0)):
+        if name in columns:
+            jerk = np.diff(columns[name], n=order)
+            for late in range(order + 1):  # differences that the row has a part in
+                alone &= _leaps(jerk, at - late, _noise(np.diff(jerk))) < QUIET
+    return at[alone]
+
+
+def _noise(step: FloatArray) -> float:
+    """Deviation of white noise with such steps; the wider of two measures where its tails are heavier."""
+    wide = max(
+        quantile(np.abs(step), share) / deviations for share, deviations in ((0.5, 0.6745), (0.8, 1.2816))
+    )
+    return wide / math.sqrt(2.0)
+
+
+def _leaps(values: FloatArray, at: NDArray[np.intp], noise: float) -> FloatArray:
+    """How far values are from the median of the three on either side, in deviations of noise."""
+    beside = values[at[:, None] + np.array([-3, -2, -1, 1, 2, 3])]
+    off: FloatArray = np.abs(values[at] - np.median(beside, axis=1))
+    return off / max(noise, float(np.finfo(np.float64).tiny))
 
 
 def check_size(tau: FloatArray, usable: BoolArray, coordinate: Coordinate) -> list[Finding]:

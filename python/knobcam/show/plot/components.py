@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from ... import _core
+from ...capture.motions import MotionTrack
 from ...fit.fitting import Z95
 from ...model.effects import effects
+from ...model.simulate import exact
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -30,6 +31,7 @@ _PARTS: dict[Over, Part] = {
     "acceleration": "acceleration",
     "torque": "sensor",
 }
+_RATE_HZ = 1000.0  # any will do: each sample stands for itself
 SHORT = {"position": "pos", "velocity": "vel"}
 
 
@@ -51,12 +53,8 @@ def torque_at(
     n = len(theta)
     if not effects:
         return np.zeros(n)
-    rate_hz = 1000.0
-    t = np.arange(n) / rate_hz
-    exact = _core.prepare(
-        model.coordinate, rate_hz, t, theta, omega, alpha, np.zeros(n), np.zeros(n, dtype=bool), "none", {}
-    )
-    return model.core.only(effects).torque(exact, filtered=False)
+    track = MotionTrack(np.arange(n) / _RATE_HZ, theta, omega, alpha)
+    return model.core.only(effects).torque(exact(model.coordinate, track), filtered=False)
 
 
 def curve(model: Model, part: Part, at: FloatArray) -> FloatArray:

@@ -1,0 +1,173 @@
+"""Rows that a log repeats or loses, an angle that wraps: found by the angle's steps from row to row."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.arrays import BoolArray, FloatArray
+from ..finding import Finding, Rows, rows_in_words, spans
+from ..formats.units import Coordinate
+from .order import quantile
+
+REACH = 8
+"""Steps to either side from which the step between two rows is expected."""
+
+CLEAR = 8.0
+"""Noise deviations beyond which a step is not what its neighbours let expect: one in 1e15 by chance."""
+
+MOST_LOST = 20
+"""Rows lost at one place, beyond which the speed before says too little about where the angle would be."""
+
+_WHOLE = 0.15  # a step of lost rows is a whole number of steps, to this share of one
+
+
+@dataclass(frozen=True)
+class Steps:
+    """What the angle's steps tell: times and angles as mended, rows that cannot be used, and the findings."""
+
+    t: FloatArray
+    theta: FloatArray
+    bad: BoolArray
+    findings: tuple[Finding, ...]
+
+
+def check_steps(
+    columns: dict[str, FloatArray], usable: BoolArray, rows: Rows, coordinate: Coordinate, rate_hz: float
+) -> Steps:
+    """Look at the step of the angle into each usable row: too short, too long, or there and back.
+
+    Of the columns t, theta, tau and, where there, omega and alpha only the first two are ever mended: an
+    angle that jumps by whole turns goes on where it was, a clock that counted on over lost rows is moved.
+    """
+    t, theta, bad = columns["t"].copy(), columns["theta"].copy(), np.zeros(len(rows), dtype=np.bool_)
+    index = np.flatnonzero(usable)
+    if len(index) < 4 * REACH:
+        return Steps(t, theta, bad, ())
+    findings: list[Finding] = []
+    if coordinate == "rotary":
+        findings += _unwrap(theta, index, rows)
+    step = np.diff(theta[index])
+    expected, noise = _expected(step, np.diff(t[index]))
+    off = np.abs(step - expected)
+    clear = (np.abs(expected) > CLEAR * noise) & (off > np.maximum(CLEAR * noise, 0.5 * np.abs(expected)))
+
+    stale = _stale(columns, index, step, clear)
+    bad[index[1:][stale]] = True
+    if stale.any():
+        at = rows[index[1:][stale]]
+        message = (
+            f"{len(at)} rows repeat the row before them while the knob moves ({rows_in_words(at)}): "
+            "they were not measured; masked"
+        )
+        findings.append(Finding("stale", "theta", len(at), spans(at), message, "masked"))
+
+    spike = _there_and_back(step - expected, CLEAR * noise) & ~stale[:-1] & ~stale[1:]
+    bad[index[1:-1][spike]] = True
+    if spike.any():
+        at = rows[index[1:-1][spike]]
+        message = f"theta: leaps away and back within a row at {rows_in_words(at)}; masked"
+        findings.append(Finding("spike", "theta", len(at), spans(at), message, "masked"))
+
+    # What a repeated row held back comes with the next one.
+    follows = np.concatenate(([False], (stale | np.concatenate((spike, [False])))[:-1]))
+    # An angle that was read late makes one step longer and the next one shorter.
+    ordinary = np.append(off[1:] < np.maximum(0.25 * np.abs(expected[1:]), 0.5 * CLEAR * noise), True)
+    lost = _lost(step, expected, noise, clear & ~follows & ~stale & ordinary)
+    lost[np.diff(t[index]) > 1.5 / rate_hz] = 0  # the clock says so itself
+    if lost.any():
+        at, count = rows[index[:-1][lost > 0]], int(lost.sum())
+        shift = np.zeros(len(t))
+        shift[index[1:]] = lost
+        t += np.cumsum(shift) / rate_hz
+        message = (
+            f"t: about {count} rows are missing after {rows_in_words(at)}, where the angle advances by "
+            "several steps in one though the clock counted on; later times are moved, nothing is filled in"
+        )
+        findings.append(Finding("lost", "t", count, spans(at), message, "mended"))
+    return Steps(t, theta, bad, tuple(findings))
+
+
+def _unwrap(theta: FloatArray, index: NDArray[np.intp], rows: Rows) -> list[Finding]:
+    """Take whole turns off an angle that jumps by them, in place."""
+    jump = np.diff(theta[index])
+    turns = np.rint(jump / math.tau)
+    usual = np.abs(jump[turns == 0.0])
+    # A knob that turns half a turn from row to row cannot be told from one that wraps.
+    most = float(usual.max()) if usual.size else math.inf
+    wraps = (turns != 0.0) & (np.abs(jump - math.tau * turns) <= 2.0 * most)
+    if not wraps.any() or most > 0.25 * math.pi or wraps.sum() > len(index) // 10:
+        return []
+    at = rows[index[1:][wraps]]
+    offset = math.tau * np.cumsum(np.where(wraps, turns, 0.0))
+    theta[index[1:]] -= offset
+    message = f"theta: jumps by whole turns at {rows_in_words(at)}, where it wraps; it is taken on from there"
+    return [Finding("wrap", "theta", len(at), spans(at), message, "mended")]
+
+
+def _expected(step: FloatArray, dt: FloatArray) -> tuple[FloatArray, float]:
+    """The step into each row that its neighbours let expect, and the noise of a step around it.
+
+    By the speed of a few of them; where the step is another, by the median speeds of those before and after,
+    and where these two are not nearly the same, nothing is expected: zero. Stamps that jitter say little
+    about when a row was sampled: a step is expected by its own interval or by the usual one, whichever it is
+    nearer to.
+    """
+    usual = quantile(dt, 0.5)
+    speed = step / dt
+    near = np.pad(speed, 4, mode="edge")
+    count = len(step)
+    expected = 0.25 * dt * sum(near[4 + k : 4 + k + count] for k in (-4, -3, 3, 4))
+    off = np.abs(step - expected)
+    # Half the values lie within 0.6745 deviations of noise; the mean of four adds a quarter to its variance.
+    noise = max(quantile(off, 0.5) / 0.6745 / math.sqrt(1.25), 0.5 * _count(step))
+    doubtful = np.flatnonzero(off > 3.0 * noise)
+    # The nearest on either side may belong to the same fault.
+    reach = np.arange(2, REACH + 1)
+    sides = [speed[np.clip(doubtful[:, None] + side * reach, 0, count - 1)] for side in (-1, 1)]
+    before, after = (np.median(side, axis=1) for side in sides)
+    steady = (before * after > 0.0) & (np.abs(before - after) < np.abs(before + after) / 3.0)
+    speed = np.where(steady, 0.5 * (before + after), 0.0)
+    own, even = speed * dt[doubtful], speed * usual
+    nearer = np.abs(step[doubtful] - own) < np.abs(step[doubtful] - even)
+    expected[doubtful] = np.where(nearer, own, even)
+    return expected, noise
+
+
+def _count(step: FloatArray) -> float:
+    """The least step there is: a count of an encoder, or next to nothing."""
+    steps = np.abs(step[step != 0.0])
+    return float(steps.min()) if steps.size else 0.0
+
+
+def _stale(
+    columns: dict[str, FloatArray], index: NDArray[np.intp], step: FloatArray, clear: BoolArray
+) -> BoolArray:
+    """Which rows repeat all of the row before, and cannot have measured it."""
+    same = [step == 0.0]
+    same += [np.diff(values[index]) == 0.0 for name, values in columns.items() if name not in ("t", "theta")]
+    repeats: BoolArray = np.logical_and.reduce(same)
+    if not (repeats & clear).any():
+        return np.zeros(len(step), dtype=np.bool_)
+    # Columns that repeat by chance, each by itself, would do so together this often.
+    by_chance = len(step) * float(np.prod([np.mean(one & ~repeats) for one in same]))
+    return repeats if by_chance < 0.5 else repeats & clear
+
+
+def _there_and_back(off: FloatArray, clear: float) -> BoolArray:
+    """Which rows the angle leaps to and away from again: two steps off by as much the other way."""
+    first, second = off[:-1], off[1:]
+    far = (np.abs(first) > clear) & (np.abs(second) > clear)
+    return far & (np.abs(first + second) < 0.2 * np.abs(first - second))
+
+
+def _lost(step: FloatArray, expected: FloatArray, noise: float, clear: BoolArray) -> NDArray[np.int64]:
+    """How many rows are missing within each step: one less than the steps that it is as long as."""
+    steps = np.where(clear, step, expected) / np.where(expected == 0.0, 1.0, expected)
+    whole = np.rint(steps)
+    near = np.abs(steps - whole) * np.abs(expected) < 0.5 * CLEAR * noise + _WHOLE * np.abs(expected)
+    lost = np.where(clear & near & (whole >= 2.0) & (whole <= MOST_LOST + 1.0), whole - 1.0, 0.0)
+    return lost.astype(np.int64)

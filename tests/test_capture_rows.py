@@ -1,0 +1,149 @@
+"""Rows that a log repeats, loses or misreads: each is found where it is, and a clean log has none."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from knobcam import Capture, fit, load
+from knobcam.base.arrays import FloatArray
+
+RATE_HZ = 5000.0
+N = 30_000
+ANGLE_NOISE_RAD = 1e-5
+TORQUE_NOISE_NM = 1.8e-3
+
+
+def motion(seed: int = 0) -> dict[str, FloatArray]:
+    """A knob with friction that is turned to and fro, its columns with the noise of their sensors."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(N) / RATE_HZ
+    theta, omega, alpha = np.zeros(N), np.zeros(N), np.zeros(N)
+    for hz, size in ((0.4, 2.0), (1.3, 0.5), (3.1, 0.05)):
+        w, phase = 2.0 * np.pi * hz, rng.uniform(0.0, 2.0 * np.pi)
+        theta += size * np.sin(w * t + phase)
+        omega += size * w * np.cos(w * t + phase)
+        alpha -= size * w * w * np.sin(w * t + phase)
+    tau = 5e-5 * alpha + 0.02 * np.sign(omega) + 1e-3 * omega
+    return {
+        "t": t,
+        "theta": theta + ANGLE_NOISE_RAD * rng.standard_normal(N),
+        "omega": omega + 5e-3 * rng.standard_normal(N),
+        "alpha": alpha + 0.4 * rng.standard_normal(N),
+        "tau": tau + TORQUE_NOISE_NM * rng.standard_normal(N),
+    }
+
+
+def fast(columns: dict[str, FloatArray], count: int, seed: int = 1) -> np.ndarray:
+    """Rows at which the knob turns briskly, far from each other."""
+    rng = np.random.default_rng(seed)
+    brisk = np.flatnonzero(np.abs(np.gradient(columns["theta"], 1.0 / RATE_HZ)) > 2.0)
+    brisk = brisk[(brisk > 200) & (brisk < N - 200)]
+    return np.sort(rng.choice(brisk[::400], count, replace=False))
+
+
+def without_motion(columns: dict[str, FloatArray]) -> dict[str, FloatArray]:
+    return {name: columns[name] for name in ("t", "theta", "tau")}
+
+
+def measured(columns: dict[str, FloatArray]) -> Capture:
+    return Capture.from_arrays(**columns)
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("counts", [0, 4096, 65536])
+def test_a_clean_log_has_no_faults(seed: int, counts: int) -> None:
+    columns = motion(seed)
+    assert measured(columns).findings == ()
+    if counts:
+        step = 2.0 * np.pi / counts
+        columns["theta"] = step * np.round(columns["theta"] / step)
+    assert measured(without_motion(columns)).findings == ()
+
+
+@pytest.mark.parametrize("angle_alone", [False, True])
+def test_a_row_that_repeats_the_one_before_is_masked(angle_alone: bool) -> None:
+    columns = motion()
+    at = fast(columns, 20)
+    for values in (columns[name] for name in ("theta", "omega", "alpha", "tau")):
+        values[at] = values[at - 1]
+    capture = measured(without_motion(columns) if angle_alone else columns)
+    (finding,) = capture.findings
+    assert (finding.kind, finding.count, finding.severity) == ("stale", 20, "masked")
+    np.testing.assert_array_equal(np.flatnonzero(~capture.mask), at)
+    assert finding.document()["rows"] == [[row + 1, row + 1] for row in at]
+
+
+def test_rows_that_are_lost_while_the_clock_counts_on_are_found_and_the_times_moved() -> None:
+    columns = motion()
+    at, lost = fast(columns, 5), (1, 2, 3, 1, 7)
+    gone = np.concatenate([np.arange(row, row + many) for row, many in zip(at, lost, strict=True)])
+    kept = {name: np.delete(values, gone) for name, values in columns.items()}
+    capture = measured(kept | {"t": columns["t"][: len(kept["t"])]})
+    (finding,) = capture.findings
+    assert (finding.kind, finding.count, finding.severity) == ("lost", sum(lost), "mended")
+    np.testing.assert_allclose(capture.t, kept["t"], atol=1e-9)
+
+
+def test_rows_that_the_clock_says_are_missing_are_a_gap_alone() -> None:
+    columns = motion()
+    gone = fast(columns, 3)
+    capture = measured({name: np.delete(values, gone) for name, values in columns.items()})
+    assert [finding.kind for finding in capture.findings] == ["gap"]
+
+
+def test_a_clock_that_jitters_over_an_even_motion_has_lost_nothing() -> None:
+    columns = without_motion(motion())
+    rng = np.random.default_rng(3)
+    columns["t"] = columns["t"] + rng.uniform(-0.2, 0.2, N) / RATE_HZ * (rng.random(N) < 0.05)
+    assert {finding.kind for finding in measured(columns).findings} == {"uneven"}
+
+
+def test_an_angle_that_wraps_is_taken_on() -> None:
+    columns = motion()
+    wrapped = np.mod(columns["theta"] + 6.0, 2.0 * np.pi)
+    capture = measured(columns | {"theta": wrapped})
+    (finding,) = capture.findings
+    assert (finding.kind, finding.severity) == ("wrap", "mended")
+    np.testing.assert_allclose(capture.theta - capture.theta[0], columns["theta"] - columns["theta"][0])
+
+
+@pytest.mark.parametrize("name", ["tau", "theta"])
+def test_a_reading_that_leaps_for_one_row_is_masked(name: str) -> None:
+    columns = motion()
+    at = fast(columns, 6)
+    columns[name][at] += {"tau": 0.03, "theta": 0.02}[name] * np.array([1, -1, 1, 1, -1, -1])
+    capture = measured(columns)
+    (finding,) = capture.findings
+    assert (finding.kind, finding.column, finding.severity) == ("spike", name, "masked")
+    np.testing.assert_array_equal(np.flatnonzero(~capture.mask), at)
+
+
+def test_friction_that_turns_round_in_a_row_and_an_impact_that_the_knob_feels_are_no_spikes() -> None:
+    columns = motion()
+    columns["tau"] += 0.1 * np.sign(columns["omega"])
+    at = fast(columns, 6)
+    columns["tau"][at] += 0.05
+    columns["alpha"][at] += 1000.0
+    assert measured(columns).findings == ()
+
+
+def test_what_was_found_survives_saving(tmp_path) -> None:
+    columns = motion()
+    at = fast(columns, 4)
+    columns["tau"][at] += 0.05
+    capture = measured(columns)
+    assert load(capture.save(tmp_path / "capture.npz")).findings == capture.findings
+
+
+def test_a_fault_of_a_few_rows_costs_those_rows_alone() -> None:
+    columns = motion()
+    whole = measured(columns)
+    lacking = np.random.default_rng(4).random(N) < 0.01
+    columns["tau"][lacking] = np.nan
+    broken = measured(columns)
+    assert abs(broken.prepare().used.sum() / (whole.prepare().used.sum() - lacking.sum()) - 1.0) < 0.01
+    before, after = fit(whole), fit(broken)
+    low, high = before.params["inertia.M"].ci95
+    assert low < after.params["inertia.M"].value < high
+    assert abs(after.noise_floor / before.noise_floor - 1.0) < 0.03
