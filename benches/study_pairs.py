@@ -12,7 +12,7 @@ import json
 import tempfile
 import time
 from collections.abc import Container, Iterator, Sequence
-from itertools import product
+from itertools import product, zip_longest
 from pathlib import Path
 from typing import NamedTuple
 
@@ -114,6 +114,16 @@ def pairs(motions: Sequence[str], knobs: Sequence[str], only: Container[str], de
     yield f"{held} of {count} pairs hold ({100.0 * held / max(count, 1):.0f} %)"
 
 
+def beside(table: Sequence[str]) -> Iterator[str]:
+    """The pairs of a table in two columns, what is said of them all below."""
+    rows = [line for line in table if line[1:5] == " kno"]
+    half = -(-len(rows) // 2)
+    width = max(map(len, rows[:half]), default=0)
+    for left, right in zip_longest(rows[:half], rows[half:], fillvalue=""):
+        yield f"{left:{width}} {right}".rstrip()
+    yield from (line for line in table if line not in rows)
+
+
 def main() -> None:
     """Print the table, and keep it where it is one of all pairs."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -131,7 +141,7 @@ def main() -> None:
         document = json.loads(RESULTS.read_text("utf-8")) if RESULTS.is_file() else {}
         document["demo" if args.demo else "construction"] = lines
         parts = [(SAID[name], document[name]) for name in SAID if name in document]
-        document["report"] = [line for said, table in parts for line in [said, *table, ""]][:-1]
+        document["report"] = [line for said, table in parts for line in [said, *beside(table), ""]][:-1]
         RESULTS.write_text(json.dumps(document, indent=1) + "\n", "utf-8")
 
 

@@ -1,4 +1,4 @@
-"""What is wrong with a capture is found, said and masked; never repaired."""
+"""What is wrong with a capture is found, said and masked."""
 
 from __future__ import annotations
 
