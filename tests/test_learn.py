@@ -181,6 +181,16 @@ def test_an_ordinary_motion_lacks_nothing(motion: str) -> None:
     assert lacking <= ({"no_slow_motion"} if motion == "turns" else set())
 
 
+@pytest.mark.parametrize("knob", ["knob1", "knob3"])
+def test_a_torque_with_the_other_sign_is_a_fault_of_the_log_and_nothing_is_accused(knob: str) -> None:
+    run = kc.simulate(kc.hiding(knob, "stribeck"), "sweep")
+    columns = {name: values for name, values in run.columns.items() if name != "tau"}
+    learned = kc.learn(kc.Capture.from_arrays(**columns, tau=-run.tau))
+    assert (learned.verdict, learned.found) == ("unexplained", ())
+    assert [finding["kind"] for finding in learned.document()["findings"]] == ["sign"]
+    assert "minus" in learned.headline
+
+
 def test_captures_of_one_knob_agree_and_those_of_a_changed_one_do_not() -> None:
     knob = kc.Model.load("knob4")
     changed = knob.with_value("detent.P", 0.0765)

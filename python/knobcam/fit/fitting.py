@@ -16,12 +16,14 @@ from .. import _core
 from ..base import showing
 from ..base.tables import TextTable, text_table
 from ..capture import Capture, load
+from ..capture.finding import Finding
 from ..capture.prepare import Prepared
 from ..capture.prepare import prepare as prepare_signals
 from ..errors import InputError
 from ..model import Model
 from ..model.effects import base_effects, base_effects_shown, effects
 from . import refit
+from .plausible import REVERSED, reversed_torque
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
@@ -228,7 +230,7 @@ class Fit(showing.Tabled):
         return {
             "schema": "knobcam.fit/1",
             "captures": [_describe(signals) for signals in self.prepared],
-            "findings": said(self.prepared),
+            "findings": [*said(self.prepared), *([] if not reversed_torque(self) else [_sign(self)])],
             "rmse": self.rmse,
             "rmse_heldout": self.rmse_heldout,
             "noise_floor": self.noise_floor,
@@ -279,8 +281,8 @@ class Fit(showing.Tabled):
             if name.split(".", 1)[0] in base_effects(self.model.coordinate)
         }
         negative = [name for name, e in base.items() if e.determined and e.ci95[1] < 0.0]
-        if len(negative) > 2 and len(negative) == len(base):
-            found = ["every term is negative: tau seems to have the other sign; map it with a minus"]
+        if reversed_torque(self):
+            found = [REVERSED]
         else:
             told = self.noise_floor > 0.0 and self.rmse <= AT_FLOOR * self.noise_floor
             why = "over these speeds it describes what remains" if told else "an effect is probably missing"
@@ -367,6 +369,11 @@ def _moves_like_a_spring(signals: Prepared) -> bool:
     theta, alpha = signals.theta[signals.used], signals.alpha[signals.used]
     spread = float(np.std(theta) * np.std(alpha))
     return spread > 0.0 and float(np.mean((theta - theta.mean()) * (alpha - alpha.mean()))) < -0.98 * spread
+
+
+def _sign(fit: Fit) -> dict[str, Any]:
+    every = sum(one.capture.samples for one in fit.prepared)
+    return Finding("sign", "tau", every, ((1, every),), REVERSED, "warning").document()
 
 
 def said(prepared: Sequence[Prepared]) -> list[dict[str, Any]]:

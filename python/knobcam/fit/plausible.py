@@ -25,6 +25,17 @@ def implausible(candidate: Candidate, before: Fit) -> tuple[str, ...]:
     return (*_out_of_range(candidate), *_below_zero(candidate, before), *own)
 
 
+REVERSED = "tau has the other sign: inertia and friction came out negative; map it with a minus"
+
+
+def reversed_torque(fit: Fit) -> bool:
+    """Whether what no knob has below zero is so, all of it beyond doubt: the torque has the other sign."""
+    told = [fit.params[name] for name in _never_negative(fit.model.coordinate) if name in fit.params]
+    sure = [estimate for estimate in told if estimate.determined]
+    negative = [estimate for estimate in sure if estimate.ci95[1] < 0.0]
+    return len(negative) > 2 and not any(estimate.ci95[0] > 0.0 for estimate in sure)
+
+
 def _out_of_range(candidate: Candidate) -> list[str]:
     said = []
     for row in catalogued(candidate.effect, candidate.fit.model.coordinate).params:
