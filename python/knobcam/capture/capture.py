@@ -125,16 +125,22 @@ class Capture(showing.Tabled):
         """Return the capture with those samples counted at which the torque sensor was at its limit."""
         if not self.clipped:
             return self
-        finite = np.all([np.isfinite(values) for values in self.columns.values()], axis=0)
-        limits = (self.tau[finite].max(), self.tau[finite].min())
         kept = [
             replace(one, severity="note", message=one.message.replace("; masked", "; counted"))
             if one.kind == "clipped"
             else one
             for one in self.findings
         ]
-        mask = self.mask | (finite & np.isin(self.tau, limits))
-        return replace(self, mask=mask, findings=tuple(kept))
+        return replace(self, mask=self.mask | self.at_limit, findings=tuple(kept))
+
+    @property
+    def at_limit(self) -> BoolArray:
+        """The samples that were masked because the torque sensor was at its limit."""
+        if not self.clipped:
+            return np.zeros(self.samples, dtype=np.bool_)
+        finite: BoolArray = np.all([np.isfinite(values) for values in self.columns.values()], axis=0)
+        limits = (self.tau[finite].max(), self.tau[finite].min())
+        return ~self.mask & finite & np.isin(self.tau, limits)
 
     @property
     def samples(self) -> int:

@@ -177,15 +177,16 @@ def _bridges(capture: Capture) -> BoolArray:
     """Return the masked samples that lie in so short a run that its neighbours tell what was there.
 
     They go through the filters as a straight line and do not count; else each would cost what a filter needs
-    to settle on both sides.
+    to settle on both sides. Of a torque beyond the sensor's limit the neighbours tell nothing.
     """
+    beyond = capture.at_limit
     masked = ~capture.mask
     edges = np.flatnonzero(np.diff(np.concatenate(([False], masked, [False]))))
     bridges = np.zeros(capture.samples, dtype=np.bool_)
     for first, end in zip(edges[::2], edges[1::2], strict=True):
         if end - first <= _BRIDGE and first > 0 and end < capture.samples:
             passed = (capture.t[end] - capture.t[first - 1]) * capture.rate_hz
-            bridges[first:end] = abs(passed - (end - first + 1)) < 0.5
+            bridges[first:end] = abs(passed - (end - first + 1)) < 0.5 and not beyond[first:end].any()
     return bridges
 
 
