@@ -6,7 +6,8 @@
 use pulp::NullaryFnOnce;
 
 /// Does work that is compiled for vectors of four numbers (AVX2) and for whatever the target has. Vectors of eight
-/// (AVX-512) were no faster in any of the kernels, and took a third copy of each to compile.
+/// (AVX-512) take a third copy of each kernel to compile and are no faster in a fit; only bootstrap refits were, by a
+/// third.
 #[inline]
 pub fn dispatch<W: NullaryFnOnce>(work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]

@@ -169,9 +169,11 @@ class Comparison(showing.Tabled):
     def document(self) -> dict[str, Any]:
         """Return the JSON document of `knobcam compare --json`."""
         fit = self.fit
+        fitted = fit.document()
         return {
             "schema": "knobcam.compare/1",
-            **{name: fit.document()[name] for name in ("captures", "findings")},
+            "captures": fitted["captures"],
+            "findings": fitted["findings"],
             "effects": list(fit.model.effects),
             "rmse": fit.rmse,
             "noise_floor": fit.noise_floor,

@@ -183,9 +183,11 @@ class Diagnosis(showing.Tabled):
     def document(self) -> dict[str, Any]:
         """Return the JSON document of `knobcam diagnose --json`."""
         fit = self.fit
+        fitted = fit.document()
         return {
             "schema": "knobcam.diagnose/1",
-            **{name: fit.document()[name] for name in ("captures", "findings")},
+            "captures": fitted["captures"],
+            "findings": fitted["findings"],
             "effects": list(fit.model.effects),
             "rmse": fit.rmse,
             "rmse_heldout": fit.rmse_heldout,

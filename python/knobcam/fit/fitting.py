@@ -230,7 +230,7 @@ class Fit(showing.Tabled):
         return {
             "schema": "knobcam.fit/1",
             "captures": [_describe(signals) for signals in self.prepared],
-            "findings": [*said(self.prepared), *([] if not reversed_torque(self) else [_sign(self)])],
+            "findings": [*said(self.prepared), *([_sign(self)] if reversed_torque(self) else [])],
             "rmse": self.rmse,
             "rmse_heldout": self.rmse_heldout,
             "noise_floor": self.noise_floor,

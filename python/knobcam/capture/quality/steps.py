@@ -43,13 +43,14 @@ def check_steps(
     Of the columns t, theta, tau and, where there, omega and alpha only the first two are ever mended: an
     angle that jumps by whole turns goes on where it was, a clock that counted on over lost rows is moved.
     """
-    t, theta, bad = columns["t"].copy(), columns["theta"].copy(), np.zeros(len(rows), dtype=np.bool_)
+    t, theta, bad = columns["t"], columns["theta"], np.zeros(len(rows), dtype=np.bool_)
     index = np.flatnonzero(usable)
     if len(index) < 4 * REACH:
         return Steps(t, theta, bad, ())
     findings: list[Finding] = []
     if coordinate == "rotary":
-        findings += _unwrap(theta, index, rows)
+        theta, found = _unwrap(theta, index, rows)
+        findings += found
     step = np.diff(theta[index])
     expected, noise = _expected(step, np.diff(t[index]))
     off = np.abs(step - expected)
@@ -82,7 +83,7 @@ def check_steps(
         at, count = rows[index[:-1][lost > 0]], int(lost.sum())
         shift = np.zeros(len(t))
         shift[index[1:]] = lost
-        t += np.cumsum(shift) / rate_hz
+        t = t + np.cumsum(shift) / rate_hz
         message = (
             f"t: about {count} rows are missing after {rows_in_words(at)}, where the angle advances by "
             "several steps in one though the clock counted on; later times are moved, nothing is filled in"
@@ -91,8 +92,8 @@ def check_steps(
     return Steps(t, theta, bad, tuple(findings))
 
 
-def _unwrap(theta: FloatArray, index: NDArray[np.intp], rows: Rows) -> list[Finding]:
-    """Take whole turns off an angle that jumps by them, in place."""
+def _unwrap(theta: FloatArray, index: NDArray[np.intp], rows: Rows) -> tuple[FloatArray, list[Finding]]:
+    """Return an angle without the whole turns that it jumps by, and the finding."""
     jump = np.diff(theta[index])
     turns = np.rint(jump / math.tau)
     usual = np.abs(jump[turns == 0.0])
@@ -100,12 +101,12 @@ def _unwrap(theta: FloatArray, index: NDArray[np.intp], rows: Rows) -> list[Find
     most = float(usual.max()) if usual.size else math.inf
     wraps = (turns != 0.0) & (np.abs(jump - math.tau * turns) <= 2.0 * most)
     if not wraps.any() or most > 0.25 * math.pi or wraps.sum() > len(index) // 10:
-        return []
+        return theta, []
     at = rows[index[1:][wraps]]
-    offset = math.tau * np.cumsum(np.where(wraps, turns, 0.0))
-    theta[index[1:]] -= offset
+    theta = theta.copy()
+    theta[index[1:]] -= math.tau * np.cumsum(np.where(wraps, turns, 0.0))
     message = f"theta: jumps by whole turns at {rows_in_words(at)}, where it wraps; it is taken on from there"
-    return [Finding("wrap", "theta", len(at), spans(at), message, "mended")]
+    return theta, [Finding("wrap", "theta", len(at), spans(at), message, "mended")]
 
 
 def _expected(step: FloatArray, dt: FloatArray) -> tuple[FloatArray, float]:

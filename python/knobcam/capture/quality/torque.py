@@ -83,7 +83,7 @@ def check_spikes(
     # With the first ones out of the way, others stand alone.
     for _ in range(_ROUNDS):
         index = np.flatnonzero(usable & ~spikes)
-        alone = _alone({name: values[index] for name, values in columns.items()})
+        alone = _alone(columns, index)
         if not alone.size:
             break
         spikes[index[alone]] = True
@@ -94,9 +94,9 @@ def check_spikes(
     return spikes, [Finding("spike", "tau", len(found), spans(found), message, "masked")]
 
 
-def _alone(columns: dict[str, FloatArray]) -> NDArray[np.intp]:
-    """Return the rows whose torque is far from all that is around it."""
-    tau = columns["tau"]
+def _alone(columns: dict[str, FloatArray], index: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Return which of the rows `index` have a torque that is far from all that is around it."""
+    tau = columns["tau"][index]
     if len(tau) < _FEWEST:
         return np.empty(0, dtype=np.intp)
     step = np.diff(tau)
@@ -108,11 +108,14 @@ def _alone(columns: dict[str, FloatArray]) -> NDArray[np.intp]:
     alone = _leaps(tau, at, noise) > SPIKE
     for beside in (-2, -1, 1, 2):
         alone &= _leaps(tau, at + beside, noise) < QUIET
+    if not alone.any():
+        return at[alone]  # as in nearly every log: the motion need not be looked at
     for name, order in (("theta", 2), ("omega", 1), ("alpha", 0)):
         if name in columns:
-            jerk = np.diff(columns[name], n=order)
+            jerk = np.diff(columns[name][index], n=order)
+            noise = _noise(np.diff(jerk))
             for late in range(order + 1):  # differences that the row has a part in
-                alone &= _leaps(jerk, at - late, _noise(np.diff(jerk))) < QUIET
+                alone &= _leaps(jerk, at - late, noise) < QUIET
     return at[alone]
 
 
