@@ -42,6 +42,7 @@ mod carrier;
 mod context;
 pub mod law;
 mod registry;
+mod shifted;
 mod survey;
 mod told;
 mod user;
@@ -226,6 +227,7 @@ registry! {
         presliding::Presliding(7, 8),
     }
     lates {
+        actuation_delay::ActuationDelay(1),
         torque_lag::TorqueLag(2),
     }
     sensors {

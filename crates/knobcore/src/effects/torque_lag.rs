@@ -1,17 +1,15 @@
 //! Torque lag: the torque channel comes late.
 
+use super::shifted::shifted;
 use super::{Carrier, Effect, Id, LateEffect, Survey, Words};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
 /// A first-order lag, and a pure delay after it.
 ///
-/// A delay between samples is read off the parabola through three of them. Before the first sample the torque is
-/// taken to have been what it is there.
+/// Before the first sample the torque is taken to have been what it is there.
 pub struct TorqueLag;
 
-/// Longest delay, samples.
-const MOST: usize = 256;
 /// Below this lag, in samples, nothing is left of a torque after one sample: e^(-1/lag) is nought.
 const SHORTEST: f64 = 2e-3;
 
@@ -71,27 +69,7 @@ impl LateEffect<2> for TorqueLag {
                 y
             })
             .collect();
-        // The whole samples of the delay, counted off one by one; the rest is within half a sample of nought.
-        let shift = *delay / T::of(dt);
-        let (mut rest, mut whole) = (shift, 0_isize);
-        let half = T::of(0.5);
-        for _ in 0..MOST {
-            let (up, down) = ((rest - half).is_positive(), (-rest - half).is_positive());
-            if !(up || down) {
-                break;
-            }
-            whole += if up { 1 } else { -1 };
-            rest = if up { rest - one } else { rest + one };
-        }
-        let last = lagged.len() as isize - 1;
-        let at = |i: isize| lagged[i.clamp(0, last) as usize];
-        (0..lagged.len() as isize)
-            .map(|i| {
-                let (past, here, next) = (at(i - whole - 1), at(i - whole), at(i - whole + 1));
-                let (slope, bend) = (half * (past - next), half * (past + next) - here);
-                here + rest * (slope + rest * bend)
-            })
-            .collect()
+        shifted(&lagged, *delay / T::of(dt))
     }
 }
 
