@@ -2,6 +2,7 @@
 
 use crate::effects::{Carrier, Id, Survey};
 use crate::model::{Model, Role};
+use crate::param::Axis;
 use crate::predict::{Columns, Seeds, measured, torque_raw};
 use crate::signals::Signals;
 
@@ -101,6 +102,7 @@ fn survey(signals: &Signals, torque: &[f64], inertia: f64) -> Survey {
         duration_s: signals.t.last().copied().unwrap_or(0.0),
         rate_hz: signals.rate_hz,
         inertia,
+        revolution: (signals.axis == Axis::Rotary).then_some(1.0),
         waves: None,
     }
 }

@@ -80,15 +80,58 @@ impl Model {
     fn push(&mut self, id: Id) {
         let base = self.slots.len();
         for param in id.info().params {
-            let role = match param.usual {
-                Usual::Free => Role::Free,
-                Usual::Fixed => Role::Fixed,
-                Usual::Follows(other) => self.index(other).map_or(Role::Free, Role::Tied),
-            };
-            self.slots.push(Slot { effect: id, param, value: param.neutral, role, base });
+            self.slots.push(Slot { effect: id, param, value: param.neutral, role: Role::Free, base });
+        }
+        for at in base..self.slots.len() {
+            self.slots[at].role = self.usual(at);
         }
         self.parts.push((id, base..self.slots.len()));
         self.plain &= !id.info().shapes_friction;
+    }
+
+    /// The usual role of a parameter, by the values that the model has.
+    fn usual(&self, at: usize) -> Role {
+        match self.slots[at].param.usual {
+            Usual::Free => Role::Free,
+            Usual::Fixed => Role::Fixed,
+            Usual::Follows(other) => self.index(other).map_or(Role::Free, Role::Tied),
+            Usual::Beside(_) => {
+                if self.is_idle(at) {
+                    Role::Fixed
+                } else {
+                    Role::Free
+                }
+            }
+            Usual::FreeAlong => {
+                if self.axis == Axis::Linear {
+                    Role::Free
+                } else {
+                    Role::Fixed
+                }
+            }
+        }
+    }
+
+    /// Whether a parameter says nothing at present: one that others of its effect are beside is nought, or it is that
+    /// one.
+    pub fn is_idle(&self, at: usize) -> bool {
+        let Slot { effect, param, base, .. } = self.slots[at];
+        let beside = |of: usize| effect.info().params.iter().any(|param| param.usual == Usual::Beside(of));
+        let of = match param.usual {
+            Usual::Beside(of) => of,
+            _ if beside(at - base) => at - base,
+            _ => return false,
+        };
+        self.slots[base + of].value == 0.0
+    }
+
+    /// Brings parameters that say something at some values alone into the roles that are usual at the present ones.
+    pub fn settle(&mut self) {
+        for at in 0..self.slots.len() {
+            if matches!(self.slots[at].param.usual, Usual::Beside(_)) {
+                self.slots[at].role = self.usual(at);
+            }
+        }
     }
 
     /// The same model with one effect more, at its neutral values.
@@ -190,6 +233,12 @@ impl Model {
             ));
         }
         self.slots[at].value = value;
+        let of = Usual::Beside(at - self.slots[at].base);
+        for beside in 0..self.slots.len() {
+            if self.slots[beside].base == self.slots[at].base && self.slots[beside].param.usual == of {
+                self.slots[beside].role = self.usual(beside);
+            }
+        }
         self.resolve_ties();
         Ok(())
     }

@@ -72,9 +72,18 @@ pub fn parse(text: &str) -> Result<Model> {
         let params = params
             .as_table()
             .ok_or_else(|| bad(&format!("effect '{id}'"), "must be a table of parameters"))?;
-        for (param, value) in params {
-            let name = format!("{id}.{param}");
-            model.index(&name)?;
+        let mut params: Vec<_> =
+            params.iter().map(|(param, value)| (format!("{id}.{param}"), value)).collect();
+        // What they are fitted beside says first whether they are.
+        let beside = |name: &str| {
+            let at = model.index(name)?;
+            Ok(matches!(model.slots()[at].param.usual, Usual::Beside(_)))
+        };
+        for name in params.iter().map(|(name, _)| name) {
+            beside(name)?;
+        }
+        params.sort_by_key(|(name, _)| beside(name).unwrap_or(false));
+        for (name, value) in params {
             if let Some(target) = value.as_str() {
                 ties.push((name, target.to_owned()));
             } else {
@@ -140,7 +149,8 @@ pub fn write(model: &Model) -> String {
         for id in model.at(place) {
             let info = id.info();
             let _ = write!(out, "\n[effects.{}] # {}\n", info.id, info.law);
-            for slot in model.slots().iter().filter(|slot| slot.effect == id) {
+            let own = model.slots().iter().enumerate().filter(|(_, slot)| slot.effect == id);
+            for (_, slot) in own.filter(|(at, _)| !model.is_idle(*at)) {
                 let value = match slot.role {
                     Role::Tied(to) => format!("{:?}", model.slots()[to].name()),
                     role if role == of_number(slot.param) => format!("{:?}", slot.value),

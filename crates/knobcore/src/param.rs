@@ -135,6 +135,10 @@ pub enum Usual {
     Fixed,
     /// It equals this parameter of another effect, if the model has that.
     Follows(&'static str),
+    /// It is fitted where the parameter at this index of its effect is not nought, and says nothing where it is.
+    Beside(usize),
+    /// It is fitted on a linear axis; on a rotary one it stays, since a revolution is known.
+    FreeAlong,
 }
 
 /// One parameter of an effect.

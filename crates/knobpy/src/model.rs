@@ -68,7 +68,8 @@ impl PyModel {
         self.0.effects().map(|id| id.info().id).collect()
     }
 
-    /// Rows of (name, value, unit, role), the role `free`, `fixed` or the name that it is tied to.
+    /// Rows of (name, value, unit, role), the role `free`, `fixed` or the name that it is tied to; without those that
+    /// say nothing at present.
     fn rows(&self) -> Vec<(String, f64, String, String)> {
         let role = |role: Role| match role {
             Role::Free => "free".to_owned(),
@@ -78,7 +79,9 @@ impl PyModel {
         self.0
             .slots()
             .iter()
-            .map(|s| (s.name(), s.value, s.param.unit.text(self.0.axis), role(s.role)))
+            .enumerate()
+            .filter(|(at, _)| !self.0.is_idle(*at))
+            .map(|(_, s)| (s.name(), s.value, s.param.unit.text(self.0.axis), role(s.role)))
             .collect()
     }
 

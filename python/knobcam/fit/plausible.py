@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from .. import _core
 from ..model.effects import effect as catalogued
 from ..model.effects import effects
@@ -40,7 +42,9 @@ def _out_of_range(candidate: Candidate) -> list[str]:
     said = []
     for row in catalogued(candidate.effect, candidate.fit.model.coordinate).params:
         name = f"{candidate.effect}.{row.name}"
-        estimate = candidate.fit.params[name]
+        estimate = candidate.fit.params.get(name)
+        if estimate is None:
+            continue  # one that says nothing at present
         low, high = row.plausible
         margin = _SURE * estimate.se if estimate.determined else 0.0
         if estimate.value + margin < low or estimate.value - margin > high:
@@ -56,9 +60,19 @@ def _below_zero(candidate: Candidate, before: Fit) -> list[str]:
         now, then = candidate.fit.params.get(name), before.params.get(name)
         if now is None or then is None or not (now.determined and then.determined):
             continue
-        if now.value + _SURE * now.se < min(0.0, then.value - _SURE * then.se):
+        bent = now.value + _SURE * now.se < min(0.0, then.value - _SURE * then.se)
+        # What makes less torque than remains unexplained is bent by that.
+        if bent and _torque_of(candidate.fit, name) > candidate.rmse:
             said.append(f"beside it {name} = {now.value:.3g}, which no knob has")
     return said
+
+
+def _torque_of(fit: Fit, name: str) -> float:
+    """Return the RMS torque that a parameter makes, N m."""
+    without = fit.model.with_value(name, 0.0)
+    signals = cores(fit)
+    apart = [fit.model.core.torque(one) - without.core.torque(one) for one in signals]
+    return float(np.sqrt(np.nanmean(np.square(np.concatenate(apart)))))
 
 
 def _never_negative(coordinate: str) -> list[str]:

@@ -5,9 +5,9 @@
 
 use super::watch::Watch;
 use crate::effects::{Id, Place, Survey, Wave};
-use crate::fit::{dot, evaluate, waves};
+use crate::fit::{dot, evaluate, waves, without_whole};
 use crate::model::{Model, Role};
-use crate::param::Usual;
+use crate::param::{Axis, Usual};
 use crate::predict::Seeds;
 use crate::signals::Signals;
 
@@ -55,12 +55,17 @@ impl<'a> Screen<'a> {
 
     /// All starts of an effect that the model may be given, most promising first; some, if no longer wanted.
     pub fn starts(&self, id: Id) -> Vec<Start> {
-        let Ok(with) = self.model.with(id) else { return Vec::new() };
         // Behind a coupling the knob has a direction of its own, by which a friction cannot be scanned for.
-        let wave = id.info().scan.filter(|wave| !self.coupled || *wave == Wave::Torque);
+        let wave = id.info().scan.filter(|wave| !self.coupled || *wave != Wave::Friction);
+        let beside = if wave == Some(Wave::Orders) {
+            without_whole(self.data, self.model)
+        } else {
+            self.model.clone()
+        };
+        let Ok(with) = beside.with(id) else { return Vec::new() };
         let values = match wave {
             Some(wave) => {
-                let waves = Some(waves(self.data, self.model, wave));
+                let waves = Some(waves(self.data, &beside, wave));
                 id.law().starts(&Survey { waves, ..self.survey.clone() })
             }
             None => id.law().starts(&self.survey),
@@ -87,6 +92,7 @@ impl<'a> Screen<'a> {
         let at = |p: &[f64]| {
             let mut model = with.clone();
             model.set_values(p);
+            model.settle();
             model
         };
         let mut models = vec![at(&p)];
@@ -226,6 +232,7 @@ fn survey(data: &[&Signals], model: &Model) -> Survey {
         duration_s: data.iter().filter_map(|s| s.t.last()).fold(0.0, |a: f64, b| a.max(*b)),
         rate_hz: data.first().map_or(1.0, |s| s.rate_hz),
         inertia: model.inertia().map_or(0.0, |i| model.slots()[i].value.abs()),
+        revolution: (model.axis == Axis::Rotary).then_some(1.0),
         waves: None,
     }
 }

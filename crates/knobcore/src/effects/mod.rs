@@ -216,6 +216,7 @@ registry! {
         position_polynomial::PositionPolynomial(3),
         return_spring::ReturnSpring(2),
         unbalance::Unbalance(2),
+        cogging::Cogging(28),
         end_stop::EndStop(6),
         position_friction::PositionFriction(9),
         load_friction::LoadFriction(1),

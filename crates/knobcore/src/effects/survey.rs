@@ -7,6 +7,8 @@ pub enum Wave {
     Torque,
     /// A friction: it has the sign of the motion.
     Friction,
+    /// Torques together that have whole numbers of waves per revolution, or per pitch of a linear axis.
+    Orders,
 }
 
 /// Quantiles of the samples that count; SI.
@@ -24,6 +26,8 @@ pub struct Survey {
     pub rate_hz: f64,
     /// Magnitude of the inertia that the base model sees, kg m^2.
     pub inertia: f64,
+    /// Period over 2 pi of a revolution, rad; None on a linear axis.
+    pub revolution: Option<f64>,
     /// The strongest waves of the kind that the effect scans for, beside what the model explains: amplitude (N m),
     /// period over 2 pi (rad) and phase (rad); None where none were looked for.
     pub waves: Option<Vec<[f64; 3]>>,

@@ -309,6 +309,7 @@ mod tests {
             duration_s: 1.0,
             rate_hz: 1000.0,
             inertia: 1e-4,
+            revolution: Some(1.0),
             waves: None,
         };
         for (starts, expected) in

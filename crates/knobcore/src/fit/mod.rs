@@ -3,6 +3,7 @@
 mod bootstrap;
 mod detents;
 mod moments;
+mod orders;
 mod scan;
 mod separable;
 mod serial;
@@ -10,6 +11,7 @@ mod solve;
 
 pub use moments::Moments;
 pub(crate) use moments::{add_products, dot, evaluate};
+pub use orders::without_whole;
 pub use scan::Scan;
 pub use separable::{Found, Status};
 
@@ -127,6 +129,9 @@ pub fn refine(data: &[&Signals], model: &Model) -> Result<Fit> {
 
 /// Sinusoids over position that a scan beside a model finds: amplitude, period over 2 pi and phase of the best.
 pub fn waves(data: &[&Signals], model: &Model, wave: Wave) -> Vec<[f64; 3]> {
+    if wave == Wave::Orders {
+        return orders::waves(data, model);
+    }
     let linear = Layout::of(model).linear();
     let Some((scan, _)) = scan::scan(data, model, &model.values(), &linear, wave) else { return Vec::new() };
     scan.peaks().iter().take(4).map(|peak| [peak.amplitude, peak.period, peak.phase]).collect()

@@ -199,7 +199,7 @@ pub fn scan(
         sum.add_columns(evaluated.columns);
         let core = evaluated.chunk.core.clone();
         let signed: Vec<Vec<f64>> = match wave {
-            Wave::Torque => Vec::new(),
+            Wave::Torque | Wave::Orders => Vec::new(),
             // A product of two signed columns is that of the columns: only the products with the wave change.
             Wave::Friction => {
                 let sign = |(x, forward): (&f64, &f64)| if *forward > 0.5 { *x } else { -x };
@@ -212,7 +212,7 @@ pub fn scan(
             }
         };
         let mut columns: Vec<&[f64]> = match wave {
-            Wave::Torque => evaluated.columns.to_vec(),
+            Wave::Torque | Wave::Orders => evaluated.columns.to_vec(),
             Wave::Friction => signed.iter().map(Vec::as_slice).collect(),
         };
         columns.push(&evaluated.signals.weight[core.clone()]);

@@ -99,6 +99,7 @@ fn survey(signals: &Signals) -> Survey {
         duration_s: signals.len() as f64 / RATE_HZ,
         rate_hz: RATE_HZ,
         inertia: knob().values()[0],
+        revolution: Some(1.0),
         waves: None,
     }
 }

@@ -1,0 +1,201 @@
+//! Orders of a ripple: whole numbers of waves per revolution, chosen one after the other by what they explain.
+//!
+//! Forward selection by least squares (Miller 1990): after each choice all others are judged beside it, so that the
+//! skirts of a strong wave are not taken for waves. All it needs are the products of the columns with e^(i n theta).
+
+use super::moments::evaluate;
+use super::scan::{range, scan};
+use super::separable::Layout;
+use crate::effects::{Id, Wave};
+use crate::model::{Model, Role};
+use crate::param::Axis;
+use crate::predict::Seeds;
+use crate::signals::Signals;
+use nalgebra::{DMatrix, DVector};
+use rustfft::num_complex::Complex64;
+use std::f64::consts::{LN_2, TAU};
+
+/// Highest order that is looked for.
+const HIGHEST: usize = 100;
+/// Most waves of one ripple.
+pub const MOST: usize = 9;
+/// Revolutions that a motion must cover for neighbouring orders to be told apart.
+const TURNS: f64 = 0.95;
+/// Chance of an order where there is none.
+const CHANCE: f64 = 1e-3;
+/// Samples that are looked at; of more, every second or third.
+const ENOUGH: usize = 60_000;
+/// The strongest wave of a linear axis may be one of so many per pitch.
+const PER_PITCH: [usize; 5] = [6, 4, 3, 2, 1];
+/// A detent is a whole order up to this share of what neighbouring orders differ by within the motion.
+const WHOLE: f64 = 0.25;
+/// A column of which less than this share is its own is one of the others.
+const OWN: f64 = 1e-8;
+
+/// Amplitude, period over 2 pi and phase of the waves beside `model`, strongest first; none on a motion that covers
+/// too little to tell orders apart.
+pub fn waves(data: &[&Signals], model: &Model) -> Vec<[f64; 3]> {
+    let linear = Layout::of(model).linear();
+    let Some(pitch) = pitch(data, model, &linear) else { return Vec::new() };
+    let mut products = Products::of(data, model, &linear, pitch);
+    for column in 0..linear.len() {
+        products.sweep(column);
+    }
+    let mut waves = Vec::new();
+    while let Some((order, [sin, cos])) = products.best().filter(|_| waves.len() <= MOST) {
+        products.sweep(products.sine(order));
+        products.sweep(products.sine(order) + 1);
+        waves.push([sin.hypot(cos), pitch / order as f64, cos.atan2(sin)]);
+    }
+    waves
+}
+
+/// The model without detents where these are whole orders of a ripple themselves: fixed, and silent.
+pub fn without_whole(data: &[&Signals], model: &Model) -> Model {
+    let mut bare = model.clone();
+    let Some(period) = model.period().map(|at| model.slots()[at].value) else { return bare };
+    let turns = range(data) / TAU;
+    let whole = ((1.0 / period).round() - 1.0 / period).abs() * turns < WHOLE && turns >= TURNS;
+    if model.axis == Axis::Linear || whole {
+        let own: Vec<String> =
+            model.slots().iter().filter(|slot| slot.effect == Id::Detent).map(|slot| slot.name()).collect();
+        for name in own {
+            // They are its own names; the amplitude is what is silent at nought.
+            let _ = bare.set_role(&name, Role::Fixed);
+        }
+        let _ = bare.set("detent.A", 0.0);
+    }
+    bare
+}
+
+/// Revolution or pitch over 2 pi, if the motion covers one.
+fn pitch(data: &[&Signals], model: &Model, linear: &[usize]) -> Option<f64> {
+    let turns = range(data) / TAU;
+    match model.axis {
+        Axis::Rotary => (turns >= TURNS).then_some(1.0),
+        Axis::Linear => {
+            let (scan, _) = scan(data, model, &model.values(), linear, Wave::Torque)?;
+            let strongest = scan.peaks().first()?.period;
+            let times = PER_PITCH.into_iter().map(|times| times as f64 * strongest);
+            times.into_iter().find(|pitch| turns >= TURNS * pitch)
+        }
+    }
+}
+
+/// Products of columns, sine and cosine of every order, and the residual, with each other.
+struct Products {
+    linear: usize,
+    orders: usize,
+    gram: DMatrix<f64>,
+    slope: DVector<f64>,
+    /// Squared length of each column before anything was swept out.
+    length: DVector<f64>,
+    chosen: Vec<bool>,
+}
+
+impl Products {
+    fn of(data: &[&Signals], model: &Model, linear: &[usize], pitch: f64) -> Self {
+        let k = linear.len();
+        let stride = 1 + data.iter().map(|signals| signals.used()).sum::<usize>() / ENOUGH;
+        // Column by column, the residual last, with each order; the weights with twice as many.
+        let mut spectra = vec![vec![Complex64::default(); HIGHEST + 1]; k + 1];
+        let mut weights = vec![Complex64::default(); 2 * HIGHEST + 1];
+        let mut plain = DMatrix::zeros(k + 1, k + 1);
+        evaluate(data, model, &model.values(), &Seeds::of(model, linear), |evaluated| {
+            let core = evaluated.chunk.core.clone();
+            let theta = &evaluated.signals.theta[core.clone()];
+            let weight = &evaluated.signals.weight[core];
+            for row in (0..theta.len()).step_by(stride).filter(|row| weight[*row] > 0.0) {
+                let turn = Complex64::cis(theta[row] / pitch);
+                let mut wave = Complex64::new(1.0, 0.0);
+                for order in 0..=2 * HIGHEST {
+                    weights[order] += wave * weight[row];
+                    if order <= HIGHEST {
+                        for (spectrum, column) in spectra.iter_mut().zip(evaluated.columns) {
+                            spectrum[order] += wave * column[row];
+                        }
+                    }
+                    wave *= turn;
+                }
+                for (i, a) in evaluated.columns.iter().enumerate() {
+                    for (j, b) in evaluated.columns.iter().enumerate() {
+                        plain[(i, j)] += a[row] * b[row];
+                    }
+                }
+            }
+        });
+        // sin a sin b, cos a cos b and sin a cos b by the sum and the difference of the orders.
+        let product = |(i, m): (usize, usize), (j, n): (usize, usize)| {
+            let (sum, apart) = (weights[m + n], weights[m.abs_diff(n)]);
+            match (i, j) {
+                (0, 0) => 0.5 * (apart.re - sum.re),
+                (1, 1) => 0.5 * (apart.re + sum.re),
+                (0, 1) => 0.5 * (sum.im + if m >= n { apart.im } else { -apart.im }),
+                _ => 0.5 * (sum.im + if n >= m { apart.im } else { -apart.im }),
+            }
+        };
+        let part = |column: usize| ((column - k) % 2, 1 + (column - k) / 2);
+        let with = |i: usize, column: usize| {
+            let (side, order) = part(column);
+            if side == 0 { spectra[i][order].im } else { spectra[i][order].re }
+        };
+        let side = k + 2 * HIGHEST;
+        let gram = DMatrix::from_fn(side, side, |i, j| match (i < k, j < k) {
+            (true, true) => plain[(i, j)],
+            (true, false) => with(i, j),
+            (false, true) => with(j, i),
+            (false, false) => product(part(i), part(j)),
+        });
+        let slope = DVector::from_fn(side, |i, _| if i < k { plain[(i, k)] } else { with(k, i) });
+        Self {
+            linear: k,
+            orders: HIGHEST,
+            length: gram.diagonal(),
+            gram,
+            slope,
+            chosen: vec![false; HIGHEST + 1],
+        }
+    }
+
+    /// The column of the sine of an order; its cosine is the next.
+    fn sine(&self, order: usize) -> usize {
+        self.linear + 2 * (order - 1)
+    }
+
+    /// Projects a column off all others (a step of Gauss's elimination); what is a combination of those before it is
+    /// left alone.
+    fn sweep(&mut self, column: usize) {
+        if let Some(order) = (column + 2).checked_sub(self.linear).map(|at| at / 2).filter(|order| *order > 0)
+        {
+            self.chosen[order] = true;
+        }
+        let own = self.gram[(column, column)];
+        if own <= OWN * self.length[column] {
+            return;
+        }
+        let row = self.gram.column(column).clone_owned();
+        self.slope.axpy(-self.slope[column] / own, &row, 1.0);
+        self.gram.ger(-1.0 / own, &row, &row, 1.0);
+    }
+
+    /// The order that explains most, if chance does not: its sine and cosine, N m.
+    ///
+    /// The gains of orders that are not there are exponential; the median over all tells their scale.
+    fn best(&self) -> Option<(usize, [f64; 2])> {
+        let mut gains: Vec<(f64, usize, [f64; 2])> = (1..=self.orders)
+            .filter(|order| !self.chosen[*order])
+            .filter_map(|order| {
+                let at = self.sine(order);
+                let block = self.gram.fixed_view::<2, 2>(at, at).clone_owned();
+                let slope = self.slope.fixed_rows::<2>(at).clone_owned();
+                let own = |i: usize| block[(i, i)] > OWN * self.length[at + i];
+                let wave = block.try_inverse().filter(|_| own(0) && own(1))? * slope;
+                Some((wave.dot(&slope), order, [wave[0], wave[1]]))
+            })
+            .collect();
+        gains.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let scale = gains.get(gains.len() / 2)?.0 / LN_2;
+        let &(gain, order, wave) = gains.first()?;
+        (gain > scale * (gains.len() as f64 / CHANCE).ln()).then_some((order, wave))
+    }
+}
