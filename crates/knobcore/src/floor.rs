@@ -1,13 +1,16 @@
 //! The noise floor: what the torque sensor's noise alone would leave of the error.
 //!
 //! Above the bandwidth of the model the raw torque holds noise alone. Its level there, with the gain of the
-//! measurement filter for white noise, is the floor.
+//! measurement filter for white noise, is the floor. Where that noise is not white, its whole spectrum is read off the
+//! quieter stretches.
 
 use crate::fourier::Transform;
 use crate::model::Model;
+use crate::noise::{self, Noise};
 use crate::predict::torque_raw;
 use crate::signals::Signals;
 use std::f64::consts::PI;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Samples of one periodogram: as many of these as leave enough periodograms.
@@ -18,36 +21,95 @@ const ENOUGH: usize = 4;
 const LOUD: f64 = 1.5;
 /// The band that is taken for noise alone, as shares of the Nyquist frequency.
 const BAND: [f64; 2] = [0.5, 0.95];
+/// The band below, which noise that is not white fills more;
+const BELOW: [f64; 2] = [0.25, 0.5];
+/// this many times as much.
+const FALLS: f64 = 1.4;
+/// Samples of a periodogram down to the slowest frequencies, as many as leave [`MANY`].
+const LONG: [usize; 3] = [1024, 512, 256];
+/// See [`LONG`].
+const MANY: usize = 40;
+/// The quantile of the stretches that counts as noise alone.
+const QUIET: f64 = 0.35;
+/// Slowest frequencies of a periodogram, which its taper and its mean take off.
+const TAKEN_OFF: usize = 2;
 
-/// Variance of the raw torque's white noise, (N m)^2, per capture; NaN where no stretch is long enough.
+/// Noise of the raw torque, per capture; None where no stretch is long enough.
 ///
 /// The model's torque is taken off, so that steps at reversals do not count as noise. But what it has of the
 /// noise of the motion does not count either: the quieter of both is nearer to the truth, which neither is below.
-fn white_variance(signals: &Signals, model: &Model) -> f64 {
+pub fn noise(signals: &Signals, model: &Model) -> Option<Noise> {
     let torque = torque_raw(model, signals);
     let rest: Vec<f64> =
         signals.tau_raw.iter().zip(torque).map(|(measured, model)| measured - model).collect();
-    variance_above(signals, &rest).min(variance_above(signals, &signals.tau_raw))
+    let white = variance_above(signals, &rest).min(variance_above(signals, &signals.tau_raw));
+    if white.is_nan() {
+        return None;
+    }
+    Some(coloured(signals, &rest).unwrap_or(Noise::white(white)))
+}
+
+/// Noise that is louder the slower it is, if the spectrum above the motion falls; None where it is level.
+///
+/// Below, motion and model share the band with it. What the model gets wrong comes and goes with the motion, noise is
+/// always there: at each frequency the level is that of the quieter stretches.
+fn coloured(signals: &Signals, rest: &[f64]) -> Option<Noise> {
+    let windows = |window: usize| windows(signals, window);
+    let window = LONG.into_iter().find(|window| windows(*window).count() >= MANY)?;
+    let periodogram = Periodogram::new(window);
+    let spectra = |column: &[f64]| -> Vec<f64> {
+        let powers: Vec<Vec<f64>> = windows(window).map(|range| periodogram.of(&column[range])).collect();
+        (0..=window / 2).map(|bin| quiet(powers.iter().map(|power| power[bin]).collect())).collect()
+    };
+    let mut level = spectra(rest);
+    let mean = |level: &[f64], [from, to]: [f64; 2]| {
+        let bins = (from * (window / 2) as f64) as usize..(to * (window / 2) as f64) as usize;
+        level[bins.clone()].iter().sum::<f64>() / bins.len() as f64
+    };
+    let falls = |level: &[f64]| mean(level, BELOW) > FALLS * mean(level, BAND);
+    if !falls(&level) || !falls(&spectra(&signals.tau_raw)) {
+        return None;
+    }
+    // A window's mean is taken off it, and with it its slowest frequencies.
+    let slowest = level[TAKEN_OFF];
+    level[..TAKEN_OFF].fill(slowest);
+    let covariance: Vec<f64> = (0..=noise::MOST)
+        .map(|lag| {
+            let wave = |bin: usize| level[bin] * (2.0 * PI * (bin * lag) as f64 / window as f64).cos();
+            let ends = 0.5 * (wave(0) + wave(window / 2));
+            (ends + (1..window / 2).map(wave).sum::<f64>()) / (window / 2) as f64
+        })
+        .collect();
+    Some(Noise::autoregressive(&covariance, signals.used() as f64))
+}
+
+/// Half-overlapping windows of the stretches of a capture.
+fn windows(signals: &Signals, window: usize) -> impl Iterator<Item = Range<usize>> {
+    signals.segments.iter().flat_map(move |segment| {
+        let starts = segment.clone().step_by(window / 2);
+        starts.map(move |start| start..start + window).filter(move |range| range.end <= segment.end)
+    })
+}
+
+/// The mean of exponential variables of which most are alike and some are too large, by a low quantile.
+fn quiet(mut powers: Vec<f64>) -> f64 {
+    powers.sort_by(f64::total_cmp);
+    powers.get((QUIET * powers.len() as f64) as usize).map_or(0.0, |power| power / -(1.0 - QUIET).ln())
 }
 
 /// Variance of white noise with the power of `rest` in the band; the median over frequencies keeps a line (mains,
 /// a resonance) out.
 fn variance_above(signals: &Signals, rest: &[f64]) -> f64 {
-    let count = |window: usize| {
-        signals.segments.iter().map(|s| (2 * s.len() / window).saturating_sub(1)).sum::<usize>()
+    let Some(window) = WINDOWS.into_iter().find(|window| windows(signals, *window).count() >= ENOUGH) else {
+        return f64::NAN;
     };
-    let Some(window) = WINDOWS.into_iter().find(|window| count(*window) >= ENOUGH) else { return f64::NAN };
     let periodogram = Periodogram::new(window);
     let bin = |share: f64| (share * (window / 2) as f64) as usize;
     let band = bin(BAND[0])..bin(BAND[1]);
     let mut powers: Vec<(f64, Vec<f64>)> = Vec::new();
-    for segment in &signals.segments {
-        for start in segment.clone().step_by(window / 2) {
-            if start + window <= segment.end {
-                let power = periodogram.of(&rest[start..start + window])[band.clone()].to_vec();
-                powers.push((power.iter().sum(), power));
-            }
-        }
+    for range in windows(signals, window) {
+        let power = periodogram.of(&rest[range])[band.clone()].to_vec();
+        powers.push((power.iter().sum(), power));
     }
     // An impact is heard at all frequencies, but only while it lasts.
     powers.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -66,7 +128,7 @@ fn variance_above(signals: &Signals, rest: &[f64]) -> f64 {
 /// What noise alone would leave of a fit.
 #[derive(Debug, Clone, Copy)]
 pub struct Floor {
-    /// Variance of the raw torque's white noise, (N m)^2, the mean over the captures.
+    /// Variance of white noise of the raw torque that would leave as much, (N m)^2, the mean over the captures.
     pub white: f64,
     /// Sum of squares over the samples that count, after the measurement filter, (N m)^2.
     pub squares: f64,
@@ -79,13 +141,20 @@ impl Floor {
     /// too short by itself has the noise of the others: it was the same sensor.
     pub fn of(data: &[&Signals], model: &Model) -> Self {
         let mut floor = Self { white: 0.0, squares: 0.0, rows: 0.0 };
-        let whites: Vec<f64> = data.iter().map(|signals| white_variance(signals, model)).collect();
-        let known = || data.iter().zip(&whites).filter(|(_, white)| white.is_finite());
-        let heard: f64 = known().map(|(signals, _)| signals.used() as f64).sum();
-        let usual = known().map(|(signals, white)| white * signals.used() as f64).sum::<f64>() / heard;
+        // What the noise of each leaves, per sample, and as white noise.
+        let left = |signals: &&Signals| {
+            let gain = signals.filter.as_ref().map_or(1.0, |filter| filter.sos().mean_power());
+            noise(signals, model).map(|noise| noise.behind(signals.filter.as_ref()) / gain)
+        };
+        let whites: Vec<Option<f64>> = data.iter().map(left).collect();
+        let known = || {
+            data.iter().zip(&whites).filter_map(|(signals, white)| Some((signals.used() as f64, (*white)?)))
+        };
+        let heard: f64 = known().map(|(used, _)| used).sum();
+        let usual = known().map(|(used, white)| white * used).sum::<f64>() / heard;
         for (signals, white) in data.iter().zip(whites) {
             let gain = signals.filter.as_ref().map_or(1.0, |filter| filter.sos().mean_power());
-            let (white, used) = (if white.is_finite() { white } else { usual }, signals.used() as f64);
+            let (white, used) = (white.unwrap_or(usual), signals.used() as f64);
             floor.white += white * used;
             floor.squares += white * gain * used;
             floor.rows += used;

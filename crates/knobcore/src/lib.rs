@@ -30,6 +30,8 @@ pub mod predict;
 
 pub mod carry;
 
+pub mod noise;
+
 pub mod floor;
 
 pub mod fit;

@@ -59,7 +59,7 @@ pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_
         found.extend(weighed(&screen, &slow, white));
     }
     found.sort_by_key(|(candidate, _)| candidate.id);
-    let null = Null::of(&screen, found.iter().map(|(candidate, starts)| (candidate.id, &starts[..])));
+    let null = Null::of(&screen, white, found.iter().map(|(candidate, starts)| (candidate.id, &starts[..])));
     if !watch.wanted() {
         return None;
     }

@@ -1,14 +1,15 @@
 //! Where the error sits: split over position, velocity, acceleration, time, load and history.
 //!
-//! Along each axis the residual is averaged in bins. What chance gives is not looked up but made: white
-//! noise of the sensor's level goes through the same measurement filter and into the same bins.
+//! Along each axis the residual is averaged in bins. What chance gives is not looked up but made: noise
+//! of the sensor's level and colour goes through the same measurement filter and into the same bins.
 
 use super::bins::{Bins, all_axes};
 use super::spectrum::split_frequency;
-use crate::floor::Floor;
+use crate::floor::noise;
 use crate::model::Model;
+use crate::noise::Noise;
 use crate::predict::torque;
-use crate::random::Noise;
+use crate::random;
 use crate::signals::Signals;
 use crate::special::normal_quantile;
 
@@ -71,8 +72,8 @@ pub(super) struct Rest<'a> {
     pub residual: Vec<Vec<f64>>,
     /// Torque of the model at every sample.
     pub torque: Vec<Vec<f64>>,
-    /// Variance of the white noise of each raw torque.
-    pub white: Vec<f64>,
+    /// Noise of each raw torque.
+    pub noise: Vec<Noise>,
     /// Sum of squares beyond what noise leaves.
     pub excess: f64,
     /// Sum of squares.
@@ -88,14 +89,16 @@ impl<'a> Rest<'a> {
         };
         let residual: Vec<Vec<f64>> = data.iter().zip(&torque).map(rest).collect();
         // Where a capture is too short to know its noise, none is assumed.
-        let floors: Vec<Floor> = data.iter().map(|signals| Floor::of(&[*signals], model)).collect();
-        let known = |x: f64| if x > 0.0 { x } else { 0.0 };
-        let white: Vec<f64> = floors.iter().map(|floor| known(floor.white)).collect();
-        let noise: f64 = floors.iter().map(|floor| known(floor.squares)).sum();
+        let known = |signals: &&Signals| noise(signals, model).unwrap_or(Noise::white(0.0));
+        let noise: Vec<Noise> = data.iter().map(known).collect();
+        let left = |(signals, noise): (&&Signals, &Noise)| {
+            noise.behind(signals.filter.as_ref()) * signals.used() as f64
+        };
+        let noise_squares: f64 = data.iter().zip(&noise).map(left).sum();
         let squares: f64 = residual.iter().flatten().map(|r| r * r).sum();
-        let excess = squares - noise;
+        let excess = squares - noise_squares;
         let squares = squares.max(f64::MIN_POSITIVE);
-        Self { data, residual, torque, white, excess, squares }
+        Self { data, residual, torque, noise, excess, squares }
     }
 
     /// `share` of the excess, as a number between 0 and 1 even where noise alone explains everything.
@@ -110,7 +113,7 @@ pub fn locate(data: &[&Signals], model: &Model) -> Vec<Split> {
     let axes = all_axes(&rest, model);
     let measured: Vec<Vec<f64>> = axes.iter().map(|bins| bins.sums(&rest.residual, |r| r)).collect();
     let mut chance: Vec<Chance> = axes.iter().map(Chance::new).collect();
-    let mut noise = Noise::new(0x6b6e_6f62);
+    let mut noise = random::Noise::new(0x6b6e_6f62);
     for _ in 0..DRAWS / AT_ONCE {
         for draw in noise_captures(&rest, &mut noise) {
             for (bins, chance) in axes.iter().zip(&mut chance) {
@@ -215,13 +218,13 @@ fn regions(rest: &Rest<'_>, bins: &Bins, sums: &[f64], fails: impl Fn(usize) -> 
 
 /// A few captures of noise alone, through the measurement filter. Uniform noise does: a filtered sum of many
 /// samples is as good as normal, and it costs a tenth.
-fn noise_captures(rest: &Rest<'_>, noise: &mut Noise) -> Vec<Vec<Vec<f64>>> {
+fn noise_captures(rest: &Rest<'_>, random: &mut random::Noise) -> Vec<Vec<Vec<f64>>> {
     let mut draws = vec![Vec::new(); AT_ONCE];
-    for (signals, white) in rest.data.iter().zip(&rest.white) {
-        let scale = (12.0 * white).sqrt();
-        let mut raw: Vec<Vec<f64>> = (0..AT_ONCE)
-            .map(|_| (0..signals.len()).map(|_| scale * (noise.uniform() - 0.5)).collect())
-            .collect();
+    let scale = 12.0_f64.sqrt();
+    for (signals, noise) in rest.data.iter().zip(&rest.noise) {
+        let mut white =
+            || (0..signals.len() + noise.warm()).map(|_| scale * (random.uniform() - 0.5)).collect();
+        let mut raw: Vec<Vec<f64>> = (0..AT_ONCE).map(|_| noise.colour(white())).collect();
         for segment in &signals.segments {
             let mut columns: Vec<&mut [f64]> =
                 raw.iter_mut().map(|draw| &mut draw[segment.clone()]).collect();

@@ -1,6 +1,6 @@
 //! What chance gives: the gain of every effect where nothing is missing.
 //!
-//! The parametric bootstrap through the whole chain: white noise of the sensor, the measurement filter, the
+//! The parametric bootstrap through the whole chain: noise of the sensor, the measurement filter, the
 //! projection off the base model, every start of every effect. All of it is linear, so the noise need not be drawn
 //! sample by sample: the products of the signatures with filtered noise are normal, with the covariance of the
 //! filtered signatures.
@@ -8,7 +8,9 @@
 use super::screen::{Screen, Start};
 use crate::effects::{Id, Place};
 use crate::fit::add_products;
-use crate::random::Noise;
+use crate::floor::noise;
+use crate::noise::Noise;
+use crate::random;
 use crate::signals::Signals;
 use nalgebra::{Cholesky, DMatrix, DVector};
 use std::collections::BTreeMap;
@@ -27,8 +29,9 @@ pub struct Null {
 }
 
 impl Null {
-    /// Of these effects and starts (some of them, if no longer wanted); gains are in variances of the white noise.
-    pub fn of<'b>(screen: &Screen<'_>, effects: impl Iterator<Item = (Id, &'b [Start])>) -> Self {
+    /// Of these effects and starts (some of them, if no longer wanted); gains are in
+    /// variances of white noise that would leave as much, `white`.
+    pub fn of<'b>(screen: &Screen<'_>, white: f64, effects: impl Iterator<Item = (Id, &'b [Start])>) -> Self {
         // Start by start the signatures that it spans.
         let mut groups: Vec<(Id, std::ops::Range<usize>)> = Vec::new();
         let mut columns: Vec<Vec<f64>> = Vec::new();
@@ -47,8 +50,13 @@ impl Null {
                 groups.push((id, from..columns.len()));
             }
         }
-        let factor = covariance_root(screen.data, columns);
-        let mut noise = Noise::new(0x6e75_6c6c);
+        let noises: Vec<Noise> = screen
+            .data
+            .iter()
+            .map(|signals| noise(signals, screen.model).unwrap_or(Noise::white(white)))
+            .collect();
+        let factor = covariance_root(screen.data, &noises, white, columns);
+        let mut noise = random::Noise::new(0x6e75_6c6c);
         let mut gains: BTreeMap<Id, Vec<f64>> = BTreeMap::new();
         for _ in 0..DRAWS {
             let z = &factor * DVector::from_fn(factor.nrows(), |_, _| noise.normal());
@@ -98,16 +106,22 @@ fn evenly(starts: &[Start], most: usize) -> impl Iterator<Item = &Start> {
 }
 
 /// A root of the covariance of the products of columns with noise that went through the measurement filter.
-fn covariance_root(data: &[&Signals], mut columns: Vec<Vec<f64>>) -> DMatrix<f64> {
+fn covariance_root(
+    data: &[&Signals],
+    noises: &[Noise],
+    white: f64,
+    mut columns: Vec<Vec<f64>>,
+) -> DMatrix<f64> {
     let k = columns.len();
     // The filter runs forward and backward and so is its own transpose, up to its ends, which do not count.
     let mut from = 0;
-    for signals in data {
+    for (signals, noise) in data.iter().zip(noises) {
         for segment in &signals.segments {
             let to = from + segment.len();
             for few in columns.chunks_mut(4) {
                 let mut parts: Vec<&mut [f64]> = few.iter_mut().map(|column| &mut column[from..to]).collect();
                 signals.measure(&mut parts);
+                parts.iter_mut().for_each(|part| noise.colour_back(part));
             }
             from = to;
         }
@@ -116,6 +130,7 @@ fn covariance_root(data: &[&Signals], mut columns: Vec<Vec<f64>>) -> DMatrix<f64
     let mut gram = DMatrix::zeros(k, k);
     add_products(&views, gram.as_mut_slice());
     // Signatures of neighbouring starts are nearly the same.
+    gram /= white;
     let ridge = 1e-9 * gram.diagonal().amax();
     gram += DMatrix::from_diagonal_element(k, k, ridge);
     Cholesky::new(gram).map_or_else(|| DMatrix::zeros(k, k), Cholesky::unpack)

@@ -31,7 +31,7 @@ pub fn split_frequency(rest: &Rest<'_>) -> Split {
     let cells = window / 2 + 1;
     let (mut power, mut noise, mut windows) = (vec![0.0; cells], vec![0.0; cells], 0.0);
     let rate = rest.data.first().map_or(1.0, |s| s.rate_hz);
-    for ((signals, residual), white) in rest.data.iter().zip(&rest.residual).zip(&rest.white) {
+    for ((signals, residual), of_sensor) in rest.data.iter().zip(&rest.residual).zip(&rest.noise) {
         for segment in &signals.segments {
             for start in segment.clone().step_by(window / 2).filter(|start| start + window <= segment.end) {
                 windows += 1.0;
@@ -39,7 +39,8 @@ pub fn split_frequency(rest: &Rest<'_>) -> Split {
                     *sum += p;
                 }
                 for (cell, sum) in noise.iter_mut().enumerate() {
-                    *sum += white * gain(signals, cell as f64 / window as f64);
+                    let share = cell as f64 / window as f64;
+                    *sum += of_sensor.power(share) * gain(signals, share);
                 }
             }
         }

@@ -15,6 +15,8 @@ const TERMS: usize = 9;
 const COUNT: usize = 1 + 3 * TERMS;
 /// Highest order on any axis.
 const HIGHEST: f64 = 1000.0;
+/// The highest harmonic that a detent is given.
+const HARMONICS: f64 = 5.0;
 /// Whole numbers of waves are told apart from others up to this.
 const WHOLE: f64 = 0.05;
 
@@ -52,7 +54,7 @@ impl Effect<COUNT> for Cogging {
     const CONFUSED: &'static [&'static str] = &["detent", "position_friction", "unbalance"];
     const TOUCHES: &'static [Channel] = &[Channel::Drive];
     const WORDS: Words = Words {
-        name: "a ripple of whole numbers of waves per turn, as of a motor's poles and slots",
+        name: "a ripple of whole orders per turn, as of a motor",
         about: "Magnets pull at iron, or teeth at teeth, at whole numbers of places per turn; several such \
                 numbers at once make the pattern of that machine.",
         causes: &[
@@ -71,13 +73,20 @@ impl Effect<COUNT> for Cogging {
     const SCAN: Option<Wave> = Some(Wave::Orders);
     const PARAMS: [Param; COUNT] = params();
 
-    /// The waves that were found; what comes once per turn has a name of its own.
+    /// The waves that were found, or orders that any motion tells apart where none were looked for; what comes once per turn has a name
+    /// of its own.
     fn starts(survey: &Survey) -> Vec<[f64; COUNT]> {
-        let Some(waves) = &survey.waves else { return Vec::new() };
+        let mut start = Self::PARAMS.map(|param| param.neutral);
+        let Some(waves) = &survey.waves else {
+            start[1..]
+                .chunks_mut(3)
+                .zip((15_u8..).step_by(15))
+                .for_each(|(term, order)| term[0] = order.into());
+            return vec![start];
+        };
         let along = || waves.iter().map(|wave| wave[1]).reduce(together);
         let Some(pitch) = survey.revolution.or_else(along) else { return Vec::new() };
         let order = |period: f64| (pitch / period).round();
-        let mut start = Self::PARAMS.map(|param| param.neutral);
         let terms = waves.iter().filter(|wave| survey.revolution.is_none() || order(wave[1]) > 1.0);
         for (term, [a, period, phi]) in start[1..].chunks_mut(3).zip(terms) {
             term.copy_from_slice(&[order(*period), *a, *phi]);
@@ -94,15 +103,15 @@ impl Effect<COUNT> for Cogging {
         })
     }
 
-    /// Waves that all return with the detents are theirs.
+    /// Waves that all return with the detents are theirs, as far as their harmonics go.
     fn implausible(p: &[f64; COUNT], context: &Context) -> Vec<String> {
         let Some(period) = context.period else { return Vec::new() };
-        let mut orders = p[1..].chunks(3).map(|term| term[0]).filter(|order| *order > 0.0);
+        let orders: Vec<f64> = p[1..].chunks(3).map(|term| term[0]).filter(|order| *order > 0.0).collect();
         let theirs = |order: f64| {
             let waves = order * period / p[0];
-            waves > 1.0 - WHOLE && (waves - waves.round()).abs() < WHOLE
+            (1.0 - WHOLE..HARMONICS + WHOLE).contains(&waves) && (waves - waves.round()).abs() < WHOLE
         };
-        if orders.all(theirs) {
+        if !orders.is_empty() && orders.into_iter().all(theirs) {
             return vec!["it repeats with the detents: detent_harmonics would, by nature".into()];
         }
         Vec::new()

@@ -27,7 +27,7 @@ use detents::{Judge, best_from_scan, scan_beside};
 use moments::{Blocks, used};
 use nalgebra::DMatrix;
 use separable::{Effort, Layout, descend};
-use serial::{Meat, Serial};
+use serial::{Meat, serial};
 use solve::{Normal, independent, solvable};
 
 /// Blocks of the block bootstrap and of the held-out error.
@@ -287,7 +287,7 @@ fn finish(
     blocks.iter().for_each(|block| at.add(block));
     let gram = |i: usize, j: usize| at.gram(i, j);
     let kept = solvable(gram, independent(gram, &layout.linear_first()));
-    let serial = Serial::of(&residuals.iter().map(Vec::as_slice).collect::<Vec<_>>());
+    let serial = serial(&residuals.iter().map(Vec::as_slice).collect::<Vec<_>>());
     let mut meat = Meat::new(&serial, k);
     if serial.coefficients.is_empty() {
         meat.of_white(gram);

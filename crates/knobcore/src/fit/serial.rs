@@ -7,62 +7,24 @@
 
 use super::moments::{Evaluated, dot};
 use crate::isa;
+use crate::noise::{MOST, Noise};
 use crate::scalar::{LANES, Pack, Scalar};
 
-/// Longest memory that is looked for, samples.
-const MOST: usize = 40;
-
-/// An autoregression e_t = r_t + a_1 r_(t-1) + ... with white e.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Serial {
-    /// a_1, a_2, ...
-    pub coefficients: Vec<f64>,
-    /// Variance of e, (N m)^2.
-    pub innovation: f64,
-}
-
-impl Serial {
-    /// Of residuals, by the Yule-Walker equations (Levinson 1947, Durbin 1960); lags are counted in used
-    /// samples.
-    pub fn of(residuals: &[&[f64]]) -> Self {
-        let n: usize = residuals.iter().map(|r| r.len()).sum();
-        let most = MOST.min(n / 10);
-        let mut covariance = vec![0.0; most + 1];
-        for r in residuals {
-            for (lag, sum) in covariance.iter_mut().enumerate().take(r.len()) {
-                *sum += dot(&r[lag..], &r[..r.len() - lag]);
-            }
+/// The noise that residuals are; lags are counted in used samples.
+pub fn serial(residuals: &[&[f64]]) -> Noise {
+    let n: usize = residuals.iter().map(|r| r.len()).sum();
+    let mut covariance = vec![0.0; MOST.min(n / 10) + 1];
+    for r in residuals {
+        for (lag, sum) in covariance.iter_mut().enumerate().take(r.len()) {
+            *sum += dot(&r[lag..], &r[..r.len() - lag]) / n.max(1) as f64;
         }
-        let n = n.max(1) as f64;
-        let (mut a, mut error) = (Vec::<f64>::new(), covariance[0] / n);
-        let mut best = (f64::INFINITY, a.clone(), error);
-        for order in 0..=most {
-            if error.is_nan() || error <= 0.0 {
-                break;
-            }
-            let bic = n * error.ln() + order as f64 * n.ln();
-            if bic < best.0 {
-                best = (bic, a.clone(), error);
-            }
-            if order == most {
-                break;
-            }
-            let forecast: f64 = a.iter().enumerate().map(|(i, a)| a * covariance[order - i]).sum();
-            let reflection = -(covariance[order + 1] + forecast) / (error * n);
-            let mirrored: Vec<f64> = a.iter().rev().map(|x| x * reflection).collect();
-            for (own, more) in a.iter_mut().zip(mirrored) {
-                *own += more;
-            }
-            a.push(reflection);
-            error *= 1.0 - reflection * reflection;
-        }
-        Self { coefficients: best.1, innovation: best.2 }
     }
+    Noise::autoregressive(&covariance, n.max(1) as f64)
 }
 
 /// Accumulates J' Sigma J over a pass.
 pub struct Meat<'a> {
-    serial: &'a Serial,
+    serial: &'a Noise,
     k: usize,
     /// For every pack of columns their last values after the recursion, oldest first.
     past: Vec<Vec<Pack>>,
@@ -73,7 +35,7 @@ pub struct Meat<'a> {
 
 impl<'a> Meat<'a> {
     /// Nothing accumulated yet, for `k` columns.
-    pub fn new(serial: &'a Serial, k: usize) -> Self {
+    pub fn new(serial: &'a Noise, k: usize) -> Self {
         let past = vec![vec![Pack::of(0.0); serial.coefficients.len()]; k.div_ceil(LANES)];
         Self { serial, k, past, capture: usize::MAX, products: vec![0.0; k * k] }
     }
@@ -158,25 +120,25 @@ impl pulp::NullaryFnOnce for Recursion<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::Noise;
+    use crate::random;
 
     #[test]
     fn white_residuals_need_no_memory() {
-        let mut noise = Noise::new(7);
+        let mut noise = random::Noise::new(7);
         let r: Vec<f64> = (0..20_000).map(|_| noise.normal()).collect();
-        let serial = Serial::of(&[&r]);
+        let serial = serial(&[&r]);
         assert!(serial.coefficients.is_empty(), "{serial:?}");
         assert!((serial.innovation - 1.0).abs() < 0.05);
     }
 
     #[test]
     fn an_autoregression_is_found_with_its_coefficients() {
-        let mut noise = Noise::new(8);
+        let mut noise = random::Noise::new(8);
         let mut r = vec![0.0, 0.0];
         for t in 2..40_000 {
             r.push(1.5 * r[t - 1] - 0.8 * r[t - 2] + noise.normal());
         }
-        let serial = Serial::of(&[&r]);
+        let serial = serial(&[&r]);
         assert!(
             (serial.coefficients[0] + 1.5).abs() < 0.03 && (serial.coefficients[1] - 0.8).abs() < 0.03,
             "{serial:?}"
