@@ -12,6 +12,9 @@ use std::ops::Range;
 /// raise the noise that a delay cannot be parted from.
 const PASSES: usize = 3;
 
+/// Travels of the measured motion beyond which a simulated one has run away.
+const FARTHEST: f64 = 1e3;
+
 /// A motion that a measured torque makes.
 #[derive(Debug, Clone, Default)]
 pub struct Forward {
@@ -36,6 +39,7 @@ pub fn forward(model: &Model, signals: &Signals, horizon_s: Option<f64>) -> Resu
     let mut out = Forward { theta: vec![f64::NAN; signals.len()], starts: Vec::new() };
     for segment in &signals.segments {
         let torque = on_shaft(model, &p, signals, segment);
+        let travel = travel(&signals.theta[segment.clone()]);
         let mut driven = Driven::new(model, &p, signals.theta[segment.start], signals.omega[segment.start])?;
         out.theta[segment.start] = driven.shaft.theta;
         out.starts.push(segment.start);
@@ -55,16 +59,27 @@ pub fn forward(model: &Model, signals: &Signals, horizon_s: Option<f64>) -> Resu
                 let torque = pair[0] + share * (pair[1] - pair[0]);
                 driven.step(from + step as f64 * h, h, &Drive::Torque(torque));
             }
-            if !driven.shaft.theta.is_finite() {
+            let strayed = (driven.shaft.theta - signals.theta[at + 1]).abs();
+            if strayed.is_nan() || strayed > FARTHEST * travel {
                 return Err(Error::invalid(
                     "model",
-                    format!("makes a motion without bounds by {to:.3} s; give a shorter horizon"),
+                    format!(
+                        "makes a motion that runs away by {to:.3} s, as negative friction does; give a shorter \
+                         horizon, or a model whose friction opposes motion"
+                    ),
                 ));
             }
             out.theta[at + 1] = driven.shaft.theta;
         }
     }
     Ok(out)
+}
+
+/// The range of angles that a motion goes through.
+fn travel(theta: &[f64]) -> f64 {
+    let ends = |(low, high): (f64, f64), x: &f64| (low.min(*x), high.max(*x));
+    let (low, high) = theta.iter().fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+    high - low
 }
 
 /// The torque on the shaft over a segment: what was read, less what the sensors of the model did to it.
@@ -174,6 +189,11 @@ mod tests {
         let massless = Model::new(&[Id::Coulomb], Axis::Rotary);
         let error = forward(&massless, &signals, None).unwrap_err().to_string();
         assert!(error.contains("inertia"), "{error}");
+        let mut gives = knob(&[]);
+        gives.set("viscous.pos", -5e-3).unwrap();
+        gives.set("viscous.neg", -5e-3).unwrap();
+        let error = forward(&gives, &signals, None).unwrap_err().to_string();
+        assert!(error.contains("runs away") && error.contains("horizon"), "{error}");
         for horizon in [0.0, -1.0, f64::NAN] {
             assert!(
                 forward(&knob(&[]), &signals, Some(horizon)).unwrap_err().to_string().contains("horizon")

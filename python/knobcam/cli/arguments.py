@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from ..errors import InputError
+from .output import status
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -74,6 +75,11 @@ def add_command(
     return parser
 
 
+def add_captures(parser: argparse.ArgumentParser, about: str) -> None:
+    """Add CAPTURE, one or several."""
+    parser.add_argument("captures", nargs="+", metavar="CAPTURE", help=about)
+
+
 def add_model(parser: Parser, about: str, required: bool = True) -> None:
     """Add MODEL, which can be given by its place or, as in the commands of several captures, by `--model`."""
     both: dict[str, Any] = {"action": _Given, "metavar": "MODEL"}
@@ -82,6 +88,17 @@ def add_model(parser: Parser, about: str, required: bool = True) -> None:
     )
     parser.add_argument("--model", help="the same as MODEL", **both)
     parser.by_place.append(by_place)
+
+
+def part_model(args: argparse.Namespace) -> None:
+    """Take a model that is given behind the captures for what it is; two of them are refused."""
+    from ..model import Model
+
+    last = args.captures[-1]
+    if len(args.captures) > 1 and Model.is_named(last):
+        if args.model is not None:
+            raise InputError(f"MODEL is given twice, {last} and {args.model}; leave one out")
+        args.captures, args.model = args.captures[:-1], last
 
 
 def add_reading(parser: argparse.ArgumentParser) -> None:
@@ -106,6 +123,15 @@ def read(path: str, args: argparse.Namespace) -> Capture:
     from ..capture import load
 
     return load(path, map=args.map, **reading(args))
+
+
+def read_all(args: argparse.Namespace) -> list[Capture]:
+    """Return the captures of a call, and show which is being read."""
+    captures = []
+    for path in args.captures:
+        status(f"reading {path}")
+        captures.append(read(path, args))
+    return captures
 
 
 def reading(args: argparse.Namespace) -> dict[str, Any]:

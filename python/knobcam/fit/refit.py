@@ -129,7 +129,7 @@ def in_words(fit: Fit) -> str:
     """Return in words what adding did to the error and to the parameters that were there before."""
     if fit.before is None:
         return ""
-    unit = "N m" if fit.model.coordinate == "rotary" else "N"
+    unit = fit.torque_unit
     change = f"{fit.before.rmse:.4g} to {fit.rmse:.4g} {unit} ({percent(-fit.error_fall)})"
     lines = [f"With {', '.join(added(fit))}: RMS error from {change}."]
     if fit.moved:

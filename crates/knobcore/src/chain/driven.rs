@@ -57,7 +57,10 @@ impl<'a> Driven<'a> {
         if inertia.is_nan() || inertia <= 0.0 {
             return Err(Error::invalid(
                 "inertia.M",
-                "must be positive where torque makes motion; add the effect inertia",
+                format!(
+                    "is {inertia}, and must be positive where torque makes motion; add the effect inertia, or fit \
+                     it to a motion that shows it"
+                ),
             ));
         }
         let (start, state) = (Body::at(theta, omega), vec![0.0; model.states()]);
