@@ -64,8 +64,8 @@ pub fn forward(model: &Model, signals: &Signals, horizon_s: Option<f64>) -> Resu
                 return Err(Error::invalid(
                     "model",
                     format!(
-                        "makes a motion that runs away by {to:.3} s, as negative friction does; give a shorter \
-                         horizon, or a model whose friction opposes motion"
+                        "makes a motion that runs away by {to:.3} s: friction that drives, or too long a run; give a \
+                         shorter horizon, or a model whose friction opposes motion"
                     ),
                 ));
             }

@@ -36,8 +36,7 @@ def register(commands: arguments.Commands) -> None:
     parser = arguments.add_command(
         commands, "compare", run_compare, "Split the error of a model over position, velocity, time and more."
     )
-    arguments.add_captures(parser, "what the model is held against; several are of one knob")
-    arguments.add_model(parser, "model file, or knob1 to knob5")
+    arguments.add_captures_and_model(parser, "what the model is held against")
     parser.add_argument("--refit", action="store_true", help="fit the free parameters of the model first")
     parser.add_argument(
         "--forward", action="store_true", help="simulate the motion from the measured torque as well"
@@ -83,7 +82,6 @@ def run_fit(args: Namespace) -> Answer:
 
 def run_compare(args: Namespace) -> Answer:
     """Hold a model against captures, its parameters as they are in the file unless they are refitted."""
-    arguments.part_model(args)
     check_folder(args.plots)
     if args.horizon is not None and not args.forward:
         raise InputError("--horizon: is of --forward, which is not asked for; add it, or leave both out")
@@ -108,7 +106,7 @@ def run_compare(args: Namespace) -> Answer:
     document = comparison.document() | {"model": args.model, "refitted": args.refit, "files": files}
     if forward is not None:
         document["forward"] = forward.document()
-    shown = [repr(forward)] if forward is not None else []
+    shown = [forward.text] if forward is not None else []
     return answer(args, "\n".join([*shown, repr(comparison), *said(files)]), document, held)
 
 
@@ -131,7 +129,8 @@ def draw(
 
     with writing(folder):
         folder.mkdir(exist_ok=True)
-        return [str(path) for path in plot.save_all(fitted, folder, comparison, forward)]
+        drawn = plot.save_all(fitted, folder, comparison=comparison, forward=forward)
+        return [str(path) for path in drawn]
 
 
 def said(files: dict[str, object]) -> list[str]:

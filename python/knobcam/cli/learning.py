@@ -24,10 +24,7 @@ def register(commands: arguments.Commands) -> None:
     parser = arguments.add_command(
         commands, "diagnose", run_diagnose, "Rank the effects that could be missing from a model."
     )
-    arguments.add_captures(
-        parser, "what the model is fitted to; several are of one knob, and the last may be the model"
-    )
-    parser.add_argument("--model", metavar="MODEL", help="model file, or knob1 to knob5; default the base")
+    arguments.add_captures_and_model(parser, "what the model is fitted to", "the base model")
     arguments.add_plots(parser)
     _shared(parser)
 
@@ -35,8 +32,7 @@ def register(commands: arguments.Commands) -> None:
         commands, "add", run_add, "Fit a model again with one effect more, and say what that changed."
     )
     parser.add_argument("effect", metavar="EFFECT", help="id from `knobcam effects`")
-    arguments.add_captures(parser, "what the model is fitted to; several are of one knob")
-    arguments.add_model(parser, "model file, or knob1 to knob5")
+    arguments.add_captures_and_model(parser, "what the model is fitted to")
     arguments.add_output(parser, "model")
     arguments.add_plots(parser)
     arguments.add_preparation(parser)
@@ -71,7 +67,6 @@ def _check_without(args: Namespace) -> None:
 def run_diagnose(args: Namespace) -> Answer:
     """Fit a model, weigh every absent effect, rank them."""
     check_folder(args.plots)
-    arguments.part_model(args)
     options = arguments.preparation(args)
     model = _model(args.model)
     _check_without(args)
@@ -95,7 +90,6 @@ def run_diagnose(args: Namespace) -> Answer:
 
 def run_add(args: Namespace) -> Answer:
     """Fit a model, add an effect, fit again."""
-    arguments.part_model(args)
     check_file(args.output, [*args.captures, args.model])
     check_folder(args.plots, args.output)
     options = arguments.preparation(args)

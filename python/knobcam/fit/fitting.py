@@ -40,10 +40,6 @@ if TYPE_CHECKING:
 
 Z95 = 1.959963984540054
 """Two-sided 95 % quantile of the normal distribution."""
-Source = Capture | str | os.PathLike[str]
-"""A capture, or its file."""
-Sources = Source | Sequence[Source]
-"""One or several of the same knob."""
 
 
 class Estimate(NamedTuple):
@@ -175,7 +171,10 @@ class Fit(showing.Tabled):
         refits = self.core.bootstrap(draws, seed)
         return {name: refits[:, i] for i, name in enumerate(self.core.free)}
 
-    def compare(self, captures: Sources | None = None) -> Comparison:
+    def compare(
+        self,
+        captures: Capture | str | os.PathLike[str] | Sequence[Capture | str | os.PathLike[str]] | None = None,
+    ) -> Comparison:
         """Return where the model fails: on its captures, or as it is on others (or their files)."""
         from .compare import compare
 
@@ -183,7 +182,7 @@ class Fit(showing.Tabled):
 
     def forward(
         self,
-        captures: Sources | None = None,
+        captures: Capture | str | os.PathLike[str] | Sequence[Capture | str | os.PathLike[str]] | None = None,
         *,
         horizon_s: float | None = None,
     ) -> Forward:
@@ -196,7 +195,9 @@ class Fit(showing.Tabled):
 
         return forward(self if captures is None else self._on(captures), horizon_s)
 
-    def _on(self, captures: Sources) -> Fit:
+    def _on(
+        self, captures: Capture | str | os.PathLike[str] | Sequence[Capture | str | os.PathLike[str]]
+    ) -> Fit:
         """The model as it is, on other captures prepared in the same way."""
         options: dict[str, Any] = dict(self.signals.options)
         return fit(captures, self.model.frozen(), prepare=self.signals.method, **options)
@@ -319,7 +320,7 @@ class Fit(showing.Tabled):
 
 
 def fit(
-    captures: Sources,
+    captures: Capture | str | os.PathLike[str] | Sequence[Capture | str | os.PathLike[str]],
     model: Model | str | os.PathLike[str] | None = None,
     *,
     prepare: str = "smooth",

@@ -29,7 +29,7 @@ _ASTRAY = 0.9  # R2 below which one run tells little: what it lost early it keep
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class ForwardRun:
     """A capture and its simulation; arrays of shape (samples,) over the capture, rad or m.
 
     `measured` is NaN at masked samples, `simulated` outside of every stretch without gap; `starts` are the
@@ -62,7 +62,7 @@ class Forward(showing.Tabled):
     """
 
     fit: Fit
-    runs: tuple[Run, ...]
+    runs: tuple[ForwardRun, ...]
     horizon_s: float | None
 
     @cached_property
@@ -91,12 +91,12 @@ class Forward(showing.Tabled):
         return SI[self.fit.model.coordinate]["theta"]
 
     @staticmethod
-    def _rmse(runs: Sequence[Run]) -> float:
+    def _rmse(runs: Sequence[ForwardRun]) -> float:
         errors = np.concatenate([run.error[run.counts] for run in runs])
         return math.sqrt(float(np.mean(errors**2)))
 
     @staticmethod
-    def _r2(runs: Sequence[Run]) -> float:
+    def _r2(runs: Sequence[ForwardRun]) -> float:
         left = sum(float(np.sum(run.error[run.counts] ** 2)) for run in runs)
         spread = sum(float(np.var(run.measured[run.counts]) * np.sum(run.counts)) for run in runs)
         return 1.0 - left / spread if spread > 0.0 else math.nan
@@ -123,14 +123,25 @@ class Forward(showing.Tabled):
     @property
     def remarks(self) -> tuple[str, ...]:
         """What else there is to say of it, a sentence each."""
-        told = [origin.in_words(self.fit.model, [run.signals for run in self.runs], self._names)]
+        told = []
         catalogue = effects(self.fit.model.coordinate)
         sensors = [one for one in self.fit.model.effects if catalogue[one].place == "sensor"]
         if sensors:
             told.append(f"What {' and '.join(sensors)} did to the reading was taken off the torque first.")
         if self.horizon_s is None and not self.r2 >= _ASTRAY:
             told.append("One run keeps what it lost early: a horizon shows how long the model holds.")
-        return tuple(one for one in told if one)
+        return tuple(told)
+
+    @property
+    def origin(self) -> str:
+        """What has to be known of a model that was not fitted to these captures, in one sentence."""
+        return origin.in_words(self.fit.model, [run.signals for run in self.runs], self._names)
+
+    @property
+    def text(self) -> str:
+        """All that it says but its origin."""
+        each = [text_table(self._HEAD, self._rows())] if len(self.runs) > 1 else []
+        return "\n".join([self.summary, *self.remarks, *each])
 
     @property
     def _names(self) -> list[str]:
@@ -175,12 +186,12 @@ class Forward(showing.Tabled):
         ]
 
     def __repr__(self) -> str:
-        each = [text_table(self._HEAD, self._rows())] if len(self.runs) > 1 else []
-        return "\n".join([self.summary, *self.remarks, *each])
+        return "\n".join([self.text, *([self.origin] if self.origin else [])])
 
     def tables(self) -> tuple[TextTable, ...]:
         """What it says of itself, as text."""
-        return (TextTable(" ".join([self.summary, *self.remarks]), self._HEAD, self._rows()),)
+        whole = " ".join([self.summary, *self.remarks, self.origin]).rstrip()
+        return (TextTable(whole, self._HEAD, self._rows()),)
 
 
 def forward(fit: Fit, horizon_s: float | None = None) -> Forward:
@@ -190,5 +201,5 @@ def forward(fit: Fit, horizon_s: float | None = None) -> Forward:
         theta, starts = _core.forward(fit.model.core, signals.core, horizon_s)
         capture = signals.capture
         measured = np.where(capture.mask, capture.theta, np.nan)
-        runs.append(Run(signals, measured, signals.on_capture(theta), signals.rows[starts]))
+        runs.append(ForwardRun(signals, measured, signals.on_capture(theta), signals.rows[starts]))
     return Forward(fit, tuple(runs), horizon_s)

@@ -12,7 +12,7 @@ from .style import BLACK, BLUE, GREY, PALE, Picture, Scale, legend_above, plain,
 if TYPE_CHECKING:
     from matplotlib.gridspec import GridSpec
 
-    from ...fit.forward import Forward, Run
+    from ...fit.forward import Forward, ForwardRun
 
 _MOST = 3  # captures that a picture has room for
 _MARKED = 40  # beginnings that are still told apart
@@ -33,7 +33,7 @@ def forward(forward: Forward) -> Picture:
     return figure
 
 
-def _one(figure: Picture, grid: GridSpec, row: int, run: Run, scale: Scale) -> None:
+def _one(figure: Picture, grid: GridSpec, row: int, run: ForwardRun, scale: Scale) -> None:
     t = times(run.signals.capture)
     above = figure.add_subplot(grid[row])
     line(above, t, scale.factor * run.measured, color=PALE, lw=4.0, label="measured")
