@@ -76,6 +76,7 @@ def axis(folder: Path, data: Path) -> None:
     fit = kc.fit(kc.load(data, map="t=t, theta=qm, tau=35.1507*vir", coordinate="linear"), detents="no")
     keep(folder / "emps-velocity.png", plot.velocity(fit), 110)
     keep(folder / "emps-compared.png", plot.comparison(fit.compare()))
+    keep(folder / "emps-forward.png", plot.forward(fit.forward()))
 
 
 def motor(folder: Path, data: Path, cogging: Path) -> None:

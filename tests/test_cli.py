@@ -32,7 +32,9 @@ def capture(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pictures that cost nothing: what is drawn is the business of other tests."""
 
-    def save_all(fit: kc.Fit, folder: Path, comparison: kc.Comparison | None = None) -> list[Path]:
+    def save_all(
+        fit: kc.Fit, folder: Path, comparison: kc.Comparison | None = None, forward: object = None
+    ) -> list[Path]:
         name = "fit.png" if comparison is None else "comparison.png"
         (folder / name).write_bytes(b"picture")
         return [folder / name]

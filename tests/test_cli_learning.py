@@ -88,6 +88,37 @@ def test_learn_starts_from_a_model_and_takes_several_captures(
     assert [one["path"] for one in document["captures"]] == [str(recorded), str(again)]
 
 
+def test_every_command_on_captures_takes_several_and_lists_them(
+    recorded: Path, base: Path, tmp_path: Path
+) -> None:
+    again = kc.simulate(kc.Model.parse(kc.load(recorded).meta["model"]), "multisine", seed=6)
+    both = [recorded, again.save(tmp_path / "again.npz")]
+    for call in (
+        ["diagnose", *both],
+        ["diagnose", *both, base],
+        ["diagnose", *both, "--model", base],
+        ["compare", *both, base],
+        ["compare", *both, "--model", base, "--forward", "--horizon", "0.1"],
+        ["add", "return_spring", *both, base],
+    ):
+        document = knobcam(*call, "--json").document
+        assert [one["path"] for one in document["captures"]] == [str(path) for path in both], call
+    found = knobcam("diagnose", *both, base, "--json").document["candidates"][0]
+    assert "return_spring" in (found["effect"], *found["equivalent"])
+
+
+def test_compare_simulates_forward_when_it_is_asked(recorded: Path, base: Path, tmp_path: Path) -> None:
+    call = ["compare", recorded, base, "--forward", "--horizon", "0.1"]
+    document = knobcam(*call, "--plots", tmp_path / "p", "--json").document
+    said = document["forward"]
+    assert said["horizon_s"] == 0.1 and said["unit"] == "rad" and 0.0 < said["rmse"] < said["largest"]
+    assert said["captures"][0]["path"] == str(recorded)
+    assert document["files"]["pictures"][-1].endswith("-forward.png")
+    first, *_ = knobcam(*call).out.splitlines()
+    assert first.startswith("Position simulated from the measured torque: RMSE ") and " rad, R2 " in first
+    assert "forward" not in knobcam("compare", recorded, base, "--json").document
+
+
 def test_a_process_that_learns_says_nothing_but_its_document(recorded: Path) -> None:
     ended = process("learn", recorded, "--json")
     assert (ended.code, ended.err) == (0, "")

@@ -153,7 +153,20 @@ CALLS: dict[str, tuple[list[str], list[str]]] = {
     "compare with two models": (["compare", "good.csv", "knob1", "--model", "knob2"], ["MODEL", "twice"]),
     "compare with a capture for a model": (["compare", "good.csv", "good.csv"], ["good.csv", "line 1"]),
     "compare with a missing model": (["compare", "good.csv", "absent.toml"], ["absent.toml"]),
+    "compare with a horizon of nothing": (
+        ["compare", "good.csv", "knob1", "--horizon", "1"],
+        ["--horizon", "--forward"],
+    ),
+    "simulate forward over no time": (
+        ["compare", "good.csv", "knob1", "--forward", "--horizon", "0"],
+        ["good.csv", "horizon", "above 0 s"],
+    ),
+    "compare with one capture twice": (
+        ["compare", "good.csv", "good.csv", "knob1"],
+        ["captures 1 and 2 are the same"],
+    ),
     "diagnose without a capture": (["diagnose"], ["CAPTURE"]),
+    "diagnose with two models": (["diagnose", "good.csv", "knob1", "--model", "knob2"], ["MODEL", "twice"]),
     "diagnose with a missing model": (["diagnose", "good.csv", "absent.toml"], ["absent.toml"]),
     "diagnose without an unknown effect": (
         ["diagnose", "good.csv", "--without", "magic"],

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+import importlib
 import json
 
 import numpy as np
 import pytest
 
 import knobcam as kc
+from knobcam.fit import refit
 
 
 @pytest.fixture(scope="module")
@@ -126,6 +128,34 @@ def test_a_fit_prints_what_adding_did(bent: kc.Fit) -> None:
     text = repr(bent.add("return_spring"))
     assert "With return_spring: RMS error from" in text and "moved by (standard errors)" in text
     assert "With" not in repr(bent)
+
+
+def test_an_effect_that_only_fits_noise_is_said_to_have_made_things_no_better(fit: kc.Fit) -> None:
+    added = fit.add("quadratic_drag")
+    document = refit.document(added)
+    assert document["worse"] is True and document["why_worse"]
+    assert "That made things no better: " in repr(added)
+    rose = added.rmse_heldout > fit.rmse_heldout
+    assert any("unseen blocks rose" in why for why in document["why_worse"]) == rose
+    assert any("no more than chance" in why for why in document["why_worse"])
+
+
+def test_an_effect_that_was_missing_is_not_said_to_have_made_things_worse(bent: kc.Fit) -> None:
+    added = bent.add("return_spring")
+    assert refit.worse(added) == () and refit.document(added)["worse"] is False
+    assert "no better" not in repr(added)
+    assert refit.worse(bent) == ()
+
+
+def test_a_fit_is_asked_once_whether_its_torque_is_reversed(
+    capture: kc.Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = []
+    module = importlib.import_module("knobcam.fit.fitting")
+    monkeypatch.setattr(module, "reversed_torque", lambda fit: bool(asked.append(fit)))
+    fit = kc.fit(capture)
+    assert fit.document()["warnings"] == list(fit.warnings) and repr(fit)
+    assert asked == [fit]
 
 
 def test_an_effect_that_cannot_be_added_is_refused_with_the_reason(bent: kc.Fit) -> None:

@@ -10,6 +10,7 @@ import pytest
 
 import knobcam as kc
 from knobcam.learn import selection
+from knobcam.learn.limitations import limitations
 
 
 def test_the_hidden_spring_is_found_and_the_rest_is_chance(story: kc.LearningResult) -> None:
@@ -165,6 +166,21 @@ def test_less_than_a_detent_and_less_than_a_second_are_named() -> None:
 def test_a_slow_motion_tells_neither_inertia_nor_viscous_friction() -> None:
     slow = kc.motion("micro", amplitude=0.3, frequency_hz=0.1)
     assert "too_slow" in kinds(kc.learn(kc.simulate(kc.Model.load("knob2"), slow)))
+
+
+@pytest.mark.parametrize(("knob", "effect"), [("knob2", "return_spring"), ("knob3", "torque_drift")])
+def test_a_sweep_is_not_called_slow_because_the_model_is_wrong(knob: str, effect: str) -> None:
+    fit = kc.fit(kc.simulate(kc.hiding(knob, effect), "sweep"))
+    swift = [e for name, e in fit.params.items() if name.startswith(("inertia", "viscous"))]
+    assert fit.rmse > 2.0 * fit.noise_floor and all(abs(e.value) < 3.0 * e.se for e in swift)
+    assert "too_slow" not in {one.kind for one in limitations(fit)}
+
+
+def test_one_speed_alone_is_called_too_even_whatever_the_model() -> None:
+    t = np.arange(1, 15001) / 5000.0
+    fit = kc.fit(kc.simulate(kc.hiding("knob3", "unbalance"), track(np.full_like(t, 2.0))))
+    (said,) = [one.message for one in limitations(fit) if one.kind == "too_slow"]
+    assert "speeds of 2 to 2 rad/s" in said
 
 
 def test_without_a_noise_floor_there_is_neither_an_accusation_nor_an_all_clear() -> None:

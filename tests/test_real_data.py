@@ -89,6 +89,25 @@ def test_emps_prepared_by_the_smoother_agrees_with_the_published_preparation() -
     assert any("of 500 Hz" in note and "lowered to 100 Hz" in note for note in fit.signals.notes)
 
 
+def test_the_force_of_emps_makes_its_motion_as_its_benchmark_scores_it() -> None:
+    """Open loop over all of it, from force to position."""
+    fit = kc.fit(emps(), detents="no")
+    forward = fit.forward()
+    assert forward.r2 > 0.998 and forward.rmse < 3.5e-3
+    assert fit.forward(horizon_s=1.0).rmse < 0.3 * forward.rmse
+
+
+def test_emps_fitted_to_one_half_makes_the_motion_of_the_other() -> None:
+    halves = [
+        kc.load(real(EMPS), map="t=t, theta=qm, tau=35.1507*vir", coordinate="linear", **part)
+        for part in ({"end": 12.4}, {"start": 12.4})
+    ]
+    fit = kc.fit(halves[0], detents="no")
+    held = fit.compare(halves[1])
+    assert held.held_out and held.figures.relative < 0.04
+    assert fit.forward(halves[1]).r2 > 0.98
+
+
 def test_the_base_model_without_detents_explains_almost_nothing_of_the_motor_and_position_is_why() -> None:
     comparison = kc.fit(odrive(), detents="no").compare()
     explained = 1.0 - (comparison.fit.rmse / comparison.torque_rms) ** 2

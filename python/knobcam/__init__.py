@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from .fit import Estimate, Fit, fit
     from .fit.compare import Comparison, compare
     from .fit.diagnose import Candidate, Diagnosis, diagnose
+    from .fit.forward import Forward
     from .fit.refit import Moved
     from .fit.stiction import Stiction, stiction
     from .learn import LearningResult, learn
@@ -76,6 +77,7 @@ __all__ = [
     "EmulatedHandle",
     "Estimate",
     "Fit",
+    "Forward",
     "InputError",
     "KnobcamError",
     "KnobcamWarning",
@@ -134,6 +136,7 @@ _HOME = {
     "EmulatedHandle": "render.emulated",
     "Estimate": "fit",
     "Fit": "fit",
+    "Forward": "fit.forward",
     "InputError": "errors",
     "KnobcamError": "errors",
     "KnobcamWarning": "errors",

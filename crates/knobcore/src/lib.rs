@@ -28,6 +28,8 @@ pub mod prepare;
 
 pub mod predict;
 
+pub mod forward;
+
 pub mod carry;
 
 pub mod noise;

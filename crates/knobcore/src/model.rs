@@ -50,6 +50,8 @@ pub struct Model {
     pub name: String,
     /// Rotary or linear.
     pub axis: Axis,
+    /// The captures that its values come from, as who fitted them named them; none where nobody said.
+    pub fitted_to: Vec<String>,
     parts: Vec<(Id, Range<usize>)>,
     slots: Vec<Slot>,
     /// Whether no effect shapes the friction of others.
@@ -59,7 +61,8 @@ pub struct Model {
 impl Model {
     /// A model of these effects at their neutral values, all parameters free.
     pub fn new(effects: &[Id], axis: Axis) -> Self {
-        let mut model = Self { name: String::new(), axis, parts: Vec::new(), slots: Vec::new(), plain: true };
+        let (name, fitted_to, parts, slots) = (String::new(), Vec::new(), Vec::new(), Vec::new());
+        let mut model = Self { name, axis, fitted_to, parts, slots, plain: true };
         let mut effects = effects.to_vec();
         effects.sort();
         effects.dedup();

@@ -46,11 +46,11 @@ pub fn parse(text: &str) -> Result<Model> {
         }
     }
     if let Some(unknown) =
-        file.keys().find(|key| !["schema", "name", "axis", "effects"].contains(&key.as_str()))
+        file.keys().find(|key| !["schema", "name", "axis", "fitted_to", "effects"].contains(&key.as_str()))
     {
         return Err(bad(
             &format!("'{unknown}'"),
-            "is no key of a model file; it has schema, name, axis and effects",
+            "is no key of a model file; it has schema, name, axis, fitted_to and effects",
         ));
     }
     let axis = match file.get("axis").map(Value::as_str) {
@@ -67,6 +67,13 @@ pub fn parse(text: &str) -> Result<Model> {
     let ids = effects.keys().map(|id| Id::parse(id)).collect::<Result<Vec<_>>>()?;
     let mut model = Model::new(&ids, axis);
     model.name = file.get("name").and_then(Value::as_str).unwrap_or_default().to_owned();
+    if let Some(captures) = file.get("fitted_to") {
+        let names = captures.as_array().into_iter().flatten().map(|one| one.as_str().map(str::to_owned));
+        model.fitted_to =
+            names.collect::<Option<Vec<_>>>().filter(|names| !names.is_empty()).ok_or_else(|| {
+                bad("fitted_to", "must be a list of texts, one for each capture; leave it out if unknown")
+            })?;
+    }
     let mut ties = Vec::new();
     for (id, params) in effects {
         let params = params
@@ -145,6 +152,10 @@ pub fn write(model: &Model) -> String {
         let _ = writeln!(out, "name = {}", Value::String(model.name.clone()));
     }
     let _ = writeln!(out, "axis = \"{axis}\"");
+    if !model.fitted_to.is_empty() {
+        let names = model.fitted_to.iter().cloned().map(Value::String).collect();
+        let _ = writeln!(out, "fitted_to = {}", Value::Array(names));
+    }
     for place in [Place::Coupling, Place::Load, Place::Sensor] {
         for id in model.at(place) {
             let info = id.info();
@@ -176,6 +187,7 @@ mod tests {
     fn example() -> Model {
         let mut model = Model::new(Id::BUILT_IN, Axis::Linear);
         model.name = "a \"quoted\" name\nof two lines".into();
+        model.fitted_to = vec!["one.npz 0f".into(), "a \"b\", c\n.csv 1a".into()];
         model.set("inertia.M", 0.1 + 0.2).unwrap();
         model.set("detent.P", 1.0 / 3.0).unwrap();
         model.set("coulomb.pos", 5e-324).unwrap();
@@ -192,7 +204,7 @@ mod tests {
         let model = example();
         let back = parse(&write(&model)).unwrap();
         assert_eq!(back.name, model.name);
-        assert_eq!(back.axis, model.axis);
+        assert_eq!((back.axis, &back.fitted_to), (model.axis, &model.fitted_to));
         for (a, b) in model.slots().iter().zip(back.slots()) {
             assert_eq!((a.name(), a.value.to_bits(), a.role), (b.name(), b.value.to_bits(), b.role));
         }
@@ -223,6 +235,8 @@ mod tests {
             (&format!("{head}[effects.coulomb]\nneg = \"coulomb.up\""), "coulomb.neg", "coulomb.up"),
             (&format!("{head}[effects.coulomb]\nneg = \"coulomb.neg\""), "coulomb.neg", "itself"),
             (&format!("{head}speed = 1\n[effects.inertia]"), "speed", "axis"),
+            (&format!("{head}fitted_to = 3\n[effects.inertia]"), "fitted_to", "leave it out"),
+            (&format!("{head}fitted_to = [3]\n[effects.inertia]"), "fitted_to", "list of texts"),
             (&format!("{head}axis = \"round\"\n[effects.inertia]"), "axis", "rotary"),
             (&head, "effects", "[effects.inertia]"),
         ] {

@@ -5,6 +5,7 @@ use super::user::watched;
 use knobcore::carry::carrier;
 use knobcore::chain::{self, Hand};
 use knobcore::effects::{Base, Id};
+use knobcore::forward::forward as forward_core;
 use knobcore::model::{Model, Role};
 use knobcore::motion::Motion;
 use knobcore::param::{Axis, Param};
@@ -91,8 +92,24 @@ impl PyModel {
         Self(model)
     }
 
+    /// The captures that its values come from, by name and fingerprint.
+    #[getter]
+    fn fitted_to(&self) -> Vec<String> {
+        self.0.fitted_to.clone()
+    }
+
+    fn with_fitted_to(&self, captures: Vec<String>) -> Self {
+        let mut model = self.0.clone();
+        model.fitted_to = captures;
+        Self(model)
+    }
+
     fn with_value(&self, name: &str, value: f64) -> PyResult<Self> {
-        self.changed(|model| model.set(name, value))
+        self.changed(|model| {
+            // A value that was set was fitted to nothing.
+            model.fitted_to.clear();
+            model.set(name, value)
+        })
     }
 
     fn with_fixed(&self, name: &str, fixed: bool) -> PyResult<Self> {
@@ -204,6 +221,21 @@ pub fn push<'py>(
     let pushed = watched(py, &model.0, || chain::push(&model.0, reference, dt, Hand { stiffness, damping }))?
         .map_err(input_error)?;
     Ok([&pushed.theta, &pushed.omega, &pushed.alpha, &pushed.tau].map(|x| array(py, x)))
+}
+
+/// The motion that the measured torque of prepared signals makes, rad, at each of their samples, and the samples at
+/// which it began from the measured state.
+#[pyfunction]
+#[pyo3(signature = (model, signals, horizon_s=None))]
+pub fn forward<'py>(
+    py: Python<'py>,
+    model: &PyModel,
+    signals: &PySignals,
+    horizon_s: Option<f64>,
+) -> PyResult<(Floats<'py>, Vec<usize>)> {
+    let signals = &signals.prepared.signals;
+    let made = watched(py, &model.0, || forward_core(&model.0, signals, horizon_s))?.map_err(input_error)?;
+    Ok((array(py, &made.theta), made.starts))
 }
 
 /// The catalogue: for each effect a dict of what it says of itself.

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from ..errors import InputError
+from .output import status
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -27,13 +28,30 @@ class Parser(argparse.ArgumentParser):
         # Abbreviations would tie scripts to the options of today.
         super().__init__(allow_abbrev=False, **settings)
         self.by_place: list[argparse.Action] = []
+        self.behind: bool | None = None
+        """Whether a model must stand behind the captures, if none is given by its option; None: none may."""
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Ask for no model by its place where it is given by its option."""
         if any(word.partition("=")[0] == "--model" for word in args or ()):
             for one in self.by_place:
                 one.nargs, one.required = "?", False
-        return super().parse_known_args(args, namespace)
+        found, rest = super().parse_known_args(args, namespace)
+        if self.behind is not None:
+            self._part_model(found)
+        return found, rest
+
+    def _part_model(self, args: argparse.Namespace) -> None:
+        """Take the model behind the captures for what it is."""
+        from ..model import Model
+
+        *captures, last = args.captures
+        if args.model is None and captures and (self.behind or Model.is_named(last)):
+            args.captures, args.model = captures, last
+        elif args.model is None and self.behind:
+            self.error("the following arguments are required: MODEL")
+        elif args.model is not None and captures and Model.is_named(last):
+            self.error(f"MODEL is given twice, {last} and {args.model}; leave one out")
 
     def error(self, message: str) -> NoReturn:
         """Raise `message` with the place to look."""
@@ -74,6 +92,19 @@ def add_command(
     return parser
 
 
+def add_captures(parser: argparse.ArgumentParser, about: str) -> None:
+    """Add CAPTURE, one or several."""
+    parser.add_argument("captures", nargs="+", metavar="CAPTURE", help=about)
+
+
+def add_captures_and_model(parser: Parser, about: str, default: str | None = None) -> None:
+    """Add CAPTURE, one or several, and MODEL behind them or by its option, or by default what is said."""
+    add_captures(parser, f"{about}; several are of one knob. The last of two or more may be MODEL")
+    needed = f"default {default}" if default else "needed, here or behind the captures"
+    parser.add_argument("--model", metavar="MODEL", help=f"model file, or knob1 to knob5; {needed}")
+    parser.behind = default is None
+
+
 def add_model(parser: Parser, about: str, required: bool = True) -> None:
     """Add MODEL, which can be given by its place or, as in the commands of several captures, by `--model`."""
     both: dict[str, Any] = {"action": _Given, "metavar": "MODEL"}
@@ -106,6 +137,15 @@ def read(path: str, args: argparse.Namespace) -> Capture:
     from ..capture import load
 
     return load(path, map=args.map, **reading(args))
+
+
+def read_all(args: argparse.Namespace) -> list[Capture]:
+    """Return the captures of a call, and show which is being read."""
+    captures = []
+    for path in args.captures:
+        status(f"reading {path}")
+        captures.append(read(path, args))
+    return captures
 
 
 def reading(args: argparse.Namespace) -> dict[str, Any]:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from itertools import chain
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from ..errors import InputError
 from . import arguments
 from .output import Answer, about, check_file, check_folder, findings, status, writing
 
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
 
     from ..fit import Fit
     from ..fit.compare import Comparison
+    from ..fit.forward import Forward
 
 
 def register(commands: arguments.Commands) -> None:
@@ -34,9 +36,17 @@ def register(commands: arguments.Commands) -> None:
     parser = arguments.add_command(
         commands, "compare", run_compare, "Split the error of a model over position, velocity, time and more."
     )
-    parser.add_argument("capture", metavar="CAPTURE", help="what the model is held against")
-    arguments.add_model(parser, "model file, or knob1 to knob5")
+    arguments.add_captures_and_model(parser, "what the model is held against")
     parser.add_argument("--refit", action="store_true", help="fit the free parameters of the model first")
+    parser.add_argument(
+        "--forward", action="store_true", help="simulate the motion from the measured torque as well"
+    )
+    parser.add_argument(
+        "--horizon",
+        type=arguments.number,
+        metavar="S",
+        help="with --forward: begin anew from the measured state after each S seconds",
+    )
     arguments.add_plots(parser)
     arguments.add_preparation(parser)
     arguments.add_reading(parser)
@@ -53,10 +63,7 @@ def run_fit(args: Namespace) -> Answer:
     from ..model import Model
 
     model = Model.load(args.model) if args.model else None
-    captures = []
-    for path in args.captures:
-        status(f"reading {path}")
-        captures.append(arguments.read(path, args))
+    captures = arguments.read_all(args)
     status("fitting")
     with about(*args.captures):
         fitted = fit(captures, model, prepare=args.prepare, detents=args.detents, **options)
@@ -69,43 +76,61 @@ def run_fit(args: Namespace) -> Answer:
     stuck = fitted.stiction()
     shown = [repr(stuck)] if any(stuck.breakaways) else []
     text = "\n".join([repr(fitted), *shown, *said(files)])
-    notes = [findings(*each) for each in zip(args.captures, captures, fitted.prepared, strict=True)]
     document = fitted.document() | {"stiction": stuck.document() if shown else None, "files": files}
-    return Answer(text, document, tuple(chain.from_iterable(notes)))
+    return answer(args, text, document, fitted)
 
 
 def run_compare(args: Namespace) -> Answer:
-    """Hold a model against a capture, its parameters as they are in the file unless they are refitted."""
+    """Hold a model against captures, its parameters as they are in the file unless they are refitted."""
     check_folder(args.plots)
+    if args.horizon is not None and not args.forward:
+        raise InputError("--horizon: is of --forward, which is not asked for; add it, or leave both out")
     options = arguments.preparation(args)
 
     from ..fit import fit
     from ..model import Model
 
     model = Model.load(args.model)
-    status(f"reading {args.capture}")
-    capture = arguments.read(args.capture, args)
+    captures = arguments.read_all(args)
     status("comparing")
-    with about(args.capture):
-        held = fit(capture, model if args.refit else model.frozen(), prepare=args.prepare, **options)
-    comparison = held.compare()
+    with about(*args.captures):
+        held = fit(captures, model if args.refit else model.frozen(), prepare=args.prepare, **options)
+        comparison = held.compare()
+        if args.forward:
+            status("simulating")
+        forward = held.forward(horizon_s=args.horizon) if args.forward else None
 
     files: dict[str, object] = {}
     if args.plots is not None:
-        files["pictures"] = draw(held, args.plots, comparison)
+        files["pictures"] = draw(held, args.plots, comparison, forward)
     document = comparison.document() | {"model": args.model, "refitted": args.refit, "files": files}
-    text = "\n".join([repr(comparison), *said(files)])
-    return Answer(text, document, findings(args.capture, capture, held.signals))
+    if forward is not None:
+        document["forward"] = forward.document()
+    shown = [forward.text] if forward is not None else []
+    return answer(args, "\n".join([*shown, repr(comparison), *said(files)]), document, held)
 
 
-def draw(fitted: Fit, folder: Path, comparison: Comparison | None = None) -> list[str]:
+def answer(args: Namespace, text: str, document: dict[str, Any], fitted: Fit) -> Answer:
+    """Return what a command answers of captures: the document has their paths, the messages findings."""
+    for described in (document, document.get("forward", {})):
+        for one, path in zip(described.get("captures", []), args.captures, strict=False):
+            one["path"] = path
+    each = zip(args.captures, fitted.prepared, strict=True)
+    notes = [findings(path, signals.capture, signals) for path, signals in each]
+    return Answer(text, document, tuple(chain.from_iterable(notes)))
+
+
+def draw(
+    fitted: Fit, folder: Path, comparison: Comparison | None = None, forward: Forward | None = None
+) -> list[str]:
     """Write every picture of a fit and return the paths."""
     status("drawing")
     from ..show import plot
 
     with writing(folder):
         folder.mkdir(exist_ok=True)
-        return [str(path) for path in plot.save_all(fitted, folder, comparison=comparison)]
+        drawn = plot.save_all(fitted, folder, comparison=comparison, forward=forward)
+        return [str(path) for path in drawn]
 
 
 def said(files: dict[str, object]) -> list[str]:

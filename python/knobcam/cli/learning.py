@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
 from . import arguments
-from .fitting import draw, said
-from .output import Answer, about, check_file, check_folder, findings, status, writing
+from .fitting import answer, draw, said
+from .output import about, check_file, check_folder, status, writing
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
 
-    from ..capture import Capture
     from ..fit import Fit
     from ..learn import LearningResult
     from ..model import Model
+    from .output import Answer
 
 
 def register(commands: arguments.Commands) -> None:
@@ -25,8 +24,7 @@ def register(commands: arguments.Commands) -> None:
     parser = arguments.add_command(
         commands, "diagnose", run_diagnose, "Rank the effects that could be missing from a model."
     )
-    parser.add_argument("capture", metavar="CAPTURE", help="what the model is fitted to")
-    arguments.add_model(parser, "model file, or knob1 to knob5; default the base", required=False)
+    arguments.add_captures_and_model(parser, "what the model is fitted to", "the base model")
     arguments.add_plots(parser)
     _shared(parser)
 
@@ -34,8 +32,7 @@ def register(commands: arguments.Commands) -> None:
         commands, "add", run_add, "Fit a model again with one effect more, and say what that changed."
     )
     parser.add_argument("effect", metavar="EFFECT", help="id from `knobcam effects`")
-    parser.add_argument("capture", metavar="CAPTURE", help="what the model is fitted to")
-    arguments.add_model(parser, "model file, or knob1 to knob5")
+    arguments.add_captures_and_model(parser, "what the model is fitted to")
     arguments.add_output(parser, "model")
     arguments.add_plots(parser)
     arguments.add_preparation(parser)
@@ -44,7 +41,7 @@ def register(commands: arguments.Commands) -> None:
     parser = arguments.add_command(
         commands, "learn", run_learn, "Add what is missing until the rest is chance, or unexplained."
     )
-    parser.add_argument("captures", nargs="+", metavar="CAPTURE", help="several are of one knob")
+    arguments.add_captures(parser, "several are of one knob")
     parser.add_argument("--model", metavar="MODEL", help="to start from; default the base")
     parser.add_argument("--report", type=Path, metavar="FILE.html", help="report to write, in one file")
     arguments.add_output(parser, "model")
@@ -88,13 +85,12 @@ def run_diagnose(args: Namespace) -> Answer:
                 picture().savefig(args.plots / f"{name}.png")
         files["pictures"] = [str(args.plots / f"{name}.png") for name in pictures]
     text = "\n".join([repr(diagnosis), *said(files)])
-    notes = findings(args.capture, fitted.signals.capture, fitted.signals)
-    return Answer(text, diagnosis.document() | {"files": files}, notes)
+    return answer(args, text, diagnosis.document() | {"files": files}, fitted)
 
 
 def run_add(args: Namespace) -> Answer:
     """Fit a model, add an effect, fit again."""
-    check_file(args.output, [args.capture, args.model])
+    check_file(args.output, [*args.captures, args.model])
     check_folder(args.plots, args.output)
     options = arguments.preparation(args)
 
@@ -110,8 +106,7 @@ def run_add(args: Namespace) -> Answer:
     if args.plots is not None:
         files["pictures"] = draw(fitted, args.plots)
     text = "\n".join([repr(fitted), *said(files)])
-    notes = findings(args.capture, fitted.signals.capture, fitted.signals)
-    return Answer(text, refit.document(fitted) | {"files": files}, notes)
+    return answer(args, text, refit.document(fitted) | {"files": files}, fitted)
 
 
 def run_learn(args: Namespace) -> Answer:
@@ -133,18 +128,14 @@ def run_learn(args: Namespace) -> Answer:
 
     from ..learn import learn
 
-    captures = _read(args.captures, args)
+    captures = arguments.read_all(args)
     with about(*args.captures):
         learned = learn(
             captures, model, without=args.without, prepare=args.prepare, progress=status, **options
         )
     files = write(learned, args.report, args.output, args.plots)
-    document = learned.document() | {"files": files}
-    for described, path in zip(document["captures"], args.captures, strict=True):
-        described["path"] = path
     text = "\n".join([repr(learned), *said(files)])
-    notes = [findings(*each) for each in zip(args.captures, captures, learned.fit.prepared, strict=True)]
-    return Answer(text, document, tuple(chain.from_iterable(notes)))
+    return answer(args, text, learned.document() | {"files": files}, learned.fit)
 
 
 def write(
@@ -173,18 +164,10 @@ def _model(path: str | None) -> Model | None:
     return Model.load(path) if path else None
 
 
-def _read(paths: list[str], args: Namespace) -> list[Capture]:
-    captures = []
-    for path in paths:
-        status(f"reading {path}")
-        captures.append(arguments.read(path, args))
-    return captures
-
-
 def _fitted(args: Namespace, model: Model | None, options: dict[str, Any]) -> Fit:
     from ..fit import fit
 
-    captures = _read([args.capture], args)
+    captures = arguments.read_all(args)
     status("fitting")
-    with about(args.capture):
+    with about(*args.captures):
         return fit(captures, model, prepare=args.prepare, **options)

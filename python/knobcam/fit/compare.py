@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from .. import _core
 from ..base import showing
 from ..base.tables import TextTable, text_table
-from .fitting import AT_FLOOR
+from . import origin
+from .described import names
+from .doubts import AT_FLOOR
 
 if TYPE_CHECKING:
     import numpy as np
@@ -35,6 +37,29 @@ _WEIGHT = {"frequency": 0.5, "time": 0.75}
 _DIRECTIONS = {1: "forward", -1: "backward", 0: ""}
 # A part of the squared error this small, though beyond chance, is nothing that a hand would feel.
 _FELT = 0.03
+
+
+class Figures(NamedTuple):
+    """How large an error is: `rmse` in N m (N), `explained` the share of the torque's variance that the model
+    explains, `relative` the error in RMS torques, as robot identification states it (Gautier 1997).
+    """
+
+    rmse: float
+    explained: float
+    relative: float
+
+    @classmethod
+    def of(cls, error: FloatArray, torque: FloatArray) -> Figures:
+        """Return the figures of an error on the torque that was measured; NaN where there was none."""
+        import numpy as np
+
+        rmse, spread, rms = (math.sqrt(float(np.mean(x**2))) for x in (error, torque - torque.mean(), torque))
+        explained = 1.0 - (rmse / spread) ** 2 if spread > 0.0 else math.nan
+        return cls(rmse, explained, rmse / rms if rms > 0.0 else math.nan)
+
+    def document(self) -> dict[str, float]:
+        """Return them as documents have them."""
+        return {"rmse": self.rmse, "explained": self.explained, "relative_error": self.relative}
 
 
 class Region(NamedTuple):
@@ -131,12 +156,44 @@ class Comparison(showing.Tabled):
         felt = any(split.fails and split.part > _FELT for split in self.splits)
         return self.exact or (self.fit.rmse <= AT_FLOOR * self.fit.noise_floor and not felt)
 
+    @cached_property
+    def figures(self) -> Figures:
+        """How large the error is over all captures."""
+        import numpy as np
+
+        return Figures.of(*(np.concatenate(parts) for parts in zip(*self._counted, strict=True)))
+
+    @cached_property
+    def by_capture(self) -> tuple[Figures, ...]:
+        """How large it is on each of them."""
+        return tuple(Figures.of(error, torque) for error, torque in self._counted)
+
+    @cached_property
+    def _counted(self) -> list[tuple[FloatArray, FloatArray]]:
+        """Error and measured torque of each capture at the samples that count."""
+        return [
+            (rest[signals.rows][signals.used], signals.tau[signals.used])
+            for rest, signals in zip(self.fit.residuals, self.fit.prepared, strict=True)
+        ]
+
+    @property
+    def held_out(self) -> bool | None:
+        """Whether the model was fitted to none of these captures; None where it does not say to which."""
+        told = [origin.fitted_to(self.fit.model, one.capture) for one in self.fit.prepared]
+        return None if None in told else not any(told)
+
+    @property
+    def origin(self) -> str:
+        """What has to be known of a model that was not fitted to these captures, in one sentence."""
+        return origin.in_words(self.fit.model, self.fit.prepared, names(self.fit.prepared))
+
     @property
     def summary(self) -> str:
-        """One sentence."""
-        fit = self.fit
-        explained = 1.0 - (fit.rmse / self.torque_rms) ** 2 if self.torque_rms > 0.0 else math.nan
-        head = f"The model explains {100 * explained:.1f} % of the torque's variance"
+        """How large the error is, what noise leaves of it, and where it shows."""
+        fit, unit = self.fit, self.fit.torque_unit
+        explained, relative = 100.0 * self.figures.explained, 100.0 * self.figures.relative
+        head = f"RMS error {fit.rmse:.4g} {unit}, {explained:.1f} % of the variance explained, "
+        head += f"relative error {relative:.3g} %"
         if self.exact:
             return f"{head}; what is left is rounding."
         if math.isnan(fit.noise_floor):
@@ -144,13 +201,14 @@ class Comparison(showing.Tabled):
         if fit.noise_floor == 0.0:
             return f"{head}; the torque has no noise, so nothing of what is left is chance."
         times = fit.rmse / fit.noise_floor
+        floor = f"times the noise floor of {fit.noise_floor:.4g} {unit}"
         if self.complete:
-            return f"{head}; what is left is {times:.3f} times the noise floor, and chance explains it."
+            return f"{head}: {times:.3f} {floor}, and chance explains it."
         if self.worst is None:
-            return f"{head}; what is left is {times:.3f} times the noise floor, and no axis shows where."
+            return f"{head}: {times:.3f} {floor}, and no axis shows where."
         worst = self.worst
         return (
-            f"{head}; what is left is {times:.2f} times the noise floor. It shows most along {worst.axis} "
+            f"{head}: {times:.2f} {floor}. It shows most along {worst.axis} "
             f"({100 * worst.share:.0f} % of the excess), worst at {worst.where()}."
         )
 
@@ -159,8 +217,7 @@ class Comparison(showing.Tabled):
         """RMS of the measured torque about its mean over the samples that count, N m."""
         import numpy as np
 
-        tau = np.concatenate([signals.tau[signals.used] for signals in self.fit.prepared])
-        return float(np.std(tau))
+        return float(np.std(np.concatenate([torque for _, torque in self._counted])))
 
     def plot(self) -> Figure:
         """The residual along every axis, with the band of chance and the regions that leave it."""
@@ -170,19 +227,27 @@ class Comparison(showing.Tabled):
         """Return the JSON document of `knobcam compare --json`."""
         fit = self.fit
         fitted = fit.document()
+        each = zip(fitted["captures"], self.by_capture, fit.prepared, strict=True)
+        captures = [
+            {**capture, **figures.document(), "fitted_to_it": origin.fitted_to(fit.model, one.capture)}
+            for capture, figures, one in each
+        ]
         return {
             "schema": "knobcam.compare/1",
-            "captures": fitted["captures"],
+            **self.figures.document(),
+            "noise_floor": fit.noise_floor,
+            "unit": fit.torque_unit,
+            "held_out": self.held_out,
+            "captures": captures,
             "findings": fitted["findings"],
             "effects": list(fit.model.effects),
-            "rmse": fit.rmse,
-            "noise_floor": fit.noise_floor,
             "torque_rms": self.torque_rms,
             "complete": self.complete,
             "summary": self.summary,
             "axes": [_split_document(split) for split in self.splits],
         }
 
+    _EACH = ("capture", "RMS error", "variance explained", "relative error")
     _HEAD = ("axis", "share of the excess", "by chance below", "where it is worst")
 
     def _rows(self) -> list[tuple[str, ...]]:
@@ -191,12 +256,24 @@ class Comparison(showing.Tabled):
             (split.axis, _percent(split.share), _percent(split.chance), split.where()) for split in ranked
         ]
 
+    def _each(self) -> list[tuple[str, ...]]:
+        """How large the error is on each of several captures, as rows of text."""
+        unit = self.fit.torque_unit
+        return [
+            (name, f"{one.rmse:.4g} {unit}", _percent(one.explained), _percent(one.relative))
+            for name, one in zip(names(self.fit.prepared), self.by_capture, strict=True)
+        ]
+
     def __repr__(self) -> str:
-        return self.summary + "\n" + text_table(self._HEAD, self._rows())
+        lines = [self.summary, *([self.origin] if self.origin else [])]
+        lines += [text_table(self._EACH, self._each())] if len(self.by_capture) > 1 else []
+        return "\n".join([*lines, text_table(self._HEAD, self._rows())])
 
     def tables(self) -> tuple[TextTable, ...]:
         """What it says of itself, as text."""
-        return (TextTable(self.summary, self._HEAD, self._rows()),)
+        each = TextTable("On each capture", self._EACH, self._each())
+        whole = TextTable(f"{self.summary} {self.origin}".rstrip(), self._HEAD, self._rows())
+        return (whole, each) if len(self.by_capture) > 1 else (whole,)
 
 
 def compare(fit: Fit) -> Comparison:

@@ -15,7 +15,7 @@ from ..errors import InputError
 from ..model.effects import clipping, effects
 from ..model.effects import effect as catalogued
 from .plausible import implausible
-from .refit import cores, describe, percent, with_clipped
+from .refit import PENALTY, cores, describe, percent, with_clipped
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping
@@ -28,9 +28,6 @@ if TYPE_CHECKING:
 CHANCE = 0.05
 """A p-value above it is no more than chance."""
 CHANCE_IN_WORDS = "No more than chance, or not worth their parameters"
-PENALTY = 12.0
-"""What a parameter must take off the sum of squares, in variances of the raw noise (BIC's for some thousands
-of independent samples, with the doubt about the noise on top)."""
 RELATIVE = 0.02
 """Sums of squares that differ by less than this share of what is left are no evidence either way."""
 

@@ -16,14 +16,17 @@ from .. import _core
 from ..base import showing
 from ..base.tables import TextTable, text_table
 from ..capture import Capture, load
-from ..capture.finding import Finding
+from ..capture.formats.units import SI
 from ..capture.prepare import Prepared
 from ..capture.prepare import prepare as prepare_signals
 from ..errors import InputError
 from ..model import Model
-from ..model.effects import base_effects, base_effects_shown, effects
+from ..model.effects import base_effects, base_effects_shown
 from . import refit
-from .plausible import REVERSED, reversed_torque
+from .described import described, said, sign
+from .doubts import doubts
+from .origin import with_origin
+from .plausible import reversed_torque
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
@@ -32,12 +35,11 @@ if TYPE_CHECKING:
     from ..base.showing import Figure, Look
     from .compare import Comparison
     from .diagnose import Diagnosis
+    from .forward import Forward
     from .stiction import Stiction
 
 Z95 = 1.959963984540054
 """Two-sided 95 % quantile of the normal distribution."""
-AT_FLOOR = 1.05
-"""An error this many times the noise floor is no different: the floor itself is known to a few percent."""
 
 
 class Estimate(NamedTuple):
@@ -74,8 +76,8 @@ class Fit(showing.Tabled):
 
     @cached_property
     def model(self) -> Model:
-        """The model at its best parameters."""
-        return Model(self.core.model)
+        """The model at its best parameters; it knows what it was fitted to."""
+        return with_origin(Model(self.core.model), self.prepared)
 
     @cached_property
     def params(self) -> Mapping[str, Estimate]:
@@ -169,11 +171,36 @@ class Fit(showing.Tabled):
         refits = self.core.bootstrap(draws, seed)
         return {name: refits[:, i] for i, name in enumerate(self.core.free)}
 
-    def compare(self) -> Comparison:
-        """Return where the model fails."""
+    def compare(
+        self,
+        captures: Capture | str | os.PathLike[str] | Sequence[Capture | str | os.PathLike[str]] | None = None,
+    ) -> Comparison:
+        """Return where the model fails: on its captures, or as it is on others (or their files)."""
         from .compare import compare
 
-        return compare(self)
+        return compare(self if captures is None else self._on(captures))
+
+    def forward(
+        self,
+        captures: Capture | str | os.PathLike[str] | Sequence[Capture | str | os.PathLike[str]] | None = None,
+        *,
+        horizon_s: float | None = None,
+    ) -> Forward:
+        """Return the motion that the measured torque makes of the model, beside the measured motion.
+
+        On its captures, or as it is on others. With a horizon the simulation begins anew from the measured
+        state after so many seconds. Raises InputError for a model without inertia.
+        """
+        from .forward import forward
+
+        return forward(self if captures is None else self._on(captures), horizon_s)
+
+    def _on(
+        self, captures: Capture | str | os.PathLike[str] | Sequence[Capture | str | os.PathLike[str]]
+    ) -> Fit:
+        """The model as it is, on other captures prepared in the same way."""
+        options: dict[str, Any] = dict(self.signals.options)
+        return fit(captures, self.model.frozen(), prepare=self.signals.method, **options)
 
     def diagnose(
         self,
@@ -229,8 +256,8 @@ class Fit(showing.Tabled):
         """Return the JSON document of `knobcam fit --json`."""
         return {
             "schema": "knobcam.fit/1",
-            "captures": [_describe(signals) for signals in self.prepared],
-            "findings": [*said(self.prepared), *([_sign(self)] if reversed_torque(self) else [])],
+            "captures": [described(signals) for signals in self.prepared],
+            "findings": [*said(self.prepared), *([sign(self.prepared)] if self.reversed_torque else [])],
             "rmse": self.rmse,
             "rmse_heldout": self.rmse_heldout,
             "noise_floor": self.noise_floor,
@@ -258,13 +285,23 @@ class Fit(showing.Tabled):
             rows.append((name, f"{e.value:.6g}" if e.determined else "-", e.interval, e.unit))
         return rows
 
+    @cached_property
+    def reversed_torque(self) -> bool:
+        """Whether the torque of the log has the other sign, beyond doubt."""
+        return reversed_torque(self)
+
+    @property
+    def torque_unit(self) -> str:
+        """What its errors are in."""
+        return SI[self.model.coordinate]["tau"]
+
     @property
     def _summary(self) -> str:
-        unit = "N m" if self.model.coordinate == "rotary" else "N"
-        noise = f"{self.noise_floor:.4g} by sensor noise alone"
+        unit = self.torque_unit
+        noise = f"{self.noise_floor:.4g} {unit} by sensor noise alone"
         if math.isnan(self.noise_floor):
             noise = "too few samples, or too slow ones, to tell the sensor's noise"
-        return f"RMS error {self.rmse:.4g} {unit} ({self.rmse_heldout:.4g} on unseen blocks, {noise})"
+        return f"RMS error {self.rmse:.4g} {unit} ({self.rmse_heldout:.4g} {unit} on unseen blocks, {noise})"
 
     def __repr__(self) -> str:
         lines = ["Fit: " + self._summary, text_table(self.HEAD, self.rows()), self.core.message]
@@ -275,42 +312,11 @@ class Fit(showing.Tabled):
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """What makes these values doubtful, a sentence each."""
-        base = {
-            name: e
-            for name, e in self.params.items()
-            if name.split(".", 1)[0] in base_effects(self.model.coordinate)
-        }
-        negative = [name for name, e in base.items() if e.determined and e.ci95[1] < 0.0]
-        if reversed_torque(self):
-            found = [REVERSED]
-        else:
-            told = self.noise_floor > 0.0 and self.rmse <= AT_FLOOR * self.noise_floor
-            why = "over these speeds it describes what remains" if told else "an effect is probably missing"
-            found = [f"{name} is negative, which no real knob has: {why}" for name in negative]
-        alike = [signals for signals in self.prepared if _moves_like_a_spring(signals)]
-        if alike and len(alike) == len(self.prepared) and self.model.core.at_rest()[0] != 0.0:
-            found.append(
-                "position and acceleration move together, so inertia cannot be told from a stiffness over "
-                "position: record a motion of more than one frequency"
-            )
-        return (*found, *_at_bounds(self))
+        return doubts(self)
 
     def tables(self) -> tuple[TextTable, ...]:
         """What it says of itself, as text."""
         return (TextTable("Fit: " + self._summary, self.HEAD, self.rows()),)
-
-
-def _at_bounds(fit: Fit) -> list[str]:
-    """What is said of parameters that the search ended at; at a neutral bound there is just none of it."""
-    catalogue = effects(fit.model.coordinate)
-    found = []
-    for name, estimate in fit.params.items():
-        effect, own = name.split(".", 1)
-        row = catalogue[effect].parameter(own)
-        for bound in {row.lower, row.upper} - {row.neutral}:
-            if estimate.determined and math.isclose(estimate.value, bound, rel_tol=1e-6):
-                found.append(f"{name} is at its bound, {bound:g}: it stands in for something else")
-    return found
 
 
 def fit(
@@ -362,36 +368,3 @@ def _check_captures(captures: Sequence[Capture]) -> None:
                     f"captures {before} and {number} are the same: counting one twice would only narrow "
                     "the intervals; give it once"
                 )
-
-
-def _moves_like_a_spring(signals: Prepared) -> bool:
-    """Whether acceleration is proportional to position, as in an oscillation of one frequency."""
-    theta, alpha = signals.theta[signals.used], signals.alpha[signals.used]
-    spread = float(np.std(theta) * np.std(alpha))
-    return spread > 0.0 and float(np.mean((theta - theta.mean()) * (alpha - alpha.mean()))) < -0.98 * spread
-
-
-def _sign(fit: Fit) -> dict[str, Any]:
-    every = sum(one.capture.samples for one in fit.prepared)
-    return Finding("sign", "tau", every, ((1, every),), REVERSED, "warning").document()
-
-
-def said(prepared: Sequence[Prepared]) -> list[dict[str, Any]]:
-    """What was found in captures, as the JSON documents have it: of several, which one each is about."""
-    every = [(one.capture, finding) for one in prepared for finding in one.capture.findings]
-    if len(prepared) == 1:
-        return [finding.document() for _, finding in every]
-    return [{"capture": str(capture.meta.get("source", ""))} | one.document() for capture, one in every]
-
-
-def _describe(signals: Prepared) -> dict[str, Any]:
-    capture = signals.capture
-    return {
-        "path": str(capture.meta.get("source", "")),
-        "samples": capture.samples,
-        "duration_s": capture.duration_s,
-        "sample_rate_hz": capture.rate_hz,
-        "masked": int(np.sum(~capture.mask)),
-        "used": signals.core.used,
-        "findings": [finding.document() for finding in capture.findings],
-    }

@@ -21,6 +21,12 @@ if TYPE_CHECKING:
     from .fitting import Fit
 
 
+PENALTY = 12.0
+"""What a parameter must take off the sum of squares, in variances of the raw noise (BIC's for some thousands
+of independent samples, with the doubt about the noise on top)."""
+_ROUNDING = 1e-9  # of an error
+
+
 class Moved(NamedTuple):
     """How far a parameter went: in standard errors of its new value, and in percent of its old one."""
 
@@ -99,6 +105,32 @@ def error_fall(before: Fit, after: Fit) -> float:
     return 1.0 - after.rmse / before.rmse if before.rmse > 0.0 else 0.0
 
 
+def unpaid(fit: Fit, bare: Fit) -> bool:
+    """Whether a fit takes off no more than the price of the parameters that a barer one lacks."""
+    count = len(fit.core.free) - len(bare.core.free)
+    gain = (bare.rmse**2 / fit.noise_floor**2 - fit.rmse**2 / fit.noise_floor**2) * fit.white_squares
+    return gain <= PENALTY * count
+
+
+def worse(fit: Fit) -> tuple[str, ...]:
+    """Return why a fit is no better than the one that it came from, a sentence each; none where it is."""
+    before = fit.before
+    if before is None:
+        return ()
+    unit, said = fit.torque_unit, []
+    was, now = before.rmse_heldout, fit.rmse_heldout
+    if now > was * (1.0 + _ROUNDING):
+        rise = percent(now / was - 1.0) if was > 0.0 else "from none"
+        said.append(f"the error on unseen blocks rose from {was:.4g} to {now:.4g} {unit} ({rise})")
+    if fit.rmse >= before.rmse * (1.0 - _ROUNDING):
+        said.append("the error that it was fitted to did not fall")
+    elif fit.noise_floor > 0.0 and before.noise_floor > 0.0 and unpaid(fit, before):
+        count = len(fit.core.free) - len(before.core.free)
+        more = "another parameter" if count == 1 else f"{count} more parameters"
+        said.append(f"the error fell by no more than chance takes off with {more}")
+    return tuple(said)
+
+
 def moved(before: Fit, after: Fit) -> dict[str, Moved]:
     """Return how far the parameters went that both fits determine."""
     both = {}
@@ -122,6 +154,7 @@ def document(fit: Fit) -> dict[str, Any]:
     known: dict[str, Any] = {"added": list(added(fit)), "error_fall": fit.error_fall}
     if fit.before is not None:
         known["before"] = {"rmse": fit.before.rmse, "rmse_heldout": fit.before.rmse_heldout}
+        known |= {"worse": bool(worse(fit)), "why_worse": list(worse(fit))}
     return fit.document() | {"schema": "knobcam.add/1", **known, "moved": describe(fit.moved)}
 
 
@@ -129,9 +162,11 @@ def in_words(fit: Fit) -> str:
     """Return in words what adding did to the error and to the parameters that were there before."""
     if fit.before is None:
         return ""
-    unit = "N m" if fit.model.coordinate == "rotary" else "N"
+    unit = fit.torque_unit
     change = f"{fit.before.rmse:.4g} to {fit.rmse:.4g} {unit} ({percent(-fit.error_fall)})"
     lines = [f"With {', '.join(added(fit))}: RMS error from {change}."]
+    if why := worse(fit):
+        lines.append(f"That made things no better: {', and '.join(why)}.")
     if fit.moved:
         rows = [(name, f"{m.by_se:+.3g}", f"{m.by_percent:+.3g} %") for name, m in fit.moved.items()]
         lines.append(text_table(("parameter", "moved by (standard errors)", "of its old value"), rows))

@@ -168,7 +168,7 @@ class LearningResult(showing.Tabled):
     @property
     def head(self) -> tuple[str, ...]:
         """What the columns of `rows` are."""
-        unit = "N m" if self.model.coordinate == "rotary" else "N"
+        unit = self.fit.torque_unit
         return ("model", f"RMS error ({unit})", "on unseen blocks", "error", "p-value", "cannot be told from")
 
     def rows(self) -> list[tuple[str, ...]]:

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ..capture.formats.units import SI
 from ..capture.prepare import travel
+from ..fit.doubts import AT_FLOOR
 from ..model.effects import base_effects
 
 if TYPE_CHECKING:
@@ -20,6 +22,8 @@ _SLOW = 0.1  # slow beside the fastest, at which friction that depends on speed 
 _SLOW_TIME = 0.002  # even a brisk turn at each end spends this part of the time below that
 _MOVING = 0.02  # beside the fastest: below it the sign of the velocity means nothing
 _ONE_WAY = 0.02  # less of the way than this in one direction tells nothing of it
+_EVEN = 1.2  # the 95th over the 5th percentile: speeds that say no more than one speed
+_SEEN = 3.0  # standard deviations
 _SMALL_TURN_RAD = 0.5  # about the widest detent of the haptic-camera paper's knobs (knob 4: 0.478 rad)
 
 
@@ -37,8 +41,8 @@ def limitations(fit: Fit) -> tuple[Limitation, ...]:
     found = [
         _length(fit),
         *_directions(fit, omega),
-        _slowness(omega),
-        _excitation(fit),
+        _slowness(fit, omega),
+        _excitation(fit, omega),
         _width(fit),
         _noise(fit),
     ]
@@ -86,32 +90,57 @@ def _reversals(omega: FloatArray, moving: float) -> int:
     return int(np.sum(signs[1:] != signs[:-1]))
 
 
-def _slowness(omega: FloatArray) -> Limitation | None:
-    speed = np.abs(omega)
+def _slowness(fit: Fit, omega: FloatArray) -> Limitation | None:
+    speed, unit = np.abs(omega), SI[fit.model.coordinate]["omega"]
     top = float(np.max(speed))
     if float(np.mean(speed < _SLOW * top)) >= _SLOW_TIME:
         return None
     return Limitation(
         "no_slow_motion",
-        f"the speed never falls below {_SLOW * top:.3g}: what friction does near standstill cannot show",
+        f"the speed never falls below {_SLOW * top:.3g} {unit}: what friction does near standstill cannot "
+        "show",
         "record slow turning and gentle reversals as well",
     )
 
 
-def _excitation(fit: Fit) -> Limitation | None:
-    """The fastest parts of the motion must move the torque by more than what is left of it."""
+def _excitation(fit: Fit, omega: FloatArray) -> Limitation | None:
+    """Speeds and accelerations must vary; where the model is right, by more than noise hides.
+
+    A model that is wrong says nothing of the motion: what it lacks drowns both torques on any.
+    """
+    alpha = np.concatenate([one.alpha[one.used] for one in fit.prepared])
+    speed = np.abs(omega)
+    moving = speed[speed >= _SLOW * float(np.max(speed))]
+    low, high = (float(np.quantile(moving, q)) for q in (0.05, 0.95))
+    right = fit.noise_floor > 0.0 and fit.rmse <= AT_FLOOR * fit.noise_floor
+    if not (_too_even(fit, high / low if low > 0.0 else 1.0, alpha) or (right and not _stands_out(fit))):
+        return None
+    units, rms = SI[fit.model.coordinate], math.sqrt(float(np.mean(alpha**2)))
+    return Limitation(
+        "too_slow",
+        f"the motion is too slow or too even, with speeds of {low:.3g} to {high:.3g} {units['omega']} and "
+        f"accelerations of {rms:.3g} {units['alpha']} (RMS): neither viscous friction nor inertia stands out",
+        "turn faster and change speed more, as a sweep does",
+    )
+
+
+def _too_even(fit: Fit, spread: float, alpha: FloatArray) -> bool:
+    """Whether the speed keeps to one value, and the acceleration to what the noise of its sensors makes."""
+    sd = [one.sd("alpha") for one in fit.prepared]
+    if spread > _EVEN or any(one is None for one in sd):
+        return False
+    known = [one[signals.used] for one, signals in zip(sd, fit.prepared, strict=True) if one is not None]
+    return float(np.mean(alpha**2)) <= (_SEEN * float(np.median(np.concatenate(known)))) ** 2
+
+
+def _stands_out(fit: Fit) -> bool:
+    """Whether a torque of the base model that needs motion is more than chance; true where there is none."""
     base = base_effects(fit.model.coordinate)
     # A torque that needs motion has a time in its unit.
     swift = [
         e for name, e in fit.params.items() if name.split(".", 1)[0] in base and re.search(r"\bs\b", e.unit)
     ]
-    if not swift or any(e.determined and abs(e.value) > 3.0 * e.se for e in swift):
-        return None
-    return Limitation(
-        "too_slow",
-        "the motion is too slow or too even: neither viscous friction nor inertia stands out",
-        "turn faster and change speed more, as a sweep does",
-    )
+    return not swift or any(e.determined and abs(e.value) > _SEEN * e.se for e in swift)
 
 
 def _width(fit: Fit) -> Limitation | None:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from .. import _core
 from ..capture.prepare import travel
-from ..fit.diagnose import PENALTY, Candidate, Diagnosis, diagnose
-from ..fit.plausible import REVERSED, reversed_torque
-from ..fit.refit import converged, cores, drop, with_clipped
+from ..fit.diagnose import Candidate, Diagnosis, diagnose
+from ..fit.plausible import REVERSED
+from ..fit.refit import converged, cores, drop, unpaid, with_clipped
 from ..model.effects import base_effects_shown, clipping, descriptions, effects
 from .ladder import LearningStep, Unexplained
 
@@ -73,7 +73,7 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
     came = dict.fromkeys(step.added for step in ladder if step.added is not None)
     effects_now = ladder[-1].fit.model.effects
     found = tuple(one for one in came if one in effects_now and one not in base)
-    if reversed_torque(ladder[-1].fit):
+    if ladder[-1].fit.reversed_torque:
         # What is wrong is the log, not the knob.
         return Selection(tuple(ladder), (), last, Unexplained("load", 1.0, REVERSED))
     unexplained = _unexplained(last.comparison)
@@ -141,13 +141,6 @@ def retested(fit: Fit, tested: Collection[str]) -> tuple[Fit, tuple[str, ...]]:
             fit = bare
             dropped.append(effect)
     return fit, tuple(dropped)
-
-
-def unpaid(fit: Fit, bare: Fit) -> bool:
-    """Whether a fit takes off no more than the price of the parameters that a barer one lacks."""
-    count = len(fit.core.free) - len(bare.core.free)
-    gain = (bare.rmse**2 / fit.noise_floor**2 - fit.rmse**2 / fit.noise_floor**2) * fit.white_squares
-    return gain <= PENALTY * count
 
 
 def _unexplained(comparison: Comparison) -> Unexplained | None:

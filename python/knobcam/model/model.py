@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from ..capture.formats.units import Coordinate
 
 KNOBS = ("knob1", "knob2", "knob3", "knob4", "knob5")
+_HEAD_BYTES = 4096  # in which a model file has its schema, below whatever its author remarks
 
 
 class Parameter(NamedTuple):
@@ -71,6 +72,17 @@ class Model(showing.Tabled):
             return cls.parse(text)
         except InputError as error:
             raise InputError(f"{path}: {error}") from None
+
+    @staticmethod
+    def is_named(path: str) -> bool:
+        """Whether a path is meant as a model: a shipped name, a TOML file, or one that says so on top."""
+        if path in KNOBS or path.lower().endswith(".toml"):
+            return True
+        try:
+            with Path(path).open("rb") as file:
+                return b"knobcam.model/" in file.read(_HEAD_BYTES)
+        except OSError:
+            return False
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Model) and self.text() == other.text()
@@ -125,6 +137,11 @@ class Model(showing.Tabled):
     def params(self) -> Mapping[str, Parameter]:
         """All parameters by `effect.parameter`."""
         return {row[0]: Parameter(*row) for row in self.core.rows()}
+
+    @property
+    def fitted_to(self) -> tuple[str, ...]:
+        """The captures that its values come from, name and fingerprint each; none where nobody said."""
+        return tuple(self.core.fitted_to)
 
     @property
     def period(self) -> float | None:

@@ -186,7 +186,7 @@ def _remains(learned: LearningResult) -> str:
 
 def _sure(learned: LearningResult) -> str:
     fit = learned.fit
-    unit = "N m" if fit.model.coordinate == "rotary" else "N"
+    unit = fit.torque_unit
     parts = [
         _paragraph(
             f"The sensor's noise alone would leave {fit.noise_floor:.4g} {unit}; the last model leaves "

@@ -9,6 +9,7 @@ from ..capture.prepare import Prepared
 from ..fit import Fit
 from ..fit.compare import Comparison
 from ..fit.diagnose import Diagnosis
+from ..fit.forward import Forward
 from ..fit.stiction import Stiction
 from ..learn import LearningResult
 from ..model import Model
@@ -44,6 +45,8 @@ def plot(result: object) -> Figure:
             return pictures.fit(result)
         case Comparison():
             return pictures.comparison(result)
+        case Forward():
+            return pictures.forward(result)
         case Stiction():
             return pictures.stiction(result.fit, result)
         case Diagnosis():

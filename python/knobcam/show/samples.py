@@ -73,7 +73,7 @@ def head(shown: Sequence[Shown]) -> pages.Shown:
     """Return all but the samples: units, noise floor, how many samples there are, the steps."""
     last = shown[-1].fit
     return {
-        "unit": "N m" if last.model.coordinate == "rotary" else "N",
+        "unit": last.torque_unit,
         "coordinate": last.model.coordinate,
         "noise": last.noise_floor,
         "all": sum(one.capture.samples for one in last.prepared),

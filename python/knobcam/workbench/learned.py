@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from ..fit.refit import unpaid
 from ..learn import LearningResult
 from ..learn.ladder import LearningStep
-from ..learn.selection import Selection, concluded, unpaid
+from ..learn.selection import Selection, concluded
 from ..model.effects import base_effects_shown
 
 if TYPE_CHECKING:

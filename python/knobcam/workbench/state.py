@@ -49,7 +49,7 @@ def document(session: Session) -> pages.Session:
         "branch": branch.id,
         "node": view.id,
         "noise_floor": fitted.noise_floor,
-        "unit": "N m" if fitted.model.coordinate == "rotary" else "N",
+        "unit": fitted.torque_unit,
         "params": _parameters(view),
         "rmse": view.rmse,
         "rmse_heldout": view.rmse_heldout,

@@ -6,18 +6,20 @@
 //!
 //! Whatever moves a knob goes through here. A motion that is prescribed is followed by inverse dynamics over whole
 //! columns ([`along`]: predictions, fits, captures from a model, the emulated rig) or sample by sample (the render
-//! step), behind a joint through the [`Hidden`] knob in both; a force makes a motion through [`push`]. There is one
+//! step), behind a joint through the [`Hidden`] knob in both; a force makes a motion through [`Driven`]. There is one
 //! law of dry friction ([`Load::friction`](crate::motion::Load::friction) and
 //! [`Load::sticking`](crate::motion::Load::sticking)) and one [stepper](Body).
 
 mod behind;
 mod block;
+mod driven;
 mod hidden;
 mod push;
 mod rigid;
 mod stepper;
 
 pub use block::Block;
+pub use driven::{Drive, Driven, steps};
 pub use hidden::{Beside, Hidden, Instant};
 pub use push::{Hand, Pushed, push};
 pub use stepper::{Acts, Body};

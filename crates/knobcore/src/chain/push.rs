@@ -1,21 +1,14 @@
 //! The chain driven by a force: a hand pushes the shaft through a spring, and the knob sticks and slips.
 //!
-//! The hand is a joint like any other, from its own motion to the shaft; with a joint of the model behind it the shaft
-//! is a body between two. A stuck knob has exactly zero velocity and leaves when what would move it exceeds what holds
-//! it.
+//! A stuck knob has exactly zero velocity and leaves when what would move it exceeds what holds it.
 
-use super::stepper::{Acts, Body};
+use super::driven::{Drive, Driven, steps};
 use super::{SUBSTEPS, loads, sensors};
 use crate::effects::Joint;
 use crate::effects::law::Response;
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::motion::Motion;
-
-/// Steps per sample: what breaks away does so within a few of them.
-const STEPS: usize = 32;
-/// Halvings at most in the search for the speed of a shaft between two joints.
-const HALVINGS: usize = 60;
 
 /// A hand: it follows its own motion and is tied to the shaft by a spring and a damper.
 #[derive(Debug, Clone, Copy)]
@@ -48,16 +41,10 @@ pub struct Pushed {
 /// A model without inertia, or a hand that is too stiff for the sampling rate.
 pub fn push(model: &Model, reference: &[f64], dt: f64, hand: Hand) -> Result<Pushed> {
     let p = model.values();
-    let still = Motion::exact(0.0, 0.0, 0.0, 0.0);
-    let inertia = model.load(&p, &mut vec![0.0; model.states()], &still).inertia;
-    if inertia.is_nan() || inertia <= 0.0 {
-        return Err(Error::invalid(
-            "inertia.M",
-            "must be positive where torque makes motion; add the effect inertia",
-        ));
-    }
-    let h = dt / STEPS as f64;
-    if hand.stiffness * h * h > 0.5 * inertia || hand.damping * h > 0.5 * inertia {
+    let mut pushed = Driven::new(model, &p, reference.first().copied().unwrap_or(0.0), 0.0)?;
+    let steps = steps(dt);
+    let h = dt / steps as f64;
+    if hand.stiffness * h * h > 0.5 * pushed.inertia || hand.damping * h > 0.5 * pushed.inertia {
         return Err(Error::invalid(
             "hand",
             "is too stiff for this inertia and rate; lower it, or raise the rate",
@@ -65,19 +52,16 @@ pub fn push(model: &Model, reference: &[f64], dt: f64, hand: Hand) -> Result<Pus
     }
     let Hand { stiffness, damping } = hand;
     let grip = Joint { gap: 0.0, stiffness, damping, share: 1.0, welded: true };
-    let start = Body::at(reference.first().copied().unwrap_or(0.0), 0.0);
-    let (joint, state) = (model.joint(&p), vec![0.0; model.states()]);
-    let mut pushed = Pushing { model, p: &p, state, grip, joint, inertia, shaft: start, knob: start, h };
     let mut out = Pushed::default();
     let mut held = Vec::with_capacity(reference.len());
     for (sample, target) in reference.iter().enumerate() {
         let before = reference.get(sample.wrapping_sub(1)).copied().unwrap_or(*target);
-        let along = |step: usize| before + (target - before) * step as f64 / STEPS as f64;
+        let along = |step: usize| before + (target - before) * step as f64 / steps as f64;
         let (mut alpha, mut tau) = (0.0, 0.0);
-        for step in 0..STEPS {
+        for step in 0..steps {
             let t = (sample as f64 - 1.0) * dt + step as f64 * h;
             let speed = pushed.shaft.omega;
-            tau = pushed.step(t.max(0.0), [along(step), along(step + 1)]);
+            tau = pushed.step(t.max(0.0), h, &Drive::Grip(&grip, [along(step), along(step + 1)]));
             alpha = (pushed.shaft.omega - speed) / h;
         }
         out.theta.push(pushed.shaft.theta);
@@ -105,84 +89,6 @@ fn recorded(model: &Model, p: &[f64], motion: &Pushed, dt: f64, held: &[f64]) ->
     }
     sensors(model, p, &columns, &mut over);
     tau
-}
-
-/// A shaft in a hand, with the knob on it or behind a joint.
-struct Pushing<'a> {
-    model: &'a Model,
-    p: &'a [f64],
-    state: Vec<f64>,
-    grip: Joint<f64>,
-    joint: Option<Joint<f64>>,
-    inertia: f64,
-    shaft: Body<f64>,
-    /// The same as the shaft where they are one.
-    knob: Body<f64>,
-    h: f64,
-}
-
-impl Pushing<'_> {
-    /// One step while the hand goes from one angle to the next; the torque of the hand in it, N m.
-    fn step(&mut self, t: f64, hand: [f64; 2]) -> f64 {
-        let motion = Motion::exact(t, self.knob.theta, self.knob.omega, 0.0);
-        let mut load = self.model.load(self.p, &mut self.state, &motion);
-        self.model.own_load(self.p, &motion, &mut load);
-        let share = self.joint.map_or(1.0, |joint| joint.share);
-        let acts = Acts::of(&load, false, &self.knob, share * self.inertia);
-        let Some(joint) = self.joint else {
-            let (next, force) = self.shaft.stepped(&self.grip, &acts, hand, self.h);
-            (self.shaft, self.knob) = (next, next);
-            return force;
-        };
-        // The shaft takes what the hand gives and the joint does not pass on: the one speed at which that is so,
-        // for the hand gives less and the joint takes more the faster it goes.
-        let (shaft, knob, h, own) = (self.shaft, self.knob, self.h, (1.0 - share) * self.inertia);
-        let given = |omega: f64| {
-            let middle = 0.5 * (shaft.theta + shaft.moved(omega, h).theta);
-            let (goal, speed) = (0.5 * (hand[0] + hand[1]), (hand[1] - hand[0]) / h);
-            self.grip.stiffness * (goal - middle) + self.grip.damping * (speed - 0.5 * (shaft.omega + omega))
-        };
-        let passed = |omega: f64| knob.stepped(&joint, &acts, [shaft.theta, shaft.moved(omega, h).theta], h);
-        let left = |omega: f64| own * (omega - shaft.omega) / h + passed(omega).1 - given(omega);
-        let omega = crossing(left, shaft.omega, given(shaft.omega).abs() * h / self.inertia + 1e-9);
-        (self.shaft, self.knob) = (shaft.moved(omega, h), passed(omega).0);
-        given(omega)
-    }
-}
-
-/// Where a rising function crosses zero, near `guess`; `by` is a first step away from it.
-fn crossing(rising: impl Fn(f64) -> f64, guess: f64, by: f64) -> f64 {
-    let (mut low, mut high, mut step) = (guess, guess, by);
-    for _ in 0..HALVINGS {
-        if rising(low) <= 0.0 {
-            break;
-        }
-        (low, step) = (low - step, 2.0 * step);
-    }
-    step = by;
-    for _ in 0..HALVINGS {
-        if rising(high) >= 0.0 {
-            break;
-        }
-        (high, step) = (high + step, 2.0 * step);
-    }
-    // Straight in pieces: a secant lands on the zero of its piece, a halving finds the piece.
-    let (mut below, mut above) = (rising(low), rising(high));
-    for _ in 0..HALVINGS {
-        if high - low <= 1e-15 * (1.0 + low.abs().max(high.abs())) || above == below {
-            break;
-        }
-        for middle in [low - below * (high - low) / (above - below), 0.5 * (low + high)] {
-            let middle = middle.max(low).min(high);
-            let value = rising(middle);
-            if value > 0.0 {
-                (high, above) = (middle, value);
-            } else {
-                (low, below) = (middle, value);
-            }
-        }
-    }
-    if above.abs() < below.abs() { high } else { low }
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ from .candidates import diagnosis
 from .change import before_after
 from .failures import comparison
 from .felt import felt
+from .forward import forward
 from .gallery import save_all, save_learning
 from .ladder import ladder
 from .laws import model
@@ -33,6 +34,7 @@ __all__ = [
     "effect",
     "felt",
     "fit",
+    "forward",
     "haptic_profile",
     "ladder",
     "learned",

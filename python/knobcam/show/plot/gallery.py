@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from .candidates import diagnosis
 from .change import before_after
 from .failures import comparison as draw_comparison
+from .forward import forward as draw_forward
 from .ladder import ladder
 from .laws import model
 from .learned import learned as draw_learned
@@ -26,13 +27,19 @@ if TYPE_CHECKING:
 
     from ...fit import Fit
     from ...fit.compare import Comparison
+    from ...fit.forward import Forward
     from ...learn import LearningResult
     from .style import Picture
 
 _DPI = 130
 
 
-def save_all(fit: Fit, folder: str | os.PathLike[str], comparison: Comparison | None = None) -> list[Path]:
+def save_all(
+    fit: Fit,
+    folder: str | os.PathLike[str],
+    comparison: Comparison | None = None,
+    forward: Forward | None = None,
+) -> list[Path]:
     """Write the standard pictures of a fit as PNG into a folder, made if need be, and return their paths.
 
     Of several captures the first is shown over time.
@@ -54,6 +61,8 @@ def save_all(fit: Fit, folder: str | os.PathLike[str], comparison: Comparison | 
         pictures["scan"] = lambda: scan(fit)
     if comparison is not None:
         pictures["comparison"] = lambda: draw_comparison(comparison)
+    if forward is not None:
+        pictures["forward"] = lambda: draw_forward(forward)
     return _save(pictures, Path(folder))
 
 

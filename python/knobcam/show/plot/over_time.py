@@ -27,10 +27,10 @@ def capture(capture: Capture) -> Picture:
     """Motion and torque of a capture over time (Figures 4 and 5 of the paper); masked samples stand out."""
     columns = [name for name in _NAMES if name in capture.columns]
     figure, rows = _stack(capture, columns, source_of(capture))
-    t = _times(capture)
+    t = times(capture)
     for name, axes in zip(columns, rows, strict=True):
         values = capture.columns[name] * _factor(capture, name)
-        _line(axes, t, np.where(capture.mask, values, np.nan), color=BLUE, lw=0.9)
+        line(axes, t, np.where(capture.mask, values, np.nan), color=BLUE, lw=0.9)
         _limits(axes, values[capture.mask])
         _mark(axes, t, ~capture.mask)
     legend_above(rows[0])
@@ -42,14 +42,14 @@ def prepared(prepared: Prepared) -> Picture:
     """A capture as recorded (wide, grey) and as prepared (thin, blue) over time."""
     capture = prepared.capture
     figure, rows = _stack(capture, list(_NAMES), f"{source_of(capture)}, prepared by '{prepared.method}'")
-    t = _times(capture)
+    t = times(capture)
     for name, axes in zip(_NAMES, rows, strict=True):
         factor = _factor(capture, name)
         if name in capture.columns:
             values = np.where(capture.mask, capture.columns[name] * factor, np.nan)
-            _line(axes, t, values, color=PALE, lw=3.0, label="as recorded")
+            line(axes, t, values, color=PALE, lw=3.0, label="as recorded")
         smooth = prepared.on_capture(getattr(prepared, name)) * factor
-        _line(axes, t, smooth, color=BLUE, lw=0.9, label="as prepared")
+        line(axes, t, smooth, color=BLUE, lw=0.9, label="as prepared")
         _limits(axes, smooth[np.isfinite(smooth)])
         _mark(axes, t, ~capture.mask)
         if name not in capture.columns:
@@ -76,13 +76,13 @@ def overlay(commanded: MotionTrack, capture: Capture, torque: FloatArray | None 
         expected["tau"] = torque
     columns = [name for name in expected if name in capture.columns]
     figure, rows = _stack(capture, columns, f"{source_of(capture)}, commanded and measured")
-    t = _times(capture)
+    t = times(capture)
     start = float(commanded.t[0])
     for name, axes in zip(columns, rows, strict=True):
         factor = _factor(capture, name)
-        _line(axes, commanded.t - start, expected[name] * factor, color=PALE, lw=4.5, label="commanded")
+        line(axes, commanded.t - start, expected[name] * factor, color=PALE, lw=4.5, label="commanded")
         measured = np.where(capture.mask, capture.columns[name] * factor, np.nan)
-        _line(axes, t, measured, color=BLUE, lw=0.8, label="measured")
+        line(axes, t, measured, color=BLUE, lw=0.8, label="measured")
         _limits(axes, np.append(measured[np.isfinite(measured)], expected[name] * factor))
         _mark(axes, t, ~capture.mask)
     legend_above(rows[0])
@@ -113,7 +113,7 @@ def _stack(capture: Capture, columns: list[str], title: str) -> tuple[Picture, l
     return figure, rows
 
 
-def _times(capture: Capture) -> FloatArray:
+def times(capture: Capture) -> FloatArray:
     """Return time since the start; a masked sample, whose stamp may be wrong, lies between its neighbours."""
     if not capture.mask.any():
         return np.arange(capture.samples) / capture.rate_hz
@@ -123,7 +123,8 @@ def _times(capture: Capture) -> FloatArray:
     return since
 
 
-def _line(axes: Axes, t: FloatArray, values: FloatArray, **options: object) -> None:
+def line(axes: Axes, t: FloatArray, values: FloatArray, **options: object) -> None:
+    """Draw a line over time, of no more points than show."""
     axes.plot(*envelope(t, values), solid_joinstyle="round", **options)  # type: ignore[arg-type]
 
 

@@ -1,0 +1,58 @@
+"""What makes the values of a fit doubtful, though it converged."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..model.effects import base_effects, effects
+from .plausible import REVERSED
+
+if TYPE_CHECKING:
+    from ..capture.prepare import Prepared
+    from .fitting import Fit
+
+AT_FLOOR = 1.05
+"""An error this many times the noise floor is no different: the floor itself is known to a few percent."""
+
+
+def doubts(fit: Fit) -> tuple[str, ...]:
+    """Return what makes the values of a fit doubtful, a sentence each."""
+    base = base_effects(fit.model.coordinate)
+    own = {name: e for name, e in fit.params.items() if name.split(".", 1)[0] in base}
+    negative = [name for name, e in own.items() if e.determined and e.ci95[1] < 0.0]
+    if fit.reversed_torque:
+        found = [REVERSED]
+    else:
+        told = fit.noise_floor > 0.0 and fit.rmse <= AT_FLOOR * fit.noise_floor
+        why = "over these speeds it describes what remains" if told else "an effect is probably missing"
+        found = [f"{name} is negative, which no real knob has: {why}" for name in negative]
+    alike = [signals for signals in fit.prepared if _moves_like_a_spring(signals)]
+    if alike and len(alike) == len(fit.prepared) and fit.model.core.at_rest()[0] != 0.0:
+        found.append(
+            "position and acceleration move together, so inertia cannot be told from a stiffness over "
+            "position: record a motion of more than one frequency"
+        )
+    return (*found, *_at_bounds(fit))
+
+
+def _at_bounds(fit: Fit) -> list[str]:
+    """What is said of parameters that the search ended at; at a neutral bound there is just none of it."""
+    catalogue = effects(fit.model.coordinate)
+    found = []
+    for name, estimate in fit.params.items():
+        effect, own = name.split(".", 1)
+        row = catalogue[effect].parameter(own)
+        for bound in {row.lower, row.upper} - {row.neutral}:
+            if estimate.determined and math.isclose(estimate.value, bound, rel_tol=1e-6):
+                found.append(f"{name} is at its bound, {bound:g}: it stands in for something else")
+    return found
+
+
+def _moves_like_a_spring(signals: Prepared) -> bool:
+    """Whether acceleration is proportional to position, as in an oscillation of one frequency."""
+    theta, alpha = signals.theta[signals.used], signals.alpha[signals.used]
+    spread = float(np.std(theta) * np.std(alpha))
+    return spread > 0.0 and float(np.mean((theta - theta.mean()) * (alpha - alpha.mean()))) < -0.98 * spread
