@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from ..base.showing import Figure
     from .prepare import Prepared
 
+_NO_CLOCK = "no column of times; map t=COLUMN, or give the sampling rate in Hz (--rate)"
 _RATE_AGREEMENT = 0.01  # a given rate that differs more from the time stamps (relative) contradicts them
 
 
@@ -258,6 +259,8 @@ def of_table(
         coordinate = native["axis"]
     resolved = resolve(table, map, coordinate)
     columns = resolved.columns
+    if "t" not in columns and rate_hz is None:
+        raise InputError(f"{file}: {_NO_CLOCK}; the file has {table.listing()}")
     keep = _between(str(file), columns, rate_hz, start, end)
     rows = np.arange(1, len(columns["theta"]) + 1)
     if table.meta is not None:
@@ -274,7 +277,8 @@ def of_table(
         return _restored(capture, native, table, keep)
     limits = {name: at[keep] for name, at in table.limits.items() if name in capture.columns}
     clipped, found = check_limits(limits, capture.mask, rows[keep])
-    return replace(capture, mask=capture.mask & ~clipped, findings=(*table.notes, *capture.findings, *found))
+    said = (*table.notes, *resolved.notes, *capture.findings, *found)
+    return replace(capture, mask=capture.mask & ~clipped, findings=said)
 
 
 def _restored(capture: Capture, native: Mapping[str, Any], table: Table, keep: slice | BoolArray) -> Capture:
@@ -312,7 +316,7 @@ def _between(
         raise InputError(f"a rate of {rate_hz} Hz is no sampling rate; give samples a second")
     if "t" not in columns:
         if rate_hz is None:
-            raise InputError(f"{source}: no column of times; map t=COLUMN, or give the sampling rate in Hz")
+            raise InputError(f"{source}: {_NO_CLOCK}")
         columns["t"] = np.arange(len(columns["theta"])) / rate_hz
     if start is None and end is None:
         return slice(None)

@@ -13,6 +13,7 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...errors import InputError
+from .loggers import TABS
 from .table import Table
 
 _DOCUMENT = "# knobcam:"
@@ -44,6 +45,7 @@ def read_text(source: str, kind: str, raw: bytes) -> Table:
     if decimal_comma:
         lines = io.StringIO(lines.read().replace(",", "."))
     columns, broken = _numbers(source, names, lines, delimiter)
+    kind = TABS if kind == "CSV" and delimiter == "\t" and not has_header else kind
     return Table(source, kind, columns, broken, _document(source, comments))
 
 
