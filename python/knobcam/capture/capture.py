@@ -221,21 +221,24 @@ def load(
     rate_hz: float | None = None,
     start: float | None = None,
     end: float | None = None,
+    joint: str | None = None,
     max_bytes: int = DEFAULT_MAX_BYTES,
 ) -> Capture:
-    """Read a capture: the native file, a wire log, CSV (.gz), .mat, .npy, .npz, HDF5 or Parquet.
+    """Read a capture: the native file, a wire log, CSV, JSON, .mat, .npy, .npz, HDF5, Parquet or a ROS 2 bag.
 
-    A file is known by its content. Of a wire log the last run is read.
+    A file is known by its content. Of a wire log the last run is read, of several joints the one called
+    `joint`.
 
     Columns t_s, theta_rad, omega_rad_s, alpha_rad_s2, tau_Nm (or theta_m, omega_m_s, alpha_m_s2, tau_N) are
-    understood; any others by `map`, for example `"t=c0, theta=c1/8192 [turn], tau=0.0551*c2"`. `rate_hz`
-    numbers the samples of a file without times. `start` and `end` (s, on the capture's own clock) keep a
-    part. What is wrong with the samples is masked and listed in `findings`; what leaves no capture raises
-    InputError. Row numbers count the file's rows of data from 1. Files, and what they inflate to, may have
-    up to `max_bytes`.
+    understood, and others whose names are plain and unique, with their units (`pos_deg`, `Velocity (rpm)`):
+    a finding says what was taken for what. Any others by `map`, for example
+    `"t=c0, theta=c1/8192 [turn], tau=0.0551*c2"`. `rate_hz` numbers the samples of a file without times.
+    `start` and `end` (s, on the capture's own clock) keep a part. What is wrong with the samples is masked
+    and listed in `findings`; what leaves no capture raises InputError. Row numbers count the file's rows of
+    data from 1. Files, and what they inflate to, may have up to `max_bytes`.
     """
     file = Path(path)
-    table = read_table(file, max_bytes)
+    table = read_table(file, max_bytes, joint)
     return of_table(file, table, map=map, coordinate=coordinate, rate_hz=rate_hz, start=start, end=end)
 
 

@@ -29,15 +29,26 @@ class Parser(argparse.ArgumentParser):
         self.by_place: list[argparse.Action] = []
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Ask for no model by its place where it is given by its option."""
+        """Ask for no model by its place where it is given by its option; a folder of runs is its captures."""
         if any(word.partition("=")[0] == "--model" for word in args or ()):
             for one in self.by_place:
                 one.nargs, one.required = "?", False
-        return super().parse_known_args(args, namespace)
+        known, rest = super().parse_known_args(args, namespace)
+        if getattr(known, "captures", None):
+            known.captures = [run for path in known.captures for run in _runs(path)]
+        return known, rest
 
     def error(self, message: str) -> NoReturn:
         """Raise `message` with the place to look."""
         raise InputError(f"{message}; see {self.prog} --help")
+
+
+def _runs(path: str) -> list[str]:
+    if not Path(path).is_dir():
+        return [path]
+    from ..capture.formats import runs_in
+
+    return [str(run) for run in runs_in(Path(path))] or [path]
 
 
 class _Given(argparse.Action):
@@ -97,6 +108,7 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument("--coordinate", choices=("rotary", "linear"), help="kind of axis")
     group.add_argument("--rate", type=number, metavar="HZ", help="sampling rate, for a file without times")
+    group.add_argument("--joint", metavar="NAME", help="one of several in a bag or a log")
     group.add_argument("--start", type=number, metavar="S", help="leave out what is before this time")
     group.add_argument("--end", type=number, metavar="S", help="leave out what is after this time")
 
@@ -110,7 +122,7 @@ def read(path: str, args: argparse.Namespace) -> Capture:
 
 def reading(args: argparse.Namespace) -> dict[str, Any]:
     """Return the options of `knobcam.load` that `add_reading` adds, but for the map."""
-    options = {"coordinate": args.coordinate, "rate_hz": args.rate}
+    options = {"coordinate": args.coordinate, "rate_hz": args.rate, "joint": args.joint}
     return options | {"start": args.start, "end": args.end}
 
 

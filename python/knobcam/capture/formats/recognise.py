@@ -47,11 +47,11 @@ def recognise(table: Table, coordinate: Coordinate | None) -> Recognised | None:
     """
     if (monitor := simplefoc(table)) is not None:
         raise ask(table, f"a SimpleFOC monitor, which has no torque and no clock: {monitor}", monitor.entries)
-    names = [*table.columns, *table.broken]
+    names = [*(name for name, column in table.columns.items() if column.ndim), *table.broken]
     logger = next((one for one in LOGGERS if one.known(set(names))), None)
     labels = logger.labels(names) if logger else {name: read_label(name) for name in names}
     entries, doubts = _chosen(table, {name: label for name, label in labels.items() if label.measured})
-    if logger and logger.torque and "tau" not in entries:
+    if logger and logger.torque and "tau" not in entries and "duty" in table.columns:
         entries["tau"] = logger.torque
         del doubts["tau"]
     if not {"theta", "tau"} & set(entries):
