@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from ...base.arrays import BoolArray, FloatArray
 from ...base.atomic import write_atomically
 from ...errors import InputError
-from . import inflate
+from . import inflate, rosbag
 from .table import DEFAULT_MAX_BYTES, Table, check_joint
 from .text import read_text, write_text
 
@@ -27,6 +27,8 @@ def read_table(path: Path, max_bytes: int = DEFAULT_MAX_BYTES, joint: str | None
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or error
         raise InputError(f"{path}: cannot be read ({why}); check the name") from error
+    if is_folder and rosbag.is_bag(path):
+        return _guarded(path, lambda: rosbag.read_bag(str(path), rosbag.files_in(path), max_bytes, joint))
     if is_folder:
         runs = runs_in(path)
         if not runs:
@@ -37,11 +39,15 @@ def read_table(path: Path, max_bytes: int = DEFAULT_MAX_BYTES, joint: str | None
         raise InputError(f"{path}: {size} bytes, the limit is {max_bytes}; raise max_bytes to read it")
     if size == 0:
         raise InputError(f"{path}: the file is empty; a capture has columns of samples")
+    return _guarded(path, lambda: _read(path, head, max_bytes, joint))
+
+
+def _guarded(path: Path, read: Callable[[], Table]) -> Table:
     try:
-        return _read(path, head, max_bytes, joint)
+        return read()
     except InputError:
         raise
-    except Exception as error:  # a damaged file makes the parsers of five packages raise anything at all
+    except Exception as error:  # a damaged file makes the parsers of six packages raise anything at all
         raise InputError(
             f"{path}: damaged or not what its first bytes say ({type(error).__name__}: {error}); "
             f"export it again"
@@ -97,6 +103,10 @@ def _read(path: Path, head: bytes, max_bytes: int, joint: str | None) -> Table:
         return _read_text(path, "CSV gzip", raw, joint)
     if json_files.is_json(head):
         return _read_text(path, "CSV", path.read_bytes(), joint)
+    if head.startswith((rosbag.MCAP_MAGIC, rosbag.SQLITE_MAGIC)):
+        return rosbag.read_bag(str(path), [path], max_bytes, joint)
+    if head.startswith(rosbag.ROS1_MAGIC):
+        raise InputError(f"{path}: a bag of ROS 1; convert it to ROS 2, for example with rosbags-convert")
     check_joint(str(path), joint)
     if head.startswith(numpy_files.NPY_MAGIC):
         return numpy_files.read_npy(path, max_bytes)
