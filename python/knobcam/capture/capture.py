@@ -178,12 +178,14 @@ class Capture(showing.Tabled):
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the capture and return the path: .csv(.gz), .parquet, .mat, .h5, .hdf5, else the native .npz.
 
-        Numbers, mask, coordinate and meta read back exactly. The file appears whole or not at all; InputError
-        says why it cannot be written.
+        Numbers, mask, findings, coordinate and meta read back exactly. The file appears whole or not at all;
+        InputError says why it cannot be written.
         """
         target = Path(path)
         names = CONTRACT[self.coordinate]
-        content = document.build(self.coordinate, self.rate_hz, self.meta, self.mask, self.findings)
+        content = document.build(
+            self.coordinate, self.rate_hz, self.meta, self.columns, self.mask, self.findings
+        )
         write_table(
             target, {names[name]: values for name, values in self.columns.items()}, self.mask, content
         )
@@ -277,16 +279,19 @@ def of_table(
     part = {name: values[keep] for name, values in columns.items()}
     capture = _checked(part, resolved.coordinate, rate_hz, meta, rows[keep], str(file))
     if native is not None:
-        return _restored(capture, native, table, keep)
+        untouched = isinstance(keep, slice) and native.get("sha256") == document.digest(columns)
+        return _restored(capture, native, table, keep, untouched)
     limits = {name: at[keep] for name, at in table.limits.items() if name in capture.columns}
     clipped, found = check_limits(limits, capture.mask, rows[keep])
     said = (*table.notes, *resolved.notes, *capture.findings, *found)
     return replace(capture, mask=capture.mask & ~clipped, findings=said)
 
 
-def _restored(capture: Capture, native: Mapping[str, Any], table: Table, keep: slice | BoolArray) -> Capture:
-    """Return `capture` with the mask that was saved, and for a whole native file also its findings."""
-    whole = table.mask is not None and len(table.mask) == capture.samples
+def _restored(
+    capture: Capture, native: Mapping[str, Any], table: Table, keep: slice | BoolArray, untouched: bool
+) -> Capture:
+    """Return `capture` with the mask that was saved, and of a whole file also its findings."""
+    whole = untouched or (table.mask is not None and len(table.mask) == capture.samples)
     length = capture.samples if isinstance(keep, slice) else len(keep)
     try:
         stored = document.stored_mask(native, table, length)[keep]
