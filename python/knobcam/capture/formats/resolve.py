@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from ...base.arrays import FloatArray
 from ...errors import InputError
 from ..finding import Finding
@@ -36,6 +38,7 @@ class Resolved:
     notes: tuple[Finding, ...] = ()
 
 
+@np.errstate(all="ignore")  # what is beyond any float is found by the quality check, and said there
 def resolve(table: Table, column_map: ColumnMap | None, coordinate: Coordinate | None) -> Resolved:
     """Return the columns of a capture; InputError names the columns found and an example of a map."""
     if coordinate is not None and coordinate not in SI:

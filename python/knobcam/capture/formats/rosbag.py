@@ -8,11 +8,12 @@ import sqlite3
 import struct
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from ...base.optional import require
 from ...errors import InputError
 from ..finding import Finding
+from .inflate import Budget
 from .joint_states import TYPES, JointStates
 from .table import Table
 
@@ -89,19 +90,31 @@ def _read_mcap(path: Path, states: JointStates, topics: dict[str, str], max_byte
 def _records(path: Path, max_bytes: int) -> Iterator[Any]:
     reader = require("mcap.stream_reader", "an MCAP file")
     chunk = require("mcap.records", "an MCAP file").Chunk
-    room = max_bytes
     with path.open("rb") as file:
-        limit = path.stat().st_size
-        for record in reader.StreamReader(file, emit_chunks=True, record_size_limit=limit).records:
+        size = path.stat().st_size
+        budget, held = Budget(str(path), size, max_bytes), _Bounded(file, size)
+        for record in reader.StreamReader(held, emit_chunks=True, record_size_limit=size).records:
             if not isinstance(record, chunk):
                 yield record
                 continue
-            room -= record.uncompressed_size
-            if room < 0 or record.uncompressed_size > _LARGEST_CHUNK:
-                raise InputError(f"{path}: inflates to more than {max_bytes} bytes; raise max_bytes")
+            budget.take(record.uncompressed_size)
+            if record.uncompressed_size > _LARGEST_CHUNK:
+                raise InputError(f"{path}: a chunk of {record.uncompressed_size} bytes; record smaller ones")
             data = _inflated(path, record)
             inside = dataclasses.replace(record, compression="", data=data)
             yield from reader.breakup_chunk(inside, validate_crc=True)
+
+
+class _Bounded:
+    """A file of which no more is asked than it holds: a length in it may be anything."""
+
+    def __init__(self, file: IO[bytes], size: int) -> None:
+        self.file = file
+        self.size = size
+
+    def read(self, count: int) -> bytes:
+        """Return the next bytes."""
+        return self.file.read(min(count, self.size))
 
 
 def _inflated(path: Path, chunk: Any) -> bytes:

@@ -7,7 +7,7 @@ import io
 import json
 from array import array
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, TextIO
 
 import numpy as np
 
@@ -25,7 +25,7 @@ def read_text(source: str, kind: str, raw: bytes) -> Table:
     A blank cell is NaN; blank cells down to the last row end the column early. Row numbers in messages count
     the rows of data, from 1.
     """
-    lines = io.StringIO(_decode(source, raw), newline=None)
+    lines: TextIO = io.TextIOWrapper(io.BytesIO(raw), encoding=_encoding(source, raw))
     comments: list[str] = []
     start, first = _next_line(lines, comments)
     if not first:
@@ -57,22 +57,21 @@ def write_text(columns: Mapping[str, FloatArray], document: Mapping[str, Any]) -
     return "\n".join(lines) + "\n"
 
 
-def _decode(source: str, raw: bytes) -> str:
+def _encoding(source: str, raw: bytes) -> str:
     if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        encoding = "utf-16"
-    elif b"\0" in raw[:4096]:
+        return "utf-16"
+    if b"\0" in raw[:4096]:
         raise InputError(
             f"{source}: neither text nor a format knobcam knows; give CSV (.gz), .mat, .npy, .npz or Parquet"
         )
-    else:
-        encoding = "utf-8-sig"
     try:
-        return raw.decode(encoding)
+        raw.decode("utf-8-sig")
     except UnicodeDecodeError:
-        return raw.decode("latin-1")  # loggers write a header with a micro sign in it; digits are safe
+        return "latin-1"  # loggers write a header with a micro sign in it; digits are safe
+    return "utf-8-sig"
 
 
-def _next_line(lines: io.StringIO, comments: list[str]) -> tuple[int, str]:
+def _next_line(lines: TextIO, comments: list[str]) -> tuple[int, str]:
     """Return where the next line of the table starts, and the line; comments passed over are collected."""
     start = lines.tell()
     while line := lines.readline():
@@ -127,7 +126,7 @@ def _names(source: str, cells: list[str]) -> list[str]:
 
 
 def _numbers(
-    source: str, names: list[str], lines: io.StringIO, delimiter: str | None
+    source: str, names: list[str], lines: TextIO, delimiter: str | None
 ) -> tuple[dict[str, FloatArray], dict[str, str]]:
     start = lines.tell()
     try:
@@ -141,7 +140,7 @@ def _numbers(
 
 
 def _cell_by_cell(
-    source: str, names: list[str], lines: io.StringIO, delimiter: str | None
+    source: str, names: list[str], lines: TextIO, delimiter: str | None
 ) -> tuple[dict[str, FloatArray], dict[str, str]]:
     values = [array("d") for _ in names]
     last = [0] * len(names)
