@@ -142,35 +142,58 @@ def _numbers(
 def _cell_by_cell(
     source: str, names: list[str], lines: TextIO, delimiter: str | None
 ) -> tuple[dict[str, FloatArray], dict[str, str]]:
-    values = [array("d") for _ in names]
+    values = array("d")
     last = [0] * len(names)
     broken: dict[str, str] = {}
-    row = 0
+    row = whole = 0
     for line in lines:
         if _skipped(line):
             continue
         row += 1
-        cells = _cells(line, delimiter)
+        cells = _cells(line, delimiter) if '"' in line else line.split(delimiter)
         if len(cells) != len(names):
             raise _wrong_width(source, row, len(cells), len(names))
-        for index, cell in enumerate(cells):
-            value = float("nan")
-            if cell:
-                last[index] = row
-                if _is_number(cell):
-                    value = float(cell)
-                else:
-                    broken.setdefault(
-                        names[index],
-                        f"row {row}, column {names[index]}: {cell[:40]!r} is not a number; "
-                        f"correct the cell, or start a line that is no data with #",
-                    )
-            values[index].append(value)
+        numbers = _all_numbers(line, cells)
+        if numbers is None:
+            numbers = _patiently(row, names, cells, last, broken)
+        else:
+            whole = row
+        values.extend(numbers)
+    matrix = np.array(values, dtype=np.float64).reshape(row, len(names))
     columns = {}
-    for name, column, end in zip(names, values, last, strict=True):
+    for index, name in enumerate(names):
         if name not in broken:
-            columns[name] = np.array(column, dtype=np.float64)[: end or row]
+            columns[name] = matrix[: max(last[index], whole) or row, index]
     return columns, broken
+
+
+def _all_numbers(line: str, cells: list[str]) -> list[float] | None:
+    """Return the numbers of a row of which every cell is one, else None."""
+    try:
+        return None if "_" in line else [float(cell) for cell in cells]
+    except ValueError:
+        return None
+
+
+def _patiently(
+    row: int, names: list[str], cells: list[str], last: list[int], broken: dict[str, str]
+) -> list[float]:
+    """Return the numbers of a row, NaN for a blank; note where columns end and which cell is none."""
+    numbers = []
+    for index, cell in enumerate(map(str.strip, cells)):
+        value = float("nan")
+        if cell:
+            last[index] = row
+            if _is_number(cell):
+                value = float(cell)
+            else:
+                broken.setdefault(
+                    names[index],
+                    f"row {row}, column {names[index]}: {cell[:40]!r} is not a number; "
+                    f"correct the cell, or start a line that is no data with #",
+                )
+        numbers.append(value)
+    return numbers
 
 
 def _wrong_width(source: str, row: int, cells: int, names: int) -> InputError:
