@@ -14,7 +14,7 @@ import pytest
 from knobcam.capture import Capture, load
 from knobcam.errors import InputError, KnobcamError
 
-EXTENSIONS = ["npz", "knob", "csv", "csv.gz", "parquet", "mat"]
+EXTENSIONS = ["npz", "knob", "csv", "csv.gz", "parquet", "mat", "h5"]
 
 
 def swing(samples: int = 400, **changes: object) -> Capture:
@@ -97,6 +97,29 @@ def test_what_is_saved_reads_back_exactly(tmp_path: Path, extension: str) -> Non
     again = load(capture.save(tmp_path / f"capture.{extension}"))
     assert same(capture, again)
     assert same(again, load(again.save(tmp_path / f"again.{extension}")))
+
+
+@pytest.mark.parametrize("extension", EXTENSIONS)
+def test_what_was_found_when_a_log_was_read_is_kept_by_every_format(tmp_path: Path, extension: str) -> None:
+    t = np.arange(4000) / 1000.0
+    angle = np.rad2deg(np.cumsum(0.02 + 0.001 * np.sin(t))) % 360.0  # wraps at the turn
+    tau = 0.02 * np.sin(9.0 * t) + 1e-4 * np.random.default_rng(2).standard_normal(4000)
+    tau[700:705] = np.nan
+    rows = "\n".join(f"{a!r},{b!r},{c!r}" for a, b, c in np.stack([t, angle, tau], axis=1).tolist())
+    (tmp_path / "log.csv").write_text("time,pos_deg,torque\n" + rows)
+    capture = load(tmp_path / "log.csv")
+    assert {"columns", "wrap", "non-finite"} <= {one.kind for one in capture.findings}
+    again = load(capture.save(tmp_path / f"capture.{extension}"))
+    assert same(capture, again)
+
+
+def test_a_file_that_was_changed_since_is_checked_again(tmp_path: Path) -> None:
+    path = swing().save(tmp_path / "capture.csv")
+    lines = path.read_text().splitlines()
+    lines[41] = ",".join([*lines[41].split(",")[:-1], "nan"])
+    path.write_text("\n".join(lines))
+    (found,) = load(path).findings
+    assert (found.kind, found.rows) == ("non-finite", (40,))
 
 
 @pytest.mark.parametrize("extension", EXTENSIONS)

@@ -219,7 +219,7 @@ def test_parquet_is_read_by_its_names_and_a_null_is_nan(tmp_path: Path) -> None:
 
 def test_a_parquet_bomb_is_refused(tmp_path: Path) -> None:
     pq.write_table(pa.table({"t_s": np.zeros(10**6)}), tmp_path / "run.parquet")
-    with pytest.raises(InputError, match="inflates to 8000000 bytes, the limit is 1000000"):
+    with pytest.raises(InputError, match="inflates to more than 1000000 bytes"):
         load(tmp_path / "run.parquet", max_bytes=1_000_000)
 
 

@@ -114,7 +114,7 @@ def test_two_columns_of_one_name_are_refused(tmp_path: Path) -> None:
 
 def test_an_unknown_header_lists_the_columns_and_an_example(tmp_path: Path) -> None:
     path = tmp_path / "run.csv"
-    path.write_text("time,my angle,M\n0,0,0\n1,1,1\n")
+    path.write_text("time,my angle,M\n0,0,0\n0.1,1,1\n")
     with pytest.raises(InputError) as caught:
         load(path)
     assert "the file has time, my angle, M" in str(caught.value)
@@ -125,7 +125,7 @@ def test_a_linear_axis_is_known_by_its_columns(tmp_path: Path) -> None:
     path = tmp_path / "run.csv"
     path.write_text("t_s,theta_m,tau_N\n0,0,0\n1,1,2\n2,3,1\n")
     assert load(path).coordinate == "linear"
-    with pytest.raises(InputError, match="no columns theta_rad and tau_Nm"):
+    with pytest.raises(InputError, match="is for a linear axis, but it is rotary"):
         load(path, coordinate="rotary")
 
 

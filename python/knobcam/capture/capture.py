@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from ..base.showing import Figure
     from .prepare import Prepared
 
+_NO_CLOCK = "no column of times; map t=COLUMN, or give the sampling rate in Hz (--rate)"
 _RATE_AGREEMENT = 0.01  # a given rate that differs more from the time stamps (relative) contradicts them
 
 
@@ -177,12 +178,14 @@ class Capture(showing.Tabled):
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the capture and return the path: .csv(.gz), .parquet, .mat, .h5, .hdf5, else the native .npz.
 
-        Numbers, mask, coordinate and meta read back exactly. The file appears whole or not at all; InputError
-        says why it cannot be written.
+        Numbers, mask, findings, coordinate and meta read back exactly. The file appears whole or not at all;
+        InputError says why it cannot be written.
         """
         target = Path(path)
         names = CONTRACT[self.coordinate]
-        content = document.build(self.coordinate, self.rate_hz, self.meta, self.mask, self.findings)
+        content = document.build(
+            self.coordinate, self.rate_hz, self.meta, self.columns, self.mask, self.findings
+        )
         write_table(
             target, {names[name]: values for name, values in self.columns.items()}, self.mask, content
         )
@@ -220,21 +223,24 @@ def load(
     rate_hz: float | None = None,
     start: float | None = None,
     end: float | None = None,
+    joint: str | None = None,
     max_bytes: int = DEFAULT_MAX_BYTES,
 ) -> Capture:
-    """Read a capture: the native file, a wire log, CSV (.gz), .mat, .npy, .npz, HDF5 or Parquet.
+    """Read a capture: the native file, a wire log, CSV, JSON, .mat, .npy, .npz, HDF5, Parquet or a ROS 2 bag.
 
-    A file is known by its content. Of a wire log the last run is read.
+    A file is known by its content. Of a wire log the last run is read, of several joints the one called
+    `joint`.
 
     Columns t_s, theta_rad, omega_rad_s, alpha_rad_s2, tau_Nm (or theta_m, omega_m_s, alpha_m_s2, tau_N) are
-    understood; any others by `map`, for example `"t=c0, theta=c1/8192 [turn], tau=0.0551*c2"`. `rate_hz`
-    numbers the samples of a file without times. `start` and `end` (s, on the capture's own clock) keep a
-    part. What is wrong with the samples is masked and listed in `findings`; what leaves no capture raises
-    InputError. Row numbers count the file's rows of data from 1. Files, and what they inflate to, may have
-    up to `max_bytes`.
+    understood, and others whose names are plain and unique, with their units (`pos_deg`, `Velocity (rpm)`):
+    a finding says what was taken for what. Any others by `map`, for example
+    `"t=c0, theta=c1/8192 [turn], tau=0.0551*c2"`. `rate_hz` numbers the samples of a file without times.
+    `start` and `end` (s, on the capture's own clock) keep a part. What is wrong with the samples is masked
+    and listed in `findings`; what leaves no capture raises InputError. Row numbers count the file's rows of
+    data from 1. Files, and what they inflate to, may have up to `max_bytes`.
     """
     file = Path(path)
-    table = read_table(file, max_bytes)
+    table = read_table(file, max_bytes, joint)
     return of_table(file, table, map=map, coordinate=coordinate, rate_hz=rate_hz, start=start, end=end)
 
 
@@ -258,6 +264,8 @@ def of_table(
         coordinate = native["axis"]
     resolved = resolve(table, map, coordinate)
     columns = resolved.columns
+    if "t" not in columns and rate_hz is None:
+        raise InputError(f"{file}: {_NO_CLOCK}; the file has {table.listing()}")
     keep = _between(str(file), columns, rate_hz, start, end)
     rows = np.arange(1, len(columns["theta"]) + 1)
     if table.meta is not None:
@@ -271,15 +279,19 @@ def of_table(
     part = {name: values[keep] for name, values in columns.items()}
     capture = _checked(part, resolved.coordinate, rate_hz, meta, rows[keep], str(file))
     if native is not None:
-        return _restored(capture, native, table, keep)
+        untouched = isinstance(keep, slice) and native.get("sha256") == document.digest(columns)
+        return _restored(capture, native, table, keep, untouched)
     limits = {name: at[keep] for name, at in table.limits.items() if name in capture.columns}
     clipped, found = check_limits(limits, capture.mask, rows[keep])
-    return replace(capture, mask=capture.mask & ~clipped, findings=(*table.notes, *capture.findings, *found))
+    said = (*table.notes, *resolved.notes, *capture.findings, *found)
+    return replace(capture, mask=capture.mask & ~clipped, findings=said)
 
 
-def _restored(capture: Capture, native: Mapping[str, Any], table: Table, keep: slice | BoolArray) -> Capture:
-    """Return `capture` with the mask that was saved, and for a whole native file also its findings."""
-    whole = table.mask is not None and len(table.mask) == capture.samples
+def _restored(
+    capture: Capture, native: Mapping[str, Any], table: Table, keep: slice | BoolArray, untouched: bool
+) -> Capture:
+    """Return `capture` with the mask that was saved, and of a whole file also its findings."""
+    whole = untouched or (table.mask is not None and len(table.mask) == capture.samples)
     length = capture.samples if isinstance(keep, slice) else len(keep)
     try:
         stored = document.stored_mask(native, table, length)[keep]
@@ -312,7 +324,7 @@ def _between(
         raise InputError(f"a rate of {rate_hz} Hz is no sampling rate; give samples a second")
     if "t" not in columns:
         if rate_hz is None:
-            raise InputError(f"{source}: no column of times; map t=COLUMN, or give the sampling rate in Hz")
+            raise InputError(f"{source}: {_NO_CLOCK}")
         columns["t"] = np.arange(len(columns["theta"])) / rate_hz
     if start is None and end is None:
         return slice(None)

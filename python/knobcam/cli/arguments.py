@@ -32,13 +32,15 @@ class Parser(argparse.ArgumentParser):
         """Whether a model must stand behind the captures, if none is given by its option; None: none may."""
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Ask for no model by its place where it is given by its option."""
+        """Ask for no model by its place where it is given by its option; a folder of runs is its captures."""
         if any(word.partition("=")[0] == "--model" for word in args or ()):
             for one in self.by_place:
                 one.nargs, one.required = "?", False
         found, rest = super().parse_known_args(args, namespace)
         if self.behind is not None:
             self._part_model(found)
+        if getattr(found, "captures", None):
+            found.captures = [run for path in found.captures for run in _runs(path)]
         return found, rest
 
     def _part_model(self, args: argparse.Namespace) -> None:
@@ -56,6 +58,14 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Raise `message` with the place to look."""
         raise InputError(f"{message}; see {self.prog} --help")
+
+
+def _runs(path: str) -> list[str]:
+    if not Path(path).is_dir():
+        return [path]
+    from ..capture.formats import runs_in
+
+    return [str(run) for run in runs_in(Path(path))] or [path]
 
 
 class _Given(argparse.Action):
@@ -128,6 +138,7 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument("--coordinate", choices=("rotary", "linear"), help="kind of axis")
     group.add_argument("--rate", type=number, metavar="HZ", help="sampling rate, for a file without times")
+    group.add_argument("--joint", metavar="NAME", help="one of several in a bag or a log")
     group.add_argument("--start", type=number, metavar="S", help="leave out what is before this time")
     group.add_argument("--end", type=number, metavar="S", help="leave out what is after this time")
 
@@ -150,7 +161,7 @@ def read_all(args: argparse.Namespace) -> list[Capture]:
 
 def reading(args: argparse.Namespace) -> dict[str, Any]:
     """Return the options of `knobcam.load` that `add_reading` adds, but for the map."""
-    options = {"coordinate": args.coordinate, "rate_hz": args.rate}
+    options = {"coordinate": args.coordinate, "rate_hz": args.rate, "joint": args.joint}
     return options | {"start": args.start, "end": args.end}
 
 

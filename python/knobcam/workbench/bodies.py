@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 _JSON_BYTES = 16_000_000  # the indices of a million samples, and room to spare
 _NAME = 100  # characters of a file's name
-_OPTIONS = ("map", "coordinate", "rate_hz", "start", "end")
+_OPTIONS = ("map", "coordinate", "joint", "rate_hz", "start", "end")
 
 
 class TooLarge(InputError):
@@ -107,7 +107,7 @@ def reading(given: Mapping[str, Any]) -> dict[str, Any]:
         value = given.get(name)
         if value is None or value == "":
             continue
-        if name in ("map", "coordinate"):
+        if name in ("map", "coordinate", "joint"):
             options[name] = text(given, name)
             continue
         try:

@@ -35,7 +35,7 @@ def explained(error: InputError, path: Path, options: Mapping[str, Any], max_byt
         load(path, max_bytes=max_bytes, **options)
     except InputError:
         try:
-            columns = read_table(path, max_bytes).columns
+            columns = read_table(path, max_bytes, options.get("joint")).columns
         except InputError:
             return error
         shown = [_described(*one) for one in columns.items() if one[1].ndim == 1]

@@ -2,39 +2,52 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from ...base.arrays import BoolArray, FloatArray
 from ...base.atomic import write_atomically
 from ...errors import InputError
-from . import inflate
-from .table import DEFAULT_MAX_BYTES, Table
+from . import inflate, rosbag
+from .table import DEFAULT_MAX_BYTES, Table, check_joint
 from .text import read_text, write_text
 
-__all__ = ["DEFAULT_MAX_BYTES", "Table", "read_table", "write_table"]
+__all__ = ["DEFAULT_MAX_BYTES", "Table", "read_table", "runs_in", "write_table"]
 
 
-def read_table(path: Path, max_bytes: int = DEFAULT_MAX_BYTES) -> Table:
-    """Return the columns of any importable file; InputError says what is wrong with it."""
+def read_table(path: Path, max_bytes: int = DEFAULT_MAX_BYTES, joint: str | None = None) -> Table:
+    """Return the columns of any importable file, of one joint where it has several.
+
+    InputError says what is wrong with it.
+    """
     try:
         is_folder, size = path.is_dir(), path.stat().st_size
         head = b"" if is_folder or size > max_bytes else _head(path)
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or error
         raise InputError(f"{path}: cannot be read ({why}); check the name") from error
+    if is_folder and rosbag.is_bag(path):
+        return _guarded(path, lambda: rosbag.read_bag(str(path), rosbag.files_in(path), max_bytes, joint))
     if is_folder:
-        raise InputError(f"{path}: a folder, not a file; name the file inside")
+        runs = runs_in(path)
+        if not runs:
+            raise InputError(f"{path}: a folder, not a file; name the file inside")
+        names = ", ".join(run.name for run in runs[:5]) + (" ..." if len(runs) > 5 else "")
+        raise InputError(f"{path}: a folder of {len(runs)} runs ({names}); name one of them")
     if size > max_bytes:
         raise InputError(f"{path}: {size} bytes, the limit is {max_bytes}; raise max_bytes to read it")
     if size == 0:
         raise InputError(f"{path}: the file is empty; a capture has columns of samples")
+    return _guarded(path, lambda: _read(path, head, max_bytes, joint))
+
+
+def _guarded(path: Path, read: Callable[[], Table]) -> Table:
     try:
-        return _read(path, head, max_bytes)
+        return read()
     except InputError:
         raise
-    except Exception as error:  # a damaged file makes the parsers of five packages raise anything at all
+    except Exception as error:  # a damaged file makes the parsers of six packages raise anything at all
         raise InputError(
             f"{path}: damaged or not what its first bytes say ({type(error).__name__}: {error}); "
             f"export it again"
@@ -82,12 +95,19 @@ def _head(path: Path) -> bytes:
         return file.read(1024)
 
 
-def _read(path: Path, head: bytes, max_bytes: int) -> Table:
-    from . import hdf5, matlab, numpy_files, parquet, wire
+def _read(path: Path, head: bytes, max_bytes: int, joint: str | None) -> Table:
+    from . import hdf5, json_files, matlab, numpy_files, parquet, wire
 
     if head.startswith(inflate.MAGIC):
         raw = inflate.inflate(str(path), path.read_bytes(), max_bytes)
-        return read_text(str(path), "CSV gzip", raw)
+        return _read_text(path, "CSV gzip", raw, joint)
+    if json_files.is_json(head):
+        return _read_text(path, "CSV", path.read_bytes(), joint)
+    if head.startswith((rosbag.MCAP_MAGIC, rosbag.SQLITE_MAGIC)):
+        return rosbag.read_bag(str(path), [path], max_bytes, joint)
+    if head.startswith(rosbag.ROS1_MAGIC):
+        raise InputError(f"{path}: a bag of ROS 1; convert it to ROS 2, for example with rosbags-convert")
+    check_joint(str(path), joint)
     if head.startswith(numpy_files.NPY_MAGIC):
         return numpy_files.read_npy(path, max_bytes)
     if head.startswith(numpy_files.ZIP_MAGIC):
@@ -101,3 +121,17 @@ def _read(path: Path, head: bytes, max_bytes: int) -> Table:
     if head.startswith(wire.MAGIC):
         return wire.read_wire(path)
     return read_text(str(path), "CSV", path.read_bytes())
+
+
+def _read_text(path: Path, kind: str, raw: bytes, joint: str | None) -> Table:
+    from . import json_files
+
+    if json_files.is_json(raw[:1024]):
+        return json_files.read_json(str(path), raw, joint)
+    check_joint(str(path), joint)
+    return read_text(str(path), kind, raw)
+
+
+def runs_in(folder: Path) -> list[Path]:
+    """Return the runs in a folder that holds one to a file, as BAM and others log them in JSON."""
+    return sorted(path for path in folder.glob("*.json*") if path.is_file())

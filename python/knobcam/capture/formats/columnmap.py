@@ -50,13 +50,6 @@ def parse_map(column_map: ColumnMap) -> dict[str, Entry]:
     return entries
 
 
-def example_map(names: Iterable[str]) -> str:
-    """Return a map over the first columns of a file, as a message shows it."""
-    usable = [name if re.fullmatch(r"[A-Za-z_][\w.]*", name) else f"`{name}`" for name in names]
-    usable += ["COLUMN"] * (3 - len(usable))
-    return f'--map "t={usable[0]}, theta={usable[1]}, tau={usable[2]}"'
-
-
 def _split(text: str) -> list[tuple[str, str]]:
     """Split at every `name =`: an expression holds no equals sign, so commas and blanks both separate."""
     hidden = re.sub(r"`[^`]*`", lambda quoted: "`" + "_" * (len(quoted[0]) - 2) + "`", text)

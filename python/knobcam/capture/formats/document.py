@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from ...base.arrays import BoolArray
+from ...base.arrays import BoolArray, FloatArray
 from ...errors import InputError
 from ..finding import Finding
 from .table import Table
@@ -17,7 +18,12 @@ SCHEMA = "knobcam.capture/1"
 
 
 def build(
-    coordinate: str, rate_hz: float, meta: Mapping[str, Any], mask: BoolArray, findings: tuple[Finding, ...]
+    coordinate: str,
+    rate_hz: float,
+    meta: Mapping[str, Any],
+    columns: Mapping[str, FloatArray],
+    mask: BoolArray,
+    findings: tuple[Finding, ...],
 ) -> dict[str, Any]:
     """Return the document; InputError when `meta` holds what JSON cannot."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], ~mask, [False]))))
@@ -26,6 +32,7 @@ def build(
         "axis": coordinate,
         "rate_hz": rate_hz,
         "samples": len(mask),
+        "sha256": digest(columns),
         "masked_rows": [[int(a) + 1, int(b)] for a, b in zip(edges[::2], edges[1::2], strict=True)],
         "findings": [finding.document() for finding in findings],
         "meta": dict(meta),
@@ -36,6 +43,16 @@ def build(
     except (TypeError, ValueError, RecursionError) as error:
         raise InputError(f"meta: cannot be saved ({error}); use text, numbers, lists and dicts") from error
     return document
+
+
+def digest(columns: Mapping[str, FloatArray]) -> str:
+    """Return a fingerprint of numbers, by which a file that was changed since is known."""
+    total = hashlib.sha256()
+    for name, values in columns.items():
+        # A NaN has many forms, of which text keeps one.
+        plain = np.where(np.isnan(values), np.nan, values)
+        total.update(f"{name} {len(values)} ".encode() + plain.astype("<f8").tobytes())
+    return total.hexdigest()
 
 
 def check_schema(table: Table) -> Mapping[str, Any] | None:

@@ -13,6 +13,7 @@ import numpy as np
 from ...base.arrays import FloatArray
 from ...base.optional import require
 from ...errors import InputError
+from .inflate import Budget
 from .table import Table, add_array
 
 MAGIC = b"\x89HDF\r\n\x1a\n"
@@ -29,10 +30,9 @@ def read_hdf5(path: Path, max_bytes: int) -> Table:
     h5py = require("h5py", "a MATLAB 7.3 file")
     columns: dict[str, FloatArray] = {}
     broken: dict[str, str] = {}
-    room = max_bytes
+    budget = Budget(str(path), path.stat().st_size, max_bytes)
 
     def visit(name: str, item: Any) -> None:
-        nonlocal room
         if not isinstance(item, h5py.Dataset) or name.startswith("#"):
             return
         label = name.replace("/", ".")
@@ -41,9 +41,7 @@ def read_hdf5(path: Path, max_bytes: int) -> Table:
             raise InputError(
                 f"{path}: {label} claims {item.nbytes} bytes and holds {held}; it is cut short, copy it again"
             )
-        room -= item.nbytes
-        if room < 0:
-            raise InputError(f"{path}: inflates to more than {max_bytes} bytes; raise max_bytes")
+        budget.take(item.nbytes)
         if item.attrs.get("MATLAB_class", b"double") in (b"char", b"cell"):
             broken[label] = f"column {label} holds text or cells, not numbers; map another column"
         else:

@@ -19,6 +19,7 @@ import numpy as np
 from ...base.arrays import FloatArray
 from ...base.optional import require
 from ...errors import InputError
+from .inflate import Budget, unpack
 from .table import Table, add_array
 
 MAGIC = b"MATLAB 5.0 MAT-file"
@@ -40,11 +41,10 @@ class Element(NamedTuple):
 
 
 class _Reader:
-    def __init__(self, source: str, order: str, max_bytes: int) -> None:
+    def __init__(self, source: str, order: str, budget: Budget) -> None:
         self.source = source
         self.order = order
-        self.max_bytes = max_bytes
-        self.room = max_bytes
+        self.budget = budget
         self.columns: dict[str, FloatArray] = {}
         self.broken: dict[str, str] = {}
         self.document: Mapping[str, Any] | None = None
@@ -58,10 +58,7 @@ class _Reader:
                 self.matrix(element.data, "")
 
     def inflate(self, data: memoryview) -> bytes:
-        content = zlib.decompressobj().decompress(data, self.room + 1)
-        self.room -= len(content)
-        if self.room < 0:
-            raise InputError(f"{self.source}: inflates to more than {self.max_bytes} bytes; raise max_bytes")
+        content, _ = unpack(zlib.decompressobj(), data, 0, self.budget)
         return content
 
     def elements(self, data: memoryview) -> Iterator[Element]:
@@ -134,7 +131,7 @@ def read_mat5(path: Path, max_bytes: int) -> Table:
     order = {b"IM": "<", b"MI": ">"}.get(bytes(raw[126:128]))
     if order is None:
         raise InputError(f"{path}: the MATLAB header is cut short; copy the file again")
-    reader = _Reader(str(path), order, max_bytes)
+    reader = _Reader(str(path), order, Budget(str(path), len(raw), max_bytes))
     reader.read(raw[128:])
     return Table(str(path), "MATLAB 5 .mat", reader.columns, reader.broken, reader.document)
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ...base.arrays import BoolArray, FloatArray
 from ...errors import InputError
+from .inflate import Budget
 from .table import Table, add_array
 
 NPY_MAGIC = b"\x93NUMPY"
@@ -43,8 +44,8 @@ def read_npz(path: Path, max_bytes: int) -> Table:
         members = [info for info in archive.infolist() if info.filename.endswith(".npy")]
         if not members:
             raise InputError(f"{path}: a zip file without arrays; unpack it and give the file inside")
-        if sum(info.file_size for info in members) > max_bytes:
-            raise InputError(f"{path}: inflates to more than {max_bytes} bytes; raise max_bytes to read it")
+        budget = Budget(str(path), path.stat().st_size, max_bytes)
+        budget.take(sum(info.file_size for info in members))
         for info in members:
             name = info.filename.removesuffix(".npy")
             with archive.open(info) as file:

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...base.optional import require
-from ...errors import InputError
+from .inflate import Budget
 from .table import Table
 
 MAGIC = b"PAR1"
@@ -33,11 +33,8 @@ def read_parquet(path: Path, max_bytes: int) -> Table:
                 broken[field.name] = (
                     f"column {field.name} holds {field.type}, not numbers; map another column"
                 )
-        claimed = 8 * file.metadata.num_rows * len(wanted)  # runs of one value take no room in the file
-        if claimed > max_bytes:
-            raise InputError(
-                f"{path}: inflates to {claimed} bytes, the limit is {max_bytes}; raise max_bytes"
-            )
+        # Runs of one value take no room in the file.
+        Budget(str(path), path.stat().st_size, max_bytes).take(8 * file.metadata.num_rows * len(wanted))
         table = file.read(columns=wanted)
     for name in wanted:
         columns[name] = table.column(name).cast("float64").to_numpy().astype(np.float64, copy=False)

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from ...base.arrays import FloatArray
 from ...errors import InputError
-from .columnmap import TARGETS, ColumnMap, Entry, example_map, parse_map
+from ..finding import Finding
+from .columnmap import TARGETS, ColumnMap, Entry, parse_map
 from .expression import evaluate
+from .recognise import ask, by_content, recognise
 from .table import Table
 from .units import SI, Coordinate, to_si
 
@@ -31,16 +35,21 @@ class Resolved:
     columns: dict[str, FloatArray]
     coordinate: Coordinate
     entries: dict[str, Entry]
+    notes: tuple[Finding, ...] = ()
 
 
+@np.errstate(all="ignore")  # what is beyond any float is found by the quality check, and said there
 def resolve(table: Table, column_map: ColumnMap | None, coordinate: Coordinate | None) -> Resolved:
     """Return the columns of a capture; InputError names the columns found and an example of a map."""
     if coordinate is not None and coordinate not in SI:
         raise InputError(f"coordinate={coordinate!r} is unknown; choose rotary or linear")
-    if column_map is None:
-        entries, coordinate = _by_contract(table, coordinate)
-    else:
+    notes: tuple[Finding, ...] = ()
+    if column_map is not None:
         entries = parse_map(column_map)
+    elif (found := _by_contract(table, coordinate)) is not None:
+        entries, coordinate = found
+    else:
+        entries, notes = _by_words(table, coordinate)
     columns: dict[str, FloatArray] = {}
     for target in TARGETS:
         if target not in entries:
@@ -49,8 +58,8 @@ def resolve(table: Table, column_map: ColumnMap | None, coordinate: Coordinate |
         factor, implied = (1.0, None) if entry.unit is None else to_si(target, entry.unit)
         if implied is not None and coordinate is not None and implied != coordinate:
             raise InputError(
-                f"map: {target} in [{entry.unit}] is for a {implied} axis, but it is {coordinate}; "
-                f"change the unit or the coordinate"
+                f"{table.source}: {target} in [{entry.unit}] is for a {implied} axis, but it is "
+                f"{coordinate}; change the unit or the coordinate"
             )
         coordinate = implied or coordinate
         values = evaluate(entry.expression, table.column)
@@ -60,20 +69,24 @@ def resolve(table: Table, column_map: ColumnMap | None, coordinate: Coordinate |
             )
         columns[target] = values if factor == 1.0 else values * factor
     _check_lengths(table, columns, entries)
-    return Resolved(columns, coordinate or "rotary", entries)
+    return Resolved(columns, coordinate or "rotary", entries, notes)
 
 
-def _by_contract(table: Table, coordinate: Coordinate | None) -> tuple[dict[str, Entry], Coordinate]:
+def _by_contract(table: Table, coordinate: Coordinate | None) -> tuple[dict[str, Entry], Coordinate] | None:
     known = {*table.columns, *table.broken}
     for candidate, names in CONTRACT.items():
         if coordinate in (None, candidate) and {names["theta"], names["tau"]} <= known:
             found = {target: Entry(f"`{name}`", None) for target, name in names.items() if name in known}
             return found, candidate
+    return None
+
+
+def _by_words(table: Table, coordinate: Coordinate | None) -> tuple[dict[str, Entry], tuple[Finding, ...]]:
+    recognised = recognise(table, coordinate)
+    if recognised is not None:
+        return recognised.entries, (recognised.note,)
     wanted = CONTRACT[coordinate or "rotary"]
-    raise InputError(
-        f"{table.source}: no columns {wanted['theta']} and {wanted['tau']}; the file has {table.listing()}; "
-        f"say which is which, for example {example_map(table.columns)}"
-    )
+    raise ask(table, f"no columns {wanted['theta']} and {wanted['tau']}", by_content(table))
 
 
 def _check_lengths(table: Table, columns: dict[str, FloatArray], entries: dict[str, Entry]) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -15,6 +15,8 @@ from ..finding import Finding
 
 DEFAULT_MAX_BYTES = 4 * 2**30
 """Largest file, and largest inflated content, that is read without being asked to (bytes)."""
+
+_SHOWN = 20  # names, in a message
 
 
 @dataclass(frozen=True)
@@ -48,9 +50,9 @@ class Table:
     def listing(self) -> str:
         """Return the column names for a message, in the order of the file."""
         names = [*self.columns, *self.broken]
-        shown = ", ".join(name if name.isprintable() else repr(name) for name in names[:20])
-        if len(names) > 20:
-            shown += f" and {len(names) - 20} more"
+        shown = ", ".join(name if name.isprintable() else repr(name) for name in names[:_SHOWN])
+        if len(names) > _SHOWN:
+            shown += f" and {len(names) - _SHOWN} more"
         return shown or "no columns"
 
 
@@ -83,3 +85,24 @@ def add_array(columns: dict[str, FloatArray], broken: dict[str, str], name: str,
 def _kind_in_words(array: NDArray[Any]) -> str:
     words = {"c": "complex numbers", "U": "text", "S": "text", "M": "dates", "m": "time spans"}
     return words.get(array.dtype.kind, "objects")
+
+
+def choose(source: str, asked: str | None, names: Iterable[str], what: str = "joints") -> str:
+    """Return the joint that was asked for, or the only one; InputError lists them where neither is there."""
+    known = sorted(names)
+    if asked in known:
+        return str(asked)
+    shown = ", ".join(known[:_SHOWN]) + (f" and {len(known) - _SHOWN} more" if len(known) > _SHOWN else "")
+    if asked is not None:
+        raise InputError(f"{source}: no {what[:-1]} {asked!r}; there are {shown}")
+    if len(known) > 1:
+        raise InputError(
+            f"{source}: {len(known)} {what}, {shown}; choose one, for example --joint {known[0]}"
+        )
+    return known[0]
+
+
+def check_joint(source: str, asked: str | None) -> None:
+    """Refuse a joint where a file has none to choose from."""
+    if asked is not None:
+        raise InputError(f"{source}: has no joints to choose from; leave joint={asked!r} out")

@@ -7,12 +7,13 @@ import io
 import json
 from array import array
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, TextIO
 
 import numpy as np
 
 from ...base.arrays import FloatArray
 from ...errors import InputError
+from .loggers import TABS
 from .table import Table
 
 _DOCUMENT = "# knobcam:"
@@ -24,7 +25,7 @@ def read_text(source: str, kind: str, raw: bytes) -> Table:
     A blank cell is NaN; blank cells down to the last row end the column early. Row numbers in messages count
     the rows of data, from 1.
     """
-    lines = io.StringIO(_decode(source, raw), newline=None)
+    lines: TextIO = io.TextIOWrapper(io.BytesIO(raw), encoding=_encoding(source, raw))
     comments: list[str] = []
     start, first = _next_line(lines, comments)
     if not first:
@@ -44,6 +45,7 @@ def read_text(source: str, kind: str, raw: bytes) -> Table:
     if decimal_comma:
         lines = io.StringIO(lines.read().replace(",", "."))
     columns, broken = _numbers(source, names, lines, delimiter)
+    kind = TABS if kind == "CSV" and delimiter == "\t" and not has_header else kind
     return Table(source, kind, columns, broken, _document(source, comments))
 
 
@@ -55,22 +57,21 @@ def write_text(columns: Mapping[str, FloatArray], document: Mapping[str, Any]) -
     return "\n".join(lines) + "\n"
 
 
-def _decode(source: str, raw: bytes) -> str:
+def _encoding(source: str, raw: bytes) -> str:
     if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        encoding = "utf-16"
-    elif b"\0" in raw[:4096]:
+        return "utf-16"
+    if b"\0" in raw[:4096]:
         raise InputError(
             f"{source}: neither text nor a format knobcam knows; give CSV (.gz), .mat, .npy, .npz or Parquet"
         )
-    else:
-        encoding = "utf-8-sig"
     try:
-        return raw.decode(encoding)
+        raw.decode("utf-8-sig")
     except UnicodeDecodeError:
-        return raw.decode("latin-1")  # loggers write a header with a micro sign in it; digits are safe
+        return "latin-1"  # loggers write a header with a micro sign in it; digits are safe
+    return "utf-8-sig"
 
 
-def _next_line(lines: io.StringIO, comments: list[str]) -> tuple[int, str]:
+def _next_line(lines: TextIO, comments: list[str]) -> tuple[int, str]:
     """Return where the next line of the table starts, and the line; comments passed over are collected."""
     start = lines.tell()
     while line := lines.readline():
@@ -125,7 +126,7 @@ def _names(source: str, cells: list[str]) -> list[str]:
 
 
 def _numbers(
-    source: str, names: list[str], lines: io.StringIO, delimiter: str | None
+    source: str, names: list[str], lines: TextIO, delimiter: str | None
 ) -> tuple[dict[str, FloatArray], dict[str, str]]:
     start = lines.tell()
     try:
@@ -139,37 +140,60 @@ def _numbers(
 
 
 def _cell_by_cell(
-    source: str, names: list[str], lines: io.StringIO, delimiter: str | None
+    source: str, names: list[str], lines: TextIO, delimiter: str | None
 ) -> tuple[dict[str, FloatArray], dict[str, str]]:
-    values = [array("d") for _ in names]
+    values = array("d")
     last = [0] * len(names)
     broken: dict[str, str] = {}
-    row = 0
+    row = whole = 0
     for line in lines:
         if _skipped(line):
             continue
         row += 1
-        cells = _cells(line, delimiter)
+        cells = _cells(line, delimiter) if '"' in line else line.split(delimiter)
         if len(cells) != len(names):
             raise _wrong_width(source, row, len(cells), len(names))
-        for index, cell in enumerate(cells):
-            value = float("nan")
-            if cell:
-                last[index] = row
-                if _is_number(cell):
-                    value = float(cell)
-                else:
-                    broken.setdefault(
-                        names[index],
-                        f"row {row}, column {names[index]}: {cell[:40]!r} is not a number; "
-                        f"correct the cell, or start a line that is no data with #",
-                    )
-            values[index].append(value)
+        numbers = _all_numbers(line, cells)
+        if numbers is None:
+            numbers = _patiently(row, names, cells, last, broken)
+        else:
+            whole = row
+        values.extend(numbers)
+    matrix = np.array(values, dtype=np.float64).reshape(row, len(names))
     columns = {}
-    for name, column, end in zip(names, values, last, strict=True):
+    for index, name in enumerate(names):
         if name not in broken:
-            columns[name] = np.array(column, dtype=np.float64)[: end or row]
+            columns[name] = matrix[: max(last[index], whole) or row, index]
     return columns, broken
+
+
+def _all_numbers(line: str, cells: list[str]) -> list[float] | None:
+    """Return the numbers of a row of which every cell is one, else None."""
+    try:
+        return None if "_" in line else [float(cell) for cell in cells]
+    except ValueError:
+        return None
+
+
+def _patiently(
+    row: int, names: list[str], cells: list[str], last: list[int], broken: dict[str, str]
+) -> list[float]:
+    """Return the numbers of a row, NaN for a blank; note where columns end and which cell is none."""
+    numbers = []
+    for index, cell in enumerate(map(str.strip, cells)):
+        value = float("nan")
+        if cell:
+            last[index] = row
+            if _is_number(cell):
+                value = float(cell)
+            else:
+                broken.setdefault(
+                    names[index],
+                    f"row {row}, column {names[index]}: {cell[:40]!r} is not a number; "
+                    f"correct the cell, or start a line that is no data with #",
+                )
+        numbers.append(value)
+    return numbers
 
 
 def _wrong_width(source: str, row: int, cells: int, names: int) -> InputError:

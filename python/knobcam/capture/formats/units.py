@@ -17,8 +17,61 @@ SI: dict[Coordinate, dict[str, str]] = {
 }
 """The SI unit of each column of a capture, by its coordinate."""
 
+COUNTS = "counts"
+"""What stands for a unit where an encoder was not divided by its counts of a turn."""
+
+_SPELLINGS = {
+    spelling: unit
+    for unit, spellings in {
+        "s": "s sec secs second seconds",
+        "ms": "ms msec millis milliseconds",
+        "us": "us µs μs usec micros microseconds",
+        "ns": "ns nsec nanos nanoseconds",
+        "rad": "rad rads radian radians",
+        "mrad": "mrad",
+        "deg": "deg degs degree degrees °",
+        "turn": "turn turns rev revs revolution revolutions",
+        "rad/s": "rad/s rads/s rad_s radps rad_per_s rad_sec rad_per_sec rad/sec rad*s^-1",
+        "deg/s": "deg/s deg_s degps dps deg_per_s deg_sec deg/sec °/s",
+        "turn/s": "turn/s turns/s turn_s turns_s rev/s rev_s revs_s rps rev_per_s rev/sec",
+        "rpm": "rpm r/min rev/min rev_min",
+        "rad/s^2": "rad/s^2 rad/s2 rad/s² rad_s2 rad_s_2 rad_per_s2 rad/s/s rad/s**2",
+        "deg/s^2": "deg/s^2 deg/s2 deg/s² deg_s2 deg_s_2 deg_per_s2 °/s² deg/s**2",
+        "turn/s^2": "turn/s^2 turn/s2 turn_s2 rev/s^2 rev/s2 rev/s² rev_s2",
+        "m/s": "m/s m_s mps m_per_s",
+        "cm/s": "cm/s cm_s",
+        "mm/s": "mm/s mm_s mm_per_s",
+        "m/s^2": "m/s^2 m/s2 m/s² m_s2 m_s_2 m/s**2",
+        "mm/s^2": "mm/s^2 mm/s2 mm/s² mm_s2",
+        "m": "m meter meters metre metres",
+        "cm": "cm",
+        "mm": "mm",
+        "um": "um µm μm",
+        "N m": "nm n_m n*m n·m n.m n-m newtonmeter newton_meters",
+        "mN m": "mnm mn_m mn*m mn·m mn.m",
+        "uN m": "unm µnm μnm",
+        "N cm": "ncm n_cm n*cm",
+        "kN m": "knm",
+        "N": "n newton newtons",
+        "mN": "mn",
+        "kN": "kn",
+        "A": "a amp amps ampere amperes",
+        "mA": "ma milliamp milliamps",
+        "V": "v volt volts",
+        "mV": "mv millivolts",
+        COUNTS: "count counts cnt cnts tick ticks step steps lsb pulses",
+    }.items()
+    for spelling in spellings.split()
+}
+
 _NOT_UNITS = re.compile(r"\b(counts?|ticks?|steps?|lsb|pulses?)\b", re.IGNORECASE)
 _TORQUE_SPELLING = re.compile(r"\b([numkM]?N)[ .*-]?([cm]?m)\b")
+
+
+def spelled_out(text: str) -> str | None:
+    """Return the unit that a header spells as `text`, as a map would have it; None where it is none."""
+    squeezed = re.sub(r"\s*([*·./^-])\s*|\s+", lambda found: found[1] or "_", text.strip()).lower()
+    return _SPELLINGS.get(squeezed.replace("⋅", "·"))
 
 
 def to_si(target: str, unit: str) -> tuple[float, Coordinate | None]:

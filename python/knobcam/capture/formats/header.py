@@ -1,0 +1,151 @@
+"""What a column's name says: the quantity, by its words, and the unit, in brackets or as the last words.
+
+`Iq [A]`, `pos_deg`, `Velocity (rpm)`, `torque_mNm`, `time_ms`, `Time / s`, `motorPosition`.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+
+from .units import COUNTS, spelled_out
+
+_HEADS: dict[tuple[str, ...], str] = {
+    (word,): quantity
+    for quantity, words in {
+        "t": "t time timestamp stamp elapsed",
+        "theta": "theta angle position pos q phi rotation displacement",
+        "omega": "omega velocity vel speed dq qd qdot thetadot",
+        "alpha": "alpha acceleration accel acc ddq qdd qddot thetaddot",
+        "tau": "tau torque trq effort force",
+        "current": "current iq amps",
+        "voltage": "voltage uq vq volts duty pwm",
+    }.items()
+    for word in words.split()
+}
+_HEADS |= {(word, "dot"): "omega" for word in ("theta", "q", "phi", "pos", "position")}
+_HEADS |= {(word, "ddot"): "alpha" for word in ("theta", "q", "phi", "pos", "position")}
+_HEADS |= {("q", "current"): "current", ("i", "q"): "current", ("d", "current"): "other"}
+
+
+def _words_of(text: str) -> frozenset[str]:
+    return frozenset(text.split())
+
+
+_MEASURED = _words_of(
+    "measured meas actual act present estimate estimated est shaft motor joint knob angular rotor output "
+    "sensor encoder enc feedback mechanical mech relative elapsed since start system"
+)
+"""Words that leave it the quantity that is meant."""
+
+_ASKED_FOR = _words_of(
+    "target goal desired des ref reference setpoint set sp cmd command commanded demand demanded error err "
+    "limit lim max min offset bias std sigma feedforward ff control electrical"
+)
+"""Words of what was asked for, or of what is no measurement."""
+
+_ANGLES_ALONE = _words_of("angle phi rotation")
+_UNIT_OF = {
+    "t": ("s", "ms", "us", "ns", "min"),
+    "theta": ("rad", "mrad", "deg", "turn", "m", "cm", "mm", "um", COUNTS),
+    "omega": ("rad/s", "deg/s", "turn/s", "rpm", "m/s", "cm/s", "mm/s"),
+    "alpha": ("rad/s^2", "deg/s^2", "turn/s^2", "m/s^2", "mm/s^2"),
+    "tau": ("N m", "mN m", "uN m", "N cm", "kN m", "N", "mN", "kN"),
+    "current": ("A", "mA"),
+    "voltage": ("V", "mV"),
+}
+_QUANTITY = {unit: quantity for quantity, units in _UNIT_OF.items() for unit in units}
+
+
+@dataclass(frozen=True)
+class Label:
+    """What a name says: a column of a capture, `current` or `voltage`; None when it says nothing.
+
+    `plain`: every word is understood. `measured` is False for what was asked of a machine.
+    """
+
+    quantity: str | None
+    unit: str | None = None
+    plain: bool = False
+    measured: bool = True
+
+
+def read_label(name: str) -> Label:
+    """Return what a column's name says; of a dotted one the last part, the others only what was asked for."""
+    parents, _, last = name.rpartition(".") if name.replace(".", "").isidentifier() else ("", "", name)
+    asked = bool(_ASKED_FOR & {word.lower() for word in _words(parents)})
+    text, unit = _bracketed(last)
+    words = _words(text)
+    if unit is not None:
+        label = _labelled(words, unit)
+    elif len(text) > 1 and spelled_out(text):
+        unit = spelled_out(text)
+        label = Label(_QUANTITY.get(str(unit)), unit)
+    else:
+        shorter, unit = _suffix(words)
+        label = _labelled(shorter, unit)
+        if unit is not None and not label.plain:  # the `a` of `torque_a` is no ampere
+            other = _labelled(words, None)
+            label = label if other.quantity in (None, label.quantity) else other
+    return replace(label, measured=label.measured and not asked)
+
+
+def _labelled(words: list[str], unit: str | None) -> Label:
+    lower = [word.lower() for word in words]
+    if len(lower) > 1 and lower[0] == "current" and (lower[1],) in _HEADS:
+        lower = lower[1:]  # the position that is current
+    quantity, rest = _head(lower)
+    if quantity is None:
+        return Label(None if unit is None else _QUANTITY.get(unit), unit)
+    fits = unit is None or _QUANTITY.get(unit) == quantity
+    if unit in ("m", "cm", "mm", "um"):
+        fits = fits and not _ANGLES_ALONE & set(lower)
+    plain = fits and all(word in _MEASURED or word in _ASKED_FOR for word in rest)
+    if unit is not None and not fits:
+        quantity = _QUANTITY.get(unit, quantity)
+    return Label(quantity, unit, plain, not _ASKED_FOR & set(rest))
+
+
+def _bracketed(name: str) -> tuple[str, str | None]:
+    """Split `Iq [A]`, `Velocity (rpm)` and `Time / s`; brackets around no unit are words like others."""
+    for pattern in (r"(.+?)\s*[\[({<]([^\[\](){}<>]*)[\])}>]\s*", r"(.+\S)\s*/\s*([^/\s][^\s]*)\s*"):
+        if (found := re.fullmatch(pattern, name)) and (unit := spelled_out(found[2])):
+            return found[1], unit
+    return name, None
+
+
+def _words(text: str) -> list[str]:
+    """Split at signs, blanks and humps, but not inside a unit such as mNm."""
+    found: list[str] = []
+    for part in re.findall(r"[^\W_]+|[°%]", text):
+        whole = part.lower() in ("mnm", "ncm", "knm", "unm") or (part.lower(),) in _HEADS
+        found += [part] if whole else re.split(r"(?<=[a-z0-9])(?=[A-Z][a-z])|(?<=[a-z]{2})(?=[A-Z]{2})", part)
+    return found
+
+
+def _suffix(words: list[str]) -> tuple[list[str], str | None]:
+    """Take the unit off the end, the longest first: rad_s before s. What stands alone is no unit."""
+    for length in (4, 3, 2, 1):
+        if len(words) > length and (unit := spelled_out("_".join(words[-length:]))):
+            return words[:-length], unit
+    return words, None
+
+
+def _head(words: list[str]) -> tuple[str | None, list[str]]:
+    """Return the quantity that one or two words name and the words left over; None for two quantities."""
+    found: list[str] = []
+    rest: list[str] = []
+    at = 0
+    while at < len(words):
+        for length in (2, 1):
+            quantity = _HEADS.get(tuple(words[at : at + length]))
+            if quantity is not None and len(words) - at >= length:
+                found.append(quantity)
+                at += length
+                break
+        else:
+            rest.append(words[at])
+            at += 1
+    if len(set(found)) == 1 and found[0] != "other":
+        return found[0], rest
+    return None, words

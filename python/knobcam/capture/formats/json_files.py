@@ -1,0 +1,211 @@
+"""JSON: lines of one object a row, a list of rows, named arrays, and the logs of BAM and of moteus' tview."""
+
+from __future__ import annotations
+
+import json
+import re
+from array import array
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from ...base.arrays import FloatArray
+from ...errors import InputError
+from .table import Table, add_array, check_joint, choose
+
+_STARTS = re.compile(rb"\s*(\{|\[\s*[\[{])")
+_MOST_COLUMNS = 1000  # which a damaged or hostile file could make of every row
+_DEEPEST = 16
+_LARGEST = 2**27  # bytes of one document, whose objects take ten times that; lines have no such limit
+_TVIEW = {"controller", "timestamp", "channel", "data"}
+_SERVO = "servo_stats"  # the channel of tview that has the motion
+_XL330_PWM = 885.0  # counts at a duty of 1: ROBOTIS e-Manual of the XL330-M288, PWM Limit
+
+
+def is_json(head: bytes) -> bool:
+    """Whether text begins as an object, or as a list of objects or of lists."""
+    return _STARTS.match(head.removeprefix(b"\xef\xbb\xbf")) is not None
+
+
+def read_json(source: str, raw: bytes, joint: str | None = None) -> Table:
+    """Return the table in `raw`; `joint` chooses one of several controllers in a log of tview.
+
+    Nested objects become dotted names, lists `name.c0`, `name.c1`; true is 1, null NaN, and a number beside
+    the rows a scalar. Raises InputError for what is no JSON or has no rows.
+    """
+    raw = raw.removeprefix(b"\xef\xbb\xbf")
+    first_line, _, others = raw.lstrip().partition(b"\n")
+    if re.fullmatch(rb"\{.*\}\s*", first_line) and others[:4096].strip():
+        rows = _lines(source, raw)
+        if set(next(_lines(source, raw))) >= _TVIEW:
+            return _tview(source, rows, joint)
+        check_joint(source, joint)
+        return _rows(source, "JSON lines", rows)
+    check_joint(source, joint)
+    if len(raw) > _LARGEST:
+        raise InputError(f"{source}: {len(raw)} bytes in one JSON document; write it as lines, or as CSV")
+    try:
+        document = json.loads(raw)
+    except ValueError as error:
+        raise InputError(f"{source}: damaged JSON ({error}); export it again") from error
+    return _whole(source, document)
+
+
+def _lines(source: str, raw: bytes) -> Iterator[Mapping[str, Any]]:
+    """Parse the lines one by one."""
+    row, start = 0, 0
+    while start < len(raw):
+        end = raw.find(b"\n", start)
+        end = len(raw) if end < 0 else end
+        line, start = raw[start:end].strip(), end + 1
+        if not line:
+            continue
+        row += 1
+        try:
+            found = json.loads(line)
+        except ValueError as error:
+            raise InputError(
+                f"{source}: row {row} is damaged JSON ({error}); complete or delete the line"
+            ) from error
+        yield _object(source, row, found)
+
+
+def _object(source: str, row: int, found: Any) -> Mapping[str, Any]:
+    if not isinstance(found, dict):
+        raise InputError(f"{source}: row {row} is no object of named values: {str(found)[:40]!r}")
+    return found
+
+
+class _Columns:
+    """Columns that grow row by row; what a row does not have is NaN."""
+
+    def __init__(self, source: str) -> None:
+        self.source = source
+        self.rows = 0
+        self.values: dict[str, array[float]] = {}
+        self.broken: dict[str, str] = {}
+
+    def add(self, row: Mapping[str, Any]) -> None:
+        """Add a row."""
+        self.rows += 1
+        self._put("", row, 0)
+
+    def _put(self, name: str, value: Any, depth: int) -> None:
+        if depth > _DEEPEST:
+            raise InputError(f"{self.source}: row {self.rows} is nested deeper than {_DEEPEST}; flatten it")
+        if isinstance(value, dict):
+            for key, part in value.items():
+                self._put(f"{name}.{key}" if name else key, part, depth + 1)
+        elif isinstance(value, list):
+            for index, part in enumerate(value):
+                self._put(f"{name}.c{index}", part, depth + 1)
+        elif isinstance(value, str):
+            said = f"row {self.rows}, column {name}: {value[:40]!r} is not a number; map another column"
+            self.broken.setdefault(name, said)
+        elif value is not None:
+            self._number(name, value)
+
+    def _number(self, name: str, value: float) -> None:
+        column = self.values.get(name)
+        if column is None:
+            if len(self.values) == _MOST_COLUMNS:
+                raise InputError(f"{self.source}: more than {_MOST_COLUMNS} names; give one row an object")
+            column = self.values[name] = array("d")
+        if len(column) < self.rows - 1:
+            column.extend([float("nan")] * (self.rows - 1 - len(column)))
+        try:
+            column.append(value)
+        except OverflowError:  # a whole number beyond any float
+            column.append(float("inf"))
+
+    def columns(self) -> dict[str, FloatArray]:
+        """Return the columns, each with a value for every row."""
+        found: dict[str, FloatArray] = {}
+        for name, values in self.values.items():
+            if name not in self.broken:
+                column = np.full(self.rows, np.nan)
+                column[: len(values)] = values
+                found[name] = column
+        return found
+
+
+def _rows(source: str, kind: str, rows: Iterable[Mapping[str, Any]]) -> Table:
+    built = _Columns(source)
+    for row in rows:
+        built.add(row)
+    return Table(source, kind, built.columns(), built.broken)
+
+
+def _tview(source: str, rows: Iterable[Mapping[str, Any]], joint: str | None) -> Table:
+    """Return what one controller said of its servo in a log of tview."""
+    built: dict[str, _Columns] = {}
+    for row in rows:
+        if row.get("channel") == _SERVO:
+            built.setdefault(str(row.get("controller")), _Columns(source)).add(
+                {"timestamp": row.get("timestamp"), "data": row.get("data")}
+            )
+    if not built:
+        raise InputError(f"{source}: a log of tview without the channel {_SERVO}; log that one too")
+    name = choose(source, joint, built, "controllers")
+    return Table(source, "tview JSON lines", built[name].columns(), built[name].broken)
+
+
+def _whole(source: str, document: Any) -> Table:
+    """Return the table of one document: rows, a matrix, or an object that has rows or arrays in it."""
+    if isinstance(document, list):
+        if document and isinstance(document[0], dict):
+            return _rows(source, "JSON", _objects(source, document))
+        document = {"": document}
+    held = {name: value for name, value in document.items() if _is_rows(value)}
+    if len(held) > 1:
+        raise InputError(f"{source}: rows under {', '.join(held)}; keep one of them in a file")
+    if not held:
+        return _arrays(source, document)
+    (name,) = held
+    table = _rows(source, "BAM JSON" if name == "entries" else "JSON", _objects(source, held[name]))
+    columns, broken = dict(table.columns), dict(table.broken)
+    for key, value in document.items():
+        if isinstance(value, int | float) and key not in columns:
+            columns[key] = np.array(float(value))
+    if str(document.get("motor", "")).startswith("xl330") and "load" in columns:
+        columns["duty"] = _duty(columns["load"])
+    return Table(source, table.kind, columns, broken)
+
+
+def _objects(source: str, rows: list[Any]) -> Iterator[Mapping[str, Any]]:
+    return (_object(source, index, row) for index, row in enumerate(rows, start=1))
+
+
+def _is_rows(value: Any) -> bool:
+    return isinstance(value, list) and bool(value) and isinstance(value[0], dict)
+
+
+def _duty(load: FloatArray) -> FloatArray:
+    """Return the duty, -1 to 1, of an XL330's PWM: logged as it is, or as the 16 bits that were read."""
+    if not np.nanmax(np.abs(load), initial=0.0) > 1.0:
+        return load
+    signed = np.where(load > 32767.0, load - 65536.0, load)
+    return np.asarray(np.clip(signed / _XL330_PWM, -1.0, 1.0), dtype=np.float64)
+
+
+def _arrays(source: str, document: Mapping[str, Any]) -> Table:
+    columns: dict[str, FloatArray] = {}
+    broken: dict[str, str] = {}
+
+    def visit(name: str, value: Any, depth: int) -> None:
+        if isinstance(value, dict) and depth < _DEEPEST:
+            for key, part in value.items():
+                visit(f"{name}.{key}" if name else str(key), part, depth + 1)
+        elif isinstance(value, list | int | float) and len(columns) < _MOST_COLUMNS:
+            try:
+                add_array(columns, broken, name, np.array(value, dtype=np.float64))
+            except (TypeError, ValueError, OverflowError):
+                broken[name] = f"{name or 'the list'} holds other things than numbers; map another column"
+
+    visit("", document.get("", document), 0)
+    if not any(column.ndim for column in columns.values()):
+        raise InputError(
+            f"{source}: JSON without rows or arrays of numbers; a capture has columns of samples"
+        )
+    return Table(source, "JSON", columns, broken)

@@ -1,0 +1,184 @@
+"""Which column is which, without a map: where a file's names are plain and unique, and nowhere else."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...base.arrays import FloatArray
+from ...errors import InputError
+from ..finding import Finding
+from .columnmap import TARGETS, Entry
+from .header import Label, read_label
+from .loggers import LOGGERS, simplefoc
+from .table import Table
+from .units import COUNTS, SI, Coordinate
+
+_IN_PLACE_OF_TORQUE = {
+    "A": ("a current", "KT*{}", "KT: N m/A"),
+    "mA": ("a current", "KT*{}/1000", "KT: N m/A"),
+    "V": ("a voltage", "K*{}", "K: N m/V"),
+    "mV": ("a voltage", "K*{}/1000", "K: N m/V"),
+}
+"""Units of what stands for a torque, with the map that makes one of it: the one place that knows them."""
+
+_UNIT_ALONE = {"current": "A", "voltage": "V"}
+_NEEDED = {"theta": "an angle", "tau": "a torque"}
+_FAR = 2000.0  # of an angle: what runs further is not in rad
+_SLOWEST_S = 0.5  # between two samples of a log of motion: longer is another unit
+_SIMPLE_NAME = re.compile(r"[A-Za-z_][\w.]*")
+
+
+@dataclass(frozen=True)
+class Recognised:
+    """The entries that a map would have, and one line that says what was taken for what."""
+
+    entries: dict[str, Entry]
+    note: Finding
+
+
+def recognise(table: Table, coordinate: Coordinate | None) -> Recognised | None:
+    """Return what the columns are taken for, None where no name says anything of an angle or a torque.
+
+    Raises InputError where a name is not plain or not unique: it lists the columns and has the map that would
+    be right.
+    """
+    if (monitor := simplefoc(table)) is not None:
+        raise ask(table, f"a SimpleFOC monitor, which has no torque and no clock: {monitor}", monitor.entries)
+    names = [*(name for name, column in table.columns.items() if column.ndim), *table.broken]
+    logger = next((one for one in LOGGERS if one.known(set(names))), None)
+    labels = logger.labels(names) if logger else {name: read_label(name) for name in names}
+    entries, doubts = _chosen(table, {name: label for name, label in labels.items() if label.measured})
+    if logger and logger.torque and "tau" not in entries and "duty" in table.columns:
+        entries["tau"] = logger.torque
+        del doubts["tau"]
+    if not {"theta", "tau"} & set(entries):
+        return None
+    doubts |= _clock(table, entries)
+    silent = [name for name in table.columns if name not in labels or labels[name].quantity is None]
+    if len(lacking := [one for one in _NEEDED if one not in entries]) == len(silent) == 1:
+        entries[lacking[0]] = Entry(f"`{silent[0]}`", None)
+    if doubts:
+        raise ask(table, next(doubts[one] for one in ("theta", "tau", *TARGETS) if one in doubts), entries)
+    if (unit := entries["tau"].unit) in _IN_PLACE_OF_TORQUE:
+        what = _IN_PLACE_OF_TORQUE[unit][0]
+        raise ask(table, f"no torque; {_bare(entries['tau'].expression)} is {what} in {unit}", entries)
+    taken = ", ".join(_taken(name, entry, coordinate) for name, entry in entries.items())
+    message = f"columns{f' of {logger.name}' if logger else ''}: {taken}; a map says otherwise"
+    return Recognised(entries, Finding("columns", "theta", len(entries), (), message, "note"))
+
+
+def _chosen(table: Table, labels: dict[str, Label]) -> tuple[dict[str, Entry], dict[str, str]]:
+    """Return the best entry of each target, and what stands in the way of taking it."""
+    entries: dict[str, Entry] = {}
+    doubts: dict[str, str] = {}
+    quantities = {label.quantity for label in labels.values()}
+    torque = next((one for one in ("tau", *_UNIT_ALONE) if one in quantities), "tau")
+    for target in TARGETS:
+        quantity = torque if target == "tau" else target
+        found = [name for name, label in labels.items() if label.quantity == quantity]
+        found = [name for name in found if name in table.columns] or found
+        plain = [name for name in found if labels[name].plain]
+        if not found:
+            if target in _NEEDED:
+                doubts[target] = f"no column is {_NEEDED[target]}"
+            continue
+        name = (plain or found)[0]
+        entries[target] = Entry(f"`{name}`", labels[name].unit or _UNIT_ALONE.get(quantity))
+        if len(found) > 1:
+            doubts[target] = f"{_listed(found)} could each be {target}"
+        elif not plain:
+            doubts[target] = f"{name!r} is not plain enough to be taken for {target}"
+        elif target == "theta" and _counted(table, entries[target]):
+            entries[target] = Entry(f"`{name}`", COUNTS)
+            doubts[target] = f"{name!r} holds counts of an encoder"
+    return entries, doubts
+
+
+def by_content(table: Table) -> dict[str, Entry]:
+    """Return a map for columns whose names say nothing: a clock advances evenly, counts run far.
+
+    It is what a message shows, never what is taken.
+    """
+    longest = max((column.size for column in table.columns.values()), default=0)
+    names = [name for name, column in table.columns.items() if column.size == longest and longest > 1]
+    clock = next((name for name in names if read_label(name).quantity == "t"), None)
+    clock = clock or next((name for name in names if _advances(table.columns[name])), None)
+    others = [name for name in names if name != clock]
+    entries = {} if clock is None else {"t": Entry(f"`{clock}`", read_label(clock).unit)}
+    for target, name in zip(_NEEDED, others, strict=False):
+        entries[target] = Entry(f"`{name}`", None)
+    if "theta" in entries and float(np.ptp(np.nan_to_num(table.columns[others[0]]))) > _FAR:
+        entries["theta"] = Entry(entries["theta"].expression, COUNTS)
+    return entries
+
+
+def _advances(column: FloatArray) -> bool:
+    with np.errstate(all="ignore"):
+        steps = np.diff(column)
+        return bool(np.all(steps > 0.0) and np.std(steps) < np.mean(steps))
+
+
+def _counted(table: Table, entry: Entry) -> bool:
+    """Whether an angle is in counts, by its unit, or without one by values that are whole numbers."""
+    values = table.columns.get(_bare(entry.expression))
+    if entry.unit is not None or values is None:
+        return entry.unit == COUNTS
+    finite = values[np.isfinite(values)]
+    return bool(finite.size) and bool(np.all(finite == np.round(finite))) and float(np.ptp(finite)) > 1.0
+
+
+def _clock(table: Table, entries: dict[str, Entry]) -> dict[str, str]:
+    """Whether a time without a unit can be s, and if not, which unit it is likely to be in."""
+    entry = entries.get("t")
+    values = None if entry is None else table.columns.get(_bare(entry.expression))
+    if entry is None or entry.unit is not None or values is None or values.ndim == 0 or len(values) < 2:
+        return {}
+    with np.errstate(all="ignore"):
+        steps = np.diff(values)
+        steps = steps[np.isfinite(steps) & (steps > 0.0)]
+    if not steps.size or (step := float(np.median(steps))) < _SLOWEST_S:
+        return {}
+    unit = "ms" if step < 50.0 else "us" if step < 5e4 else "ns"
+    entries["t"] = Entry(entry.expression, unit)
+    return {"t": f"{_bare(entry.expression)!r} has no unit and advances by {step:.4g} a row"}
+
+
+def ask(table: Table, why: str, entries: dict[str, Entry]) -> InputError:
+    """Return the refusal, with the map that would be right as far as it is known."""
+    parts = {target: _mapped(entries[target]) for target in TARGETS if target in entries}
+    parts = {"theta": ("COLUMN", ""), "tau": ("COLUMN", "")} | parts
+    shown = ", ".join(f"{target}={parts[target][0]}" for target in TARGETS if target in parts)
+    rate = "" if "t" in entries else " --rate HZ"
+    constants = "; ".join(constant for _, constant in parts.values() if constant)
+    return InputError(
+        f"{table.source}: {why}; the file has {table.listing()}; say which is which, for example "
+        f'--map "{shown}"{rate}{f" ({constants})" if constants else ""}'
+    )
+
+
+def _mapped(entry: Entry) -> tuple[str, str]:
+    """Return an entry as a map has it, and what its word in capitals stands for."""
+    name = _bare(entry.expression)
+    text = name if _SIMPLE_NAME.fullmatch(name) or not entry.expression.startswith("`") else entry.expression
+    if entry.unit == COUNTS:
+        return f"{text}/COUNTS [turn]", "COUNTS: of a turn"
+    if entry.unit in _IN_PLACE_OF_TORQUE:
+        _, product, constant = _IN_PLACE_OF_TORQUE[entry.unit]
+        return product.format(text), constant
+    return text if entry.unit is None else f"{text} [{entry.unit}]", ""
+
+
+def _taken(target: str, entry: Entry, coordinate: Coordinate | None) -> str:
+    unit = f"[{entry.unit}]" if entry.unit else f"(no unit said: {SI[coordinate or 'rotary'][target]})"
+    return f"{target} = {_bare(entry.expression)} {unit}"
+
+
+def _bare(expression: str) -> str:
+    return expression[1:-1] if expression.startswith("`") and expression.endswith("`") else expression
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(names[:-1]) + f" and {names[-1]}" if len(names) < 6 else f"{len(names)} columns"

@@ -1,0 +1,211 @@
+"""Columns that are taken without a map: by plain and unique names, and of loggers that are known."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command import knobcam, refused
+from numpy.typing import NDArray
+
+import knobcam as kc
+from knobcam.capture.formats.header import Label, read_label
+from knobcam.errors import InputError
+
+N = 400
+T = np.arange(N) / 500.0
+THETA = np.sin(7.0 * T)
+OMEGA = 7.0 * np.cos(7.0 * T)
+TAU = 0.01 * OMEGA + 0.002 * np.sign(OMEGA) + 1e-5 * np.random.default_rng(3).standard_normal(N)
+TURN = 2.0 * np.pi
+ZERO = np.zeros(N)
+
+
+def log(folder: Path, header: str, *columns: NDArray[np.float64], sep: str = ",") -> Path:
+    path = folder / "run.csv"
+    rows = [sep.join(f"{cell:.12g}" for cell in row) for row in zip(*columns, strict=True)]
+    path.write_text("\n".join([*([header] if header else []), *rows]) + "\n")
+    return path
+
+
+def assert_taken(path: Path, coordinate: str = "rotary") -> str:
+    """Assert that a log is taken as the motion above, and return what is said of it."""
+    capture = kc.load(path)
+    assert capture.coordinate == coordinate
+    assert capture.rate_hz == pytest.approx(500.0)
+    np.testing.assert_allclose(capture.theta, THETA, atol=1e-9)
+    np.testing.assert_allclose(capture.tau, TAU, atol=1e-9)
+    if capture.omega is not None:
+        np.testing.assert_allclose(capture.omega, OMEGA, atol=1e-7)
+    (said,) = [one for one in capture.findings if one.kind == "columns"]
+    assert said.severity == "note"
+    return said.message
+
+
+@pytest.mark.parametrize(
+    ("name", "label"),
+    [
+        ("Iq [A]", Label("current", "A", True)),
+        ("pos_deg", Label("theta", "deg", True)),
+        ("Velocity (rpm)", Label("omega", "rpm", True)),
+        ("torque_mNm", Label("tau", "mN m", True)),
+        ("time_ms", Label("t", "ms", True)),
+        ("Time / s", Label("t", "s", True)),
+        ("motorPosition", Label("theta", None, True)),
+        ("theta_dot [rad/s]", Label("omega", "rad/s", True)),
+        ("measured_velocity_deg_s", Label("omega", "deg/s", True)),
+        ("current_position", Label("theta", None, True)),
+        ("torque_cmd", Label("tau", None, True, measured=False)),
+        ("reference.position", Label("theta", None, True, measured=False)),
+        ("left_torque", Label("tau", None, False)),
+        ("torque_a", Label("tau", None, False)),
+        ("M [Nm]", Label("tau", "N m", False)),
+        ("enc", Label(None)),
+        ("M", Label(None)),
+    ],
+)
+def test_a_name_says_what_its_words_and_its_unit_say(name: str, label: Label) -> None:
+    assert read_label(name) == label
+
+
+def test_units_in_a_header_are_taken_and_said(tmp_path: Path) -> None:
+    path = log(
+        tmp_path,
+        "time_ms,pos_deg,Velocity (rpm),torque_mNm",
+        *(1e3 * T, np.rad2deg(THETA), 60.0 * OMEGA / TURN, 1e3 * TAU),
+    )
+    said = assert_taken(path)
+    assert "t = time_ms [ms], theta = pos_deg [deg], omega = Velocity (rpm) [rpm], tau = torque_mNm" in said
+
+
+def test_plain_words_without_units_are_taken_as_si_and_that_is_said(tmp_path: Path) -> None:
+    said = assert_taken(log(tmp_path, "Time, Position, Velocity, Torque", T, THETA, OMEGA, TAU))
+    assert "theta = Position (no unit said: rad)" in said
+
+
+def test_what_was_asked_of_a_machine_is_not_what_it_did(tmp_path: Path) -> None:
+    header = "timestamp,target_position,position,torque,torque_cmd"
+    assert_taken(log(tmp_path, header, T, ZERO, THETA, TAU, ZERO))
+
+
+def test_lengths_and_forces_make_a_linear_axis(tmp_path: Path) -> None:
+    assert_taken(log(tmp_path, "t;Position [mm];Force (N)", T, 1e3 * THETA, TAU, sep=";"), "linear")
+    with pytest.raises(InputError, match=r"tau in \[N m\] is for a rotary axis, but it is linear"):
+        kc.load(log(tmp_path, "t,position_mm,torque_Nm", T, THETA, TAU))
+
+
+@pytest.mark.parametrize(
+    ("header", "why", "right"),
+    [
+        ("time,motor_pos,joint_pos,torque", "motor_pos and joint_pos could each be theta", "theta=motor_pos"),
+        ("time,position,vel,speed", "no column is a torque", "tau=COLUMN"),
+        ("time,velocity,x,torque", "no column is an angle", "theta=x, omega=velocity, tau=torque"),
+        ("time,position,left_torque,x", "'left_torque' is not plain", "tau=left_torque"),
+        ("time,position,vel,Iq [A]", "no torque; Iq [A] is a current in A", "tau=KT*`Iq [A]`"),
+        ("time,position,vel,Iq_mA", "no torque; Iq_mA is a current in mA", "tau=KT*Iq_mA/1000"),
+        ("time,position,vel,Uq", "no torque; Uq is a voltage in V", "tau=K*Uq"),
+        ("time,pos [counts],vel,torque", "'pos [counts]' holds counts", "theta=`pos [counts]`/COUNTS [turn]"),
+    ],
+)
+def test_what_is_not_plain_or_not_unique_is_refused_with_the_columns_and_a_map(
+    header: str, why: str, right: str, tmp_path: Path
+) -> None:
+    path = log(tmp_path, header, T, THETA, OMEGA, TAU)
+    names = header.replace(",", ", ")
+    refused(knobcam("import", path, "-o", tmp_path / "run.npz"), why, f"the file has {names}", right)
+    assert not (tmp_path / "run.npz").exists()
+
+
+def test_the_map_that_a_refusal_shows_is_one_that_works(tmp_path: Path) -> None:
+    path = log(tmp_path, "time,motor pos,joint_pos,Iq [A]", T, THETA, ZERO, 1e3 * TAU)
+    said = knobcam("import", path, "-o", tmp_path / "run.npz").err
+    shown = re.search('--map "(.*)"', said)
+    assert shown is not None
+    capture = kc.load(path, map=shown[1].replace("KT", "0.001"))
+    np.testing.assert_allclose(capture.tau, TAU, atol=1e-9)
+
+
+@pytest.mark.parametrize(("step", "unit"), [(1.0, "ms"), (2000.0, "us"), (2e6, "ns")])
+def test_a_clock_without_a_unit_that_cannot_be_seconds_is_refused(
+    step: float, unit: str, tmp_path: Path
+) -> None:
+    path = log(tmp_path, "time,position,torque", step * np.arange(N), THETA, TAU)
+    with pytest.raises(InputError, match=rf"'time' has no unit and advances by .*t=time \[{unit}\]"):
+        kc.load(path)
+
+
+def test_an_angle_of_whole_numbers_is_not_taken_for_radians(tmp_path: Path) -> None:
+    path = log(tmp_path, "time,position,torque", T, np.round(8192 * THETA), TAU)
+    with pytest.raises(InputError, match=r"holds counts of an encoder.*theta=position/COUNTS \[turn\]"):
+        kc.load(path)
+
+
+def test_a_cell_that_is_no_number_is_named_where_its_column_is_taken(tmp_path: Path) -> None:
+    path = log(tmp_path, "time,position,torque", T, THETA, TAU)
+    path.write_text(path.read_text() + "0.8,0,saturated\n")
+    with pytest.raises(InputError, match="row 401, column torque: 'saturated' is not a number"):
+        kc.load(path)
+
+
+def test_columns_without_names_are_shown_with_the_clock_that_is_among_them(tmp_path: Path) -> None:
+    np.save(tmp_path / "run.npy", np.stack([T, 8192.3 * THETA, TAU]))
+    with pytest.raises(InputError, match=r't=c0, theta=c1/COUNTS \[turn\], tau=c2" \(COUNTS: of a turn\)'):
+        kc.load(tmp_path / "run.npy")
+
+
+def test_registers_of_moteus_are_in_turns(tmp_path: Path) -> None:
+    header = "time,MODE,POSITION,VELOCITY,TORQUE,VOLTAGE,TEMPERATURE,FAULT"
+    turns = (THETA / TURN, OMEGA / TURN, TAU)
+    said = assert_taken(log(tmp_path, header, T, ZERO + 10, *turns, ZERO + 24, ZERO + 30, ZERO))
+    assert "moteus" in said and "theta = POSITION [turn], omega = VELOCITY [turn/s]" in said
+
+
+def test_servo_stats_of_moteus_are_in_turns(tmp_path: Path) -> None:
+    header = "timestamp,control_position,control_velocity,d_A,pid_position.p,position,q_A,torque_Nm,velocity"
+    columns = (ZERO, ZERO, ZERO, ZERO, THETA / TURN, ZERO, TAU, OMEGA / TURN)
+    assert "moteus" in assert_taken(log(tmp_path, header, T, *columns))
+
+
+def test_estimates_of_an_odrive_are_in_turns(tmp_path: Path) -> None:
+    header = "time,axis0.pos_estimate,axis0.vel_estimate,axis0.motor.torque_estimate,axis0.pos_setpoint"
+    assert "ODrive" in assert_taken(log(tmp_path, header, T, THETA / TURN, OMEGA / TURN, TAU, ZERO))
+
+
+def test_the_current_of_an_odrive_asks_for_its_torque_constant(tmp_path: Path) -> None:
+    header = "time,odrv0.axis0.encoder.pos_estimate,odrv0.axis0.motor.current_control.Iq_measured"
+    with pytest.raises(InputError, match=r"pos_estimate \[turn\], tau=KT\*odrv0.*\(KT: N m/A\)"):
+        kc.load(log(tmp_path, header, T, THETA / TURN, TAU))
+
+
+def test_two_axes_of_an_odrive_are_not_chosen_between(tmp_path: Path) -> None:
+    header = "time,axis0.pos_estimate,axis1.pos_estimate,axis0.torque_estimate"
+    with pytest.raises(InputError, match=r"axis0\.pos_estimate and axis1\.pos_estimate could each be theta"):
+        kc.load(log(tmp_path, header, T, THETA, THETA, TAU))
+
+
+@pytest.mark.parametrize(
+    ("before", "right"),
+    [(2, "theta=c3 [rad], omega=c2 [rad/s], tau=K*c1"), (5, "omega=c5 [rad/s], tau=KT*c3/1000")],
+)
+def test_a_simplefoc_monitor_asks_for_its_rate_and_its_torque(
+    before: int, right: str, tmp_path: Path
+) -> None:
+    path = log(tmp_path, "", *[TAU] * before, OMEGA, THETA, sep="\t")
+    said = knobcam("import", path, "-o", tmp_path / "run.npz")
+    refused(said, "SimpleFOC", "500", "--rate HZ", right)
+    asked = {"map": f"theta=c{before + 1}, omega=c{before}, tau=c1"}
+    with pytest.raises(InputError, match=r"no column of times.*--rate"):
+        kc.load(path, **asked)  # type: ignore[arg-type]
+    np.testing.assert_allclose(kc.load(path, rate_hz=500.0, **asked).theta, THETA, atol=1e-9)  # type: ignore[arg-type]
+
+
+def test_what_was_taken_is_printed_and_kept(tmp_path: Path) -> None:
+    path = log(tmp_path, "time,pos_deg,torque_mNm", T, np.rad2deg(THETA), 1e3 * TAU)
+    ended = knobcam("import", path, "-o", tmp_path / "run.npz", "--json")
+    assert "note: columns: t = time (no unit said: s), theta = pos_deg [deg]" in ended.err
+    assert ended.document["findings"][0]["kind"] == "columns"
+    again = kc.load(tmp_path / "run.npz")
+    assert [one.kind for one in again.findings] == ["columns"]
+    assert again.meta["calibration"]["theta"] == "`pos_deg` [deg]"
