@@ -1,6 +1,6 @@
 //! A model: effects of the catalogue with their parameter values, and which of those may move.
 
-use crate::effects::law::Carried;
+use crate::effects::law::{Carried, Law};
 use crate::effects::{Base, Id, Joint, Nonlinear, Place};
 use crate::error::{Error, Result};
 use crate::motion::{Load, Motion};
@@ -51,6 +51,9 @@ pub struct Model {
     /// Rotary or linear.
     pub axis: Axis,
     parts: Vec<(Id, Range<usize>)>,
+    /// The loads of the catalogue, found once for a render step: each with where its parameters and what it remembers
+    /// are.
+    loads: Vec<(&'static dyn Law, Range<usize>, Range<usize>)>,
     slots: Vec<Slot>,
     /// Whether no effect shapes the friction of others.
     plain: bool,
@@ -59,7 +62,8 @@ pub struct Model {
 impl Model {
     /// A model of these effects at their neutral values, all parameters free.
     pub fn new(effects: &[Id], axis: Axis) -> Self {
-        let mut model = Self { name: String::new(), axis, parts: Vec::new(), slots: Vec::new(), plain: true };
+        let (parts, loads, slots) = (Vec::new(), Vec::new(), Vec::new());
+        let mut model = Self { name: String::new(), axis, parts, loads, slots, plain: true };
         let mut effects = effects.to_vec();
         effects.sort();
         effects.dedup();
@@ -87,7 +91,12 @@ impl Model {
             };
             self.slots.push(Slot { effect: id, param, value: param.neutral, role, base });
         }
-        self.parts.push((id, base..self.slots.len()));
+        let params = base..self.slots.len();
+        if id.info().place == Place::Load && !matches!(id, Id::User(_)) {
+            let (law, first) = (id.law(), self.states());
+            self.loads.push((law, params.clone(), first..first + law.states()));
+        }
+        self.parts.push((id, params));
         self.plain &= !id.info().shapes_friction;
     }
 
@@ -289,12 +298,9 @@ impl Model {
     #[inline]
     pub fn load<T: Carried>(&self, p: &[T], state: &mut [T], motion: &Motion<T>) -> Load<T> {
         let mut sum = Load::none();
-        let mut state = state;
-        for (id, range) in self.parts.iter().filter(|(id, _)| !matches!(id, Id::User(_))) {
-            let law = id.law();
-            let (own, rest) = state.split_at_mut(law.states().min(state.len()));
-            T::load(law, p.get(range.clone()).unwrap_or(&[]), own, motion, &mut sum);
-            state = rest;
+        for (law, params, states) in &self.loads {
+            let own = state.get_mut(states.clone()).unwrap_or(&mut []);
+            T::load(*law, p.get(params.clone()).unwrap_or(&[]), own, motion, &mut sum);
         }
         sum
     }
