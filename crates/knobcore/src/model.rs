@@ -298,11 +298,17 @@ impl Model {
     #[inline]
     pub fn load<T: Carried>(&self, p: &[T], state: &mut [T], motion: &Motion<T>) -> Load<T> {
         let mut sum = Load::none();
+        self.add_loads(p, state, motion, &mut sum);
+        sum
+    }
+
+    /// Brings them into a load where it is: to copy one right after it was written takes longer than most effects.
+    #[inline]
+    pub fn add_loads<T: Carried>(&self, p: &[T], state: &mut [T], motion: &Motion<T>, sum: &mut Load<T>) {
         for (law, params, states) in &self.loads {
             let own = state.get_mut(states.clone()).unwrap_or(&mut []);
-            T::load(*law, p.get(params.clone()).unwrap_or(&[]), own, motion, &mut sum);
+            T::load(*law, p.get(params.clone()).unwrap_or(&[]), own, motion, sum);
         }
-        sum
     }
 
     /// Brings the effects of a user's own at one instant into a load.
