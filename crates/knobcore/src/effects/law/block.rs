@@ -81,7 +81,12 @@ impl<'a> Totals<'a> {
     }
 
     #[inline(always)]
-    fn joined<const C: usize, const L: usize>(&mut self, at: usize, load: &Load<Packed<L>>, touches: Touched) {
+    fn joined<const C: usize, const L: usize>(
+        &mut self,
+        at: usize,
+        load: &Load<Packed<L>>,
+        touches: Touched,
+    ) {
         let own = channels(load);
         for (channel, (column, own)) in self.channels.iter_mut().zip(own).take(C).enumerate() {
             if !touches[channel] {
@@ -119,7 +124,8 @@ impl<'a> Totals<'a> {
             let loads: [Load<f64>; LANES] =
                 std::array::from_fn(|lane| E::load(&p, state, &motion.map(|x| x.0[lane])));
             let own: [[f64; CHANNELS]; LANES] = loads.map(|load| channels(&load));
-            let packs: [Pack; CHANNELS] = std::array::from_fn(|c| Packed(std::array::from_fn(|lane| own[lane][c])));
+            let packs: [Pack; CHANNELS] =
+                std::array::from_fn(|c| Packed(std::array::from_fn(|lane| own[lane][c])));
             self.join(at, &load_of(packs), const { Channel::among(E::TOUCHES) });
         }
     }
