@@ -5,9 +5,7 @@
 
 use pulp::NullaryFnOnce;
 
-/// Does work that is compiled for vectors of four numbers (AVX2) and for whatever the target has. Vectors of eight
-/// (AVX-512) take a third copy of each kernel to compile and are no faster in a fit; only bootstrap refits were, by a
-/// third.
+/// Does work that is compiled for vectors of four numbers (AVX2) and for whatever the target has.
 #[inline]
 pub fn dispatch<W: NullaryFnOnce>(work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
@@ -15,4 +13,15 @@ pub fn dispatch<W: NullaryFnOnce>(work: W) -> W::Output {
         return pulp::Simd::vectorize(avx2, work);
     }
     work.call()
+}
+
+/// Does work that is compiled for vectors of eight numbers (AVX-512) too. That is a third copy to compile: for what is
+/// short, and waits for what it has computed last.
+#[inline]
+pub fn dispatch_wide<W: NullaryFnOnce>(work: W) -> W::Output {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(avx512) = pulp::x86::V4::try_new() {
+        return pulp::Simd::vectorize(avx512, work);
+    }
+    dispatch(work)
 }

@@ -1,6 +1,6 @@
 //! A model: effects of the catalogue with their parameter values, and which of those may move.
 
-use crate::effects::law::Carried;
+use crate::effects::law::{Carried, Law};
 use crate::effects::{Base, Id, Joint, Nonlinear, Place};
 use crate::error::{Error, Result};
 use crate::motion::{Load, Motion};
@@ -53,6 +53,9 @@ pub struct Model {
     /// The captures that its values come from, as who fitted them named them; none where nobody said.
     pub fitted_to: Vec<String>,
     parts: Vec<(Id, Range<usize>)>,
+    /// The loads of the catalogue, found once for a render step: each with where its parameters and what it remembers
+    /// are.
+    loads: Vec<(&'static dyn Law, Range<usize>, Range<usize>)>,
     slots: Vec<Slot>,
     /// Whether no effect shapes the friction of others.
     plain: bool,
@@ -61,8 +64,15 @@ pub struct Model {
 impl Model {
     /// A model of these effects at their neutral values, all parameters free.
     pub fn new(effects: &[Id], axis: Axis) -> Self {
-        let (name, fitted_to, parts, slots) = (String::new(), Vec::new(), Vec::new(), Vec::new());
-        let mut model = Self { name, axis, fitted_to, parts, slots, plain: true };
+        let mut model = Self {
+            name: String::new(),
+            axis,
+            fitted_to: Vec::new(),
+            parts: Vec::new(),
+            loads: Vec::new(),
+            slots: Vec::new(),
+            plain: true,
+        };
         let mut effects = effects.to_vec();
         effects.sort();
         effects.dedup();
@@ -88,7 +98,12 @@ impl Model {
         for at in base..self.slots.len() {
             self.slots[at].role = self.usual(at);
         }
-        self.parts.push((id, base..self.slots.len()));
+        let params = base..self.slots.len();
+        if id.info().place == Place::Load && !matches!(id, Id::User(_)) {
+            let (law, first) = (id.law(), self.states());
+            self.loads.push((law, params.clone(), first..first + law.states()));
+        }
+        self.parts.push((id, params));
         self.plain &= !id.info().shapes_friction;
     }
 
@@ -341,14 +356,17 @@ impl Model {
     #[inline]
     pub fn load<T: Carried>(&self, p: &[T], state: &mut [T], motion: &Motion<T>) -> Load<T> {
         let mut sum = Load::none();
-        let mut state = state;
-        for (id, range) in self.parts.iter().filter(|(id, _)| !matches!(id, Id::User(_))) {
-            let law = id.law();
-            let (own, rest) = state.split_at_mut(law.states().min(state.len()));
-            T::load(law, p.get(range.clone()).unwrap_or(&[]), own, motion, &mut sum);
-            state = rest;
-        }
+        self.add_loads(p, state, motion, &mut sum);
         sum
+    }
+
+    /// Brings them into a load where it is: to copy one right after it was written takes longer than most effects.
+    #[inline]
+    pub fn add_loads<T: Carried>(&self, p: &[T], state: &mut [T], motion: &Motion<T>, sum: &mut Load<T>) {
+        for (law, params, states) in &self.loads {
+            let own = state.get_mut(states.clone()).unwrap_or(&mut []);
+            T::load(*law, p.get(params.clone()).unwrap_or(&[]), own, motion, sum);
+        }
     }
 
     /// Brings the effects of a user's own at one instant into a load.

@@ -3,7 +3,7 @@
 //! `tau` is the torque that the rig applies to move the knob (N m; N on a linear axis). Friction has the
 //! sign of omega: the rig must push with it. Resistances are magnitudes.
 
-use crate::scalar::{Pack, Scalar};
+use crate::scalar::{Packed, Scalar};
 
 /// The motion of the knob at one instant.
 #[derive(Debug, Clone, Copy)]
@@ -55,17 +55,17 @@ impl<T: Scalar> Motion<T> {
     }
 }
 
-impl Motion<Pack> {
+impl<const L: usize> Motion<Packed<L>> {
     /// A pack of samples of columns (t, theta, omega, alpha, forward) from `at` on. Written out: mapped over an array it is
     /// a call, which loads also what an effect does not look at.
     #[inline(always)]
     pub fn over([t, theta, omega, alpha, forward]: &[&[f64]; 5], at: usize) -> Self {
         Self {
-            t: Pack::load(t, at),
-            theta: Pack::load(theta, at),
-            omega: Pack::load(omega, at),
-            alpha: Pack::load(alpha, at),
-            forward: Pack::load(forward, at),
+            t: Packed::load(t, at),
+            theta: Packed::load(theta, at),
+            omega: Packed::load(omega, at),
+            alpha: Packed::load(alpha, at),
+            forward: Packed::load(forward, at),
         }
     }
 }

@@ -94,7 +94,7 @@ impl PyFit {
         Some((array(py, &scan.inverse_period), array(py, &scan.gain)))
     }
 
-    /// Block-bootstrap refits, shape (draws, parameters).
+    /// Block-bootstrap refits, shape (parameters, draws).
     fn bootstrap<'py>(
         &self,
         py: Python<'py>,

@@ -70,7 +70,7 @@ impl Renderer {
             out[i] = self.step(columns.sensed(i));
         }
         if first < rows {
-            isa::dispatch(Rendering { renderer: self, columns, first, out });
+            isa::dispatch_wide(Rendering { renderer: self, columns, first, out });
         }
     }
 

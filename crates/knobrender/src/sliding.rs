@@ -12,19 +12,19 @@ pub(super) struct Sliding {
     pub inertia: f64,
 }
 
-/// What loads the knob, with effects of a user's own if there are any.
-pub(super) fn loaded(
+/// Brings in what loads the knob, with effects of a user's own if there are any.
+pub(super) fn add_loads(
     model: &Model,
     p: &[f64],
     own: bool,
     state: &mut [f64],
     motion: &Motion<f64>,
-) -> Load<f64> {
-    let mut load = model.load(p, state, motion);
+    sum: &mut Load<f64>,
+) {
+    model.add_loads(p, state, motion, sum);
     if own {
-        model.own_load(p, motion, &mut load);
+        model.own_load(p, motion, sum);
     }
-    load
 }
 
 /// What a load asks for on a motion whose direction is known; `rest` is what pushes at rest, for a model that may

@@ -4,7 +4,7 @@ use super::contact::{Budget, Contact, Moved};
 use super::device::{Device, SLOWEST, Tuning};
 use super::limits::{Fault, Limits};
 use super::nature::Nature;
-use super::sliding::{Sliding, at_rest, braked, loaded, sliding};
+use super::sliding::{Sliding, add_loads, at_rest, braked, sliding};
 use knobcore::chain::{Beside, Hidden, SUBSTEPS};
 use knobcore::effects::Id;
 use knobcore::error::{Error, Result};
@@ -294,14 +294,18 @@ impl Renderer {
         // Looks, and remembers nothing.
         let mut look = |memory: &[f64], motion: &Motion<f64>| {
             self.spare.copy_from_slice(memory);
-            loaded(model, p, own, &mut self.spare, motion)
+            let mut load = Load::none();
+            add_loads(model, p, own, &mut self.spare, motion, &mut load);
+            load
         };
         if state.samples > 0 && state.contact.slides(by, motion.omega) != 0.0 {
             if let Some(known) = known {
                 return known;
             }
             let rest = if self.guarded { Some(look(&state.memory, &still).drive) } else { None };
-            return sliding(&loaded(model, p, own, &mut state.memory, &motion), rest, &motion);
+            let mut load = Load::none();
+            add_loads(model, p, own, &mut state.memory, &motion, &mut load);
+            return sliding(&load, rest, &motion);
         }
         let mut load = |motion: &Motion<f64>| look(&state.memory, motion);
         let ways = [Motion { forward: 0.0, ..motion }, Motion { forward: 1.0, ..motion }];
@@ -329,7 +333,9 @@ impl Renderer {
         let moved = Moved { by, omega: motion.omega, band };
         let (friction, strain) = state.contact.answer(&self.tuning, &Budget { slide, hold }, moved, other);
         // The effects that remember see the sample once, and go the way that the knob is strained.
-        loaded(model, p, own, &mut state.memory, &motion);
+        if own || !state.memory.is_empty() {
+            add_loads(model, p, own, &mut state.memory, &motion, &mut Load::none());
+        }
         let torque = if state.contact.slipping && strain.abs() == 1.0 {
             let (drive, load, way) =
                 if strain > 0.0 { (drives[1], forth, 1.0) } else { (drives[0], back, 0.0) };

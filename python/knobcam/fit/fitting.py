@@ -168,8 +168,7 @@ class Fit(showing.Tabled):
         """Return block-bootstrap refits (Kuensch 1989) of each determined parameter, shape (draws,)."""
         if draws < 1:
             raise InputError(f"draws={draws} must be at least 1")
-        refits = self.core.bootstrap(draws, seed)
-        return {name: refits[:, i] for i, name in enumerate(self.core.free)}
+        return dict(zip(self.core.free, self.core.bootstrap(draws, seed), strict=True))
 
     def compare(
         self,

@@ -11,122 +11,136 @@ use crate::isa;
 use crate::random::Noise;
 use crate::scalar::{LANES, Pack, Scalar};
 
-/// Steps away from the optimum of `draws` refits, each with a value per kept column; a draw whose equations
-/// have no solution is left out.
+/// Steps away from the optimum of `draws` refits, for each kept column those of all; a draw whose equations have no
+/// solution is left out.
 pub fn refits(blocks: &[Moments], kept: &[usize], draws: usize, seed: u64) -> Vec<Vec<f64>> {
-    let Some(first) = blocks.first().filter(|_| !kept.is_empty()) else { return Vec::new() };
+    let mut steps = vec![Vec::with_capacity(draws); kept.len()];
+    let Some(first) = blocks.first().filter(|_| !kept.is_empty()) else { return steps };
     let scale: Vec<f64> =
         kept.iter().map(|&i| blocks.iter().map(|b| b.gram(i, i)).sum::<f64>().sqrt().recip()).collect();
     // The lower triangle of the normal equations, the right-hand side as its last row; the residual's own
     // column is not needed.
     let mut order = kept.to_vec();
     order.push(first.k);
+    let entries: Vec<_> =
+        (0..order.len()).flat_map(|i| (0..=i.min(kept.len() - 1)).map(move |j| (i, j))).collect();
     let scaled = |i: usize| scale.get(i).copied().unwrap_or(1.0);
-    let row = |i: usize| (0..=i.min(kept.len() - 1)).map(move |j| (i, j));
-    let pack = |block: &Moments| {
-        let entries = (0..order.len()).flat_map(row);
-        let products: Vec<f64> =
-            entries.map(|(i, j)| block.gram(order[i], order[j]) * scaled(i) * scaled(j)).collect();
-        let mut packs: Vec<Pack> = products.chunks(LANES).map(|few| Pack::load(few, 0)).collect();
-        packs.resize(packs.len().next_multiple_of(2), Pack::of(0.0));
-        packs
-    };
-    let packed: Vec<Vec<Pack>> = blocks.iter().map(pack).collect();
+    let product = |block: &Moments, i, j| block.gram(order[i], order[j]) * scaled(i) * scaled(j);
+    let of_blocks = |&(i, j): &(usize, usize)| blocks.iter().map(|block| product(block, i, j)).collect();
+    let products: Vec<Vec<f64>> = entries.iter().map(of_blocks).collect();
     let mut noise = Noise::new(seed);
-    let mut steps = Vec::with_capacity(draws);
-    while steps.len() < draws {
-        let counts: [Vec<f64>; AT_ONCE] = std::array::from_fn(|_| counts(&mut noise, blocks.len()));
-        let drawn = isa::dispatch(Drawn { packed: &packed, counts: &counts });
-        for mut equations in drawn {
-            let step = solve(&mut equations, kept.len()).unwrap_or_else(|| vec![f64::NAN; kept.len()]);
-            steps.push(step.iter().zip(&scale).map(|(x, scale)| x * scale).collect::<Vec<f64>>());
+    let mut counts = vec![[Pack::of(0.0); PACKS]; blocks.len()];
+    let mut equations = vec![[Pack::of(0.0); PACKS]; entries.len()];
+    for done in (0..draws).step_by(AT_ONCE) {
+        draw(&mut noise, &mut counts);
+        isa::dispatch(Refits {
+            products: &products,
+            counts: &counts,
+            equations: &mut equations,
+            k: kept.len(),
+        });
+        let solution = &equations[entries.len() - kept.len()..];
+        for lane in 0..AT_ONCE.min(draws - done) {
+            let solved = |x: &[Pack; PACKS]| x[lane / LANES].0[lane % LANES];
+            if solution.iter().all(|x| solved(x).is_finite()) {
+                for ((steps, x), scale) in steps.iter_mut().zip(solution).zip(&scale) {
+                    steps.push(solved(x) * scale);
+                }
+            }
         }
     }
-    steps.truncate(draws);
-    steps.retain(|step| step.iter().all(|x| x.is_finite()));
     steps
 }
 
-/// Draws that are summed in one pass over the blocks, which are more than the first cache holds.
-const AT_ONCE: usize = 4;
+/// Packs of draws that are summed in one pass over the blocks, which are more than the first cache holds.
+const PACKS: usize = 2;
+/// Draws that are summed in one pass.
+const AT_ONCE: usize = PACKS * LANES;
+/// Products that are summed in one pass: as many as stay in registers, for all of its draws.
+const FEW: usize = 4;
 
-/// The equations of the blocks that were drawn, summed, for each draw.
-struct Drawn<'a> {
-    packed: &'a [Vec<Pack>],
-    counts: &'a [Vec<f64>; AT_ONCE],
+/// The equations of the blocks that were drawn, summed and solved, a draw in each lane: the solution is their last
+/// row, NaN where they are not positive definite.
+struct Refits<'a> {
+    products: &'a [Vec<f64>],
+    counts: &'a [[Pack; PACKS]],
+    equations: &'a mut [[Pack; PACKS]],
+    k: usize,
 }
 
-impl pulp::NullaryFnOnce for Drawn<'_> {
-    type Output = [Vec<f64>; AT_ONCE];
+impl pulp::NullaryFnOnce for Refits<'_> {
+    type Output = ();
 
     #[inline(always)]
-    fn call(self) -> [Vec<f64>; AT_ONCE] {
-        let packs = self.packed.first().map_or(0, Vec::len);
-        let mut sums: [Vec<f64>; AT_ONCE] = std::array::from_fn(|_| Vec::with_capacity(packs * LANES));
-        // Two packs for each draw at a time stay in registers while all blocks pass by.
-        for first in (0..packs).step_by(2) {
-            let mut held = [[Pack::of(0.0); 2]; AT_ONCE];
-            for (at, block) in self.packed.iter().enumerate() {
-                let Some(&[one, two]) = block.get(first..first + 2).and_then(|two| two.first_chunk()) else {
-                    break;
-                };
-                for (held, counts) in held.iter_mut().zip(self.counts) {
-                    let count = Pack::of(counts[at]);
-                    held[0] = held[0] + one * count;
-                    held[1] = held[1] + two * count;
+    fn call(self) {
+        let Self { products, counts, equations, k } = self;
+        for (products, sums) in products.chunks(FEW).zip(equations.chunks_mut(FEW)) {
+            // Each in a slice of its own: side by side they would be taken for the lanes.
+            let products: [&[f64]; FEW] =
+                std::array::from_fn(|at| &products[at.min(products.len() - 1)][..counts.len()]);
+            let mut held = [[Pack::of(0.0); PACKS]; FEW];
+            for (block, counts) in counts.iter().enumerate() {
+                for (held, products) in held.iter_mut().zip(products) {
+                    let product = Pack::of(products[block]);
+                    for (held, count) in held.iter_mut().zip(counts) {
+                        *held = *held + product * *count;
+                    }
                 }
             }
-            for (sum, held) in sums.iter_mut().zip(held) {
-                sum.extend_from_slice(&held[0].0);
-                sum.extend_from_slice(&held[1].0);
+            sums.copy_from_slice(&held[..sums.len()]);
+        }
+        for pack in 0..PACKS {
+            solve(equations, k, pack);
+        }
+    }
+}
+
+/// How often each block is drawn in as many draws with replacement as there are blocks, a resample in each lane. A
+/// random number gives four indices: 16 bits each are uneven by less than n / 65536.
+fn draw(noise: &mut Noise, counts: &mut [[Pack; PACKS]]) {
+    let n = counts.len();
+    counts.fill([Pack::of(0.0); PACKS]);
+    for lane in 0..AT_ONCE {
+        for draw in 0..n.div_ceil(4) {
+            let bits = noise.bits();
+            for part in 0..4.min(n - 4 * draw) {
+                let index = (((bits >> (16 * part)) & 0xffff) as usize * n) >> 16;
+                counts[index][lane / LANES].0[lane % LANES] += 1.0;
             }
         }
-        sums
     }
 }
 
-/// How often each of `n` blocks is drawn in `n` draws with replacement. A random number gives four indices:
-/// 16 bits each are uneven by less than n / 65536.
-fn counts(noise: &mut Noise, n: usize) -> Vec<f64> {
-    let mut counts = vec![0.0; n];
-    for draw in 0..n.div_ceil(4) {
-        let bits = noise.bits();
-        for part in 0..4.min(n - 4 * draw) {
-            let index = (((bits >> (16 * part)) & 0xffff) as usize * n) >> 16;
-            counts[index] += 1.0;
-        }
-    }
-    counts
-}
-
-/// Solves packed normal equations in place by Cholesky's method: `k` rows of a lower triangle and the
-/// right-hand side as one more row. None where they are not positive definite.
-fn solve(a: &mut [f64], k: usize) -> Option<Vec<f64>> {
+/// Solves packed normal equations in place by Cholesky's method: `k` rows of a lower triangle and the right-hand side
+/// as one more row, where the solution then is; NaN in lanes where they are not positive definite.
+#[inline(always)]
+fn solve(a: &mut [[Pack; PACKS]], k: usize, pack: usize) {
     let row = |i: usize| i * (i + 1) / 2;
     for i in 0..=k {
         for j in 0..=i.min(k - 1) {
-            let mut value = a[row(i) + j];
+            let mut value = a[row(i) + j][pack];
             for l in 0..j {
-                value -= a[row(i) + l] * a[row(j) + l];
+                value = value - a[row(i) + l][pack] * a[row(j) + l][pack];
             }
-            a[row(i) + j] = if i == j {
-                if value.is_nan() || value <= 1e-14 {
-                    return None;
-                }
-                value.sqrt()
-            } else {
-                value / a[row(j) + j]
-            };
+            a[row(i) + j][pack] = if i == j { root(value) } else { value / a[row(j) + j][pack] };
         }
     }
-    let mut x = a[row(k)..row(k) + k].to_vec();
     for i in (0..k).rev() {
+        let mut value = a[row(k) + i][pack];
         for l in i + 1..k {
-            x[i] -= a[row(l) + i] * x[l];
+            value = value - a[row(l) + i][pack] * a[row(k) + l][pack];
         }
-        x[i] /= a[row(i) + i];
+        a[row(k) + i][pack] = value / a[row(i) + i][pack];
     }
-    Some(x)
+}
+
+/// The square root of a pivot, NaN where it is none.
+#[inline(always)]
+fn root(mut pivot: Pack) -> Pack {
+    for x in &mut pivot.0 {
+        *x = if *x > 1e-14 { x.sqrt() } else { f64::NAN };
+    }
+    pivot
 }
 
 /// Root mean square error on blocks that a fit did not see: each of `folds` parts of the blocks, taken in
@@ -153,23 +167,32 @@ mod tests {
 
     #[test]
     fn packed_equations_are_solved() {
-        // [4 2; 2 3] x = [2; 5]
-        let x = solve(&mut [4.0, 2.0, 3.0, 2.0, 5.0], 2).unwrap();
-        assert!((x[0] + 0.5).abs() < 1e-15 && (x[1] - 2.0).abs() < 1e-15, "{x:?}");
-        assert_eq!(solve(&mut [1.0, 1.0, 1.0, 0.0, 0.0], 2), None);
+        // [4 2; 2 3] x = [2; 5] in one lane, and equations that have no solution in the others.
+        let mut equations = [[Pack::of(1.0); PACKS]; 5];
+        for (entry, value) in equations.iter_mut().zip([4.0, 2.0, 3.0, 2.0, 5.0]) {
+            entry[1].0[2] = value;
+        }
+        solve(&mut equations, 2, 1);
+        let x = [3, 4].map(|i: usize| equations[i][1].0);
+        assert!((x[0][2] + 0.5).abs() < 1e-15 && (x[1][2] - 2.0).abs() < 1e-15, "{x:?}");
+        assert!([0, 1, 3].iter().all(|&lane: &usize| x[0][lane].is_nan() && x[1][lane].is_nan()), "{x:?}");
     }
 
     #[test]
     fn every_resample_has_as_many_blocks_as_there_are() {
         let mut noise = Noise::new(1);
         for n in [1, 7, 200] {
-            let drawn = (0..300).fold(vec![0.0; n], |mut sum, _| {
-                let counts = counts(&mut noise, n);
-                assert_eq!(counts.iter().sum::<f64>(), n as f64);
-                sum.iter_mut().zip(counts).for_each(|(s, c)| *s += c);
-                sum
-            });
-            assert!(drawn.iter().all(|d| (d - 300.0_f64).abs() < 90.0), "{drawn:?}");
+            let (mut drawn, mut counts) = (vec![0.0; n], vec![[Pack::of(0.0); PACKS]; n]);
+            for _ in 0..300 / AT_ONCE {
+                draw(&mut noise, &mut counts);
+                for lane in 0..AT_ONCE {
+                    let own = counts.iter().map(|counts| counts[lane / LANES].0[lane % LANES]);
+                    assert_eq!(own.clone().sum::<f64>(), n as f64);
+                    drawn.iter_mut().zip(own).for_each(|(sum, count)| *sum += count);
+                }
+            }
+            let resamples = (300 / AT_ONCE * AT_ONCE) as f64;
+            assert!(drawn.iter().all(|d| (d - resamples).abs() < 90.0), "{drawn:?}");
         }
     }
 }

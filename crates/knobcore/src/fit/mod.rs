@@ -362,11 +362,14 @@ impl Fit {
         })
     }
 
-    /// Block-bootstrap refits: each a value per determined parameter, in the order of `free`.
+    /// Block-bootstrap refits: for each determined parameter, in the order of `free`, its value in all of them.
     pub fn bootstrap(&self, draws: usize, seed: u64) -> Vec<Vec<f64>> {
         let values = self.model.values();
-        let around = |step: Vec<f64>| self.free.iter().zip(step).map(|(&i, step)| values[i] + step).collect();
-        bootstrap::refits(&self.blocks, &self.kept, draws, seed).into_iter().map(around).collect()
+        let mut refits = bootstrap::refits(&self.blocks, &self.kept, draws, seed);
+        for (refits, &i) in refits.iter_mut().zip(&self.free) {
+            refits.iter_mut().for_each(|step| *step += values[i]);
+        }
+        refits
     }
 
     /// Half-width of the 95 % band of the mean prediction at every sample of a capture, N m (Matlab's

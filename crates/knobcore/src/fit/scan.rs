@@ -12,7 +12,7 @@ use crate::fourier::Transform;
 use crate::model::Model;
 use crate::param::Axis;
 use crate::predict::Seeds;
-use crate::scalar::{LANES, Pack, Scalar};
+use crate::scalar::{LANES, Pack, Packed, Scalar};
 use crate::signals::Signals;
 use rustfft::num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -153,8 +153,8 @@ impl Grid {
                 *value = column[row];
             }
             if let Some([here, next]) = cells.get_mut(cell..cell + 2) {
-                let far = Pack(values) * Pack::of(at - cell as f64);
-                *here = *here + (Pack(values) - far);
+                let far = Packed(values) * Pack::of(at - cell as f64);
+                *here = *here + (Packed(values) - far);
                 *next = *next + far;
             }
         }

@@ -8,7 +8,7 @@
 use super::moments::{Evaluated, dot};
 use crate::isa;
 use crate::noise::{MOST, Noise};
-use crate::scalar::{LANES, Pack, Scalar};
+use crate::scalar::{LANES, Pack, Packed, Scalar};
 
 /// The noise that residuals are; lags are counted in used samples.
 pub fn serial(residuals: &[&[f64]]) -> Noise {
@@ -101,7 +101,7 @@ impl pulp::NullaryFnOnce for Recursion<'_> {
                 }
                 // Two sums side by side: each addition waits for the one before it.
                 let recent = &y[y.len() - order..];
-                let (mut even, mut odd) = (Pack(x), Pack::of(0.0));
+                let (mut even, mut odd) = (Packed(x), Pack::of(0.0));
                 for (pair, a) in recent.rchunks(2).zip(self.coefficients.chunks(2)) {
                     if let ([second, first], [a, b]) = (pair, a) {
                         even = even - *first * Pack::of(*a);

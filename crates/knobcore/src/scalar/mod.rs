@@ -9,7 +9,7 @@ mod elementary;
 mod pack;
 
 pub use dual::Dual;
-pub use pack::{LANES, Pack};
+pub use pack::{LANES, Pack, Packed, WIDE, Wide};
 
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};

@@ -1,23 +1,30 @@
-//! Four samples side by side, so that a memoryless effect runs on whole vector registers.
+//! Samples side by side, so that a memoryless effect runs on whole vector registers.
 #![expect(clippy::needless_range_loop, reason = "a count known to the compiler becomes vector instructions")]
 
 use super::{Scalar, elementary};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Samples in a [`Pack`]: one AVX2 register. Two of them hide the latency of one, but fill the registers that
-/// derivatives need, and take twice as long to compile.
+/// Samples in a [`Pack`]: one AVX2 register. More would fill the registers that derivatives need, and take longer to
+/// compile.
 pub const LANES: usize = 4;
+/// Samples in a [`Wide`]: one AVX-512 register.
+pub const WIDE: usize = 8;
 
 /// Values of one quantity at as many consecutive samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(32))]
-pub struct Pack(pub [f64; LANES]);
+pub struct Packed<const L: usize>(pub [f64; L]);
 
-impl Pack {
+/// Samples that are differentiated side by side.
+pub type Pack = Packed<LANES>;
+/// Samples that are evaluated side by side.
+pub type Wide = Packed<WIDE>;
+
+impl<const L: usize> Packed<L> {
     /// The samples of `x` from `at` on; lanes beyond the end repeat the last sample.
     #[inline(always)]
     pub fn load(x: &[f64], at: usize) -> Self {
-        if let Some(lanes) = x.get(at..at + LANES).and_then(|s| s.first_chunk::<LANES>()) {
+        if let Some(lanes) = x.get(at..at + L).and_then(|s| s.first_chunk::<L>()) {
             return Self(*lanes);
         }
         let last = x.len().saturating_sub(1);
@@ -27,7 +34,7 @@ impl Pack {
     /// Writes as many lanes as `out` has room for from `at` on.
     #[inline(always)]
     pub fn store(self, out: &mut [f64], at: usize) {
-        if let Some(lanes) = out.get_mut(at..at + LANES).and_then(|s| s.first_chunk_mut::<LANES>()) {
+        if let Some(lanes) = out.get_mut(at..at + L).and_then(|s| s.first_chunk_mut::<L>()) {
             *lanes = self.0;
         } else {
             for (slot, value) in out.iter_mut().skip(at).zip(self.0) {
@@ -38,43 +45,43 @@ impl Pack {
 
     #[inline(always)]
     fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        let mut out = [0.0; LANES];
-        for i in 0..LANES {
+        let mut out = [0.0; L];
+        for i in 0..L {
             out[i] = f(self.0[i], other.0[i]);
         }
         Self(out)
     }
 }
 
-impl Add for Pack {
+impl<const L: usize> Add for Packed<L> {
     type Output = Self;
     #[inline(always)]
     fn add(self, o: Self) -> Self {
         self.zip(o, |a, b| a + b)
     }
 }
-impl Sub for Pack {
+impl<const L: usize> Sub for Packed<L> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, o: Self) -> Self {
         self.zip(o, |a, b| a - b)
     }
 }
-impl Mul for Pack {
+impl<const L: usize> Mul for Packed<L> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, o: Self) -> Self {
         self.zip(o, |a, b| a * b)
     }
 }
-impl Div for Pack {
+impl<const L: usize> Div for Packed<L> {
     type Output = Self;
     #[inline(always)]
     fn div(self, o: Self) -> Self {
         self.zip(o, |a, b| a / b)
     }
 }
-impl Neg for Pack {
+impl<const L: usize> Neg for Packed<L> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -82,16 +89,16 @@ impl Neg for Pack {
     }
 }
 
-impl Scalar for Pack {
+impl<const L: usize> Scalar for Packed<L> {
     #[inline(always)]
     fn of(x: f64) -> Self {
-        Self([x; LANES])
+        Self([x; L])
     }
 
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        let (mut s, mut c) = ([0.0; LANES], [0.0; LANES]);
-        for i in 0..LANES {
+        let (mut s, mut c) = ([0.0; L], [0.0; L]);
+        for i in 0..L {
             (s[i], c[i]) = elementary::sin_cos(self.0[i]);
         }
         (Self(s), Self(c))
@@ -99,8 +106,8 @@ impl Scalar for Pack {
 
     #[inline(always)]
     fn exp(self) -> Self {
-        let mut out = [0.0; LANES];
-        for i in 0..LANES {
+        let mut out = [0.0; L];
+        for i in 0..L {
             out[i] = elementary::exp(self.0[i]);
         }
         Self(out)
@@ -108,8 +115,8 @@ impl Scalar for Pack {
 
     #[inline(always)]
     fn ln(self) -> Self {
-        let mut out = [0.0; LANES];
-        for i in 0..LANES {
+        let mut out = [0.0; L];
+        for i in 0..L {
             out[i] = elementary::ln(self.0[i]);
         }
         Self(out)
@@ -117,8 +124,8 @@ impl Scalar for Pack {
 
     #[inline(always)]
     fn where_positive(self, yes: Self, no: Self) -> Self {
-        let mut out = [0.0; LANES];
-        for i in 0..LANES {
+        let mut out = [0.0; L];
+        for i in 0..L {
             out[i] = if self.0[i] > 0.0 { yes.0[i] } else { no.0[i] };
         }
         Self(out)

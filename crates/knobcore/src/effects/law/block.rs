@@ -4,7 +4,7 @@ use super::gradient::Gradient;
 use crate::effects::{LoadEffect, MemoryEffect};
 use crate::isa;
 use crate::motion::{Channel, Load, Motion, Touched};
-use crate::scalar::{Dual, LANES, Pack, Scalar};
+use crate::scalar::{Dual, LANES, Pack, Packed, Scalar, WIDE, Wide};
 use pulp::NullaryFnOnce;
 use std::ops::Range;
 
@@ -72,35 +72,40 @@ impl<'a> Totals<'a> {
     }
 
     #[inline(always)]
-    fn join(&mut self, at: usize, load: &Load<Pack>, touches: Touched) {
+    fn join<const L: usize>(&mut self, at: usize, load: &Load<Packed<L>>, touches: Touched) {
         if self.plain {
-            self.joined::<PLAIN>(at, load, touches)
+            self.joined::<PLAIN, L>(at, load, touches)
         } else {
-            self.joined::<CHANNELS>(at, load, touches)
+            self.joined::<CHANNELS, L>(at, load, touches)
         }
     }
 
     #[inline(always)]
-    fn joined<const C: usize>(&mut self, at: usize, load: &Load<Pack>, touches: Touched) {
+    fn joined<const C: usize, const L: usize>(
+        &mut self,
+        at: usize,
+        load: &Load<Packed<L>>,
+        touches: Touched,
+    ) {
         let own = channels(load);
         for (channel, (column, own)) in self.channels.iter_mut().zip(own).take(C).enumerate() {
             if !touches[channel] {
                 continue;
             }
-            let before = Pack::load(column, at);
+            let before = Packed::load(column, at);
             (if channel == SCALE { before * own } else { before + own }).store(column, at);
         }
     }
 
     #[inline(always)]
-    pub(super) fn motion(&self, at: usize) -> Motion<Pack> {
+    pub(super) fn motion<const L: usize>(&self, at: usize) -> Motion<Packed<L>> {
         Motion::over(&self.motion, at)
     }
 
     #[inline(always)]
     pub(super) fn add<const N: usize, E: LoadEffect<N>>(&mut self, p: &[f64]) {
-        let p: [Pack; N] = std::array::from_fn(|i| Pack::of(p.get(i).copied().unwrap_or(0.0)));
-        for at in (0..self.block.len()).step_by(LANES) {
+        let p: [Wide; N] = std::array::from_fn(|i| Wide::of(p.get(i).copied().unwrap_or(0.0)));
+        for at in (0..self.block.len()).step_by(WIDE) {
             let load = E::load(&p, &self.motion(at));
             self.join(at, &load, const { Channel::among(E::TOUCHES) });
         }
@@ -115,11 +120,12 @@ impl<'a> Totals<'a> {
         let p: [f64; N] = super::take(p);
         let Some(state) = state.first_chunk_mut::<M>() else { return };
         for at in (0..self.block.len()).step_by(LANES) {
-            let motion = self.motion(at);
+            let motion: Motion<Pack> = self.motion(at);
             let loads: [Load<f64>; LANES] =
                 std::array::from_fn(|lane| E::load(&p, state, &motion.map(|x| x.0[lane])));
             let own: [[f64; CHANNELS]; LANES] = loads.map(|load| channels(&load));
-            let packs = std::array::from_fn(|c| Pack(std::array::from_fn(|lane| own[lane][c])));
+            let packs: [Pack; CHANNELS] =
+                std::array::from_fn(|c| Packed(std::array::from_fn(|lane| own[lane][c])));
             self.join(at, &load_of(packs), const { Channel::among(E::TOUCHES) });
         }
     }

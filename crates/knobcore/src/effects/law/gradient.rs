@@ -3,8 +3,8 @@
 use super::block::{CHANNELS, Channels, PLAIN, SCALE, Totals, channels, load_of};
 use super::seeded;
 use crate::effects::{LoadEffect, MemoryEffect};
-use crate::motion::{Channel, Load, Touched};
-use crate::scalar::{Dual, LANES, Pack, Scalar};
+use crate::motion::{Channel, Load, Motion, Touched};
+use crate::scalar::{Dual, LANES, Pack, Packed, Scalar};
 
 /// The gradient of the torque to the channels of the load over a block.
 pub struct Gradient<'a> {
@@ -79,7 +79,7 @@ impl Gradient<'_> {
         let mut own: [Dual<f64, N>; M] = std::array::from_fn(|m| dual_from(&state[m * (1 + N)..]));
         let touches = const { Channel::among(E::TOUCHES) };
         for at in (0..self.totals.block.len()).step_by(LANES) {
-            let motion = self.totals.motion(at);
+            let motion: Motion<Pack> = self.totals.motion(at);
             let loads: [Load<Dual<f64, N>>; LANES] =
                 std::array::from_fn(|lane| E::load(&p, &mut own, &motion.map(|x| Dual::constant(x.0[lane]))));
             let loads = loads.map(|load| channels(&load));
@@ -88,8 +88,8 @@ impl Gradient<'_> {
                     return Dual::constant(Pack::of(0.0));
                 }
                 Dual {
-                    v: Pack(std::array::from_fn(|lane| loads[lane][c].v)),
-                    d: std::array::from_fn(|i| Pack(std::array::from_fn(|lane| loads[lane][c].d[i]))),
+                    v: Packed(std::array::from_fn(|lane| loads[lane][c].v)),
+                    d: std::array::from_fn(|i| Packed(std::array::from_fn(|lane| loads[lane][c].d[i]))),
                 }
             });
             let slopes = self.through(at, &load_of(packs), touches);

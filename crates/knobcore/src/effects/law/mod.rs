@@ -85,6 +85,12 @@ pub trait Law: Sync {
     fn pass(&self, _p: &[f64], _columns: &[Option<usize>], _over: &mut Response<'_>) {}
 }
 
+impl std::fmt::Debug for dyn Law {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.info().id)
+    }
+}
+
 /// Derivatives that are carried along a simulated motion at a time: those of the base model and a joint, in three
 /// vectors of four.
 pub const CARRIED: usize = 12;

@@ -73,7 +73,7 @@ impl<E: LoadEffect<N> + Sync, const N: usize, const L: usize> Law for Loads<E, N
     }
 
     fn total(&self, p: &[f64], _: &mut [f64], totals: &mut Totals<'_>) {
-        isa::dispatch(Totalled::<E, N>(p, totals, PhantomData));
+        isa::dispatch_wide(Totalled::<E, N>(p, totals, PhantomData));
     }
 
     fn slopes(&self, p: &[f64], columns: &[Option<usize>], _: &mut [f64], gradient: &mut Gradient<'_>) {
