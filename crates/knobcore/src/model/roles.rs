@@ -1,0 +1,90 @@
+//! Which parameters of a model a fitter may move, and which are the same.
+
+use super::{Model, Role, Slot};
+use crate::error::{Error, Result};
+use crate::param::{Axis, Usual};
+
+impl Model {
+    /// The usual role of a parameter, by the values that the model has.
+    pub(super) fn usual(&self, at: usize) -> Role {
+        match self.slots[at].param.usual {
+            Usual::Free => Role::Free,
+            Usual::Fixed => Role::Fixed,
+            Usual::Follows(other) => self.index(other).map_or(Role::Free, Role::Tied),
+            Usual::Beside(_) => {
+                if self.is_idle(at) {
+                    Role::Fixed
+                } else {
+                    Role::Free
+                }
+            }
+            Usual::FreeAlong => {
+                if self.axis == Axis::Linear {
+                    Role::Free
+                } else {
+                    Role::Fixed
+                }
+            }
+        }
+    }
+
+    /// Whether a parameter says nothing at present: one that others of its effect are beside is nought, or it is that
+    /// one.
+    pub fn is_idle(&self, at: usize) -> bool {
+        let Slot { effect, param, base, .. } = self.slots[at];
+        let beside = |of: usize| effect.info().params.iter().any(|param| param.usual == Usual::Beside(of));
+        let of = match param.usual {
+            Usual::Beside(of) => of,
+            _ if beside(at - base) => at - base,
+            _ => return false,
+        };
+        self.slots[base + of].value == 0.0
+    }
+
+    /// Brings parameters that say something at some values alone into the roles that are usual at the present ones.
+    pub fn settle(&mut self) {
+        for at in 0..self.slots.len() {
+            if matches!(self.slots[at].param.usual, Usual::Beside(_)) {
+                self.slots[at].role = self.usual(at);
+            }
+        }
+    }
+
+    /// Frees or fixes one parameter.
+    pub fn set_role(&mut self, name: &str, role: Role) -> Result<()> {
+        let at = self.index(name)?;
+        self.slots[at].role = role;
+        Ok(())
+    }
+
+    /// Makes one parameter equal to another, from now on.
+    pub fn tie(&mut self, name: &str, to: &str) -> Result<()> {
+        let (at, target) = (self.index(name)?, self.index(to)?);
+        let bad = |why: &str| {
+            Err(Error::invalid(format!("parameter '{name}'"), format!("cannot be tied to '{to}': {why}")))
+        };
+        if at == target {
+            return bad("that is itself");
+        }
+        if matches!(self.slots[target].role, Role::Tied(_)) {
+            return bad("that one is tied too; tie both to the same parameter");
+        }
+        if self.slots[at].param.unit != self.slots[target].param.unit {
+            return bad("their units differ");
+        }
+        if self.slots[at].param.kind != self.slots[target].param.kind {
+            return bad("they enter the torque in different ways");
+        }
+        self.slots[at].role = Role::Tied(target);
+        self.resolve_ties();
+        Ok(())
+    }
+
+    pub(super) fn resolve_ties(&mut self) {
+        for at in 0..self.slots.len() {
+            if let Role::Tied(to) = self.slots[at].role {
+                self.slots[at].value = self.slots[to].value;
+            }
+        }
+    }
+}
