@@ -32,7 +32,7 @@ pub struct Forward {
 /// # Errors
 /// A model without inertia, a horizon that is no time, a motion that grows beyond all bounds.
 pub fn forward(model: &Model, signals: &Signals, horizon_s: Option<f64>) -> Result<Forward> {
-    if horizon_s.is_some_and(|horizon| horizon.is_nan() || horizon <= 0.0) {
+    if horizon_s.is_some_and(|horizon| !horizon.is_finite() || horizon <= 0.0) {
         return Err(Error::invalid("horizon", "must be a time above 0 s; leave it out for one run"));
     }
     let p = model.values();
@@ -194,7 +194,7 @@ mod tests {
         gives.set("viscous.neg", -5e-3).unwrap();
         let error = forward(&gives, &signals, None).unwrap_err().to_string();
         assert!(error.contains("runs away") && error.contains("horizon"), "{error}");
-        for horizon in [0.0, -1.0, f64::NAN] {
+        for horizon in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             assert!(
                 forward(&knob(&[]), &signals, Some(horizon)).unwrap_err().to_string().contains("horizon")
             );

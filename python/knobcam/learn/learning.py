@@ -169,7 +169,8 @@ class LearningResult(showing.Tabled):
     def head(self) -> tuple[str, ...]:
         """What the columns of `rows` are."""
         unit = self.fit.torque_unit
-        return ("model", f"RMS error ({unit})", "on unseen blocks", "error", "p-value", "cannot be told from")
+        unseen = f"on unseen blocks ({unit})"
+        return ("model", f"RMS error ({unit})", unseen, "error", "p-value", "cannot be told from")
 
     def rows(self) -> list[tuple[str, ...]]:
         """The ladder as rows of text, under the words of `head`."""

@@ -105,8 +105,9 @@ def _found(learned: LearningResult) -> str:
 
 
 def _evidence(step: LearningStep) -> str:
-    said = f"With it the RMS error changes by {percent(-step.error_fall)}, to {step.rmse:.4g}"
-    said += f" ({step.rmse_heldout:.4g} on blocks that the fit did not see)."
+    unit = step.fit.torque_unit
+    said = f"With it the RMS error changes by {percent(-step.error_fall)}, to {step.rmse:.4g} {unit}"
+    said += f" ({step.rmse_heldout:.4g} {unit} on blocks that the fit did not see)."
     if math.isfinite(step.p_value):
         said += f" Chance alone would do as well in {_chances(step.p_value)}."
     if step.dropped:

@@ -2,6 +2,7 @@
 
 use super::*;
 use knobcore::chain::{Hand, Pushed, push};
+use knobcore::forward::forward;
 
 const HAND: Hand = Hand { stiffness: 0.4, damping: 4e-3 };
 
@@ -68,6 +69,30 @@ fn a_hand_feels_what_is_predicted_on_the_motion_that_it_makes() {
         assert!(moving.len() > CYCLE / 10, "{} moves", name(id));
         let most = moving.iter().map(|i| (predicted[*i] - pushed.tau[*i]).abs()).fold(0.0, f64::max);
         assert!(most < 1e-9 * scale.max(1.0), "{}: {most} N m apart", name(id));
+    }
+}
+
+#[test]
+fn the_torque_of_a_motion_makes_that_motion_whatever_the_effect() {
+    // Long enough to turn round in, short beside the time in which detents throw a knob off its way.
+    const HORIZON_S: f64 = 0.02;
+    let mut noise = Noise::new(26);
+    let off = |model: &Model, signals: &Signals| {
+        let made = forward(model, signals, Some(HORIZON_S)).unwrap().theta;
+        rms(made.iter().zip(&signals.theta).skip(CYCLE).map(|(made, theta)| made - theta))
+    };
+    for &id in Id::BUILT_IN {
+        // A prescribed motion breaks away without the torque for it; what a limit cut off is lost.
+        if matches!(id, Id::Karnopp | Id::Saturation) {
+            continue;
+        }
+        let model = plausible_knob(id, &mut noise);
+        let signals = torque(&model);
+        let (made, bare) = (off(&model, &signals), off(&knob(), &signals));
+        // What a late sensor did is taken off to some order only.
+        let late = id.info().place == Place::Sensor && id.law().remembers();
+        assert!(made < if late { 2e-3 } else { 5e-4 }, "{}: {made} rad off", name(id));
+        assert!(knob().has(id) || made < 0.6 * bare, "{} acts: {made} with it, {bare} without", name(id));
     }
 }
 
