@@ -10,6 +10,7 @@ import numpy as np
 from .. import _core
 from ..base import showing
 from ..errors import InputError
+from .quality.held import held
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -139,6 +140,11 @@ def prepare(capture: Capture, method: str = "smooth", **options: float) -> Prepa
         for name, values in kept.items():
             kept[name] = values.copy()
             kept[name][lacking] = np.interp(lacking, known, values[known])
+    if method == "smooth":
+        for name in ("theta", "omega", "alpha"):
+            repeated = held(kept[name]) if name in kept else np.zeros(0, dtype=np.bool_)
+            if repeated.any():
+                kept[name] = np.where(repeated, np.nan, kept[name])
     gap = _gaps(capture, rows, kept["t"])
     try:
         core = _core.prepare(

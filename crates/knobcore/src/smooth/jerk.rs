@@ -18,7 +18,7 @@ use super::rts::smooth_rows;
 use super::sensors::{Noise, Sensors};
 use super::state::Model;
 
-/// Shortest memory that is tried, in samples: the smoother then passes through every sample.
+/// Shortest memory that is tried, in readings: the smoother then passes through every sample.
 const SHORTEST_MEMORY: f64 = 0.05;
 
 /// Longest memory that is tried.
@@ -57,7 +57,11 @@ pub fn jerk_by_cross_validation(sensors: &Sensors<'_>, noise: Noise, stairs: boo
     let readings = sensors.theta.iter().filter(|theta| theta.is_finite()).count();
     let spacing = sensors.len() as f64 / readings as f64;
     let alone = noise.omega.is_infinite() && noise.alpha.is_infinite();
-    let mut shortest = if stairs && alone { spacing } else { SHORTEST_MEMORY };
+    let mut shortest = match (alone, stairs) {
+        (true, true) => spacing,
+        (true, false) => SHORTEST_MEMORY * spacing,
+        (false, _) => SHORTEST_MEMORY,
+    };
     let mut length = ((LENGTH as f64 * spacing) as usize).min(sensors.len());
     loop {
         let parts = stretches(sensors, length);

@@ -10,10 +10,13 @@ from ...base.arrays import BoolArray, FloatArray
 from ...errors import InputError
 from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import Coordinate
+from .dead import check_dead
+from .held import check_held
 from .motion import check_scale, check_stuck, check_wrapped
+from .size import check_size
 from .steps import check_steps
 from .timing import check_times
-from .torque import check_clipping, check_size, check_spikes
+from .torque import check_clipping, check_spikes
 
 __all__ = ["Checked", "Finding", "Rows", "check"]
 
@@ -85,9 +88,13 @@ def _check(columns: dict[str, FloatArray], coordinate: Coordinate, rows: Rows, s
     spikes, found = check_spikes(present, mask, rows)
     findings += found
     mask &= ~spikes
+    dead, found = check_dead(present, mask, rows)
+    findings += found
+    mask &= ~dead
     clipped, found = check_clipping(present["tau"], present["theta"], mask, rows)
     findings += found
-    findings += check_size(present["tau"], mask, coordinate)
+    findings += check_held(present, mask, rows)
+    findings += check_size(present, mask, coordinate)
     for name in ("theta", "omega", "alpha", "tau"):
         if name in present:
             findings += check_stuck(name, present[name], mask)

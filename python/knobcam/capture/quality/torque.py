@@ -1,4 +1,4 @@
-"""Torque that sits at the limit of its sensor, leaps for a single row, or has an implausible size."""
+"""Torque that sits at the limit of its sensor, or leaps for a single row."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from ...base.arrays import BoolArray, FloatArray
 from ..finding import Finding, Rows, rows_in_words, spans
-from ..formats.units import Coordinate
 from .order import quantile
 
 MIN_RUN = 4
@@ -33,9 +32,6 @@ QUIET = 5.0
 
 _ROUNDS = 5
 _FEWEST = 64  # rows from which the noise of a column can be told
-
-IMPLAUSIBLE_RMS_NM = 20.0
-"""A hand-turned knob above this RMS torque (N m) is more often recorded in mN m."""
 
 
 def check_clipping(
@@ -132,15 +128,6 @@ def _leaps(values: FloatArray, at: NDArray[np.intp], noise: float) -> FloatArray
     beside = values[at[:, None] + np.array([-3, -2, -1, 1, 2, 3])]
     off: FloatArray = np.abs(values[at] - np.median(beside, axis=1))
     return off / max(noise, float(np.finfo(np.float64).tiny))
-
-
-def check_size(tau: FloatArray, usable: BoolArray, coordinate: Coordinate) -> list[Finding]:
-    """Return a note when a rotary torque is larger than hands turn."""
-    rms = float(np.sqrt(np.mean(np.square(tau[usable]))))
-    if coordinate == "linear" or rms <= IMPLAUSIBLE_RMS_NM:
-        return []
-    message = f"tau: {rms:.4g} N m RMS is much for a knob; if the column is in mN m, map tau=... [mNm]"
-    return [Finding("scale", "tau", int(usable.sum()), (), message, "note")]
 
 
 def _longest_run(flags: BoolArray) -> int:

@@ -1,0 +1,62 @@
+"""Columns that were sampled more slowly than they were logged: each reading stands until the next one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...base.arrays import BoolArray, FloatArray
+from ..finding import Finding, Rows, spans
+from .order import quantile
+
+_LEAST = 0.3  # of the rows that repeat, below which nothing is held
+_ALONE = 0.8  # of the steps that stand alone between repeats: a knob that moves and rests has them in a row
+_COARSE = 3.0  # smallest steps in the usual one, below which it is the counts of an encoder that are seen
+_FEWEST = 20  # steps
+_REST = 3  # times the usual hold: longer is a rest, read once per hold
+
+
+def held(values: FloatArray) -> BoolArray:
+    """Return which of the values, shape (samples,), only repeat a reading; none where the column is not held.
+
+    An encoder that counts less than once a row repeats its angle too: there the usual step is a single count.
+    """
+    step = np.abs(np.diff(values))
+    repeats = np.concatenate(([False], step == 0.0))
+    fresh = np.flatnonzero(~repeats)
+    if repeats.mean() < _LEAST or len(fresh) < _FEWEST:
+        return np.zeros(len(values), dtype=np.bool_)
+    moves = step[step > 0.0]
+    alone = np.append(repeats[fresh[:-1] + 1], True)
+    if alone.mean() < _ALONE or quantile(moves, 0.5) < _COARSE * float(moves.min()):
+        return np.zeros(len(values), dtype=np.bool_)
+    lengths = np.diff(np.append(fresh, len(values)))
+    usual = max(1, round(quantile(lengths.astype(np.float64), 0.5)))
+    since = np.arange(len(values)) - np.repeat(fresh, lengths)
+    rest = np.repeat(lengths > _REST * usual, lengths)
+    return repeats & ~(rest & (since % usual == 0))
+
+
+def check_held(columns: dict[str, FloatArray], usable: BoolArray, rows: Rows) -> list[Finding]:
+    """Return which columns are held between readings."""
+    findings = []
+    for name in ("theta", "omega", "alpha", "tau"):
+        if name not in columns:
+            continue
+        repeated = held(columns[name][usable])
+        if not repeated.any():
+            continue
+        at = rows[usable][repeated]
+        every = len(repeated) / max(1, len(repeated) - len(at))
+        what = (
+            f"{name}: {len(at)} of {len(repeated)} rows repeat the reading before, "
+            f"a new one comes every {every:.3g} rows"
+        )
+        if name == "tau":
+            message = (
+                f"{what}: it is late by half of that on average, which the effects of the sensor can tell"
+            )
+            findings.append(Finding("held", name, len(at), spans(at), message, "warning"))
+        else:
+            message = f"{what}: it was sampled more slowly than logged; only new readings count as measured"
+            findings.append(Finding("held", name, len(at), spans(at), message, "mended"))
+    return findings
