@@ -54,7 +54,9 @@ def test_every_practice_capture_reads_at_its_rate(number: int) -> None:
 def test_importing_and_reading_csv_imports_nothing_heavy(tmp_path: Path) -> None:
     script = (
         "import sys, pathlib, knobcam.capture as c\n"
-        "p = pathlib.Path(sys.argv[1]); p.write_text('t_s,theta_rad,tau_Nm\\n0,0,0\\n1,1,2\\n2,3,1\\n')\n"
+        # Long enough for every look at it, with a leap of the angle and one of the torque.
+        "rows = [f'{i},{0.1 * i * i + 50 * (i == 60)},{i % 7 + 500 * (i == 80)}\\n' for i in range(200)]\n"
+        "p = pathlib.Path(sys.argv[1]); p.write_text('t_s,theta_m,tau_N\\n' + ''.join(rows))\n"
         "c.load(p)\n"
         "print(sorted({m.partition('.')[0] for m in sys.modules}"
         " & {'scipy', 'h5py', 'pyarrow', 'pint', 'matplotlib'}), 'numpy.ma' in sys.modules)\n"

@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .. import _core
-from ..base import pages
 from ..base.tables import text_table
 from ..capture.prepare import prepare
 from ..errors import InputError
@@ -17,6 +16,7 @@ from ..model.effects import effects
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from ..base import pages
     from ..model import Model
     from .fitting import Fit
 

@@ -6,13 +6,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from .. import _core
-from ..base import pages, showing
+from ..base import showing
 from ..base.renamed import renamed
 from ..base.tables import TextTable, text_table
 from ..errors import InputError
 from .plugins import load_plugins
 
 if TYPE_CHECKING:
+    from ..base import pages
     from ..base.showing import Figure
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...base.arrays import BoolArray, FloatArray
 from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import Coordinate
-from .order import quantile
+from .order import medians, quantile
 
 REACH = 8
 """Steps to either side from which the step between two rows is expected."""
@@ -129,7 +129,7 @@ def _expected(step: FloatArray, dt: FloatArray) -> tuple[FloatArray, float]:
     # The nearest on either side may belong to the same fault.
     reach = np.arange(2, REACH + 1)
     sides = [speed[np.clip(doubtful[:, None] + side * reach, 0, count - 1)] for side in (-1, 1)]
-    before, after = (np.median(side, axis=1) for side in sides)
+    before, after = (medians(side) for side in sides)
     steady = (before * after > 0.0) & (np.abs(before - after) < np.abs(before + after) / 3.0)
     speed = np.where(steady, 0.5 * (before + after), 0.0)
     own, even = speed * dt[doubtful], speed * usual

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...base.arrays import BoolArray, FloatArray
 from ..finding import Finding, Rows, rows_in_words, spans
-from .order import quantile
+from .order import medians, quantile
 
 MIN_RUN = 4
 """Identical extreme samples in a row, below which a limit is not suspected."""
@@ -126,7 +126,7 @@ def _noise(step: FloatArray) -> float:
 def _leaps(values: FloatArray, at: NDArray[np.intp], noise: float) -> FloatArray:
     """How far values are from the median of the three on either side, in deviations of noise."""
     beside = values[at[:, None] + np.array([-3, -2, -1, 1, 2, 3])]
-    off: FloatArray = np.abs(values[at] - np.median(beside, axis=1))
+    off: FloatArray = np.abs(values[at] - medians(beside))
     return off / max(noise, float(np.finfo(np.float64).tiny))
 
 
