@@ -110,8 +110,10 @@ def by_content(table: Table) -> dict[str, Entry]:
     entries = {} if clock is None else {"t": Entry(f"`{clock}`", read_label(clock).unit)}
     for target, name in zip(_NEEDED, others, strict=False):
         entries[target] = Entry(f"`{name}`", None)
-    if "theta" in entries and float(np.ptp(np.nan_to_num(table.columns[others[0]]))) > _FAR:
-        entries["theta"] = Entry(entries["theta"].expression, COUNTS)
+    if "theta" in entries:
+        far = float(np.ptp(np.nan_to_num(table.columns[others[0]]))) > _FAR
+        if far or _counted(table, entries["theta"]):
+            entries["theta"] = Entry(entries["theta"].expression, COUNTS)
     return entries
 
 
