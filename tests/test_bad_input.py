@@ -83,6 +83,10 @@ FILES: dict[str, tuple[Callable[[Path], Path], list[str]]] = {
     ),
     "no torque": (lambda d: column(d, tau=np.zeros(N)), ["bad.csv", "tau", "same in every sample"]),
     "zero motion": (lambda d: column(d, theta=np.full(N, 0.5)), ["bad.csv", "theta", "never moves"]),
+    "a clock that leaps beyond any multiple of its step": (
+        lambda d: column(d, t=np.append(1e-300 * np.arange(N - 1), 1e25)),
+        ["bad.csv", "column t spans more than a float64 can hold"],
+    ),
     "all zeros": (
         lambda d: column(d, theta=np.zeros(N), tau=np.zeros(N)),
         ["bad.csv", "same in every sample"],

@@ -28,6 +28,7 @@ _UNIT_ALONE = {"current": "A", "voltage": "V"}
 _NEEDED = {"theta": "an angle", "tau": "a torque"}
 _FAR = 2000.0  # of an angle: what runs further is not in rad
 _SLOWEST_S = 0.5  # between two samples of a log of motion: longer is another unit
+_MOST_NAMES = 1000  # of columns: what has more is no log
 _SIMPLE_NAME = re.compile(r"[A-Za-z_][\w.]*")
 
 
@@ -48,6 +49,8 @@ def recognise(table: Table, coordinate: Coordinate | None) -> Recognised | None:
     if (monitor := simplefoc(table)) is not None:
         raise ask(table, f"a SimpleFOC monitor, which has no torque and no clock: {monitor}", monitor.entries)
     names = [*(name for name, column in table.columns.items() if column.ndim), *table.broken]
+    if len(names) > _MOST_NAMES:
+        return None
     logger = next((one for one in LOGGERS if one.known(set(names))), None)
     labels = logger.labels(names) if logger else {name: read_label(name) for name in names}
     entries, doubts = _chosen(table, {name: label for name, label in labels.items() if label.measured})
@@ -104,6 +107,7 @@ def by_content(table: Table) -> dict[str, Entry]:
     """
     longest = max((column.size for column in table.columns.values()), default=0)
     names = [name for name, column in table.columns.items() if column.size == longest and longest > 1]
+    names = names[:_MOST_NAMES]
     clock = next((name for name in names if read_label(name).quantity == "t"), None)
     clock = clock or next((name for name in names if _advances(table.columns[name])), None)
     others = [name for name in names if name != clock]

@@ -116,10 +116,11 @@ def _names_in_comment(comments: list[str], delimiter: str | None, width: int) ->
 
 def _names(source: str, cells: list[str]) -> list[str]:
     names = [cell or f"c{index}" for index, cell in enumerate(cells)]
+    places: dict[str, int] = {}
     for index, name in enumerate(names):
-        if name in names[:index]:
+        if places.setdefault(name, index) != index:
             raise InputError(
-                f"{source}: two columns are called {name!r} ({names.index(name) + 1} and {index + 1}); "
+                f"{source}: two columns are called {name!r} ({places[name] + 1} and {index + 1}); "
                 f"rename one in the header"
             )
     return names
