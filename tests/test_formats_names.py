@@ -142,6 +142,12 @@ def test_an_angle_of_whole_numbers_is_not_taken_for_radians(tmp_path: Path) -> N
         kc.load(path)
 
 
+def test_an_angle_that_leaps_by_360_is_not_taken_for_radians(tmp_path: Path) -> None:
+    path = log(tmp_path, "time,angle,torque", T, np.rad2deg(9.0 * THETA) % 360.0, TAU)
+    with pytest.raises(InputError, match=r"'angle' has no unit and leaps by 360.*theta=angle \[deg\]"):
+        kc.load(path)
+
+
 def test_a_cell_that_is_no_number_is_named_where_its_column_is_taken(tmp_path: Path) -> None:
     path = log(tmp_path, "time,position,torque", T, THETA, TAU)
     path.write_text(path.read_text() + "0.8,0,saturated\n")

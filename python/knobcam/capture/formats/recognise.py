@@ -97,6 +97,9 @@ def _chosen(table: Table, labels: dict[str, Label]) -> tuple[dict[str, Entry], d
         elif target == "theta" and _counted(table, entries[target]):
             entries[target] = Entry(f"`{name}`", COUNTS)
             doubts[target] = f"{name!r} holds counts of an encoder"
+        elif target == "theta" and _in_degrees(table, entries[target]):
+            entries[target] = Entry(f"`{name}`", "deg")
+            doubts[target] = f"{name!r} has no unit and leaps by 360"
     return entries, doubts
 
 
@@ -134,6 +137,16 @@ def _counted(table: Table, entry: Entry) -> bool:
         return entry.unit == COUNTS
     finite = values[np.isfinite(values)]
     return bool(finite.size) and bool(np.all(finite == np.round(finite))) and float(np.ptp(finite)) > 1.0
+
+
+def _in_degrees(table: Table, entry: Entry) -> bool:
+    """Whether an angle without a unit wraps as one in degrees does."""
+    values = table.columns.get(_bare(entry.expression))
+    if entry.unit is not None or values is None or values.ndim == 0:
+        return False
+    finite = values[np.isfinite(values)]
+    leaps = np.abs(np.diff(finite))
+    return bool(np.any((leaps > 330.0) & (leaps < 361.0))) and float(np.ptp(finite)) < 361.0
 
 
 def _clock(table: Table, entries: dict[str, Entry]) -> dict[str, str]:
