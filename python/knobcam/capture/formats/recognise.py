@@ -17,14 +17,15 @@ from .table import Table
 from .units import COUNTS, SI, Coordinate
 
 _IN_PLACE_OF_TORQUE = {
-    "A": ("a current", "KT*{}", "KT: N m/A"),
-    "mA": ("a current", "KT*{}/1000", "KT: N m/A"),
-    "V": ("a voltage", "K*{}", "K: N m/V"),
-    "mV": ("a voltage", "K*{}/1000", "K: N m/V"),
+    "A": ("a current in A", "KT*{}", "KT: N m/A"),
+    "mA": ("a current in mA", "KT*{}/1000", "KT: N m/A"),
+    "V": ("a voltage in V", "K*{}", "K: N m/V"),
+    "mV": ("a voltage in mV", "K*{}/1000", "K: N m/V"),
+    "duty": ("a duty cycle", "K*{}", "K: N m of the whole"),
 }
 """Units of what stands for a torque, with the map that makes one of it: the one place that knows them."""
 
-_UNIT_ALONE = {"current": "A", "voltage": "V"}
+_UNIT_ALONE = {"current": "A", "voltage": "V", "duty": "duty"}
 _NEEDED = {"theta": "an angle", "tau": "a torque"}
 _FAR = 2000.0  # of an angle: what runs further is not in rad
 _SLOWEST_S = 0.5  # between two samples of a log of motion: longer is another unit
@@ -67,7 +68,7 @@ def recognise(table: Table, coordinate: Coordinate | None) -> Recognised | None:
         raise ask(table, next(doubts[one] for one in ("theta", "tau", *TARGETS) if one in doubts), entries)
     if (unit := entries["tau"].unit) in _IN_PLACE_OF_TORQUE:
         what = _IN_PLACE_OF_TORQUE[unit][0]
-        raise ask(table, f"no torque; {_bare(entries['tau'].expression)} is {what} in {unit}", entries)
+        raise ask(table, f"no torque; {_bare(entries['tau'].expression)} is {what}", entries)
     taken = ", ".join(_taken(name, entry, coordinate) for name, entry in entries.items())
     message = f"columns{f' of {logger.name}' if logger else ''}: {taken}; a map says otherwise"
     return Recognised(entries, Finding("columns", "theta", len(entries), (), message, "note"))
@@ -90,7 +91,7 @@ def _chosen(table: Table, labels: dict[str, Label]) -> tuple[dict[str, Entry], d
             continue
         name = (plain or found)[0]
         entries[target] = Entry(f"`{name}`", labels[name].unit or _UNIT_ALONE.get(quantity))
-        if len(found) > 1:
+        if len(found) > 1 and (target != "t" or len(plain) != 1):  # beside the time there may be a loop's
             doubts[target] = f"{_listed(found)} could each be {target}"
         elif not plain:
             doubts[target] = f"{name!r} is not plain enough to be taken for {target}"
