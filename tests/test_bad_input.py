@@ -131,6 +131,14 @@ FILES: dict[str, tuple[Callable[[Path], Path], list[str]]] = {
         lambda d: written(d, gzip.compress(good(d).read_bytes())[:-400], "short.csv.gz"),
         ["short.csv.gz"],
     ),
+    "one line of commas": (
+        lambda d: written(d, "," * 5_000_000, "commas.csv"),
+        ["commas.csv", "a line of 5000000 characters"],
+    ),
+    "one JSON document that would fill the memory": (
+        lambda d: written(d, "[" + "[]," * 2**24 + "[]]", "lists.json"),
+        ["lists.json", "50331652 bytes in one JSON document"],
+    ),
     "missing file": (lambda d: d / "absent.csv", ["absent.csv", "No such file"]),
     "a folder": (lambda d: d, ["a folder, not a file"]),
     "one stamp for all": (lambda d: column(d, t=np.full(N, 1.0)), ["bad.csv", "t", "does not advance"]),

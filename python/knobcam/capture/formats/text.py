@@ -17,6 +17,7 @@ from .loggers import TABS
 from .table import Table
 
 _DOCUMENT = "# knobcam:"
+_LONGEST = 2**22  # characters of a row
 
 
 def read_text(source: str, kind: str, raw: bytes) -> Table:
@@ -32,6 +33,10 @@ def read_text(source: str, kind: str, raw: bytes) -> Table:
         raise InputError(f"{source}: the file is empty; a capture has columns of samples")
     second_start, second = _next_line(lines, [])
     sample = second or first
+    if max(len(first), len(second)) > _LONGEST:
+        raise InputError(
+            f"{source}: a line of {max(len(first), len(second))} characters is no row of samples"
+        )
     delimiter = _delimiter(sample)
     decimal_comma = delimiter != "," and "," in sample
     cells = _cells(first, delimiter)
