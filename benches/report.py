@@ -23,6 +23,7 @@ STUDIES = {
     "capture": "Recording",
     "render": "Rendering",
     "roundtrip": "Round trips",
+    "mutated": "Spoiled files",
     "page": "The workbench in a browser",
     "build": "Building",
     "versions": "Speed before and after",

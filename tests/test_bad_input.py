@@ -83,6 +83,10 @@ FILES: dict[str, tuple[Callable[[Path], Path], list[str]]] = {
     ),
     "no torque": (lambda d: column(d, tau=np.zeros(N)), ["bad.csv", "tau", "same in every sample"]),
     "zero motion": (lambda d: column(d, theta=np.full(N, 0.5)), ["bad.csv", "theta", "never moves"]),
+    "a clock that leaps beyond any multiple of its step": (
+        lambda d: column(d, t=np.append(1e-300 * np.arange(N - 1), 1e25)),
+        ["bad.csv", "column t spans more than a float64 can hold"],
+    ),
     "all zeros": (
         lambda d: column(d, theta=np.zeros(N), tau=np.zeros(N)),
         ["bad.csv", "same in every sample"],
@@ -126,6 +130,14 @@ FILES: dict[str, tuple[Callable[[Path], Path], list[str]]] = {
     "gz cut short": (
         lambda d: written(d, gzip.compress(good(d).read_bytes())[:-400], "short.csv.gz"),
         ["short.csv.gz"],
+    ),
+    "one line of commas": (
+        lambda d: written(d, "," * 5_000_000, "commas.csv"),
+        ["commas.csv", "a line of 5000000 characters"],
+    ),
+    "one JSON document that would fill the memory": (
+        lambda d: written(d, "[" + "[]," * 2**24 + "[]]", "lists.json"),
+        ["lists.json", "50331652 bytes in one JSON document"],
     ),
     "missing file": (lambda d: d / "absent.csv", ["absent.csv", "No such file"]),
     "a folder": (lambda d: d, ["a folder, not a file"]),

@@ -18,7 +18,7 @@ OPTIONS: dict[str, tuple[list[str], list[str]]] = {
     "map that calls code": (["--map", "t=t_s, theta=open(theta_rad), tau=tau_Nm"], ["open"]),
     "map without equals sign": (["--map", "theta_rad"], ["--map", "'theta_rad'"]),
     "map in an unknown unit": (["--map", "t=t_s", "theta=theta_rad [parsec_]", "tau=tau_Nm"], ["parsec_"]),
-    "the other kind of axis": (["--coordinate", "linear"], ["good.csv", "theta_m", "tau_N"]),
+    "the other kind of axis": (["--coordinate", "linear"], ["good.csv", "[rad]", "but it is linear"]),
     "an unknown kind of axis": (["--coordinate", "spiral"], ["--coordinate", "'spiral'", "rotary"]),
     "negative rate": (["--rate", "-5"], ["rate of -5", "Hz"]),
     "rate of zero": (["--rate", "0"], ["rate of 0", "Hz"]),

@@ -62,6 +62,11 @@ def assert_taken(path: Path, coordinate: str = "rotary") -> str:
         ("left_torque", Label("tau", None, False)),
         ("torque_a", Label("tau", None, False)),
         ("M [Nm]", Label("tau", "N m", False)),
+        ("current_q", Label("current", None, True)),
+        ("u_q", Label("voltage", None, True)),
+        ("d_current", Label(None)),
+        ("T_motor", Label(None)),
+        ("pwm", Label("duty", None, True)),
         ("enc", Label(None)),
         ("M", Label(None)),
     ],
@@ -90,6 +95,10 @@ def test_what_was_asked_of_a_machine_is_not_what_it_did(tmp_path: Path) -> None:
     assert_taken(log(tmp_path, header, T, ZERO, THETA, TAU, ZERO))
 
 
+def test_the_time_of_a_loop_beside_the_time_is_no_second_clock(tmp_path: Path) -> None:
+    assert_taken(log(tmp_path, "time,loop_time_us,position,torque", T, 200.0 + ZERO, THETA, TAU))
+
+
 def test_lengths_and_forces_make_a_linear_axis(tmp_path: Path) -> None:
     assert_taken(log(tmp_path, "t;Position [mm];Force (N)", T, 1e3 * THETA, TAU, sep=";"), "linear")
     with pytest.raises(InputError, match=r"tau in \[N m\] is for a rotary axis, but it is linear"):
@@ -106,6 +115,7 @@ def test_lengths_and_forces_make_a_linear_axis(tmp_path: Path) -> None:
         ("time,position,vel,Iq [A]", "no torque; Iq [A] is a current in A", "tau=KT*`Iq [A]`"),
         ("time,position,vel,Iq_mA", "no torque; Iq_mA is a current in mA", "tau=KT*Iq_mA/1000"),
         ("time,position,vel,Uq", "no torque; Uq is a voltage in V", "tau=K*Uq"),
+        ("time,position,vel,duty", "no torque; duty is a duty cycle", "tau=K*duty"),
         ("time,pos [counts],vel,torque", "'pos [counts]' holds counts", "theta=`pos [counts]`/COUNTS [turn]"),
     ],
 )
@@ -139,6 +149,12 @@ def test_a_clock_without_a_unit_that_cannot_be_seconds_is_refused(
 def test_an_angle_of_whole_numbers_is_not_taken_for_radians(tmp_path: Path) -> None:
     path = log(tmp_path, "time,position,torque", T, np.round(8192 * THETA), TAU)
     with pytest.raises(InputError, match=r"holds counts of an encoder.*theta=position/COUNTS \[turn\]"):
+        kc.load(path)
+
+
+def test_an_angle_that_leaps_by_360_is_not_taken_for_radians(tmp_path: Path) -> None:
+    path = log(tmp_path, "time,angle,torque", T, np.rad2deg(9.0 * THETA) % 360.0, TAU)
+    with pytest.raises(InputError, match=r"'angle' has no unit and leaps by 360.*theta=angle \[deg\]"):
         kc.load(path)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import time
 from pathlib import Path
 
 import numpy as np
@@ -110,6 +111,16 @@ def test_a_column_that_ends_early_has_another_length(tmp_path: Path) -> None:
 def test_two_columns_of_one_name_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"two columns are called 'a' \(1 and 3\)"):
         table(tmp_path, "a,b,a\n1,2,3\n")
+
+
+def test_a_table_that_is_wider_than_any_log_is_refused_in_seconds(tmp_path: Path) -> None:
+    path = tmp_path / "run.csv"
+    header = ",".join(f"name{index}" for index in range(50_000))
+    path.write_text("\n".join([header, *[",".join(["1.5"] * 50_000)] * 3]))
+    start = time.monotonic()
+    with pytest.raises(InputError, match=r"name0, name1, .* and 49980 more; say which is which"):
+        load(path)
+    assert time.monotonic() - start < 15.0
 
 
 def test_an_unknown_header_lists_the_columns_and_an_example(tmp_path: Path) -> None:

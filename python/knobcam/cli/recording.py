@@ -17,7 +17,10 @@ if TYPE_CHECKING:
 def register(commands: arguments.Commands) -> None:
     """Add the commands of this file."""
     parser = arguments.add_command(
-        commands, "import", run_import, "Read CSV, CSV.gz, MATLAB .mat, .npy, .npz or Parquet into a capture."
+        commands,
+        "import",
+        run_import,
+        "Read CSV, JSON, MATLAB .mat, NumPy, HDF5, Parquet or a ROS 2 bag into a capture.",
     )
     parser.add_argument("file", metavar="FILE", help="what to read")
     arguments.add_output(parser, "capture", required=True)

@@ -19,13 +19,22 @@ _HEADS: dict[tuple[str, ...], str] = {
         "alpha": "alpha acceleration accel acc ddq qdd qddot thetaddot",
         "tau": "tau torque trq effort force",
         "current": "current iq amps",
-        "voltage": "voltage uq vq volts duty pwm",
+        "voltage": "voltage uq vq volts",
+        "duty": "duty pwm",
     }.items()
     for word in words.split()
 }
-_HEADS |= {(word, "dot"): "omega" for word in ("theta", "q", "phi", "pos", "position")}
-_HEADS |= {(word, "ddot"): "alpha" for word in ("theta", "q", "phi", "pos", "position")}
-_HEADS |= {("q", "current"): "current", ("i", "q"): "current", ("d", "current"): "other"}
+_HEADS |= {
+    tuple(pair.split()): quantity
+    for quantity, pairs in {
+        "omega": "theta dot, q dot, phi dot, pos dot, position dot",
+        "alpha": "theta ddot, q ddot, phi ddot, pos ddot, position ddot",
+        "current": "i q, current q, q current",
+        "voltage": "u q, v q, voltage q, q voltage",
+        "other": "d current, d voltage, current d, voltage d",
+    }.items()
+    for pair in pairs.split(", ")
+}
 
 
 def _words_of(text: str) -> frozenset[str]:
@@ -92,9 +101,11 @@ def read_label(name: str) -> Label:
 
 def _labelled(words: list[str], unit: str | None) -> Label:
     lower = [word.lower() for word in words]
-    if len(lower) > 1 and lower[0] == "current" and (lower[1],) in _HEADS:
+    if len(lower) > 1 and lower[0] == "current" and len(lower[1]) > 2 and (lower[1],) in _HEADS:
         lower = lower[1:]  # the position that is current
     quantity, rest = _head(lower)
+    if "t" in lower and rest:
+        quantity = None  # T_motor is a temperature
     if quantity is None:
         return Label(None if unit is None else _QUANTITY.get(unit), unit)
     fits = unit is None or _QUANTITY.get(unit) == quantity

@@ -17,7 +17,7 @@ from .table import Table, add_array, check_joint, choose
 _STARTS = re.compile(rb"\s*(\{|\[\s*[\[{])")
 _MOST_COLUMNS = 1000  # which a damaged or hostile file could make of every row
 _DEEPEST = 16
-_LARGEST = 2**27  # bytes of one document, whose objects take ten times that; lines have no such limit
+_LARGEST = 2**25  # bytes of one document or line, whose objects can take thirty times that
 _TVIEW = {"controller", "timestamp", "channel", "data"}
 _SERVO = "servo_stats"  # the channel of tview that has the motion
 _XL330_PWM = 885.0  # counts at a duty of 1: ROBOTIS e-Manual of the XL330-M288, PWM Limit
@@ -62,6 +62,8 @@ def _lines(source: str, raw: bytes) -> Iterator[Mapping[str, Any]]:
         if not line:
             continue
         row += 1
+        if len(line) > _LARGEST:
+            raise InputError(f"{source}: row {row} has {len(line)} bytes; write one sample an object")
         try:
             found = json.loads(line)
         except ValueError as error:

@@ -17,17 +17,19 @@ from .table import Table
 from .units import COUNTS, SI, Coordinate
 
 _IN_PLACE_OF_TORQUE = {
-    "A": ("a current", "KT*{}", "KT: N m/A"),
-    "mA": ("a current", "KT*{}/1000", "KT: N m/A"),
-    "V": ("a voltage", "K*{}", "K: N m/V"),
-    "mV": ("a voltage", "K*{}/1000", "K: N m/V"),
+    "A": ("a current in A", "KT*{}", "KT: N m/A"),
+    "mA": ("a current in mA", "KT*{}/1000", "KT: N m/A"),
+    "V": ("a voltage in V", "K*{}", "K: N m/V"),
+    "mV": ("a voltage in mV", "K*{}/1000", "K: N m/V"),
+    "duty": ("a duty cycle", "K*{}", "K: N m of the whole"),
 }
 """Units of what stands for a torque, with the map that makes one of it: the one place that knows them."""
 
-_UNIT_ALONE = {"current": "A", "voltage": "V"}
+_UNIT_ALONE = {"current": "A", "voltage": "V", "duty": "duty"}
 _NEEDED = {"theta": "an angle", "tau": "a torque"}
 _FAR = 2000.0  # of an angle: what runs further is not in rad
 _SLOWEST_S = 0.5  # between two samples of a log of motion: longer is another unit
+_MOST_NAMES = 1000  # of columns: what has more is no log
 _SIMPLE_NAME = re.compile(r"[A-Za-z_][\w.]*")
 
 
@@ -48,6 +50,8 @@ def recognise(table: Table, coordinate: Coordinate | None) -> Recognised | None:
     if (monitor := simplefoc(table)) is not None:
         raise ask(table, f"a SimpleFOC monitor, which has no torque and no clock: {monitor}", monitor.entries)
     names = [*(name for name, column in table.columns.items() if column.ndim), *table.broken]
+    if len(names) > _MOST_NAMES:
+        return None
     logger = next((one for one in LOGGERS if one.known(set(names))), None)
     labels = logger.labels(names) if logger else {name: read_label(name) for name in names}
     entries, doubts = _chosen(table, {name: label for name, label in labels.items() if label.measured})
@@ -64,7 +68,7 @@ def recognise(table: Table, coordinate: Coordinate | None) -> Recognised | None:
         raise ask(table, next(doubts[one] for one in ("theta", "tau", *TARGETS) if one in doubts), entries)
     if (unit := entries["tau"].unit) in _IN_PLACE_OF_TORQUE:
         what = _IN_PLACE_OF_TORQUE[unit][0]
-        raise ask(table, f"no torque; {_bare(entries['tau'].expression)} is {what} in {unit}", entries)
+        raise ask(table, f"no torque; {_bare(entries['tau'].expression)} is {what}", entries)
     taken = ", ".join(_taken(name, entry, coordinate) for name, entry in entries.items())
     message = f"columns{f' of {logger.name}' if logger else ''}: {taken}; a map says otherwise"
     return Recognised(entries, Finding("columns", "theta", len(entries), (), message, "note"))
@@ -87,13 +91,16 @@ def _chosen(table: Table, labels: dict[str, Label]) -> tuple[dict[str, Entry], d
             continue
         name = (plain or found)[0]
         entries[target] = Entry(f"`{name}`", labels[name].unit or _UNIT_ALONE.get(quantity))
-        if len(found) > 1:
+        if len(found) > 1 and (target != "t" or len(plain) != 1):  # beside the time there may be a loop's
             doubts[target] = f"{_listed(found)} could each be {target}"
         elif not plain:
             doubts[target] = f"{name!r} is not plain enough to be taken for {target}"
         elif target == "theta" and _counted(table, entries[target]):
             entries[target] = Entry(f"`{name}`", COUNTS)
             doubts[target] = f"{name!r} holds counts of an encoder"
+        elif target == "theta" and _in_degrees(table, entries[target]):
+            entries[target] = Entry(f"`{name}`", "deg")
+            doubts[target] = f"{name!r} has no unit and leaps by 360"
     return entries, doubts
 
 
@@ -104,14 +111,17 @@ def by_content(table: Table) -> dict[str, Entry]:
     """
     longest = max((column.size for column in table.columns.values()), default=0)
     names = [name for name, column in table.columns.items() if column.size == longest and longest > 1]
+    names = names[:_MOST_NAMES]
     clock = next((name for name in names if read_label(name).quantity == "t"), None)
     clock = clock or next((name for name in names if _advances(table.columns[name])), None)
     others = [name for name in names if name != clock]
     entries = {} if clock is None else {"t": Entry(f"`{clock}`", read_label(clock).unit)}
     for target, name in zip(_NEEDED, others, strict=False):
         entries[target] = Entry(f"`{name}`", None)
-    if "theta" in entries and float(np.ptp(np.nan_to_num(table.columns[others[0]]))) > _FAR:
-        entries["theta"] = Entry(entries["theta"].expression, COUNTS)
+    if "theta" in entries:
+        far = float(np.ptp(np.nan_to_num(table.columns[others[0]]))) > _FAR
+        if far or _counted(table, entries["theta"]):
+            entries["theta"] = Entry(entries["theta"].expression, COUNTS)
     return entries
 
 
@@ -128,6 +138,16 @@ def _counted(table: Table, entry: Entry) -> bool:
         return entry.unit == COUNTS
     finite = values[np.isfinite(values)]
     return bool(finite.size) and bool(np.all(finite == np.round(finite))) and float(np.ptp(finite)) > 1.0
+
+
+def _in_degrees(table: Table, entry: Entry) -> bool:
+    """Whether an angle without a unit wraps as one in degrees does."""
+    values = table.columns.get(_bare(entry.expression))
+    if entry.unit is not None or values is None or values.ndim == 0:
+        return False
+    finite = values[np.isfinite(values)]
+    leaps = np.abs(np.diff(finite))
+    return bool(np.any((leaps > 330.0) & (leaps < 361.0))) and float(np.ptp(finite)) < 361.0
 
 
 def _clock(table: Table, entries: dict[str, Entry]) -> dict[str, str]:

@@ -17,6 +17,7 @@ from .loggers import TABS
 from .table import Table
 
 _DOCUMENT = "# knobcam:"
+_LONGEST = 2**22  # characters of a row
 
 
 def read_text(source: str, kind: str, raw: bytes) -> Table:
@@ -32,6 +33,10 @@ def read_text(source: str, kind: str, raw: bytes) -> Table:
         raise InputError(f"{source}: the file is empty; a capture has columns of samples")
     second_start, second = _next_line(lines, [])
     sample = second or first
+    if max(len(first), len(second)) > _LONGEST:
+        raise InputError(
+            f"{source}: a line of {max(len(first), len(second))} characters is no row of samples"
+        )
     delimiter = _delimiter(sample)
     decimal_comma = delimiter != "," and "," in sample
     cells = _cells(first, delimiter)
@@ -116,10 +121,11 @@ def _names_in_comment(comments: list[str], delimiter: str | None, width: int) ->
 
 def _names(source: str, cells: list[str]) -> list[str]:
     names = [cell or f"c{index}" for index, cell in enumerate(cells)]
+    places: dict[str, int] = {}
     for index, name in enumerate(names):
-        if name in names[:index]:
+        if places.setdefault(name, index) != index:
             raise InputError(
-                f"{source}: two columns are called {name!r} ({names.index(name) + 1} and {index + 1}); "
+                f"{source}: two columns are called {name!r} ({places[name] + 1} and {index + 1}); "
                 f"rename one in the header"
             )
     return names

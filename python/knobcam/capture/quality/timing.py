@@ -44,7 +44,7 @@ def check_times(t: FloatArray, rows: Rows, source: str) -> tuple[BoolArray, list
     gap = ratio > stride * (1.5 if even else 3.0)
     steps = np.rint(ratio) if even else stride.astype(np.float64)
     rate = float(np.sum(steps[~gap]) / np.sum(interval[~gap]))
-    if not (np.isfinite(interval).all() and math.isfinite(rate)):
+    if not (np.isfinite(interval).all() and np.isfinite(ratio).all() and math.isfinite(rate)):
         raise InputError(f"{source}: column t spans more than a float64 can hold; check its unit in the map")
     if abs(rate - round(rate)) <= _SNAP * rate:
         rate = float(round(rate))
