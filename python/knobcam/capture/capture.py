@@ -283,7 +283,10 @@ def of_table(
         return _restored(capture, native, table, keep, untouched)
     limits = {name: at[keep] for name, at in table.limits.items() if name in capture.columns}
     clipped, found = check_limits(limits, capture.mask, rows[keep])
-    said = (*table.notes, *resolved.notes, *capture.findings, *found)
+    # Who states a unit, or computes with the column, knows what it is in.
+    stated = {name for name, entry in resolved.entries.items() if entry.unit is not None or not entry.plain}
+    kept = (one for one in capture.findings if one.kind != "unit" or one.column not in stated)
+    said = (*table.notes, *resolved.notes, *kept, *found)
     return replace(capture, mask=capture.mask & ~clipped, findings=said)
 
 

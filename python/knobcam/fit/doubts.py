@@ -23,7 +23,7 @@ def doubts(fit: Fit) -> tuple[str, ...]:
     base = base_effects(fit.model.coordinate)
     own = {name: e for name, e in fit.params.items() if name.split(".", 1)[0] in base}
     negative = [name for name, e in own.items() if e.determined and e.ci95[1] < 0.0]
-    if fit.reversed_torque:
+    if fit.log_fault == REVERSED:
         found = [REVERSED]
     else:
         told = fit.noise_floor > 0.0 and fit.rmse <= AT_FLOOR * fit.noise_floor

@@ -26,7 +26,7 @@ from . import refit
 from .described import described, said, sign
 from .doubts import doubts
 from .origin import with_origin
-from .plausible import reversed_torque
+from .plausible import REVERSED, log_fault
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
@@ -256,7 +256,10 @@ class Fit(showing.Tabled):
         return {
             "schema": "knobcam.fit/1",
             "captures": [described(signals) for signals in self.prepared],
-            "findings": [*said(self.prepared), *([sign(self.prepared)] if self.reversed_torque else [])],
+            "findings": [
+                *said(self.prepared),
+                *([sign(self.prepared)] if self.log_fault == REVERSED else []),
+            ],
             "rmse": self.rmse,
             "rmse_heldout": self.rmse_heldout,
             "noise_floor": self.noise_floor,
@@ -285,9 +288,9 @@ class Fit(showing.Tabled):
         return rows
 
     @cached_property
-    def reversed_torque(self) -> bool:
-        """Whether the torque of the log has the other sign, beyond doubt."""
-        return reversed_torque(self)
+    def log_fault(self) -> str | None:
+        """What is wrong with the log, so that no model of it is one of the knob; None where nothing is."""
+        return log_fault(self)
 
     @property
     def torque_unit(self) -> str:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from .fitting import Fit
 
 _SURE = 2.0  # standard errors
+_FAULTS = ("unit", "contradiction")  # findings with which no model of a log is one of the knob
 
 
 def implausible(candidate: Candidate, before: Fit) -> tuple[str, ...]:
@@ -36,6 +37,14 @@ def reversed_torque(fit: Fit) -> bool:
     sure = [estimate for estimate in told if estimate.determined]
     negative = [estimate for estimate in sure if estimate.ci95[1] < 0.0]
     return len(negative) > 2 and not any(estimate.ci95[0] > 0.0 for estimate in sure)
+
+
+def log_fault(fit: Fit) -> str | None:
+    """Return what is wrong with the log, so that no model of it is one of the knob; None where nothing is."""
+    if reversed_torque(fit):
+        return REVERSED
+    found = (finding for one in fit.prepared for finding in one.capture.findings)
+    return next((finding.message for finding in found if finding.kind in _FAULTS), None)
 
 
 def _out_of_range(candidate: Candidate) -> list[str]:

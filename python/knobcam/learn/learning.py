@@ -15,7 +15,6 @@ from ..base.tables import TextTable, text_table
 from ..capture import Capture
 from ..fit import Fit, fit
 from ..fit.diagnose import Diagnosis, check_effects, p_in_words
-from ..fit.plausible import REVERSED
 from ..fit.refit import percent
 from ..model import Model
 from .agreement import Disagreement, disagreements
@@ -111,8 +110,8 @@ class LearningResult(showing.Tabled):
         names = " and ".join(self.found)
         if self.unexplained is not None:
             what = self.unexplained
-            if what.hint == REVERSED:
-                return f"The log is wrong, not the knob: {REVERSED}."
+            if (fault := self.fit.log_fault) is not None:
+                return f"The log is to be mended first, it tells nothing of the knob: {fault}."
             if math.isnan(self.noise_floor):
                 return (
                     "Whether anything is missing cannot be told: these samples do not show how much of the "

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, NamedTuple
 from .. import _core
 from ..capture.prepare import travel
 from ..fit.diagnose import Candidate, Diagnosis, diagnose
-from ..fit.plausible import REVERSED
 from ..fit.refit import converged, cores, drop, unpaid, with_clipped
 from ..model.effects import base_effects_shown, clipping, descriptions, effects
 from .ladder import LearningStep, Unexplained
@@ -73,9 +72,9 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
     came = dict.fromkeys(step.added for step in ladder if step.added is not None)
     effects_now = ladder[-1].fit.model.effects
     found = tuple(one for one in came if one in effects_now and one not in base)
-    if ladder[-1].fit.reversed_torque:
+    if (fault := ladder[-1].fit.log_fault) is not None:
         # What is wrong is the log, not the knob.
-        return Selection(tuple(ladder), (), last, Unexplained("load", 1.0, REVERSED))
+        return Selection(tuple(ladder), (), last, Unexplained("load", 1.0, fault))
     unexplained = _unexplained(last.comparison)
     # Torques of position alone: two of them together draw nearly any map, so together they name no cause.
     maps = [one for one in found if _is_map(one, ladder[-1].fit)]

@@ -25,6 +25,11 @@ class Entry:
     expression: str
     unit: str | None
 
+    @property
+    def plain(self) -> bool:
+        """Whether it is a column as it stands, and nothing is computed."""
+        return re.fullmatch(r"`[^`]*`|[A-Za-z_][\w.]*", self.expression) is not None
+
     def __str__(self) -> str:
         return self.expression if self.unit is None else f"{self.expression} [{self.unit}]"
 

@@ -33,7 +33,8 @@ def held(values: FloatArray) -> BoolArray:
     usual = max(1, round(quantile(lengths.astype(np.float64), 0.5)))
     since = np.arange(len(values)) - np.repeat(fresh, lengths)
     rest = np.repeat(lengths > _REST * usual, lengths)
-    return repeats & ~(rest & (since % usual == 0))
+    once: BoolArray = repeats & ~(rest & (since % usual == 0))
+    return once
 
 
 def check_held(columns: dict[str, FloatArray], usable: BoolArray, rows: Rows) -> list[Finding]:

@@ -20,6 +20,8 @@ MAX_SPREAD = 0.3
 
 _WINDOWS_S = (0.005, 0.02, 0.08, 0.32)  # spans compared: short ones for fast motion, long ones for noise
 _MIN_WINDOWS = 20
+_ALIKE = 0.5  # correlation over the longest spans, below which a column is no derivative of another
+_OTHER = 5.0  # times larger or smaller that its integral is: noise alone is not
 
 _FACTORS: dict[Coordinate, dict[float, str]] = {
     "linear": {1e3: "thousandths", 1e6: "millionths"},
@@ -76,7 +78,10 @@ def check_scale(
     """
     name = "omega" if order == 1 else "alpha"
     derivative = "d theta/dt" if order == 1 else "d2 theta/dt2"
-    ratio = _ratio(t, theta, column, order, usable)
+    ratio, apart = _ratio(t, theta, column, order, usable)
+    if order == 1 and apart:
+        message = f"{name}: has nothing to do with {derivative}; check which column is which in the map"
+        return [Finding("contradiction", name, int(usable.sum()), (), message, "warning")]
     if ratio is None or AGREEMENT[0] <= ratio <= AGREEMENT[1]:
         return []
     if -AGREEMENT[1] <= ratio <= -AGREEMENT[0]:
@@ -106,13 +111,16 @@ def _likely(name: str, ratio: float, coordinate: Coordinate) -> str:
 
 def _ratio(
     t: FloatArray, theta: FloatArray, column: FloatArray, order: int, usable: BoolArray
-) -> float | None:
-    """Return the median ratio of `column` to the derivative of `theta`, None when it cannot be judged."""
+) -> tuple[float | None, bool]:
+    """Return the median ratio of `column` to the derivative of `theta`, and whether they are strangers.
+
+    The ratio is None when it cannot be judged.
+    """
     dt = np.diff(t)
     broken = ~(usable[1:] & usable[:-1])
     usual = quantile(dt[~broken], 0.5) if not broken.all() else 0.0
     if usual <= 0.0:
-        return None
+        return None, False
     broken |= ~(dt < 3.0 * usual)
     holes = np.concatenate(([0], np.cumsum(broken)))
     integral = np.where(usable, column, 0.0)
@@ -121,6 +129,7 @@ def _ratio(
         integral = np.concatenate(([0.0], np.cumsum(area)))
 
     best: tuple[float, float] | None = None
+    apart = False
     for window in _WINDOWS_S:
         span = max(1, round(window / usual))
         start = np.arange(0, len(t) - order * span, max(1, span // 2))
@@ -128,6 +137,9 @@ def _ratio(
         if len(start) < _MIN_WINDOWS:
             break
         wanted, found = (_difference(values, start, span, order) for values in (theta, integral))
+        sizes = float(np.linalg.norm(wanted)), float(np.linalg.norm(found))
+        alike = abs(float(wanted @ found)) > _ALIKE * sizes[0] * sizes[1]
+        apart = not alike and not 1.0 / _OTHER < sizes[1] / max(sizes[0], 1e-300) < _OTHER
         strong = (np.abs(wanted) >= quantile(np.abs(wanted), 0.6)) & (wanted != 0.0)
         if strong.sum() < _MIN_WINDOWS // 4:
             continue
@@ -135,7 +147,9 @@ def _ratio(
         low, middle, high = (quantile(ratios, share) for share in (0.25, 0.5, 0.75))
         if middle != 0.0 and (best is None or (high - low) / abs(middle) < best[0]):
             best = ((high - low) / abs(middle), middle)
-    return float(best[1]) if best is not None and best[0] <= MAX_SPREAD else None
+    if best is not None and best[0] <= MAX_SPREAD:
+        return float(best[1]), False
+    return None, apart
 
 
 def _difference(values: FloatArray, start: NDArray[np.intp], span: int, order: int) -> FloatArray:

@@ -7,12 +7,15 @@ import numpy as np
 from ...base.arrays import BoolArray, FloatArray
 from ..finding import Finding
 from ..formats.units import Coordinate
+from .order import quantile
 
 LARGEST_NM = 1.0
-"""RMS torque (N m) beyond what a hand turns; a hand gives about 5 N m at the most, for a moment."""
+"""Torque (N m) that a hand turning a knob exceeds for a moment at most."""
 
-LARGEST_RAD_S = 100.0
-"""RMS velocity (rad/s), a thousand revolutions a minute."""
+LARGEST_RAD_S = 120.0
+"""Velocity (rad/s) that no hand keeps up, eleven hundred revolutions a minute."""
+
+_MOSTLY = 0.68  # of the samples: a deviation of normal ones, and nothing that few outliers move
 
 _SPAN_S = 0.02  # over which the velocity is read off the angle
 
@@ -22,20 +25,20 @@ def check_size(columns: dict[str, FloatArray], usable: BoolArray, coordinate: Co
     if coordinate == "linear":
         return []
     findings = []
-    rms = float(np.sqrt(np.mean(np.square(columns["tau"][usable]))))
-    if rms > LARGEST_NM:
+    usual = quantile(np.abs(columns["tau"][usable]), _MOSTLY)
+    if usual > LARGEST_NM:
         message = (
-            f"tau: {rms:.4g} N m RMS is more than hands turn; if it is in mN m, map tau=... [mNm]; "
+            f"tau: {usual:.4g} N m is more than hands turn; if it is in mN m, map tau=... [mNm]; "
             "of a larger machine state the unit: tau=... [Nm]"
         )
         findings.append(Finding("unit", "tau", int(usable.sum()), (), message, "warning"))
     t, theta = columns["t"][usable], columns["theta"][usable]
     span = max(1, round(_SPAN_S * len(t) / max(float(t[-1] - t[0]), 1e-9)))
     if len(t) > span:
-        speed = float(np.sqrt(np.mean(np.square((theta[span:] - theta[:-span]) / (t[span:] - t[:-span])))))
+        speed = quantile(np.abs((theta[span:] - theta[:-span]) / (t[span:] - t[:-span])), _MOSTLY)
         if speed > LARGEST_RAD_S:
             message = (
-                f"theta: {speed:.4g} rad/s RMS is faster than hands turn; if it is in degrees, "
+                f"theta: {speed:.4g} rad/s is faster than hands turn; if it is in degrees, "
                 "map theta=... [deg]; of a motor state the unit: theta=... [rad]"
             )
             findings.append(Finding("unit", "theta", int(usable.sum()), (), message, "warning"))

@@ -22,6 +22,7 @@ CLEAR = 8.0
 MOST_LOST = 20
 """Rows lost at one place, beyond which the speed before says too little about where the angle would be."""
 
+_LEAP = 5.0  # times the longest steps but for one in a thousand
 _WHOLE = 0.15  # a step of lost rows is a whole number of steps, to this share of one
 
 
@@ -72,6 +73,22 @@ def check_steps(
         at = rows[index[1:-1][spike]]
         message = f"theta: leaps away and back within a row at {rows_in_words(at)}; masked"
         findings.append(Finding("spike", "theta", len(at), spans(at), message, "masked"))
+
+    # A leap that stays is beyond all steps of the motion; so wide a gap is not bridged.
+    leap = ~stale & (off > CLEAR * noise) & (off > _LEAP * quantile(np.abs(step), 0.999))
+    leap &= ~(np.append(spike, False) | np.append(False, spike))
+    if leap.any() and leap.sum() <= len(step) // 1000 + 1:
+        at = np.flatnonzero(leap)
+        for row in (-2, -1, 0, 1):
+            bad[index[np.clip(1 + at + row, 0, len(index) - 1)]] = True
+        leapt = rows[index[1:][at]]
+        message = (
+            f"theta: leaps by {step[at[0]]:.4g} at {rows_in_words(leapt)} and goes on from there; what lies "
+            "before and after is filtered apart, but positions of one part are not those of the other: keep "
+            "one with --start and --end if the log was joined"
+        )
+        findings.append(Finding("jump", "theta", len(leapt), spans(leapt), message, "warning"))
+        clear &= ~leap
 
     # What a repeated row held back comes with the next one.
     follows = np.concatenate(([False], (stale | np.concatenate((spike, [False])))[:-1]))
