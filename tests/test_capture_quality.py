@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+import knobcam as kc
 from knobcam.capture import Capture, Finding
 from knobcam.errors import InputError
 
@@ -206,11 +208,58 @@ def test_a_derivative_of_pure_noise_is_not_judged() -> None:
     assert recording(omega=rng.standard_normal(N), alpha=rng.standard_normal(N)).findings == ()
 
 
-def test_a_torque_beyond_any_hand_is_noted() -> None:
-    finding = only(recording(tau=1000.0 * recording().tau))
-    assert (finding.column, finding.severity) == ("tau", "note")
-    assert "mNm" in finding.message
-    assert recording(tau=1000.0 * recording().tau, coordinate="linear").findings == ()
+def test_a_torque_beyond_any_hand_is_warned_about_until_its_unit_is_stated(tmp_path: Path) -> None:
+    log = tmp_path / "log.csv"
+    columns = np.column_stack([times(), recording().theta, 1000.0 * recording().tau])
+    np.savetxt(log, columns, delimiter=",", header="t_s,theta_rad,tau_Nm", comments="")
+    finding = only(kc.load(log))
+    assert (finding.kind, finding.column, finding.severity) == ("unit", "tau", "warning")
+    assert "[mNm]" in finding.message
+    assert kc.load(log, map="t=t_s, theta=theta_rad, tau=tau_Nm [Nm]").findings == ()
+    assert kc.learn(kc.load(log)).verdict == "unexplained"
+
+
+def test_an_angle_in_degrees_is_warned_about(tmp_path: Path) -> None:
+    log = tmp_path / "log.csv"
+    columns = np.column_stack([times(), np.degrees(recording().theta), recording().tau])
+    np.savetxt(log, columns, delimiter=",", header="t_s,theta_rad,tau_Nm", comments="")
+    finding = only(kc.load(log))
+    assert (finding.kind, finding.column) == ("unit", "theta") and "[deg]" in finding.message
+
+
+def test_a_torque_that_stands_still_while_the_knob_moves_is_masked_and_a_motor_that_rests_is_not() -> None:
+    tau = recording().tau.copy()
+    tau[: N // 2] = 0.0
+    finding = only(recording(tau=tau))
+    assert (finding.kind, finding.spans, finding.severity) == ("dead", ((1, N // 2),), "masked")
+
+
+def test_an_angle_held_between_readings_counts_where_it_is_new() -> None:
+    held = recording().theta[np.arange(N) // 10 * 10]
+    capture = recording(theta=held, omega=None, alpha=None)
+    finding = only(capture)
+    assert (finding.kind, finding.column, finding.severity) == ("held", "theta", "mended")
+    assert finding.count == pytest.approx(0.9 * N, rel=0.01)
+    true, prepared = recording().theta, capture.prepare()
+    assert np.abs(prepared.theta - true)[prepared.used].max() < 1e-3
+
+
+def test_counts_of_a_slow_encoder_are_not_held() -> None:
+    counts = np.round(recording().theta / 2e-3) * 2e-3
+    assert recording(theta=counts, omega=None, alpha=None).findings == ()
+
+
+def test_an_angle_that_leaps_and_goes_on_splits_the_log() -> None:
+    theta = recording().theta + np.where(times() > 1.0, 1.2, 0.0)
+    capture = recording(theta=theta, omega=None, alpha=None)
+    finding = only(capture)
+    assert (finding.kind, finding.count, finding.severity) == ("jump", 1, "warning")
+    assert (~capture.mask).sum() == 4
+
+
+def test_a_velocity_that_belongs_to_another_motion_is_a_contradiction() -> None:
+    other = 50.0 * np.cos(2.0 * np.pi * 0.7 * times() + 1.0)
+    assert [one.kind for one in recording(omega=other).findings] == ["contradiction"]
 
 
 def test_an_angle_that_jumps_by_no_whole_turn_is_warned_about() -> None:

@@ -25,7 +25,7 @@ from .formats import DEFAULT_MAX_BYTES, Table, document, read_table, write_table
 from .formats.columnmap import ColumnMap
 from .formats.resolve import CONTRACT, resolve
 from .formats.units import SI, Coordinate
-from .quality import check
+from .quality import check, check_size
 from .quality.limits import check_limits
 
 if TYPE_CHECKING:
@@ -284,9 +284,9 @@ def of_table(
     limits = {name: at[keep] for name, at in table.limits.items() if name in capture.columns}
     clipped, found = check_limits(limits, capture.mask, rows[keep])
     # Who states a unit, or computes with the column, knows what it is in.
-    stated = {name for name, entry in resolved.entries.items() if entry.unit is not None or not entry.plain}
-    kept = (one for one in capture.findings if one.kind != "unit" or one.column not in stated)
-    said = (*table.notes, *resolved.notes, *kept, *found)
+    taken = {name for name, entry in resolved.entries.items() if entry.unit is None and entry.plain}
+    sizes = check_size(capture.columns, capture.mask, capture.coordinate, taken)
+    said = (*table.notes, *resolved.notes, *capture.findings, *found, *sizes)
     return replace(capture, mask=capture.mask & ~clipped, findings=said)
 
 

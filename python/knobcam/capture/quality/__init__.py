@@ -18,7 +18,7 @@ from .steps import check_steps
 from .timing import check_times
 from .torque import check_clipping, check_spikes
 
-__all__ = ["Checked", "Finding", "Rows", "check"]
+__all__ = ["Checked", "Finding", "Rows", "check", "check_size"]
 
 LARGEST = 1e30
 """A sample beyond (SI) is no measurement: its fourth power, which a covariance holds, must fit a float64."""
@@ -94,7 +94,6 @@ def _check(columns: dict[str, FloatArray], coordinate: Coordinate, rows: Rows, s
     clipped, found = check_clipping(present["tau"], present["theta"], mask, rows)
     findings += found
     findings += check_held(present, mask, rows)
-    findings += check_size(present, mask, coordinate)
     for name in ("theta", "omega", "alpha", "tau"):
         if name in present:
             findings += check_stuck(name, present[name], mask)

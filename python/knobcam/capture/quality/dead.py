@@ -10,6 +10,7 @@ from ..finding import Finding, Rows, rows_in_words, spans
 _FEWEST = 100  # rows in a row, below which a value that stands is no fault
 _TIMES = 10  # as long as the longest stand but for the dead ones
 _PART = 0.02  # of all the way that the knob goes: what it must go meanwhile
+_OFTEN = 2  # stands: what stands still again and again is a motor that is off, or dry friction
 _EVEN = 1e-6  # steps that differ by less are those of a motion without noise, as simulations have
 
 
@@ -30,7 +31,8 @@ def check_dead(
         moved["theta"] = np.abs(columns["omega"][index])
     for name, way in moved.items():
         at = np.zeros(len(index), dtype=np.bool_)
-        for first, end in _stands(columns[name][index]):
+        stands = _stands(columns[name][index])
+        for first, end in stands if len(stands) <= _OFTEN else ():
             part = way[first + 1 : end]
             if part.sum() >= _PART * way.sum() and np.ptp(part) > _EVEN * part.max():
                 at[first:end] = True
@@ -52,7 +54,7 @@ def _stands(values: FloatArray) -> list[tuple[int, int]]:
     lengths = np.diff(edges)
     long = lengths >= _FEWEST
     ordinary = int(lengths[~long].max(initial=1))
-    long &= lengths >= _TIMES * ordinary
+    long &= (lengths >= _TIMES * ordinary) & (lengths < len(values))  # a column that never changes is stuck
     return [
         (int(first), int(first + length))
         for first, length in zip(edges[:-1][long], lengths[long], strict=True)

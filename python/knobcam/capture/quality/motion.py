@@ -21,7 +21,7 @@ MAX_SPREAD = 0.3
 _WINDOWS_S = (0.005, 0.02, 0.08, 0.32)  # spans compared: short ones for fast motion, long ones for noise
 _MIN_WINDOWS = 20
 _ALIKE = 0.5  # correlation over the longest spans, below which a column is no derivative of another
-_OTHER = 5.0  # times larger or smaller that its integral is: noise alone is not
+_OTHER = 5.0  # times larger that its integral is: that of noise alone is not
 
 _FACTORS: dict[Coordinate, dict[float, str]] = {
     "linear": {1e3: "thousandths", 1e6: "millionths"},
@@ -139,7 +139,7 @@ def _ratio(
         wanted, found = (_difference(values, start, span, order) for values in (theta, integral))
         sizes = float(np.linalg.norm(wanted)), float(np.linalg.norm(found))
         alike = abs(float(wanted @ found)) > _ALIKE * sizes[0] * sizes[1]
-        apart = not alike and not 1.0 / _OTHER < sizes[1] / max(sizes[0], 1e-300) < _OTHER
+        apart = not alike and sizes[1] > _OTHER * sizes[0]
         strong = (np.abs(wanted) >= quantile(np.abs(wanted), 0.6)) & (wanted != 0.0)
         if strong.sum() < _MIN_WINDOWS // 4:
             continue

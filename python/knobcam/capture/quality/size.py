@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping
+
 import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray
@@ -20,13 +22,15 @@ _MOSTLY = 0.68  # of the samples: a deviation of normal ones, and nothing that f
 _SPAN_S = 0.02  # over which the velocity is read off the angle
 
 
-def check_size(columns: dict[str, FloatArray], usable: BoolArray, coordinate: Coordinate) -> list[Finding]:
-    """Return a warning where torque or velocity of a rotary axis are those of no knob."""
+def check_size(
+    columns: Mapping[str, FloatArray], usable: BoolArray, coordinate: Coordinate, names: Collection[str]
+) -> list[Finding]:
+    """Return a warning where torque or velocity of a rotary axis, if in `names`, are those of no knob."""
     if coordinate == "linear":
         return []
     findings = []
     usual = quantile(np.abs(columns["tau"][usable]), _MOSTLY)
-    if usual > LARGEST_NM:
+    if "tau" in names and usual > LARGEST_NM:
         message = (
             f"tau: {usual:.4g} N m is more than hands turn; if it is in mN m, map tau=... [mNm]; "
             "of a larger machine state the unit: tau=... [Nm]"
@@ -34,7 +38,7 @@ def check_size(columns: dict[str, FloatArray], usable: BoolArray, coordinate: Co
         findings.append(Finding("unit", "tau", int(usable.sum()), (), message, "warning"))
     t, theta = columns["t"][usable], columns["theta"][usable]
     span = max(1, round(_SPAN_S * len(t) / max(float(t[-1] - t[0]), 1e-9)))
-    if len(t) > span:
+    if "theta" in names and len(t) > span:
         speed = quantile(np.abs((theta[span:] - theta[:-span]) / (t[span:] - t[:-span])), _MOSTLY)
         if speed > LARGEST_RAD_S:
             message = (
