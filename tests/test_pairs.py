@@ -22,19 +22,23 @@ PAIRS = {
     "position_polynomial": ("knob3", "hand"),
     "return_spring": ("knob2", "hand"),
     "unbalance": ("knob4", "turns"),
+    "cogging": ("knob1", "turns"),
     "end_stop": ("knob3", "sweep"),
     "position_friction": ("knob1", "multisine"),
     "load_friction": ("knob4", "sweep"),
     "friction_drift": ("knob2", "multisine"),
     "presliding": ("knob1", "micro"),
     "torque_lag": ("knob4", "multisine"),
+    "actuation_delay": ("knob4", "multisine"),
     "torque_drift": ("knob3", "sweep"),
     "saturation": ("knob5", "sweep"),
 }
 
 
 def test_every_effect_that_a_search_names_is_hidden_in_some_knob() -> None:
-    assert set(PAIRS) == {effect for knob in kc.KNOBS for effect in hideable(knob)}
+    # Whole orders per revolution take a revolution.
+    motions = ("sweep", "turns")
+    assert set(PAIRS) == {one for knob in kc.KNOBS for motion in motions for one in hideable(knob, motion)}
 
 
 @pytest.mark.parametrize("effect", PAIRS)

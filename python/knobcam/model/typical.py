@@ -120,7 +120,8 @@ def with_typical(model: Model, effect: Effect, carrier: Carrier | None = None) -
     model = _carrying(model, effect)
     model = model.with_effect(effect.id) if effect.id not in model.effects else model
     for name, value in values.items():
-        if model.params[name].role in ("free", "fixed"):
+        own = model.params.get(name)  # none of its own says that it is not used at present
+        if own is None or own.role in ("free", "fixed"):
             model = model.with_value(name, value)
     return model
 

@@ -4,6 +4,7 @@ use super::{Carrier, Context, Effect, Id, LoadEffect, Over, Survey, Wave, Words}
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit, Usual};
 use crate::scalar::Scalar;
+use std::f64::consts::TAU;
 
 /// Sum of a_i sin(n_i theta/P + phi_i) over whole orders n_i; P is 1 on a rotary axis, so that they count per
 /// revolution, and the pitch over 2 pi on a linear one. An order of nought is not used.
@@ -96,6 +97,9 @@ impl Effect<COUNT> for Cogging {
     }
 
     fn typical(carrier: &Carrier<'_>) -> [f64; COUNT] {
+        if carrier.survey.range() < carrier.survey.revolution.unwrap_or(0.0) * TAU {
+            return Self::PARAMS.map(|param| param.neutral); // such a motion tells no order from the next
+        }
         carrier.sized(Id::Cogging, [carrier.floor, 100.0 * carrier.floor], |a| {
             let mut values = Self::PARAMS.map(|param| param.neutral);
             values[1..10].copy_from_slice(&[7.0, a, 0.6, 12.0, 0.7 * a, 2.0, 36.0, 0.3 * a, 4.0]);
@@ -142,7 +146,6 @@ impl LoadEffect<COUNT> for Cogging {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::TAU;
 
     #[test]
     fn an_order_makes_so_many_waves_per_revolution() {

@@ -79,9 +79,10 @@ impl Info {
         }
     }
 
-    /// Whether it is a torque of position alone beyond the base model: two of them draw nearly any map of position.
+    /// Whether it is a torque of position alone beyond the base model: two of them draw nearly any map of position,
+    /// unless they are bound to come again, order by order, within each turn.
     pub fn is_map(&self) -> bool {
-        self.over == Over::Position && self.base.is_none()
+        self.over == Over::Position && self.base.is_none() && self.scan != Some(Wave::Orders)
     }
 
     /// Whether it stores energy of motion and does nothing else.
