@@ -147,12 +147,12 @@ def test_an_effect_that_was_missing_is_not_said_to_have_made_things_worse(bent: 
     assert refit.worse(bent) == ()
 
 
-def test_a_fit_is_asked_once_whether_its_torque_is_reversed(
+def test_a_fit_is_asked_once_whether_its_log_is_at_fault(
     capture: kc.Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked = []
     module = importlib.import_module("knobcam.fit.fitting")
-    monkeypatch.setattr(module, "reversed_torque", lambda fit: bool(asked.append(fit)))
+    monkeypatch.setattr(module, "log_fault", asked.append)
     fit = kc.fit(capture)
     assert fit.document()["warnings"] == list(fit.warnings) and repr(fit)
     assert asked == [fit]

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 import knobcam as kc
 from knobcam import plot
-from knobcam.model.typical import typical
+from knobcam.model.typical import typical, with_typical
 from knobcam.show.plot.components import Samples, curve, curve_band, part_of
 
 SLED_NOISE = kc.SensorNoise(tau_sd=0.5, omega_sd=1e-4, alpha_sd=1e-3)
@@ -275,7 +275,10 @@ def test_every_effect_has_a_signature_with_values_within_its_bounds(effect: str)
     entry = kc.effects()[effect]
     for info, value in zip(entry.params, typical(entry).values(), strict=True):
         assert info.lower <= value <= info.upper
-        assert value != 0.0
+    # An order that a ripple does not use is nought, and its wave with it.
+    shown = kc.Model.of([effect, *filter(None, [entry.needs])]).core
+    used = {name for name, *_ in with_typical(kc.Model(shown), entry).core.rows()}
+    assert all(value != 0.0 for name, value in typical(entry).items() if name in used)
     figure = plot.effect(entry)
     assert effect in writing(figure)
     drawn = np.concatenate(
