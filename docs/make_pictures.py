@@ -73,8 +73,9 @@ def five_knobs(folder: Path) -> None:
 
 def axis(folder: Path, data: Path) -> None:
     """Draw friction of the EMPS axis (Janot, Gautier & Brunot 2019), and where its model fails."""
-    fit = kc.fit(kc.load(data, map="t=t, theta=qm, tau=35.1507*vir", coordinate="linear"), detents="no")
-    keep(folder / "emps-velocity.png", plot.velocity(fit), 110)
+    capture = kc.load(data, map="t=t, theta=qm, tau=35.1507*vir", coordinate="linear")
+    keep(folder / "emps-velocity.png", plot.velocity(kc.fit(capture, detents="no")), 110)
+    fit = kc.fit(capture)
     keep(folder / "emps-compared.png", plot.comparison(fit.compare()))
     keep(folder / "emps-forward.png", plot.forward(fit.forward()))
 
