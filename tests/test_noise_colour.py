@@ -9,7 +9,7 @@ import knobcam as kc
 
 
 def with_noise(knob: kc.Model, memory: float, seed: int) -> kc.Capture:
-    """A sweep of the knob whose torque has 1.8 mN m of noise, each sample keeping `memory` of the one before."""
+    """A sweep whose torque has 1.8 mN m of noise, each sample keeping `memory` of the one before."""
     clean = kc.simulate(knob, "sweep", seed=seed)
     exact = kc.simulate(knob, "sweep", noise="none", seed=seed)
     noise = np.random.default_rng(seed).standard_normal(clean.samples + 2000)
