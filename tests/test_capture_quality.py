@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -117,7 +118,7 @@ def test_an_uneven_clock_is_noted_and_used_as_it_is() -> None:
     rng = np.random.default_rng(5)
     t = np.cumsum(rng.uniform(0.6e-3, 1.4e-3, N))
     capture = Capture.from_arrays(t=t, theta=np.sin(t), tau=np.cos(t) + rng.standard_normal(N))
-    assert (only(capture).kind, only(capture).severity) == ("uneven", "note")
+    assert (only(capture).kind, only(capture).severity) == ("jitter", "note")
     assert capture.mask.all()
     assert np.array_equal(capture.t, t)
     assert capture.rate_hz == pytest.approx(RATE, rel=0.02)
@@ -192,13 +193,17 @@ UNITS = [
 @pytest.mark.parametrize(("factor", "word"), UNITS)
 def test_a_derivative_in_another_unit_is_named_with_its_factor(name: str, factor: float, word: str) -> None:
     finding = only(recording(**{name: recording().columns[name] * factor}))
-    assert (finding.kind, finding.column, finding.severity) == ("scale", name, "warning")
+    assert (finding.kind, finding.column, finding.severity) == (
+        "sign" if factor < 0.0 else "unit",
+        name,
+        "warning",
+    )
     assert word in finding.message
 
 
 def test_an_angle_in_degrees_is_seen_by_both_derivatives() -> None:
     findings = recording(theta=np.rad2deg(recording().theta)).findings
-    scale = [finding for finding in findings if finding.kind == "scale"]
+    scale = [finding for finding in findings if finding.kind in ("sign", "unit")]
     assert [finding.column for finding in scale] == ["omega", "alpha"]
     assert all("theta may be in degrees" in finding.message for finding in scale)
 
@@ -255,6 +260,13 @@ def test_an_angle_that_leaps_and_goes_on_splits_the_log() -> None:
     finding = only(capture)
     assert (finding.kind, finding.count, finding.severity) == ("jump", 1, "warning")
     assert (~capture.mask).sum() == 4
+
+
+@pytest.mark.parametrize(("rows", "which"), [(3, "after"), (-3, "before")])
+def test_an_angle_that_is_late_against_the_velocity_is_named_with_its_delay(rows: int, which: str) -> None:
+    finding = only(recording(theta=np.interp(times() - rows / RATE, times(), recording().theta)))
+    assert (finding.kind, finding.column) == ("late_column", "theta")
+    assert re.search(rf"stands (2\.9|3|3\.0)\d* ms .* {which} the omega", finding.message)
 
 
 def test_a_velocity_that_belongs_to_another_motion_is_a_contradiction() -> None:

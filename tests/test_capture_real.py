@@ -37,7 +37,7 @@ def test_the_odrive_motor_reads_from_its_array_and_its_uneven_clock_is_noted() -
     path = real(SHARED / "odrive_cogging" / "slow2_slower_nocomp_0.npy")
     capture = load(path, map="t=c0, theta=c1/8192 [turn], tau=0.0551*c2", start=1.0)
     assert capture.t[0] >= 1.0
-    assert [finding.kind for finding in capture.findings] == ["uneven"]
+    assert [finding.kind for finding in capture.findings] == ["jitter"]
     speed = np.polyfit(capture.t, capture.theta, 1)[0]
     assert speed == pytest.approx(0.19, rel=0.03)
     assert capture.mask.all()

@@ -96,7 +96,7 @@ def test_a_clock_that_jitters_over_an_even_motion_has_lost_nothing() -> None:
     columns = without_motion(motion())
     rng = np.random.default_rng(3)
     columns["t"] = columns["t"] + rng.uniform(-0.2, 0.2, N) / RATE_HZ * (rng.random(N) < 0.05)
-    assert {finding.kind for finding in measured(columns).findings} == {"uneven"}
+    assert {finding.kind for finding in measured(columns).findings} == {"jitter"}
 
 
 def test_an_angle_that_wraps_is_taken_on() -> None:

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from .fitting import Fit
 
 _SURE = 2.0  # standard errors
-_FAULTS = ("unit", "contradiction")  # findings with which no model of a log is one of the knob
+_FAULTS = (("unit", "theta"), ("unit", "tau"), ("contradiction", "omega"))
+"""Findings, kind and column, with which no model of a log is one of the knob."""
 
 
 def implausible(candidate: Candidate, before: Fit) -> tuple[str, ...]:
@@ -44,7 +45,7 @@ def log_fault(fit: Fit) -> str | None:
     if reversed_torque(fit):
         return REVERSED
     found = (finding for one in fit.prepared for finding in one.capture.findings)
-    return next((finding.message for finding in found if finding.kind in _FAULTS), None)
+    return next((one.message for one in found if (one.kind, one.column) in _FAULTS), None)
 
 
 def _out_of_range(candidate: Candidate) -> list[str]:

@@ -12,6 +12,7 @@ from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import Coordinate
 from .dead import check_dead
 from .held import check_held
+from .late import check_late
 from .motion import check_scale, check_stuck, check_wrapped
 from .size import check_size
 from .steps import check_steps
@@ -94,6 +95,7 @@ def _check(columns: dict[str, FloatArray], coordinate: Coordinate, rows: Rows, s
     clipped, found = check_clipping(present["tau"], present["theta"], mask, rows)
     findings += found
     findings += check_held(present, mask, rows)
+    findings += check_late(present, mask, rate)
     for name in ("theta", "omega", "alpha", "tau"):
         if name in present:
             findings += check_stuck(name, present[name], mask)

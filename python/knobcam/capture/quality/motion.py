@@ -85,11 +85,11 @@ def check_scale(
     if ratio is None or AGREEMENT[0] <= ratio <= AGREEMENT[1]:
         return []
     if -AGREEMENT[1] <= ratio <= -AGREEMENT[0]:
-        reason = "its sign is reversed, map it with a minus"
+        kind, reason = "sign", "its sign is reversed, map it with a minus"
     else:
-        reason = _likely(name, abs(ratio), coordinate)
+        kind, reason = "unit", _likely(name, abs(ratio), coordinate)
     message = f"{name}: {ratio:.4g} times {derivative}: {reason}; nothing is changed"
-    return [Finding("scale", name, int(usable.sum()), (), message, "warning")]
+    return [Finding(kind, name, int(usable.sum()), (), message, "warning")]
 
 
 def _likely(name: str, ratio: float, coordinate: Coordinate) -> str:

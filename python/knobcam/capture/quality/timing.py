@@ -69,7 +69,7 @@ def check_times(t: FloatArray, rows: Rows, source: str) -> tuple[BoolArray, list
         low, high = 1e3 * interval[~gap].min(), 1e3 * interval[~gap].max()
         findings.append(
             Finding(
-                "uneven",
+                "jitter",
                 "t",
                 int(off.sum()),
                 spans(late),
