@@ -192,13 +192,12 @@ UNITS = [
 @pytest.mark.parametrize("name", ["omega", "alpha"])
 @pytest.mark.parametrize(("factor", "word"), UNITS)
 def test_a_derivative_in_another_unit_is_named_with_its_factor(name: str, factor: float, word: str) -> None:
-    finding = only(recording(**{name: recording().columns[name] * factor}))
-    assert (finding.kind, finding.column, finding.severity) == (
-        "sign" if factor < 0.0 else "unit",
-        name,
-        "warning",
-    )
-    assert word in finding.message
+    capture = recording(**{name: recording().columns[name] * factor})
+    finding = only(capture)
+    turned = factor < 0.0
+    assert (finding.kind, finding.severity) == (("sign", "mended") if turned else ("unit", "warning"))
+    assert finding.column == name and word in finding.message
+    assert np.array_equal(capture.columns[name], recording().columns[name]) == turned
 
 
 def test_an_angle_in_degrees_is_seen_by_both_derivatives() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -100,9 +100,17 @@ def _check(columns: dict[str, FloatArray], coordinate: Coordinate, rows: Rows, s
         if name in present:
             findings += check_stuck(name, present[name], mask)
     findings += check_wrapped(present["theta"], mask, rows, coordinate)
+    scales: list[Finding] = []
     for order, name in enumerate(("omega", "alpha"), start=1):
         if name in present:
-            findings += check_scale(present["t"], present["theta"], present[name], order, mask, coordinate)
+            scales += check_scale(present["t"], present["theta"], present[name], order, mask, coordinate)
+    # Of one column alone there is no doubt which is turned; of both it may be theta.
+    if [one.kind for one in scales] == ["sign"] and {"omega", "alpha"} <= set(present):
+        turned = scales[0]
+        present[turned.column] = -present[turned.column]
+        message = f"{turned.column}: its sign is reversed, as theta and the other column say; it is turned"
+        scales = [replace(turned, message=message, severity="mended")]
+    findings += scales
     return Checked(mask & ~clipped, tuple(findings), rate, present)
 
 
