@@ -1,12 +1,14 @@
 """Logs with the faults that real ones have: what is said, and what it costs. `python benches/study_logs.py`.
 
-The independent simulator makes each knob once without and once with a hidden effect, `hidden.FAULTS` spoils its
-log, and the program is given the file alone. Tables are printed and written to `benches/results/logs.json`.
+The independent simulator makes knobs without and with a hidden effect, `hidden.FAULTS` spoils their logs, and
+the program is given the file alone. Tables are printed and written to `benches/results/logs.json`.
 """
 
 import argparse
 import json
+import math
 import os
+import statistics
 import sys
 import tempfile
 import time
@@ -23,6 +25,14 @@ RESULTS = Path(__file__).with_name("results") / "logs.json"
 # Strengths of the hidden effects, RMS over white noise: findable under coloured noise as well, whose floor is
 # three times as high.
 WEAKEST, STRONGEST = 3.0, 12.0
+
+WIDTH = 37  # of a fault's name
+SAID = (
+    "said: the fault is named by a finding, or as an effect; M off: the inertia from the true one; holds:",
+    "its 95 % interval does; accused: an effect is named that is not there, or none and the rest is",
+    "unexplained (which is right of logs marked *: no model of them is one of the knob); floor: the noise",
+    "floor over the true one, and in how many logs it stays unknown; besides: findings of what is not there",
+)
 
 Row = dict[str, Any]
 
@@ -43,7 +53,7 @@ class Log(NamedTuple):
         return [list(NAMED)[self.seed % len(NAMED)]] if self.hides else []
 
     def make(self) -> tuple[Any, dict[str, Any]]:
-        """The knob and its clean capture's truth, and the columns with the fault; the same knob for all faults."""
+        """The knob, which is the same for all faults, and the columns of its log with the fault."""
         import numpy as np
         from hidden import FAULTS, MOTIONS, make
 
@@ -118,9 +128,11 @@ def judged(name: str, knob: Any, document: dict[str, Any]) -> Row:
         "besides": sorted({kind[1] for kind in kinds if not wanted & set(kind)}),
         "verdict": verdict,
         "found": found,
+        "complete": verdict == "complete",
         "first": bool(foreign) and foreign[0] in accepted,
         "exact": verdict == "missing" and len(foreign) == 1 and foreign[0] in accepted,
-        "accused": bool(set(foreign) - accepted) or not (accepted or barred or verdict in ("complete", "missing")),
+        "accused": bool(set(foreign) - accepted)
+        or not (accepted or barred or verdict in ("complete", "missing")),
         "off_percent": None if estimate is None else round(100.0 * (estimate["value"] / true - 1.0), 3),
         "holds": bool(interval and interval[0] <= true <= interval[1]),
         "floor": None if not floor else round(floor / knob.noise_floor, 4),
@@ -128,7 +140,7 @@ def judged(name: str, knob: Any, document: dict[str, Any]) -> Row:
 
 
 def run(faults: list[str], seeds: int, first: int, jobs: int, cap_s: float) -> list[Row]:
-    """Examine `seeds` knobs without and as many with a hidden effect, from seed `first` on, under each fault."""
+    """Examine `seeds` knobs without and as many with a hidden effect under each fault, from seed `first`."""
     # By seed: what is there when time is over is whole tables of fewer knobs.
     logs = [
         Log(fault, hides, seed, cap_s)
@@ -146,33 +158,35 @@ def run(faults: list[str], seeds: int, first: int, jobs: int, cap_s: float) -> l
 
 
 def report(rows: list[Row], head: str) -> Iterator[str]:
-    """Both tables, and below them every log that was not answered as it should be."""
+    """Both tables."""
     yield head
-    yield "said: logs whose findings (or effects) name the fault; M off: of the inertia against the true one; holds:"
-    yield "its 95 % interval does; complete: that verdict; accused: an effect is named that is not there, or none is"
-    yield "and the rest called unexplained (right where the fault leaves no log of the knob: marked *); floor: the"
-    yield "noise floor over the true one; not: logs where it stays unknown; besides: findings of what was not put there"
+    yield from SAID
     for hides in (False, True):
         own = [row for row in rows if bool(row["hid"]) is hides]
         if own:
             yield ""
             yield from _table(own, hides)
+
+
+def failures(rows: list[Row]) -> Iterator[str]:
+    """Every log that was not answered as it should be."""
     odd = [row for row in rows if not right(row)]
-    yield ""
     yield f"not answered as it should be: {len(odd)} of {len(rows)}"
     for row in odd:
         hid = " + ".join(row["hid"]) or "nothing"
+        besides = f", besides {', '.join(row['besides'])}" if row["besides"] else ""
+        off = "?" if row["off_percent"] is None else f"{row['off_percent']:+.3g}"
         yield (
-            f"{row['fault']:40} {row['seed']:3} {row['motion']:9} hid {hid}: {row['verdict']}, "
-            f"{' + '.join(row['found']) or '-'}, M {_number(row['off_percent'])} %, "
-            f"{'said' if row['said'] in (True, None) else 'NOT SAID'}, {row['seconds']:.0f} s"
+            f"{row['fault']:{WIDTH}} {row['seed']:3} {row['motion']:9} hid {hid}: {row['verdict']}, "
+            f"{' + '.join(row['found']) or '-'}, M {off} %, "
+            f"{'fault not said' if row['said'] is False else 'said'}{besides}, {row['seconds']:.0f} s"
         )
 
 
 def right(row: Row) -> bool:
-    """Whether the fault is said and nothing false of the knob; with an effect hidden, whether that comes first."""
-    good = row["said"] in (True, None) and not row["accused"] and not row["besides"]
-    return good and (row["first"] or not row["hid"] or barred(row))
+    """Whether the fault is said and nothing false; where an effect is hidden, whether it comes first."""
+    good = row["said"] is not False and not row["accused"] and not row["besides"]
+    return good and (row["verdict"] != "complete" if barred(row) else row["first"] or not row["hid"])
 
 
 def barred(row: Row) -> bool:
@@ -184,46 +198,52 @@ def barred(row: Row) -> bool:
 
 def _table(rows: list[Row], hides: bool) -> Iterator[str]:
     name = "one effect hidden" if hides else "nothing hidden"
-    ends = "first % | exact %" if hides else "complete % | accused %"
-    yield f"{name:40} |  n | said % | M off, %: median, most | holds % | {ends} | floor: median, most, not | besides"
+    ends = {"first": "first %", "exact": "exact %"} if hides else {"complete": "complete %"}
+    ends |= {"accused": "accused %"}
+    columns = [
+        "said %",
+        "M off, %: median, most",
+        "holds %",
+        *ends.values(),
+        "floor: median, most, not",
+        "besides",
+    ]
+    yield f"{name:{WIDTH}} |  n | {' | '.join(columns)}"
     for fault in dict.fromkeys(row["fault"] for row in rows):
         own = [row for row in rows if row["fault"] == fault]
-        said = "       " if own[0]["said"] is None else f"{_percent([row['said'] for row in own]):6.0f} "
-        off = sorted(abs(row["off_percent"]) for row in own if row["off_percent"] is not None)
-        floors = sorted(row["floor"] for row in own if row["floor"] is not None)
-        worst = max(floors, key=lambda floor: abs(floor - 1.0), default=float("nan"))
-        if hides:
-            ends = f"{_percent([row['first'] for row in own]):7.0f} | {_percent([row['exact'] for row in own]):7.0f}"
-        else:
-            complete = _percent([row["verdict"] == "complete" for row in own])
-            ends = f"{complete:10.0f} | {_percent([row['accused'] for row in own]):9.0f}"
+        off = [abs(row["off_percent"]) for row in own if row["off_percent"] is not None]
+        floors = [row["floor"] for row in own if row["floor"] is not None]
+        worst = max(floors, key=lambda floor: abs(math.log(floor)), default=math.nan)
         besides = Counter(kind for row in own for kind in row["besides"])
-        yield (
-            f"{fault + ' *' * barred(own[0]):40} | {len(own):2} | {said}| {_middle(off):10.3g} {off[-1] if off else float('nan'):11.3g} "
-            f"| {_percent([row['holds'] for row in own]):7.0f} | {ends} "
-            f"| {_middle(floors):8.3f} {worst:8.3f} {len(own) - len(floors):6} "
-            f"| {', '.join(f'{kind} {count}' for kind, count in besides.most_common(3))}"
-        )
+        cells = [
+            "" if own[0]["said"] is None else _percent(own, "said"),
+            f"{_median(off):14.3g} {max(off, default=math.nan):7.3g}",
+            _percent(own, "holds"),
+            *(_percent(own, end) for end in ends),
+            f"{_median(floors):13.3f} {worst:6.3f} {len(own) - len(floors):3}",
+            ", ".join(f"{kind} {count}" for kind, count in besides.most_common(3)),
+        ]
+        cells = [f"{cell:>{len(column)}}" for cell, column in zip(cells[:-1], columns, strict=False)] + cells[
+            -1:
+        ]
+        yield f"{fault + ' *' * barred(own[0]):{WIDTH}} | {len(own):2} | {' | '.join(cells)}"
 
 
-def _percent(marks: list[bool]) -> float:
-    return 100.0 * sum(marks) / len(marks)
+def _percent(rows: list[Row], mark: str) -> str:
+    return f"{100.0 * sum(row[mark] for row in rows) / len(rows):.0f}"
 
 
-def _middle(ranked: list[float]) -> float:
-    """The median of sorted values; NaN of none."""
-    return (ranked[(len(ranked) - 1) // 2] + ranked[len(ranked) // 2]) / 2.0 if ranked else float("nan")
-
-
-def _number(value: float | None) -> str:
-    return "?" if value is None else f"{value:+.3g}"
+def _median(values: list[float]) -> float:
+    return statistics.median(values) if values else math.nan
 
 
 def main() -> None:
     from hidden import FAULTS
 
     parser = argparse.ArgumentParser(description="Examination on logs with the faults of real ones.")
-    parser.add_argument("--seeds", type=int, default=3, help="knobs without, and as many with a hidden effect")
+    parser.add_argument(
+        "--seeds", type=int, default=3, help="knobs without, and as many with a hidden effect"
+    )
     parser.add_argument("--first", type=int, default=0, help="the first seed")
     parser.add_argument("--only", choices=list(FAULTS), help="this fault alone, written nowhere")
     parser.add_argument("--jobs", type=int, default=2, help="processes")
@@ -231,14 +251,17 @@ def main() -> None:
     options = parser.parse_args()
     faults = [options.only] if options.only else list(FAULTS)
     rows = run(faults, options.seeds, options.first, options.jobs, options.cap)
+    took = sum(row["seconds"] for row in rows)
     head = (
         f"{time.strftime('%Y-%m-%d', time.gmtime())}, python benches/study_logs.py --seeds {options.seeds} "
-        f"--first {options.first} --cap {options.cap:g}: {sum(row['seconds'] for row in rows) / 60.0:.0f} min of one processor"
+        f"--first {options.first} --cap {options.cap:g}: {len(rows)} logs, {took / 60.0:.0f} min"
     )
     text = [line.rstrip() for line in report(rows, head)]
-    print(*text, sep="\n")
+    odd = list(failures(rows))
+    print(*text, "", *odd, sep="\n")
     if not options.only:
-        RESULTS.write_text(json.dumps({"report": text, "result": rows}, indent=0) + "\n", "utf-8")
+        document = {"report": text, "at_length": odd, "result": rows}
+        RESULTS.write_text(json.dumps(document, indent=0) + "\n", "utf-8")
 
 
 if __name__ == "__main__":
