@@ -1,7 +1,7 @@
 """Logs with the faults that real ones have: what is said, and what it costs. `python benches/study_logs.py`.
 
 The independent simulator makes knobs without and with a hidden effect, `hidden.FAULTS` spoils their logs, and
-the program is given the file alone. Tables are printed and written to `benches/results/logs.json`.
+the program is given the file alone: `knobcam learn`, and of more knobs without an effect `knobcam fit`. Tables are printed and written to `benches/results/logs.json`.
 """
 
 import argparse
@@ -14,7 +14,7 @@ import tempfile
 import time
 import zlib
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from multiprocessing import Pool
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -26,31 +26,34 @@ RESULTS = Path(__file__).with_name("results") / "logs.json"
 # three times as high.
 WEAKEST, STRONGEST = 3.0, 12.0
 
+STRIDE = 12  # through the effects, so that a few seeds have unlike ones
 WIDTH = 37  # of a fault's name
+COMMAND = "python benches/study_logs.py --seeds {seeds} --fits {fits} --first {first} --cap {cap:g}"
 SAID = (
-    "said: the fault is named by a finding, or as an effect; M off: the inertia from the true one; holds:",
-    "its 95 % interval does; accused: an effect is named that is not there, or none and the rest is",
-    "unexplained (which is right of logs marked *: no model of them is one of the knob); floor: the noise",
-    "floor over the true one, and in how many logs it stays unknown; besides: findings of what is not there",
+    "said: the fault is named by a finding, or as an effect; M off: the inertia from the true one, % (learned:",
+    "the most); holds: its 95 % interval does; besides: findings of what is not there; accused: an effect is",
+    "named that is not there, or none is and the rest called unexplained (which is right of logs marked *: no",
+    "model of them is one of the knob); floor: noise floor over the true one, the median and the worst",
 )
 
 Row = dict[str, Any]
 
 
 class Log(NamedTuple):
-    """A log to be examined: a fault, on knob `seed` with a hidden effect or without."""
+    """A log to be examined: a fault, on knob `seed` with a hidden effect or without; learned or fitted."""
 
     fault: str
-    hides: bool
     seed: int
-    cap_s: float
+    hides: bool = False
+    learned: bool = True
+    cap_s: float = 60.0
 
     @property
     def effects(self) -> list[str]:
         """What is hidden: another effect with each seed."""
         from hidden import NAMED
 
-        return [list(NAMED)[self.seed % len(NAMED)]] if self.hides else []
+        return [list(NAMED)[STRIDE * self.seed % len(NAMED)]] if self.hides else []
 
     def make(self) -> tuple[Any, dict[str, Any]]:
         """The knob, which is the same for all faults, and the columns of its log with the fault."""
@@ -71,7 +74,7 @@ class Log(NamedTuple):
 
 
 def examine(log: Log) -> Row:
-    """What `knobcam learn` says of one log, beside the truth."""
+    """What is said of one log, beside the truth."""
     import numpy as np
 
     import knobcam as kc
@@ -88,66 +91,74 @@ def examine(log: Log) -> Row:
         np.savez(path, **columns)
         capture = kc.load(path)
         try:
-            document = kc.learn(capture, progress=watch).document()
+            told = kc.learn(capture, progress=watch) if log.learned else kc.fit(capture)
+            document = told.document()
         except Exception as error:  # a program that fails has not answered, and the others go on
             findings = [finding.document() for finding in capture.findings]
-            document = {
-                "verdict": f"{type(error).__name__}: {error}",
-                "found": [],
-                "ladder": [],
-                "findings": findings,
-                "noise_floor": None,
-            }
+            failed = {"verdict": f"{type(error).__name__}: {error}", "found": [], "ladder": []}
+            document = failed | {"findings": findings, "noise_floor": None}
     about = {"fault": log.fault, "seed": log.seed, "motion": knob.motion, "hid": list(knob.effects)}
-    return about | {"seconds": round(time.monotonic() - start, 1)} | judged(log.fault, knob, document)
+    about |= {"learned": log.learned, "seconds": round(time.monotonic() - start, 1)}
+    return (
+        about
+        | judged(log.fault, knob, document)
+        | (answered(log.fault, knob, document) if log.learned else {})
+    )
 
 
 def judged(name: str, knob: Any, document: dict[str, Any]) -> Row:
-    """How the document of a log compares with the fault `name` that it has and with the knob."""
+    """How what was found and fitted compares with the fault `name` of a log and with its knob."""
     from hidden import FAULTS
 
     faults = FAULTS[name]
-    found, verdict = document["found"], document["verdict"]
     kinds = [(finding["kind"], f"{finding['kind']} {finding['column']}") for finding in document["findings"]]
-    own = frozenset().union(*(fault.effects for fault in faults))
     wanted = frozenset().union(*(fault.said for fault in faults))
-    told = [
-        any(fault.said & set(kind) for kind in kinds) or bool(fault.effects & set(found))
-        for fault in faults
-        if fault.said | fault.effects
-    ]
-    foreign = [effect for effect in found if effect not in own]
-    accepted = set().union(*knob.accepted)
-    barred = any(fault.bars for fault in faults)
-    floor = document["noise_floor"]
-    estimate = (document["ladder"][-1]["params"] if document["ladder"] else {}).get("inertia.M")
-    true = knob.knob["inertia.M"]
+    # A fit names no effect.
+    found = set(document.get("found", []))
+    sayable = [fault for fault in faults if fault.said and not (fault.effects and "found" not in document)]
+    last = document["ladder"][-1:] if "ladder" in document else [document]
+    estimate = last[0]["params"].get("inertia.M") if last else None
+    true, floor = knob.knob["inertia.M"], document["noise_floor"]
     interval = estimate and estimate["ci95"]
+    named = [
+        any(fault.said & set(kind) for kind in kinds) or bool(fault.effects & found) for fault in sayable
+    ]
     return {
-        "said": all(told) if told else None,
+        "said": all(named) if named else None,
         "besides": sorted({kind[1] for kind in kinds if not wanted & set(kind)}),
-        "verdict": verdict,
-        "found": found,
-        "complete": verdict == "complete",
-        "first": bool(foreign) and foreign[0] in accepted,
-        "exact": verdict == "missing" and len(foreign) == 1 and foreign[0] in accepted,
-        "accused": bool(set(foreign) - accepted)
-        or not (accepted or barred or verdict in ("complete", "missing")),
         "off_percent": None if estimate is None else round(100.0 * (estimate["value"] / true - 1.0), 3),
         "holds": bool(interval and interval[0] <= true <= interval[1]),
         "floor": None if not floor else round(floor / knob.noise_floor, 4),
     }
 
 
-def run(faults: list[str], seeds: int, first: int, jobs: int, cap_s: float) -> list[Row]:
-    """Examine `seeds` knobs without and as many with a hidden effect under each fault, from seed `first`."""
-    # By seed: what is there when time is over is whole tables of fewer knobs.
-    logs = [
-        Log(fault, hides, seed, cap_s)
-        for seed in range(first, first + seeds)
-        for fault in faults
-        for hides in (False, True)
-    ]
+def answered(name: str, knob: Any, document: dict[str, Any]) -> Row:
+    """How the verdict and the effects that were named compare with what is hidden in the knob."""
+    from hidden import FAULTS
+
+    found, verdict = document["found"], document["verdict"]
+    accepted = set().union(*knob.accepted)
+    named = [effect for effect in found if not any(effect in fault.effects for fault in FAULTS[name])]
+    unexplained = not named and not accepted and verdict not in ("complete", "missing")
+    return {
+        "verdict": verdict,
+        "found": found,
+        "complete": verdict == "complete",
+        "first": bool(named) and named[0] in accepted,
+        "exact": verdict == "missing" and len(named) == 1 and named[0] in accepted,
+        "accused": bool(set(named) - accepted) or (unexplained and not barred(name)),
+    }
+
+
+def barred(name: str) -> bool:
+    """Whether a log with that fault is no longer one of the knob."""
+    from hidden import FAULTS
+
+    return any(fault.bars for fault in FAULTS[name])
+
+
+def run(logs: list[Log], jobs: int) -> list[Row]:
+    """Examine the logs."""
     rows = []
     with Pool(jobs) as pool:
         for count, row in enumerate(pool.imap(examine, logs), 1):
@@ -161,11 +172,10 @@ def report(rows: list[Row], head: str) -> Iterator[str]:
     """Both tables."""
     yield head
     yield from SAID
-    for hides in (False, True):
-        own = [row for row in rows if bool(row["hid"]) is hides]
-        if own:
-            yield ""
-            yield from _table(own, hides)
+    yield ""
+    yield from _fitted([row for row in rows if not row["learned"]])
+    yield ""
+    yield from _learned([row for row in rows if row["learned"]])
 
 
 def failures(rows: list[Row]) -> Iterator[str]:
@@ -173,68 +183,80 @@ def failures(rows: list[Row]) -> Iterator[str]:
     odd = [row for row in rows if not right(row)]
     yield f"not answered as it should be: {len(odd)} of {len(rows)}"
     for row in odd:
-        hid = " + ".join(row["hid"]) or "nothing"
-        besides = f", besides {', '.join(row['besides'])}" if row["besides"] else ""
+        said = ["fault not said"] if row["said"] is False else []
+        said += [f"said {kind}" for kind in row["besides"]]
+        if row["learned"]:
+            said += [row["verdict"], " + ".join(row["found"]) or "no effect", f"{row['seconds']:.0f} s"]
         off = "?" if row["off_percent"] is None else f"{row['off_percent']:+.3g}"
-        yield (
-            f"{row['fault']:{WIDTH}} {row['seed']:3} {row['motion']:9} hid {hid}: {row['verdict']}, "
-            f"{' + '.join(row['found']) or '-'}, M {off} %, "
-            f"{'fault not said' if row['said'] is False else 'said'}{besides}, {row['seconds']:.0f} s"
-        )
+        hid = f"hid {' + '.join(row['hid'])}" if row["hid"] else "nothing hidden"
+        how = "learned" if row["learned"] else "fitted"
+        yield f"{row['fault']:{WIDTH}} {row['seed']:3} {row['motion']:9} {hid}, {how}: M {off} %, {', '.join(said)}"
 
 
 def right(row: Row) -> bool:
     """Whether the fault is said and nothing false; where an effect is hidden, whether it comes first."""
-    good = row["said"] is not False and not row["accused"] and not row["besides"]
-    return good and (row["verdict"] != "complete" if barred(row) else row["first"] or not row["hid"])
+    good = row["said"] is not False and not row["besides"]
+    if not row["learned"]:
+        return good
+    if barred(row["fault"]):
+        return good and not row["accused"] and not row["complete"]
+    return good and not row["accused"] and (row["first"] or not row["hid"])
 
 
-def barred(row: Row) -> bool:
-    """Whether the log is no longer one of the knob."""
-    from hidden import FAULTS
-
-    return any(fault.bars for fault in FAULTS[row["fault"]])
-
-
-def _table(rows: list[Row], hides: bool) -> Iterator[str]:
-    name = "one effect hidden" if hides else "nothing hidden"
-    ends = {"first": "first %", "exact": "exact %"} if hides else {"complete": "complete %"}
-    ends |= {"accused": "accused %"}
-    columns = [
-        "said %",
-        "M off, %: median, most",
-        "holds %",
-        *ends.values(),
-        "floor: median, most, not",
-        "besides",
-    ]
-    yield f"{name:{WIDTH}} |  n | {' | '.join(columns)}"
-    for fault in dict.fromkeys(row["fault"] for row in rows):
-        own = [row for row in rows if row["fault"] == fault]
-        off = [abs(row["off_percent"]) for row in own if row["off_percent"] is not None]
-        floors = [row["floor"] for row in own if row["floor"] is not None]
-        worst = max(floors, key=lambda floor: abs(math.log(floor)), default=math.nan)
+def _fitted(rows: list[Row]) -> Iterator[str]:
+    yield f"{'fitted, nothing hidden':{WIDTH}} |  n | said % | M off, %: median, most | holds % | floor | besides"
+    for fault, own in _by_fault(rows):
         besides = Counter(kind for row in own for kind in row["besides"])
-        cells = [
-            "" if own[0]["said"] is None else _percent(own, "said"),
-            f"{_median(off):14.3g} {max(off, default=math.nan):7.3g}",
-            _percent(own, "holds"),
-            *(_percent(own, end) for end in ends),
-            f"{_median(floors):13.3f} {worst:6.3f} {len(own) - len(floors):3}",
-            ", ".join(f"{kind} {count}" for kind, count in besides.most_common(3)),
+        yield (
+            f"{fault:{WIDTH}} | {len(own):2} | {_said(own):>6} | {_off(own, statistics.median):14} {_off(own, max):>7} "
+            f"| {_percent(own, 'holds'):>7} | {_floor(own)} "
+            f"| {', '.join(f'{kind} {count}' for kind, count in besides.most_common(3))}"
+        )
+
+
+def _learned(rows: list[Row]) -> Iterator[str]:
+    yield f"{'':{WIDTH}} |    |        | nothing hidden                         | one effect hidden"
+    columns = "complete % | accused % |  M off | holds %"
+    yield f"{'learned':{WIDTH}} |  n | said % | {columns} | {columns.replace('complete %', 'first % | exact %')} | floor"
+    for fault, own in _by_fault(rows):
+        without, hiding = ([row for row in own if bool(row["hid"]) is hides] for hides in (False, True))
+        ends = [
+            f"{_percent(part, 'accused'):>9} | {_off(part, max):>6} | {_percent(part, 'holds'):>7}"
+            for part in (without, hiding)
         ]
-        cells = [f"{cell:>{len(column)}}" for cell, column in zip(cells[:-1], columns, strict=False)] + cells[
-            -1:
-        ]
-        yield f"{fault + ' *' * barred(own[0]):{WIDTH}} | {len(own):2} | {' | '.join(cells)}"
+        yield (
+            f"{fault:{WIDTH}} | {len(own):2} | {_said(own):>6} | {_percent(without, 'complete'):>10} | {ends[0]} "
+            f"| {_percent(hiding, 'first'):>7} | {_percent(hiding, 'exact'):>7} | {ends[1]} | {_floor(own)}"
+        )
+
+
+def _by_fault(rows: list[Row]) -> Iterator[tuple[str, list[Row]]]:
+    for fault in dict.fromkeys(row["fault"] for row in rows):
+        yield fault + " *" * barred(fault), [row for row in rows if row["fault"] == fault]
 
 
 def _percent(rows: list[Row], mark: str) -> str:
-    return f"{100.0 * sum(row[mark] for row in rows) / len(rows):.0f}"
+    return f"{100.0 * sum(row[mark] for row in rows) / len(rows):.0f}" if rows else ""
 
 
-def _median(values: list[float]) -> float:
-    return statistics.median(values) if values else math.nan
+def _said(rows: list[Row]) -> str:
+    return _percent([row for row in rows if row["said"] is not None], "said")
+
+
+def _off(rows: list[Row], of: Callable[[list[float]], float]) -> str:
+    values = [abs(row["off_percent"]) for row in rows if row["off_percent"] is not None]
+    return f"{of(values):.2g}" if values else "?"
+
+
+def _floor(rows: list[Row]) -> str:
+    """The median, the one farthest from 1, and how many are unknown, where some are."""
+    floors = [row["floor"] for row in rows if row["floor"] is not None]
+    unknown = f", {len(rows) - len(floors)} unknown" if len(floors) < len(rows) else ""
+    if not floors:
+        return unknown.removeprefix(", ")
+    return (
+        f"{statistics.median(floors):.3g} {max(floors, key=lambda floor: abs(math.log(floor))):.3g}{unknown}"
+    )
 
 
 def main() -> None:
@@ -242,26 +264,40 @@ def main() -> None:
 
     parser = argparse.ArgumentParser(description="Examination on logs with the faults of real ones.")
     parser.add_argument(
-        "--seeds", type=int, default=3, help="knobs without, and as many with a hidden effect"
+        "--seeds", type=int, default=4, help="knobs that are learned: without, and with an effect"
     )
+    parser.add_argument("--fits", type=int, default=20, help="knobs without an effect that are fitted")
     parser.add_argument("--first", type=int, default=0, help="the first seed")
     parser.add_argument("--only", choices=list(FAULTS), help="this fault alone, written nowhere")
     parser.add_argument("--jobs", type=int, default=2, help="processes")
     parser.add_argument("--cap", type=float, default=60.0, help="seconds after which a log has no answer")
     options = parser.parse_args()
-    faults = [options.only] if options.only else list(FAULTS)
-    rows = run(faults, options.seeds, options.first, options.jobs, options.cap)
-    took = sum(row["seconds"] for row in rows)
-    head = (
-        f"{time.strftime('%Y-%m-%d', time.gmtime())}, python benches/study_logs.py --seeds {options.seeds} "
-        f"--first {options.first} --cap {options.cap:g}: {len(rows)} logs, {took / 60.0:.0f} min"
-    )
-    text = [line.rstrip() for line in report(rows, head)]
+    logs = [
+        log
+        for fault in ([options.only] if options.only else FAULTS)
+        for log in asked(fault, options.seeds, options.fits, options.first, options.cap)
+    ]
+    rows = run(logs, options.jobs)
+    text = [line.rstrip() for line in report(rows, " ".join([date(), COMMAND.format(**vars(options))]))]
     odd = list(failures(rows))
     print(*text, "", *odd, sep="\n")
     if not options.only:
         document = {"report": text, "at_length": odd, "result": rows}
         RESULTS.write_text(json.dumps(document, indent=0) + "\n", "utf-8")
+
+
+def asked(fault: str, seeds: int, fits: int, first: int, cap_s: float = 60.0) -> list[Log]:
+    """The logs of a fault: knobs that are learned without and with an effect, and those that are fitted."""
+    learned = [
+        Log(fault, seed, hides, True, cap_s)
+        for seed in range(first, first + seeds)
+        for hides in (False, True)
+    ]
+    return learned + [Log(fault, seed, False, False) for seed in range(first, first + fits)]
+
+
+def date() -> str:
+    return time.strftime("%Y-%m-%d", time.gmtime())
 
 
 if __name__ == "__main__":

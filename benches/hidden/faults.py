@@ -101,10 +101,9 @@ def missing(rng: Rng, columns: Columns) -> Columns:
 
 def repeated_stamps(rng: Rng, columns: Columns) -> Columns:
     """2 % of the rows have the stamp of the row before."""
-    t = columns["t_s"].copy()
-    at = 1 + np.flatnonzero(rng.random(len(t) - 1) < 0.02)
-    t[at] = columns["t_s"][at - 1]
-    return columns | {"t_s": t}
+    t = columns["t_s"]
+    fresh = np.where(rng.random(len(t)) < 0.02, 0, np.arange(len(t)))
+    return columns | {"t_s": t[np.maximum.accumulate(fresh)]}
 
 
 def jitter(rng: Rng, columns: Columns) -> Columns:
