@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 
 from logs import Row, barred
 
-WIDTH = 36  # of a fault's name
+WIDTH = 37  # of a fault's name
 SAID = (
     "said: the fault is named by a finding, or as an effect; M off: the inertia from the true one, %, median",
     "and most, of what was learned the most; holds: its 95 % interval does; besides: findings of what is not",
@@ -68,13 +68,18 @@ def _fitted(rows: list[Row]) -> Iterator[str]:
 
 
 def _learned(rows: list[Row]) -> Iterator[str]:
-    yield f"{'':{WIDTH}} |    |        | nothing hidden                        | one effect hidden"
+    yield f"{'':{WIDTH}} |     |        | nothing hidden                        | one effect hidden"
     without = "complete % | accused % | M off | holds %"
     hiding = without.replace("complete %", "first % | exact %")
-    yield f"{'learned':{WIDTH}} |  n | said % | {without} | {hiding} | floor"
+    yield f"{'learned':{WIDTH}} |   n | said % | {without} | {hiding} | floor"
     for fault, own in _by_fault(rows):
         bare, rich = ([row for row in own if bool(row["hid"]) is hides] for hides in (False, True))
-        cells = [f"{len(own):2}", f"{_said(own):>6}", f"{_percent(bare, 'complete'):>10}", *_ends(bare)]
+        cells = [
+            f"{len(bare)}+{len(rich)}",
+            f"{_said(own):>6}",
+            f"{_percent(bare, 'complete'):>10}",
+            *_ends(bare),
+        ]
         cells += [f"{_percent(rich, name):>7}" for name in ("first", "exact")]
         yield f"{fault:{WIDTH}} | {' | '.join([*cells, *_ends(rich), _floor(own)])}"
 
