@@ -60,7 +60,7 @@ def main() -> None:
     print(*text, "", *odd, sep="\n")
     if not options.only:
         document = {"report": text, "at_length": odd, "result": rows}
-        RESULTS.write_text(json.dumps(document, indent=0) + "\n", "utf-8")
+        RESULTS.write_text(json.dumps(document) + "\n", "utf-8")
 
 
 if __name__ == "__main__":

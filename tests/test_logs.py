@@ -127,7 +127,7 @@ def test_an_answer_is_right_when_it_names_the_fault_and_nothing_of_the_knob(
     row = {"fault": fault, "seed": SEED, "motion": "hand", "hid": [], "learned": True, "seconds": 1.0}
     row |= judged(fault, knob, given) | answered(fault, knob, given)
     assert right(row) is good
-    assert len(list(failures([row]))) == 1 + (not good)
+    assert any(line.startswith(fault) for line in failures([row])) is not good
     assert any(line.startswith(fault) for line in report([row]))
 
 

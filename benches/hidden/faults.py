@@ -22,8 +22,8 @@ class Fault(NamedTuple):
     """How it is put on columns, and what is right to say of it.
 
     `said`: findings by kind, or kind and column, any of which names it; none where there is nothing to say.
-    `effects`: ids that name it as well. `bars`: after it no model is one of the knob, so that `complete` is
-    wrong. `keep`: the torque's noise is AR(1) with this coefficient.
+    `effects`: ids that name it as well. `bars`: the log is no longer one of the knob, so that what no model
+    explains of it accuses nobody. `keep`: the torque's noise is AR(1) with this coefficient.
     """
 
     put: Put
