@@ -40,9 +40,9 @@ def main() -> None:
 
     parser = argparse.ArgumentParser(description="Examination on logs with the faults of real ones.")
     parser.add_argument(
-        "--seeds", type=int, default=4, help="knobs that are learned: without, and with an effect"
+        "--seeds", type=int, default=3, help="knobs that are learned: without, and with an effect"
     )
-    parser.add_argument("--fits", type=int, default=20, help="knobs without an effect that are fitted")
+    parser.add_argument("--fits", type=int, default=40, help="knobs without an effect that are fitted")
     parser.add_argument("--first", type=int, default=0, help="the first seed")
     parser.add_argument("--only", choices=list(FAULTS), help="this fault alone, written nowhere")
     parser.add_argument("--jobs", type=int, default=2, help="processes")
