@@ -1,4 +1,4 @@
-"""Writes BENCHMARKS.md from what this machine measures: `python benches/report.py`.
+"""Writes BENCHMARKS.md and docs/measured.md from what this machine measures: `python benches/report.py`.
 
 The statistical part comes from `benches/results`, which the `benches/study_*.py` write.
 """
@@ -19,15 +19,20 @@ STUDIES = {
     "basin": "No starting values",
     "rig": "Random knobs under the rig's sensors",
     "hidden": "Knobs with something hidden in them",
-    "pairs": "Every effect in every knob",
+    "logs": "Logs with faults",
     "capture": "Recording",
     "render": "Rendering",
-    "roundtrip": "Round trips",
     "mutated": "Spoiled files",
     "page": "The workbench in a browser",
     "build": "Building",
-    "versions": "Speed before and after",
     "mutants": "Faults planted by a machine",
+}
+# Those whose tables are long have a page of their own, as have the single cases of others.
+AT_LENGTH = {
+    "logs": "Logs with faults, not answered as they should be",
+    "pairs": "Every effect in every knob",
+    "roundtrip": "Round trips",
+    "versions": "Speed before and after",
 }
 
 
@@ -82,6 +87,7 @@ def lines() -> Iterator[str]:
         for name in (
             "study_recovery",
             "study_hidden",
+            "study_logs",
             "study_capture",
             "study_render",
             "study_roundtrip",
@@ -89,7 +95,7 @@ def lines() -> Iterator[str]:
             "report",
         )
     )
-    yield f"Made by `{made}`. {machine()}"
+    yield f"Made by `{made}`. {machine()} Longer tables: [measured, at length](docs/measured.md)."
     yield ""
     yield "## Speed"
     yield ""
@@ -103,16 +109,30 @@ def lines() -> Iterator[str]:
     yield "Fits of longer captures, each in a process of its own: time and memory grow as the length does."
     yield ""
     yield from table(bench_memory.HEAD, [g.cells for g in bench_memory.growth()])
-    for name, title in STUDIES.items():
+    yield ""
+    yield from studies(STUDIES, "report")
+
+
+def at_length() -> Iterator[str]:
+    """The page of the longer tables."""
+    yield "# Measured, at length"
+    yield ""
+    yield "What is too long for [the page of figures](../BENCHMARKS.md)."
+    yield ""
+    yield from studies(AT_LENGTH, "at_length")
+
+
+def studies(titles: dict[str, str], part: str) -> Iterator[str]:
+    """A section for each study that was held: that part of its results, or else the report."""
+    sections = []
+    for name, title in titles.items():
         results = ROOT / "benches" / "results" / f"{name}.json"
-        if not results.is_file():
-            continue
-        yield ""
-        yield f"## {title}"
-        yield ""
-        yield "```"
-        yield from json.loads(results.read_text("utf-8"))["report"]
-        yield "```"
+        if results.is_file():
+            document = json.loads(results.read_text("utf-8"))
+            sections.append(
+                "\n".join([f"## {title}", "", "```", *document.get(part, document["report"]), "```"])
+            )
+    yield "\n\n".join(sections)
 
 
 def main() -> None:
@@ -120,6 +140,7 @@ def main() -> None:
         os.environ[THREADS] = "1"
         os.execv(sys.executable, [sys.executable, *sys.argv])  # NumPy reads it when it is loaded
     (ROOT / "BENCHMARKS.md").write_text("\n".join(lines()) + "\n", "utf-8")
+    (ROOT / "docs" / "measured.md").write_text("\n".join(at_length()) + "\n", "utf-8")
 
 
 if __name__ == "__main__":

@@ -4,9 +4,10 @@ Nothing here uses knobcam: its laws, its filter and its motions are written a se
 diagnosis is examined on physics and not on its own equations.
 """
 
+from .faults import FAULTS, Fault
 from .make import ACCEPTED, KINDS, Hidden, make
 from .motions import MOTIONS
 from .shapes import NAMED
 from .strange import STRANGE
 
-__all__ = ["ACCEPTED", "KINDS", "MOTIONS", "NAMED", "STRANGE", "Hidden", "make"]
+__all__ = ["ACCEPTED", "FAULTS", "KINDS", "MOTIONS", "NAMED", "STRANGE", "Fault", "Hidden", "make"]

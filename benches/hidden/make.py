@@ -56,10 +56,12 @@ def make(
     strength: float | None = None,
     size: float | None = None,
     duration_s: float = 6.0,
+    keep: float = 0.0,
 ) -> Hidden:
     """Make the capture of a seed. Motion and strength are drawn (0.7 to 12) where they are not given.
 
-    `size` sets the one effect's own size (a delay's seconds) in place of its strength. Knobs on which an
+    `size` sets the one effect's own size (a delay's seconds) in place of its strength. `keep` colours the
+    torque's noise, AR(1) of the same RMS. Knobs on which an
     effect cannot be so strong are drawn anew, and at last the strength. Raises ValueError if none is found.
     """
     kinds = {str(name): KINDS[name] for name in sorted(effects, key=lambda name: KINDS[name].order)}
@@ -81,7 +83,7 @@ def make(
             break
     else:
         raise ValueError(f"no knob shows {list(effects)} at {wanted} times the noise under {turned}")
-    capture = measured(noise, scene.track, tau, limit)
+    capture = measured(noise, scene.track, tau, limit, keep)
     floor = float(np.sqrt(np.mean(filtered(capture["tau_Nm"] - tau)[EDGE:-EDGE] ** 2)))
     return Hidden(
         seed=seed,

@@ -48,10 +48,13 @@ def rounded(values: Floats, step: float) -> Floats:
     return np.round(values / step) * step
 
 
-def measured(rng: np.random.Generator, track: Track, tau: Floats, limit: float) -> dict[str, Floats]:
-    """The capture's columns."""
+def measured(
+    rng: np.random.Generator, track: Track, tau: Floats, limit: float, keep: float = 0.0
+) -> dict[str, Floats]:
+    """The capture's columns; `keep` is what the torque's noise keeps of itself from row to row: AR(1)."""
     n = len(track.t)
-    torque = rounded(tau + TAU_SD * rng.standard_normal(n), TAU_STEP)
+    noise = signal.lfilter([np.sqrt(1.0 - keep**2)], [1.0, -keep], rng.standard_normal(n))
+    torque = rounded(tau + TAU_SD * noise, TAU_STEP)
     omega = track.omega + OMEGA_SD * rng.standard_normal(n)
     alpha = track.alpha + ALPHA_SD * rng.standard_normal(n)
     return {

@@ -1,0 +1,231 @@
+"""What real logs have beside noise: rows that repeat or are lost, clocks that restart, units and signs.
+
+A fault changes the columns of a capture as a logger or a careless export does. `FAULTS` has each with what
+may be said of it, in the words of the findings in JSON documents.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from .motions import Floats
+
+Rng = np.random.Generator
+Columns = dict[str, Floats]
+Put = Callable[[Rng, Columns], Columns]
+
+LATE = 5  # rows that one column comes after the others
+
+
+class Fault(NamedTuple):
+    """How it is put on columns, and what is right to say of it.
+
+    `said`: findings by kind, or kind and column, any of which names it; none where there is nothing to say.
+    `effects`: ids that name it as well. `bars`: the log is no longer one of the knob, so that what no model
+    explains of it accuses nobody. `keep`: the torque's noise is AR(1) with this coefficient.
+    """
+
+    put: Put
+    said: frozenset[str] = frozenset()
+    effects: frozenset[str] = frozenset()
+    bars: bool = False
+    keep: float = 0.0
+
+
+def _nothing(rng: Rng, columns: Columns) -> Columns:
+    return columns
+
+
+def angle_only(rng: Rng, columns: Columns) -> Columns:
+    return {name: columns[name] for name in ("t_s", "theta_rad", "tau_Nm")}
+
+
+def counts(rng: Rng, columns: Columns) -> Columns:
+    """An encoder of 16 384 counts a turn and no other motion sensor."""
+    step = 2.0 * np.pi / 16384
+    return angle_only(rng, columns) | {"theta_rad": step * np.floor(columns["theta_rad"] / step)}
+
+
+def stale(rng: Rng, columns: Columns) -> Columns:
+    """20 to 60 rows that repeat the one before, all but the clock."""
+    at = _rows(rng, columns, int(rng.integers(20, 61)))
+    columns = _copied(columns)
+    for name, values in columns.items():
+        if name != "t_s":
+            values[at] = values[at - 1]
+    return columns
+
+
+def lost(rng: Rng, columns: Columns) -> Columns:
+    """1 to 3 rows missing at 3 to 10 places, with a gap in the clock."""
+    at = _rows(rng, columns, int(rng.integers(3, 11)))
+    gone = np.concatenate([np.arange(row, row + rng.integers(1, 4)) for row in at])
+    return {name: np.delete(values, gone) for name, values in columns.items()}
+
+
+def lost_unseen(rng: Rng, columns: Columns) -> Columns:
+    """The same under a clock that counts the rows that were written."""
+    kept = lost(rng, columns)
+    return kept | {"t_s": columns["t_s"][: len(kept["t_s"])]}
+
+
+def torque_spikes(rng: Rng, columns: Columns) -> Columns:
+    return _leaping(rng, columns, "tau_Nm", 6, 0.03, 0.1)
+
+
+def angle_spikes(rng: Rng, columns: Columns) -> Columns:
+    return _leaping(rng, columns, "theta_rad", 6, 0.02, 0.2)
+
+
+def outliers(rng: Rng, columns: Columns) -> Columns:
+    """5 % of the torques are anything."""
+    return _leaping(rng, columns, "tau_Nm", len(columns["t_s"]) // 20, 0.03, 0.1)
+
+
+def wrap(rng: Rng, columns: Columns) -> Columns:
+    """An angle that is kept within a turn, whose end lies where the knob passes."""
+    theta = columns["theta_rad"]
+    at = np.quantile(theta, rng.uniform(0.3, 0.7))
+    return columns | {"theta_rad": np.mod(theta - at, 2.0 * np.pi)}
+
+
+def missing(rng: Rng, columns: Columns) -> Columns:
+    """1 % of the rows have no number in one of their columns."""
+    columns = _copied(columns)
+    names = [name for name in columns if name != "t_s"]
+    for row in np.flatnonzero(rng.random(len(columns["t_s"])) < 0.01):
+        columns[names[rng.integers(len(names))]][row] = np.nan
+    return columns
+
+
+def repeated_stamps(rng: Rng, columns: Columns) -> Columns:
+    """2 % of the rows have the stamp of the row before."""
+    t = columns["t_s"]
+    fresh = np.where(rng.random(len(t)) < 0.02, 0, np.arange(len(t)))
+    return columns | {"t_s": t[np.maximum.accumulate(fresh)]}
+
+
+def jitter(rng: Rng, columns: Columns) -> Columns:
+    """Stamps that are up to a fifth of an interval early or late; the samples are not."""
+    t = columns["t_s"]
+    return columns | {"t_s": t + rng.uniform(-0.2, 0.2, len(t)) * (t[1] - t[0])}
+
+
+def restart(rng: Rng, columns: Columns) -> Columns:
+    """A clock that begins anew in the middle."""
+    t = columns["t_s"].copy()
+    t[len(t) // 2 :] -= t[len(t) // 2]
+    return columns | {"t_s": t}
+
+
+def dead_torque(rng: Rng, columns: Columns) -> Columns:
+    """A torque sensor that is switched on in the middle."""
+    tau = columns["tau_Nm"].copy()
+    tau[: len(tau) // 2] = 0.0
+    return columns | {"tau_Nm": tau}
+
+
+def held(rng: Rng, columns: Columns) -> Columns:
+    """An angle that is new every tenth row, and no other motion sensor."""
+    theta = columns["theta_rad"]
+    return angle_only(rng, columns) | {"theta_rad": theta[np.arange(len(theta)) // 10 * 10]}
+
+
+def torque_sign(rng: Rng, columns: Columns) -> Columns:
+    return columns | {"tau_Nm": -columns["tau_Nm"]}
+
+
+def alpha_sign(rng: Rng, columns: Columns) -> Columns:
+    return columns | {"alpha_rad_s2": -columns["alpha_rad_s2"]}
+
+
+def thousandths(rng: Rng, columns: Columns) -> Columns:
+    """Torque in mN m under a header that says N m."""
+    return columns | {"tau_Nm": 1e3 * columns["tau_Nm"]}
+
+
+def degrees(rng: Rng, columns: Columns) -> Columns:
+    """An angle in degrees under a header that says rad, and no other motion sensor."""
+    return angle_only(rng, columns) | {"theta_rad": np.rad2deg(columns["theta_rad"])}
+
+
+def late_velocity(rng: Rng, columns: Columns) -> Columns:
+    omega = columns["omega_rad_s"]
+    return columns | {"omega_rad_s": np.concatenate([np.full(LATE, omega[0]), omega[:-LATE]])}
+
+
+def commanded(rng: Rng, columns: Columns) -> Columns:
+    """Torque as it was commanded, which acts later."""
+    early = {name: values[:-LATE] for name, values in columns.items()}
+    return early | {"tau_Nm": columns["tau_Nm"][LATE:]}
+
+
+def joined(rng: Rng, columns: Columns) -> Columns:
+    """Two stretches one after the other under one clock, the second with another zero of the angle."""
+    n, cut = len(columns["t_s"]), int(rng.integers(500, 2000))
+    at = int(rng.uniform(0.4, 0.6) * n)
+    kept = {name: np.delete(values, np.arange(at, at + cut)) for name, values in columns.items()}
+    kept["theta_rad"][at:] += rng.choice([-1.0, 1.0]) * rng.uniform(0.5, 1.5)
+    return kept | {"t_s": columns["t_s"][: n - cut]}
+
+
+def _copied(columns: Columns) -> Columns:
+    return {name: values.copy() for name, values in columns.items()}
+
+
+def _rows(rng: Rng, columns: Columns, many: int) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
+    """Rows anywhere but at the ends, a few apart from each other."""
+    return 10 + 10 * np.sort(rng.choice(len(columns["t_s"]) // 10 - 2, many, replace=False))
+
+
+def _leaping(rng: Rng, columns: Columns, name: str, many: int, least: float, most: float) -> Columns:
+    """The columns with single readings of one that are off by `least` to `most`, either way."""
+    values = columns[name].copy()
+    at = 10 + rng.choice(len(values) - 20, many, replace=False)
+    values[at] += rng.choice([-1.0, 1.0], many) * rng.uniform(least, most, many)
+    return columns | {name: values}
+
+
+_SPIKES, _OFF = frozenset({"spike tau"}), frozenset({"spike theta"})
+
+_SINGLE = {
+    "clean": Fault(_nothing),
+    "angle only": Fault(angle_only),
+    "16384 counts, angle only": Fault(counts),
+    "stale rows": Fault(stale, frozenset({"stale"})),
+    "lost rows, clock too": Fault(lost, frozenset({"gap", "lost"})),
+    "lost rows, clock not": Fault(lost_unseen, frozenset({"lost"})),
+    "torque spikes": Fault(torque_spikes, _SPIKES),
+    "angle spikes": Fault(angle_spikes, _OFF),
+    "wrap": Fault(wrap, frozenset({"wrap"})),
+    "1 % NaN": Fault(missing, frozenset({"non-finite"})),
+    "2 % repeated stamps": Fault(repeated_stamps, frozenset({"duplicate"})),
+    "clock jitters": Fault(jitter, frozenset({"uneven", "jitter"})),
+    "clock restarts": Fault(restart, frozenset({"backward", "restart"})),
+    "torque off, first half": Fault(dead_torque, frozenset({"dead tau"})),
+    "angle held 10 rows": Fault(held, frozenset({"held theta"})),
+    "torque's sign": Fault(torque_sign, frozenset({"sign"}), bars=True),
+    "torque in mN m": Fault(thousandths, frozenset({"unit tau"}), bars=True),
+    "angle in degrees": Fault(degrees, frozenset({"unit theta"}), bars=True),
+    "alpha's sign": Fault(alpha_sign, frozenset({"scale alpha", "sign alpha"}), bars=True),
+    "omega late 5 rows": Fault(late_velocity, frozenset({"late", "late_column"})),
+    "torque ahead 5 rows": Fault(
+        commanded, frozenset({"late", "late_column"}), effects=frozenset({"actuation_delay"})
+    ),
+    "AR(1) noise 0.9": Fault(_nothing, keep=0.9),
+    "AR(1) noise 0.97": Fault(_nothing, keep=0.97),
+    "two joined, step": Fault(joined, frozenset({"jump"}), bars=True),
+    "5 % torque outliers": Fault(outliers, _SPIKES),
+}
+_PAIRS = [
+    ("angle only", "stale rows"),
+    ("angle only", "lost rows, clock not"),
+    ("16384 counts, angle only", "stale rows"),
+    ("16384 counts, angle only", "wrap"),
+    ("stale rows", "lost rows, clock not"),
+    ("torque spikes", "wrap"),
+]
+# The faults of a log, by name, in the order in which they came about.
+FAULTS: dict[str, tuple[Fault, ...]] = {name: (fault,) for name, fault in _SINGLE.items()}
+FAULTS |= {f"{one} + {other}": (_SINGLE[one], _SINGLE[other]) for one, other in _PAIRS}
