@@ -21,6 +21,10 @@ use super::state::Model;
 /// Shortest memory that is tried, in readings: the smoother then passes through every sample.
 const SHORTEST_MEMORY: f64 = 0.05;
 
+/// The same of an encoder's counts: as many samples as are off by nearly as much where it is a little slow. Where most
+/// are, it is [`Reading::Stairs`].
+const COUNTS: f64 = 10.0;
+
 /// Longest memory that is tried.
 const LONGEST_MEMORY: f64 = 1e4;
 
@@ -47,20 +51,31 @@ const TOO_FREE: f64 = 1e-9;
 /// has many more ends per sample than a capture, and would ask for too lively a jerk.
 const MARGIN: usize = 20;
 
-/// `noise` with the jerk that predicts each sample best from the others. `stairs`: theta is one reading per
-/// stair of a slow encoder. The errors of neighbouring stairs are alike, so that they predict one another, and
-/// unless another sensor speaks, a memory shorter than a stair would be believed.
-pub fn jerk_by_cross_validation(sensors: &Sensors<'_>, noise: Noise, stairs: bool) -> Noise {
+/// How theta is read, where no other sensor speaks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reading {
+    /// Each with a noise of its own.
+    Free,
+    /// In counts of an encoder: while it is slow, neighbours are off by nearly as much.
+    Counted,
+    /// One per stair of a slow encoder.
+    Stairs,
+}
+
+/// `noise` with the jerk that predicts each sample best from the others. The errors of neighbouring counts and
+/// stairs are alike, so that they predict one another, and a memory as short as that would be believed.
+pub fn jerk_by_cross_validation(sensors: &Sensors<'_>, noise: Noise, reading: Reading) -> Noise {
     let step = sensors.step();
     // Memory L is reached when jerk h^(5/2) = theta noise / L^3.
     let with = |memory: f64| Noise { jerk: noise.theta / (memory.powi(3) * step.powf(2.5)), ..noise };
     let readings = sensors.theta.iter().filter(|theta| theta.is_finite()).count();
     let spacing = sensors.len() as f64 / readings as f64;
     let alone = noise.omega.is_infinite() && noise.alpha.is_infinite();
-    let mut shortest = match (alone, stairs) {
-        (true, true) => spacing,
-        (true, false) => SHORTEST_MEMORY * spacing,
-        (false, _) => SHORTEST_MEMORY,
+    let mut shortest = match reading {
+        _ if !alone => SHORTEST_MEMORY,
+        Reading::Free => SHORTEST_MEMORY * spacing,
+        Reading::Counted => COUNTS * spacing,
+        Reading::Stairs => spacing,
     };
     let mut length = ((LENGTH as f64 * spacing) as usize).min(sensors.len());
     loop {

@@ -5,8 +5,8 @@
 //! noise is all there. Unlike a joint likelihood of noise and jerk, this does not trade one sensor's noise
 //! for a livelier motion when the motion is not the white jerk of the model.
 
-use super::jerk::jerk_by_cross_validation;
-use super::resolution::least_noise;
+use super::jerk::{Reading, jerk_by_cross_validation};
+use super::resolution::{least_noise, quantum};
 use super::sensors::{Noise, Sensors};
 use super::staircase::one_reading_per_step;
 use crate::error::Result;
@@ -16,6 +16,9 @@ const SAMPLES: usize = 7;
 
 /// Differences taken at most, spread over the capture: the level is then known to about 2 %.
 const DIFFERENCES: usize = 8192;
+
+/// Noise below this share of a count is that of counting.
+const COUNTED: f64 = 0.5;
 
 /// Median of |x| of a normal x, in standard deviations.
 const MEDIAN: f64 = 0.674_489_750_196_081_7;
@@ -31,7 +34,13 @@ pub fn noise_from_capture(sensors: &Sensors<'_>) -> Result<Noise> {
     let [theta, omega, alpha] = [Some(sensors.theta), sensors.omega, sensors.alpha]
         .map(|column| column.map_or(f64::INFINITY, |column| level(sensors.t, column)));
     let noise = Noise { theta, omega, alpha, jerk: 0.0 };
-    Ok(jerk_by_cross_validation(&sensors, noise, readings.is_some()))
+    let counted = noise.theta < COUNTED * quantum(sensors.theta);
+    let reading = match readings {
+        Some(_) => Reading::Stairs,
+        None if counted => Reading::Counted,
+        None => Reading::Free,
+    };
+    Ok(jerk_by_cross_validation(&sensors, noise, reading))
 }
 
 /// Standard deviation of the white noise in `column`; infinite if nothing in it is finite.
