@@ -17,6 +17,9 @@ const SAMPLES: usize = 7;
 /// Differences taken at most, spread over the capture: the level is then known to about 2 %.
 const DIFFERENCES: usize = 8192;
 
+/// Readings that repeat the one before, as a share, where an encoder counts less than once a reading now and then.
+const SLOW: f64 = 0.03;
+
 /// Noise below this share of a count is that of counting.
 const COUNTED: f64 = 0.5;
 
@@ -34,13 +37,20 @@ pub fn noise_from_capture(sensors: &Sensors<'_>) -> Result<Noise> {
     let [theta, omega, alpha] = [Some(sensors.theta), sensors.omega, sensors.alpha]
         .map(|column| column.map_or(f64::INFINITY, |column| level(sensors.t, column)));
     let noise = Noise { theta, omega, alpha, jerk: 0.0 };
-    let counted = noise.theta < COUNTED * quantum(sensors.theta);
+    let counted = noise.theta < COUNTED * quantum(sensors.theta) && repeats(sensors.theta) > SLOW;
     let reading = match readings {
         Some(_) => Reading::Stairs,
         None if counted => Reading::Counted,
         None => Reading::Free,
     };
     Ok(jerk_by_cross_validation(&sensors, noise, reading))
+}
+
+/// Share of the readings that are the same as the one before.
+fn repeats(theta: &[f64]) -> f64 {
+    let readings: Vec<f64> = theta.iter().copied().filter(|theta| theta.is_finite()).collect();
+    let same = readings.windows(2).filter(|pair| pair[0] == pair[1]).count();
+    same as f64 / readings.len().max(1) as f64
 }
 
 /// Standard deviation of the white noise in `column`; infinite if nothing in it is finite.
