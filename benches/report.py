@@ -130,7 +130,7 @@ def studies(titles: dict[str, str], part: str) -> Iterator[str]:
         if results.is_file():
             document = json.loads(results.read_text("utf-8"))
             sections.append(
-                "\n".join([f"## {title}", "", "```", *document.get(part, document["report"]), "```"])
+                "\n".join([f"## {title}", "", "```text", *document.get(part, document["report"]), "```"])
             )
     yield "\n\n".join(sections)
 
