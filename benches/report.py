@@ -110,7 +110,7 @@ def lines() -> Iterator[str]:
     yield ""
     yield from table(bench_memory.HEAD, [g.cells for g in bench_memory.growth()])
     yield ""
-    yield from studies(STUDIES, "report")
+    yield from studies(STUDIES, "report", "```")
 
 
 def at_length() -> Iterator[str]:
@@ -119,10 +119,10 @@ def at_length() -> Iterator[str]:
     yield ""
     yield "What is too long for [the page of figures](../BENCHMARKS.md)."
     yield ""
-    yield from studies(AT_LENGTH, "at_length")
+    yield from studies(AT_LENGTH, "at_length", "```text")  # a page of the site says what each block is
 
 
-def studies(titles: dict[str, str], part: str) -> Iterator[str]:
+def studies(titles: dict[str, str], part: str, fence: str) -> Iterator[str]:
     """A section for each study that was held: that part of its results, or else the report."""
     sections = []
     for name, title in titles.items():
@@ -130,7 +130,7 @@ def studies(titles: dict[str, str], part: str) -> Iterator[str]:
         if results.is_file():
             document = json.loads(results.read_text("utf-8"))
             sections.append(
-                "\n".join([f"## {title}", "", "```text", *document.get(part, document["report"]), "```"])
+                "\n".join([f"## {title}", "", fence, *document.get(part, document["report"]), "```"])
             )
     yield "\n\n".join(sections)
 
