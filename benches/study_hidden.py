@@ -9,7 +9,6 @@ import json
 import os
 import sys
 from collections.abc import Iterator
-from multiprocessing import Pool
 from pathlib import Path
 from typing import Any
 
@@ -21,17 +20,12 @@ RESULTS = Path(__file__).with_name("results")
 def run(seeds: int, first: int, jobs: int, only: str = "") -> list[dict[str, Any]]:
     """Examine `seeds` knobs per effect, from seed `first` on; `only` a sitting, or a sitting/effect."""
     from examiner import cases, examine
+    from pooled import pooled
 
     chosen = [case for case in cases(seeds, first) if only in ("", case.sitting, case.kind)]
     if not chosen:
         raise SystemExit(f"--only {only}: no such sitting; there are {', '.join(sittings())}")
-    rows = []
-    with Pool(jobs) as pool:
-        for count, row in enumerate(pool.imap(examine, chosen), 1):
-            rows.append(row)
-            print(f"\r{count} of {len(chosen)}: {row['case']:40}", end="", file=sys.stderr, flush=True)
-    print(file=sys.stderr)
-    return rows
+    return pooled(examine, chosen, jobs, "case")
 
 
 def sittings() -> list[str]:

@@ -10,7 +10,6 @@ import json
 import os
 import sys
 import time
-from multiprocessing import Pool
 from pathlib import Path
 from typing import Any
 
@@ -23,14 +22,9 @@ COMMAND = "python benches/study_logs.py --seeds {seeds} --fits {fits} --first {f
 def run(logs: list[Any], jobs: int) -> list[dict[str, Any]]:
     """Examine the logs."""
     from logs import examine
+    from pooled import pooled
 
-    rows = []
-    with Pool(jobs) as pool:
-        for count, row in enumerate(pool.imap(examine, logs), 1):
-            rows.append(row)
-            print(f"\r{count} of {len(logs)}: {row['fault']:40}", end="", file=sys.stderr, flush=True)
-    print(file=sys.stderr)
-    return rows
+    return pooled(examine, logs, jobs, "fault")
 
 
 def main() -> None:

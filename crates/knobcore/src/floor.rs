@@ -137,26 +137,31 @@ pub struct Floor {
 }
 
 impl Floor {
-    /// Of captures beside a model; NaN where no stretch of any is long enough to know the noise. A capture that is
-    /// too short by itself has the noise of the others: it was the same sensor.
+    /// Of captures beside a model; see [`Floor::with`].
     pub fn of(data: &[&Signals], model: &Model) -> Self {
+        Self::with(data, &data.iter().map(|signals| noise(signals, model)).collect::<Vec<_>>())
+    }
+
+    /// Of captures with this [`noise`]; NaN where that of none is known. A capture that is too short by itself has the
+    /// noise of the others: it was the same sensor.
+    pub fn with(data: &[&Signals], noises: &[Option<Noise>]) -> Self {
         let mut floor = Self { white: 0.0, squares: 0.0, rows: 0.0 };
+        let gain =
+            |signals: &Signals| signals.filter.as_ref().map_or(1.0, |filter| filter.sos().mean_power());
         // What the noise of each leaves, per sample, and as white noise.
-        let left = |signals: &&Signals| {
-            let gain = signals.filter.as_ref().map_or(1.0, |filter| filter.sos().mean_power());
-            noise(signals, model).map(|noise| noise.behind(signals.filter.as_ref()) / gain)
+        let left = |(signals, noise): (&&Signals, &Option<Noise>)| {
+            noise.as_ref().map(|noise| noise.behind(signals.filter.as_ref()) / gain(signals))
         };
-        let whites: Vec<Option<f64>> = data.iter().map(left).collect();
+        let whites: Vec<Option<f64>> = data.iter().zip(noises).map(left).collect();
         let known = || {
             data.iter().zip(&whites).filter_map(|(signals, white)| Some((signals.used() as f64, (*white)?)))
         };
         let heard: f64 = known().map(|(used, _)| used).sum();
         let usual = known().map(|(used, white)| white * used).sum::<f64>() / heard;
         for (signals, white) in data.iter().zip(whites) {
-            let gain = signals.filter.as_ref().map_or(1.0, |filter| filter.sos().mean_power());
             let (white, used) = (white.unwrap_or(usual), signals.used() as f64);
             floor.white += white * used;
-            floor.squares += white * gain * used;
+            floor.squares += white * gain(signals) * used;
             floor.rows += used;
         }
         Self { white: floor.white / floor.rows, ..floor }

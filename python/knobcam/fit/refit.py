@@ -154,7 +154,8 @@ def document(fit: Fit) -> dict[str, Any]:
     known: dict[str, Any] = {"added": list(added(fit)), "error_fall": fit.error_fall}
     if fit.before is not None:
         known["before"] = {"rmse": fit.before.rmse, "rmse_heldout": fit.before.rmse_heldout}
-        known |= {"worse": bool(worse(fit)), "why_worse": list(worse(fit))}
+        why = worse(fit)
+        known |= {"worse": bool(why), "why_worse": list(why)}
     return fit.document() | {"schema": "knobcam.add/1", **known, "moved": describe(fit.moved)}
 
 

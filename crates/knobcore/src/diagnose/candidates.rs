@@ -6,8 +6,9 @@ use super::screen::{Screen, Start};
 use super::watch::{Tell, Watch};
 use crate::effects::{Id, Place};
 use crate::fit::{Fit, Found, report, sketch};
-use crate::floor::Floor;
+use crate::floor::{Floor, noise};
 use crate::model::{Model, Role};
+use crate::noise::Noise;
 use crate::signals::Signals;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -46,7 +47,8 @@ pub struct Candidate {
 pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_>) -> Option<Vec<Candidate>> {
     let watch = Watch::new(tell, effects.len());
     let screen = Screen::new(data, model, &watch);
-    let floor = Floor::of(data, model);
+    let noises: Vec<Option<Noise>> = data.iter().map(|signals| noise(signals, model)).collect();
+    let floor = Floor::with(data, &noises);
     let white = if floor.white > 0.0 { floor.white } else { screen.squares.max(f64::MIN_POSITIVE) * 1e-12 };
     let (slow, quick): (Vec<Id>, Vec<Id>) = effects.iter().partition(|id| id.info().place == Place::Coupling);
     let mut found = weighed(&screen, &quick, white);
@@ -59,7 +61,13 @@ pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_
         found.extend(weighed(&screen, &slow, white));
     }
     found.sort_by_key(|(candidate, _)| candidate.id);
-    let null = Null::of(&screen, white, found.iter().map(|(candidate, starts)| (candidate.id, &starts[..])));
+    let noises: Vec<Noise> = noises.into_iter().map(|noise| noise.unwrap_or(Noise::white(white))).collect();
+    let null = Null::of(
+        &screen,
+        &noises,
+        white,
+        found.iter().map(|(candidate, starts)| (candidate.id, &starts[..])),
+    );
     if !watch.wanted() {
         return None;
     }

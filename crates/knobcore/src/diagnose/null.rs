@@ -8,7 +8,6 @@
 use super::screen::{Screen, Start};
 use crate::effects::{Id, Place};
 use crate::fit::add_products;
-use crate::floor::noise;
 use crate::noise::Noise;
 use crate::random;
 use crate::signals::Signals;
@@ -29,9 +28,14 @@ pub struct Null {
 }
 
 impl Null {
-    /// Of these effects and starts (some of them, if no longer wanted); gains are in
+    /// Of these effects and starts (some of them, if no longer wanted) and the noise of each capture; gains are in
     /// variances of white noise that would leave as much, `white`.
-    pub fn of<'b>(screen: &Screen<'_>, white: f64, effects: impl Iterator<Item = (Id, &'b [Start])>) -> Self {
+    pub fn of<'b>(
+        screen: &Screen<'_>,
+        noises: &[Noise],
+        white: f64,
+        effects: impl Iterator<Item = (Id, &'b [Start])>,
+    ) -> Self {
         // Start by start the signatures that it spans.
         let mut groups: Vec<(Id, std::ops::Range<usize>)> = Vec::new();
         let mut columns: Vec<Vec<f64>> = Vec::new();
@@ -50,12 +54,7 @@ impl Null {
                 groups.push((id, from..columns.len()));
             }
         }
-        let noises: Vec<Noise> = screen
-            .data
-            .iter()
-            .map(|signals| noise(signals, screen.model).unwrap_or(Noise::white(white)))
-            .collect();
-        let factor = covariance_root(screen.data, &noises, white, columns);
+        let factor = covariance_root(screen.data, noises, white, columns);
         let mut noise = random::Noise::new(0x6e75_6c6c);
         let mut gains: BTreeMap<Id, Vec<f64>> = BTreeMap::new();
         for _ in 0..DRAWS {

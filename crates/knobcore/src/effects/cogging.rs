@@ -124,9 +124,9 @@ impl Effect<COUNT> for Cogging {
 
 /// The shortest pitch that holds whole numbers of both waves, up to the highest order.
 fn together(a: f64, b: f64) -> f64 {
-    let pitches = (1..=HIGHEST as u32).map(|waves| f64::from(waves) * a);
+    let mut pitches = (1..=HIGHEST as u32).map(|waves| f64::from(waves) * a);
     let whole = |pitch: &f64| (pitch / b - (pitch / b).round()).abs() < WHOLE && pitch / b > 0.5;
-    pitches.into_iter().find(whole).unwrap_or(a)
+    pitches.find(whole).unwrap_or(a)
 }
 
 impl LoadEffect<COUNT> for Cogging {

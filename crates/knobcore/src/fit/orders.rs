@@ -85,7 +85,6 @@ fn pitch(data: &[&Signals], model: &Model, linear: &[usize]) -> Option<f64> {
 /// Products of columns, sine and cosine of every order, and the residual, with each other.
 struct Products {
     linear: usize,
-    orders: usize,
     gram: DMatrix<f64>,
     slope: DVector<f64>,
     /// Squared length of each column before anything was swept out.
@@ -147,14 +146,7 @@ impl Products {
             (false, false) => product(part(i), part(j)),
         });
         let slope = DVector::from_fn(side, |i, _| if i < k { plain[(i, k)] } else { with(k, i) });
-        Self {
-            linear: k,
-            orders: HIGHEST,
-            length: gram.diagonal(),
-            gram,
-            slope,
-            chosen: vec![false; HIGHEST + 1],
-        }
+        Self { linear: k, length: gram.diagonal(), gram, slope, chosen: vec![false; HIGHEST + 1] }
     }
 
     /// The column of the sine of an order; its cosine is the next.
@@ -182,7 +174,7 @@ impl Products {
     ///
     /// The gains of orders that are not there are exponential; the median over all tells their scale.
     fn best(&self) -> Option<(usize, [f64; 2])> {
-        let mut gains: Vec<(f64, usize, [f64; 2])> = (1..=self.orders)
+        let mut gains: Vec<(f64, usize, [f64; 2])> = (1..=HIGHEST)
             .filter(|order| !self.chosen[*order])
             .filter_map(|order| {
                 let at = self.sine(order);
