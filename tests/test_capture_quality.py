@@ -231,11 +231,25 @@ def test_an_angle_in_degrees_is_warned_about(tmp_path: Path) -> None:
     assert (finding.kind, finding.column) == ("unit", "theta") and "[deg]" in finding.message
 
 
-def test_a_torque_that_stands_still_while_the_knob_moves_is_masked_and_a_motor_that_rests_is_not() -> None:
+def test_a_torque_that_stands_still_while_the_knob_moves_is_masked() -> None:
     tau = recording().tau.copy()
     tau[: N // 2] = 0.0
     finding = only(recording(tau=tau))
     assert (finding.kind, finding.spans, finding.severity) == ("dead", ((1, N // 2),), "masked")
+
+
+def test_a_motor_that_is_switched_off_is_no_dead_sensor() -> None:
+    inertia, damping = 5e-5, 5e-4  # kg m^2, N m s/rad
+    t = times()
+    driven = t < t[-1] / 2
+    omega = np.where(driven, 8.0 * np.sin(30.0 * t), 0.0)
+    omega[~driven] = omega[driven][-1] * np.exp(-damping / inertia * (t[~driven] - t[driven][-1]))
+    theta = np.cumsum(omega) * (t[1] - t[0])
+    drive = inertia * 240.0 * np.cos(30.0 * t) + damping * omega
+    tau = np.where(driven, drive + 1e-5 * np.random.default_rng(3).standard_normal(N), 0.0)
+    noisy = theta + 1e-5 * np.random.default_rng(4).standard_normal(N)
+    capture = recording(theta=noisy, omega=None, alpha=None, tau=tau)
+    assert not [finding for finding in capture.findings if finding.kind == "dead"]
 
 
 def test_an_angle_held_between_readings_counts_where_it_is_new() -> None:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray
+from ...base.arrays import BoolArray, FloatArray, IntArray
 from ..finding import Finding, Rows, rows_in_words, spans
 
 _FEWEST = 100  # rows in a row, below which a value that stands is no fault
@@ -12,6 +14,10 @@ _TIMES = 10  # as long as the longest stand but for the dead ones
 _PART = 0.02  # of all the way that the knob goes: what it must go meanwhile
 _OFTEN = 2  # stands: what stands still again and again is a motor that is off, or dry friction
 _EVEN = 1e-6  # steps that differ by less are those of a motion without noise, as simulations have
+_WINDOW = (7, 25)  # samples at least and most, over which a parabola tells angle, velocity, acceleration
+_JUDGES = 40  # windows elsewhere, without which nobody can tell
+_TOLD = 0.1  # of the other rows' torque, that a rigid knob may leave unexplained and still be a judge
+_MEANT = 0.15  # of what a torque that was lost would leave: a stand that leaves less was the torque
 
 
 def check_dead(
@@ -20,7 +26,7 @@ def check_dead(
     """Return the rows at which torque or angle stand still while the knob moves, and the findings.
 
     What moves the knob changes from row to row, if only by noise; and where a velocity is measured the angle
-    follows it.
+    follows it. A motor's torque may stand, as at zero when it is switched off; the motion then agrees.
     """
     dead = np.zeros(len(rows), dtype=np.bool_)
     findings = []
@@ -32,7 +38,9 @@ def check_dead(
     for name, way in moved.items():
         at = np.zeros(len(index), dtype=np.bool_)
         stands = _stands(columns[name][index])
-        for first, end in stands if len(stands) <= _OFTEN else ():
+        if not 1 <= len(stands) <= _OFTEN or (name == "tau" and _acted(columns, index, stands)):
+            continue
+        for first, end in stands:
             part = way[first + 1 : end]
             if part.sum() >= _PART * way.sum() and np.ptp(part) > _EVEN * part.max():
                 at[first:end] = True
@@ -46,6 +54,47 @@ def check_dead(
         )
         findings.append(Finding("dead", name, len(found), spans(found), message, "masked"))
     return dead, findings
+
+
+def _acted(columns: dict[str, FloatArray], index: IntArray, stands: list[tuple[int, int]]) -> bool:
+    """Return whether one rigid knob moves under the torque as it is, where it stands and elsewhere.
+
+    A torque that was lost pulls the parameters of that knob towards zero: per row it costs p (1 - p) of the
+    torque's mean square, p being the share of the rows in which it stands.
+    """
+    edges = [0, *(edge for stand in stands for edge in stand), len(index)]
+    pieces = [index[first:end] for first, end in pairwise(edges)]
+    window = min(_WINDOW[1], sum(map(len, pieces[::2])) // _JUDGES)
+    if window < _WINDOW[0]:
+        return False
+    standing = np.concatenate([np.full(len(p) // window, n % 2 == 1) for n, p in enumerate(pieces)])
+    span = np.linspace(-0.5, 0.5, window) * window * np.median(np.diff(columns["t"][index]))
+    parabola = np.asarray(np.linalg.pinv(np.vander(span, 3, increasing=True)), dtype=np.float64)
+    rigid = [_rigid(columns, p, parabola) for p in pieces]
+    signatures, torque = (np.concatenate(part) for part in zip(*rigid, strict=True))
+    signatures /= np.sqrt(np.mean(signatures**2, axis=0)) + np.finfo(float).tiny
+    size = np.sum(torque[~standing] ** 2)
+    beside, whole = _left(signatures[~standing], torque[~standing]), _left(signatures, torque)
+    return bool(beside <= _TOLD * size and whole - beside <= _MEANT * size * standing.mean())
+
+
+def _rigid(
+    columns: dict[str, FloatArray], rows: IntArray, parabola: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return what makes a rigid knob's torque, shape (windows, 7), and the torque of each window."""
+    window = parabola.shape[1]
+    theta, tau = (
+        columns[name][rows][: len(rows) // window * window].reshape(-1, window) for name in ("theta", "tau")
+    )
+    at, omega, half_alpha = parabola @ theta.T
+    loads = (half_alpha, omega, np.sign(omega), np.ones_like(at), at, np.sin(at), np.cos(at))
+    return np.column_stack(loads), np.mean(tau, axis=1)
+
+
+def _left(signatures: FloatArray, torque: FloatArray) -> float:
+    """Return the squares that least squares leave."""
+    factors = np.linalg.lstsq(signatures, torque, rcond=1e-8)[0]
+    return float(np.sum((torque - signatures @ factors) ** 2))
 
 
 def _stands(values: FloatArray) -> list[tuple[int, int]]:
