@@ -267,6 +267,19 @@ def test_counts_of_a_slow_encoder_are_not_held() -> None:
     assert recording(theta=counts, omega=None, alpha=None).findings == ()
 
 
+def test_counts_of_an_encoder_repeat_by_themselves_and_rows_that_repeat_torque_as_well_are_told() -> None:
+    count = 2.0 * np.pi / 16384
+    theta = count * np.floor(recording().theta / count)
+    assert not recording(theta=theta, omega=None, alpha=None).findings
+    tau = recording().tau.copy()
+    at = 20 + 97 * np.arange(30)
+    theta[at], tau[at] = theta[at - 1], tau[at - 1]
+    finding = only(recording(theta=theta, omega=None, alpha=None, tau=tau))
+    assert finding.kind == "stale"
+    assert {row for first, last in finding.spans for row in range(first, last + 1)} <= set((at + 1).tolist())
+    assert finding.count >= 25
+
+
 def test_an_angle_that_leaps_and_goes_on_splits_the_log() -> None:
     theta = recording().theta + np.where(times() > 1.0, 1.2, 0.0)
     capture = recording(theta=theta, omega=None, alpha=None)

@@ -23,6 +23,9 @@ MOST_LOST = 20
 """Rows lost at one place, beyond which the speed before says too little about where the angle would be."""
 
 _LEAP = 5.0  # times the longest steps but for one in a thousand
+_RARE = 0.1  # of the rows that repeat, those that chance would make
+_COUNTS = 1.5  # of an encoder, beyond which a step is not what its neighbours let expect
+_FEW = 3  # rows that repeat, fewer than which tell nothing unless the angle itself does
 _WHOLE = 0.15  # a step of lost rows is a whole number of steps, to this share of one
 
 
@@ -53,11 +56,15 @@ def check_steps(
         theta, found = _unwrap(theta, index, rows)
         findings += found
     step = np.diff(theta[index])
-    expected, noise = _expected(step, np.diff(t[index]))
+    least = _count(step)
+    expected, spread = _expected(step, np.diff(t[index]), least)
+    noise = max(spread, 0.5 * least)
     off = np.abs(step - expected)
+    # An angle in counts is off by one at most, and a step that is expected by another quarter.
+    short = off > (_COUNTS * least if spread < 0.5 * least else CLEAR * noise)
     clear = (np.abs(expected) > CLEAR * noise) & (off > np.maximum(CLEAR * noise, 0.5 * np.abs(expected)))
 
-    stale = _stale(columns, index, step, clear)
+    stale = _stale(columns, index, step, short & (off > 0.5 * np.abs(expected)))
     bad[index[1:][stale]] = True
     if stale.any():
         at = rows[index[1:][stale]]
@@ -94,9 +101,10 @@ def check_steps(
 
     # What a repeated row held back comes with the next one.
     follows = np.concatenate(([False], (stale | np.concatenate((spike, [False])))[:-1]))
-    # An angle that was read late makes one step longer and the next one shorter.
-    ordinary = np.append(off[1:] < np.maximum(0.25 * np.abs(expected[1:]), 0.5 * CLEAR * noise), True)
-    lost = _lost(step, expected, noise, clear & ~follows & ~stale & ordinary)
+    # An angle that was read late makes one step longer, and the one before or after it shorter.
+    ordinary = off < np.maximum(0.25 * np.abs(expected), 0.5 * CLEAR * noise)
+    between = np.append(ordinary[1:], True) & np.append(True, ordinary[:-1])
+    lost = _lost(step, expected, noise, clear & ~follows & ~stale & between)
     lost[np.diff(t[index]) > 1.5 / rate_hz] = 0  # the clock says so itself
     if lost.any():
         at, count = rows[index[:-1][lost > 0]], int(lost.sum())
@@ -128,8 +136,8 @@ def _unwrap(theta: FloatArray, index: NDArray[np.intp], rows: Rows) -> tuple[Flo
     return theta, [Finding("wrap", "theta", len(at), spans(at), message, "mended")]
 
 
-def _expected(step: FloatArray, dt: FloatArray) -> tuple[FloatArray, float]:
-    """The step into each row that its neighbours let expect, and the noise of a step around it.
+def _expected(step: FloatArray, dt: FloatArray, least: float) -> tuple[FloatArray, float]:
+    """The step into each row that its neighbours let expect, and how far steps usually are from it.
 
     By the speed of a few of them; where the step is another, by the median speeds of those before and after,
     and where these two are not nearly the same, nothing is expected: zero. Stamps that jitter say little
@@ -143,8 +151,8 @@ def _expected(step: FloatArray, dt: FloatArray) -> tuple[FloatArray, float]:
     expected = 0.25 * dt * sum(near[4 + k : 4 + k + count] for k in (-4, -3, 3, 4))
     off = np.abs(step - expected)
     # Half the values lie within 0.6745 deviations of noise; the mean of four adds a quarter to its variance.
-    noise = max(quantile(off, 0.5) / 0.6745 / math.sqrt(1.25), 0.5 * _count(step))
-    doubtful = np.flatnonzero(off > 3.0 * noise)
+    spread = quantile(off, 0.5) / 0.6745 / math.sqrt(1.25)
+    doubtful = np.flatnonzero(off > 3.0 * max(spread, 0.5 * least))
     # The nearest on either side may belong to the same fault.
     reach = np.arange(2, REACH + 1)
     sides = [speed[np.clip(doubtful[:, None] + side * reach, 0, count - 1)] for side in (-1, 1)]
@@ -154,7 +162,7 @@ def _expected(step: FloatArray, dt: FloatArray) -> tuple[FloatArray, float]:
     own, even = speed * dt[doubtful], speed * usual
     nearer = np.abs(step[doubtful] - own) < np.abs(step[doubtful] - even)
     expected[doubtful] = np.where(nearer, own, even)
-    return expected, noise
+    return expected, spread
 
 
 def _count(step: FloatArray) -> float:
@@ -166,15 +174,30 @@ def _count(step: FloatArray) -> float:
 def _stale(
     columns: dict[str, FloatArray], index: NDArray[np.intp], step: FloatArray, clear: BoolArray
 ) -> BoolArray:
-    """Which rows repeat all of the row before, and cannot have measured it."""
-    same = [step == 0.0]
-    same += [np.diff(values[index]) == 0.0 for name, values in columns.items() if name not in ("t", "theta")]
-    repeats: BoolArray = np.logical_and.reduce(same)
-    if not (repeats & clear).any():
-        return np.zeros(len(step), dtype=np.bool_)
-    # Columns that repeat by chance, each by itself, would do so together this often.
-    by_chance = len(step) * float(np.prod([np.mean(one & ~repeats) for one in same]))
-    return repeats if by_chance < 0.5 else repeats & clear
+    """Which rows repeat all of the row before, and cannot have measured it.
+
+    An angle in counts repeats by itself; then it is the torque beside it that never would.
+    """
+    same = np.array([step == 0.0])
+    others = [name for name in columns if name not in ("t", "theta")]
+    same = np.vstack([same, *(np.diff(columns[name][index]) == 0.0 for name in others)])
+    repeats = np.asarray(same.all(axis=0), dtype=np.bool_)
+    # At rest, with its motor off, a knob repeats all that it says.
+    theta = columns["theta"][index]
+    row = np.arange(1, len(theta))
+    wide = theta[np.minimum(row + REACH, len(theta) - 1)] - theta[np.maximum(row - REACH, 0)]
+    moving = np.abs(wide) >= 2.0 * _count(step)
+    # Columns that repeat by chance, each as often as where another does not, would do so together this often.
+    alone = [
+        (np.sum(one & ~repeats & moving) + 1.0)
+        / (np.sum(moving & ~np.delete(same, k, axis=0).all(axis=0)) + 1.0)
+        for k, one in enumerate(same)
+    ]
+    by_chance = moving.sum() * float(np.prod(alone))
+    found: BoolArray = np.logical_and(repeats, moving)
+    if found.sum() >= _FEW and by_chance < _RARE * found.sum():
+        return found
+    return np.logical_and(repeats, clear)
 
 
 def _there_and_back(off: FloatArray, clear: float) -> BoolArray:
