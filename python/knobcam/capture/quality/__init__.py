@@ -16,7 +16,7 @@ from .late import check_late
 from .motion import check_scale, check_stuck, check_wrapped
 from .size import check_size
 from .steps import check_steps
-from .timing import check_times
+from .timing import check_times, run_on
 from .torque import check_clipping, check_spikes
 
 __all__ = ["Checked", "Finding", "Rows", "check", "check_size"]
@@ -74,6 +74,8 @@ def _check(columns: dict[str, FloatArray], coordinate: Coordinate, rows: Rows, s
             )
             findings.append(Finding("non-finite", name, len(at), spans(at), message, "masked"))
 
+    present["t"], found = run_on(present["t"], rows)
+    findings += found
     rising, found, rate = check_times(present["t"], rows, source)
     findings += found
     mask &= rising

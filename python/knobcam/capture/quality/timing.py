@@ -21,6 +21,7 @@ EVEN_SHARE = 0.9
 PLAUSIBLE_RATE_HZ = (10.0, 1e6)
 """Sampling rates outside are more often a unit mistaken than a rig."""
 
+_RUN = 50  # stamps that rise before a clock begins anew, and after it
 _SNAP = 1e-9  # a rate this close (relative) to a whole number of Hz was one before it went through text
 
 
@@ -81,6 +82,36 @@ def check_times(t: FloatArray, rows: Rows, source: str) -> tuple[BoolArray, list
         )
     findings += _implausible(rate)
     return usable, findings, rate
+
+
+def run_on(t: FloatArray, rows: Rows) -> tuple[FloatArray, list[Finding]]:
+    """Return a clock that goes on where it began anew, one usual interval after the stamp before, and say so.
+
+    `t` in s, shape (samples,). A stamp or two out of order are no new beginning: before it the clock rose, to
+    more than what it rises through afterwards begins with.
+    """
+    index = np.flatnonzero(np.isfinite(t))
+    step = np.diff(t[index])
+    fallen = np.flatnonzero(step < 0.0)
+    begins = [
+        at
+        for at in fallen.tolist()
+        if at + 1 >= _RUN
+        and at + _RUN < len(step)
+        and (step[at + 1 - _RUN : at] >= 0.0).all()
+        and (step[at + 1 : at + _RUN] >= 0.0).all()
+        and t[index[at + 1]] < t[index[at + 1 - _RUN]]
+    ]
+    if not begins:
+        return t, []
+    usual = quantile(step[step > 0.0], 0.5)
+    shift = np.zeros(len(t))
+    shift[index[np.array(begins) + 1]] = usual - step[begins]
+    at = rows[index[np.array(begins) + 1]]
+    message = (
+        f"t: the clock begins anew at {rows_in_words(at)}; it is taken on from there, as if no row was lost"
+    )
+    return t + np.cumsum(shift), [Finding("restart", "t", len(at), spans(at), message, "mended")]
 
 
 def _rising(t: FloatArray, rows: Rows) -> tuple[BoolArray, list[Finding]]:
