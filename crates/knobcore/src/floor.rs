@@ -31,6 +31,8 @@ const LONG: [usize; 3] = [1024, 512, 256];
 const MANY: usize = 40;
 /// The quantile of the stretches that counts as noise alone.
 const QUIET: f64 = 0.35;
+/// Standard errors by which the mean over all stretches may differ from that, where noise alone is in it.
+const ALIKE: f64 = 2.5;
 /// Slowest frequencies of a periodogram, which its taper and its mean take off.
 const TAKEN_OFF: usize = 2;
 
@@ -57,17 +59,17 @@ fn coloured(signals: &Signals, rest: &[f64]) -> Option<Noise> {
     let windows = |window: usize| windows(signals, window);
     let window = LONG.into_iter().find(|window| windows(*window).count() >= MANY)?;
     let periodogram = Periodogram::new(window);
-    let spectra = |column: &[f64]| -> Vec<f64> {
+    let spectra = |column: &[f64]| -> Vec<Vec<f64>> {
         let powers: Vec<Vec<f64>> = windows(window).map(|range| periodogram.of(&column[range])).collect();
-        (0..=window / 2).map(|bin| quiet(powers.iter().map(|power| power[bin]).collect())).collect()
+        (0..=window / 2).map(|bin| powers.iter().map(|power| power[bin]).collect()).collect()
     };
-    let mut level = spectra(rest);
+    let mut level = steady(spectra(rest));
     let mean = |level: &[f64], [from, to]: [f64; 2]| {
         let bins = (from * (window / 2) as f64) as usize..(to * (window / 2) as f64) as usize;
         level[bins.clone()].iter().sum::<f64>() / bins.len() as f64
     };
     let falls = |level: &[f64]| mean(level, BELOW) > FALLS * mean(level, BAND);
-    if !falls(&level) || !falls(&spectra(&signals.tau_raw)) {
+    if !falls(&level) || !falls(&steady(spectra(&signals.tau_raw))) {
         return None;
     }
     // A window's mean is taken off it, and with it its slowest frequencies.
@@ -89,6 +91,19 @@ fn windows(signals: &Signals, window: usize) -> impl Iterator<Item = Range<usize
         let starts = segment.clone().step_by(window / 2);
         starts.map(move |start| start..start + window).filter(move |range| range.end <= segment.end)
     })
+}
+
+/// The level of noise at each frequency, of its powers in all stretches: their mean where that is what the quiet
+/// ones let expect, which it estimates three times as well; else what the quiet ones say.
+fn steady(powers: Vec<Vec<f64>>) -> Vec<f64> {
+    let means: Vec<f64> = powers.iter().map(|p| p.iter().sum::<f64>() / p.len() as f64).collect();
+    let stretches = powers.first().map_or(1, Vec::len) as f64;
+    let quiet: Vec<f64> = powers.into_iter().map(quiet).collect();
+    let total = quiet.iter().sum::<f64>();
+    // Of K exponential variables the quantile p, as an estimate of their mean, has this variance beside theirs.
+    let more = QUIET / (1.0 - QUIET) / (1.0 - QUIET).ln().powi(2) - 1.0;
+    let error = (more * quiet.iter().map(|level| level * level).sum::<f64>() / stretches).sqrt();
+    if (means.iter().sum::<f64>() - total).abs() <= ALIKE * error { means } else { quiet }
 }
 
 /// The mean of exponential variables of which most are alike and some are too large, by a low quantile.

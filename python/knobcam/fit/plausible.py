@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .. import _core
+from ..base.arrays import FloatArray
 from ..model.effects import effect as catalogued
 from ..model.effects import effects
 from .refit import cores
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from .fitting import Fit
 
 _SURE = 2.0  # standard errors
+_SURELY = 4.0  # standard errors, where the log itself is blamed
 _FAULTS = (("unit", "theta"), ("unit", "tau"), ("contradiction", "omega"))
 """Findings, kind and column, with which no model of a log is one of the knob."""
 
@@ -33,11 +35,31 @@ REVERSED = "tau has the other sign: inertia and friction came out negative; map 
 
 
 def reversed_torque(fit: Fit) -> bool:
-    """Whether what no knob has below zero is so, all of it beyond doubt: the torque has the other sign."""
+    """Whether what no knob has below zero is so, all of it beyond doubt: the torque has the other sign.
+
+    An offset or a drift may take friction from one direction to the other, and a spring inertia below zero;
+    but over a whole motion no friction gives power back.
+    """
     told = [fit.params[name] for name in _never_negative(fit.model.coordinate) if name in fit.params]
     sure = [estimate for estimate in told if estimate.determined]
-    negative = [estimate for estimate in sure if estimate.ci95[1] < 0.0]
-    return len(negative) > 2 and not any(estimate.ci95[0] > 0.0 for estimate in sure)
+    if any(estimate.ci95[0] > 0.0 for estimate in sure) or not any(e.ci95[1] < 0.0 for e in sure):
+        return False
+    power, error = _friction_power(fit)
+    return power + _SURELY * error < 0.0
+
+
+def _friction_power(fit: Fit) -> tuple[float, float]:
+    """Return what friction of the base model takes, and its standard error, N m rad/s on average."""
+    rubs = [one.id for one in effects(fit.model.coordinate).values() if one.base and one.friction]
+    told = [(name, e) for name, e in fit.params.items() if name.split(".")[0] in rubs]
+    names = [name for name, estimate in told if estimate.determined and estimate.value != 0.0]
+    omega = np.concatenate([np.where(one.used, one.omega, 0.0) for one in fit.prepared])
+    takes = np.array([float(np.nanmean(_of(fit, name) * omega)) for name in names])
+    se = np.array([fit.params[name].se for name in names])
+    power = takes.sum()
+    slopes = takes / np.array([fit.params[name].value for name in names])
+    joint = np.array([[fit.correlation[a][b] for b in names] for a in names]).reshape(len(names), len(names))
+    return float(power), float(np.sqrt(max((slopes * se) @ joint @ (slopes * se), 0.0)))
 
 
 def log_fault(fit: Fit) -> str | None:
@@ -79,10 +101,13 @@ def _below_zero(candidate: Candidate, before: Fit) -> list[str]:
 
 def _torque_of(fit: Fit, name: str) -> float:
     """Return the RMS torque that a parameter makes, N m."""
-    without = fit.model.with_value(name, 0.0)
-    signals = cores(fit)
-    apart = [fit.model.core.torque(one) - without.core.torque(one) for one in signals]
-    return float(np.sqrt(np.nanmean(np.square(np.concatenate(apart)))))
+    return float(np.sqrt(np.nanmean(np.square(_of(fit, name)))))
+
+
+def _of(fit: Fit, name: str) -> FloatArray:
+    """Return the torque that a parameter makes, N m, the captures one after the other."""
+    without = fit.model.with_value(name, 0.0).core
+    return np.concatenate([fit.model.core.torque(one) - without.torque(one) for one in cores(fit)])
 
 
 def _never_negative(coordinate: str) -> list[str]:
