@@ -7,7 +7,6 @@ import os
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from datetime import UTC, datetime
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -16,15 +15,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base import showing
-from ..base.arrays import BoolArray, FloatArray
+from ..base.arrays import BoolArray, FloatArray, vector
 from ..base.renamed import renamed
 from ..base.tables import TextTable
 from ..errors import InputError
 from .finding import Finding, Rows
 from .formats import DEFAULT_MAX_BYTES, Table, document, read_table, write_table
 from .formats.columnmap import ColumnMap
-from .formats.resolve import CONTRACT, resolve
-from .formats.units import SI, Coordinate
+from .formats.resolve import contract, resolve
+from .formats.units import SI, Coordinate, torque_unit_of
 from .quality import check, check_size
 from .quality.limits import check_limits
 
@@ -41,8 +40,9 @@ class Capture(showing.Tabled):
     """One recording, immutable: read-only float64 arrays of shape (samples,) in SI.
 
     `t` s; `theta` rad, `omega` rad/s, `alpha` rad/s^2 and `tau` N m on a rotary axis; m, m/s, m/s^2 and N on
-    a linear one. `omega` and `alpha` are None when they were not measured. `mask` is True where a sample is
-    usable; masked samples keep the values that were recorded. `rate_hz` is the usual sampling rate.
+    a linear one. `torque_unit` is another where nobody measured the torque and `tau` is what a motor was
+    given: A, V or duty. `omega` and `alpha` are None when they were not measured. `mask` is True where a
+    sample is usable; masked samples keep the values that were recorded. `rate_hz` is the usual sampling rate.
     `findings` says what the quality check found, `meta` where the numbers came from.
     """
 
@@ -56,10 +56,12 @@ class Capture(showing.Tabled):
     rate_hz: float
     meta: Mapping[str, Any] = field(default_factory=dict)
     findings: tuple[Finding, ...] = ()
+    torque_unit: str = ""
 
     def __post_init__(self) -> None:
         if self.coordinate not in SI:
             raise InputError(f"coordinate={self.coordinate!r} is unknown; choose rotary or linear")
+        object.__setattr__(self, "torque_unit", torque_unit_of(self.torque_unit, self.coordinate))
         for name in ("t", "theta", "omega", "alpha", "tau"):
             if getattr(self, name) is not None:
                 self._freeze(name, np.float64)
@@ -79,7 +81,8 @@ class Capture(showing.Tabled):
 
     def __reduce__(self) -> tuple[Any, ...]:
         arrays = (self.t, self.theta, self.omega, self.alpha, self.tau, self.mask)
-        return Capture, (*arrays, self.coordinate, self.rate_hz, dict(self.meta), self.findings)
+        about = (self.coordinate, self.rate_hz, dict(self.meta), self.findings, self.torque_unit)
+        return Capture, (*arrays, *about)
 
     @classmethod
     @renamed(axis="coordinate", rate="rate_hz")
@@ -94,22 +97,23 @@ class Capture(showing.Tabled):
         coordinate: Coordinate = "rotary",
         rate_hz: float | None = None,
         meta: Mapping[str, Any] | None = None,
+        torque_unit: str = "",
     ) -> Capture:
         """Return a checked capture from arrays in SI, shape (samples,) each; `rate_hz` stands in for `t`.
 
+        `torque_unit` is A, V or duty where `tau` is what a motor was given.
         Raises InputError for arrays of different length and for what leaves nothing to work with.
         """
         given = {"t": t, "theta": theta, "omega": omega, "alpha": alpha, "tau": tau}
-        columns = {name: _vector(name, values) for name, values in given.items() if values is not None}
+        columns = {name: vector(name, values) for name, values in given.items() if values is not None}
         for name, values in columns.items():
             if len(values) != len(columns["theta"]):
                 raise InputError(
                     f"columns of different length: theta has {len(columns['theta'])} samples, "
                     f"{name} has {len(values)}; cut them to one length"
                 )
-        return _checked(
-            columns, coordinate, rate_hz, meta or {}, np.arange(1, len(columns["theta"]) + 1), "arrays"
-        )
+        rows = np.arange(1, len(columns["theta"]) + 1)
+        return _checked(columns, coordinate, torque_unit, rate_hz, meta or {}, rows, "arrays")
 
     @property
     def axis(self) -> Coordinate:
@@ -156,8 +160,8 @@ class Capture(showing.Tabled):
 
     @property
     def units(self) -> Mapping[str, str]:
-        """SI unit of each column, as its coordinate has it."""
-        return MappingProxyType(SI[self.coordinate])
+        """SI unit of each column, as its coordinate has it, or of the torque what it is in."""
+        return MappingProxyType(SI[self.coordinate] | {"tau": self.torque_unit})
 
     @property
     def columns(self) -> Mapping[str, FloatArray]:
@@ -182,7 +186,7 @@ class Capture(showing.Tabled):
         InputError says why it cannot be written.
         """
         target = Path(path)
-        names = CONTRACT[self.coordinate]
+        names = contract(self.coordinate, self.torque_unit)
         content = document.build(
             self.coordinate, self.rate_hz, self.meta, self.columns, self.mask, self.findings
         )
@@ -231,10 +235,10 @@ def load(
     A file is known by its content. Of a wire log the last run is read, of several joints the one called
     `joint`.
 
-    Columns t_s, theta_rad, omega_rad_s, alpha_rad_s2, tau_Nm (or theta_m, omega_m_s, alpha_m_s2, tau_N) are
-    understood, and others whose names are plain and unique, with their units (`pos_deg`, `Velocity (rpm)`):
-    a finding says what was taken for what. Any others by `map`, for example
-    `"t=c0, theta=c1/8192 [turn], tau=0.0551*c2"`. `rate_hz` numbers the samples of a file without times.
+    Columns t_s, theta_rad, omega_rad_s, alpha_rad_s2, tau_Nm (or theta_m, omega_m_s, alpha_m_s2, tau_N; of a
+    motor tau_A, tau_V, tau_duty) are understood, and others whose names are plain and unique, with their
+    units (`pos_deg`, `Velocity (rpm)`): a finding says what was taken for what. Any others by `map`, for
+    example `"t=c0, theta=c1/8192 [turn], tau=c2 [A]"`. `rate_hz` numbers the samples of a file without times.
     `start` and `end` (s, on the capture's own clock) keep a part. What is wrong with the samples is masked
     and listed in `findings`; what leaves no capture raises InputError. Row numbers count the file's rows of
     data from 1. Files, and what they inflate to, may have up to `max_bytes`.
@@ -271,13 +275,12 @@ def of_table(
     if table.meta is not None:
         meta = dict(table.meta)
     elif native is None:
-        meta = _provenance(
-            file, table, {name: str(entry) for name, entry in resolved.entries.items()}, rate_hz
-        )
+        meta = document.provenance(file, table.kind, resolved.entries, rate_hz)
     else:
         meta = native["meta"]
     part = {name: values[keep] for name, values in columns.items()}
-    capture = _checked(part, resolved.coordinate, rate_hz, meta, rows[keep], str(file))
+    torque_unit = resolved.torque_unit
+    capture = _checked(part, resolved.coordinate, torque_unit, rate_hz, meta, rows[keep], str(file))
     if native is not None:
         untouched = isinstance(keep, slice) and native.get("sha256") == document.digest(columns)
         return _restored(capture, native, table, keep, untouched)
@@ -300,13 +303,10 @@ def _restored(
         stored = document.stored_mask(native, table, length)[keep]
         said = document.stored_findings(native)
         dropped = tuple(finding for finding in said if finding.column not in capture.columns)
-        return Capture(
-            **{
-                name: getattr(capture, name) for name in ("t", "theta", "omega", "alpha", "tau", "coordinate")
-            },
+        return replace(
+            capture,
             mask=stored if whole else stored & capture.mask,
             rate_hz=float(native["rate_hz"]) if whole else capture.rate_hz,
-            meta=capture.meta,
             findings=said if whole else dropped + capture.findings,
         )
     except (KeyError, TypeError, ValueError) as error:
@@ -346,6 +346,7 @@ def _between(
 def _checked(
     columns: dict[str, FloatArray],
     coordinate: Coordinate,
+    torque_unit: str,
     rate_hz: float | None,
     meta: Mapping[str, Any],
     rows: Rows,
@@ -370,30 +371,5 @@ def _checked(
         rate_hz=verdict.rate_hz,
         meta=meta,
         findings=verdict.findings,
+        torque_unit=torque_unit,
     )
-
-
-def _provenance(
-    file: Path, table: Table, calibration: dict[str, str], rate_hz: float | None
-) -> dict[str, Any]:
-    modified = datetime.fromtimestamp(file.stat().st_mtime, UTC)
-    meta: dict[str, Any] = {
-        "source": str(file),
-        "format": table.kind,
-        "calibration": calibration,
-        "date": modified.isoformat(timespec="seconds"),
-        "notes": "",
-    }
-    if rate_hz is not None:
-        meta["rate_hz"] = rate_hz
-    return meta
-
-
-def _vector(name: str, values: ArrayLike) -> FloatArray:
-    try:
-        array = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{name}: not an array of numbers ({error})") from error
-    if array.ndim != 1:
-        raise InputError(f"{name}: has shape {array.shape}; give one value a sample")
-    return array

@@ -13,6 +13,7 @@ from ..base import showing
 from ..base.atomic import write_atomically
 from ..base.renamed import renamed
 from ..base.tables import TextTable, text_table
+from ..capture.formats.units import torque_unit_of
 from ..errors import InputError
 from .plugins import load_plugins
 
@@ -44,10 +45,16 @@ class Model(showing.Tabled):
 
     @classmethod
     @renamed(axis="coordinate")
-    def of(cls, effects: Iterable[str], coordinate: str = "rotary", **values: float) -> Model:
-        """Return a model of these effects; values by `effect__parameter=1.0`, others are neutral."""
+    def of(
+        cls, effects: Iterable[str], coordinate: Coordinate = "rotary", torque_unit: str = "", **values: float
+    ) -> Model:
+        """Return a model of these effects; values by `effect__parameter=1.0`, others are neutral.
+
+        `torque_unit` is A, V or duty for one of what a motor is given.
+        """
         load_plugins()
-        model = cls(_core.Model(list(effects), coordinate))
+        unit = torque_unit_of(torque_unit, coordinate)
+        model = cls(_core.Model(list(effects), coordinate, torque_unit=unit))
         if not model.effects:
             raise InputError("a model needs an effect, such as inertia; `effects()` lists them")
         for name, value in values.items():
@@ -127,6 +134,11 @@ class Model(showing.Tabled):
         """The older name of `coordinate`."""
         warnings.warn("Model.axis is now called coordinate", DeprecationWarning, stacklevel=2)
         return self.coordinate
+
+    @property
+    def torque_unit(self) -> str:
+        """What its torques are in: N m (N on a linear axis), or of a motor A, V or duty."""
+        return self.core.torque_unit
 
     @property
     def effects(self) -> tuple[str, ...]:
