@@ -164,3 +164,72 @@ def test_what_is_learned_of_a_current_is_told_in_amperes(torque: kc.Capture) -> 
     last = story.document()["ladder"][-1]["params"]["return_spring.k"]
     assert last["unit"] == "A/rad" and KT * last["value"] == pytest.approx(0.004, rel=0.05)
     assert not math.isnan(story.noise_floor)
+
+
+def test_a_current_is_converted_by_the_torque_constant(
+    torque: kc.Capture, current: kc.Capture, fitted: kc.Fit, tmp_path: Path
+) -> None:
+    capture, model = current.as_torque(kt=KT), fitted.model.as_torque(kt=KT)
+    assert (capture.torque_unit, model.torque_unit) == ("N m", "N m")
+    np.testing.assert_allclose(capture.tau, torque.tau, rtol=1e-12)
+    assert capture.meta["motor"] == {"of": "A", "kt": KT, "resistance_ohm": None}
+    for name, parameter in kc.fit(capture).model.params.items():
+        assert model.params[name].unit == parameter.unit
+        assert model.params[name].value == pytest.approx(parameter.value, rel=1e-4), name
+    kc.Renderer(model)
+    path = current.save(tmp_path / "motor.npz")
+    np.testing.assert_array_equal(kc.load(path, kt=KT).tau, capture.tau)
+    assert kc.load(capture.save(tmp_path / "torque.npz")).torque_unit == "N m"
+
+
+def test_a_voltage_is_converted_without_its_back_emf(torque: kc.Capture) -> None:
+    ohm = 2.0
+    assert torque.omega is not None
+    voltage = of(torque, torque.tau * ohm / KT + KT * torque.omega, "V")
+    fitted = kc.fit(voltage)
+    (said,) = [one for one in fitted.warnings if "back-EMF" in one]
+    assert said.startswith("viscous.neg and viscous.pos hold the motor's back-EMF beside its friction")
+    model = fitted.model.as_torque(kt=KT, resistance_ohm=ohm)
+    beside = kc.fit(voltage.as_torque(kt=KT, resistance_ohm=ohm))
+    for name, parameter in kc.fit(torque).params.items():
+        for found in (model.params[name].value, beside.params[name].value):
+            assert found == pytest.approx(parameter.value, rel=2e-3, abs=2e-6), name
+    assert not any("back-EMF" in one for one in beside.warnings)
+
+
+@pytest.mark.parametrize(
+    ("unit", "options", "why"),
+    [
+        ("N m", {"kt": KT}, "in N m already"),
+        ("A", {"kt": -1.0}, "kt = -1.0 must be a positive number"),
+        ("A", {"kt": math.nan}, "kt = nan must be"),
+        ("A", {"kt": KT, "resistance_ohm": 1.0}, "leave the resistance out"),
+        ("V", {"kt": KT}, "needs the resistance"),
+        ("V", {"kt": None, "resistance_ohm": 1.0}, "needs kt"),
+        ("V", {"kt": KT, "resistance_ohm": 0.0}, "resistance = 0.0 must be"),
+        ("duty", {"kt": KT, "resistance_ohm": 1.0}, r"tau=duty\*SUPPLY \[V\]"),
+    ],
+)
+def test_what_cannot_be_converted_says_what_is_missing_or_too_much(
+    unit: str, options: dict[str, float | None], why: str, torque: kc.Capture
+) -> None:
+    with pytest.raises(InputError, match=why):
+        of(torque, torque.tau, unit).as_torque(**options)
+    with pytest.raises(InputError, match=why):
+        kc.Model.of(["inertia"], torque_unit=unit).as_torque(**options)
+
+
+def test_the_command_converts_captures_and_models(
+    current: kc.Capture, fitted: kc.Fit, tmp_path: Path
+) -> None:
+    path, model = current.save(tmp_path / "motor.npz"), fitted.model.save(tmp_path / "motor.toml")
+    new = tmp_path / "knob.toml"
+    ended = knobcam("convert", model, "--kt", str(KT), "-o", new, "--json")
+    assert ended.document["unit"] == "N m"
+    assert ended.document["params"]["inertia.M"]["unit"] == "N m s^2/rad"
+    assert kc.Model.load(new) == fitted.model.as_torque(kt=KT)
+    told = knobcam("compare", path, new, "--kt", str(KT), "--json").document
+    assert told["unit"] == "N m"
+    refused(knobcam("compare", path, new), "the model is in N m", "--kt")
+    refused(knobcam("convert", new, "--kt", "1", "-o", model), "in N m already")
+    refused(knobcam("fit", path, "--kt", "0"), "motor in A", "kt = 0.0")

@@ -24,6 +24,7 @@ from .formats import DEFAULT_MAX_BYTES, Table, document, read_table, write_table
 from .formats.columnmap import ColumnMap
 from .formats.resolve import contract, resolve
 from .formats.units import SI, Coordinate, torque_unit_of
+from .motor import as_torque
 from .quality import check, check_size
 from .quality.limits import check_limits
 
@@ -175,6 +176,14 @@ class Capture(showing.Tabled):
 
         return prepare(self, method, **options)
 
+    def as_torque(self, *, kt: float | None, resistance_ohm: float | None = None) -> Capture:
+        """Return the capture of a motor in A or V with its torque in N m, by its torque constant, N m/A.
+
+        Of a voltage the resistance of the winding has to be known too, for the back-EMF, which is that of the
+        smoothed velocity. On a linear axis N and N/A. InputError says what is missing or too much.
+        """
+        return as_torque(self, kt, resistance_ohm)
+
     def plot(self) -> Figure:
         """Return a figure of motion and torque over time."""
         return showing.plot(self)
@@ -228,6 +237,8 @@ def load(
     start: float | None = None,
     end: float | None = None,
     joint: str | None = None,
+    kt: float | None = None,
+    resistance_ohm: float | None = None,
     max_bytes: int = DEFAULT_MAX_BYTES,
 ) -> Capture:
     """Read a capture: the native file, a wire log, CSV, JSON, .mat, .npy, .npz, HDF5, Parquet or a ROS 2 bag.
@@ -239,13 +250,16 @@ def load(
     motor tau_A, tau_V, tau_duty) are understood, and others whose names are plain and unique, with their
     units (`pos_deg`, `Velocity (rpm)`): a finding says what was taken for what. Any others by `map`, for
     example `"t=c0, theta=c1/8192 [turn], tau=c2 [A]"`. `rate_hz` numbers the samples of a file without times.
-    `start` and `end` (s, on the capture's own clock) keep a part. What is wrong with the samples is masked
+    `start` and `end` (s, on the capture's own clock) keep a part. `kt` and `resistance_ohm` make a torque of
+    what a motor was given, as `Capture.as_torque` does. What is wrong with the samples is masked
     and listed in `findings`; what leaves no capture raises InputError. Row numbers count the file's rows of
     data from 1. Files, and what they inflate to, may have up to `max_bytes`.
     """
     file = Path(path)
     table = read_table(file, max_bytes, joint)
-    return of_table(file, table, map=map, coordinate=coordinate, rate_hz=rate_hz, start=start, end=end)
+    capture = of_table(file, table, map=map, coordinate=coordinate, rate_hz=rate_hz, start=start, end=end)
+    given = kt is not None or resistance_ohm is not None
+    return capture.as_torque(kt=kt, resistance_ohm=resistance_ohm) if given else capture
 
 
 def of_table(

@@ -14,6 +14,7 @@ from ..base.atomic import write_atomically
 from ..base.renamed import renamed
 from ..base.tables import TextTable, text_table
 from ..capture.formats.units import torque_unit_of
+from ..capture.motor import torque_per_unit
 from ..errors import InputError
 from .plugins import load_plugins
 
@@ -182,6 +183,17 @@ class Model(showing.Tabled):
     def with_effect(self, effect: str) -> Model:
         """Return the model with one effect more, at its neutral values."""
         return Model(self.core.with_effect(effect))
+
+    def as_torque(self, *, kt: float | None, resistance_ohm: float | None = None) -> Model:
+        """Return the model of a motor in A or V with its torques in N m, by its torque constant, N m/A.
+
+        In V the resistance of the winding has to be known too: what is in proportion to the speed holds the
+        back-EMF, which is taken off. On a linear axis N and N/A. InputError says what is missing or too much.
+        """
+        try:
+            return Model(self.core.as_torque(*torque_per_unit(self.torque_unit, kt, resistance_ohm)))
+        except InputError as error:
+            raise InputError(f"model '{self.name}': {error}" if self.name else str(error)) from None
 
     def renamed(self, name: str) -> Model:
         """Return the model under another name."""
