@@ -11,6 +11,7 @@ import pytest
 from command import knobcam, refused
 
 import knobcam as kc
+from knobcam.capture.quality.torque import Limit
 from knobcam.errors import InputError
 
 KT = 0.05  # N m/A
@@ -45,7 +46,8 @@ def fitted(current: kc.Capture) -> kc.Fit:
 
 def of(motion: kc.Capture, given: np.ndarray, unit: str) -> kc.Capture:
     columns = {name: values for name, values in motion.columns.items() if name != "tau"}
-    return kc.Capture.from_arrays(**columns, tau=given, torque_unit=unit, meta={"source": f"motor in {unit}"})
+    meta = {"source": f"motor in {unit}"}
+    return kc.Capture.from_arrays(**columns, tau=given, torque_unit=unit, meta=meta)
 
 
 def test_a_fit_of_a_current_is_that_of_the_torque_in_amperes(torque: kc.Capture, fitted: kc.Fit) -> None:
@@ -233,3 +235,41 @@ def test_the_command_converts_captures_and_models(
     refused(knobcam("compare", path, new), "the model is in N m", "--kt")
     refused(knobcam("convert", new, "--kt", "1", "-o", model), "in N m already")
     refused(knobcam("fit", path, "--kt", "0"), "motor in A", "kt = 0.0")
+
+
+@pytest.fixture(scope="module")
+def limited(torque: kc.Capture) -> np.ndarray:
+    """What a drive gives that ends before the knob does."""
+    return np.clip(torque.tau / KT, -0.22, 0.25)
+
+
+@pytest.mark.parametrize(("unit", "usual"), [("N m", "sensor"), ("A", "actuator"), ("V", "actuator")])
+def test_a_torque_at_its_extreme_is_masked_of_a_sensor_and_counts_of_a_drive(
+    unit: str, usual: Limit, torque: kc.Capture, limited: np.ndarray, tmp_path: Path
+) -> None:
+    usually = of(torque, limited, unit)
+    path = usually.save(tmp_path / "motor.npz")
+    other: Limit = "sensor" if usual == "actuator" else "actuator"
+    found = {usual: usually, other: kc.load(path, limit=other)}
+    at = np.isin(limited, (-0.22, 0.25))
+    assert 0.01 < at.mean() < 0.5
+    np.testing.assert_array_equal(found["sensor"].mask, ~at)
+    assert found["actuator"].mask.all()
+    for limit, kind in (("sensor", "clipped"), ("actuator", "limit")):
+        messages = [one.message for one in found[limit].findings if one.kind == kind]
+        assert len(messages) == 2
+        assert all("the sensor is saturated; masked" in one for one in messages) == (limit == "sensor")
+        assert all("the drive's own limit, so they count" in one for one in messages) == (limit == "actuator")
+        assert kc.load(path, limit=limit).findings == found[limit].findings  # the one that was saved too
+    told = knobcam("import", path, "-o", tmp_path / "other.npz", "--limit", other, "--json").document
+    assert told["findings"][-1]["kind"] == ("clipped" if other == "sensor" else "limit")
+
+
+def test_a_limit_is_of_a_sensor_or_of_an_actuator(torque: kc.Capture) -> None:
+    with pytest.raises(InputError, match="limit='drive' is unknown; choose sensor or actuator"):
+        kc.Capture.from_arrays(
+            theta=torque.theta,
+            tau=torque.tau,
+            t=torque.t,
+            limit="drive",  # type: ignore[arg-type]
+        )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 import warnings
 from collections.abc import Mapping
@@ -21,18 +20,19 @@ from ..base.tables import TextTable
 from ..errors import InputError
 from .finding import Finding, Rows
 from .formats import DEFAULT_MAX_BYTES, Table, document, read_table, write_table
+from .formats.clock import NO_CLOCK, between
 from .formats.columnmap import ColumnMap
 from .formats.resolve import contract, resolve
 from .formats.units import SI, Coordinate, torque_unit_of
 from .motor import as_torque
 from .quality import check, check_size
 from .quality.limits import check_limits
+from .quality.torque import Limit, check_clipping, usual_limit
 
 if TYPE_CHECKING:
     from ..base.showing import Figure
     from .prepare import Prepared
 
-_NO_CLOCK = "no column of times; map t=COLUMN, or give the sampling rate in Hz (--rate)"
 _RATE_AGREEMENT = 0.01  # a given rate that differs more from the time stamps (relative) contradicts them
 
 
@@ -99,10 +99,12 @@ class Capture(showing.Tabled):
         rate_hz: float | None = None,
         meta: Mapping[str, Any] | None = None,
         torque_unit: str = "",
+        limit: Limit | None = None,
     ) -> Capture:
         """Return a checked capture from arrays in SI, shape (samples,) each; `rate_hz` stands in for `t`.
 
-        `torque_unit` is A, V or duty where `tau` is what a motor was given.
+        `torque_unit` is A, V or duty where `tau` is what a motor was given, `limit` whose the torque's is
+        (see `load`).
         Raises InputError for arrays of different length and for what leaves nothing to work with.
         """
         given = {"t": t, "theta": theta, "omega": omega, "alpha": alpha, "tau": tau}
@@ -114,7 +116,7 @@ class Capture(showing.Tabled):
                     f"{name} has {len(values)}; cut them to one length"
                 )
         rows = np.arange(1, len(columns["theta"]) + 1)
-        return _checked(columns, coordinate, torque_unit, rate_hz, meta or {}, rows, "arrays")
+        return _checked(columns, coordinate, torque_unit, limit, rate_hz, meta or {}, rows, "arrays")
 
     @property
     def axis(self) -> Coordinate:
@@ -132,7 +134,7 @@ class Capture(showing.Tabled):
         if not self.clipped:
             return self
         kept = [
-            replace(one, severity="note", message=one.message.replace("; masked", "; counted"))
+            replace(one, severity="note", message=one.message.partition("; masked")[0] + "; counted")
             if one.kind == "clipped"
             else one
             for one in self.findings
@@ -239,6 +241,7 @@ def load(
     joint: str | None = None,
     kt: float | None = None,
     resistance_ohm: float | None = None,
+    limit: Limit | None = None,
     max_bytes: int = DEFAULT_MAX_BYTES,
 ) -> Capture:
     """Read a capture: the native file, a wire log, CSV, JSON, .mat, .npy, .npz, HDF5, Parquet or a ROS 2 bag.
@@ -251,13 +254,17 @@ def load(
     units (`pos_deg`, `Velocity (rpm)`): a finding says what was taken for what. Any others by `map`, for
     example `"t=c0, theta=c1/8192 [turn], tau=c2 [A]"`. `rate_hz` numbers the samples of a file without times.
     `start` and `end` (s, on the capture's own clock) keep a part. `kt` and `resistance_ohm` make a torque of
-    what a motor was given, as `Capture.as_torque` does. What is wrong with the samples is masked
-    and listed in `findings`; what leaves no capture raises InputError. Row numbers count the file's rows of
-    data from 1. Files, and what they inflate to, may have up to `max_bytes`.
+    what a motor was given, as `Capture.as_torque` does. A torque that sits at its extreme is at the `limit`
+    of its "sensor" and masked, or of the "actuator" and real, by default where it is in A, V or duty.
+
+    What is wrong with the samples is masked and listed in `findings`; what leaves no capture raises
+    InputError. Row numbers count the file's rows of data from 1. Files, and what they inflate to, may have up
+    to `max_bytes`.
     """
     file = Path(path)
     table = read_table(file, max_bytes, joint)
-    capture = of_table(file, table, map=map, coordinate=coordinate, rate_hz=rate_hz, start=start, end=end)
+    said: dict[str, Any] = {"map": map, "coordinate": coordinate, "rate_hz": rate_hz, "limit": limit}
+    capture = of_table(file, table, **said, start=start, end=end)
     given = kt is not None or resistance_ohm is not None
     return capture.as_torque(kt=kt, resistance_ohm=resistance_ohm) if given else capture
 
@@ -271,6 +278,7 @@ def of_table(
     rate_hz: float | None = None,
     start: float | None = None,
     end: float | None = None,
+    limit: Limit | None = None,
 ) -> Capture:
     """Return the capture in the content of a file; options as `load` takes them."""
     native = document.check_schema(table) if map is None else None
@@ -283,8 +291,8 @@ def of_table(
     resolved = resolve(table, map, coordinate)
     columns = resolved.columns
     if "t" not in columns and rate_hz is None:
-        raise InputError(f"{file}: {_NO_CLOCK}; the file has {table.listing()}")
-    keep = _between(str(file), columns, rate_hz, start, end)
+        raise InputError(f"{file}: {NO_CLOCK}; the file has {table.listing()}")
+    keep = between(str(file), columns, rate_hz, start, end)
     rows = np.arange(1, len(columns["theta"]) + 1)
     if table.meta is not None:
         meta = dict(table.meta)
@@ -294,10 +302,11 @@ def of_table(
         meta = native["meta"]
     part = {name: values[keep] for name, values in columns.items()}
     torque_unit = resolved.torque_unit
-    capture = _checked(part, resolved.coordinate, torque_unit, rate_hz, meta, rows[keep], str(file))
+    capture = _checked(part, resolved.coordinate, torque_unit, limit, rate_hz, meta, rows[keep], str(file))
     if native is not None:
         untouched = isinstance(keep, slice) and native.get("sha256") == document.digest(columns)
-        return _restored(capture, native, table, keep, untouched)
+        capture = _restored(capture, native, table, keep, untouched)
+        return capture if limit is None else _limited(capture, limit, rows[keep])
     limits = {name: at[keep] for name, at in table.limits.items() if name in capture.columns}
     clipped, found = check_limits(limits, capture.mask, rows[keep])
     # Who states a unit, or computes with the column, knows what it is in.
@@ -305,6 +314,14 @@ def of_table(
     sizes = check_size(capture.columns, capture.mask, capture.coordinate, taken)
     said = (*table.notes, *resolved.notes, *capture.findings, *found, *sizes)
     return replace(capture, mask=capture.mask & ~clipped, findings=said)
+
+
+def _limited(capture: Capture, limit: Limit, rows: Rows) -> Capture:
+    """Return a capture that was saved with its torque's extremes taken for another limit."""
+    usable = capture.mask | capture.at_limit
+    clipped, found = check_clipping(capture.tau, capture.theta, usable, rows, limit)
+    others = [one for one in capture.findings if one.column != "tau" or one.kind not in ("clipped", "limit")]
+    return replace(capture, mask=usable & ~clipped, findings=(*others, *found))
 
 
 def _restored(
@@ -329,45 +346,18 @@ def _restored(
         ) from error
 
 
-def _between(
-    source: str,
-    columns: dict[str, FloatArray],
-    rate_hz: float | None,
-    start: float | None,
-    end: float | None,
-) -> slice | BoolArray:
-    """Return which samples lie from `start` to `end`; a file without times is numbered first."""
-    if rate_hz is not None and not (math.isfinite(rate_hz) and rate_hz > 0.0):
-        raise InputError(f"a rate of {rate_hz} Hz is no sampling rate; give samples a second")
-    if "t" not in columns:
-        if rate_hz is None:
-            raise InputError(f"{source}: {_NO_CLOCK}")
-        columns["t"] = np.arange(len(columns["theta"])) / rate_hz
-    if start is None and end is None:
-        return slice(None)
-    t = columns["t"]
-    first = -math.inf if start is None else start
-    last = math.inf if end is None else end
-    keep = (t >= first) & (t <= last)
-    if not keep.any():
-        raise InputError(
-            f"{source}: no sample lies from start={start} to end={end}; the file runs from "
-            f"{np.nanmin(t, initial=math.inf):.6g} to {np.nanmax(t, initial=-math.inf):.6g} s"
-        )
-    return keep
-
-
 def _checked(
     columns: dict[str, FloatArray],
     coordinate: Coordinate,
     torque_unit: str,
+    limit: Limit | None,
     rate_hz: float | None,
     meta: Mapping[str, Any],
     rows: Rows,
     source: str,
 ) -> Capture:
-    _between(source, columns, rate_hz, None, None)
-    verdict = check(columns, coordinate, rows, source)
+    between(source, columns, rate_hz, None, None)
+    verdict = check(columns, coordinate, rows, source, limit or usual_limit(torque_unit))
     if rate_hz is not None and abs(rate_hz / verdict.rate_hz - 1.0) > _RATE_AGREEMENT:
         raise InputError(
             f"{source}: the time stamps run at {verdict.rate_hz:.6g} Hz, a rate of {rate_hz:.6g} was given; "

@@ -373,7 +373,7 @@ def _check_captures(captures: Sequence[Capture]) -> None:
                     "the intervals; give it once"
                 )
     units = {one.torque_unit: str(one.meta.get("source", "a capture")) for one in captures}
-    if len(units) > 1:
+    if len(units) > 1 and len({one.coordinate for one in captures}) == 1:
         said = " and ".join(f"{source} in {unit}" for unit, source in units.items())
         raise InputError(
             f"torques of different units, {said}, cannot be one fit; convert them with kt (--kt)"
@@ -381,7 +381,8 @@ def _check_captures(captures: Sequence[Capture]) -> None:
 
 
 def _check_unit(model: Model, capture: Capture) -> None:
-    if model.torque_unit != capture.torque_unit:
+    # Of another kind of axis the core says so.
+    if model.torque_unit != capture.torque_unit and model.coordinate == capture.coordinate:
         raise InputError(
             f"the model is in {model.torque_unit}, {capture.meta.get('source', 'the capture')} in "
             f"{capture.torque_unit}; convert the one of the motor with kt (--kt)"
