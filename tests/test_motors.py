@@ -119,16 +119,15 @@ def test_no_unit_but_those_of_the_axis_and_of_motors_is_taken() -> None:
         kc.Model.of(["inertia"], "linear", torque_unit="N m")
 
 
-def test_a_current_beyond_what_hands_turn_is_none_that_is_said_of_a_torque(tmp_path: Path) -> None:
+def test_what_no_hand_turns_is_said_of_a_torque_and_of_no_motor(tmp_path: Path) -> None:
     t = np.arange(1000) / 500.0
     path = tmp_path / "run.csv"
     np.savetxt(
         path, np.column_stack([t, np.sin(t), 40.0 * np.cos(t)]), delimiter=",", header="t,x,i", comments=""
     )
-    kinds = [one.kind for one in kc.load(path, map="t=t, theta=x, tau=i").findings]
-    assert "unit" in kinds
-    kinds = [one.kind for one in kc.load(path, map="t=t, theta=x, tau=i [A]").findings]
-    assert "unit" not in kinds
+    for text, told in (("tau=i", {"theta", "tau"}), ("tau=i [A]", set()), ("tau=i [V]", set())):
+        findings = kc.load(path, map=f"t=t, theta=x, {text}").findings
+        assert {one.column for one in findings if one.kind == "unit"} == told
 
 
 def test_torques_of_different_units_are_no_one_fit(

@@ -309,9 +309,9 @@ def of_table(
         return capture if limit is None else _limited(capture, limit, rows[keep])
     limits = {name: at[keep] for name, at in table.limits.items() if name in capture.columns}
     clipped, found = check_limits(limits, capture.mask, rows[keep])
-    # Who states a unit, or computes with the column, knows what it is in.
+    # Who states a unit, or computes with the column, knows what it is in; a motor is faster than hands.
     taken = {name for name, entry in resolved.entries.items() if entry.unit is None and entry.plain}
-    sizes = check_size(capture.columns, capture.mask, capture.coordinate, taken)
+    sizes = [] if torque_unit else check_size(capture.columns, capture.mask, capture.coordinate, taken)
     said = (*table.notes, *resolved.notes, *capture.findings, *found, *sizes)
     return replace(capture, mask=capture.mask & ~clipped, findings=said)
 
