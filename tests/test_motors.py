@@ -123,7 +123,11 @@ def test_what_no_hand_turns_is_said_of_a_torque_and_of_no_motor(tmp_path: Path) 
     t = np.arange(1000) / 500.0
     path = tmp_path / "run.csv"
     np.savetxt(
-        path, np.column_stack([t, np.sin(t), 40.0 * np.cos(t)]), delimiter=",", header="t,x,i", comments=""
+        path,
+        np.column_stack([t, 500.0 * np.sin(t), 40.0 * np.cos(t)]),
+        delimiter=",",
+        header="t,x,i",
+        comments="",
     )
     for text, told in (("tau=i", {"theta", "tau"}), ("tau=i [A]", set()), ("tau=i [V]", set())):
         findings = kc.load(path, map=f"t=t, theta=x, {text}").findings
