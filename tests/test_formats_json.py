@@ -114,12 +114,12 @@ def bam(**changed: Any) -> dict[str, Any]:
     } | changed
 
 
-def test_a_bam_log_is_known_and_asks_for_what_makes_a_torque_of_its_voltage(tmp_path: Path) -> None:
+def test_a_bam_log_is_known_and_its_torque_is_the_voltage_of_its_motor(tmp_path: Path) -> None:
     path = written(tmp_path, bam())
-    right = "t=timestamp [s], theta=position [rad], omega=speed [rad/s], tau=K*duty*input_volts"
-    refused(knobcam("import", path, "-o", tmp_path / "run.npz"), "duty*input_volts is a voltage", right)
-    capture = kc.load(path, map=right.replace("K*", "0.1/vin*"))
-    np.testing.assert_allclose(capture.tau, TAU, atol=0.06 * np.abs(TAU).max())
+    capture = kc.load(path)
+    assert "tau = duty*input_volts [V]" in capture.findings[0].message
+    assert capture.torque_unit == "V"
+    np.testing.assert_allclose(capture.tau, 7.4 * TAU / 0.1, atol=0.06 * 74.0 * np.abs(TAU).max())
 
 
 def test_a_folder_of_runs_is_its_captures_for_a_command_of_several(tmp_path: Path) -> None:

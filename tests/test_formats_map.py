@@ -153,10 +153,14 @@ def test_a_map_that_cannot_be_read_says_why(column_map: Any, message: str) -> No
         ("tau", "Ncm", 1e-2, "rotary"),
         ("tau", "kgf cm", 0.0980665, "rotary"),
         ("tau", "mN", 1e-3, "linear"),
+        ("tau", "mA", 1e-3, None),
+        ("tau", "V", 1.0, None),
+        ("tau", "%", 1e-2, None),
+        ("tau", "duty", 1.0, None),
     ],
 )
 def test_units_become_si_and_tell_the_axis(target: str, unit: str, factor: float, axis: str | None) -> None:
-    found, implied = to_si(target, unit)
+    found, implied, _ = to_si(target, unit)
     assert found == pytest.approx(factor, rel=1e-12)
     assert implied == axis
 

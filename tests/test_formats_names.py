@@ -112,10 +112,10 @@ def test_lengths_and_forces_make_a_linear_axis(tmp_path: Path) -> None:
         ("time,position,vel,speed", "no column is a torque", "tau=COLUMN"),
         ("time,velocity,x,torque", "no column is an angle", "theta=x, omega=velocity, tau=torque"),
         ("time,position,left_torque,x", "'left_torque' is not plain", "tau=left_torque"),
-        ("time,position,vel,Iq [A]", "no torque; Iq [A] is a current in A", "tau=KT*`Iq [A]`"),
-        ("time,position,vel,Iq_mA", "no torque; Iq_mA is a current in mA", "tau=KT*Iq_mA/1000"),
-        ("time,position,vel,Uq", "no torque; Uq is a voltage in V", "tau=K*Uq"),
-        ("time,position,vel,duty", "no torque; duty is a duty cycle", "tau=K*duty"),
+        ("time,position,vel,Iq", "no torque; Iq is a current that says no unit", "tau=Iq [A]"),
+        ("time,position,vel,Uq", "no torque; Uq is a voltage in V", "tau=Uq [V]"),
+        ("time,position,vel,Uq_mV", "no torque; Uq_mV is a voltage in mV", "tau=Uq_mV [mV]"),
+        ("time,position,vel,duty", "no torque; duty is a duty cycle", "tau=duty [duty]"),
         ("time,pos [counts],vel,torque", "'pos [counts]' holds counts", "theta=`pos [counts]`/COUNTS [turn]"),
     ],
 )
@@ -129,12 +129,13 @@ def test_what_is_not_plain_or_not_unique_is_refused_with_the_columns_and_a_map(
 
 
 def test_the_map_that_a_refusal_shows_is_one_that_works(tmp_path: Path) -> None:
-    path = log(tmp_path, "time,motor pos,joint_pos,Iq [A]", T, THETA, ZERO, 1e3 * TAU)
+    path = log(tmp_path, "time,motor pos,joint_pos,Iq [mA]", T, THETA, ZERO, 1e3 * TAU)
     said = knobcam("import", path, "-o", tmp_path / "run.npz").err
     shown = re.search('--map "(.*)"', said)
     assert shown is not None
-    capture = kc.load(path, map=shown[1].replace("KT", "0.001"))
+    capture = kc.load(path, map=shown[1])
     np.testing.assert_allclose(capture.tau, TAU, atol=1e-9)
+    assert capture.torque_unit == "A"
 
 
 @pytest.mark.parametrize(("step", "unit"), [(1.0, "ms"), (2000.0, "us"), (2e6, "ns")])
@@ -189,10 +190,21 @@ def test_estimates_of_an_odrive_are_in_turns(tmp_path: Path) -> None:
     assert "ODrive" in assert_taken(log(tmp_path, header, T, THETA / TURN, OMEGA / TURN, TAU, ZERO))
 
 
-def test_the_current_of_an_odrive_asks_for_its_torque_constant(tmp_path: Path) -> None:
-    header = "time,odrv0.axis0.encoder.pos_estimate,odrv0.axis0.motor.current_control.Iq_measured"
-    with pytest.raises(InputError, match=r"pos_estimate \[turn\], tau=KT\*odrv0.*\(KT: N m/A\)"):
-        kc.load(log(tmp_path, header, T, THETA / TURN, TAU))
+@pytest.mark.parametrize(
+    ("header", "factor"),
+    [
+        ("time,odrv0.axis0.encoder.pos_estimate,odrv0.axis0.motor.current_control.Iq_measured", 1.0),
+        ("time,position [turn],Iq [A]", 1.0),
+        ("time,position [turn],Iq_mA", 1e-3),
+    ],
+)
+def test_a_current_that_says_its_unit_stands_for_a_torque_in_a(
+    header: str, factor: float, tmp_path: Path
+) -> None:
+    capture = kc.load(log(tmp_path, header, T, THETA / TURN, TAU))
+    assert (capture.torque_unit, capture.units["tau"]) == ("A", "A")
+    np.testing.assert_allclose(capture.tau, factor * TAU, atol=1e-12)
+    assert "mA]" in capture.findings[0].message or "[A]" in capture.findings[0].message
 
 
 def test_two_axes_of_an_odrive_are_not_chosen_between(tmp_path: Path) -> None:
@@ -203,7 +215,7 @@ def test_two_axes_of_an_odrive_are_not_chosen_between(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("before", "right"),
-    [(2, "theta=c3 [rad], omega=c2 [rad/s], tau=K*c1"), (5, "omega=c5 [rad/s], tau=KT*c3/1000")],
+    [(2, "theta=c3 [rad], omega=c2 [rad/s], tau=c1 [V]"), (5, "omega=c5 [rad/s], tau=c3 [mA]")],
 )
 def test_a_simplefoc_monitor_asks_for_its_rate_and_its_torque(
     before: int, right: str, tmp_path: Path

@@ -39,9 +39,9 @@ def test_a_picture_leaves_the_settings_as_they_were_and_does_not_depend_on_them(
 
 
 def test_strong_torque_is_drawn_in_newton_metres_and_force_in_newtons() -> None:
-    assert torque_scale("rotary", 0.2) == (1000.0, "mNm")
-    assert torque_scale("rotary", 12.0) == (1.0, "N m")
-    assert torque_scale("linear", 0.2) == (1.0, "N")
+    assert torque_scale("N m", 0.2) == (1000.0, "mNm")
+    assert torque_scale("N m", 12.0) == (1.0, "N m")
+    assert torque_scale("N", 0.2) == (1.0, "N")
 
 
 def test_masked_samples_are_marked_where_they_are(capture: kc.Capture) -> None:

@@ -1,7 +1,7 @@
 /** What the plots show of the data: columns, axes, colours. */
 
 import { limits } from "./axes.js";
-import { torqueScale } from "./numbers.js";
+import { torqueScale, torqueWord } from "./numbers.js";
 
 /** @typedef {import("./store.js").Columns} Columns */
 /** @typedef {import("./plot.js").Contents} Contents */
@@ -56,7 +56,7 @@ export function reachOf({ columns, beside, noise }) {
  */
 export function rowsOf(data, view, widest) {
   const { columns, beside, coordinate } = data;
-  const word = coordinate === "linear" ? "force" : "torque";
+  const word = torqueWord(data.unit);
   const model = less(columns.tau, columns.residual);
   const other = beside ? less(columns.tau, beside.residual) : null;
   return ROWS.map((row) => {

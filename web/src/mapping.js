@@ -9,7 +9,7 @@ import { number } from "./numbers.js";
 const TARGETS = {
   t: ["s", "ms", "us", "min"],
   theta: ["rad", "deg", "turn", "m", "mm", "um"],
-  tau: ["N m", "mNm", "N", "mN"],
+  tau: ["N m", "mNm", "N", "mN", "A", "mA", "V", "duty"],
   omega: ["rad/s", "deg/s", "rpm", "m/s", "mm/s"],
   alpha: ["rad/s^2", "deg/s^2", "m/s^2", "mm/s^2"],
 };

@@ -26,11 +26,21 @@ export function percent(share) {
 
 /**
  * A unit for the eye: shown = factor * SI. Small torques in mNm, as the pictures of the package have them.
- * @param {string} unit "N m" or "N"
+ * @param {string} unit "N m" or "N", of a motor "A", "V" or "duty"
  * @param {number} peak the largest magnitude that is shown, SI
  */
 export function torqueScale(unit, peak) {
   return unit === "N m" && peak <= 2 ? { factor: 1000, unit: "mNm" } : { factor: 1, unit };
+}
+
+/**
+ * What moves the knob, by its unit.
+ * @param {string} unit
+ */
+export function torqueWord(unit) {
+  /** @type {Record<string, string>} */
+  const words = { N: "force", A: "current", V: "voltage", duty: "duty cycle" };
+  return words[unit] ?? "torque";
 }
 
 /**

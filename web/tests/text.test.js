@@ -3,7 +3,7 @@ import { test } from "node:test";
 
 import { limits } from "../src/axes.js";
 import { latest } from "../src/latest.js";
-import { number, percent, ticks, torqueScale } from "../src/numbers.js";
+import { number, percent, ticks, torqueScale, torqueWord } from "../src/numbers.js";
 
 test("numbers have a true minus and as many digits as they need", () => {
   assert.equal(number(-0.00012345), "−1.23e−4");
@@ -24,6 +24,11 @@ test("small torques are told in mNm, forces in N", () => {
   assert.deepEqual(torqueScale("N m", 0.1), { factor: 1000, unit: "mNm" });
   assert.deepEqual(torqueScale("N m", 5), { factor: 1, unit: "N m" });
   assert.deepEqual(torqueScale("N", 0.1), { factor: 1, unit: "N" });
+});
+
+test("what stands for a torque is called by its unit", () => {
+  assert.deepEqual(torqueScale("A", 0.1), { factor: 1, unit: "A" });
+  assert.deepEqual(["N m", "N", "A", "duty"].map(torqueWord), ["torque", "force", "current", "duty cycle"]);
 });
 
 test("limits leave out what is not finite and are never empty", () => {

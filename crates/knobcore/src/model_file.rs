@@ -13,12 +13,14 @@
 use crate::effects::{Id, Place};
 use crate::error::{Error, Result};
 use crate::model::{Model, Role};
-use crate::param::{Axis, Param, Usual};
+use crate::param::{Axis, Given, Param, Usual};
 use std::fmt::Write;
 use toml::{Table, Value};
 
 /// The version of the file that is written and read.
 pub const SCHEMA: &str = "knobcam.model/1";
+
+const KEYS: [&str; 6] = ["schema", "name", "axis", "torque_unit", "fitted_to", "effects"];
 
 /// Reads a model.
 ///
@@ -45,13 +47,9 @@ pub fn parse(text: &str) -> Result<Model> {
             ));
         }
     }
-    if let Some(unknown) =
-        file.keys().find(|key| !["schema", "name", "axis", "fitted_to", "effects"].contains(&key.as_str()))
-    {
-        return Err(bad(
-            &format!("'{unknown}'"),
-            "is no key of a model file; it has schema, name, axis, fitted_to and effects",
-        ));
+    if let Some(unknown) = file.keys().find(|key| !KEYS.contains(&key.as_str())) {
+        let why = "is no key of a model file; it has schema, name, axis, torque_unit, fitted_to and effects";
+        return Err(bad(&format!("'{unknown}'"), why));
     }
     let axis = match file.get("axis").map(Value::as_str) {
         None | Some(Some("rotary")) => Axis::Rotary,
@@ -61,11 +59,16 @@ pub fn parse(text: &str) -> Result<Model> {
             return Err(bad("axis", &format!("is '{other}'; it must be \"rotary\" or \"linear\"")));
         }
     };
+    let given = match file.get("torque_unit") {
+        None => None,
+        Some(unit) => Some(read_given(unit)?),
+    };
     let effects = file.get("effects").and_then(Value::as_table).filter(|table| !table.is_empty());
     let effects =
         effects.ok_or_else(|| bad("effects", "are missing; add a table such as [effects.inertia]"))?;
     let ids = effects.keys().map(|id| Id::parse(id)).collect::<Result<Vec<_>>>()?;
     let mut model = Model::new(&ids, axis);
+    model.given = given;
     model.name = file.get("name").and_then(Value::as_str).unwrap_or_default().to_owned();
     if let Some(captures) = file.get("fitted_to") {
         let names = captures.as_array().into_iter().flatten().map(|one| one.as_str().map(str::to_owned));
@@ -110,6 +113,14 @@ pub fn parse(text: &str) -> Result<Model> {
     Ok(model)
 }
 
+/// What stands for the torque, by its unit.
+fn read_given(unit: &Value) -> Result<Given> {
+    Given::ALL.into_iter().find(|given| Some(given.unit()) == unit.as_str()).ok_or_else(|| {
+        let why = "must be \"A\", \"V\" or \"duty\"; leave it out where torques are in N m, forces in N";
+        Error::invalid("torque_unit", why)
+    })
+}
+
 /// What a plain number makes of a parameter: one that is usually fixed needs no mark.
 fn of_number(param: &Param) -> Role {
     if param.usual == Usual::Fixed { Role::Fixed } else { Role::Free }
@@ -152,6 +163,9 @@ pub fn write(model: &Model) -> String {
         let _ = writeln!(out, "name = {}", Value::String(model.name.clone()));
     }
     let _ = writeln!(out, "axis = \"{axis}\"");
+    if let Some(given) = model.given {
+        let _ = writeln!(out, "torque_unit = \"{}\"", given.unit());
+    }
     if !model.fitted_to.is_empty() {
         let names = model.fitted_to.iter().cloned().map(Value::String).collect();
         let _ = writeln!(out, "fitted_to = {}", Value::Array(names));
@@ -171,7 +185,7 @@ pub fn write(model: &Model) -> String {
                     out,
                     "{} = {value} # {}, {}",
                     slot.param.name,
-                    slot.param.unit.text(model.axis),
+                    model.unit(slot),
                     slot.param.meaning
                 );
             }
@@ -187,6 +201,7 @@ mod tests {
     fn example() -> Model {
         let mut model = Model::new(Id::BUILT_IN, Axis::Linear);
         model.name = "a \"quoted\" name\nof two lines".into();
+        model.given = Some(Given::Voltage);
         model.fitted_to = vec!["one.npz 0f".into(), "a \"b\", c\n.csv 1a".into()];
         model.set("inertia.M", 0.1 + 0.2).unwrap();
         model.set("detent.P", 1.0 / 3.0).unwrap();
@@ -204,7 +219,7 @@ mod tests {
         let model = example();
         let back = parse(&write(&model)).unwrap();
         assert_eq!(back.name, model.name);
-        assert_eq!((back.axis, &back.fitted_to), (model.axis, &model.fitted_to));
+        assert_eq!((back.axis, back.given, &back.fitted_to), (model.axis, model.given, &model.fitted_to));
         for (a, b) in model.slots().iter().zip(back.slots()) {
             assert_eq!((a.name(), a.value.to_bits(), a.role), (b.name(), b.value.to_bits(), b.role));
         }
@@ -238,6 +253,7 @@ mod tests {
             (&format!("{head}fitted_to = 3\n[effects.inertia]"), "fitted_to", "leave it out"),
             (&format!("{head}fitted_to = [3]\n[effects.inertia]"), "fitted_to", "list of texts"),
             (&format!("{head}axis = \"round\"\n[effects.inertia]"), "axis", "rotary"),
+            (&format!("{head}torque_unit = \"N cm\"\n[effects.inertia]"), "torque_unit", "leave it out"),
             (&head, "effects", "[effects.inertia]"),
         ] {
             let error = parse(text).unwrap_err().to_string();

@@ -96,16 +96,17 @@ impl Unit {
 
     /// As it is printed: `N m s^2/rad`, on a linear axis `N s^2/m`.
     pub fn text(self, axis: Axis) -> String {
+        self.named(axis.units())
+    }
+
+    /// As it is printed where torque and angle have these units.
+    pub fn named(self, [torque, angle]: [&str; 2]) -> String {
         if self == Self::PHASE {
             return "rad".into();
         }
         if self == Self::NUMBER {
             return "1".into();
         }
-        let (torque, angle) = match axis {
-            Axis::Rotary => ("N m", "rad"),
-            Axis::Linear => ("N", "m"),
-        };
         let side = |sign: i8| -> Vec<String> {
             [(torque, self.torque), (angle, self.angle), ("s", self.time)]
                 .into_iter()
@@ -122,6 +123,41 @@ impl Unit {
             (_, 0) => above,
             (true, _) => format!("1/{}", below.join("/")),
             (false, _) => format!("{above}/{}", below.join("/")),
+        }
+    }
+}
+
+/// What stands for a torque that nobody measured: what a motor was given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Given {
+    /// A current, A.
+    Current,
+    /// A voltage, V.
+    Voltage,
+    /// A share of the supply, -1 to 1.
+    Duty,
+}
+
+impl Given {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Current, Self::Voltage, Self::Duty];
+
+    /// Its unit, as it is printed.
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::Current => "A",
+            Self::Voltage => "V",
+            Self::Duty => "duty",
+        }
+    }
+}
+
+impl Axis {
+    /// Its units of torque and of angle.
+    pub const fn units(self) -> [&'static str; 2] {
+        match self {
+            Self::Rotary => ["N m", "rad"],
+            Self::Linear => ["N", "m"],
         }
     }
 }
@@ -230,6 +266,7 @@ mod tests {
         assert_eq!(Unit::of(0, 1, -1).text(Axis::Rotary), "rad/s");
         assert_eq!(Unit::of(1, -3, 0).text(Axis::Linear), "N/m^3");
         assert_eq!(Unit::PHASE.text(Axis::Linear), "rad");
+        assert_eq!(Unit::of(1, -1, 2).named(["A", "rad"]), "A s^2/rad");
         assert_eq!(Unit::of(0, 0, -1).text(Axis::Rotary), "1/s");
     }
 

@@ -8,7 +8,7 @@ use knobcore::effects::{Base, Id};
 use knobcore::forward::forward as forward_core;
 use knobcore::model::{Model, Role};
 use knobcore::motion::Motion;
-use knobcore::param::{Axis, Param};
+use knobcore::param::{Axis, Given, Param};
 use knobcore::predict::{Columns, Seeds, raw};
 
 use knobcore::{model_file, predict};
@@ -36,12 +36,13 @@ impl PyModel {
 #[pymethods]
 impl PyModel {
     #[new]
-    #[pyo3(signature = (effects, axis_name="rotary", name=""))]
-    fn new(effects: Vec<String>, axis_name: &str, name: &str) -> PyResult<Self> {
+    #[pyo3(signature = (effects, axis_name="rotary", name="", torque_unit=""))]
+    fn new(effects: Vec<String>, axis_name: &str, name: &str, torque_unit: &str) -> PyResult<Self> {
         let ids =
             effects.iter().map(|id| Id::parse(id)).collect::<Result<Vec<_>, _>>().map_err(input_error)?;
         let mut model = Model::new(&ids, axis(axis_name));
         model.name = name.to_owned();
+        model.given = Given::ALL.into_iter().find(|given| given.unit() == torque_unit);
         Ok(Self(model))
     }
 
@@ -64,6 +65,16 @@ impl PyModel {
         if self.0.axis == Axis::Linear { "linear" } else { "rotary" }
     }
 
+    /// What its torques are in.
+    #[getter]
+    fn torque_unit(&self) -> &'static str {
+        self.0.units()[0]
+    }
+
+    fn as_torque(&self, factor: f64, back_emf: f64) -> PyResult<Self> {
+        self.0.as_torque(factor, back_emf).map(Self).map_err(input_error)
+    }
+
     #[getter]
     fn effects(&self) -> Vec<&'static str> {
         self.0.effects().map(|id| id.info().id).collect()
@@ -82,7 +93,7 @@ impl PyModel {
             .iter()
             .enumerate()
             .filter(|(at, _)| !self.0.is_idle(*at))
-            .map(|(_, s)| (s.name(), s.value, s.param.unit.text(self.0.axis), role(s.role)))
+            .map(|(_, s)| (s.name(), s.value, self.0.unit(s), role(s.role)))
             .collect()
     }
 

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
 import os
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from datetime import UTC, datetime
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -16,23 +14,25 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base import showing
-from ..base.arrays import BoolArray, FloatArray
+from ..base.arrays import BoolArray, FloatArray, vector
 from ..base.renamed import renamed
 from ..base.tables import TextTable
 from ..errors import InputError
 from .finding import Finding, Rows
 from .formats import DEFAULT_MAX_BYTES, Table, document, read_table, write_table
+from .formats.clock import NO_CLOCK, between
 from .formats.columnmap import ColumnMap
-from .formats.resolve import CONTRACT, resolve
-from .formats.units import SI, Coordinate
+from .formats.resolve import contract, resolve
+from .formats.units import SI, Coordinate, torque_unit_of
+from .motor import as_torque
 from .quality import check, check_size
 from .quality.limits import check_limits
+from .quality.torque import Limit, check_clipping, usual_limit
 
 if TYPE_CHECKING:
     from ..base.showing import Figure
     from .prepare import Prepared
 
-_NO_CLOCK = "no column of times; map t=COLUMN, or give the sampling rate in Hz (--rate)"
 _RATE_AGREEMENT = 0.01  # a given rate that differs more from the time stamps (relative) contradicts them
 
 
@@ -41,8 +41,9 @@ class Capture(showing.Tabled):
     """One recording, immutable: read-only float64 arrays of shape (samples,) in SI.
 
     `t` s; `theta` rad, `omega` rad/s, `alpha` rad/s^2 and `tau` N m on a rotary axis; m, m/s, m/s^2 and N on
-    a linear one. `omega` and `alpha` are None when they were not measured. `mask` is True where a sample is
-    usable; masked samples keep the values that were recorded. `rate_hz` is the usual sampling rate.
+    a linear one. `torque_unit` is another where nobody measured the torque and `tau` is what a motor was
+    given: A, V or duty. `omega` and `alpha` are None when they were not measured. `mask` is True where a
+    sample is usable; masked samples keep the values that were recorded. `rate_hz` is the usual sampling rate.
     `findings` says what the quality check found, `meta` where the numbers came from.
     """
 
@@ -56,10 +57,12 @@ class Capture(showing.Tabled):
     rate_hz: float
     meta: Mapping[str, Any] = field(default_factory=dict)
     findings: tuple[Finding, ...] = ()
+    torque_unit: str = ""
 
     def __post_init__(self) -> None:
         if self.coordinate not in SI:
             raise InputError(f"coordinate={self.coordinate!r} is unknown; choose rotary or linear")
+        object.__setattr__(self, "torque_unit", torque_unit_of(self.torque_unit, self.coordinate))
         for name in ("t", "theta", "omega", "alpha", "tau"):
             if getattr(self, name) is not None:
                 self._freeze(name, np.float64)
@@ -79,7 +82,8 @@ class Capture(showing.Tabled):
 
     def __reduce__(self) -> tuple[Any, ...]:
         arrays = (self.t, self.theta, self.omega, self.alpha, self.tau, self.mask)
-        return Capture, (*arrays, self.coordinate, self.rate_hz, dict(self.meta), self.findings)
+        about = (self.coordinate, self.rate_hz, dict(self.meta), self.findings, self.torque_unit)
+        return Capture, (*arrays, *about)
 
     @classmethod
     @renamed(axis="coordinate", rate="rate_hz")
@@ -94,22 +98,25 @@ class Capture(showing.Tabled):
         coordinate: Coordinate = "rotary",
         rate_hz: float | None = None,
         meta: Mapping[str, Any] | None = None,
+        torque_unit: str = "",
+        limit: Limit | None = None,
     ) -> Capture:
         """Return a checked capture from arrays in SI, shape (samples,) each; `rate_hz` stands in for `t`.
 
+        `torque_unit` is A, V or duty where `tau` is what a motor was given, `limit` whose the torque's is
+        (see `load`).
         Raises InputError for arrays of different length and for what leaves nothing to work with.
         """
         given = {"t": t, "theta": theta, "omega": omega, "alpha": alpha, "tau": tau}
-        columns = {name: _vector(name, values) for name, values in given.items() if values is not None}
+        columns = {name: vector(name, values) for name, values in given.items() if values is not None}
         for name, values in columns.items():
             if len(values) != len(columns["theta"]):
                 raise InputError(
                     f"columns of different length: theta has {len(columns['theta'])} samples, "
                     f"{name} has {len(values)}; cut them to one length"
                 )
-        return _checked(
-            columns, coordinate, rate_hz, meta or {}, np.arange(1, len(columns["theta"]) + 1), "arrays"
-        )
+        rows = np.arange(1, len(columns["theta"]) + 1)
+        return _checked(columns, coordinate, torque_unit, limit, rate_hz, meta or {}, rows, "arrays")
 
     @property
     def axis(self) -> Coordinate:
@@ -127,7 +134,7 @@ class Capture(showing.Tabled):
         if not self.clipped:
             return self
         kept = [
-            replace(one, severity="note", message=one.message.replace("; masked", "; counted"))
+            replace(one, severity="note", message=one.message.partition("; masked")[0] + "; counted")
             if one.kind == "clipped"
             else one
             for one in self.findings
@@ -156,8 +163,8 @@ class Capture(showing.Tabled):
 
     @property
     def units(self) -> Mapping[str, str]:
-        """SI unit of each column, as its coordinate has it."""
-        return MappingProxyType(SI[self.coordinate])
+        """SI unit of each column, as its coordinate has it, or of the torque what it is in."""
+        return MappingProxyType(SI[self.coordinate] | {"tau": self.torque_unit})
 
     @property
     def columns(self) -> Mapping[str, FloatArray]:
@@ -171,6 +178,14 @@ class Capture(showing.Tabled):
 
         return prepare(self, method, **options)
 
+    def as_torque(self, *, kt: float | None, resistance_ohm: float | None = None) -> Capture:
+        """Return the capture of a motor in A or V with its torque in N m, by its torque constant, N m/A.
+
+        Of a voltage the resistance of the winding has to be known too, for the back-EMF, which is that of the
+        smoothed velocity. On a linear axis N and N/A. InputError says what is missing or too much.
+        """
+        return as_torque(self, kt, resistance_ohm)
+
     def plot(self) -> Figure:
         """Return a figure of motion and torque over time."""
         return showing.plot(self)
@@ -182,7 +197,7 @@ class Capture(showing.Tabled):
         InputError says why it cannot be written.
         """
         target = Path(path)
-        names = CONTRACT[self.coordinate]
+        names = contract(self.coordinate, self.torque_unit)
         content = document.build(
             self.coordinate, self.rate_hz, self.meta, self.columns, self.mask, self.findings
         )
@@ -224,6 +239,9 @@ def load(
     start: float | None = None,
     end: float | None = None,
     joint: str | None = None,
+    kt: float | None = None,
+    resistance_ohm: float | None = None,
+    limit: Limit | None = None,
     max_bytes: int = DEFAULT_MAX_BYTES,
 ) -> Capture:
     """Read a capture: the native file, a wire log, CSV, JSON, .mat, .npy, .npz, HDF5, Parquet or a ROS 2 bag.
@@ -231,17 +249,24 @@ def load(
     A file is known by its content. Of a wire log the last run is read, of several joints the one called
     `joint`.
 
-    Columns t_s, theta_rad, omega_rad_s, alpha_rad_s2, tau_Nm (or theta_m, omega_m_s, alpha_m_s2, tau_N) are
-    understood, and others whose names are plain and unique, with their units (`pos_deg`, `Velocity (rpm)`):
-    a finding says what was taken for what. Any others by `map`, for example
-    `"t=c0, theta=c1/8192 [turn], tau=0.0551*c2"`. `rate_hz` numbers the samples of a file without times.
-    `start` and `end` (s, on the capture's own clock) keep a part. What is wrong with the samples is masked
-    and listed in `findings`; what leaves no capture raises InputError. Row numbers count the file's rows of
-    data from 1. Files, and what they inflate to, may have up to `max_bytes`.
+    Columns t_s, theta_rad, omega_rad_s, alpha_rad_s2, tau_Nm (or theta_m, omega_m_s, alpha_m_s2, tau_N; of a
+    motor tau_A, tau_V, tau_duty) are understood, and others whose names are plain and unique, with their
+    units (`pos_deg`, `Velocity (rpm)`): a finding says what was taken for what. Any others by `map`, for
+    example `"t=c0, theta=c1/8192 [turn], tau=c2 [A]"`. `rate_hz` numbers the samples of a file without times.
+    `start` and `end` (s, on the capture's own clock) keep a part. `kt` and `resistance_ohm` make a torque of
+    what a motor was given, as `Capture.as_torque` does. A torque that sits at its extreme is at the `limit`
+    of its "sensor" and masked, or of the "actuator" and real, by default where it is in A, V or duty.
+
+    What is wrong with the samples is masked and listed in `findings`; what leaves no capture raises
+    InputError. Row numbers count the file's rows of data from 1. Files, and what they inflate to, may have up
+    to `max_bytes`.
     """
     file = Path(path)
     table = read_table(file, max_bytes, joint)
-    return of_table(file, table, map=map, coordinate=coordinate, rate_hz=rate_hz, start=start, end=end)
+    said: dict[str, Any] = {"map": map, "coordinate": coordinate, "rate_hz": rate_hz, "limit": limit}
+    capture = of_table(file, table, **said, start=start, end=end)
+    given = kt is not None or resistance_ohm is not None
+    return capture.as_torque(kt=kt, resistance_ohm=resistance_ohm) if given else capture
 
 
 def of_table(
@@ -253,6 +278,7 @@ def of_table(
     rate_hz: float | None = None,
     start: float | None = None,
     end: float | None = None,
+    limit: Limit | None = None,
 ) -> Capture:
     """Return the capture in the content of a file; options as `load` takes them."""
     native = document.check_schema(table) if map is None else None
@@ -265,29 +291,37 @@ def of_table(
     resolved = resolve(table, map, coordinate)
     columns = resolved.columns
     if "t" not in columns and rate_hz is None:
-        raise InputError(f"{file}: {_NO_CLOCK}; the file has {table.listing()}")
-    keep = _between(str(file), columns, rate_hz, start, end)
+        raise InputError(f"{file}: {NO_CLOCK}; the file has {table.listing()}")
+    keep = between(str(file), columns, rate_hz, start, end)
     rows = np.arange(1, len(columns["theta"]) + 1)
     if table.meta is not None:
         meta = dict(table.meta)
     elif native is None:
-        meta = _provenance(
-            file, table, {name: str(entry) for name, entry in resolved.entries.items()}, rate_hz
-        )
+        meta = document.provenance(file, table.kind, resolved.entries, rate_hz)
     else:
         meta = native["meta"]
     part = {name: values[keep] for name, values in columns.items()}
-    capture = _checked(part, resolved.coordinate, rate_hz, meta, rows[keep], str(file))
+    torque_unit = resolved.torque_unit
+    capture = _checked(part, resolved.coordinate, torque_unit, limit, rate_hz, meta, rows[keep], str(file))
     if native is not None:
         untouched = isinstance(keep, slice) and native.get("sha256") == document.digest(columns)
-        return _restored(capture, native, table, keep, untouched)
+        capture = _restored(capture, native, table, keep, untouched)
+        return capture if limit is None else _limited(capture, limit, rows[keep])
     limits = {name: at[keep] for name, at in table.limits.items() if name in capture.columns}
     clipped, found = check_limits(limits, capture.mask, rows[keep])
-    # Who states a unit, or computes with the column, knows what it is in.
+    # Who states a unit, or computes with the column, knows what it is in; a motor is faster than hands.
     taken = {name for name, entry in resolved.entries.items() if entry.unit is None and entry.plain}
-    sizes = check_size(capture.columns, capture.mask, capture.coordinate, taken)
+    sizes = [] if torque_unit else check_size(capture.columns, capture.mask, capture.coordinate, taken)
     said = (*table.notes, *resolved.notes, *capture.findings, *found, *sizes)
     return replace(capture, mask=capture.mask & ~clipped, findings=said)
+
+
+def _limited(capture: Capture, limit: Limit, rows: Rows) -> Capture:
+    """Return a capture that was saved with its torque's extremes taken for another limit."""
+    usable = capture.mask | capture.at_limit
+    clipped, found = check_clipping(capture.tau, capture.theta, usable, rows, limit)
+    others = [one for one in capture.findings if one.column != "tau" or one.kind not in ("clipped", "limit")]
+    return replace(capture, mask=usable & ~clipped, findings=(*others, *found))
 
 
 def _restored(
@@ -300,13 +334,10 @@ def _restored(
         stored = document.stored_mask(native, table, length)[keep]
         said = document.stored_findings(native)
         dropped = tuple(finding for finding in said if finding.column not in capture.columns)
-        return Capture(
-            **{
-                name: getattr(capture, name) for name in ("t", "theta", "omega", "alpha", "tau", "coordinate")
-            },
+        return replace(
+            capture,
             mask=stored if whole else stored & capture.mask,
             rate_hz=float(native["rate_hz"]) if whole else capture.rate_hz,
-            meta=capture.meta,
             findings=said if whole else dropped + capture.findings,
         )
     except (KeyError, TypeError, ValueError) as error:
@@ -315,44 +346,18 @@ def _restored(
         ) from error
 
 
-def _between(
-    source: str,
-    columns: dict[str, FloatArray],
-    rate_hz: float | None,
-    start: float | None,
-    end: float | None,
-) -> slice | BoolArray:
-    """Return which samples lie from `start` to `end`; a file without times is numbered first."""
-    if rate_hz is not None and not (math.isfinite(rate_hz) and rate_hz > 0.0):
-        raise InputError(f"a rate of {rate_hz} Hz is no sampling rate; give samples a second")
-    if "t" not in columns:
-        if rate_hz is None:
-            raise InputError(f"{source}: {_NO_CLOCK}")
-        columns["t"] = np.arange(len(columns["theta"])) / rate_hz
-    if start is None and end is None:
-        return slice(None)
-    t = columns["t"]
-    first = -math.inf if start is None else start
-    last = math.inf if end is None else end
-    keep = (t >= first) & (t <= last)
-    if not keep.any():
-        raise InputError(
-            f"{source}: no sample lies from start={start} to end={end}; the file runs from "
-            f"{np.nanmin(t, initial=math.inf):.6g} to {np.nanmax(t, initial=-math.inf):.6g} s"
-        )
-    return keep
-
-
 def _checked(
     columns: dict[str, FloatArray],
     coordinate: Coordinate,
+    torque_unit: str,
+    limit: Limit | None,
     rate_hz: float | None,
     meta: Mapping[str, Any],
     rows: Rows,
     source: str,
 ) -> Capture:
-    _between(source, columns, rate_hz, None, None)
-    verdict = check(columns, coordinate, rows, source)
+    between(source, columns, rate_hz, None, None)
+    verdict = check(columns, coordinate, rows, source, limit or usual_limit(torque_unit))
     if rate_hz is not None and abs(rate_hz / verdict.rate_hz - 1.0) > _RATE_AGREEMENT:
         raise InputError(
             f"{source}: the time stamps run at {verdict.rate_hz:.6g} Hz, a rate of {rate_hz:.6g} was given; "
@@ -370,30 +375,5 @@ def _checked(
         rate_hz=verdict.rate_hz,
         meta=meta,
         findings=verdict.findings,
+        torque_unit=torque_unit,
     )
-
-
-def _provenance(
-    file: Path, table: Table, calibration: dict[str, str], rate_hz: float | None
-) -> dict[str, Any]:
-    modified = datetime.fromtimestamp(file.stat().st_mtime, UTC)
-    meta: dict[str, Any] = {
-        "source": str(file),
-        "format": table.kind,
-        "calibration": calibration,
-        "date": modified.isoformat(timespec="seconds"),
-        "notes": "",
-    }
-    if rate_hz is not None:
-        meta["rate_hz"] = rate_hz
-    return meta
-
-
-def _vector(name: str, values: ArrayLike) -> FloatArray:
-    try:
-        array = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{name}: not an array of numbers ({error})") from error
-    if array.ndim != 1:
-        raise InputError(f"{name}: has shape {array.shape}; give one value a sample")
-    return array

@@ -17,6 +17,7 @@ from . import (
     calibrating,
     capturing,
     catalogue,
+    converting,
     demonstrate,
     emulating,
     fitting,
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
 
 _GROUPS = (
     *(capturing, calibrating, recording, fitting, learning, rendering),
-    *(workbench, catalogue, demonstrate, emulating),
+    *(converting, workbench, catalogue, demonstrate, emulating),
 )
 _INTERRUPTED = 130  # what a shell reports for a program that Ctrl-C ended
 

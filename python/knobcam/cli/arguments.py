@@ -139,6 +139,17 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--coordinate", choices=("rotary", "linear"), help="kind of axis")
     group.add_argument("--rate", type=number, metavar="HZ", help="sampling rate, for a file without times")
     group.add_argument("--joint", metavar="NAME", help="one of several in a bag or a log")
+    group.add_argument(
+        "--kt", type=number, metavar="NM_A", help="N m/A of a motor: torque of its current in A"
+    )
+    group.add_argument(
+        "--resistance", type=number, metavar="OHM", help="beside --kt: torque of its voltage in V"
+    )
+    group.add_argument(
+        "--limit",
+        choices=("sensor", "actuator"),
+        help="whose it is where the torque sits at its extreme; default the actuator's in A, V or duty",
+    )
     group.add_argument("--start", type=number, metavar="S", help="leave out what is before this time")
     group.add_argument("--end", type=number, metavar="S", help="leave out what is after this time")
 
@@ -162,6 +173,7 @@ def read_all(args: argparse.Namespace) -> list[Capture]:
 def reading(args: argparse.Namespace) -> dict[str, Any]:
     """Return the options of `knobcam.load` that `add_reading` adds, but for the map."""
     options = {"coordinate": args.coordinate, "rate_hz": args.rate, "joint": args.joint}
+    options |= {"kt": args.kt, "resistance_ohm": args.resistance, "limit": args.limit}
     return options | {"start": args.start, "end": args.end}
 
 

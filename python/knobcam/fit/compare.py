@@ -27,7 +27,6 @@ _UNITS = {
     "acceleration": ("rad/s^2", "m/s^2"),
     "time": ("s", "s"),
     "frequency": ("Hz", "Hz"),
-    "load": ("N m", "N"),
     "history": ("rad", "m"),
 }
 # A model that agrees to this share of the torque agrees to rounding.
@@ -290,7 +289,8 @@ def compare(fit: Fit) -> Comparison:
         if math.isnan(fit.noise_floor):
             # Without the noise there is no excess to share out, and nothing is beyond chance.
             regions, row["share"], row["chance"] = (), math.nan, math.nan
-        unit = _UNITS[row["axis"]][0 if rotary else 1]
+        units = {"load": 2 * (fit.torque_unit,)} | _UNITS
+        unit = units[row["axis"]][0 if rotary else 1]
         splits.append(Split(unit=unit, regions=regions, **row))
     return Comparison(fit, tuple(splits))
 

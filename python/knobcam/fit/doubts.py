@@ -11,8 +11,10 @@ from ..model.effects import base_effects, effects
 from .plausible import REVERSED
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from ..capture.prepare import Prepared
-    from .fitting import Fit
+    from .fitting import Estimate, Fit
 
 AT_FLOOR = 1.05
 """An error this many times the noise floor is no different: the floor itself is known to a few percent."""
@@ -35,7 +37,21 @@ def doubts(fit: Fit) -> tuple[str, ...]:
             "position and acceleration move together, so inertia cannot be told from a stiffness over "
             "position: record a motion of more than one frequency"
         )
-    return (*found, *_at_bounds(fit))
+    return (*found, *_at_bounds(fit), *_back_emf(fit, own))
+
+
+def _back_emf(fit: Fit, own: Mapping[str, Estimate]) -> list[str]:
+    """What is said of friction in proportion to the speed where the torque is what drives the current."""
+    per_speed = f"{fit.torque_unit} s/{'rad' if fit.model.coordinate == 'rotary' else 'm'}"
+    names = [name for name, e in own.items() if e.unit == per_speed]
+    if fit.torque_unit not in ("V", "duty") or not names:
+        return []
+    way = (
+        "kt and the resistance part them"
+        if fit.torque_unit == "V"
+        else "map tau=duty*SUPPLY [V] to part them"
+    )
+    return [f"{' and '.join(names)} hold the motor's back-EMF beside its friction: {way}"]
 
 
 def _at_bounds(fit: Fit) -> list[str]:

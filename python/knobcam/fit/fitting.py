@@ -16,7 +16,6 @@ from .. import _core
 from ..base import showing
 from ..base.tables import TextTable, text_table
 from ..capture import Capture, load
-from ..capture.formats.units import SI
 from ..capture.prepare import Prepared
 from ..capture.prepare import prepare as prepare_signals
 from ..errors import InputError
@@ -154,6 +153,7 @@ class Fit(showing.Tabled):
             raise InputError(
                 f"the model is of a {self.model.coordinate} axis, the capture of a {capture.coordinate} one"
             )
+        _check_unit(self.model, capture)
         signals = prepare_signals(capture, self.signals.method, **self.signals.options)
         return signals.on_capture(self.model.core.torque(signals.core))
 
@@ -260,6 +260,7 @@ class Fit(showing.Tabled):
                 *said(self.prepared),
                 *([sign(self.prepared)] if self.log_fault == REVERSED else []),
             ],
+            "unit": self.torque_unit,
             "rmse": self.rmse,
             "rmse_heldout": self.rmse_heldout,
             "noise_floor": self.noise_floor,
@@ -295,7 +296,7 @@ class Fit(showing.Tabled):
     @property
     def torque_unit(self) -> str:
         """What its errors are in."""
-        return SI[self.model.coordinate]["tau"]
+        return self.model.torque_unit
 
     @property
     def _summary(self) -> str:
@@ -355,7 +356,8 @@ def fit(
     signals = tuple(prepare_signals(capture, prepare, **options) for capture in several)
     coordinate = several[0].coordinate
     base = base_effects(coordinate) + (base_effects_shown(coordinate) if detents == "yes" else ())
-    start = model or Model.of(base, coordinate)
+    start = model or Model.of(base, coordinate, several[0].torque_unit)
+    _check_unit(start, several[0])
     core = _core.fit([s.core for s in signals], start.core, model is None and detents == "auto")
     return Fit(signals, core)
 
@@ -370,3 +372,18 @@ def _check_captures(captures: Sequence[Capture]) -> None:
                     f"captures {before} and {number} are the same: counting one twice would only narrow "
                     "the intervals; give it once"
                 )
+    units = {one.torque_unit: str(one.meta.get("source", "a capture")) for one in captures}
+    if len(units) > 1 and len({one.coordinate for one in captures}) == 1:
+        said = " and ".join(f"{source} in {unit}" for unit, source in units.items())
+        raise InputError(
+            f"torques of different units, {said}, cannot be one fit; convert them with kt (--kt)"
+        )
+
+
+def _check_unit(model: Model, capture: Capture) -> None:
+    # Of another kind of axis the core says so.
+    if model.torque_unit != capture.torque_unit and model.coordinate == capture.coordinate:
+        raise InputError(
+            f"the model is in {model.torque_unit}, {capture.meta.get('source', 'the capture')} in "
+            f"{capture.torque_unit}; convert the one of the motor with kt (--kt)"
+        )

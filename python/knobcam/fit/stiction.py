@@ -134,7 +134,7 @@ def stiction(fit: Fit) -> Stiction:
     """
     signals = [prepared.core for prepared in fit.prepared]
     d_neg, d_pos, dv, breakaways = _core.stiction(signals, fit.core.model)
-    torque, speed = ("N m", "rad/s") if fit.model.coordinate == "rotary" else ("N", "m/s")
+    torque, speed = fit.torque_unit, "rad/s" if fit.model.coordinate == "rotary" else "m/s"
     backward, forward = _estimate(d_neg, torque), _estimate(d_pos, torque)
     return Stiction(fit, backward, forward, _estimate(dv, speed), (breakaways[0], breakaways[1]))
 

@@ -153,6 +153,7 @@ class LearningResult(showing.Tabled):
             "capture": fitted["captures"][0],
             "captures": fitted["captures"],
             "findings": fitted["findings"],
+            "unit": self.fit.torque_unit,
             "noise_floor": self.noise_floor,
             "verdict": self.verdict,
             "found": list(self.found),

@@ -13,6 +13,8 @@ from ..base import showing
 from ..base.atomic import write_atomically
 from ..base.renamed import renamed
 from ..base.tables import TextTable, text_table
+from ..capture.formats.units import torque_unit_of
+from ..capture.motor import torque_per_unit
 from ..errors import InputError
 from .plugins import load_plugins
 
@@ -44,10 +46,16 @@ class Model(showing.Tabled):
 
     @classmethod
     @renamed(axis="coordinate")
-    def of(cls, effects: Iterable[str], coordinate: str = "rotary", **values: float) -> Model:
-        """Return a model of these effects; values by `effect__parameter=1.0`, others are neutral."""
+    def of(
+        cls, effects: Iterable[str], coordinate: Coordinate = "rotary", torque_unit: str = "", **values: float
+    ) -> Model:
+        """Return a model of these effects; values by `effect__parameter=1.0`, others are neutral.
+
+        `torque_unit` is A, V or duty for one of what a motor is given.
+        """
         load_plugins()
-        model = cls(_core.Model(list(effects), coordinate))
+        unit = torque_unit_of(torque_unit, coordinate)
+        model = cls(_core.Model(list(effects), coordinate, torque_unit=unit))
         if not model.effects:
             raise InputError("a model needs an effect, such as inertia; `effects()` lists them")
         for name, value in values.items():
@@ -129,6 +137,11 @@ class Model(showing.Tabled):
         return self.coordinate
 
     @property
+    def torque_unit(self) -> str:
+        """What its torques are in: N m (N on a linear axis), or of a motor A, V or duty."""
+        return self.core.torque_unit
+
+    @property
     def effects(self) -> tuple[str, ...]:
         """Ids of its effects, in the order of the catalogue."""
         return tuple(self.core.effects)
@@ -170,6 +183,17 @@ class Model(showing.Tabled):
     def with_effect(self, effect: str) -> Model:
         """Return the model with one effect more, at its neutral values."""
         return Model(self.core.with_effect(effect))
+
+    def as_torque(self, *, kt: float | None, resistance_ohm: float | None = None) -> Model:
+        """Return the model of a motor in A or V with its torques in N m, by its torque constant, N m/A.
+
+        In V the resistance of the winding has to be known too: what is in proportion to the speed holds the
+        back-EMF, which is taken off. On a linear axis N and N/A. InputError says what is missing or too much.
+        """
+        try:
+            return Model(self.core.as_torque(*torque_per_unit(self.torque_unit, kt, resistance_ohm)))
+        except InputError as error:
+            raise InputError(f"model '{self.name}': {error}" if self.name else str(error)) from None
 
     def renamed(self, name: str) -> Model:
         """Return the model under another name."""

@@ -100,6 +100,7 @@ def simulate(
         alpha=measured(track.alpha, rig.alpha_sd, 0.0),
         tau=np.clip(tau, -rig.tau_limit, rig.tau_limit),
         coordinate=model.coordinate,
+        torque_unit=model.torque_unit,
         meta={
             "source": f"simulated {model.name}".strip(),
             "motion": motion if isinstance(motion, str) else "given",

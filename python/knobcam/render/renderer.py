@@ -13,6 +13,7 @@ from .. import _core
 from ..base import showing
 from ..base.renamed import renamed
 from ..base.tables import TextTable, text_table
+from ..capture.formats.units import GIVEN
 from ..errors import InputError
 from ..model import Model
 
@@ -94,6 +95,7 @@ class Renderer(_core.Renderer):
         Raises InputError for a rate, limit or device that cannot be.
         """
         model = model if isinstance(model, Model) else Model.load(model)
+        check_torque(model)
         row = None if device is None else device.row
         rate_hz = rate_hz if rate is None else rate
         return super().__new__(cls, model.core, rate_hz, row, torque_limit, torque_rate_limit, speed_limit)
@@ -124,8 +126,18 @@ class Renderer(_core.Renderer):
         return f"Renderer at {self.rate_hz:g} Hz after {state['samples']} samples: {doing}"
 
 
+def check_torque(model: Model) -> None:
+    """Raise InputError for a model of what a motor was given: a hand feels torques."""
+    if model.torque_unit in GIVEN:
+        raise InputError(
+            f"model '{model.name}': is in {model.torque_unit}, and a hand feels torque; convert it with the "
+            "motor's torque constant: knobcam convert MODEL --kt KT -o NEW"
+        )
+
+
 def check_rotary(model: Model) -> None:
-    """Raise InputError for a model of a linear axis: the devices turn."""
+    """Raise InputError for a model that a device cannot render: it turns, by torques."""
+    check_torque(model)
     if model.coordinate != "rotary":
         raise InputError(
             f"model '{model.name}': is of a {model.coordinate} axis, and the device turns; give a rotary one"
@@ -222,6 +234,7 @@ def check_stability(
     through the delay). Raises InputError for a device or a rate that cannot be.
     """
     model = model if isinstance(model, Model) else Model.load(model)
+    check_torque(model)
     rig = Device() if rig is None else rig
     if not 10.0 <= rate_hz <= 1e6:
         raise InputError(f"a rate of {rate_hz} Hz is none of a device; choose 10 to 1e6, usually 5000")

@@ -28,6 +28,7 @@ from ..model import Model
 from ..model.effects import effect as catalogued
 from ..model.simulate import RIG, SensorNoise, simulate
 from ..model.typical import with_typical
+from ..render import check_torque
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -74,6 +75,7 @@ class Emulation(NamedTuple):
         model = self.knob if isinstance(self.knob, Model) else Model.load(self.knob)
         for effect in self.effects:
             model = with_typical(model, catalogued(effect))
+        check_torque(model)
         return model
 
     def checked(self) -> Self:

@@ -1,12 +1,13 @@
 //! A model: effects of the catalogue with their parameter values, and which of those may move.
 
+mod motor;
 mod roles;
 
 use crate::effects::law::{Carried, Law};
 use crate::effects::{Base, Id, Joint, Nonlinear, Place};
 use crate::error::{Error, Result};
 use crate::motion::{Load, Motion};
-use crate::param::{Axis, Kind, Param, Usual};
+use crate::param::{Axis, Given, Kind, Param, Usual};
 use std::ops::Range;
 
 /// What the fitter may do with a parameter.
@@ -52,6 +53,8 @@ pub struct Model {
     pub name: String,
     /// Rotary or linear.
     pub axis: Axis,
+    /// What its torques are, where they are no torques.
+    pub given: Option<Given>,
     /// The captures that its values come from, as who fitted them named them; none where nobody said.
     pub fitted_to: Vec<String>,
     parts: Vec<(Id, Range<usize>)>,
@@ -69,6 +72,7 @@ impl Model {
         let mut model = Self {
             name: String::new(),
             axis,
+            given: None,
             fitted_to: Vec::new(),
             parts: Vec::new(),
             loads: Vec::new(),
@@ -137,6 +141,7 @@ impl Model {
     pub fn only(&self, effects: &[Id]) -> Result<Self> {
         let mut model = Self::new(effects, self.axis);
         model.name.clone_from(&self.name);
+        model.given = self.given;
         for slot in self.slots.iter().filter(|slot| effects.contains(&slot.effect)) {
             model.copy_slot(self, slot)?;
         }
@@ -199,7 +204,7 @@ impl Model {
         let at = self.index(name)?;
         let Param { lower, upper, .. } = *self.slots[at].param;
         if !(lower..=upper).contains(&value) || !value.is_finite() {
-            let unit = self.slots[at].param.unit.text(self.axis);
+            let unit = self.unit(&self.slots[at]);
             return Err(Error::invalid(
                 format!("parameter '{name}'"),
                 format!(

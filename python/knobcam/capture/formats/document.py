@@ -5,6 +5,8 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
+from datetime import UTC, datetime
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -43,6 +45,21 @@ def build(
     except (TypeError, ValueError, RecursionError) as error:
         raise InputError(f"meta: cannot be saved ({error}); use text, numbers, lists and dicts") from error
     return document
+
+
+def provenance(file: Path, kind: str, entries: Mapping[str, object], rate_hz: float | None) -> dict[str, Any]:
+    """Return where the numbers of a capture come from: its file, and what each column was taken to be."""
+    modified = datetime.fromtimestamp(file.stat().st_mtime, UTC)
+    meta: dict[str, Any] = {
+        "source": str(file),
+        "format": kind,
+        "calibration": {name: str(entry) for name, entry in entries.items()},
+        "date": modified.isoformat(timespec="seconds"),
+        "notes": "",
+    }
+    if rate_hz is not None:
+        meta["rate_hz"] = rate_hz
+    return meta
 
 
 def digest(columns: Mapping[str, FloatArray]) -> str:

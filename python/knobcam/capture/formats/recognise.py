@@ -14,18 +14,11 @@ from .columnmap import TARGETS, Entry
 from .header import Label, read_label
 from .loggers import LOGGERS, simplefoc
 from .table import Table
-from .units import COUNTS, SI, Coordinate
-
-_IN_PLACE_OF_TORQUE = {
-    "A": ("a current in A", "KT*{}", "KT: N m/A"),
-    "mA": ("a current in mA", "KT*{}/1000", "KT: N m/A"),
-    "V": ("a voltage in V", "K*{}", "K: N m/V"),
-    "mV": ("a voltage in mV", "K*{}/1000", "K: N m/V"),
-    "duty": ("a duty cycle", "K*{}", "K: N m of the whole"),
-}
-"""Units of what stands for a torque, with the map that makes one of it: the one place that knows them."""
+from .units import COUNTS, GIVEN, SI, Coordinate
 
 _UNIT_ALONE = {"current": "A", "voltage": "V", "duty": "duty"}
+"""What may stand for a torque where no column is one, and its unit where none is said."""
+
 _NEEDED = {"theta": "an angle", "tau": "a torque"}
 _FAR = 2000.0  # of an angle: what runs further is not in rad
 _SLOWEST_S = 0.5  # between two samples of a log of motion: longer is another unit
@@ -66,9 +59,6 @@ def recognise(table: Table, coordinate: Coordinate | None) -> Recognised | None:
         entries[lacking[0]] = Entry(f"`{silent[0]}`", None)
     if doubts:
         raise ask(table, next(doubts[one] for one in ("theta", "tau", *TARGETS) if one in doubts), entries)
-    if (unit := entries["tau"].unit) in _IN_PLACE_OF_TORQUE:
-        what = _IN_PLACE_OF_TORQUE[unit][0]
-        raise ask(table, f"no torque; {_bare(entries['tau'].expression)} is {what}", entries)
     taken = ", ".join(_taken(name, entry, coordinate) for name, entry in entries.items())
     message = f"columns{f' of {logger.name}' if logger else ''}: {taken}; a map says otherwise"
     return Recognised(entries, Finding("columns", "theta", len(entries), (), message, "note"))
@@ -93,6 +83,12 @@ def _chosen(table: Table, labels: dict[str, Label]) -> tuple[dict[str, Entry], d
         entries[target] = Entry(f"`{name}`", labels[name].unit or _UNIT_ALONE.get(quantity))
         if len(found) > 1 and (target != "t" or len(plain) != 1):  # beside the time there may be a loop's
             doubts[target] = f"{_listed(found)} could each be {target}"
+        elif quantity == "current" and labels[name].unit is None:
+            doubts[target] = f"no torque; {name} is a current that says no unit"
+        elif quantity in _UNIT_ALONE and quantity != "current":
+            unit = "" if quantity == "duty" else f" in {entries[target].unit}"
+            # It may be the supply's.
+            doubts[target] = f"no torque; {name} is a {GIVEN[_UNIT_ALONE[quantity]]}{unit}"
         elif not plain:
             doubts[target] = f"{name!r} is not plain enough to be taken for {target}"
         elif target == "theta" and _counted(table, entries[target]):
@@ -185,9 +181,6 @@ def _mapped(entry: Entry) -> tuple[str, str]:
     text = name if _SIMPLE_NAME.fullmatch(name) or not entry.expression.startswith("`") else entry.expression
     if entry.unit == COUNTS:
         return f"{text}/COUNTS [turn]", "COUNTS: of a turn"
-    if entry.unit in _IN_PLACE_OF_TORQUE:
-        _, product, constant = _IN_PLACE_OF_TORQUE[entry.unit]
-        return product.format(text), constant
     return text if entry.unit is None else f"{text} [{entry.unit}]", ""
 
 

@@ -13,7 +13,7 @@ from .columnmap import TARGETS, ColumnMap, Entry, parse_map
 from .expression import evaluate
 from .recognise import ask, by_content, recognise
 from .table import Table
-from .units import SI, Coordinate, to_si
+from .units import GIVEN, SI, Coordinate, to_si
 
 CONTRACT: dict[Coordinate, dict[str, str]] = {
     "rotary": {
@@ -28,13 +28,22 @@ CONTRACT: dict[Coordinate, dict[str, str]] = {
 """Column names that are understood without a map, by coordinate and column of a capture."""
 
 
+def contract(coordinate: Coordinate, torque_unit: str) -> dict[str, str]:
+    """Return these names for a torque in such a unit: `tau_Nm`, `tau_A`."""
+    return CONTRACT[coordinate] | {"tau": f"tau_{torque_unit.replace(' ', '')}"}
+
+
 @dataclass(frozen=True)
 class Resolved:
-    """The columns of a capture in SI, shape (samples,) each, with where they came from."""
+    """The columns of a capture in SI, shape (samples,) each, with where they came from.
+
+    `torque_unit` is empty where the torque is one.
+    """
 
     columns: dict[str, FloatArray]
     coordinate: Coordinate
     entries: dict[str, Entry]
+    torque_unit: str
     notes: tuple[Finding, ...] = ()
 
 
@@ -51,11 +60,13 @@ def resolve(table: Table, column_map: ColumnMap | None, coordinate: Coordinate |
     else:
         entries, notes = _by_words(table, coordinate)
     columns: dict[str, FloatArray] = {}
+    torque_unit = ""
     for target in TARGETS:
         if target not in entries:
             continue
         entry = entries[target]
-        factor, implied = (1.0, None) if entry.unit is None else to_si(target, entry.unit)
+        factor, implied, unit = (1.0, None, "") if entry.unit is None else to_si(target, entry.unit)
+        torque_unit = unit if unit in GIVEN else torque_unit
         if implied is not None and coordinate is not None and implied != coordinate:
             raise InputError(
                 f"{table.source}: {target} in [{entry.unit}] is for a {implied} axis, but it is "
@@ -69,15 +80,19 @@ def resolve(table: Table, column_map: ColumnMap | None, coordinate: Coordinate |
             )
         columns[target] = values if factor == 1.0 else values * factor
     _check_lengths(table, columns, entries)
-    return Resolved(columns, coordinate or "rotary", entries, notes)
+    return Resolved(columns, coordinate or "rotary", entries, torque_unit, notes)
 
 
 def _by_contract(table: Table, coordinate: Coordinate | None) -> tuple[dict[str, Entry], Coordinate] | None:
     known = {*table.columns, *table.broken}
-    for candidate, names in CONTRACT.items():
-        if coordinate in (None, candidate) and {names["theta"], names["tau"]} <= known:
-            found = {target: Entry(f"`{name}`", None) for target, name in names.items() if name in known}
-            return found, candidate
+    for candidate, units in SI.items():
+        for unit in (units["tau"], *GIVEN):
+            names = contract(candidate, unit)
+            if coordinate in (None, candidate) and {names["theta"], names["tau"]} <= known:
+                found = {target: Entry(f"`{name}`", None) for target, name in names.items() if name in known}
+                if unit in GIVEN:
+                    found["tau"] = Entry(found["tau"].expression, unit)
+                return found, candidate
     return None
 
 

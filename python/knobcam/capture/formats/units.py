@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from functools import cache
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 from ...base.optional import require
 from ...errors import InputError
@@ -16,6 +16,11 @@ SI: dict[Coordinate, dict[str, str]] = {
     "linear": {"t": "s", "theta": "m", "omega": "m/s", "alpha": "m/s^2", "tau": "N"},
 }
 """The SI unit of each column of a capture, by its coordinate."""
+
+GIVEN = {"A": "current", "V": "voltage", "duty": "duty cycle"}
+"""Units of what a motor was given, which stand for a torque that nobody measured, and what it is."""
+
+_DUTY = {"duty": 1.0, "1": 1.0, "%": 0.01}
 
 COUNTS = "counts"
 """What stands for a unit where an encoder was not divided by its counts of a turn."""
@@ -74,17 +79,42 @@ def spelled_out(text: str) -> str | None:
     return _SPELLINGS.get(squeezed.replace("⋅", "·"))
 
 
-def to_si(target: str, unit: str) -> tuple[float, Coordinate | None]:
-    """Return the factor from `unit` to the SI unit of column `target`, and the coordinate that it implies.
+def torque_unit_of(unit: str, coordinate: Coordinate) -> str:
+    """Return what a torque is in where `unit` is given, by default that of the coordinate.
 
-    The coordinate is None where both share the unit (t). Raises InputError for an unknown unit or one of the
+    Raises InputError for any that is neither.
+    """
+    own = SI[coordinate]["tau"]
+    if unit not in ("", own, *GIVEN):
+        raise InputError(f"torque_unit={unit!r} is unknown; choose {own}, {', '.join(GIVEN)}")
+    return unit or own
+
+
+class ToSI(NamedTuple):
+    """A factor to an SI unit, the coordinate that has it, None where both do, and that unit."""
+
+    factor: float
+    coordinate: Coordinate | None
+    unit: str
+
+
+def to_si(target: str, unit: str) -> ToSI:
+    """Return what makes numbers in `unit` those of column `target` in SI.
+
+    A torque may be what a motor was given (`GIVEN`). Raises InputError for an unknown unit or one of the
     wrong dimension. An angle needs an angle in its unit: a bare 1/s would leave a factor of 2 pi to be
     guessed.
     """
     spelling = " ".join(unit.split())
-    for coordinate, units in SI.items():
-        if spelling == units[target]:
-            return 1.0, None if target == "t" else coordinate
+    wanted: list[tuple[str, Coordinate | None]]
+    wanted = [(units[target], None if target == "t" else axis) for axis, units in SI.items()]
+    if target == "tau":
+        if spelling in _DUTY:
+            return ToSI(_DUTY[spelling], None, "duty")
+        wanted += [(one, None) for one in GIVEN if one not in _DUTY]
+    for si, coordinate in wanted:
+        if spelling == si:
+            return ToSI(1.0, coordinate, si)
     if _NOT_UNITS.search(spelling):
         raise InputError(
             f"map: {target} in [{spelling}]: a count is not a unit; divide by the counts per turn, "
@@ -97,10 +127,10 @@ def to_si(target: str, unit: str) -> tuple[float, Coordinate | None]:
         raise InputError(
             f"map: {target} in [{spelling}]: unknown unit; write for example {_examples(target)}"
         ) from error
-    for coordinate, units in SI.items():
-        reference = registry.Quantity(1.0, units[target]).to_root_units()
+    for si, coordinate in wanted:
+        reference = registry.Quantity(1.0, si).to_root_units()
         if quantity.units == reference.units:
-            return float(quantity.magnitude / reference.magnitude), None if target == "t" else coordinate
+            return ToSI(float(quantity.magnitude / reference.magnitude), coordinate, si)
     raise InputError(
         f"map: {target} in [{spelling}] has the wrong dimension; expected for example {_examples(target)}"
     )
@@ -124,5 +154,5 @@ def _examples(target: str) -> str:
         "theta": "[rad], [deg], [turn] (rotary) or [m], [mm] (linear)",
         "omega": "[rad/s], [deg/s], [rpm] (rotary) or [m/s], [mm/s] (linear)",
         "alpha": "[rad/s^2], [deg/s^2] (rotary) or [m/s^2] (linear)",
-        "tau": "[N m], [mNm] (rotary) or [N], [mN] (linear)",
+        "tau": "[N m], [mNm] (rotary), [N], [mN] (linear), or of a motor [A], [V], [duty]",
     }[target]

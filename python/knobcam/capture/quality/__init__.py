@@ -17,7 +17,7 @@ from .motion import check_scale, check_stuck, check_wrapped
 from .size import check_size
 from .steps import check_steps
 from .timing import check_times, run_on
-from .torque import check_clipping, check_spikes
+from .torque import Limit, check_clipping, check_spikes
 
 __all__ = ["Checked", "Finding", "Rows", "check", "check_size"]
 
@@ -35,19 +35,30 @@ class Checked:
     columns: dict[str, FloatArray]
 
 
-def check(columns: dict[str, FloatArray], coordinate: Coordinate, rows: Rows, source: str) -> Checked:
+def check(
+    columns: dict[str, FloatArray],
+    coordinate: Coordinate,
+    rows: Rows,
+    source: str,
+    limit: Limit = "sensor",
+) -> Checked:
     """Check the columns t, theta, tau and, where there, omega and alpha: SI, shape (samples,) each.
 
-    `rows` is the data row of each sample, from 1. Raises InputError when there is nothing to work with: fewer
-    than two samples, a needed column without a number, time that stands still.
+    `rows` is the data row of each sample, from 1; `limit` whose it is where the torque sits at one. Raises
+    InputError when there is nothing to work with: fewer than two samples, a needed column without a number,
+    time that stands still.
     """
+    if limit not in ("sensor", "actuator"):
+        raise InputError(f"limit={limit!r} is unknown; choose sensor or actuator")
     if len(rows) < 2:
         raise InputError(f"{source}: {len(rows)} rows of data; a capture needs at least 2, better thousands")
     with np.errstate(all="ignore"):
-        return _check(columns, coordinate, rows, source)
+        return _check(columns, coordinate, rows, source, limit)
 
 
-def _check(columns: dict[str, FloatArray], coordinate: Coordinate, rows: Rows, source: str) -> Checked:
+def _check(
+    columns: dict[str, FloatArray], coordinate: Coordinate, rows: Rows, source: str, limit: Limit
+) -> Checked:
     findings: list[Finding] = []
     present = dict(columns)
     for name, values in columns.items():
@@ -94,7 +105,7 @@ def _check(columns: dict[str, FloatArray], coordinate: Coordinate, rows: Rows, s
     dead, found = check_dead(present, mask, rows)
     findings += found
     mask &= ~dead
-    clipped, found = check_clipping(present["tau"], present["theta"], mask, rows)
+    clipped, found = check_clipping(present["tau"], present["theta"], mask, rows, limit)
     findings += found
     findings += check_held(present, mask, rows)
     findings += check_late(present, mask, rate)

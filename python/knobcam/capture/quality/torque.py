@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import math
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arrays import BoolArray, FloatArray
 from ..finding import Finding, Rows, rows_in_words, spans
+from ..formats.units import GIVEN
 from .order import medians, quantile
+
+Limit = Literal["sensor", "actuator"]
+"""Whose limit it is where a torque sits at its extreme: the sensor's, or that of what drives the motor."""
 
 MIN_RUN = 4
 """Identical extreme samples in a row, below which a limit is not suspected."""
@@ -34,36 +39,44 @@ _ROUNDS = 5
 _FEWEST = 64  # rows from which the noise of a column can be told
 
 
-def check_clipping(
-    tau: FloatArray, theta: FloatArray, usable: BoolArray, rows: Rows
-) -> tuple[BoolArray, list[Finding]]:
-    """Return which samples of `tau` are saturated, on either side on its own, and the findings.
+def usual_limit(torque_unit: str) -> Limit:
+    """Return whose limit it is where nobody says: a drive's, where the torque is what a motor was given."""
+    return "actuator" if torque_unit in GIVEN else "sensor"
 
-    Zero is never a limit (a motor that is off), nor is a plateau during motion at an exactly constant step,
-    which noise-free simulations have.
+
+def check_clipping(
+    tau: FloatArray, theta: FloatArray, usable: BoolArray, rows: Rows, limit: Limit
+) -> tuple[BoolArray, list[Finding]]:
+    """Return which samples of `tau` are beyond the sensor, on either side on its own, and the findings.
+
+    What is at the limit of the actuator is only said: that much torque there was. Zero is never a limit (a
+    motor that is off), nor is a plateau during motion at an exactly constant step, which noise-free
+    simulations have.
     """
     clipped = np.zeros(len(tau), dtype=np.bool_)
     findings = []
     values = tau[usable]
-    for side, limit in (("upper", values.max()), ("lower", values.min())):
-        at = usable & (tau == limit)
-        if limit == 0.0 or _longest_run(at) < MIN_RUN or not _is_limit(values, limit):
+    for side, extreme in (("upper", values.max()), ("lower", values.min())):
+        at = usable & (tau == extreme)
+        if extreme == 0.0 or _longest_run(at) < MIN_RUN or not _is_limit(values, extreme):
             continue
         step = np.diff(theta)[at[1:] & at[:-1]]
         if step.size and step[0] != 0.0 and np.ptp(step) <= 1e-6 * abs(step[0]):
             continue
-        clipped |= at
-        findings.append(
-            Finding(
-                "clipped",
-                "tau",
-                int(at.sum()),
-                spans(rows[at]),
-                f"tau: {int(at.sum())} samples sit at its {side} limit {limit:.6g}, up to "
-                f"{_longest_run(at)} in a row ({rows_in_words(rows[at])}): the sensor is saturated; masked",
-                "masked",
-            )
+        message = (
+            f"tau: {int(at.sum())} samples sit at its {side} limit {extreme:.6g}, up to "
+            f"{_longest_run(at)} in a row ({rows_in_words(rows[at])}): "
         )
+        if limit == "sensor":
+            clipped |= at
+            message += (
+                "the sensor is saturated; masked (of the drive's own limit they count: --limit actuator)"
+            )
+            found = Finding("clipped", "tau", int(at.sum()), spans(rows[at]), message, "masked")
+        else:
+            message += "the drive's own limit, so they count, unless a sensor is saturated (--limit sensor)"
+            found = Finding("limit", "tau", int(at.sum()), spans(rows[at]), message, "note")
+        findings.append(found)
     return clipped, findings
 
 

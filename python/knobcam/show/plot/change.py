@@ -38,7 +38,7 @@ def draw_change(figure: Figure, cell: SubplotSpec, learned: LearningResult) -> N
     if len(learned.ladder) == 1:
         splits = {"Residual": learned.after[axis]}
     highest = max(_peak(split) for split in splits.values())
-    scale = torque_scale(learned.model.coordinate, highest)
+    scale = torque_scale(learned.model.torque_unit, highest)
     rows = cell.subgridspec(len(splits), 1)
     first = None
     for row, (name, split) in enumerate(splits.items()):

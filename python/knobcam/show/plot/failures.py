@@ -45,7 +45,7 @@ def comparison(comparison: Comparison) -> Picture:
     how_large = f"{explained:.1f} % of the variance explained, relative error {relative:.3g} %"
     figure = Picture(11.5, 9.6, f"{headline(fit)}; {how_large}")
     peak = max(float(np.max(np.abs(split.mean), initial=0.0)) for split in comparison.splits)
-    scale = torque_scale(fit.model.coordinate, peak)
+    scale = torque_scale(fit.model.torque_unit, peak)
     shares(figure.add_subplot(4, 2, 1), comparison)
     for i, split in enumerate(comparison.splits):
         axes = figure.add_subplot(4, 2, i + 2)

@@ -54,7 +54,7 @@ def draw_ladder(axes: Axes, learned: LearningResult) -> None:
     """Draw the waterfall, one row a step and one for what is left."""
     steps = learned.ladder
     longest = max(step.rmse for step in steps)
-    scale = torque_scale(learned.model.coordinate, longest)
+    scale = torque_scale(learned.model.torque_unit, longest)
     names = ["first model", *(f"+ {plain(step.added, 30)}" for step in steps[1:]), "what is left"]
     for row, step in enumerate(steps):
         if row:

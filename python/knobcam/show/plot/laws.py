@@ -53,7 +53,7 @@ def friction(axes: Axes, model: Model) -> None:
     fastest = _FASTEST[model.coordinate]
     omega = _both_sides(fastest)
     tau = curve(model, "velocity", omega)
-    scale = torque_scale(model.coordinate, float(np.max(np.abs(tau))))
+    scale = torque_scale(model.torque_unit, float(np.max(np.abs(tau))))
     # Breakaway can be far above sliding friction: it leaves the panel, and the inset shows where it ends.
     top = 1.3 * scale.factor * float(np.max(np.abs(tau))) or 1.0
     axes.plot(omega, tau * scale.factor, color=BLUE, lw=1.8)
@@ -125,14 +125,14 @@ def detents(axes: Axes, model: Model) -> None:
     theta = np.linspace(-reach, reach, 1200)
     tau = curve(model, "position", theta)
     peak = float(np.max(np.abs(tau)))
-    scale = torque_scale(model.coordinate, peak)
+    scale = torque_scale(model.torque_unit, peak)
     top = 2.5 * peak * scale.factor or 1.0
     axes.plot(theta, tau * scale.factor, color=BLUE, lw=1.8)
     _origin(axes)
     axes.set(xlim=(-reach, reach), ylim=(-top, top))
-    axes.set_title(f"{torque_word(model.coordinate).capitalize()} over position")
+    axes.set_title(f"{torque_word(model.torque_unit).capitalize()} over position")
     axes.set_xlabel(f"position ({motion_units(model.coordinate)['theta']})")
-    axes.set_ylabel(f"{torque_word(model.coordinate)} ({scale.unit})")
+    axes.set_ylabel(f"{torque_word(model.torque_unit)} ({scale.unit})")
     if length:
         _name_detent(axes, model, scale, peak)
 

@@ -51,6 +51,6 @@ def _draw_remaining(figure: Figure, cell: SubplotSpec, learned: LearningResult) 
     rows = cell.subgridspec(1 if worst is None else 2, 1)
     shares(figure.add_subplot(rows[0]), learned.after)
     if worst is not None:
-        scale = torque_scale(learned.model.coordinate, float(np.max(np.abs(worst.mean), initial=0.0)))
+        scale = torque_scale(learned.model.torque_unit, float(np.max(np.abs(worst.mean), initial=0.0)))
         says = f"What is left along {worst.axis}"
         draw_residual(figure.add_subplot(rows[1]), worst, scale, says)

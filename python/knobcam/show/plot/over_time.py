@@ -6,8 +6,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...capture.formats.units import GIVEN
 from ...errors import InputError
-from .style import BLUE, PALE, Picture, legend_above, motion_units, shade, source_of, styled, torque_scale
+from .style import (
+    BLUE,
+    PALE,
+    Picture,
+    legend_above,
+    motion_units,
+    shade,
+    source_of,
+    styled,
+    torque_scale,
+    torque_symbol,
+    torque_word,
+)
 from .thin import envelope
 
 if TYPE_CHECKING:
@@ -90,7 +103,7 @@ def overlay(commanded: MotionTrack, capture: Capture, torque: FloatArray | None 
 
 
 def _factor(capture: Capture, name: str) -> float:
-    return torque_scale(capture.coordinate, _peak(capture)).factor if name == "tau" else 1.0
+    return torque_scale(capture.torque_unit, _peak(capture)).factor if name == "tau" else 1.0
 
 
 def _peak(capture: Capture) -> float:
@@ -100,8 +113,10 @@ def _peak(capture: Capture) -> float:
 def _stack(capture: Capture, columns: list[str], title: str) -> tuple[Picture, list[Axes]]:
     """Return a figure with one row per column, sharing time, labelled with units."""
     figure = Picture(8.5, 1.1 + 1.55 * len(columns), title)
-    units = motion_units(capture.coordinate) | {"tau": torque_scale(capture.coordinate, _peak(capture)).unit}
+    units = motion_units(capture.coordinate) | {"tau": torque_scale(capture.torque_unit, _peak(capture)).unit}
     names = _LINEAR if capture.coordinate == "linear" else _NAMES
+    if (given := capture.torque_unit) in GIVEN:
+        names = names | {"tau": f"{torque_word(given)} ${torque_symbol(given)}$"}
     rows: list[Axes] = []
     for i, name in enumerate(columns):
         axes = figure.add_subplot(len(columns), 1, i + 1, sharex=rows[0] if rows else None)

@@ -25,25 +25,31 @@ def haptic_profile(source: Fit | Capture) -> Picture:
     """
     if isinstance(source, Fit):
         samples = Samples(source)
-        theta, omega, coordinate = samples.theta, samples.omega, source.model.coordinate
+        theta, omega, torque_unit = samples.theta, samples.omega, source.torque_unit
         panels = {"Measured": samples.tau, "Modelled": samples.modelled}
         title = headline(source)
     else:
         signals = source.prepare()
         used = signals.used
-        theta, omega, coordinate = signals.theta[used], signals.omega[used], source.coordinate
+        theta, omega, torque_unit = signals.theta[used], signals.omega[used], source.torque_unit
         panels = {"Measured": signals.tau[used]}
         title = source_of(source)
-    return _profile(theta, omega, panels, coordinate, title)
+    coordinate = source.model.coordinate if isinstance(source, Fit) else source.coordinate
+    return _profile(theta, omega, panels, coordinate, torque_unit, title)
 
 
 def _profile(
-    theta: FloatArray, omega: FloatArray, panels: dict[str, FloatArray], coordinate: str, title: str
+    theta: FloatArray,
+    omega: FloatArray,
+    panels: dict[str, FloatArray],
+    coordinate: str,
+    torque_unit: str,
+    title: str,
 ) -> Picture:
     every = np.concatenate(list(panels.values()))
     # A few spikes must not take the colour from all the rest.
     peak = float(np.quantile(np.abs(every), 0.998)) or 1.0
-    scale = torque_scale(coordinate, peak)
+    scale = torque_scale(torque_unit, peak)
     units = motion_units(coordinate)
     figure = Picture(5.6 * len(panels) + 1.0, 5.0, title)
     rows = np.random.default_rng(0).permutation(some(np.ones(len(theta), dtype=bool)))
@@ -67,6 +73,6 @@ def _profile(
         axes.set_xlabel(f"position ({units['theta']})")
         axes.set_ylabel(f"velocity ({units['omega']})")
     figure.colorbar(
-        dots, ax=figure.axes, label=f"{torque_word(coordinate)} ({scale.unit})", extend="both", pad=0.01
+        dots, ax=figure.axes, label=f"{torque_word(torque_unit)} ({scale.unit})", extend="both", pad=0.01
     )
     return figure

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def residual(fit: Fit) -> Picture:
     """The residual over time, and its histogram and spectrum beside what sensor noise alone leaves."""
     rest = fit.residual[np.isfinite(fit.residual)]
-    scale = torque_scale(fit.model.coordinate, float(np.max(np.abs(rest), initial=0.0)))
+    scale = torque_scale(fit.model.torque_unit, float(np.max(np.abs(rest), initial=0.0)))
     figure = Picture(10.0, 6.4, headline(fit))
     grid = figure.add_gridspec(2, 2)
     residual_over_time(figure.add_subplot(grid[0, :]), fit)
@@ -63,7 +63,7 @@ def scan(fit: Fit) -> Picture:
     used = sum(signals.core.used for signals in fit.prepared)
     # A sine of amplitude A takes n A^2 / 2 off the sum of squares.
     amplitude = np.sqrt(2.0 * np.maximum(gain, 0.0) / max(used, 1))
-    scale = torque_scale(fit.model.coordinate, float(np.max(amplitude, initial=0.0)))
+    scale = torque_scale(fit.model.torque_unit, float(np.max(amplitude, initial=0.0)))
     rotary = fit.model.coordinate == "rotary"
     x = inverse_period if rotary else inverse_period / (2.0 * np.pi)
     figure = Picture(9.0, 4.2, headline(fit))

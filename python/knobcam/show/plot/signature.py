@@ -73,7 +73,7 @@ def effect(effect: Effect) -> Picture:
     if effect.unsearched is not None:
         return _standing(effect, of_values({**carrier, **values}))
     added = _added(of_values(carrier), effect, carried)
-    scale = torque_scale("rotary", float(np.max(np.abs(added.tau), initial=0.0)))
+    scale = torque_scale("N m", float(np.max(np.abs(added.tau), initial=0.0)))
     figure = Picture(13.0, 6.6, _title(effect, values))
     units = motion_units("rotary")
     axes_of = {

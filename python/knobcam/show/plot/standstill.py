@@ -36,7 +36,7 @@ def stiction(fit: Fit, estimate: Stiction | None = None) -> Picture:
     near = np.abs(samples.omega) <= reach
     heights = [abs(border.value) for name, border in borders.items() if name != "dv"]
     peak = max([float(np.max(np.abs(friction[near]), initial=0.0)), *heights])
-    scale = torque_scale(fit.model.coordinate, peak)
+    scale = torque_scale(fit.model.torque_unit, peak)
     speed = motion_units(fit.model.coordinate)["omega"]
     top = 1.15 * peak * scale.factor or 1.0
     figure = Picture(8.5, 5.6, headline(fit))

@@ -14,6 +14,8 @@ from matplotlib.font_manager import findfont, get_font
 from matplotlib.lines import Line2D
 from matplotlib.style import context
 
+from ...capture.formats.units import GIVEN
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.backend_bases import RendererBase
@@ -122,24 +124,22 @@ class Scale(NamedTuple):
     unit: str
 
 
-def torque_scale(coordinate: str, peak: float = 0.0) -> Scale:
-    """Return the unit of torque: mNm as in the paper, N m far beyond knobs, N on a linear axis."""
-    if coordinate == "linear":
-        return Scale(1.0, "N")
-    return Scale(1.0, "N m") if peak > _STRONG_N_M else Scale(1000.0, "mNm")
+def torque_scale(unit: str, peak: float = 0.0) -> Scale:
+    """Return the unit in which a torque is shown: mNm as in the paper, N m far beyond knobs, others as is."""
+    return Scale(1.0, unit) if unit != "N m" or peak > _STRONG_N_M else Scale(1000.0, "mNm")
 
 
 _STRONG_N_M = 2.0  # ten times what the rig of the paper measures
 
 
-def torque_symbol(coordinate: str) -> str:
-    """Return the symbol of torque, or of force on a linear axis, for the inside of a formula."""
-    return "F" if coordinate == "linear" else "\\tau"
+def torque_symbol(unit: str) -> str:
+    """Return the symbol of what is in such a unit, for the inside of a formula."""
+    return {"N m": "\\tau", "N": "F", "A": "I", "V": "U"}.get(unit, "d")
 
 
-def torque_word(coordinate: str) -> str:
-    """Return what is measured along the coordinate."""
-    return "force" if coordinate == "linear" else "torque"
+def torque_word(unit: str) -> str:
+    """Return what is in such a unit and moves the knob."""
+    return {"N m": "torque", "N": "force"}.get(unit) or GIVEN[unit]
 
 
 def motion_units(coordinate: str) -> dict[str, str]:

@@ -90,7 +90,7 @@ _COORDINATES: tuple[Coordinate, ...] = ("position", "velocity")
 def headline(fit: Fit) -> str:
     """Return what was fitted and how well, for the top of a picture."""
     first = fit.prepared[0].capture
-    scale = torque_scale(fit.model.coordinate, _peak(fit))
+    scale = torque_scale(fit.model.torque_unit, _peak(fit))
     more = f" and {len(fit.prepared) - 1} more" if len(fit.prepared) > 1 else ""
     rmse, floor = fit.rmse * scale.factor, fit.noise_floor * scale.factor
     error = f"RMS error {rmse:.3g} {scale.unit}, sensor noise alone {floor:.3g} {scale.unit}"
@@ -99,7 +99,7 @@ def headline(fit: Fit) -> str:
 
 def residual_over_time(axes: Axes, fit: Fit) -> None:
     """Draw the residual of every capture over time, beside twice the noise floor."""
-    scale = torque_scale(fit.model.coordinate, _peak(fit))
+    scale = torque_scale(fit.model.torque_unit, _peak(fit))
     start = 0.0
     for signals, rest in zip(fit.prepared, fit.residuals, strict=True):
         t = np.full(len(rest), np.nan)
@@ -151,9 +151,9 @@ def _two_rows(fit: Fit, over: Coordinate, window: Window | None, y: Window | Non
 
 def _whole(axes: Axes, view: _View) -> None:
     """Raw and fitted torque, every sample a dot: over one coordinate they are many-valued."""
-    coordinate = view.samples.fit.model.coordinate
-    scale = torque_scale(coordinate, _peak(view.samples.fit))
-    symbol = f"${torque_symbol(coordinate)}$"
+    unit = view.samples.fit.torque_unit
+    scale = torque_scale(unit, _peak(view.samples.fit))
+    symbol = f"${torque_symbol(unit)}$"
     rows = some((view.x >= view.window[0]) & (view.x <= view.window[1]))
     x, size = view.x[rows], _dot(len(rows))
     fitted = view.samples.modelled[rows] * scale.factor
@@ -161,16 +161,16 @@ def _whole(axes: Axes, view: _View) -> None:
     _dots(axes, x, view.samples.tau[rows] * scale.factor, RAW, 1.4 * size, f"Raw {symbol}")
     _dots(axes, np.concatenate([x, x]), np.concatenate([fitted - band, fitted + band]), BAND, size, "95 % CI")
     _dots(axes, x, fitted, FITTED, size, f"Fit {symbol}")
-    word = torque_word(coordinate)
+    word = torque_word(unit)
     _finish(axes, view, f"{word.capitalize()} over {view.over}", f"{word} {symbol} ({scale.unit})")
 
 
 def _isolated(axes: Axes, view: _View) -> None:
     """The raw torque without the rest of the model, and the curve of the part by itself."""
     fit, part = view.samples.fit, view.over
-    scale = torque_scale(fit.model.coordinate, _peak(fit))
+    scale = torque_scale(fit.model.torque_unit, _peak(fit))
     rows = some((view.x >= view.window[0]) & (view.x <= view.window[1]))
-    name = f"${torque_symbol(fit.model.coordinate)}_\\mathrm{{{SHORT[part]}}}$"
+    name = f"${torque_symbol(fit.model.torque_unit)}_\\mathrm{{{SHORT[part]}}}$"
     raw = view.samples.isolated(part)[rows] * scale.factor
     _dots(axes, view.x[rows], raw, RAW, 1.4 * _dot(len(rows)), f"Raw {name}")
     at = _grid(view)

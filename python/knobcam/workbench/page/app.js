@@ -102,6 +102,10 @@ function percent(share) {
 function torqueScale(unit, peak) {
   return unit === "N m" && peak <= 2 ? { factor: 1e3, unit: "mNm" } : { factor: 1, unit };
 }
+function torqueWord(unit) {
+  const words2 = { N: "force", A: "current", V: "voltage", duty: "duty cycle" };
+  return words2[unit] ?? "torque";
+}
 function ticks(low, high, count) {
   const span3 = high - low;
   if (!(span3 > 0) || !Number.isFinite(span3)) return [];
@@ -369,7 +373,7 @@ function dialog() {
 var TARGETS = {
   t: ["s", "ms", "us", "min"],
   theta: ["rad", "deg", "turn", "m", "mm", "um"],
-  tau: ["N m", "mNm", "N", "mN"],
+  tau: ["N m", "mNm", "N", "mN", "A", "mA", "V", "duty"],
   omega: ["rad/s", "deg/s", "rpm", "m/s", "mm/s"],
   alpha: ["rad/s^2", "deg/s^2", "m/s^2", "mm/s^2"]
 };
@@ -762,7 +766,7 @@ function reachOf({ columns, beside, noise }) {
 }
 function rowsOf(data, view, widest) {
   const { columns, beside, coordinate } = data;
-  const word = coordinate === "linear" ? "force" : "torque";
+  const word = torqueWord(data.unit);
   const model = less(columns.tau, columns.residual);
   const other = beside ? less(columns.tau, beside.residual) : null;
   return ROWS.map((row) => {

@@ -1,0 +1,40 @@
+"""The times of a table's samples: its own, or by a rate; and a part of them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...base.arrays import BoolArray, FloatArray
+from ...errors import InputError
+
+NO_CLOCK = "no column of times; map t=COLUMN, or give the sampling rate in Hz (--rate)"
+
+
+def between(
+    source: str,
+    columns: dict[str, FloatArray],
+    rate_hz: float | None,
+    start: float | None,
+    end: float | None,
+) -> slice | BoolArray:
+    """Return which samples lie from `start` to `end`; a file without times is numbered first."""
+    if rate_hz is not None and not (math.isfinite(rate_hz) and rate_hz > 0.0):
+        raise InputError(f"a rate of {rate_hz} Hz is no sampling rate; give samples a second")
+    if "t" not in columns:
+        if rate_hz is None:
+            raise InputError(f"{source}: {NO_CLOCK}")
+        columns["t"] = np.arange(len(columns["theta"])) / rate_hz
+    if start is None and end is None:
+        return slice(None)
+    t = columns["t"]
+    first = -math.inf if start is None else start
+    last = math.inf if end is None else end
+    keep = (t >= first) & (t <= last)
+    if not keep.any():
+        raise InputError(
+            f"{source}: no sample lies from start={start} to end={end}; the file runs from "
+            f"{np.nanmin(t, initial=math.inf):.6g} to {np.nanmax(t, initial=-math.inf):.6g} s"
+        )
+    return keep
