@@ -177,8 +177,8 @@ CALLS: dict[str, tuple[list[str], list[str]]] = {
     "add an unknown effect": (["add", "magic", "good.csv", "knob3"], ["'magic'", "coulomb"]),
     "add what is there": (["add", "viscous", "good.csv", "knob3"], ["'viscous'", "already"]),
     "add what lacks its ground": (
-        ["add", "load_friction", "good.csv", "knob1", "-o", "m.toml"],
-        ["'load_friction'", "'detent'", "add that first"],
+        ["add", "directional_detent", "good.csv", "knob1", "-o", "m.toml"],
+        ["'directional_detent'", "'detent'", "add that first"],
     ),
     "add over its own capture": (["add", "offset", "good.csv", "knob3", "-o", "good.csv"], ["another file"]),
     "learn without a capture": (["learn"], ["CAPTURE"]),

@@ -83,10 +83,16 @@ pub enum Channel {
     Forth,
     /// `normal_load`.
     NormalLoad,
+    /// `position_load`.
+    PositionLoad,
     /// `friction_scale`.
     FrictionScale,
     /// `mu`.
     Mu,
+    /// `position_share`.
+    PositionShare,
+    /// `inertia_share`.
+    InertiaShare,
     /// `hysteresis`.
     Hysteresis,
     /// `hold` and `band`: only a knob at rest feels them.
@@ -104,8 +110,11 @@ impl Channel {
         Self::Back,
         Self::Forth,
         Self::NormalLoad,
+        Self::PositionLoad,
         Self::FrictionScale,
         Self::Mu,
+        Self::PositionShare,
+        Self::InertiaShare,
         Self::Hysteresis,
         Self::Stick,
     ];
@@ -120,6 +129,12 @@ impl Channel {
         mask
     }
 
+    /// Whether a load by these channels presses the sliding surfaces together, by position.
+    pub const fn press(these: &[Self]) -> bool {
+        let mask = Self::among(these);
+        mask[Self::NormalLoad as usize] || mask[Self::PositionLoad as usize]
+    }
+
     /// Whether one of these channels shapes the friction of other effects.
     pub const fn shape_friction(these: &[Self]) -> bool {
         let mask = Self::among(these);
@@ -132,14 +147,21 @@ impl Channel {
 pub struct Load<T> {
     /// Torque that pushes, N m.
     pub drive: T,
-    /// The part of `drive` that presses the sliding surfaces together, N m (what detents do).
+    /// The part of `drive` that presses the sliding surfaces together where it arises, N m (what detents do).
     pub normal_load: T,
+    /// The part of `drive` that comes from elsewhere by position, such as of gravity and springs, N m: it presses where
+    /// the sliding surfaces hand it on.
+    pub position_load: T,
     /// Dry friction, N m: magnitudes when moving backward and forward. It may only oppose motion.
     pub resist: [T; 2],
     /// Factor on the dry friction; the factors of several effects multiply.
     pub friction_scale: T,
-    /// Dry friction per normal load.
+    /// Dry friction per load that presses the sliding surfaces together.
     pub mu: T,
+    /// Share of `position_load` that is handed on through them.
+    pub position_share: T,
+    /// Share of the inertia whose torque is.
+    pub inertia_share: T,
     /// How far dry friction is from following the sign of the motion: 0 fully, -2 still fully backward in a
     /// forward motion, +2 the other way round.
     pub hysteresis: T,
@@ -159,9 +181,12 @@ impl<T: Scalar> Load<T> {
         Self {
             drive: zero,
             normal_load: zero,
+            position_load: zero,
             resist: [zero; 2],
             friction_scale: T::of(1.0),
             mu: zero,
+            position_share: zero,
+            inertia_share: zero,
             hysteresis: zero,
             inertia: zero,
             hold: [zero; 2],
@@ -173,6 +198,12 @@ impl<T: Scalar> Load<T> {
     #[inline(always)]
     pub fn drive(tau: T) -> Self {
         Self { drive: tau, ..Self::none() }
+    }
+
+    /// A torque that pushes by position, from beyond whatever slides.
+    #[inline(always)]
+    pub fn position(tau: T) -> Self {
+        Self { drive: tau, position_load: tau, ..Self::none() }
     }
 
     /// A torque that pushes, and presses the sliding surfaces together as it does.
@@ -213,11 +244,20 @@ impl<T: Scalar> Load<T> {
         if touches(Channel::NormalLoad) {
             self.normal_load = self.normal_load + o.normal_load;
         }
+        if touches(Channel::PositionLoad) {
+            self.position_load = self.position_load + o.position_load;
+        }
         if touches(Channel::FrictionScale) {
             self.friction_scale = self.friction_scale * o.friction_scale;
         }
         if touches(Channel::Mu) {
             self.mu = self.mu + o.mu;
+        }
+        if touches(Channel::PositionShare) {
+            self.position_share = self.position_share + o.position_share;
+        }
+        if touches(Channel::InertiaShare) {
+            self.inertia_share = self.inertia_share + o.inertia_share;
         }
         if touches(Channel::Hysteresis) {
             self.hysteresis = self.hysteresis + o.hysteresis;
@@ -228,36 +268,55 @@ impl<T: Scalar> Load<T> {
         }
     }
 
+    /// What presses the sliding surfaces together at a constant speed, N m.
+    #[inline(always)]
+    pub fn presses(&self) -> T {
+        self.normal_load + self.position_share * self.position_load
+    }
+
+    /// The same at this acceleration.
+    #[inline(always)]
+    fn pressed(&self, alpha: T) -> T {
+        self.presses() + self.inertia_share * self.inertia * alpha
+    }
+
+    /// In a motion that goes forward with the probability `forward`: the dry friction whatever presses, N m, and what
+    /// there is more of it per load that presses.
+    #[inline(always)]
+    pub fn rubs(&self, forward: T) -> [T; 2] {
+        let forth = forward + T::of(0.5) * self.hysteresis;
+        let back = T::of(1.0) - forth;
+        let unpressed = (self.resist[1] * forth - self.resist[0] * back) * self.friction_scale;
+        [unpressed, self.mu * (forth - back)]
+    }
+
     /// Spends the friction budget while the knob moves, forward with the probability `forward`, N m.
     #[inline(always)]
-    pub fn friction(&self, forward: T) -> T {
-        let half = T::of(0.5);
-        let forth = forward + half * self.hysteresis;
-        let back = T::of(1.0) - forth;
-        (self.resist[1] * forth - self.resist[0] * back) * self.friction_scale
-            + self.mu * self.normal_load.abs() * (forth - back)
+    pub fn friction(&self, forward: T, alpha: T) -> T {
+        let [unpressed, per_load] = self.rubs(forward);
+        unpressed + per_load * self.pressed(alpha).abs()
     }
 
     /// Magnitude of the friction that follows the sign of the motion, N m.
     #[inline(always)]
-    pub fn dry(&self, forward: T) -> T {
+    pub fn dry(&self, forward: T, alpha: T) -> T {
         let back = T::of(1.0) - forward;
         (self.resist[0] * back + self.resist[1] * forward) * self.friction_scale
-            + self.mu * self.normal_load.abs()
+            + self.mu * self.pressed(alpha).abs()
     }
 
     /// Friction that a spring among the effects holds whichever way the knob would go, N m: of the hysteresis of both ways,
     /// this one backward and that forward, the mean is what it is strained by.
     #[inline]
-    pub fn strained(&self, forth: &Self) -> T {
+    pub fn strained(&self, forth: &Self, alpha: T) -> T {
         let half = T::of(0.5);
-        half * (self.hysteresis + forth.hysteresis) * forth.dry(half)
+        half * (self.hysteresis + forth.hysteresis) * forth.dry(half, alpha)
     }
 
     /// Torque on the moving knob: inverse dynamics, N m.
     #[inline(always)]
     pub fn sliding(&self, motion: &Motion<T>) -> T {
-        self.drive + self.inertia * motion.alpha + self.friction(motion.forward)
+        self.drive + self.inertia * motion.alpha + self.friction(motion.forward, motion.alpha)
     }
 
     /// Spends the friction budget while the knob is stuck: friction answers the torque `tau_other` that

@@ -1,6 +1,7 @@
 //! A parameter of an effect: one row, read by the fitter, the model file, the tables and the reports.
 
 use crate::error::{Error, Result};
+use crate::motion::Channel;
 
 /// How a parameter enters the torque; the fitter eliminates what is linear.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -173,6 +174,8 @@ pub enum Usual {
     Follows(&'static str),
     /// It is fitted where the parameter at this index of its effect is not nought, and says nothing where it is.
     Beside(usize),
+    /// It is fitted where effects of the model act in both of these ways, which it weighs against each other.
+    Weighs([Channel; 2]),
     /// It is fitted on a linear axis; on a rotary one it stays, since a revolution is known.
     FreeAlong,
 }

@@ -62,9 +62,11 @@ impl Renderer {
         let rows = motion.into_iter().chain(hand).map(<[f64]>::len).fold(out.len(), usize::min);
         let columns = Columns { motion: motion.map(|column| &column[..rows]), hand };
         let out = &mut out[..rows];
-        // The first step after missed periods stands for a longer time; who remembers has to take every step.
+        // The first step after missed periods stands for a longer time; who remembers has to take every step, and so
+        // has friction under the torque of an inertia whose acceleration is filtered.
         let remembers = self.hidden.is_some() || self.own || !self.state.memory.is_empty();
-        let single = remembers || self.tuning.rush_s != 0.0;
+        let filtered = self.tuning.freshness != 1.0 && !self.model.is_plain();
+        let single = remembers || filtered || self.tuning.rush_s != 0.0;
         let first = if single { rows } else { rows.min(usize::from(self.state.missed > 0)) };
         for i in 0..first {
             out[i] = self.step(columns.sensed(i));
@@ -123,12 +125,13 @@ impl Renderer {
         for i in 0..n {
             let load = moving.load(i);
             let drive = if self.guarded {
-                let motion = Motion { t: 0.0, theta: 0.0, omega: omega[i], alpha: 0.0, forward: forward[i] };
+                let motion =
+                    Motion { t: 0.0, theta: 0.0, omega: omega[i], alpha: alpha[i], forward: forward[i] };
                 braked(&load, &motion, resting.load(i).drive)
             } else {
                 load.drive
             };
-            let torque = drive + load.friction(forward[i]);
+            let torque = drive + load.friction(forward[i], alpha[i]);
             (asked[0][i], asked[1][i]) = (torque, load.inertia);
             let tau = torque + (load.inertia + inertia) * alpha[i] + damping * omega[i];
             let by = theta[i] - before[i];

@@ -146,7 +146,7 @@ impl Tuning {
         };
         // The acceleration is a mean over the sample before: half a sample older than the angle.
         let turn = late + 0.5 * dt;
-        let extra = (nature.inertia + own[0]) / device.inertia;
+        let extra = (nature.surge + own[0]) / device.inertia;
         let filtered = !device.held && extra > LIGHT;
         let corner = if filtered { turn * std::f64::consts::FRAC_2_PI * extra / LIGHT } else { 0.0 };
         Self {

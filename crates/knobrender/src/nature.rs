@@ -9,6 +9,8 @@ use knobcore::motion::{Load, Motion};
 pub struct Nature {
     /// Inertia, kg m^2.
     pub inertia: f64,
+    /// Greatest slope of torque over acceleration, kg m^2: the inertia, and the friction that its torque makes.
+    pub surge: f64,
     /// Least torque that holds a knob at rest, of both directions, N m.
     pub hold: f64,
     /// Greatest slope of torque over angle, rising or falling, N m/rad.
@@ -37,6 +39,7 @@ impl Nature {
         let start = load(&still(0.0));
         let mut nature = Self {
             inertia: start.inertia,
+            surge: start.inertia * (1.0 + (start.mu * start.inertia_share).abs()),
             hold: f64::INFINITY,
             stiffness: 0.0,
             damping: 0.0,
@@ -55,7 +58,7 @@ impl Nature {
                 for omega in [fast, -fast] {
                     let motion = Motion::exact(0.0, theta, omega, 0.0);
                     let (now, more) = (load(&motion), load(&Motion { omega: 1.001 * omega, ..motion }));
-                    let torque = |load: &Load<f64>| load.drive + load.friction(motion.forward);
+                    let torque = |load: &Load<f64>| load.drive + load.friction(motion.forward, motion.alpha);
                     nature.damping = nature.damping.max((torque(&more) - torque(&now)) / (0.001 * omega));
                     nature.dissipates &= braked(&now, &motion, load(&at_rest(&motion)).drive) == now.drive;
                 }
@@ -67,6 +70,6 @@ impl Nature {
 
 /// What holds a knob at rest in the direction where it is held least, N m.
 fn held(load: &Load<f64>) -> f64 {
-    let back = load.hold[0].max(-load.friction(0.0));
-    back.min(load.hold[1].max(load.friction(1.0)))
+    let back = load.hold[0].max(-load.friction(0.0, 0.0));
+    back.min(load.hold[1].max(load.friction(1.0, 0.0)))
 }

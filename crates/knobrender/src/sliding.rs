@@ -32,7 +32,7 @@ pub(super) fn add_loads(
 #[inline(always)]
 pub(super) fn sliding(load: &Load<f64>, rest: Option<f64>, motion: &Motion<f64>) -> Sliding {
     let drive = rest.map_or(load.drive, |rest| braked(load, motion, rest));
-    Sliding { torque: drive + load.friction(motion.forward), inertia: load.inertia }
+    Sliding { torque: drive + load.friction(motion.forward, motion.alpha), inertia: load.inertia }
 }
 
 /// The same place and time, at rest.
@@ -45,6 +45,6 @@ pub(super) fn at_rest(motion: &Motion<f64>) -> Motion<f64> {
 /// friction takes: a negative viscous coefficient (knobs 1 to 3 of the paper) would else create energy.
 #[inline(always)]
 pub(super) fn braked(load: &Load<f64>, motion: &Motion<f64>, rest: f64) -> f64 {
-    let (sign, dry) = (motion.direction(), load.dry(motion.forward));
+    let (sign, dry) = (motion.direction(), load.dry(motion.forward, motion.alpha));
     if sign * (load.drive - rest) + dry > 0.0 { load.drive } else { rest - sign * dry }
 }

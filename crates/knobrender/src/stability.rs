@@ -61,7 +61,7 @@ pub fn check_stability(model: &Model, device: Device, rate_hz: f64) -> Result<St
     let stiffness =
         if model.joint(&p).is_some() { nature.stiffness.min(tuning.stiffest[0]) } else { nature.stiffness };
     let damping = nature.damping.max(0.0);
-    let sliding = Loop { device, tuning, dt, stiffness, damping, extra: nature.inertia + tuning.own[0] };
+    let sliding = Loop { device, tuning, dt, stiffness, damping, extra: nature.surge + tuning.own[0] };
     let sticking =
         Loop { stiffness: stiffness + tuning.stiffness, damping: damping + tuning.damping, ..sliding };
     Ok(Stability {

@@ -317,8 +317,9 @@ impl Renderer {
             rest.filter(|_| gone).map_or(load.drive, |rest| braked(&load, &way, rest))
         });
         // A spring among the effects (presliding) holds already, whichever way the knob would go.
-        let elastic = back.strained(&forth);
-        let slide = [elastic - back.friction(0.0), forth.friction(1.0) - elastic].map(|x| x.max(0.0));
+        let elastic = back.strained(&forth, motion.alpha);
+        let slide = [elastic - back.friction(0.0, motion.alpha), forth.friction(1.0, motion.alpha) - elastic]
+            .map(|x| x.max(0.0));
         let hold = [back.hold[0] + elastic, forth.hold[1] - elastic].map(|x| x.max(0.0));
         let band = forth.band.max(SLOWEST);
         if state.samples == 0 {
@@ -339,7 +340,7 @@ impl Renderer {
         let torque = if state.contact.slipping && strain.abs() == 1.0 {
             let (drive, load, way) =
                 if strain > 0.0 { (drives[1], forth, 1.0) } else { (drives[0], back, 0.0) };
-            drive + load.friction(way)
+            drive + load.friction(way, motion.alpha)
         } else {
             mean + 0.5 * strain * (drives[1] - drives[0]) + elastic + friction
         };

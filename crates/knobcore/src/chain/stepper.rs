@@ -29,7 +29,25 @@ pub struct Acts<T> {
     pub push: T,
     /// What may oppose its motion, N m.
     pub friction: T,
+    /// Friction beside these that grows with what presses, where the torque of the inertia does too.
+    pub pressed: Option<Pressed<T>>,
 }
+
+/// Friction that grows with a load in which the inertia has a part: the acceleration depends on the friction, and the
+/// friction on the acceleration.
+#[derive(Debug, Clone, Copy)]
+pub struct Pressed<T> {
+    /// What presses at a constant speed, N m.
+    pub load: T,
+    /// Share of the inertia whose torque presses too.
+    pub share: T,
+    /// Friction per load, backward and forward, with the sign of the motion.
+    pub per_load: [T; 2],
+}
+
+/// Friction may take so much of what makes a body faster at most: more would stop it however it is pushed, in no time
+/// (Painleve 1895).
+const JAMS: f64 = 0.99;
 
 impl<T: Scalar> Acts<T> {
     /// A load on a body of this inertia: the friction that slides, and within the stick band static
@@ -37,13 +55,61 @@ impl<T: Scalar> Acts<T> {
     #[inline(always)]
     pub fn of(load: &Load<T>, plain: bool, body: &Body<T>, inertia: T) -> Self {
         let (half, zero, one) = (T::of(0.5), T::of(0.0), T::of(1.0));
-        let (mut forth, mut back) =
-            if plain { (load.resist[1], -load.resist[0]) } else { (load.friction(one), load.friction(zero)) };
+        let [back, forth] = load.resist;
+        let mut rubs = if plain { [[-back, zero], [forth, zero]] } else { [load.rubs(zero), load.rubs(one)] };
+        let presses = load.presses();
         if !body.leaving && (load.band - body.omega.abs()).is_positive() {
-            (forth, back) = (forth.max(load.hold[1]), back.min(-load.hold[0]));
+            for (([unpressed, per_load], hold), sign) in rubs.iter_mut().zip(load.hold).zip([-one, one]) {
+                let more = hold - sign * (*unpressed + *per_load * presses.abs());
+                *unpressed = more.where_positive(sign * hold, *unpressed);
+                *per_load = more.where_positive(zero, *per_load);
+            }
         }
-        let push = load.drive + half * (forth + back);
-        Self { inertia, push, friction: (half * (forth - back)).max(zero) }
+        let inertial = load.inertia_share.is_positive() || load.mu.abs().is_positive();
+        let pressed = (inertial && !plain).then_some(Pressed {
+            load: presses,
+            share: load.inertia_share,
+            per_load: rubs.map(|[_, per_load]| per_load),
+        });
+        let [back, forth] =
+            rubs.map(
+                |[unpressed, per_load]| {
+                    if pressed.is_some() { unpressed } else { unpressed + per_load * presses.abs() }
+                },
+            );
+        let friction = (half * (forth - back)).max(zero);
+        Self { inertia, push: load.drive + half * (forth + back), friction, pressed }
+    }
+
+    /// What opposes a motion at this speed that takes so much torque of the inertia, N m.
+    #[inline(always)]
+    fn opposes(&self, omega: T, inertial: T) -> T {
+        let rubs = omega.where_positive(self.friction, -self.friction);
+        self.push
+            + self.pressed.map_or(rubs, |Pressed { load, share, per_load: [back, forth] }| {
+                rubs + omega.where_positive(forth, back) * (load + share * inertial).abs()
+            })
+    }
+}
+
+impl<T: Scalar> Pressed<T> {
+    /// The speed at the end of a step in the direction `way` (0 backward, 1 forward): where the torques of the step
+    /// are in balance, `weight * speed = free - per_load |load + share * mass * (speed - omega)|`. Straight on either
+    /// side of where the load turns round, and rising: one of the two is right.
+    #[inline(always)]
+    fn slid(&self, way: usize, weight: T, mass: T, free: T, omega: T) -> T {
+        let (per_load, most) = (self.per_load[way], T::of(JAMS) * weight);
+        let carried = self.share * mass;
+        let beyond = per_load.abs() * carried - most;
+        let carried = beyond.where_positive(most / per_load.abs(), carried);
+        let end = |sign: T| {
+            let (load, by_speed) = (sign * per_load * self.load, sign * per_load * carried);
+            (free - load + by_speed * omega) / (weight + by_speed)
+        };
+        let one = T::of(1.0);
+        let pressed = end(one);
+        let turned = -(self.load + carried * (pressed - omega));
+        turned.where_positive(end(-one), pressed)
     }
 }
 
@@ -60,8 +126,13 @@ impl<T: Scalar> Body<T> {
     pub fn slid(&self, acts: &Acts<T>, fixed: T, drag: T, h: f64) -> T {
         let mass = acts.inertia / T::of(h);
         let weight = mass + drag;
-        let free = (mass * self.omega + fixed - acts.push) / weight;
-        let stop = acts.friction / weight;
+        let free = mass * self.omega + fixed - acts.push;
+        if let Some(pressed) = &acts.pressed {
+            let end = |way: usize, free: T| pressed.slid(way, weight, mass, free, self.omega);
+            let zero = T::of(0.0);
+            return end(1, free - acts.friction).max(zero) + end(0, free + acts.friction).min(zero);
+        }
+        let (free, stop) = (free / weight, acts.friction / weight);
         free - free.min(stop).max(-stop)
     }
 
@@ -101,8 +172,8 @@ impl<T: Scalar> Body<T> {
         }
         // The damper would stop the knob short of the contact, which has to be reached for it to act: just there.
         let omega = rate(zero) + rate(zero) + (shaft[0] - self.theta - border) * T::of(4.0 / h);
-        let rubs = omega.where_positive(acts.friction, -acts.friction);
-        ends(omega, acts.inertia / T::of(h) * (omega - self.omega) + acts.push + rubs)
+        let inertial = acts.inertia / T::of(h) * (omega - self.omega);
+        ends(omega, inertial + acts.opposes(omega, inertial))
     }
 }
 
@@ -126,8 +197,12 @@ mod tests {
             let knob = Body::at(GAP * noise.normal(), noise.normal());
             let joint = joint((10.0 * noise.uniform()).exp(), (-8.0 * noise.uniform()).exp());
             let shaft = [0.0, STEP_S * noise.normal()];
-            let acts =
-                Acts { inertia: INERTIA, push: 0.05 * noise.normal(), friction: 0.05 * noise.uniform() };
+            let acts = Acts {
+                inertia: INERTIA,
+                push: 0.05 * noise.normal(),
+                friction: 0.05 * noise.uniform(),
+                pressed: None,
+            };
             let (next, force) = knob.stepped(&joint, &acts, shaft, STEP_S);
             let twist = 0.5 * (shaft[0] + shaft[1] - knob.theta - next.theta);
             assert!(force * twist >= 0.0, "{force} at {twist}");
@@ -147,7 +222,12 @@ mod tests {
             let start = energy(&knob);
             for _ in 0..40_000 {
                 knob = knob
-                    .stepped(&joint, &Acts { inertia: INERTIA, push: 0.0, friction: 0.0 }, [0.0, 0.0], STEP_S)
+                    .stepped(
+                        &joint,
+                        &Acts { inertia: INERTIA, push: 0.0, friction: 0.0, pressed: None },
+                        [0.0, 0.0],
+                        STEP_S,
+                    )
                     .0;
                 assert!(energy(&knob) < 1.01 * start, "{stiffness}: {}", energy(&knob) / start);
             }
@@ -156,8 +236,42 @@ mod tests {
     }
 
     #[test]
+    fn friction_under_the_load_of_inertia_is_what_the_acceleration_makes_that_it_leaves() {
+        let (mut noise, mut rested) = (Noise::new(2), 0);
+        for _ in 0..20_000 {
+            let (mu, share) = (0.95 * noise.uniform(), noise.uniform());
+            let pressed = Pressed { load: 0.05 * noise.normal(), share, per_load: [-mu, mu] };
+            let (push, friction) = (0.05 * noise.normal(), 0.05 * noise.uniform());
+            let acts = Acts { inertia: INERTIA, push, friction, pressed: Some(pressed) };
+            let (fixed, drag) = (0.1 * noise.normal(), 0.1 * noise.uniform());
+            let start = Body::at(0.0, 0.02 * noise.normal());
+            let omega = start.slid(&acts, fixed, drag, STEP_S);
+            let inertial = INERTIA / STEP_S * (omega - start.omega);
+            let (left, rubs) =
+                (fixed - drag * omega - push - inertial, mu * (pressed.load + share * inertial).abs());
+            if omega == 0.0 {
+                rested += 1;
+                assert!(left.abs() <= friction + rubs, "{left} beyond {friction} and {rubs}");
+            } else {
+                assert!((left - omega.signum() * (friction + rubs)).abs() < 1e-12, "{left} at {omega}");
+            }
+        }
+        assert!(rested > 100, "{rested}");
+    }
+
+    #[test]
+    fn friction_that_could_jam_slows_the_knob_and_does_not_turn_it_round() {
+        let pressed = Pressed { load: 0.01, share: 1.0, per_load: [-5.0, 5.0] };
+        let acts = Acts { inertia: INERTIA, push: 0.0, friction: 0.0, pressed: Some(pressed) };
+        for omega in [-1.0, -1e-6, 1e-6, 1.0] {
+            let end = Body::at(0.0, omega).slid(&acts, 0.0, 0.0, STEP_S) / omega;
+            assert!((0.0..1.0).contains(&end), "{end}");
+        }
+    }
+
+    #[test]
     fn friction_stops_the_knob_and_does_not_turn_it_round() {
-        let acts = Acts { inertia: INERTIA, push: 0.0, friction: 0.05 };
+        let acts = Acts { inertia: INERTIA, push: 0.0, friction: 0.05, pressed: None };
         let start = Body::at(0.0, 0.01);
         let (knob, _) = start.stepped(&joint(1.0, 0.0), &acts, [0.0, 0.0], STEP_S);
         assert_eq!(knob.omega, 0.0);

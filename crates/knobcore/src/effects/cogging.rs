@@ -53,7 +53,7 @@ impl Effect<COUNT> for Cogging {
     const SOURCE: &'static str = "Zhu & Howe 2000 (cogging torque by its orders per revolution)";
     const SHOWS: &'static str = "over position, as lines at whole orders per revolution";
     const CONFUSED: &'static [&'static str] = &["detent", "position_friction", "unbalance"];
-    const TOUCHES: &'static [Channel] = &[Channel::Drive];
+    const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::PositionLoad];
     const WORDS: Words = Words {
         name: "a ripple of whole orders per turn, as of a motor",
         about: "Magnets pull at iron, or teeth at teeth, at whole numbers of places per turn; several such \
@@ -139,7 +139,7 @@ impl LoadEffect<COUNT> for Cogging {
             tau = tau + p[at + 1] * (p[at] * turned + p[at + 2]).sin_cos().0;
             at += 3;
         }
-        Load::drive(tau)
+        Load::position(tau)
     }
 }
 

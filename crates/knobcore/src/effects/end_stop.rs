@@ -20,7 +20,7 @@ impl Effect<6> for EndStop {
         "unilateral spring and damper; Hunt & Crossley 1975; Colgate & Schenkel 1997 (virtual wall)";
     const SHOWS: &'static str = "over position, at the ends of the range";
     const CONFUSED: &'static [&'static str] = &["position_polynomial", "return_spring"];
-    const TOUCHES: &'static [Channel] = &[Channel::Drive];
+    const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::PositionLoad];
     const WORDS: Words = Words {
         name: "the motion runs into a stop",
         about: "At an end of the range the knob meets something stiff that pushes it back.",
@@ -94,7 +94,7 @@ impl LoadEffect<6> for EndStop {
         };
         let above = pressed(*k_hi, motion.theta - *hi, motion.omega);
         let below = pressed(*k_lo, *lo - motion.theta, -motion.omega);
-        Load::drive(above - below)
+        Load::position(above - below)
     }
 }
 

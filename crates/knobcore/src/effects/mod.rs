@@ -90,8 +90,8 @@ impl Place {
 pub enum Nonlinear {
     /// All that act before it in the chain.
     Everything,
-    /// Those of effects that press the sliding surfaces together.
-    ByNormalLoad,
+    /// Those of effects that press the sliding surfaces together, inertia among them.
+    ByLoad,
 }
 
 /// What every effect says of itself. `N` is its number of parameters.
@@ -219,7 +219,7 @@ registry! {
         cogging::Cogging(28),
         end_stop::EndStop(6),
         position_friction::PositionFriction(9),
-        load_friction::LoadFriction(1),
+        load_friction::LoadFriction(3),
         friction_drift::FrictionDrift(2),
         regional::Regional(11),
         wavelet::Wavelet(33),

@@ -15,7 +15,7 @@ impl Effect<3> for PositionPolynomial {
     const LAW: &'static str = "p1 theta + p2 theta^2 + p3 theta^3";
     const SOURCE: &'static str = "the polynomials named beside Equation 1 of the haptic-camera paper";
     const SHOWS: &'static str = "over position, smoothly";
-    const TOUCHES: &'static [Channel] = &[Channel::Drive];
+    const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::PositionLoad];
     const WORDS: Words = Words {
         name: "a torque varies smoothly over position",
         about: "Some smooth torque depends on where the knob is and on nothing else, without returning after \
@@ -52,7 +52,7 @@ impl LoadEffect<3> for PositionPolynomial {
     #[inline(always)]
     fn load<T: Scalar>([p1, p2, p3]: &[T; 3], motion: &Motion<T>) -> Load<T> {
         let x = motion.theta;
-        Load::drive(x * (*p1 + x * (*p2 + x * *p3)))
+        Load::position(x * (*p1 + x * (*p2 + x * *p3)))
     }
 }
 

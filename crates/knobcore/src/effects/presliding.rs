@@ -125,7 +125,7 @@ mod tests {
                 let motion = Motion::exact(0.0, *theta, theta - before, 0.0);
                 before = *theta;
                 let load = Presliding::load(&[0.1, 0.5, 0.3, 0.0, 0.0, 0.0, 0.2], &mut state, &motion);
-                Load { resist: [1.0, 1.0], ..load }.friction(motion.forward)
+                Load { resist: [1.0, 1.0], ..load }.friction(motion.forward, 0.0)
             })
             .collect()
     }

@@ -30,7 +30,7 @@ impl Effect<11> for Regional {
     const SHOWS: &'static str = "over position, by region; a description, not a cause";
     const CONFUSED: &'static [&'static str] = &["wavelet", "position_polynomial", "end_stop"];
     const DESCRIBES: bool = true;
-    const TOUCHES: &'static [Channel] = &[Channel::Drive];
+    const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::PositionLoad];
     const WORDS: Words = Words {
         name: "the torque has a straight line of its own in each region",
         about: "A description of any torque over position by four straight lines; it names no cause.",
@@ -79,7 +79,7 @@ impl LoadEffect<11> for Regional {
         let line = |f: T, k: T| f + k * x;
         let upper = (motion.theta - b3).where_positive(line(f4, k4), line(f3, k3));
         let lower = (motion.theta - b1).where_positive(line(f2, k2), line(f1, k1));
-        Load::drive(x.where_positive(upper, lower))
+        Load::position(x.where_positive(upper, lower))
     }
 }
 

@@ -27,7 +27,7 @@ pub struct Info {
     pub touches: &'static [Channel],
     /// Whether it shapes the friction of other effects; see [`Effect::TOUCHES`].
     pub shapes_friction: bool,
-    /// Whether it presses the sliding surfaces together; see [`Effect::TOUCHES`].
+    /// Whether it presses the sliding surfaces together by position; see [`Effect::TOUCHES`].
     pub presses: bool,
     /// See [`Effect::MAKES_NONLINEAR`].
     pub makes_nonlinear: Option<Nonlinear>,
@@ -65,7 +65,7 @@ impl Info {
             needs: E::NEEDS,
             touches: E::TOUCHES,
             shapes_friction: matches!(place, Place::Load) && Channel::shape_friction(E::TOUCHES),
-            presses: matches!(place, Place::Load) && Channel::among(E::TOUCHES)[Channel::NormalLoad as usize],
+            presses: matches!(place, Place::Load) && Channel::press(E::TOUCHES),
             makes_nonlinear: E::MAKES_NONLINEAR,
             words: E::WORDS,
             over: E::OVER,
@@ -92,8 +92,9 @@ impl Info {
 
     /// Whether it is part of the friction: it rubs, shapes what rubs, or opposes the motion by its speed.
     pub fn is_friction(&self) -> bool {
-        let rubs =
-            |channel: &Channel| !matches!(channel, Channel::Drive | Channel::Inertia | Channel::NormalLoad);
+        let rubs = |channel: &Channel| {
+            !matches!(channel, Channel::Drive | Channel::Inertia) && !Channel::press(&[*channel])
+        };
         self.over == Over::Velocity || self.place == Place::Load && self.touches.iter().all(rubs)
     }
 }

@@ -16,7 +16,7 @@ impl Effect<2> for ReturnSpring {
     const LAW: &'static str = "k (theta - theta0)";
     const SOURCE: &'static str = "Hooke 1678; the ramp named beside Equation 1 of the haptic-camera paper";
     const SHOWS: &'static str = "over position, as a straight line";
-    const TOUCHES: &'static [Channel] = &[Channel::Drive];
+    const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::PositionLoad];
     const WORDS: Words = Words {
         name: "a spring pulls the knob back to a rest position",
         about: "The torque grows in proportion to the distance from a rest position.",
@@ -50,7 +50,7 @@ impl Effect<2> for ReturnSpring {
 impl LoadEffect<2> for ReturnSpring {
     #[inline(always)]
     fn load<T: Scalar>([k, theta0]: &[T; 2], motion: &Motion<T>) -> Load<T> {
-        Load::drive(*k * (motion.theta - *theta0))
+        Load::position(*k * (motion.theta - *theta0))
     }
 }
 

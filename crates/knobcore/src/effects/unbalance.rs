@@ -14,7 +14,7 @@ impl Effect<2> for Unbalance {
     const SOURCE: &'static str = "a mass off the axis under gravity, m g r; runout";
     const SHOWS: &'static str = "over position, once per revolution";
     const CONFUSED: &'static [&'static str] = &["return_spring", "position_polynomial"];
-    const TOUCHES: &'static [Channel] = &[Channel::Drive];
+    const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::PositionLoad];
     const WORDS: Words = Words {
         name: "a torque comes once per turn, as of an unbalanced knob",
         about: "The knob's mass lies off its axis, or its axis off the rig's, so that a torque comes and \
@@ -43,7 +43,7 @@ impl Effect<2> for Unbalance {
 impl LoadEffect<2> for Unbalance {
     #[inline(always)]
     fn load<T: Scalar>([a, phi]: &[T; 2], motion: &Motion<T>) -> Load<T> {
-        Load::drive(*a * (motion.theta + *phi).sin_cos().0)
+        Load::position(*a * (motion.theta + *phi).sin_cos().0)
     }
 }
 

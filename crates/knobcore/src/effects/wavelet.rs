@@ -41,7 +41,7 @@ impl Effect<COUNT> for Wavelet {
     const SHOWS: &'static str = "over position, any shape; a description, not a cause";
     const CONFUSED: &'static [&'static str] = &["regional", "position_polynomial"];
     const DESCRIBES: bool = true;
-    const TOUCHES: &'static [Channel] = &[Channel::Drive];
+    const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::PositionLoad];
     const WORDS: Words = Words {
         name: "some torque varies over position",
         about: "A description of any torque over position by small waves, coarse and fine; it names no \
@@ -96,7 +96,7 @@ impl LoadEffect<COUNT> for Wavelet {
             }
             scale *= 2;
         }
-        Load::drive(tau)
+        Load::position(tau)
     }
 }
 

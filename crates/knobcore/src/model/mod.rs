@@ -83,6 +83,10 @@ impl Model {
         effects.sort();
         effects.dedup();
         effects.into_iter().for_each(|id| model.push(id));
+        // What comes later in the chain may count.
+        for at in 0..model.slots.len() {
+            model.slots[at].role = model.usual(at);
+        }
         model
     }
 
@@ -100,9 +104,6 @@ impl Model {
         let base = self.slots.len();
         for param in id.info().params {
             self.slots.push(Slot { effect: id, param, value: param.neutral, role: Role::Free, base });
-        }
-        for at in base..self.slots.len() {
-            self.slots[at].role = self.usual(at);
         }
         let params = base..self.slots.len();
         if id.info().place == Place::Load && !matches!(id, Id::User(_)) {
@@ -142,8 +143,12 @@ impl Model {
         let mut model = Self::new(effects, self.axis);
         model.name.clone_from(&self.name);
         model.given = self.given;
-        for slot in self.slots.iter().filter(|slot| effects.contains(&slot.effect)) {
+        for (at, slot) in self.slots.iter().enumerate().filter(|(_, slot)| effects.contains(&slot.effect)) {
             model.copy_slot(self, slot)?;
+            if matches!(slot.param.usual, Usual::Weighs(_)) && slot.role == self.usual(at) {
+                let name = slot.name();
+                model.set_role(&name, model.usual(model.index(&name)?))?;
+            }
         }
         Ok(model)
     }
@@ -269,7 +274,7 @@ impl Model {
     pub fn kind(&self, slot: &Slot) -> Kind {
         let bent = self.effects().any(|id| match id.info().makes_nonlinear {
             Some(Nonlinear::Everything) => slot.effect.info().place != Place::Sensor || slot.effect < id,
-            Some(Nonlinear::ByNormalLoad) => slot.effect.info().presses,
+            Some(Nonlinear::ByLoad) => slot.effect.info().presses || slot.effect.info().stores(),
             None => false,
         });
         if bent { Kind::Nonlinear } else { slot.param.kind }

@@ -18,6 +18,10 @@ impl Model {
                     Role::Free
                 }
             }
+            Usual::Weighs(ways) => {
+                let acts = |way| self.effects().any(|id| id.info().touches.contains(way));
+                if ways.iter().all(acts) { Role::Free } else { Role::Fixed }
+            }
             Usual::FreeAlong => {
                 if self.axis == Axis::Linear {
                     Role::Free

@@ -57,7 +57,7 @@ impl Handle {
         for step in 0..steps as usize {
             let Body { theta, omega, .. } = self.body;
             let tau = hand((step as f64 + 0.5) / steps, [theta, omega]);
-            let acts = Acts { inertia, push: 0.5 * damping * omega - motor, friction: 0.0 };
+            let acts = Acts { inertia, push: 0.5 * damping * omega - motor, friction: 0.0, pressed: None };
             let next = self.body.moved(self.body.slid(&acts, tau, 0.5 * damping, h), h);
             work += tau * (next.theta - theta);
             self.body = next;

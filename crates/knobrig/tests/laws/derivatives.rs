@@ -63,8 +63,9 @@ fn the_derivative_by_every_parameter_is_that_of_the_finite_difference() {
 #[test]
 fn effects_that_shape_one_friction_have_their_derivatives_together() {
     let mut noise = Noise::new(5);
-    // All that act on the dry friction at once, and what presses on it.
-    let shapes = |id: &Id| id.info().shapes_friction || id.info().presses;
+    // All that act on the dry friction at once, and what presses on it, but for maps: their steps reach everywhere.
+    let presses = |id: &Id| id.info().presses && !id.info().describes;
+    let shapes = |id: &Id| id.info().shapes_friction || presses(id);
     let mut model = knob();
     for &id in Id::BUILT_IN.iter().filter(|id| shapes(id)) {
         if !model.has(id) {

@@ -72,15 +72,36 @@ fn a_hand_feels_what_is_predicted_on_the_motion_that_it_makes() {
     }
 }
 
+/// How far the torque of a motion makes another one, rad: over spans long enough to turn round in, short beside the time
+/// in which detents throw a knob off its way.
+fn off(model: &Model, signals: &Signals) -> f64 {
+    let made = forward(model, signals, Some(0.02)).unwrap().theta;
+    rms(made.iter().zip(&signals.theta).skip(CYCLE).map(|(made, theta)| made - theta))
+}
+
+#[test]
+fn friction_under_every_load_at_once_is_the_same_with_a_motion_and_with_a_torque_given() {
+    let mut noise = Noise::new(27);
+    let mut model = at(knob_with(Id::LoadFriction), Id::LoadFriction, &[0.4, 0.7, 0.9]);
+    for &id in Id::BUILT_IN.iter().filter(|id| id.info().presses && !id.info().describes) {
+        if !model.has(id) {
+            model = at(model.with(id).unwrap(), id, &plausible(id, &mut noise));
+        }
+    }
+    let mut light = model.clone();
+    light.set("load_friction.s_alpha", 0.0).unwrap();
+    let signals = torque(&model);
+    let (made, without) = (off(&model, &signals), off(&light, &signals));
+    assert!(made < 5e-4 && made < 0.3 * without, "{made} rad off, {without} without the inertia's part");
+    let mut behind = model.with(Id::Compliance).unwrap();
+    behind = at(behind, Id::Compliance, &[300.0, 0.05, 0.9]);
+    let made = off(&behind, &torque(&behind));
+    assert!(made < 5e-4, "{made} rad off behind a joint");
+}
+
 #[test]
 fn the_torque_of_a_motion_makes_that_motion_whatever_the_effect() {
-    // Long enough to turn round in, short beside the time in which detents throw a knob off its way.
-    const HORIZON_S: f64 = 0.02;
     let mut noise = Noise::new(26);
-    let off = |model: &Model, signals: &Signals| {
-        let made = forward(model, signals, Some(HORIZON_S)).unwrap().theta;
-        rms(made.iter().zip(&signals.theta).skip(CYCLE).map(|(made, theta)| made - theta))
-    };
     for &id in Id::BUILT_IN {
         // A prescribed motion breaks away without the torque for it; what a limit cut off is lost.
         if matches!(id, Id::Karnopp | Id::Saturation) {

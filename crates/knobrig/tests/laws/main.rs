@@ -123,7 +123,11 @@ fn plausible(id: Id, noise: &mut Noise) -> Vec<f64> {
                 Kind::Nonlinear if start == 0.0 => {
                     (0.05 + 0.1 * random).min((0.5 + 0.5 * random) * param.scale())
                 }
-                Kind::Nonlinear if matches!(param.usual, Usual::Fixed | Usual::FreeAlong) => start,
+                Kind::Nonlinear
+                    if matches!(param.usual, Usual::Fixed | Usual::FreeAlong | Usual::Weighs(_)) =>
+                {
+                    start
+                }
                 Kind::Nonlinear => (start * (0.85 + 0.3 * random)).clamp(param.lower, param.upper),
             }
         })

@@ -10,9 +10,8 @@ use std::ops::Range;
 
 /// Samples that are evaluated at a time: their channels stay in the first cache.
 pub(crate) const BLOCK: usize = 256;
-/// Channels of a load that a moving knob feels: drive, inertia, dry friction backward and forward; normal load, friction
-/// scale,
-/// friction per normal load, hysteresis.
+/// Channels of a load that a moving knob feels: drive, inertia, dry friction backward and forward; normal load, load
+/// by position, friction scale, friction per load, shares of position and of inertia in the load, hysteresis.
 pub(crate) const CHANNELS: usize = Channel::Stick as usize;
 /// The first of them, which suffice where nothing shapes the friction.
 pub(crate) const PLAIN: usize = Channel::NormalLoad as usize;
@@ -22,20 +21,47 @@ pub(crate) const SCALE: usize = Channel::FrictionScale as usize;
 #[inline(always)]
 pub(super) fn channels<T: Scalar>(load: &Load<T>) -> [T; CHANNELS] {
     let [back, forth] = load.resist;
-    [load.drive, load.inertia, back, forth, load.normal_load, load.friction_scale, load.mu, load.hysteresis]
+    [
+        load.drive,
+        load.inertia,
+        back,
+        forth,
+        load.normal_load,
+        load.position_load,
+        load.friction_scale,
+        load.mu,
+        load.position_share,
+        load.inertia_share,
+        load.hysteresis,
+    ]
 }
 
 #[inline(always)]
 pub(crate) fn load_of<T: Scalar>(
-    [drive, inertia, back, forth, normal_load, friction_scale, mu, hysteresis]: [T; CHANNELS],
+    [
+        drive,
+        inertia,
+        back,
+        forth,
+        normal_load,
+        position_load,
+        friction_scale,
+        mu,
+        position_share,
+        inertia_share,
+        hysteresis,
+    ]: [T; CHANNELS],
 ) -> Load<T> {
     Load {
         drive,
         inertia,
         resist: [back, forth],
         normal_load,
+        position_load,
         friction_scale,
         mu,
+        position_share,
+        inertia_share,
         hysteresis,
         ..Load::none()
     }
