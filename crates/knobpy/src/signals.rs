@@ -3,7 +3,9 @@ use super::convert::{Column, Floats, array, input_error};
 use super::model::axis;
 use knobcore::error::Error;
 use knobcore::param::Axis;
-use knobcore::prepare::{LowPass, Preparation, Prepared, Recording, Source, prepare as prepare_core};
+use knobcore::prepare::{
+    LowPass, Preparation, Prepared, Recording, Ripple, Source, prepare as prepare_core, taken_off,
+};
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -62,6 +64,30 @@ impl PySignals {
         self.prepared.signals.used()
     }
 
+    /// Edge of the torque's filter, Hz, where that is the paper's.
+    #[getter]
+    fn edge_hz(&self) -> Option<f64> {
+        self.prepared.edge.map(|edge| edge.hz)
+    }
+
+    /// The fastest wave of the torque over position that the edge as given takes off: 2 pi over its length, its
+    /// frequency (Hz) at the highest speed, its share of all that is taken off.
+    #[getter]
+    fn ripple(&self) -> Option<(f64, f64, f64)> {
+        self.prepared.edge?.ripple.map(in_numbers)
+    }
+
+    /// Whether the filter still takes it off.
+    #[getter]
+    fn lost(&self) -> bool {
+        self.prepared.edge.is_some_and(|edge| edge.lost)
+    }
+
+    /// The same of what the filter takes off beside this raw torque of a model (samples kept, N m).
+    fn taken_off(&self, torque: Column<'_>) -> PyResult<Option<(f64, f64, f64)>> {
+        Ok(taken_off(&self.prepared.signals, torque.as_slice()?).map(in_numbers))
+    }
+
     /// Noise levels of the motion sensors and the jerk, where they were estimated.
     #[getter]
     fn noise(&self) -> Option<HashMap<&'static str, f64>> {
@@ -73,6 +99,10 @@ impl PySignals {
             ("jerk", noise.jerk),
         ]))
     }
+}
+
+fn in_numbers(ripple: Ripple) -> (f64, f64, f64) {
+    (ripple.per_turn, ripple.hz, ripple.share)
 }
 
 fn positive(options: &Bound<'_, PyDict>, name: &str) -> PyResult<Option<f64>> {
@@ -114,7 +144,7 @@ pub fn prepare(
         }
     };
     if let Some(edge) = positive(options, "torque_edge_hz")? {
-        how.torque = Some(LowPass::Paper(edge));
+        (how.torque, how.follows) = (Some(LowPass::Paper(edge)), false);
     }
     if let (Some(edge), Source::Filtered { theta, omega, alpha }) =
         (positive(options, "motion_edge_hz")?, &mut how.source)

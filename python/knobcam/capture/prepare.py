@@ -10,6 +10,7 @@ import numpy as np
 from .. import _core
 from ..base import showing
 from ..errors import InputError
+from .finding import Finding
 from .quality.held import held
 
 if TYPE_CHECKING:
@@ -44,6 +45,8 @@ class Prepared:
     options: Mapping[str, float]
     notes: tuple[str, ...]
     core: _core.Signals
+    findings: tuple[Finding, ...] = ()
+    """What was found in the capture, and on the way from it."""
 
     def _column(self, name: str) -> FloatArray:
         values = self.core.column(name)
@@ -163,7 +166,9 @@ def prepare(capture: Capture, method: str = "smooth", **options: float) -> Prepa
     except InputError as error:
         source = capture.meta.get("source")  # of several captures somebody wants to know which
         raise InputError(f"{source}: {error}" if source else str(error)) from None
-    return Prepared(capture, method, rows, dict(options), _notes(capture, method, options), core)
+    notes = _notes(capture, method, options, core)
+    found = (*capture.findings, *_cut(capture, method, options, core))
+    return Prepared(capture, method, rows, dict(options), notes, core, found)
 
 
 def check_options(method: str, options: Mapping[str, float]) -> None:
@@ -209,16 +214,50 @@ def _gaps(capture: Capture, rows: np.ndarray[Any, np.dtype[np.intp]], t: FloatAr
     return gap
 
 
-def _notes(capture: Capture, method: str, options: Mapping[str, float]) -> tuple[str, ...]:
+def _notes(
+    capture: Capture, method: str, options: Mapping[str, float], core: _core.Signals
+) -> tuple[str, ...]:
     notes = []
-    slower = capture.rate_hz / _PAPER_RATE_HZ
-    if method in ("smooth", "paper") and slower < 1.0 and "torque_edge_hz" not in options:
-        notes.append(
-            f"sampled at {capture.rate_hz:.6g} Hz: the paper's torque filter edge of 500 Hz is for 5000 Hz "
-            f"and is lowered to {500.0 * slower:.6g} Hz (torque_edge_hz= sets another)"
-        )
+    slower = min(capture.rate_hz / _PAPER_RATE_HZ, 1.0)
+    edge_hz = core.edge_hz or 0.0
+    if method in ("smooth", "paper") and "torque_edge_hz" not in options:
+        if core.ripple is not None and edge_hz > 500.0 * slower:
+            notes.append(
+                f"the torque has {waves(capture, core.ripple)}: its filter's edge is raised from "
+                f"{500.0 * slower:.6g} Hz to {edge_hz:.4g} Hz (torque_edge_hz= sets another)"
+            )
+        elif slower < 1.0:
+            notes.append(
+                f"sampled at {capture.rate_hz:.6g} Hz: the paper's torque filter edge of 500 Hz is for "
+                f"5000 Hz and is lowered to {500.0 * slower:.6g} Hz (torque_edge_hz= sets another)"
+            )
     if method != "none":
         absent = [name for name in ("omega", "alpha") if name not in capture.columns]
         if absent:
             notes.append(f"{' and '.join(absent)} not recorded: derived from theta")
     return tuple(notes)
+
+
+def _cut(capture: Capture, method: str, options: Mapping[str, float], core: _core.Signals) -> list[Finding]:
+    """What the torque has that its filter takes off."""
+    if core.ripple is None or not core.lost:
+        return []
+    way = "log faster, or turn slower"
+    if "torque_edge_hz" in options:
+        way = "raise torque_edge_hz, or leave it out"
+    elif method == "paper":
+        way = "prepare by 'smooth', whose edge goes up"
+    message = (
+        f"tau: it has {waves(capture, core.ripple)}, and its filter's edge is at {core.edge_hz:.4g} Hz: what "
+        f"lies beyond is not fitted; {way}"
+    )
+    return [Finding("edge", "tau", core.used, (), message, "warning")]
+
+
+def waves(capture: Capture, ripple: tuple[float, float, float]) -> str:
+    """Return waves of the torque over position, as the core has them, in words."""
+    per_turn, hz, _ = ripple
+    length = f"{per_turn:.3g} waves per turn"
+    if capture.coordinate == "linear":
+        length = f"a wave every {2000.0 * np.pi / per_turn:.3g} mm"
+    return f"{length}, {hz:.4g} Hz at the highest speed"

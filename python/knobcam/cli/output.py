@@ -36,8 +36,8 @@ def status(text: str | None) -> None:
 
 def findings(path: str | Path, capture: Capture, signals: Prepared | None = None) -> tuple[str, ...]:
     """Return what was found in a capture and how it was prepared, as lines that name its file."""
-    notes = () if signals is None else signals.notes
-    return (*(f"{path}: {one}" for one in capture.findings), *(f"{path}: note: {note}" for note in notes))
+    found, notes = (capture.findings, ()) if signals is None else (signals.findings, signals.notes)
+    return (*(f"{path}: {one}" for one in found), *(f"{path}: note: {note}" for note in notes))
 
 
 def check_file(output: Path | None, inputs: Iterable[str | Path] = ()) -> None:

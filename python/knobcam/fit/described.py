@@ -25,13 +25,13 @@ def described(signals: Prepared) -> dict[str, Any]:
         "sample_rate_hz": capture.rate_hz,
         "masked": int(np.sum(~capture.mask)),
         "used": signals.core.used,
-        "findings": [finding.document() for finding in capture.findings],
+        "findings": [finding.document() for finding in signals.findings],
     }
 
 
 def said(prepared: Sequence[Prepared]) -> list[dict[str, Any]]:
     """What was found in captures, as the JSON documents have it: of several, which one each is about."""
-    every = [(one.capture, finding) for one in prepared for finding in one.capture.findings]
+    every = [(one.capture, finding) for one in prepared for finding in one.findings]
     if len(prepared) == 1:
         return [finding.document() for _, finding in every]
     return [{"capture": str(capture.meta.get("source", ""))} | one.document() for capture, one in every]

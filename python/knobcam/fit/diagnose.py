@@ -163,11 +163,11 @@ class Diagnosis(showing.Tabled):
     @property
     def summary(self) -> str:
         """What could be missing, and what would remain."""
-        where = self.comparison.summary
-        if self.best is None:
-            return f"{where} No effect of the catalogue lowers this error beyond chance."
-        either = " or ".join([self.best.effect, *self.best.equivalent])
-        return f"{where} Missing first of all: {either} (error {percent(-self.best.error_fall)})."
+        what = "No effect of the catalogue lowers this error beyond chance."
+        if self.best is not None:
+            either = " or ".join([self.best.effect, *self.best.equivalent])
+            what = f"Missing first of all: {either} (error {percent(-self.best.error_fall)})."
+        return f"{self.comparison.summary} {what} {self.fit.beyond or ''}".rstrip()
 
     def plot(self) -> Figure:
         """Error fall of every candidate; those beyond chance solid, those that look alike linked."""

@@ -16,7 +16,7 @@ from .. import _core
 from ..base import showing
 from ..base.tables import TextTable, text_table
 from ..capture import Capture, load
-from ..capture.prepare import Prepared
+from ..capture.prepare import Prepared, waves
 from ..capture.prepare import prepare as prepare_signals
 from ..errors import InputError
 from ..model import Model
@@ -60,6 +60,16 @@ class Estimate(NamedTuple):
         if self.se == 0.0:
             return "fixed"
         return f"{self.ci95[0]:.5g} to {self.ci95[1]:.5g}" if self.determined else "not determined"
+
+
+class Beyond(NamedTuple):
+    """What a torque filter takes off, in words, and its share of all that goes."""
+
+    words: str
+    share: float
+
+    def __str__(self) -> str:
+        return f"Not weighed: {self.words}."
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -292,6 +302,16 @@ class Fit(showing.Tabled):
     def log_fault(self) -> str | None:
         """What is wrong with the log, so that no model of it is one of the knob; None where nothing is."""
         return log_fault(self)
+
+    @cached_property
+    def beyond(self) -> Beyond | None:
+        """Waves of a torque that its filter takes off and the model does not have."""
+        for one in self.prepared:
+            ripple = one.core.taken_off(self.model.core.torque(one.core, False)) if one.core.lost else None
+            if ripple is not None:
+                edge = f"beyond the torque filter's edge of {one.core.edge_hz:.4g} Hz"
+                return Beyond(f"{waves(one.capture, ripple)}, {edge}", ripple[2])
+        return None
 
     @property
     def torque_unit(self) -> str:

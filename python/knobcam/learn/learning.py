@@ -106,10 +106,15 @@ class LearningResult(showing.Tabled):
 
     @property
     def headline(self) -> str:
-        """The verdict in one sentence."""
+        """The verdict in one sentence, and what was left out of it in another."""
+        return f"{self._judged} {self.fit.beyond or ''}".rstrip()
+
+    @property
+    def _judged(self) -> str:
         names = " and ".join(self.found)
-        if self.unexplained is not None:
-            what = self.unexplained
+        what = self.unexplained
+        beyond = what is not None and self.fit.beyond is not None and what.hint == self.fit.beyond.words
+        if what is not None and not beyond:
             if (fault := self.fit.log_fault) is not None:
                 return f"The log is to be mended first, it tells nothing of the knob: {fault}."
             if math.isnan(self.noise_floor):
@@ -130,7 +135,10 @@ class LearningResult(showing.Tabled):
             )
         if names:
             was, it = ("was", "it") if len(self.found) == 1 else ("were", "them")
-            return f"{names} {was} missing; with {it} the rest is chance."
+            rest = "what else passes the torque filter" if beyond else "the rest"
+            return f"{names} {was} missing; with {it} {rest} is chance."
+        if beyond:
+            return "Nothing is missing of what passes the torque filter: chance explains that."
         return "Nothing is missing that this capture could show: chance explains the error."
 
     def plot(self) -> Figure:

@@ -199,7 +199,7 @@ def _sure(learned: LearningResult) -> str:
     said += fit.warnings
     for signals in fit.prepared:
         said += signals.notes
-        said += [str(finding) for finding in signals.capture.findings]
+        said += [str(finding) for finding in signals.findings]
     if said:
         parts += ["<h3>Remarks</h3>", _list(said)]
     return "\n".join(parts)

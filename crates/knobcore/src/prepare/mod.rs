@@ -1,6 +1,7 @@
 //! From a capture to prepared signals: the motion from its sensors, the torque through its filter.
 
 mod direction;
+mod edge;
 mod motion;
 
 use crate::chain::SUBSTEPS;
@@ -9,6 +10,9 @@ use crate::filter::{ZeroPhase, butter, cheby1, cheby2};
 use crate::param::Axis;
 use crate::signals::Signals;
 use crate::smooth::Noise;
+
+pub use edge::{Edge, Ripple, taken_off};
+
 use direction::{standing_still, without_unsure};
 use motion::{columns, forward, smoothed};
 use std::ops::Range;
@@ -73,6 +77,8 @@ pub struct Preparation {
     pub source: Source,
     /// The measurement filter of the torque; the model's torque takes it too.
     pub torque: Option<LowPass>,
+    /// Whether the edge of that filter, if it is the paper's, goes up to where the motion makes waves of the torque.
+    pub follows: bool,
     /// Samples at the start that are left out before the torque is filtered.
     pub skip: usize,
     /// Samples at each end of a stretch that do not count; None: as long as the filter takes to settle.
@@ -83,11 +89,12 @@ pub struct Preparation {
 
 impl Preparation {
     /// The default: the motion from the smoother, the torque through the paper's filter. Edges of Table 6
-    /// belong to 5 kHz; at a lower rate they keep their share of it.
+    /// belong to 5 kHz; at a lower rate they keep their share of it, or follow the torque.
     pub fn smooth(rate_hz: f64) -> Self {
         Self {
             source: Source::Smoother,
             torque: Some(LowPass::Paper(500.0 * slower(rate_hz))),
+            follows: true,
             skip: 0,
             trim: None,
             every: 1,
@@ -98,12 +105,12 @@ impl Preparation {
     pub fn paper(rate_hz: f64) -> Self {
         let [fast, slow] = [1000.0, 500.0].map(|edge| LowPass::Paper(edge * slower(rate_hz)));
         let source = Source::Filtered { theta: fast, omega: fast, alpha: slow };
-        Self { source, torque: Some(slow), skip: 0, trim: None, every: 1 }
+        Self { source, torque: Some(slow), follows: false, skip: 0, trim: None, every: 1 }
     }
 
     /// Everything as it is.
     pub fn none() -> Self {
-        Self { source: Source::AsGiven, torque: None, skip: 0, trim: Some(0), every: 1 }
+        Self { source: Source::AsGiven, torque: None, follows: false, skip: 0, trim: Some(0), every: 1 }
     }
 
     /// The practice of robot identification (Gautier 1997; Janot, Gautier & Brunot 2019): a 4th-order
@@ -112,7 +119,7 @@ impl Preparation {
         let butterworth = LowPass::Butterworth(4, cutoff_hz);
         let source = Source::Filtered { theta: butterworth, omega: butterworth, alpha: butterworth };
         let torque = (decimate > 1).then_some(LowPass::Decimation(decimate));
-        Self { source, torque, skip: 49, trim: Some(0), every: decimate.max(1) }
+        Self { source, torque, follows: false, skip: 49, trim: Some(0), every: decimate.max(1) }
     }
 }
 
@@ -153,6 +160,8 @@ pub struct Prepared {
     pub uncertainty: Option<[Vec<f64>; 2]>,
     /// Noise levels of the motion sensors, where they were estimated.
     pub noise: Option<Noise>,
+    /// The edge of the torque's filter, where that is the paper's.
+    pub edge: Option<Edge>,
 }
 
 /// Prepares a recording.
@@ -160,25 +169,9 @@ pub struct Prepared {
 /// # Errors
 /// A filter edge that the rate does not allow, times that do not increase, no stretch that is long enough.
 pub fn prepare(recording: &Recording<'_>, how: &Preparation) -> Result<Prepared> {
-    let filter = how.torque.map(|design| design.design(recording.rate_hz)).transpose()?;
-    // A quarter of the way to 1e-16 the filter's response is down to 1e-4.
-    let settle = filter.as_ref().map_or(0, |filter| filter.sos().settle() / 4);
-    let ends = if how.source == Source::Smoother { SMOOTHER_ENDS } else { 0 };
-    let trim = how.trim.unwrap_or(settle.max(ends));
-    let shortest = SHORTEST.max(2 * trim + 1).max(filter.as_ref().map_or(0, ZeroPhase::padding) + 1);
+    let mut filter = how.torque.map(|design| design.design(recording.rate_hz)).transpose()?;
     let stretches = stretches(recording);
-    let segments: Vec<Range<usize>> =
-        stretches.iter().map(|s| s.start.max(how.skip)..s.end).filter(|s| s.len() >= shortest).collect();
-    if segments.is_empty() {
-        let longest = stretches.iter().map(ExactSizeIterator::len).max().unwrap_or(0);
-        return Err(Error::invalid(
-            "capture",
-            format!(
-                "its longest stretch without gap has {longest} good samples, and {shortest} are needed for this \
-                 filter; record longer, or raise the filter's edge"
-            ),
-        ));
-    }
+    let mut usable = Usable::of(&stretches, how, filter.as_ref())?;
     let moving = match how.source {
         Source::Smoother => smoothed(recording, &stretches)?,
         Source::Filtered { theta, omega, alpha } => {
@@ -187,6 +180,16 @@ pub fn prepare(recording: &Recording<'_>, how: &Preparation) -> Result<Prepared>
         }
         Source::AsGiven => columns(recording, &stretches, [None, None, None])?,
     };
+    let mut edge = None;
+    if let (Some(LowPass::Paper(hz)), Some(given)) = (how.torque, &filter) {
+        let found = Edge::of(recording, &moving, &stretches, given, hz, how.follows);
+        if found.hz > hz {
+            filter = Some(LowPass::Paper(found.hz).design(recording.rate_hz)?);
+            usable = Usable::of(&stretches, how, filter.as_ref())?;
+        }
+        edge = Some(found);
+    }
+    let Usable { settle, trim, segments } = usable;
     let mut weight = vec![0.0; recording.t.len()];
     for segment in &segments {
         let counted = segment.start + trim..segment.end - trim;
@@ -220,7 +223,38 @@ pub fn prepare(recording: &Recording<'_>, how: &Preparation) -> Result<Prepared>
         substeps: SUBSTEPS,
     };
     signals.filter_torque();
-    Ok(Prepared { signals, uncertainty: moving.uncertainty, noise: moving.noise })
+    Ok(Prepared { signals, uncertainty: moving.uncertainty, noise: moving.noise, edge })
+}
+
+/// What is left of the stretches beside what the filter needs.
+struct Usable {
+    /// Samples after which the filter's response is down to 1e-4, a quarter of the way to 1e-16.
+    settle: usize,
+    /// Samples at each end of a segment that do not count.
+    trim: usize,
+    segments: Vec<Range<usize>>,
+}
+
+impl Usable {
+    fn of(stretches: &[Range<usize>], how: &Preparation, filter: Option<&ZeroPhase>) -> Result<Self> {
+        let settle = filter.map_or(0, |filter| filter.sos().settle() / 4);
+        let ends = if how.source == Source::Smoother { SMOOTHER_ENDS } else { 0 };
+        let trim = how.trim.unwrap_or(settle.max(ends));
+        let shortest = SHORTEST.max(2 * trim + 1).max(filter.map_or(0, ZeroPhase::padding) + 1);
+        let segments: Vec<Range<usize>> =
+            stretches.iter().map(|s| s.start.max(how.skip)..s.end).filter(|s| s.len() >= shortest).collect();
+        if segments.is_empty() {
+            let longest = stretches.iter().map(ExactSizeIterator::len).max().unwrap_or(0);
+            return Err(Error::invalid(
+                "capture",
+                format!(
+                    "its longest stretch without gap has {longest} good samples, and {shortest} are needed for \
+                     this filter; record longer, or raise the filter's edge"
+                ),
+            ));
+        }
+        Ok(Self { settle, trim, segments })
+    }
 }
 
 /// Runs of rows without gap.
