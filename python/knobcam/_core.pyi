@@ -132,6 +132,7 @@ def prepare(
     measured: NDArray[np.bool_],
     method: str,
     options: dict[str, float],
+    run: tuple[str, str] | None = None,
 ) -> Signals: ...
 
 DeviceRow = tuple[float, float, int, float, float, float, bool]
@@ -230,6 +231,7 @@ class Fit:
     def bootstrap(self, draws: int, seed: int) -> Floats: ...
     def band(self, signals: Signals) -> Floats: ...
 
+def price() -> float: ...
 def stiction(
     data: Sequence[Signals], model: Model
 ) -> tuple[

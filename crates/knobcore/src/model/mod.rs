@@ -1,6 +1,7 @@
 //! A model: effects of the catalogue with their parameter values, and which of those may move.
 
 mod roles;
+mod runs;
 
 use crate::effects::law::{Carried, Law};
 use crate::effects::{Base, Id, Joint, Nonlinear, Place};
@@ -8,6 +9,9 @@ use crate::error::{Error, Result};
 use crate::motion::{Load, Motion};
 use crate::param::{Axis, Kind, Param, Usual};
 use std::ops::Range;
+use std::sync::Arc;
+
+pub use runs::Run;
 
 /// What the fitter may do with a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,7 +25,7 @@ pub enum Role {
 }
 
 /// One parameter of a model.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Slot {
     /// The effect that it belongs to.
     pub effect: Id,
@@ -33,12 +37,15 @@ pub struct Slot {
     pub role: Role,
     /// Index in the model of the first parameter of its effect.
     pub base: usize,
+    /// The run whose own it is; none for what the others share.
+    pub run: Option<Arc<Run>>,
 }
 
 impl Slot {
-    /// `effect.parameter`.
+    /// `effect.parameter`, of a run's own `effect.parameter@run`.
     pub fn name(&self) -> String {
-        format!("{}.{}", self.effect.info().id, self.param.name)
+        let name = format!("{}.{}", self.effect.info().id, self.param.name);
+        self.run.as_ref().map_or(name.clone(), |run| format!("{name}@{}", run.name))
     }
 }
 
@@ -95,7 +102,14 @@ impl Model {
     fn push(&mut self, id: Id) {
         let base = self.slots.len();
         for param in id.info().params {
-            self.slots.push(Slot { effect: id, param, value: param.neutral, role: Role::Free, base });
+            self.slots.push(Slot {
+                effect: id,
+                param,
+                value: param.neutral,
+                role: Role::Free,
+                base,
+                run: None,
+            });
         }
         for at in base..self.slots.len() {
             self.slots[at].role = self.usual(at);
@@ -138,6 +152,10 @@ impl Model {
         let mut model = Self::new(effects, self.axis);
         model.name.clone_from(&self.name);
         for slot in self.slots.iter().filter(|slot| effects.contains(&slot.effect)) {
+            if let Some(run) = &slot.run {
+                model.push_own(slot, run, slot.value, slot.role);
+                continue;
+            }
             model.copy_slot(self, slot)?;
         }
         Ok(model)
