@@ -144,6 +144,7 @@ def prepare(
     measured: NDArray[np.bool_],
     method: str,
     options: dict[str, float],
+    run: tuple[str, str] | None = None,
 ) -> Signals: ...
 
 DeviceRow = tuple[float, float, int, float, float, float, bool]
@@ -242,6 +243,7 @@ class Fit:
     def bootstrap(self, draws: int, seed: int) -> Floats: ...
     def band(self, signals: Signals) -> Floats: ...
 
+def price() -> float: ...
 def stiction(
     data: Sequence[Signals], model: Model
 ) -> tuple[

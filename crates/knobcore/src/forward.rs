@@ -35,6 +35,7 @@ pub fn forward(model: &Model, signals: &Signals, horizon_s: Option<f64>) -> Resu
     if horizon_s.is_some_and(|horizon| !horizon.is_finite() || horizon <= 0.0) {
         return Err(Error::invalid("horizon", "must be a time above 0 s; leave it out for one run"));
     }
+    let model = &model.among(&[&signals.run]);
     let p = model.values();
     let mut out = Forward { theta: vec![f64::NAN; signals.len()], starts: Vec::new() };
     for segment in &signals.segments {

@@ -8,13 +8,18 @@
 //! [effects.coulomb]
 //! neg = "coulomb.pos" # tied: always equal to that one
 //! pos = { value = 0.02, fixed = true } # not fitted
+//!
+//! [effects.offset]
+//! tau0 = 0.001
+//! "tau0@second.npz 0f1e2d" = 0.003 # what one of several captures has for itself: its name and its fingerprint
 //! ```
 
 use crate::effects::{Id, Place};
 use crate::error::{Error, Result};
-use crate::model::{Model, Role};
+use crate::model::{Model, Role, Run};
 use crate::param::{Axis, Given, Param, Usual};
 use std::fmt::Write;
+use std::sync::Arc;
 use toml::{Table, Value};
 
 /// The version of the file that is written and read.
@@ -84,6 +89,9 @@ pub fn parse(text: &str) -> Result<Model> {
             .ok_or_else(|| bad(&format!("effect '{id}'"), "must be a table of parameters"))?;
         let mut params: Vec<_> =
             params.iter().map(|(param, value)| (format!("{id}.{param}"), value)).collect();
+        for (name, _) in params.iter_mut().filter(|(name, _)| name.contains('@')) {
+            *name = read_own(&mut model, name)?;
+        }
         // What they are fitted beside says first whether they are.
         let beside = |name: &str| {
             let at = model.index(name)?;
@@ -121,6 +129,24 @@ fn read_given(unit: &Value) -> Result<Given> {
     })
 }
 
+/// Gives a capture a parameter for itself, `effect.parameter@NAME FINGERPRINT`; the name that it then has.
+fn read_own(model: &mut Model, key: &str) -> Result<String> {
+    let bad = |why: &str| Error::invalid(format!("parameter '{key}'"), why);
+    let (shared, run) = key.split_once('@').unwrap_or((key, ""));
+    let at = model.index(shared)?;
+    if !model.slots()[at].param.of_a_run {
+        return Err(bad("is one of the knob, the same in every capture; leave out what follows the @"));
+    }
+    let (name, fingerprint) = run
+        .rsplit_once(' ')
+        .filter(|(name, fingerprint)| !name.is_empty() && !fingerprint.is_empty())
+        .ok_or_else(|| bad("must name its capture as fitted_to does, PARAMETER@NAME FINGERPRINT"))?;
+    let run = Arc::new(Run { name: name.to_owned(), fingerprint: fingerprint.to_owned() });
+    let like = model.slots()[at].clone();
+    model.push_own(&like, &run, like.value, Role::Free);
+    Ok(format!("{shared}@{name}"))
+}
+
 /// What a plain number makes of a parameter: one that is usually fixed needs no mark.
 fn of_number(param: &Param) -> Role {
     if param.usual == Usual::Fixed { Role::Fixed } else { Role::Free }
@@ -154,6 +180,12 @@ fn read_param(model: &mut Model, name: &str, value: &Value) -> Result<()> {
     Ok(())
 }
 
+/// A key of any text, which no key may have over several lines.
+fn quoted(key: &str) -> String {
+    let line = Table::from_iter([(key.to_owned(), Value::Boolean(true))]).to_string();
+    line.trim_end().trim_end_matches(" = true").to_owned()
+}
+
 /// Writes a model; [`parse`] gives the same one back.
 pub fn write(model: &Model) -> String {
     let axis = if model.axis == Axis::Linear { "linear" } else { "rotary" };
@@ -181,13 +213,14 @@ pub fn write(model: &Model) -> String {
                     role if role == of_number(slot.param) => format!("{:?}", slot.value),
                     role => format!("{{ value = {:?}, fixed = {} }}", slot.value, role == Role::Fixed),
                 };
-                let _ = writeln!(
-                    out,
-                    "{} = {value} # {}, {}",
-                    slot.param.name,
-                    model.unit(slot),
-                    slot.param.meaning
-                );
+                let (name, unit) = (slot.param.name, model.unit(slot));
+                let _ = match &slot.run {
+                    Some(run) => {
+                        let key = quoted(&format!("{name}@{} {}", run.name, run.fingerprint));
+                        writeln!(out, "{key} = {value} # {unit}, of this capture alone")
+                    }
+                    None => writeln!(out, "{name} = {value} # {unit}, {}", slot.param.meaning),
+                };
             }
         }
     }
@@ -211,6 +244,10 @@ mod tests {
         model.set_role("directional_detent.P", Role::Free).unwrap();
         model.set("directional_detent.P", 0.3).unwrap();
         model.tie("coulomb.neg", "coulomb.pos").unwrap();
+        let run = |name: &str, fingerprint: &str| Run { name: name.into(), fingerprint: fingerprint.into() };
+        let (first, second) = (run("one.npz", "0f"), run("a \"b\", c\n@ 2.csv", "1a"));
+        let mut model = model.apart(Id::Offset, &[&first, &second]).unwrap();
+        model.set(&format!("offset.tau0@{}", second.name), 0.1 + 0.7).unwrap();
         model
     }
 
@@ -254,6 +291,8 @@ mod tests {
             (&format!("{head}fitted_to = [3]\n[effects.inertia]"), "fitted_to", "list of texts"),
             (&format!("{head}axis = \"round\"\n[effects.inertia]"), "axis", "rotary"),
             (&format!("{head}torque_unit = \"N cm\"\n[effects.inertia]"), "torque_unit", "leave it out"),
+            (&format!("{head}[effects.viscous]\n\"pos@a.npz 0f\" = 1"), "viscous.pos", "leave out"),
+            (&format!("{head}[effects.offset]\n\"tau0@a.npz\" = 1"), "tau0@a.npz", "FINGERPRINT"),
             (&head, "effects", "[effects.inertia]"),
         ] {
             let error = parse(text).unwrap_err().to_string();

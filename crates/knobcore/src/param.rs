@@ -199,6 +199,8 @@ pub struct Param {
     pub plausible: [f64; 2],
     /// Its usual role.
     pub usual: Usual,
+    /// Whether it belongs to a run more than to the knob: of several runs each may have its own.
+    pub of_a_run: bool,
     /// What it is, in a few words.
     pub meaning: &'static str,
 }
@@ -215,6 +217,7 @@ impl Param {
             neutral: 0.0,
             plausible: [f64::NEG_INFINITY, f64::INFINITY],
             usual: Usual::Free,
+            of_a_run: false,
             meaning,
         }
     }
@@ -250,6 +253,11 @@ impl Param {
     /// The same parameter in another usual role.
     pub const fn usually(self, usual: Usual) -> Self {
         Self { usual, ..self }
+    }
+
+    /// The same parameter as one that belongs to a run.
+    pub const fn of_a_run(self) -> Self {
+        Self { of_a_run: true, ..self }
     }
 
     /// The same parameter with the values that make physical sense.

@@ -88,7 +88,8 @@ pub fn raw(
     let motion = signals.motion_columns(range);
     let (torque, slopes) = out.split();
     let mut over = Response { motion, dt: 1.0 / signals.rate_hz, torque, slopes };
-    chain::along(model, p, &seeds.column, signals.substeps, &mut over);
+    let (p, columns) = model.in_run(&signals.run, p, &seeds.column);
+    chain::along(model, &p, &columns, signals.substeps, &mut over);
 }
 
 /// Model torque at every sample of a capture through the measurement filter, N m; samples outside of

@@ -1,6 +1,7 @@
 //! Prepared signals: what a fit sees of one capture.
 
 use crate::filter::ZeroPhase;
+use crate::model::Run;
 use crate::motion::Motion;
 use crate::param::Axis;
 use std::ops::Range;
@@ -13,6 +14,8 @@ const CHUNK: usize = 8192;
 /// All columns have the same length and SI units (rad or m by `axis`).
 #[derive(Debug, Clone, Default)]
 pub struct Signals {
+    /// Which run of the knob it is.
+    pub run: Run,
     /// Rotary or linear.
     pub axis: Axis,
     /// Nominal sampling rate, Hz.

@@ -9,7 +9,7 @@ use knobcore::diagnose::{
     locate as locate_core,
 };
 use knobcore::effects::Id;
-use knobcore::fit::{Detents, Fit, fit as fit_core, report, sketch};
+use knobcore::fit::{Detents, Fit, PRICE, fit as fit_core, report, sketch};
 use knobcore::stiction::{Estimate, stiction as stiction_core};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -163,6 +163,12 @@ fn split_dict<'py>(py: Python<'py>, split: &Split) -> PyResult<Bound<'py, PyDict
         split.regions.iter().map(|r| (r.from, r.to, r.direction, r.mean, r.share)).collect();
     row.set_item("regions", regions)?;
     Ok(row)
+}
+
+/// What a parameter must take off the sum of squares, in variances of the raw noise.
+#[pyfunction]
+pub fn price() -> f64 {
+    PRICE
 }
 
 /// Fits a model to one or several captures; `find_detents` adds detents where the data show them.

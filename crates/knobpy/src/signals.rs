@@ -2,6 +2,7 @@
 use super::convert::{Column, Floats, array, input_error};
 use super::model::axis;
 use knobcore::error::Error;
+use knobcore::model::Run;
 use knobcore::param::Axis;
 use knobcore::prepare::{
     LowPass, Preparation, Prepared, Recording, Ripple, Source, prepare as prepare_core, taken_off,
@@ -113,8 +114,9 @@ fn positive(options: &Bound<'_, PyDict>, name: &str) -> PyResult<Option<f64>> {
     }
 }
 
-/// Prepares a recording by method `smooth`, `paper`, `none` or `differences`; see `knobcam.prepare`.
+/// Prepares a recording (`run` is its name and its fingerprint) by method `smooth`, `paper`, `none` or `differences`; see `knobcam.prepare`.
 #[pyfunction]
+#[pyo3(signature = (axis_name, rate_hz, t, theta, omega, alpha, tau, after_gap, measured, method, options, run=None))]
 #[allow(clippy::too_many_arguments)]
 pub fn prepare(
     py: Python<'_>,
@@ -129,6 +131,7 @@ pub fn prepare(
     measured: PyReadonlyArray1<'_, bool>,
     method: &str,
     options: &Bound<'_, PyDict>,
+    run: Option<(String, String)>,
 ) -> PyResult<PySignals> {
     let mut how = match method {
         "smooth" => Preparation::smooth(rate_hz),
@@ -151,7 +154,9 @@ pub fn prepare(
     {
         (*theta, *omega, *alpha) = (LowPass::Paper(edge), LowPass::Paper(edge), LowPass::Paper(0.5 * edge));
     }
+    let (name, fingerprint) = run.unwrap_or_default();
     let recording = Recording {
+        run: &Run { name, fingerprint },
         axis: axis(axis_name),
         rate_hz,
         t: t.as_slice()?,

@@ -63,6 +63,7 @@ pub fn register_effect(
         describes: false,
         unsearched: None,
         clips: false,
+        every_run: false,
         taken_up: None,
         scan: None,
         slower: &[],

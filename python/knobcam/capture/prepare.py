@@ -10,6 +10,7 @@ import numpy as np
 from .. import _core
 from ..base import showing
 from ..errors import InputError
+from . import run
 from .finding import Finding
 from .quality.held import held
 
@@ -162,6 +163,7 @@ def prepare(capture: Capture, method: str = "smooth", **options: float) -> Prepa
             measured,
             method,
             options,
+            (run.name(capture), run.fingerprint(capture)),
         )
     except InputError as error:
         source = capture.meta.get("source")  # of several captures somebody wants to know which

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -162,12 +163,15 @@ def read(path: str, args: argparse.Namespace) -> Capture:
 
 
 def read_all(args: argparse.Namespace) -> list[Capture]:
-    """Return the captures of a call, and show which is being read."""
+    """Return the captures of a call, several by the names of their files; show which is being read."""
     captures = []
     for path in args.captures:
         status(f"reading {path}")
         captures.append(read(path, args))
-    return captures
+    if len(captures) == 1:
+        return captures
+    named = zip(captures, args.captures, strict=True)
+    return [replace(one, meta={**one.meta, "source": str(path)}) for one, path in named]
 
 
 def reading(args: argparse.Namespace) -> dict[str, Any]:

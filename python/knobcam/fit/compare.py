@@ -13,6 +13,7 @@ from ..base.tables import TextTable, text_table
 from . import origin
 from .described import names
 from .doubts import AT_FLOOR
+from .runs import in_words
 
 if TYPE_CHECKING:
     import numpy as np
@@ -240,6 +241,7 @@ class Comparison(showing.Tabled):
             "captures": captures,
             "findings": fitted["findings"],
             "effects": list(fit.model.effects),
+            "per_capture": fitted["per_capture"],
             "torque_rms": self.torque_rms,
             "complete": self.complete,
             "summary": self.summary,
@@ -264,7 +266,7 @@ class Comparison(showing.Tabled):
         ]
 
     def __repr__(self) -> str:
-        lines = [self.summary, *([self.origin] if self.origin else [])]
+        lines = [self.summary, *([self.origin] if self.origin else []), *in_words(self.fit.per_capture)]
         lines += [text_table(self._EACH, self._each())] if len(self.by_capture) > 1 else []
         return "\n".join([*lines, text_table(self._HEAD, self._rows())])
 

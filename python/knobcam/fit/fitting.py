@@ -21,7 +21,7 @@ from ..capture.prepare import prepare as prepare_signals
 from ..errors import InputError
 from ..model import Model
 from ..model.effects import base_effects, base_effects_shown
-from . import refit
+from . import refit, runs
 from .described import described, said, sign
 from .doubts import doubts
 from .origin import with_origin
@@ -98,6 +98,11 @@ class Fit(showing.Tabled):
             interval = (value - Z95 * error, value + Z95 * error)
             estimates[name] = Estimate(value, interval, unit, error)
         return MappingProxyType(estimates)
+
+    @cached_property
+    def per_capture(self) -> Mapping[str, tuple[runs.OfRun, ...]]:
+        """Parameters that are not the same in all captures, by `effect.parameter`, as they are in each."""
+        return runs.per_capture(self)
 
     @property
     def rmse(self) -> float:
@@ -283,6 +288,7 @@ class Fit(showing.Tabled):
                 name: {"value": e.value, "ci95": list(e.ci95) if e.determined else None, "unit": e.unit}
                 for name, e in self.params.items()
             },
+            "per_capture": runs.document(self.per_capture),
             "undetermined": dict(self.undetermined),
             "correlation": {a: dict(row) for a, row in self.correlation.items()},
             "warnings": list(self.warnings),
@@ -329,6 +335,7 @@ class Fit(showing.Tabled):
     def __repr__(self) -> str:
         lines = ["Fit: " + self._summary, text_table(self.HEAD, self.rows()), self.core.message]
         lines += [f"{name}: {why}" for name, why in self.undetermined.items()]
+        lines += runs.in_words(self.per_capture)
         lines += self.warnings
         return "\n".join(lines + ([refit.in_words(self)] if self.before else []))
 
@@ -352,6 +359,8 @@ def fit(
 ) -> Fit:
     """Fit a model to one capture (or its file), or jointly to several of the same knob.
 
+    What belongs to a run, such as the zero of the torque sensor, is each capture's own where they ask for it
+    (`Fit.per_capture`).
     Without a model: the paper's Equation 1; detents are part of it if the data show them (`detents="auto"`),
     always (`"yes"`) or never (`"no"`). A model (or its file) is fitted as it is: its fixed and tied values
     stay so, and a free detent period is found from the data whatever its value; `detents` is not for it.

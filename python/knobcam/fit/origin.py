@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
-from pathlib import Path
 from typing import TYPE_CHECKING
-from weakref import WeakKeyDictionary
 
+from ..capture import run
 from ..model import Model
 
 if TYPE_CHECKING:
@@ -14,9 +12,6 @@ if TYPE_CHECKING:
 
     from ..capture import Capture
     from ..capture.prepare import Prepared
-
-_DIGITS = 12  # of a fingerprint: two captures of one knob never share so many
-_known: WeakKeyDictionary[Capture, str] = WeakKeyDictionary()  # every candidate of a diagnosis asks
 
 
 def with_origin(model: Model, prepared: Sequence[Prepared]) -> Model:
@@ -30,7 +25,7 @@ def fitted_to(model: Model, capture: Capture) -> bool | None:
     """Return whether a model was fitted to a capture; None where it does not say what it was fitted to."""
     if not model.fitted_to:
         return None
-    return _fingerprint(capture) in {entry.rpartition(" ")[2] for entry in model.fitted_to}
+    return run.fingerprint(capture) in {entry.rpartition(" ")[2] for entry in model.fitted_to}
 
 
 def in_words(model: Model, prepared: Sequence[Prepared], names: Sequence[str]) -> str:
@@ -47,13 +42,4 @@ def in_words(model: Model, prepared: Sequence[Prepared], names: Sequence[str]) -
 
 
 def _entry(capture: Capture) -> str:
-    name = Path(str(capture.meta.get("source", ""))).name or "a capture"
-    return f"{name} {_fingerprint(capture)}"
-
-
-def _fingerprint(capture: Capture) -> str:
-    if capture not in _known:
-        digest = hashlib.sha256(capture.theta.tobytes())
-        digest.update(capture.tau.tobytes())
-        _known[capture] = digest.hexdigest()[:_DIGITS]
-    return _known[capture]
+    return f"{run.name(capture) or 'a capture'} {run.fingerprint(capture)}"

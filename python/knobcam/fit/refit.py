@@ -21,9 +21,8 @@ if TYPE_CHECKING:
     from .fitting import Fit
 
 
-PENALTY = 12.0
-"""What a parameter must take off the sum of squares, in variances of the raw noise (BIC's for some thousands
-of independent samples, with the doubt about the noise on top)."""
+PENALTY = _core.price()
+"""What a parameter must take off the sum of squares, in variances of the raw noise."""
 _ROUNDING = 1e-9  # of an error
 
 
@@ -57,7 +56,8 @@ def cores(fit: Fit) -> list[_core.Signals]:
 def converged(fit: Fit) -> Fit:
     """Return a fit that was sketched, followed to its optimum."""
     core = _core.refine(cores(fit), fit.core.model, True)
-    return replace(fit, core=core if core.rmse <= fit.core.rmse else fit.core)
+    better = core.rmse <= fit.core.rmse or len(core.free) < len(fit.core.free)
+    return replace(fit, core=core if better else fit.core)
 
 
 def drop(fit: Fit, effect: str) -> Fit:

@@ -45,7 +45,8 @@ def disagreements(fit: Fit) -> tuple[Disagreement, ...]:
         str(one.capture.meta.get("source", "")) or f"capture {i + 1}" for i, one in enumerate(fit.prepared)
     ]
     found = []
-    for param in fit.params:
+    apart = {name for every in fit.per_capture.values() for _, name, _ in every}
+    for param in (one for one in fit.params if one not in apart):
         pairs = [
             Disagreement(param, (names[i], names[j]), (a.value, b.value), _apart(a, b))
             for i, a in _estimates(alone, param)
@@ -59,7 +60,7 @@ def disagreements(fit: Fit) -> tuple[Disagreement, ...]:
 
 
 def _estimates(fits: list[Fit], param: str) -> list[tuple[int, Estimate]]:
-    every = [(i, fit.params[param]) for i, fit in enumerate(fits)]
+    every = [(i, fit.params[param]) for i, fit in enumerate(fits) if param in fit.params]
     return [(i, estimate) for i, estimate in every if estimate.determined and estimate.se > 0.0]
 
 

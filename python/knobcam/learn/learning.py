@@ -16,6 +16,7 @@ from ..capture import Capture
 from ..fit import Fit, fit
 from ..fit.diagnose import Diagnosis, check_effects, p_in_words
 from ..fit.refit import percent
+from ..fit.runs import in_words
 from ..model import Model
 from .agreement import Disagreement, disagreements
 from .ladder import LearningStep, Unexplained
@@ -167,6 +168,7 @@ class LearningResult(showing.Tabled):
             "found": list(self.found),
             "ladder": [step.document() for step in self.ladder],
             "unexplained": None if self.unexplained is None else self.unexplained._asdict(),
+            "per_capture": fitted["per_capture"],
             "limitations": [one._asdict() for one in self.limitations],
             "lacks": [one._asdict() for one in self.limitations],  # its older name, for one version
             "disagreements": [one._asdict() for one in self.disagreements],
@@ -203,7 +205,8 @@ class LearningResult(showing.Tabled):
     def __repr__(self) -> str:
         head = (self.head[0], "", *self.head[1:])
         rows = [(row[0], bar, *row[1:]) for row, bar in zip(self.rows(), self._bars(), strict=True)]
-        lines = [self.headline, text_table(head, rows), self.after.summary, *self.fit.warnings]
+        lines = [self.headline, text_table(head, rows), self.after.summary]
+        lines += [*in_words(self.fit.per_capture), *self.fit.warnings]
         if self.disagreements:
             lines.append("Where the captures disagree:")
             lines += [f"  {one}." for one in self.disagreements]

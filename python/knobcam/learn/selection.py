@@ -61,7 +61,8 @@ def select(
         if detents and richer.model.period is None:
             richer = with_detents(richer)
         tell("re-testing the effects that came in before")
-        tested = [one for one in richer.model.effects if one not in (*base, best.effect)]
+        came = {*(step.added for step in ladder), *shown}
+        tested = [one for one in richer.model.effects if one in came and one not in (*base, best.effect)]
         richer, dropped = retested(richer, [*tested, *(one for one in shown if detents and one in base)])
         richer = replace(converged(richer) if dropped else richer, before=fit)
         ladder.append(LearningStep(richer, best.effect, best.p_value, best.equivalent, dropped, diagnosis))

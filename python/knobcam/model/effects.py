@@ -82,8 +82,8 @@ class Effect(showing.Tabled):
         ]
 
     def parameter(self, name: str) -> ParameterInfo:
-        """Return the parameter of this name, which is without the effect's own."""
-        return next(row for row in self.params if row.name == name)
+        """Return the parameter of this name, without the effect's own and without a capture's."""
+        return next(row for row in self.params if row.name == name.partition("@")[0])
 
     def plot(self) -> Figure:
         """Its signature: the torque that it adds to a small knob, over time and where it shows."""

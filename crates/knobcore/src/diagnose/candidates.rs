@@ -5,9 +5,9 @@ use super::null::Null;
 use super::screen::{Screen, Start};
 use super::watch::{Tell, Watch};
 use crate::effects::{Id, Place};
-use crate::fit::{Fit, Found, report, sketch};
+use crate::fit::{Fit, Found, PRICE, report, sketch};
 use crate::floor::{Floor, noise};
-use crate::model::{Model, Role};
+use crate::model::{Model, Role, Slot};
 use crate::noise::Noise;
 use crate::signals::Signals;
 use std::sync::Mutex;
@@ -113,23 +113,41 @@ fn fitted(screen: &Screen<'_>, id: Id, white: f64) -> (Candidate, Vec<Start>) {
     let (starts, end) = if id.info().place == Place::Coupling {
         coupled(screen, id)
     } else {
-        let starts = screen.starts(id);
-        let best_predicted = screen.squares - starts.first().map_or(0.0, |best| best.predicted);
-        // Beside a coupling each step takes long.
-        let (most, least) = if screen.coupled { (1, WORTH * screen.squares) } else { (FOLLOWED, 0.0) };
-        // The starts of what changes the detents are of other periods: which is right the first step cannot tell.
-        let rival = if id.info().needs.is_some() { 0.3 * RIVAL } else { RIVAL };
-        let worth = |start: &&Start| {
-            let predicted = screen.squares - start.predicted;
-            predicted >= rival * best_predicted && predicted >= least
-        };
-        let followed = starts.iter().take(most).filter(worth);
-        let ends = followed.take_while(|_| screen.watch.wanted());
-        let ends = ends.map(|start| (start.model.clone(), sketch(screen.data, &start.model)));
-        let end = ends.min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost));
+        let mut starts = screen.starts(id);
+        let apart = screen.apart(id, &starts);
+        let shared = followed(screen, id, &starts);
+        // Each run's own parameters have their price like any others.
+        let priced =
+            |(model, found): &(Model, Found)| found.cost + PRICE * white * added(screen, id, model) as f64;
+        let ends = shared.into_iter().chain(followed(screen, id, &apart));
+        let end = ends.min_by(|a, b| priced(a).total_cmp(&priced(b)));
+        starts.extend(apart);
         (starts, end)
     };
     (candidate(screen, id, &starts, end, white), starts)
+}
+
+/// Where the best of some starts leads to.
+fn followed(screen: &Screen<'_>, id: Id, starts: &[Start]) -> Option<(Model, Found)> {
+    let best_predicted = screen.squares - starts.first()?.predicted;
+    // Beside a coupling each step takes long.
+    let (most, least) = if screen.coupled { (1, WORTH * screen.squares) } else { (FOLLOWED, 0.0) };
+    // The starts of what changes the detents are of other periods: which is right the first step cannot tell.
+    let rival = if id.info().needs.is_some() { 0.3 * RIVAL } else { RIVAL };
+    let worth = |start: &&Start| {
+        let predicted = screen.squares - start.predicted;
+        predicted >= rival * best_predicted && predicted >= least
+    };
+    let ends = starts.iter().take(most).filter(worth).take_while(|_| screen.watch.wanted());
+    let ends = ends.map(|start| (start.model.clone(), sketch(screen.data, &start.model)));
+    ends.min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost))
+}
+
+/// Free parameters that a model with an effect has more: the effect's own, and those of runs.
+fn added(screen: &Screen<'_>, id: Id, model: &Model) -> usize {
+    let known = |slot: &Slot| screen.model.index(&slot.name()).is_ok();
+    let more = |slot: &&Slot| slot.effect == id || slot.run.is_some() && !known(slot);
+    model.slots().iter().filter(more).filter(|slot| slot.role == Role::Free).count()
 }
 
 fn candidate(
@@ -139,10 +157,9 @@ fn candidate(
     end: Option<(Model, Found)>,
     white: f64,
 ) -> Candidate {
-    let free = |start: &Start| {
-        start.model.slots().iter().filter(|slot| slot.effect == id && slot.role == Role::Free).count()
-    };
-    let parameters = starts.first().map_or(0, free);
+    let ended = end.as_ref().map(|(model, _)| model).filter(|model| model.is_apart(id));
+    let parameters =
+        ended.or(starts.first().map(|start| &start.model)).map_or(0, |model| added(screen, id, model));
     let failed = |note: String| Candidate { id, fit: None, gain: 0.0, parameters, p_value: 1.0, note };
     let Some((model, found)) = end else {
         return failed("does not go with this model, or explains too little of it to be followed".into());

@@ -7,7 +7,7 @@ use super::screen::{Screen, Start};
 use crate::effects::Id;
 use crate::error::Result;
 use crate::filter::{ZeroPhase, cheby2};
-use crate::fit::{Fit, Found, refine, sketch};
+use crate::fit::{Fit, Found, refine, settled, sketch};
 use crate::floor::Floor;
 use crate::model::Model;
 use crate::prepare::slower;
@@ -59,7 +59,7 @@ pub fn coupled(whole: &Screen<'_>, id: Id) -> (Vec<Start>, Option<(Model, Found)
 pub fn converge(data: &[&Signals], model: &Model) -> Result<Fit> {
     let mut best = refine(data, model)?;
     if !model.is_coupled() {
-        return Ok(best);
+        return settled(data, best, |model| refine(data, model));
     }
     for edges in [&[MIDDLE_HZ][..], &[COARSE_HZ, MIDDLE_HZ]] {
         if best.rmse <= EXPLAINED * best.noise_floor {
@@ -75,7 +75,7 @@ pub fn converge(data: &[&Signals], model: &Model) -> Result<Fit> {
             best = fit;
         }
     }
-    Ok(best)
+    settled(data, best, |model| refine(data, model))
 }
 
 /// The first samples of a capture: enough to find what is then followed through all of it.

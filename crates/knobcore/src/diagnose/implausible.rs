@@ -14,7 +14,7 @@ const CROSSED: f64 = 1.5;
 /// is added.
 pub fn implausible(data: &[&Signals], fit: &Fit, id: Id, clipped: bool, first: bool) -> Vec<String> {
     let context = context(data, fit, id, clipped, first);
-    let slots = fit.model.slots().iter().filter(|slot| slot.effect == id);
+    let slots = fit.model.slots().iter().filter(|slot| slot.effect == id && slot.run.is_none());
     let values: Vec<f64> = slots.map(|slot| slot.value).collect();
     let mut said = Vec::new();
     // A change of one detent alone is any map of position.
@@ -52,7 +52,10 @@ fn context(data: &[&Signals], fit: &Fit, id: Id, clipped: bool, first: bool) -> 
         rows.into_iter().map(|at| signals.theta[at]).collect()
     };
     Context {
-        errors: (0..slots.len()).filter(|&at| slots[at].effect == id).map(error).collect(),
+        errors: (0..slots.len())
+            .filter(|&at| slots[at].effect == id && slots[at].run.is_none())
+            .map(error)
+            .collect(),
         theta: data.iter().flat_map(theta).collect(),
         speed,
         rate_hz: data.first().map_or(1.0, |signals| signals.rate_hz),

@@ -5,7 +5,7 @@
 
 use super::watch::Watch;
 use crate::effects::{Id, Place, Survey, Wave};
-use crate::fit::{dot, evaluate, waves, without_whole};
+use crate::fit::{dot, evaluate, runs, waves, without_whole};
 use crate::model::{Model, Role};
 use crate::param::{Axis, Usual};
 use crate::predict::Seeds;
@@ -70,9 +70,20 @@ impl<'a> Screen<'a> {
             }
             None => id.law().starts(&self.survey),
         };
-        let mut starts: Vec<Start> = values
-            .iter()
-            .flat_map(|values| self.placed(&with, id, values))
+        self.by_promise(id, values.iter().flat_map(|values| self.placed(&with, id, values)).collect())
+    }
+
+    /// The same starts with what belongs to a run apart; none where there is nothing of the kind, or one run.
+    pub fn apart(&self, id: Id, starts: &[Start]) -> Vec<Start> {
+        let runs = runs(self.data);
+        let models = starts.iter().filter_map(|start| start.model.apart(id, &runs));
+        self.by_promise(id, models.collect())
+    }
+
+    /// Models with an effect as starts, most promising first.
+    fn by_promise(&self, id: Id, models: Vec<Model>) -> Vec<Start> {
+        let mut starts: Vec<Start> = models
+            .into_iter()
             .take_while(|_| self.watch.wanted())
             .map(|model| Start { predicted: self.predicted(id, &model), model })
             .filter(|start| start.predicted.is_finite())
@@ -136,7 +147,9 @@ impl<'a> Screen<'a> {
             .filter(|&i| slots[i].role == Role::Free && id.info().place != Place::Coupling)
             .filter(|&i| {
                 let effect = slots[i].effect;
-                effect == id || (slower && id.info().needs == Some(effect.info().id))
+                effect == id
+                    || slots[i].run.is_some()
+                    || (slower && id.info().needs == Some(effect.info().id))
             })
             .collect();
         let (mut columns, residual) = self.shown(model, &own);

@@ -126,6 +126,9 @@ pub trait Effect<const N: usize> {
     const UNSEARCHED: Option<&'static str> = None;
     /// Whether it predicts what a sensor at its limit reads; without it such readings do not count.
     const CLIPS: bool = false;
+    /// Whether each of several runs may have it though the model does not: it says how a run was set up, and nothing of
+    /// the knob. What all of them have alike must be [taken up](Effect::TAKEN_UP) by others.
+    const EVERY_RUN: bool = false;
     /// What others do as well while their parameters are free.
     const TAKEN_UP: Option<TakenUp> = None;
     /// The waves over position that its starts need, beside what the model explains.

@@ -32,7 +32,8 @@ impl Effect<1> for Offset {
         by: &["coulomb.neg", "coulomb.pos"],
         why: "a constant torque is what the difference of the Coulomb levels makes",
     });
-    const PARAMS: [Param; 1] = [Param::linear("tau0", Unit::of(1, 0, 0), "constant torque")];
+    const EVERY_RUN: bool = true;
+    const PARAMS: [Param; 1] = [Param::linear("tau0", Unit::of(1, 0, 0), "constant torque").of_a_run()];
 
     fn typical(carrier: &Carrier<'_>) -> [f64; 1] {
         [4.0 * carrier.floor]

@@ -43,6 +43,8 @@ pub struct Info {
     pub unsearched: Option<&'static str>,
     /// See [`Effect::CLIPS`].
     pub clips: bool,
+    /// See [`Effect::EVERY_RUN`].
+    pub every_run: bool,
     /// See [`Effect::TAKEN_UP`].
     pub taken_up: Option<TakenUp>,
     /// See [`Effect::SCAN`].
@@ -73,6 +75,7 @@ impl Info {
             describes: E::DESCRIBES,
             unsearched: E::UNSEARCHED,
             clips: E::CLIPS,
+            every_run: E::EVERY_RUN,
             taken_up: E::TAKEN_UP,
             scan: E::SCAN,
             slower: E::SLOWER,

@@ -15,7 +15,7 @@ pub struct TorqueDrift;
 const START: f64 = 1e-6;
 
 const fn wave(name: &'static str, meaning: &'static str) -> Param {
-    Param::linear(name, Unit::of(1, 0, 0), meaning)
+    Param::linear(name, Unit::of(1, 0, 0), meaning).of_a_run()
 }
 
 impl Effect<8> for TorqueDrift {

@@ -4,23 +4,27 @@ mod bootstrap;
 mod detents;
 mod moments;
 mod orders;
+mod runs;
 mod scan;
 mod separable;
 mod serial;
 mod solve;
+mod undetermined;
 
 pub use moments::Moments;
 pub(crate) use moments::{add_products, dot, evaluate};
 pub use orders::without_whole;
+pub use runs::PRICE;
+pub(crate) use runs::{runs, settled};
 pub use scan::Scan;
 pub use separable::{Found, Status};
+pub use undetermined::Undetermined;
 
 use crate::effects::{Id, Wave};
 use crate::error::{Error, Result};
 use crate::floor::Floor;
 use crate::model::{Model, Role};
-use crate::param::Kind;
-use crate::predict::{Columns, Seeds, raw};
+use crate::predict::Seeds;
 use crate::signals::Signals;
 use crate::special::Z95;
 use detents::{Judge, best_from_scan, scan_beside};
@@ -29,6 +33,7 @@ use nalgebra::DMatrix;
 use separable::{Effort, Layout, descend};
 use serial::{Meat, serial};
 use solve::{Normal, independent, solvable};
+use undetermined::{SILENT, silent, undetermined};
 
 /// Blocks of the block bootstrap and of the held-out error.
 const BLOCKS: f64 = 200.0;
@@ -43,15 +48,6 @@ pub enum Detents {
     /// Take the model as it is; a free detent period is found from the data.
     #[default]
     AsModel,
-}
-
-/// A parameter that the capture does not determine.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Undetermined {
-    /// `effect.parameter`.
-    pub name: String,
-    /// Why, and what to record.
-    pub why: String,
 }
 
 /// A fitted model.
@@ -87,15 +83,18 @@ pub struct Fit {
     kept: Vec<usize>,
 }
 
-/// Why a parameter without influence is undetermined.
-const SILENT: &str = "nothing in this capture depends on it; record a motion that does, or fix it";
-
-/// Fits `model` to one or several captures of the same knob.
+/// Fits `model` to one or several captures of the same knob; what belongs to a run may differ between them.
 ///
 /// # Errors
 /// The captures hold no sample that counts, fewer samples than parameters, or differ in axis.
 pub fn fit(data: &[&Signals], model: &Model, detents: Detents) -> Result<Fit> {
     check(data, model)?;
+    let model = model.among(&runs(data));
+    settled(data, found(data, &model, detents)?, |model| found(data, model, detents))
+}
+
+/// The model as it is, and the detents that are asked for.
+fn found(data: &[&Signals], model: &Model, detents: Detents) -> Result<Fit> {
     let silent = silent(data, model);
     let mut model = model.clone();
     for name in &silent {
@@ -149,31 +148,6 @@ pub fn sketch(data: &[&Signals], model: &Model) -> Found {
 pub fn report(data: &[&Signals], model: &Model, found: Found) -> Result<Fit> {
     check(data, model)?;
     finish(data, model.clone(), &Layout::of(model), found, None)
-}
-
-/// Linear parameters that the torque of no counted sample depends on. The filter smears a trace of them into
-/// counted samples from others, which would let them be fitted, to anything.
-fn silent(data: &[&Signals], model: &Model) -> Vec<String> {
-    let slots = model.slots();
-    let linear: Vec<usize> = (0..slots.len())
-        .filter(|&i| slots[i].role == Role::Free && model.kind(&slots[i]) == Kind::Linear)
-        .collect();
-    let seeds = Seeds::of(model, &linear);
-    let mut heard = vec![false; linear.len()];
-    let mut columns = Columns::default();
-    for signals in data {
-        for chunk in signals.chunks(model.remembers()) {
-            raw(model, &model.values(), &seeds, signals, chunk.core.clone(), &mut columns);
-            let weight = &signals.weight[chunk.core];
-            for (heard, column) in heard.iter_mut().zip(columns.split().1) {
-                *heard = *heard || column.iter().zip(weight).any(|(d, w)| d * w != 0.0);
-            }
-            if heard.iter().all(|heard| *heard) {
-                return Vec::new();
-            }
-        }
-    }
-    linear.iter().zip(heard).filter(|(_, heard)| !heard).map(|(&i, _)| slots[i].name()).collect()
 }
 
 /// A model to finish with, and what is known of its optimum.
@@ -326,26 +300,6 @@ fn finish(
         kept,
         model,
     })
-}
-
-/// Says why a column is not determined: it is silent, or a combination of others.
-fn undetermined(model: &Model, layout: &Layout, at: &Moments, kept: &[usize], column: usize) -> Undetermined {
-    let name = |column: usize| model.slots()[layout.free[column]].name();
-    let length = at.gram(column, column);
-    let why = if length > 0.0 {
-        let along = Normal::of(|i, j| at.gram(i, j), kept)
-            .map(|normal| normal.solve(|i| at.gram(kept[i], column)))
-            .unwrap_or_default();
-        let parts = kept.iter().zip(&along).filter(|(i, x)| (*x * *x) * at.gram(**i, **i) > 1e-4 * length);
-        let others: Vec<String> = parts.map(|(&i, _)| name(i)).collect();
-        format!(
-            "this capture cannot tell it from {}; record a motion that does, or fix or tie one of them",
-            others.join(", ")
-        )
-    } else {
-        SILENT.into()
-    };
-    Undetermined { name: name(column), why }
 }
 
 impl Fit {

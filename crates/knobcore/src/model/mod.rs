@@ -2,6 +2,7 @@
 
 mod motor;
 mod roles;
+mod runs;
 
 use crate::effects::law::{Carried, Law};
 use crate::effects::{Base, Id, Joint, Nonlinear, Place};
@@ -9,6 +10,9 @@ use crate::error::{Error, Result};
 use crate::motion::{Load, Motion};
 use crate::param::{Axis, Given, Kind, Param, Usual};
 use std::ops::Range;
+use std::sync::Arc;
+
+pub use runs::Run;
 
 /// What the fitter may do with a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,7 +26,7 @@ pub enum Role {
 }
 
 /// One parameter of a model.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Slot {
     /// The effect that it belongs to.
     pub effect: Id,
@@ -34,12 +38,15 @@ pub struct Slot {
     pub role: Role,
     /// Index in the model of the first parameter of its effect.
     pub base: usize,
+    /// The run whose own it is; none for what the others share.
+    pub run: Option<Arc<Run>>,
 }
 
 impl Slot {
-    /// `effect.parameter`.
+    /// `effect.parameter`, of a run's own `effect.parameter@run`.
     pub fn name(&self) -> String {
-        format!("{}.{}", self.effect.info().id, self.param.name)
+        let name = format!("{}.{}", self.effect.info().id, self.param.name);
+        self.run.as_ref().map_or(name.clone(), |run| format!("{name}@{}", run.name))
     }
 }
 
@@ -103,7 +110,14 @@ impl Model {
     fn push(&mut self, id: Id) {
         let base = self.slots.len();
         for param in id.info().params {
-            self.slots.push(Slot { effect: id, param, value: param.neutral, role: Role::Free, base });
+            self.slots.push(Slot {
+                effect: id,
+                param,
+                value: param.neutral,
+                role: Role::Free,
+                base,
+                run: None,
+            });
         }
         let params = base..self.slots.len();
         if id.info().place == Place::Load && !matches!(id, Id::User(_)) {
@@ -144,6 +158,10 @@ impl Model {
         model.name.clone_from(&self.name);
         model.given = self.given;
         for (at, slot) in self.slots.iter().enumerate().filter(|(_, slot)| effects.contains(&slot.effect)) {
+            if let Some(run) = &slot.run {
+                model.push_own(slot, run, slot.value, slot.role);
+                continue;
+            }
             model.copy_slot(self, slot)?;
             if matches!(slot.param.usual, Usual::Weighs(_)) && slot.role == self.usual(at) {
                 let name = slot.name();

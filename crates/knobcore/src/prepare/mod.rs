@@ -7,6 +7,7 @@ mod motion;
 use crate::chain::SUBSTEPS;
 use crate::error::{Error, Result};
 use crate::filter::{ZeroPhase, butter, cheby1, cheby2};
+use crate::model::Run;
 use crate::param::Axis;
 use crate::signals::Signals;
 use crate::smooth::Noise;
@@ -131,6 +132,8 @@ pub fn slower(rate_hz: f64) -> f64 {
 /// A capture as it was recorded, the rows that cannot be used left out; SI units.
 #[derive(Debug, Clone, Copy)]
 pub struct Recording<'a> {
+    /// Which run of the knob it is.
+    pub run: &'a Run,
     /// Rotary or linear.
     pub axis: Axis,
     /// Nominal sampling rate, Hz.
@@ -206,6 +209,7 @@ pub fn prepare(recording: &Recording<'_>, how: &Preparation) -> Result<Prepared>
     weight = without_unsure(&weight, &moving, &segments, settle / 2).unwrap_or(weight);
     let start = recording.t.first().copied().unwrap_or(0.0);
     let mut signals = Signals {
+        run: recording.run.clone(),
         axis: recording.axis,
         rate_hz: recording.rate_hz,
         t: recording.t.iter().map(|t| t - start).collect(),

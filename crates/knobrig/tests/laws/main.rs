@@ -8,6 +8,7 @@ mod implausible;
 mod limits;
 mod recovery;
 mod rendering;
+mod runs;
 mod symmetry;
 mod units;
 mod user;
@@ -136,7 +137,7 @@ fn plausible(id: Id, noise: &mut Noise) -> Vec<f64> {
 
 /// The model with the parameters of one effect at these values; parameters that are tied stay so.
 fn at(mut model: Model, id: Id, values: &[f64]) -> Model {
-    let own: Vec<_> = model.slots().iter().filter(|slot| slot.effect == id).copied().collect();
+    let own: Vec<_> = model.slots().iter().filter(|slot| slot.effect == id).cloned().collect();
     for (slot, value) in own.iter().zip(values) {
         if !matches!(slot.role, Role::Tied(_)) {
             model.set(&slot.name(), *value).unwrap();

@@ -39,7 +39,7 @@ fn assert_found(found: &Fit, truth: &Model, id: Id) {
 }
 
 /// The knob with an effect at values that it could have, such that all of them show.
-fn telling_knob(id: Id, noise: &mut Noise) -> Model {
+pub fn telling_knob(id: Id, noise: &mut Noise) -> Model {
     let mut truth = plausible_knob(id, noise);
     // A constant torque shows only where friction is the same both ways.
     truth.tie("coulomb.neg", "coulomb.pos").unwrap();
