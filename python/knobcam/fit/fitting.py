@@ -22,6 +22,7 @@ from ..errors import InputError
 from ..model import Model
 from ..model.effects import base_effects, base_effects_shown
 from . import refit, runs
+from .alike import check_captures, check_unit
 from .described import described, said, sign
 from .doubts import doubts
 from .origin import with_origin
@@ -168,7 +169,7 @@ class Fit(showing.Tabled):
             raise InputError(
                 f"the model is of a {self.model.coordinate} axis, the capture of a {capture.coordinate} one"
             )
-        _check_unit(self.model, capture)
+        check_unit(self.model, capture)
         signals = prepare_signals(capture, self.signals.method, **self.signals.options)
         return signals.on_capture(self.model.core.torque(signals.core))
 
@@ -372,7 +373,7 @@ def fit(
     several = [load(one) if isinstance(one, str | os.PathLike) else one for one in given]
     if not several:
         raise InputError("captures is empty; give at least one")
-    _check_captures(several)
+    check_captures(several)
     if isinstance(model, str | os.PathLike):
         model = Model.load(model)
     if detents not in ("auto", "yes", "no"):
@@ -386,33 +387,6 @@ def fit(
     coordinate = several[0].coordinate
     base = base_effects(coordinate) + (base_effects_shown(coordinate) if detents == "yes" else ())
     start = model or Model.of(base, coordinate, several[0].torque_unit)
-    _check_unit(start, several[0])
+    check_unit(start, several[0])
     core = _core.fit([s.core for s in signals], start.core, model is None and detents == "auto")
     return Fit(signals, core)
-
-
-def _check_captures(captures: Sequence[Capture]) -> None:
-    for number, capture in enumerate(captures, 1):
-        if not isinstance(capture, Capture):
-            raise InputError(f"capture {number} is {capture!r}, no Capture; read files with load()")
-        for before, other in enumerate(captures[: number - 1], 1):
-            if np.array_equal(other.tau, capture.tau) and np.array_equal(other.theta, capture.theta):
-                raise InputError(
-                    f"captures {before} and {number} are the same: counting one twice would only narrow "
-                    "the intervals; give it once"
-                )
-    units = {one.torque_unit: str(one.meta.get("source", "a capture")) for one in captures}
-    if len(units) > 1 and len({one.coordinate for one in captures}) == 1:
-        said = " and ".join(f"{source} in {unit}" for unit, source in units.items())
-        raise InputError(
-            f"torques of different units, {said}, cannot be one fit; convert them with kt (--kt)"
-        )
-
-
-def _check_unit(model: Model, capture: Capture) -> None:
-    # Of another kind of axis the core says so.
-    if model.torque_unit != capture.torque_unit and model.coordinate == capture.coordinate:
-        raise InputError(
-            f"the model is in {model.torque_unit}, {capture.meta.get('source', 'the capture')} in "
-            f"{capture.torque_unit}; convert the one of the motor with kt (--kt)"
-        )
