@@ -82,7 +82,7 @@ def axis(folder: Path, data: Path) -> None:
 
 def motor(folder: Path, data: Path, cogging: Path) -> None:
     """Draw the three fits of the motor in docs/real-captures.md, as the page makes them."""
-    capture = kc.load(data, map="t=c0, theta=c1/8192 [turn], tau=0.0551*c2", start=1.0)
+    capture = kc.load(data, map="t=c0, theta=c1/8192 [turn], tau=c2 [A]", start=1.0)
     keep(folder / "motor-first.png", plot.position(kc.fit(capture)))
     page = (DOCS / "real-captures.md").read_text("utf-8")
     names: dict[str, Any] = {}

@@ -262,7 +262,7 @@ def test_a_torque_at_its_extreme_is_masked_of_a_sensor_and_counts_of_a_drive(
         messages = [one.message for one in found[limit].findings if one.kind == kind]
         assert len(messages) == 2
         assert all("the sensor is saturated; masked" in one for one in messages) == (limit == "sensor")
-        assert all("the drive's own limit, so they count" in one for one in messages) == (limit == "actuator")
+        assert all("the drive's limit, so they count" in one for one in messages) == (limit == "actuator")
         assert kc.load(path, limit=limit).findings == found[limit].findings  # the one that was saved too
     told = knobcam("import", path, "-o", tmp_path / "other.npz", "--limit", other, "--json").document
     assert told["findings"][-1]["kind"] == ("clipped" if other == "sensor" else "limit")

@@ -37,7 +37,7 @@ nitpick_ignore_regex = [
     ("py:.*", r"(.*\.)?(FloatArray|IntArray|BoolArray|ArrayLike|NDArray|ColumnMap|Figure|Path|Law)"),
     (
         "py:.*",
-        r"(.*\.)?(Coordinate|Watch|Picture|Window|Figures|Content|Severity|Shown|TextTable|Widget|Over|TakenUp|Acts)",
+        r"(.*\.)?(Coordinate|Watch|Picture|Window|Figures|Content|Severity|Shown|TextTable|Widget|Over|TakenUp|Acts|Limit)",
     ),
 ]
 

@@ -46,12 +46,11 @@ def _back_emf(fit: Fit, own: Mapping[str, Estimate]) -> list[str]:
     names = [name for name, e in own.items() if e.unit == per_speed]
     if fit.torque_unit not in ("V", "duty") or not names:
         return []
+    what = f"hold the motor's back-EMF beside its friction, unless the {fit.torque_unit} command a current"
     way = (
-        "kt and the resistance part them"
-        if fit.torque_unit == "V"
-        else "map tau=duty*SUPPLY [V] to part them"
+        "kt and the resistance" if fit.torque_unit == "V" else "in V (tau=duty*SUPPLY), kt and the resistance"
     )
-    return [f"{' and '.join(names)} hold the motor's back-EMF beside its friction: {way}"]
+    return [f"{' and '.join(names)} {what}: {way} part them"]
 
 
 def _at_bounds(fit: Fit) -> list[str]:

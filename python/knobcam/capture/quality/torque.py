@@ -69,12 +69,10 @@ def check_clipping(
         )
         if limit == "sensor":
             clipped |= at
-            message += (
-                "the sensor is saturated; masked (of the drive's own limit they count: --limit actuator)"
-            )
+            message += "the sensor is saturated; masked, unless it is the drive's limit (--limit actuator)"
             found = Finding("clipped", "tau", int(at.sum()), spans(rows[at]), message, "masked")
         else:
-            message += "the drive's own limit, so they count, unless a sensor is saturated (--limit sensor)"
+            message += "the drive's limit, so they count, unless the sensor is saturated (--limit sensor)"
             found = Finding("limit", "tau", int(at.sum()), spans(rows[at]), message, "note")
         findings.append(found)
     return clipped, findings
