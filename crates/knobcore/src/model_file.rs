@@ -17,7 +17,7 @@
 use crate::effects::{Id, Place};
 use crate::error::{Error, Result};
 use crate::model::{Model, Role, Run};
-use crate::param::{Axis, Given, Param, Usual};
+use crate::param::{Axis, Given, Usual};
 use std::fmt::Write;
 use std::sync::Arc;
 use toml::{Table, Value};
@@ -147,9 +147,13 @@ fn read_own(model: &mut Model, key: &str) -> Result<String> {
     Ok(format!("{shared}@{name}"))
 }
 
-/// What a plain number makes of a parameter: one that is usually fixed needs no mark.
-fn of_number(param: &Param) -> Role {
-    if param.usual == Usual::Fixed { Role::Fixed } else { Role::Free }
+/// What a plain number makes of a parameter: one that is usually fixed, or beside such effects, needs no mark.
+fn of_number(model: &Model, at: usize) -> Role {
+    match model.slots()[at].param.usual {
+        Usual::Fixed => Role::Fixed,
+        Usual::Weighs(_) => model.usual(at),
+        _ => Role::Free,
+    }
 }
 
 /// A number, or a table of value and fixed.
@@ -165,8 +169,7 @@ fn read_param(model: &mut Model, name: &str, value: &Value) -> Result<()> {
         Error::invalid(format!("parameter '{name}'"), why)
     };
     // Whatever is written here is no tie, not even the usual one.
-    let param = model.slots()[model.index(name)?].param;
-    model.set_role(name, of_number(param))?;
+    model.set_role(name, of_number(model, model.index(name)?))?;
     let Some(table) = value.as_table() else { return model.set(name, number(value).ok_or_else(bad)?) };
     for (key, value) in table {
         match (key.as_str(), value) {
@@ -207,10 +210,10 @@ pub fn write(model: &Model) -> String {
             let info = id.info();
             let _ = write!(out, "\n[effects.{}] # {}\n", info.id, info.law);
             let own = model.slots().iter().enumerate().filter(|(_, slot)| slot.effect == id);
-            for (_, slot) in own.filter(|(at, _)| !model.is_idle(*at)) {
+            for (at, slot) in own.filter(|(at, _)| !model.is_idle(*at)) {
                 let value = match slot.role {
                     Role::Tied(to) => format!("{:?}", model.slots()[to].name()),
-                    role if role == of_number(slot.param) => format!("{:?}", slot.value),
+                    role if role == of_number(model, at) => format!("{:?}", slot.value),
                     role => format!("{{ value = {:?}, fixed = {} }}", slot.value, role == Role::Fixed),
                 };
                 let (name, unit) = (slot.param.name, model.unit(slot));

@@ -6,7 +6,7 @@ use crate::param::{Axis, Usual};
 
 impl Model {
     /// The usual role of a parameter, by the values that the model has.
-    pub(super) fn usual(&self, at: usize) -> Role {
+    pub(crate) fn usual(&self, at: usize) -> Role {
         match self.slots[at].param.usual {
             Usual::Free => Role::Free,
             Usual::Fixed => Role::Fixed,
