@@ -47,16 +47,20 @@ fn context(data: &[&Signals], fit: &Fit, id: Id, clipped: bool, first: bool) -> 
         let squares: f64 = rows.iter().map(|&at| signals.omega[at].powi(2)).sum();
         (squares / rows.len().max(1) as f64).sqrt()
     });
-    let theta = |signals: &&Signals| -> Vec<f64> {
-        let rows: Vec<usize> = counted(&signals);
-        rows.into_iter().map(|at| signals.theta[at]).collect()
+    let column = |of: fn(&Signals) -> &[f64]| -> Vec<f64> {
+        let rows = |signals: &&Signals| -> Vec<f64> {
+            let rows: Vec<usize> = counted(&signals);
+            rows.into_iter().map(|at| of(signals)[at]).collect()
+        };
+        data.iter().flat_map(rows).collect()
     };
     Context {
         errors: (0..slots.len())
             .filter(|&at| slots[at].effect == id && slots[at].run.is_none())
             .map(error)
             .collect(),
-        theta: data.iter().flat_map(theta).collect(),
+        t: column(|signals| &signals.t),
+        theta: column(|signals| &signals.theta),
         speed,
         rate_hz: data.first().map_or(1.0, |signals| signals.rate_hz),
         noise_floor: fit.noise_floor,

@@ -5,6 +5,8 @@
 pub struct Context {
     /// Standard errors of the effect's own parameters, in its order; None where the captures do not determine one.
     pub errors: Vec<Option<f64>>,
+    /// Times of the samples that count, s.
+    pub t: Vec<f64>,
     /// Positions of the samples that count, rad.
     pub theta: Vec<f64>,
     /// Root mean square of the velocity of the samples that count, rad/s.
@@ -69,6 +71,7 @@ mod tests {
     fn samples_are_counted_where_they_are() {
         let context = Context {
             errors: Vec::new(),
+            t: vec![0.0, 1.0, 2.0, 3.0],
             theta: vec![-1.0, 0.0, 0.5, 3.0],
             speed: 1.0,
             rate_hz: 5000.0,

@@ -1,9 +1,10 @@
 //! Torque drift: the baseline of the torque sensor creeps.
 
-use super::{Carrier, Effect, Id, Over, SensorEffect, Survey, Words};
+use super::{Carrier, Context, Effect, Id, Over, SensorEffect, Survey, Words};
 use crate::motion::Motion;
 use crate::param::{Param, Unit, Usual};
 use crate::scalar::Scalar;
+use nalgebra::{Matrix4, Vector4};
 
 /// tau + d t^n + e exp(-t/T) + sum of c_k cos(pi k t/L): a creep by a power of time, a transient of a sensor that
 /// settles, and what wanders slowly within the length L of the capture.
@@ -11,6 +12,12 @@ use crate::scalar::Scalar;
 /// A constant is left out, for the difference of `coulomb` pos and neg holds it.
 pub struct TorqueDrift;
 
+/// A torque of which position explains this share is one over position,
+const FOLLOWS: f64 = 0.9;
+/// if the motion goes this many times its range, there and back.
+const RETURNS: f64 = 1.25;
+/// Moments at which that is asked, about.
+const MOMENTS: usize = 1000;
 /// Times below this share of a unit are the start.
 const START: f64 = 1e-6;
 
@@ -65,6 +72,37 @@ impl Effect<8> for TorqueDrift {
             [torque / length, 1.0, 0.7 * torque, 0.15 * length, c1, c2, c3, length]
         })
     }
+
+    /// What has the same value again wherever the knob comes by again is no matter of time.
+    fn implausible(p: &[f64; 8], context: &Context) -> Vec<String> {
+        let every = 1 + context.theta.len() / MOMENTS;
+        let theta: Vec<f64> = context.theta.iter().step_by(every).copied().collect();
+        let way: f64 = theta.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum();
+        if way < RETURNS * context.travel() {
+            return Vec::new();
+        }
+        let drift = |t: &f64| Self::sense(p, &Motion::exact(*t, 0.0, 0.0, 0.0), 0.0);
+        let drift: Vec<f64> = context.t.iter().step_by(every).map(drift).collect();
+        if over_position(&theta, &drift, context.travel()) < FOLLOWS {
+            return Vec::new();
+        }
+        vec!["it follows the position, there and back: it is a torque over position".into()]
+    }
+}
+
+/// The share of the variance of `y` that a cubic in positions of some range explains.
+fn over_position(theta: &[f64], y: &[f64], range: f64) -> f64 {
+    let middle = theta.iter().sum::<f64>() / theta.len() as f64;
+    let mean = y.iter().sum::<f64>() / y.len() as f64;
+    let (mut gram, mut slope, mut squares) = (Matrix4::zeros(), Vector4::zeros(), 0.0);
+    for (theta, y) in theta.iter().zip(y) {
+        let x = (theta - middle) / range;
+        let powers = Vector4::new(1.0, x, x * x, x * x * x);
+        gram += powers * powers.transpose();
+        slope += powers * (y - mean);
+        squares += (y - mean).powi(2);
+    }
+    gram.cholesky().map_or(0.0, |gram| slope.dot(&gram.solve(&slope)) / squares)
 }
 
 impl SensorEffect<8> for TorqueDrift {
@@ -92,5 +130,28 @@ mod tests {
             )
         };
         assert!((at(3.0, 1.0) - 5.5).abs() < 1e-12 && (at(3.0, -1.0) - 3.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_drift_that_is_a_spring_over_a_motion_there_and_back_is_none() {
+        let theta: Vec<f64> =
+            (0..5000).map(|i| (f64::from(i) * std::f64::consts::PI / 2500.0).cos()).collect();
+        let said = |p: &[f64; 8], theta: &[f64]| {
+            let context = Context {
+                errors: Vec::new(),
+                t: (0..5000).map(|i| f64::from(i) * 1e-3).take(theta.len()).collect(),
+                theta: theta.to_vec(),
+                speed: 1.0,
+                rate_hz: 1000.0,
+                noise_floor: 1e-3,
+                period: None,
+                clipped: false,
+                first: true,
+            };
+            TorqueDrift::implausible(p, &context).len()
+        };
+        let [spring, creep] =
+            [[0.0, 1.0, 0.0, 1.0, 0.0, 0.3, 0.0, 5.0], [0.1, 1.0, 0.2, 0.5, 0.0, 0.0, 0.0, 5.0]];
+        assert_eq!([said(&spring, &theta), said(&creep, &theta), said(&spring, &theta[..2500])], [1, 0, 0]);
     }
 }

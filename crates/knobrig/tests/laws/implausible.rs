@@ -7,6 +7,7 @@ use knobcore::effects::Context;
 fn context() -> Context {
     Context {
         errors: vec![None; 16],
+        t: Vec::new(),
         theta: (0..=200).map(|i| f64::from(i) * 0.01 - 1.0).collect(),
         speed: 1.0,
         rate_hz: RATE_HZ,
