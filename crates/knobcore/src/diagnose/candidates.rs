@@ -5,7 +5,7 @@ use super::null::Null;
 use super::screen::{Screen, Start};
 use super::watch::{Tell, Watch};
 use crate::effects::{Id, Place};
-use crate::fit::{Fit, Found, PRICE, report, sketch};
+use crate::fit::{Fit, Found, PRICE, differ, report, sketch};
 use crate::floor::{Floor, noise};
 use crate::model::{Model, Role, Slot};
 use crate::noise::Noise;
@@ -116,11 +116,15 @@ fn fitted(screen: &Screen<'_>, id: Id, white: f64) -> (Candidate, Vec<Start>) {
         let mut starts = screen.starts(id);
         let apart = screen.apart(id, &starts);
         let shared = followed(screen, id, &starts);
-        // Each run's own parameters have their price like any others.
+        // Each run's own parameters have their price like any others, and have to differ beyond chance.
         let priced =
             |(model, found): &(Model, Found)| found.cost + PRICE * white * added(screen, id, model) as f64;
-        let ends = shared.into_iter().chain(followed(screen, id, &apart));
-        let end = ends.min_by(|a, b| priced(a).total_cmp(&priced(b)));
+        let own = followed(screen, id, &apart)
+            .filter(|own| shared.as_ref().is_none_or(|shared| priced(own) < priced(shared)))
+            .filter(|(model, found)| {
+                report(screen.data, model, found.clone()).is_ok_and(|fit| differ(&fit, id))
+            });
+        let end = own.or(shared);
         starts.extend(apart);
         (starts, end)
     };

@@ -70,7 +70,7 @@ fn promising(data: &[&Signals], fit: &Fit, richer: &Model) -> bool {
 
 /// Whether the parameters of an effect that runs have for themselves differ from the shared ones beyond chance: Wald's
 /// statistic, with the covariance of correlated residuals.
-fn differ(fit: &Fit, id: Id) -> bool {
+pub fn differ(fit: &Fit, id: Id) -> bool {
     let (slots, values) = (fit.model.slots(), fit.model.values());
     let place = |at: usize| fit.free.iter().position(|free| *free == at);
     let own: Vec<usize> = (0..slots.len())
