@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from ..fit.compare import Comparison
 
 _WORTH = 0.015  # of the squared error: less is nothing that a user would feel
+_RARE = 0.005  # chance at which something is missing of a model that chance alone explains
 _SHARE = 0.2  # of what noise does not explain: less is a stopgap, not the cause
 _MOST = 6  # effects; a model that needs more is no explanation
 _MANY = 4.0  # detents that a motion crosses
@@ -112,10 +113,13 @@ def choose(diagnosis: Diagnosis) -> Candidate | None:
     fit = diagnosis.fit
     if not fit.noise_floor > 0.0 or diagnosis.comparison.exact:
         return None  # without noise, or without knowing it, chance cannot be told from what is missing
+    # Where chance explains the rest it takes more than one look in twenty to accuse a knob.
+    chance = _RARE if diagnosis.comparison.complete else 1.0
     worth = [
         one
         for one in diagnosis.candidates
         if one.beyond_chance
+        and one.p_value <= chance
         and not one.implausible
         and fit.rmse**2 - one.rmse**2 >= max(_WORTH * fit.rmse**2, _SHARE * fit.excess)
     ]
