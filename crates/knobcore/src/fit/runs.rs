@@ -13,6 +13,10 @@ use crate::signals::Signals;
 /// independent samples, with the doubt about the noise on top).
 pub const PRICE: f64 = 12.0;
 
+/// Less than this share of what noise does not explain is no run's own: what the model misses looks like a zero of
+/// the run that has more of it.
+const SHARE: f64 = 0.2;
+
 /// The runs of several captures.
 pub fn runs<'a>(data: &[&'a Signals]) -> Vec<&'a Run> {
     data.iter().map(|signals| &signals.run).collect()
@@ -46,12 +50,18 @@ pub fn settled(data: &[&Signals], mut fit: Fit, again: impl Fn(&Model) -> Result
             && promising(data, &fit, &model)
         {
             let near = refine(data, &model)?;
-            if differ(&near, id) {
+            if differ(&near, id) && mainly(&fit, &near) {
                 fit = again(&near.model)?;
             }
         }
     }
     Ok(fit)
+}
+
+/// Whether a fit takes enough off what noise does not explain of the one before; where noise is unknown, nothing tells.
+fn mainly(before: &Fit, now: &Fit) -> bool {
+    let excess = before.rmse.powi(2) - before.noise_floor.powi(2);
+    excess.is_nan() || before.rmse.powi(2) - now.rmse.powi(2) >= SHARE * excess
 }
 
 /// Whether one step towards the optimum of a richer model could be worth its parameters. The filter takes more off
