@@ -64,7 +64,7 @@ def check_steps(
     short = off > (_COUNTS * least if spread < 0.5 * least else CLEAR * noise)
     clear = (np.abs(expected) > CLEAR * noise) & (off > np.maximum(CLEAR * noise, 0.5 * np.abs(expected)))
 
-    stale = _stale(columns, index, step, short & (off > 0.5 * np.abs(expected)))
+    stale = _stale(columns, index, step, least, short & (off > 0.5 * np.abs(expected)))
     bad[index[1:][stale]] = True
     if stale.any():
         at = rows[index[1:][stale]]
@@ -172,21 +172,24 @@ def _count(step: FloatArray) -> float:
 
 
 def _stale(
-    columns: dict[str, FloatArray], index: NDArray[np.intp], step: FloatArray, clear: BoolArray
+    columns: dict[str, FloatArray],
+    index: NDArray[np.intp],
+    step: FloatArray,
+    least: float,
+    clear: BoolArray,
 ) -> BoolArray:
     """Which rows repeat all of the row before, and cannot have measured it.
 
     An angle in counts repeats by itself; then it is the torque beside it that never would.
     """
-    same = np.array([step == 0.0])
-    others = [name for name in columns if name not in ("t", "theta")]
-    same = np.vstack([same, *(np.diff(columns[name][index]) == 0.0 for name in others)])
+    others = [values for name, values in columns.items() if name not in ("t", "theta")]
+    same = np.vstack([step == 0.0, *(np.diff(values[index]) == 0.0 for values in others)])
     repeats = np.asarray(same.all(axis=0), dtype=np.bool_)
     # At rest, with its motor off, a knob repeats all that it says.
     theta = columns["theta"][index]
     row = np.arange(1, len(theta))
     wide = theta[np.minimum(row + REACH, len(theta) - 1)] - theta[np.maximum(row - REACH, 0)]
-    moving = np.abs(wide) >= 2.0 * _count(step)
+    moving = np.abs(wide) >= 2.0 * least
     # Columns that repeat by chance, each as often as where another does not, would do so together this often.
     alone = [
         (np.sum(one & ~repeats & moving) + 1.0)
