@@ -12,6 +12,10 @@
 //! [effects.offset]
 //! tau0 = 0.001
 //! "tau0@second.npz 0f1e2d" = 0.003 # what one of several captures has for itself: its name and its fingerprint
+//!
+//! [effects.quadratic_drag]
+//! at = "shaft" # before the joint of shaft and knob, not behind it
+//! d = 1e-5
 //! ```
 
 use crate::effects::{Id, Place};
@@ -24,6 +28,9 @@ use toml::{Table, Value};
 
 /// The version of the file that is written and read.
 pub const SCHEMA: &str = "knobcam.model/1";
+
+/// Where a load acts that does not act on the knob.
+const SHAFT: &str = "shaft";
 
 const KEYS: [&str; 6] = ["schema", "name", "axis", "torque_unit", "fitted_to", "effects"];
 
@@ -84,11 +91,21 @@ pub fn parse(text: &str) -> Result<Model> {
     }
     let mut ties = Vec::new();
     for (id, params) in effects {
+        if let Some(at) = params.get("at") {
+            let why = "must be \"shaft\"; leave it out where the effect acts on the knob";
+            at.as_str()
+                .filter(|at| *at == SHAFT)
+                .ok_or_else(|| bad(&format!("'at' of effect '{id}'"), why))?;
+            model = model.with_at_shaft(Id::parse(id)?)?;
+        }
         let params = params
             .as_table()
             .ok_or_else(|| bad(&format!("effect '{id}'"), "must be a table of parameters"))?;
-        let mut params: Vec<_> =
-            params.iter().map(|(param, value)| (format!("{id}.{param}"), value)).collect();
+        let mut params: Vec<_> = params
+            .iter()
+            .filter(|(key, _)| *key != "at")
+            .map(|(param, value)| (format!("{id}.{param}"), value))
+            .collect();
         for (name, _) in params.iter_mut().filter(|(name, _)| name.contains('@')) {
             *name = read_own(&mut model, name)?;
         }
@@ -209,6 +226,9 @@ pub fn write(model: &Model) -> String {
         for id in model.at(place) {
             let info = id.info();
             let _ = write!(out, "\n[effects.{}] # {}\n", info.id, info.law);
+            if model.at_shaft(id) {
+                let _ = writeln!(out, "at = {SHAFT:?} # not on the knob behind the joint");
+            }
             let own = model.slots().iter().enumerate().filter(|(_, slot)| slot.effect == id);
             for (at, slot) in own.filter(|(at, _)| !model.is_idle(*at)) {
                 let value = match slot.role {

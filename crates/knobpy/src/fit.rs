@@ -6,7 +6,7 @@ use super::signals::PySignals;
 use super::user::watched;
 use knobcore::diagnose::{
     Candidate, Split, converge, diagnose as diagnose_core, implausible as implausible_core,
-    locate as locate_core,
+    locate as locate_core, pairs as pairs_core,
 };
 use knobcore::effects::Id;
 use knobcore::fit::{Detents, Fit, PRICE, fit as fit_core, report, sketch};
@@ -238,4 +238,24 @@ pub fn diagnose(
     let found = progress.ended(found)?;
     let row = |c: Candidate| (c.id.info().id, c.fit.map(PyFit), c.gain, c.parameters, c.p_value, c.note);
     Ok(found.into_iter().map(row).collect())
+}
+
+/// The pairs of a coupling and another of the `effects` that explain most beside a fitted model: rows of (coupling, other
+/// effect, fit), best first.
+#[pyfunction]
+#[pyo3(signature = (data, model, effects, progress=None))]
+pub fn pairs(
+    py: Python<'_>,
+    data: Vec<PyRef<'_, PySignals>>,
+    model: &PyModel,
+    effects: Vec<String>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Vec<(&'static str, &'static str, PyFit)>> {
+    let ids = effects.iter().map(|id| Id::parse(id)).collect::<Result<Vec<_>, _>>().map_err(input_error)?;
+    let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
+    let (model, signals) = (&model.0, &signals[..]);
+    let progress = Progress::of(progress);
+    let found = watched(py, model, || pairs_core(signals, model, &ids, &|share| progress.tell(share)))?;
+    let found = progress.ended(found)?;
+    Ok(found.into_iter().map(|p| (p.coupling.info().id, p.companion.info().id, PyFit(p.fit))).collect())
 }

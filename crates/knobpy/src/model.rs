@@ -135,6 +135,16 @@ impl PyModel {
         Id::parse(id).and_then(|id| self.0.with(id)).map(Self).map_err(input_error)
     }
 
+    /// The effects that load the shaft and not the knob behind a joint.
+    #[getter]
+    fn at_shaft(&self) -> Vec<&'static str> {
+        self.0.shafts().iter().map(|id| id.info().id).collect()
+    }
+
+    fn with_at_shaft(&self, id: &str) -> PyResult<Self> {
+        Id::parse(id).and_then(|id| self.0.with_at_shaft(id)).map(Self).map_err(input_error)
+    }
+
     /// Period of its detents over 2 pi, rad, if it has some.
     #[getter]
     fn period(&self) -> Option<f64> {

@@ -9,7 +9,7 @@ use knobcore::chain::{Beside, Hidden, SUBSTEPS};
 use knobcore::effects::Id;
 use knobcore::error::{Error, Result};
 use knobcore::model::Model;
-use knobcore::motion::{Load, Motion};
+use knobcore::motion::{Channel, Load, Motion};
 
 /// What a force-feedback device senses at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,6 +88,14 @@ impl Renderer {
             if x.is_nan() || x <= 0.0 {
                 return Err(Error::invalid(name, format!("is {x}; give one above 0, or none")));
             }
+        }
+        let pushes = |c: &Channel| matches!(c, Channel::Drive | Channel::NormalLoad | Channel::PositionLoad);
+        if let Some(id) = model.shafts().iter().find(|id| !id.info().touches.iter().all(pushes)) {
+            return Err(Error::invalid(
+                format!("effect '{}'", id.info().id),
+                "rubs at the shaft, and a rendered shaft has no friction of its own; leave out 'at' in the model file, \
+                 so that it acts on the knob",
+            ));
         }
         let device = device.map(Device::checked).transpose()?;
         let (dt, p) = (1.0 / rate_hz, model.values());
@@ -269,7 +277,8 @@ impl Renderer {
             let missed = if lost { 0 } else { missed as usize };
             let torque = hidden.follow(&self.model, &self.p, memory, to, missed, beside);
             self.state.knob = hidden.knob();
-            Sliding { torque, inertia: hidden.shafts }
+            let shaft = self.model.shaft_load(&self.p, &mut self.state.memory, &motion).drive;
+            Sliding { torque: torque + shaft, inertia: hidden.shafts }
         } else {
             self.rubbed(motion, by, hand, known)
         };

@@ -276,16 +276,14 @@ def p_in_words(p_value: float) -> str:
     return "< 0.001" if p_value < 0.001 else f"{p_value:.3f}"
 
 
-def _candidates(
-    fit: Fit, without: Collection[str], progress: Callable[[float], object] | None
-) -> tuple[list[Candidate], dict[str, str]]:
-    """Return every absent effect fitted, the one that explains most first, and why some are not."""
+def absent(fit: Fit, without: Collection[str]) -> tuple[list[str], dict[str, str]]:
+    """Return the effects that a model could be given but those of `without`, and why others could not."""
     catalogue = effects(fit.model.coordinate)
     have = fit.model.effects
     coupled = any(catalogue[one].place == "coupling" for one in have)
     free = {name for name, parameter in fit.model.params.items() if parameter.role == "free"}
     left_out = {}
-    absent = []
+    could = []
     for one, row in catalogue.items():
         if one in {*have, *without} or row.unsearched:
             continue
@@ -296,8 +294,16 @@ def _candidates(
         elif row.taken_up is not None and free.issuperset(row.taken_up.by):
             left_out[one] = row.taken_up.why
         else:
-            absent.append(one)
-    weighed = _core.diagnose(cores(fit), fit.model.core, absent, progress)
+            could.append(one)
+    return could, left_out
+
+
+def _candidates(
+    fit: Fit, without: Collection[str], progress: Callable[[float], object] | None
+) -> tuple[list[Candidate], dict[str, str]]:
+    """Return every absent effect fitted, the one that explains most first, and why some are not."""
+    could, left_out = absent(fit, without)
+    weighed = _core.diagnose(cores(fit), fit.model.core, could, progress)
     found = [
         Candidate(one, replace(fit, core=core, before=fit), p_value, gain, count, note=note)
         for one, core, gain, count, p_value, note in weighed

@@ -11,6 +11,7 @@ from ..capture.prepare import travel
 from ..fit.diagnose import Candidate, Diagnosis, diagnose
 from ..fit.refit import converged, cores, drop, unpaid, with_clipped
 from ..model.effects import base_effects_shown, clipping, descriptions, effects
+from .joined import joined
 from .ladder import LearningStep, Unexplained
 
 if TYPE_CHECKING:
@@ -50,13 +51,25 @@ def select(
     ladder = [LearningStep(fit)]
     base = first.model.effects
     nothing_to_find = base if given else [*base, *shown]
+    looked = False
     while True:
         fit = ladder[-1].fit
         tell(f"weighing what could be missing from {', '.join(fit.model.effects)}")
         diagnosis = diagnose(fit, without={*without, *described})
         best = choose(diagnosis)
         if best is None or len(ladder) > _MOST:
-            return concluded(ladder, diagnosis, nothing_to_find)
+            selection = concluded(ladder, diagnosis, nothing_to_find)
+            if looked or selection.unexplained is None or not fit.noise_floor > 0.0:
+                return selection
+            looked = True
+            tell("weighing what could be missing together with a joint of shaft and knob")
+            first = ladder[0] if len(ladder) == 1 else ladder[1]
+            start = replace(ladder[0], diagnosis=first.diagnosis or diagnosis)
+            pair = joined(start, fit, {*without, *described})
+            if pair is None:
+                return selection
+            ladder = [ladder[0], *pair[1:]]
+            continue
         tell(f"adding {best.effect}")
         richer = converged(best.fit)
         if detents and richer.model.period is None:

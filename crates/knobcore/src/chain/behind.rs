@@ -1,6 +1,7 @@
 //! The chain on a motion that is prescribed, through a joint: the hidden knob's torque and its derivatives.
 
 use super::hidden::{Beside, Hidden};
+use super::rigid;
 use crate::effects::law::{CARRIED, Carried, D, Response};
 use crate::effects::{Id, Place};
 use crate::isa;
@@ -15,14 +16,54 @@ pub(super) fn loads(
     substeps: usize,
     over: &mut Response<'_>,
 ) {
-    let own = Own::over(model, p, columns, over.motion);
-    let behind = Behind { model, columns, own: &own, motion: over.motion, dt: over.dt, substeps };
-    if over.slopes.is_empty() {
+    knobs(model, p, columns, substeps, over);
+    if !model.shafts().is_empty() {
+        shafts(model, p, columns, over);
+    }
+}
+
+/// Adds what loads the shaft itself: what a rigid knob would ask for with it, less what it would without. Friction
+/// there is that of the model, as far as the effects at the shaft change it.
+fn shafts(model: &Model, p: &[f64], columns: &[Option<usize>], over: &mut Response<'_>) {
+    for (sign, parts) in [1.0, -1.0].into_iter().zip(model.sides(p, columns)) {
+        let mut torque = vec![0.0; over.torque.len()];
+        let mut slopes = vec![torque.clone(); over.slopes.len()];
+        let side =
+            &mut Response { motion: over.motion, dt: over.dt, torque: &mut torque, slopes: &mut slopes };
+        rigid::loads(&parts, side);
+        over.torque.iter_mut().zip(&torque).for_each(|(sum, tau)| *sum += sign * tau);
+        for (sum, slope) in over.slopes.iter_mut().zip(&slopes) {
+            sum.iter_mut().zip(slope).for_each(|(sum, slope)| *sum += sign * slope);
+        }
+    }
+}
+
+/// Torque and derivatives of the joint and of the shaft's own inertia. Only what moves the knob is carried along.
+fn knobs(model: &Model, p: &[f64], columns: &[Option<usize>], substeps: usize, over: &mut Response<'_>) {
+    let at_knob = |(at, column): (usize, &Option<usize>)| {
+        let id = model.slots()[at].effect;
+        column.filter(|_| id.info().place != Place::Sensor && !model.at_shaft(id))
+    };
+    let seen: Vec<Option<usize>> = columns.iter().enumerate().map(at_knob).collect();
+    let carried: Vec<usize> = (0..over.slopes.len()).filter(|column| seen.contains(&Some(*column))).collect();
+    let lane = |column: &usize| carried.binary_search(column).ok();
+    let lanes: Vec<Option<usize>> = seen.iter().map(|column| column.as_ref().and_then(lane)).collect();
+    let own = Own::over(model, p, &lanes, over.motion);
+    let behind = Behind { model, columns: &lanes, own: &own, motion: over.motion, dt: over.dt, substeps };
+    let mut slopes = Vec::new();
+    for (column, slope) in over.slopes.iter_mut().enumerate() {
+        if lane(&column).is_some() {
+            slopes.push(slope);
+        } else {
+            slope.fill(0.0);
+        }
+    }
+    if slopes.is_empty() {
         let torque = &mut *over.torque;
         behind.simulate(p, |at| own.at(at), |at, tau: f64| torque[at] = tau);
         return;
     }
-    for (group, few) in over.slopes.chunks_mut(CARRIED).enumerate() {
+    for (group, few) in slopes.chunks_mut(CARRIED).enumerate() {
         behind.carry(p, group * CARRIED, over.torque, few);
     }
 }
@@ -40,7 +81,7 @@ struct Behind<'a> {
 
 impl Behind<'_> {
     /// Simulates with the derivatives whose columns begin at `first`.
-    fn carry(&self, p: &[f64], first: usize, torque: &mut [f64], few: &mut [Vec<f64>]) {
+    fn carry(&self, p: &[f64], first: usize, torque: &mut [f64], few: &mut [&mut Vec<f64>]) {
         let lane = |column: usize| column.checked_sub(first).filter(|lane| *lane < CARRIED);
         let seed =
             |(i, x): (usize, &f64)| D::seeded(*x, self.columns.get(i).copied().flatten().and_then(lane));

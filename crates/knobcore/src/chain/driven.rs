@@ -6,8 +6,8 @@
 use super::stepper::{Acts, Body};
 use crate::effects::Joint;
 use crate::error::{Error, Result};
-use crate::model::Model;
-use crate::motion::Motion;
+use crate::model::{Model, Rigid};
+use crate::motion::{Load, Motion};
 
 /// Fewest steps per sample: what breaks away does so within a few of them.
 const STEPS: usize = 32;
@@ -38,6 +38,8 @@ pub struct Driven<'a> {
     p: &'a [f64],
     state: Vec<f64>,
     joint: Option<Joint<f64>>,
+    /// What loads the shaft beside the joint: the difference of the two.
+    sides: Option<[Rigid; 2]>,
     /// Stored inertia, kg m^2.
     pub inertia: f64,
     /// What is driven, and measured.
@@ -64,7 +66,8 @@ impl<'a> Driven<'a> {
             ));
         }
         let (start, state) = (Body::at(theta, omega), vec![0.0; model.states()]);
-        Ok(Self { model, p, state, joint: model.joint(p), inertia, shaft: start, knob: start })
+        let (joint, sides) = (model.joint(p), model.rigid_sides(p)?);
+        Ok(Self { model, p, state, joint, sides, inertia, shaft: start, knob: start })
     }
 
     /// Puts the shaft there; a knob behind a joint keeps its place beside it, and the effects what they remember.
@@ -101,10 +104,23 @@ impl<'a> Driven<'a> {
             Drive::Torque(torque) => *torque,
         };
         let passed = |omega: f64| knob.stepped(&joint, &acts, [shaft.theta, shaft.moved(omega, h).theta], h);
-        let left = |omega: f64| own * (omega - shaft.omega) / h + passed(omega).1 - given(omega);
+        let beside = beside(self.sides.as_mut(), t, &shaft);
+        let left =
+            |omega: f64| own * (omega - shaft.omega) / h + passed(omega).1 + beside(omega) - given(omega);
         let omega = crossing(left, shaft.omega, given(shaft.omega).abs() * h / self.inertia + 1e-9);
         (self.shaft, self.knob) = (shaft.moved(omega, h), passed(omega).0);
         given(omega)
+    }
+}
+
+/// What loads the shaft beside the joint in a step from here, N m, by the speed that it gets.
+fn beside(sides: Option<&mut [Rigid; 2]>, t: f64, shaft: &Body<f64>) -> impl Fn(f64) -> f64 + use<> {
+    let here = Motion::exact(t, shaft.theta, shaft.omega, 0.0);
+    let loads = sides.map(|sides| sides.each_mut().map(|side| side.load(&here)));
+    move |omega| {
+        let forward = Motion::exact(0.0, 0.0, omega, 0.0).forward;
+        let torque = |load: &Load<f64>| load.drive + load.friction(forward, 0.0);
+        loads.as_ref().map_or(0.0, |[with, without]| torque(with) - torque(without))
     }
 }
 

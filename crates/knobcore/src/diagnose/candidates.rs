@@ -10,8 +10,6 @@ use crate::floor::{Floor, noise};
 use crate::model::{Model, Role, Slot};
 use crate::noise::Noise;
 use crate::signals::Signals;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Starts of an effect that are followed to their optimum.
 const FOLLOWED: usize = 3;
@@ -51,14 +49,14 @@ pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_
     let floor = Floor::with(data, &noises);
     let white = if floor.white > 0.0 { floor.white } else { screen.squares.max(f64::MIN_POSITIVE) * 1e-12 };
     let (slow, quick): (Vec<Id>, Vec<Id>) = effects.iter().partition(|id| id.info().place == Place::Coupling);
-    let mut found = weighed(&screen, &quick, white);
+    let mut found = weighed(&screen, &quick, [white, floor.squares]);
     let best = found.iter().fold(0.0, |best: f64, (candidate, _)| best.max(candidate.gain));
     let left = screen.squares - best * white;
     let most = best * white >= MOST * (screen.squares - floor.squares);
     let explained = left <= EXPLAINED * floor.squares || most;
     // Who asks for couplings alone wants to know.
     if quick.is_empty() || left.is_nan() || floor.squares.is_nan() || !explained {
-        found.extend(weighed(&screen, &slow, white));
+        found.extend(weighed(&screen, &slow, [white, floor.squares]));
     }
     found.sort_by_key(|(candidate, _)| candidate.id);
     let noises: Vec<Noise> = noises.into_iter().map(|noise| noise.unwrap_or(Noise::white(white))).collect();
@@ -79,43 +77,28 @@ pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_
     Some(candidates)
 }
 
-/// Fits effects beside the screen's model, as many at a time as there are processors.
-fn weighed(screen: &Screen<'_>, effects: &[Id], white: f64) -> Vec<(Candidate, Vec<Start>)> {
-    let next = AtomicUsize::new(0);
-    let found = Mutex::new(Vec::new());
-    let work = || {
-        while let Some(&id) = effects.get(next.fetch_add(1, Ordering::Relaxed)) {
-            if !screen.watch.wanted() {
-                break;
-            }
-            let result = fitted(screen, id, white);
-            screen.watch.step();
-            if let Ok(mut found) = found.lock() {
-                found.push(result);
-            }
-        }
-    };
-    std::thread::scope(|scope| {
-        for _ in 1..workers().min(effects.len()) {
-            scope.spawn(work);
-        }
-        work();
-    });
-    found.into_inner().unwrap_or_default()
-}
-
-fn workers() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from).min(8)
+/// Fits effects beside the screen's model. `noise` is the variance of its white part, and what it leaves of the sum of
+/// squares.
+fn weighed(screen: &Screen<'_>, effects: &[Id], noise: [f64; 2]) -> Vec<(Candidate, Vec<Start>)> {
+    screen.watch.each(effects, |id| {
+        let result = fitted(screen, *id, noise);
+        screen.watch.step();
+        result
+    })
 }
 
 /// An effect fitted beside the screen's model, and the starts that it had.
-fn fitted(screen: &Screen<'_>, id: Id, white: f64) -> (Candidate, Vec<Start>) {
+fn fitted(screen: &Screen<'_>, id: Id, [white, floor]: [f64; 2]) -> (Candidate, Vec<Start>) {
     let (starts, end) = if id.info().place == Place::Coupling {
         coupled(screen, id)
     } else {
         let mut starts = screen.starts(id);
         let apart = screen.apart(id, &starts);
-        let shared = followed(screen, id, &starts);
+        let at_shaft = followed(screen, id, &at_shaft(screen, id, &starts));
+        let explained = at_shaft.as_ref().is_some_and(|(_, found)| found.cost <= EXPLAINED * floor);
+        let at_knob = if explained { None } else { followed(screen, id, &starts) };
+        let shared =
+            [at_shaft, at_knob].into_iter().flatten().min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost));
         // Each run's own parameters have their price like any others, and have to differ beyond chance.
         let priced =
             |(model, found): &(Model, Found)| found.cost + PRICE * white * added(screen, id, model) as f64;
@@ -129,6 +112,15 @@ fn fitted(screen: &Screen<'_>, id: Id, white: f64) -> (Candidate, Vec<Start>) {
         (starts, end)
     };
     (candidate(screen, id, &starts, end, white), starts)
+}
+
+/// The same starts before a joint and not behind it; none without one, or of what cannot be there.
+fn at_shaft(screen: &Screen<'_>, id: Id, starts: &[Start]) -> Vec<Start> {
+    if !screen.coupled || !Model::may_be_at_shaft(id) {
+        return Vec::new();
+    }
+    let moved = |start: &Start| Some(Start { model: start.model.with_at_shaft(id).ok()?, ..start.clone() });
+    starts.iter().filter_map(moved).collect()
 }
 
 /// Where the best of some starts leads to.

@@ -14,8 +14,8 @@ use crate::prepare::slower;
 use crate::signals::Signals;
 
 /// Stopband edges at 5 kHz of the filter that the search goes through and of the one in between, Hz.
-const COARSE_HZ: f64 = 60.0;
-const MIDDLE_HZ: f64 = 150.0;
+pub(super) const COARSE_HZ: f64 = 60.0;
+pub(super) const MIDDLE_HZ: f64 = 150.0;
 /// Starts that are followed through the coarse filter.
 const FOLLOWED: usize = 2;
 /// Samples of a capture that the coarse search looks at.
@@ -33,7 +33,15 @@ pub fn coupled(whole: &Screen<'_>, id: Id) -> (Vec<Start>, Option<(Model, Found)
     let coarse: Vec<&Signals> = coarse.iter().collect();
     let screen = Screen::new(&coarse, base, watch);
     let starts = screen.starts(id);
-    let followed = starts.iter().take(FOLLOWED).take_while(|_| watch.wanted());
+    // What is in the model beside the base may load the shaft as well as the knob.
+    let beside: Vec<Id> = base.effects().filter(|id| Model::may_be_at_shaft(*id)).collect();
+    let before = if beside.is_empty() {
+        Vec::new()
+    } else {
+        Screen::new(&coarse, base, watch).with_shaft(beside).starts(id)
+    };
+    let followed = before.iter().take(FOLLOWED).chain(starts.iter().take(FOLLOWED));
+    let followed = followed.take_while(|_| watch.wanted());
     let sketched = followed.map(|start| (&start.model, sketch(&coarse, &start.model)));
     let best = sketched.min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost));
     // Not worth the fine search, then, at least until what explains more is in the model.
@@ -79,7 +87,7 @@ pub fn converge(data: &[&Signals], model: &Model) -> Result<Fit> {
 }
 
 /// The first samples of a capture: enough to find what is then followed through all of it.
-fn beginning(signals: &Signals) -> Signals {
+pub(super) fn beginning(signals: &Signals) -> Signals {
     let mut left = ENOUGH;
     let mut segments = Vec::new();
     for segment in &signals.segments {
@@ -100,7 +108,7 @@ fn beginning(signals: &Signals) -> Signals {
 }
 
 /// The same signals through a slower measurement filter.
-fn slowed(signals: &Signals, edge_hz: f64) -> Option<Signals> {
+pub(super) fn slowed(signals: &Signals, edge_hz: f64) -> Option<Signals> {
     let edge = edge_hz * slower(signals.rate_hz);
     let filter = ZeroPhase::new(cheby2(3, 20.0, edge, signals.rate_hz).ok()?);
     let mut slow = Signals { filter: Some(filter), substeps: 2, ..signals.clone() };

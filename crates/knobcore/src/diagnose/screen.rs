@@ -27,6 +27,8 @@ pub struct Screen<'a> {
     pub squares: f64,
     /// Whether the model has a coupling.
     pub coupled: bool,
+    /// What loads the shaft, and not the knob, once a joint is between them.
+    shaft: Vec<Id>,
     /// Who waits for it.
     pub watch: &'a Watch<'a>,
 }
@@ -50,7 +52,22 @@ impl<'a> Screen<'a> {
         let base = orthonormal(&columns);
         let squares = dot(&residual, &residual);
         let coupled = model.is_coupled();
-        Self { data, model, survey: survey(data, model), base, residual, squares, coupled, watch }
+        Self {
+            data,
+            model,
+            survey: survey(data, model),
+            base,
+            residual,
+            squares,
+            coupled,
+            shaft: Vec::new(),
+            watch,
+        }
+    }
+
+    /// The same, with these effects before a joint wherever one comes in.
+    pub fn with_shaft(self, shaft: Vec<Id>) -> Self {
+        Self { shaft, ..self }
     }
 
     /// All starts of an effect that the model may be given, most promising first; some, if no longer wanted.
@@ -62,7 +79,11 @@ impl<'a> Screen<'a> {
         } else {
             self.model.clone()
         };
-        let Ok(with) = beside.with(id) else { return Vec::new() };
+        let joins = |id: Id| id.info().place == Place::Coupling;
+        let before = self.shaft.iter().filter(|_| joins(id));
+        let with =
+            beside.with(id).and_then(|with| before.copied().try_fold(with, |m, id| m.with_at_shaft(id)));
+        let Ok(with) = with else { return Vec::new() };
         let values = match wave {
             Some(wave) => {
                 let waves = Some(waves(self.data, &beside, wave));

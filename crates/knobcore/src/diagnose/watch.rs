@@ -45,6 +45,32 @@ impl<'a> Watch<'a> {
         *asked = Some(Instant::now());
         wanted
     }
+
+    /// Does the same with each of some things, as many at a time as there are processors, as long as it is wanted; in
+    /// any order.
+    pub fn each<T: Sync, R: Send>(&self, things: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
+        let next = AtomicUsize::new(0);
+        let done = Mutex::new(Vec::new());
+        let worker = || {
+            while let Some(thing) = things.get(next.fetch_add(1, Ordering::Relaxed)) {
+                if !self.wanted() {
+                    break;
+                }
+                let result = work(thing);
+                if let Ok(mut done) = done.lock() {
+                    done.push(result);
+                }
+            }
+        };
+        let workers = std::thread::available_parallelism().map_or(1, usize::from).min(8);
+        std::thread::scope(|scope| {
+            for _ in 1..workers.min(things.len()) {
+                scope.spawn(worker);
+            }
+            worker();
+        });
+        done.into_inner().unwrap_or_default()
+    }
 }
 
 #[cfg(test)]

@@ -141,6 +141,11 @@ pub fn sketch(data: &[&Signals], model: &Model) -> Found {
     descend(data, model, &Layout::of(model), &model.values(), Effort::Sketch)
 }
 
+/// The values that a few steps from those of `model` lead to.
+pub fn glance(data: &[&Signals], model: &Model) -> Found {
+    descend(data, model, &Layout::of(model), &model.values(), Effort::Glance)
+}
+
 /// What is to be reported where a search ended.
 ///
 /// # Errors

@@ -19,12 +19,18 @@ pub enum Effort {
     Full,
     /// Until what is left to gain would not change which of several models is the better one.
     Sketch,
+    /// A few steps: enough to tell which of many starts lead somewhere.
+    Glance,
 }
 
 impl Effort {
     /// Trials before giving up.
     fn evaluations(self) -> usize {
-        if self == Self::Full { 60 } else { 35 }
+        match self {
+            Self::Full => 60,
+            Self::Sketch => 35,
+            Self::Glance => 6,
+        }
     }
 
     /// A step that gains less than this share of the sum of squares ends the search.

@@ -3,6 +3,7 @@
 mod motor;
 mod roles;
 mod runs;
+mod sides;
 
 use crate::effects::law::{Carried, Law};
 use crate::effects::{Base, Id, Joint, Nonlinear, Place};
@@ -13,6 +14,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 pub use runs::Run;
+pub use sides::Rigid;
 
 /// What the fitter may do with a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,6 +55,9 @@ impl Slot {
 /// One effect of a chain: which, its parameters, and the column of each.
 pub type Part<'a> = (Id, &'a [f64], &'a [Option<usize>]);
 
+/// A load, where its parameters are and where what it remembers is.
+type Placed = (&'static dyn Law, Range<usize>, Range<usize>);
+
 /// An ordered chain of effects; at most one of each.
 #[derive(Debug, Clone)]
 pub struct Model {
@@ -67,7 +72,10 @@ pub struct Model {
     parts: Vec<(Id, Range<usize>)>,
     /// The loads of the catalogue, found once for a render step: each with where its parameters and what it remembers
     /// are.
-    loads: Vec<(&'static dyn Law, Range<usize>, Range<usize>)>,
+    loads: Vec<Placed>,
+    /// Those of them that load the shaft before a joint, and which effects these are.
+    shaft_loads: Vec<Placed>,
+    shaft: Vec<Id>,
     slots: Vec<Slot>,
     /// Whether no effect shapes the friction of others.
     plain: bool,
@@ -83,6 +91,8 @@ impl Model {
             fitted_to: Vec::new(),
             parts: Vec::new(),
             loads: Vec::new(),
+            shaft_loads: Vec::new(),
+            shaft: Vec::new(),
             slots: Vec::new(),
             plain: true,
         };
@@ -167,6 +177,9 @@ impl Model {
                 let name = slot.name();
                 model.set_role(&name, model.usual(model.index(&name)?))?;
             }
+        }
+        if model.is_coupled() {
+            self.shaft.iter().filter(|id| effects.contains(id)).for_each(|id| model.put_at_shaft(*id));
         }
         Ok(model)
     }
@@ -291,14 +304,17 @@ impl Model {
     /// takes the torque through a hidden motion, a limit, or its own magnitude.
     pub fn kind(&self, slot: &Slot) -> Kind {
         let bent = self.effects().any(|id| match id.info().makes_nonlinear {
-            Some(Nonlinear::Everything) => slot.effect.info().place != Place::Sensor || slot.effect < id,
+            Some(Nonlinear::Everything) => {
+                let before = slot.effect.info().place == Place::Sensor && slot.effect > id;
+                !before && (!self.at_shaft(slot.effect) || id.info().place != Place::Coupling)
+            }
             Some(Nonlinear::ByLoad) => slot.effect.info().presses || slot.effect.info().stores(),
             None => false,
         });
         if bent { Kind::Nonlinear } else { slot.param.kind }
     }
 
-    /// The sum of the loads on the knob, but for those of a user's own ([`Model::own_load`]); `state` has
+    /// The sum of the loads on the knob, but for those of a user's own ([`Model::own_load`]) and at the shaft; `state` has
     /// [`Model::states`] numbers, zero at first.
     #[inline]
     pub fn load<T: Carried>(&self, p: &[T], state: &mut [T], motion: &Motion<T>) -> Load<T> {

@@ -1,0 +1,116 @@
+//! A coupling and what hides beside it, looked for together.
+//!
+//! A joint bends what is seen of every other cause, and another cause what is seen of the joint: one after the other
+//! neither is found. So each joint is tried with each of the others, from coarse to fine: the starts of the joint beside
+//! the rigid model that has the other effect, a few steps from the most promising, descents from the best of these.
+
+use super::coupled::{COARSE_HZ, MIDDLE_HZ, beginning, slowed};
+use super::screen::{Screen, Start};
+use super::watch::{Tell, Watch};
+use crate::effects::{Id, Place};
+use crate::fit::{Fit, Found, glance, report, sketch};
+use crate::model::Model;
+use crate::signals::Signals;
+
+/// Starts of pairs that are looked at by a few steps, those of these that are followed through the coarse filter, and
+/// of those through all of it.
+const LOOKED: usize = 24;
+const COARSE: usize = 5;
+const FINE: usize = 2;
+/// Starts of one pair among the first.
+const ALIKE: usize = 2;
+
+/// A coupling and another effect that a model lacks.
+#[derive(Debug, Clone)]
+pub struct Pair {
+    /// How shaft and knob are joined.
+    pub coupling: Id,
+    /// What else is missing.
+    pub companion: Id,
+    /// The model with both, fitted.
+    pub fit: Fit,
+}
+
+/// A pair somewhere on its way.
+struct Way {
+    coupling: Id,
+    companion: Id,
+    model: Model,
+    /// Sum of squares there, (N m)^2.
+    squares: f64,
+}
+
+impl Way {
+    /// As far as a descent leads.
+    fn on(&self, to: impl Fn(&Model) -> Found) -> Self {
+        let found = to(&self.model);
+        let mut model = self.model.clone();
+        model.set_values(&found.p);
+        Self { model, squares: found.cost, ..*self }
+    }
+}
+
+/// The pairs of a coupling and another of the `effects` that explain most together, best first. None if `tell` no
+/// longer wanted it.
+pub fn pairs(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_>) -> Option<Vec<Pair>> {
+    let (couplings, others): (Vec<Id>, Vec<Id>) =
+        effects.iter().partition(|id| id.info().place == Place::Coupling);
+    let watch = Watch::new(tell, others.len() + LOOKED + COARSE + FINE);
+    let coarse: Vec<Signals> =
+        data.iter().filter_map(|signals| slowed(&beginning(signals), COARSE_HZ)).collect();
+    let coarse: Vec<&Signals> = coarse.iter().collect();
+    let rigid = Screen::new(&coarse, model, &watch);
+    let starts = watch.each(&others, |companion| {
+        watch.step();
+        beside(&rigid, *companion, &couplings)
+    });
+    let looked = best_of(starts.into_iter().flatten().collect(), LOOKED, ALIKE);
+    let stepped = |way: &Way, to: &(dyn Fn(&Model) -> Found + Sync)| {
+        watch.step();
+        way.on(to)
+    };
+    let looked = watch.each(&looked, |way| stepped(way, &|model| glance(&coarse, model)));
+    let followed = best_of(looked, COARSE, 1);
+    let followed = watch.each(&followed, |way| stepped(way, &|model| sketch(&coarse, model)));
+    let middle: Vec<Signals> = data.iter().filter_map(|signals| slowed(signals, MIDDLE_HZ)).collect();
+    let middle: Vec<&Signals> = middle.iter().collect();
+    let ends = watch.each(&best_of(followed, FINE, 1), |way| {
+        let way = stepped(way, &|model| sketch(&middle, model));
+        let found = sketch(data, &way.model);
+        let fit = report(data, &way.model, found).ok()?;
+        Some(Pair { coupling: way.coupling, companion: way.companion, fit })
+    });
+    let mut ends: Vec<Pair> = ends.into_iter().flatten().collect();
+    ends.sort_by(|a, b| a.fit.rmse.total_cmp(&b.fit.rmse));
+    watch.wanted().then_some(ends)
+}
+
+/// The starts of joints beside the model that has another effect, fitted as if the shaft were rigid.
+fn beside(rigid: &Screen<'_>, companion: Id, couplings: &[Id]) -> Vec<Way> {
+    let Some(start) = rigid.starts(companion).into_iter().next() else { return Vec::new() };
+    let mut model = start.model.clone();
+    model.set_values(&sketch(rigid.data, &start.model).p);
+    let shaft = if Model::may_be_at_shaft(companion) { vec![companion] } else { Vec::new() };
+    let screen = Screen::new(rigid.data, &model, rigid.watch).with_shaft(shaft);
+    let ways = |coupling: &Id| {
+        let coupling = *coupling;
+        let way =
+            move |start: Start| Way { coupling, companion, model: start.model, squares: start.predicted };
+        screen.starts(coupling).into_iter().map(way).collect::<Vec<_>>()
+    };
+    couplings.iter().flat_map(ways).collect()
+}
+
+/// The best of them, so many of a kind at most.
+fn best_of(mut ways: Vec<Way>, most: usize, alike: usize) -> Vec<Way> {
+    ways.sort_by(|a, b| a.squares.total_cmp(&b.squares));
+    let mut seen = Vec::new();
+    ways.retain(|way| {
+        let kind = (way.coupling, way.companion);
+        let before = seen.iter().filter(|other| **other == kind).count();
+        seen.push(kind);
+        before < alike
+    });
+    ways.truncate(most);
+    ways
+}

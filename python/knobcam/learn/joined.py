@@ -1,0 +1,53 @@
+"""A coupling and what hides beside it, which one after the other are not found."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from .. import _core
+from ..fit.diagnose import CHANCE, absent
+from ..fit.refit import converged, cores
+from .ladder import LearningStep
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from ..fit import Fit
+    from ..fit.diagnose import Diagnosis
+
+_HALF = 0.5  # of what noise does not explain: what a pair takes off that the search one by one left
+
+
+def joined(first: LearningStep, last: Fit, without: Collection[str]) -> list[LearningStep] | None:
+    """Return the ladder of a coupling and another effect that explain what a search one by one left.
+
+    `first` is the step of the first model, with what was weighed beside it, `last` where the search ended. None
+    where no pair takes off half of what that left.
+    """
+    diagnosis = first.diagnosis
+    if diagnosis is None:
+        return None
+    fit = diagnosis.fit
+    weighed = absent(fit, without)[0]
+    for coupling, companion, core in _core.pairs(cores(fit), fit.model.core, weighed):
+        pair = replace(fit, core=core, before=None)
+        alone = next((one for one in diagnosis.candidates if one.effect == companion), None)
+        if alone is None or pair.rmse >= last.rmse or pair.excess > _HALF * last.excess:
+            continue
+        pair = converged(pair)
+        chance = _chance(pair, alone.fit, diagnosis)
+        if chance <= CHANCE:
+            before = replace(converged(alone.fit), before=fit)
+            step = LearningStep(before, companion, alone.p_value, (), (), diagnosis)
+            return [first, step, LearningStep(replace(pair, before=before), coupling, chance, (), (), diagnosis)]
+    return None
+
+
+def _chance(pair: Fit, alone: Fit, diagnosis: Diagnosis) -> float:
+    """Return how often chance would do as well: no oftener than for what takes off less."""
+    floor = diagnosis.fit.noise_floor
+    if not floor > 0.0:
+        return 1.0
+    gain = (alone.rmse**2 - pair.rmse**2) / floor**2 * diagnosis.fit.white_squares
+    return min((one.p_value for one in diagnosis.candidates if one.gain <= gain), default=1.0)
