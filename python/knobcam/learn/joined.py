@@ -20,10 +20,10 @@ _HALF = 0.5  # of what noise does not explain: what a pair takes off that the se
 
 
 def joined(first: LearningStep, last: Fit, without: Collection[str]) -> list[LearningStep] | None:
-    """Return the ladder of a coupling and another effect that explain what a search one by one left.
+    """Return the steps of a coupling and another effect that explain what a search one by one left.
 
-    `first` is the step of the first model, with what was weighed beside it, `last` where the search ended. None
-    where no pair takes off half of what that left.
+    `first` is the step of the first model, with what was weighed beside it, `last` where the search ended.
+    None where no pair takes off half of what that left.
     """
     diagnosis = first.diagnosis
     if diagnosis is None:
@@ -40,7 +40,7 @@ def joined(first: LearningStep, last: Fit, without: Collection[str]) -> list[Lea
         if chance <= CHANCE:
             before = replace(converged(alone.fit), before=fit)
             step = LearningStep(before, companion, alone.p_value, (), (), diagnosis)
-            return [first, step, LearningStep(replace(pair, before=before), coupling, chance, (), (), diagnosis)]
+            return [step, LearningStep(replace(pair, before=before), coupling, chance, (), (), diagnosis)]
     return None
 
 

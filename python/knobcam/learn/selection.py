@@ -51,7 +51,7 @@ def select(
     ladder = [LearningStep(fit)]
     base = first.model.effects
     nothing_to_find = base if given else [*base, *shown]
-    looked = False
+    together = False
     while True:
         fit = ladder[-1].fit
         tell(f"weighing what could be missing from {', '.join(fit.model.effects)}")
@@ -59,16 +59,17 @@ def select(
         best = choose(diagnosis)
         if best is None or len(ladder) > _MOST:
             selection = concluded(ladder, diagnosis, nothing_to_find)
-            if looked or selection.unexplained is None or not fit.noise_floor > 0.0:
+            if together or selection.unexplained is None or not fit.noise_floor > 0.0:
                 return selection
-            looked = True
+            best = followed(diagnosis, tell)
+        if best is None:
+            together = True
             tell("weighing what could be missing together with a joint of shaft and knob")
-            first = ladder[0] if len(ladder) == 1 else ladder[1]
-            start = replace(ladder[0], diagnosis=first.diagnosis or diagnosis)
+            start = replace(ladder[0], diagnosis=(ladder[1].diagnosis if len(ladder) > 1 else diagnosis))
             pair = joined(start, fit, {*without, *described})
             if pair is None:
                 return selection
-            ladder = [ladder[0], *pair[1:]]
+            ladder = [ladder[0], *pair]
             continue
         tell(f"adding {best.effect}")
         richer = converged(best.fit)
@@ -141,6 +142,22 @@ def choose(diagnosis: Diagnosis) -> Candidate | None:
     best = max(worth, key=lambda one: one.score)
     alike = [one for one in worth if one.effect == best.effect or one.effect in best.equivalent]
     return min(alike, key=lambda one: (one.count, -one.score))
+
+
+def followed(diagnosis: Diagnosis, tell: Callable[[str], None]) -> Candidate | None:
+    """Return the coupling that leads the candidates, followed to its end, if that is then worth adding.
+
+    Candidates are sketched, and the error of a coupling is so rough that a sketch may stop far from its end.
+    """
+    led = [one for one in diagnosis.candidates if one.beyond_chance and not one.implausible]
+    best = max(led, key=lambda one: one.score, default=None)
+    if best is None or best.place != "coupling":
+        return None
+    tell(f"following {best.effect} to its end")
+    fit = diagnosis.fit
+    end = replace(best, fit=replace(converged(best.fit), before=fit))
+    found = replace(diagnosis, candidates=(end,))
+    return choose(found)
 
 
 def with_detents(fit: Fit) -> Fit:

@@ -14,11 +14,13 @@ use crate::signals::Signals;
 
 /// Starts of pairs that are looked at by a few steps, those of these that are followed through the coarse filter, and
 /// of those through all of it.
-const LOOKED: usize = 24;
-const COARSE: usize = 5;
+const LOOKED: usize = 40;
+const COARSE: usize = 6;
 const FINE: usize = 2;
 /// Starts of one pair among the first.
 const ALIKE: usize = 2;
+/// Starts of the other effect.
+const STARTS: usize = 2;
 
 /// A coupling and another effect that a model lacks.
 #[derive(Debug, Clone)]
@@ -85,20 +87,30 @@ pub fn pairs(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_>) 
     watch.wanted().then_some(ends)
 }
 
-/// The starts of joints beside the model that has another effect, fitted as if the shaft were rigid.
+/// The starts of joints beside the models that have another effect: fitted as if the shaft were rigid, and as it
+/// starts, for a joint may bend it so far that no way leads back.
 fn beside(rigid: &Screen<'_>, companion: Id, couplings: &[Id]) -> Vec<Way> {
-    let Some(start) = rigid.starts(companion).into_iter().next() else { return Vec::new() };
-    let mut model = start.model.clone();
-    model.set_values(&sketch(rigid.data, &start.model).p);
+    let mut models: Vec<Model> =
+        rigid.starts(companion).into_iter().take(STARTS).map(|start| start.model).collect();
+    let Some(first) = models.first() else { return Vec::new() };
+    let mut fitted = first.clone();
+    fitted.set_values(&sketch(rigid.data, first).p);
+    models.push(fitted);
     let shaft = if Model::may_be_at_shaft(companion) { vec![companion] } else { Vec::new() };
-    let screen = Screen::new(rigid.data, &model, rigid.watch).with_shaft(shaft);
-    let ways = |coupling: &Id| {
-        let coupling = *coupling;
-        let way =
-            move |start: Start| Way { coupling, companion, model: start.model, squares: start.predicted };
-        screen.starts(coupling).into_iter().map(way).collect::<Vec<_>>()
+    let ways = |model: &Model| {
+        let screen = Screen::new(rigid.data, model, rigid.watch).with_shaft(shaft.clone());
+        let joined =
+            |coupling: &Id| screen.starts(*coupling).into_iter().map(|start| (*coupling, start)).collect();
+        let all: Vec<(Id, Start)> = couplings.iter().flat_map::<Vec<_>, _>(joined).collect();
+        let way = |(coupling, start): (Id, Start)| Way {
+            coupling,
+            companion,
+            model: start.model,
+            squares: start.predicted,
+        };
+        all.into_iter().map(way).collect::<Vec<_>>()
     };
-    couplings.iter().flat_map(ways).collect()
+    models.iter().flat_map(ways).collect()
 }
 
 /// The best of them, so many of a kind at most.
