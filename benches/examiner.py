@@ -50,6 +50,8 @@ class Case(NamedTuple):
                 return hidden.make(self.seed)
             case "several":
                 return hidden.make(self.seed, several(self.seed))
+            case "shaft":
+                return hidden.make(self.seed, [self.topic, beside(self.seed)], at_shaft=True)
             case "lag":
                 return hidden.make(self.seed, ["torque_lag"], size=SAMPLE_S)
             case _:
@@ -64,6 +66,7 @@ def cases(seeds: int, first: int) -> list[Case]:
 
     every = [case for name in hidden.NAMED for case in some("single", name)]
     every += some("several", "effects", 5) + some("faultless", "knob", 10)
+    every += some("shaft", "backlash", 3) + some("shaft", "compliance", 3)
     every += [case for name in hidden.STRANGE for case in some("strange", name)]
     every += [case for name in hidden.NAMED for case in some("left-out", name)]
     return every + some("lag", "sample", 2)
@@ -76,6 +79,12 @@ def several(seed: int) -> list[str]:
     for name in rng.permutation(list(hidden.NAMED)):
         by_group.setdefault(hidden.NAMED[name].group, str(name))
     return [str(name) for name in rng.permutation(list(by_group.values()))[: 2 + seed % 2]]
+
+
+def beside(seed: int) -> str:
+    """An effect that loads a shaft."""
+    loads = [name for name, kind in hidden.NAMED.items() if kind.order == 1]
+    return str(np.random.default_rng([seed, 3]).choice(loads))
 
 
 def ask(knob: hidden.Hidden, without: tuple[str, ...]) -> dict[str, Any]:

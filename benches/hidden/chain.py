@@ -12,12 +12,17 @@ from .sensors import Sensor
 
 
 class Chain(NamedTuple):
-    """Everything that makes the torque out of the shaft's motion; `strange` is a torque over the samples."""
+    """Everything that makes the torque out of the shaft's motion; `strange` is a torque over the samples.
+
+    `shaft` are loads that differ from those of the knob by what rubs and pulls at the shaft, before the
+    contact.
+    """
 
     loads: Loads
     contact: Contact | None = None
     sensor: Sensor = Sensor()
     strange: Floats = np.zeros(1)
+    shaft: Loads | None = None
 
     def torque(self, track: Track, substeps: int = 40) -> tuple[Floats, float]:
         """The torque that the channel shows without noise, and the limit that it is clipped at, N m."""
@@ -25,6 +30,8 @@ class Chain(NamedTuple):
             tau = one_body(track, self.loads)
         else:
             tau = two_bodies(track, self.loads, self.contact, substeps)
+            if self.shaft is not None:
+                tau = tau + one_body(track, self.shaft) - one_body(track, self.loads)
         tau = self.sensor.late(track.t, tau + self.strange)
         limit = self.sensor.share * float(np.abs(tau).max())
         return np.clip(tau, -limit, limit), limit
@@ -32,7 +39,11 @@ class Chain(NamedTuple):
     def truth(self, plain: Loads) -> dict[str, Any]:
         """The values that make this chain differ from a plain knob; not those that are a value per sample."""
         values: dict[str, Any] = {}
-        for part, bare in ((self.loads, plain), (self.sensor, Sensor()), (self.contact or (), ())):
+        for part, bare in (
+            (self.shaft or self.loads, plain),
+            (self.sensor, Sensor()),
+            (self.contact or (), ()),
+        ):
             own = part._asdict() if part else {}
             values |= {name: v for name, v in own.items() if v is not getattr(bare, name, None)}
         return {name: np.asarray(v).tolist() for name, v in values.items() if np.size(v) < 100}

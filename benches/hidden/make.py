@@ -57,6 +57,7 @@ def make(
     size: float | None = None,
     duration_s: float = 6.0,
     keep: float = 0.0,
+    at_shaft: bool = False,
 ) -> Hidden:
     """Make the capture of a seed. Motion and strength are drawn (0.7 to 12) where they are not given.
 
@@ -73,11 +74,13 @@ def make(
             wanted = [strength or log_uniform(rng, WEAKEST, STRONGEST) for _ in kinds]
         detents = any(kind.detents for kind in kinds.values()) or bool(rng.random() < 0.7)
         scene = Scene(MOTIONS[turned](rng, t), plain_knob(rng, detents))
-        found = _grown(scene, {name: kind.draw(rng, scene) for name, kind in kinds.items()}, wanted, size)
+        found = _grown(
+            scene, {name: kind.draw(rng, scene) for name, kind in kinds.items()}, wanted, size, at_shaft
+        )
         if found is None:
             continue
         parts, total = found
-        chain = _chain(scene, parts)
+        chain = _chain(scene, parts, at_shaft)
         tau, limit = chain.torque(scene.track)
         if np.abs(tau).max() < RANGE - 0.01:
             break
@@ -108,14 +111,14 @@ class _Part(NamedTuple):
 
 
 def _grown(
-    scene: Scene, grows: Mapping[str, Grow], wanted: Sequence[float], size: float | None
+    scene: Scene, grows: Mapping[str, Grow], wanted: Sequence[float], size: float | None, at_shaft: bool
 ) -> tuple[list[_Part], float] | None:
     """Scale one effect after the other; None where one cannot be so strong on this knob and motion."""
     base = Base(scene.track, scene.knob)
     plain, _ = Chain(scene.knob).torque(scene.track)
 
     def signature(parts: Sequence[_Part]) -> Floats:
-        return _chain(scene, parts).torque(scene.track, COARSE)[0] - plain
+        return _chain(scene, parts, at_shaft).torque(scene.track, COARSE)[0] - plain
 
     parts: list[_Part] = []
     for (name, grow), strength in zip(grows.items(), wanted, strict=True):
@@ -140,11 +143,11 @@ def _grown(
     return parts, base.left(plain + signature(parts)) / FLOOR if parts else 0.0
 
 
-def _chain(scene: Scene, parts: Sequence[_Part]) -> Chain:
+def _chain(scene: Scene, parts: Sequence[_Part], at_shaft: bool) -> Chain:
     chain = Chain(scene.knob)
     for part in parts:
         chain = part.grow(chain, part.size)
-    return chain
+    return chain._replace(shaft=chain.loads, loads=scene.knob) if at_shaft and chain.contact else chain
 
 
 def _solved(left: Callable[[float], float], low: float, high: float, strength: float) -> float | None:

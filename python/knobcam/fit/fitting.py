@@ -285,6 +285,7 @@ class Fit(showing.Tabled):
             "status": self.core.status,
             "message": self.core.message,
             "effects": list(self.model.effects),
+            "at_shaft": list(self.model.at_shaft),
             "params": {
                 name: {"value": e.value, "ci95": list(e.ci95) if e.determined else None, "unit": e.unit}
                 for name, e in self.params.items()
@@ -336,7 +337,7 @@ class Fit(showing.Tabled):
     def __repr__(self) -> str:
         lines = ["Fit: " + self._summary, text_table(self.HEAD, self.rows()), self.core.message]
         lines += [f"{name}: {why}" for name, why in self.undetermined.items()]
-        lines += runs.in_words(self.per_capture)
+        lines += [*self.model.sides, *runs.in_words(self.per_capture)]
         lines += self.warnings
         return "\n".join(lines + ([refit.in_words(self)] if self.before else []))
 

@@ -206,7 +206,7 @@ class LearningResult(showing.Tabled):
         head = (self.head[0], "", *self.head[1:])
         rows = [(row[0], bar, *row[1:]) for row, bar in zip(self.rows(), self._bars(), strict=True)]
         lines = [self.headline, text_table(head, rows), self.after.summary]
-        lines += [*in_words(self.fit.per_capture), *self.fit.warnings]
+        lines += [*self.model.sides, *in_words(self.fit.per_capture), *self.fit.warnings]
         if self.disagreements:
             lines.append("Where the captures disagree:")
             lines += [f"  {one}." for one in self.disagreements]

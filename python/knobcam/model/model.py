@@ -180,9 +180,29 @@ class Model(showing.Tabled):
         """Return the model with one parameter always equal to another."""
         return Model(self.core.with_tie(name, to))
 
+    @property
+    def at_shaft(self) -> tuple[str, ...]:
+        """Ids of the effects that load the shaft, before the joint; the others act on the knob."""
+        return tuple(self.core.at_shaft)
+
+    @property
+    def sides(self) -> tuple[str, ...]:
+        """What stands at the shaft, a sentence; nothing where all loads act on the knob."""
+        names = " and ".join(self.at_shaft)
+        load = "loads" if len(self.at_shaft) == 1 else "load"
+        return (f"{names} {load} the shaft, before the joint to the knob.",) if names else ()
+
     def with_effect(self, effect: str) -> Model:
         """Return the model with one effect more, at its neutral values."""
         return Model(self.core.with_effect(effect))
+
+    def with_at_shaft(self, effect: str) -> Model:
+        """Return the model with a load of it at the shaft, before the backlash or compliance of the model.
+
+        Raises InputError for a model without a joint, and for what cannot be there: the base model's loads,
+        sensors, and effects of one's own.
+        """
+        return Model(self.core.with_at_shaft(effect))
 
     def as_torque(self, *, kt: float | None, resistance_ohm: float | None = None) -> Model:
         """Return the model of a motor in A or V with its torques in N m, by its torque constant, N m/A.

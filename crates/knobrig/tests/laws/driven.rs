@@ -7,7 +7,7 @@ use knobcore::forward::forward;
 const HAND: Hand = Hand { stiffness: 0.4, damping: 4e-3 };
 
 /// A hand that turns the knob back and forth, resting at each end.
-fn pushed(model: &Model) -> Pushed {
+pub fn pushed(model: &Model) -> Pushed {
     let rest = |x: f64| (4.0 * x.sin()).clamp(-1.0, 1.0);
     let reference: Vec<f64> = (0..CYCLE).map(|i| 0.8 * rest(TAU * 2.0 * i as f64 / CYCLE as f64)).collect();
     push(model, &reference, 1.0 / RATE_HZ, HAND).unwrap()

@@ -9,6 +9,7 @@ mod limits;
 mod recovery;
 mod rendering;
 mod runs;
+mod sides;
 mod symmetry;
 mod units;
 mod user;

@@ -11,7 +11,7 @@ fn renderer(model: &Model) -> Renderer {
     Renderer::new(model, RATE_HZ, None, OPEN).unwrap()
 }
 
-fn sensed(i: usize) -> Sensed {
+pub fn sensed(i: usize) -> Sensed {
     let motion = motion(i as f64 / RATE_HZ);
     Sensed { theta: motion.theta, omega: motion.omega, alpha: motion.alpha, hand: None }
 }

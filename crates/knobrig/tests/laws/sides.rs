@@ -1,0 +1,119 @@
+//! What loads the shaft before a joint, and what loads the knob behind it.
+
+use super::derivatives::{Compared, check};
+use super::driven::pushed;
+use super::rendering::{OPEN, sensed};
+use super::*;
+use knobcore::model_file;
+use knobrender::Renderer;
+
+/// A knob behind a joint that is nearly rigid, with one more effect.
+fn stiff(id: Id, noise: &mut Noise) -> Model {
+    let mut model = plausible_knob(id, noise).with(Id::Compliance).unwrap();
+    for (name, value) in [("compliance.k", 2e3), ("compliance.d", 0.2), ("compliance.share", 0.6)] {
+        model.set(name, value).unwrap();
+    }
+    model
+}
+
+fn loads() -> impl Iterator<Item = Id> {
+    Id::BUILT_IN.iter().copied().filter(|id| Model::may_be_at_shaft(*id))
+}
+
+#[test]
+fn beside_a_joint_that_is_nearly_rigid_a_load_is_the_same_on_either_side() {
+    let mut noise = Noise::new(51);
+    for id in loads() {
+        let knob = stiff(id, &mut noise);
+        let shaft = knob.with_at_shaft(id).unwrap();
+        let (behind, before) = (torque(&knob).tau, torque(&shaft).tau);
+        let bare: Vec<Id> = knob.effects().filter(|other| *other != id).collect();
+        let without = torque(&knob.only(&bare).unwrap()).tau;
+        let apart = |a: &[f64], b: &[f64]| rms(a.iter().zip(b).skip(CYCLE).map(|(a, b)| a - b));
+        let own = apart(&behind, &without);
+        // Right at a reversal even a stiff joint lets the knob turn round at another instant.
+        assert!(apart(&behind, &before) < 0.5 * own, "{}: {} of {own}", name(id), apart(&behind, &before));
+    }
+}
+
+#[test]
+fn what_loads_the_shaft_does_not_move_the_knob() {
+    let mut noise = Noise::new(52);
+    for id in loads() {
+        let mut soft = stiff(id, &mut noise);
+        soft.set("compliance.k", 2.0).unwrap();
+        soft.set("compliance.d", 2e-3).unwrap();
+        let shaft = soft.with_at_shaft(id).unwrap();
+        let bare: Vec<Id> = soft.effects().filter(|other| *other != id).collect();
+        let rigid: Vec<Id> = soft.effects().filter(|other| *other != Id::Compliance).collect();
+        let rigid = soft.only(&rigid).unwrap();
+        let rigid_bare = rigid.only(&bare.iter().copied().filter(|id| rigid.has(*id)).collect::<Vec<_>>());
+        let rigid_bare = rigid_bare.unwrap();
+        let [whole, joint, with, less] =
+            [&shaft, &soft.only(&bare).unwrap(), &rigid, &rigid_bare].map(|model| torque(model).tau);
+        let apart = (0..2 * CYCLE).map(|i| (whole[i] - (joint[i] + with[i] - less[i])).abs());
+        let most = apart.fold(0.0, f64::max);
+        assert!(most < 1e-12, "{}: {most} N m apart", name(id));
+    }
+}
+
+#[test]
+fn derivatives_at_the_shaft_are_those_of_the_finite_difference() {
+    let mut noise = Noise::new(53);
+    let compared = Compared { step: 1e-7, off: 1e-3, spared: 2e-2 };
+    for id in loads() {
+        check(&stiff(id, &mut noise).with_at_shaft(id).unwrap(), compared, name(id));
+    }
+}
+
+#[test]
+fn a_hand_feels_what_loads_the_shaft() {
+    let mut noise = Noise::new(54);
+    for id in loads() {
+        let shaft = stiff(id, &mut noise).with_at_shaft(id).unwrap();
+        let bare: Vec<Id> = shaft.effects().filter(|other| *other != id).collect();
+        let (with, without) = (pushed(&shaft), pushed(&shaft.only(&bare).unwrap()));
+        let moved = rms(with.theta.iter().zip(&without.theta).map(|(a, b)| a - b));
+        assert!(moved > 1e-6, "{} moves the hand by {moved} rad", name(id));
+    }
+}
+
+#[test]
+fn what_pushes_at_the_shaft_is_rendered_as_predicted_and_what_rubs_there_is_refused() {
+    let mut noise = Noise::new(55);
+    let mut rendered = 0;
+    for id in loads() {
+        let model = stiff(id, &mut noise).with_at_shaft(id).unwrap();
+        let whole = torque(&model);
+        match Renderer::new(&model, RATE_HZ, None, OPEN) {
+            Ok(mut knob) => {
+                let made: Vec<f64> = (0..2 * CYCLE).map(|i| knob.step(sensed(i))).collect();
+                let apart = rms(made.iter().zip(&whole.tau).skip(CYCLE).map(|(a, b)| a - b));
+                assert!(apart < 1e-9 * rms(whole.tau.iter().copied()), "{}: {apart}", name(id));
+                rendered += 1;
+            }
+            Err(why) => assert!(why.to_string().contains("leave out 'at'"), "{why}"),
+        }
+    }
+    assert!(rendered >= 5, "{rendered} are rendered");
+}
+
+#[test]
+fn a_model_file_says_what_is_at_the_shaft_and_refuses_what_cannot_be() {
+    let mut noise = Noise::new(56);
+    for id in loads() {
+        let model = stiff(id, &mut noise).with_at_shaft(id).unwrap();
+        let back = model_file::parse(&model_file::write(&model)).unwrap();
+        assert!(back.at_shaft(id) && back.values() == model.values(), "{}", name(id));
+    }
+    let head = "schema = \"knobcam.model/1\"\n[effects.inertia]\nM = 1e-4\n";
+    let drag = "[effects.quadratic_drag]\nat = \"shaft\"\n";
+    for (text, way) in [
+        (format!("{head}{drag}"), "add backlash or compliance"),
+        (format!("{head}[effects.compliance]\n[effects.quadratic_drag]\nat = \"rim\"\n"), "leave it out"),
+        (format!("{head}at = \"shaft\"\n[effects.compliance]\n"), "only loads beside"),
+    ] {
+        let error = model_file::parse(&text).unwrap_err().to_string();
+        assert!(error.contains(way), "{error}");
+    }
+}
