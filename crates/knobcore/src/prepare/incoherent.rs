@@ -20,6 +20,10 @@ const ORDER: usize = 4;
 const COHERENT: f64 = 0.25;
 /// The acceleration of a band would take so many times the torque that was recorded of it (RMS).
 const TIMES: f64 = 2.0;
+/// By so many times the inertia may be more than torque by acceleration.
+const MARGIN: f64 = 10.0;
+/// Samples of a period, of which no more than twice as many are kept.
+const SAMPLED: f64 = 8.0;
 /// Standard errors of the inertia below a band that it is known to, from nought.
 const KNOWN: f64 = 5.0;
 /// Standard errors by which the inertia is less with the band than without it, and the share of it.
@@ -59,7 +63,7 @@ pub(super) fn incoherent(
     tau: &[f64],
     axis: Axis,
     inside: &[Range<usize>],
-    [rate_hz, edge_hz]: [f64; 2],
+    [mut rate_hz, edge_hz]: [f64; 2],
     leaves: impl Fn(f64) -> bool,
 ) -> Option<Incoherent> {
     let columns = [&moving.theta, &moving.omega, &moving.alpha, tau];
@@ -72,26 +76,26 @@ pub(super) fn incoherent(
         let filter = below(0.5 * high, rate_hz).ok()?;
         let ends = (2.0 * rate_hz / high) as usize;
         pieces.retain(|[theta, ..]| theta.len() > (4 * ends).max(filter.padding()));
-        let slow: Vec<Piece> = pieces.iter().filter_map(|piece| filtered(piece.clone(), &filter)).collect();
+        let mut slow: Vec<Piece> =
+            pieces.iter().filter_map(|piece| filtered(piece.clone(), &filter)).collect();
         let band = Band::of(&pieces, &slow, ends, rate_hz / high)?;
         if band.coherence > COHERENT {
             break;
         }
-        let below = Below::of(&slow, axis, &filter, ends, rate_hz / high)?;
-        let times = (below.inertia * band.acceleration / band.torque).abs();
-        // The inertia would be a mean of both, each by the squares of its acceleration.
-        let squares = [below.own, band.acceleration].map(|a| a * a);
-        let less = (below.inertia - band.inertia) * squares[1] / (squares[0] + squares[1]);
-        let known = below.inertia > KNOWN * below.error;
-        if known
-            && band.samples > ENOUGH
-            && times > TIMES
-            && less > (APART * below.error).max(WORTH * below.inertia)
+        if band.asks(&slow)
+            && let Some(below) = Below::of(&slow, axis, &filter, ends, rate_hz / high)
+            && let Some(times) = band.is_none_of(&below)
         {
             found = Some(Incoherent { hz: 0.5 * high, edge_hz, times });
         }
-        pieces = slow;
         high *= 0.5;
+        while rate_hz > 2.0 * SAMPLED * high {
+            for column in slow.iter_mut().flatten() {
+                *column = column.iter().step_by(2).copied().collect();
+            }
+            rate_hz *= 0.5;
+        }
+        pieces = slow;
     }
     found
 }
@@ -133,6 +137,25 @@ impl Band {
         let left = Fitted::of(&[alpha, quarter], &tau)?.left;
         let coherence = 1.0 - left / (torque * torque);
         Some(Self { acceleration, torque, inertia, coherence, samples })
+    }
+
+    /// Whether it may take more torque than was recorded, by what torque and acceleration are below: a torque that
+    /// gravity takes off the inertia's is less than that.
+    fn asks(&self, slow: &[Piece]) -> bool {
+        let squares = |k: usize| slow.iter().map(|piece| dot(&piece[k], &piece[k])).sum::<f64>();
+        let most = MARGIN * (squares(3) / squares(2)).sqrt();
+        most * self.acceleration > TIMES * self.torque
+    }
+
+    /// How many times the torque that was recorded the motion would take, where that is beyond doubt and matters.
+    fn is_none_of(&self, below: &Below) -> Option<f64> {
+        let times = below.inertia * self.acceleration / self.torque;
+        // The inertia would be a mean of both, each by the squares of its acceleration.
+        let squares = [below.own, self.acceleration].map(|a| a * a);
+        let less = (below.inertia - self.inertia) * squares[1] / (squares[0] + squares[1]);
+        let known = below.inertia > KNOWN * below.error && self.samples > ENOUGH;
+        let matters = less > (APART * below.error).max(WORTH * below.inertia);
+        (known && matters && times > TIMES).then_some(times)
     }
 }
 
