@@ -84,7 +84,14 @@ impl PySignals {
         self.prepared.edge.is_some_and(|edge| edge.lost)
     }
 
-    /// The same of what the filter takes off beside this raw torque of a model (samples kept, N m).
+    /// Above which frequency (Hz) the torque has nothing to do with the motion, the edge (Hz) that there was, and how
+    /// many times the torque that was recorded above it the motion would take (RMS).
+    #[getter]
+    fn incoherent(&self) -> Option<(f64, f64, f64)> {
+        self.prepared.edge?.incoherent.map(|found| (found.hz, found.edge_hz, found.times))
+    }
+
+    /// What `ripple` is, of what the filter takes off beside this raw torque of a model (samples kept, N m).
     fn taken_off(&self, torque: Column<'_>) -> PyResult<Option<(f64, f64, f64)>> {
         Ok(taken_off(&self.prepared.signals, torque.as_slice()?).map(in_numbers))
     }

@@ -169,7 +169,7 @@ def prepare(capture: Capture, method: str = "smooth", **options: float) -> Prepa
         source = capture.meta.get("source")  # of several captures somebody wants to know which
         raise InputError(f"{source}: {error}" if source else str(error)) from None
     notes = _notes(capture, method, options, core)
-    found = (*capture.findings, *_cut(capture, method, options, core))
+    found = (*capture.findings, *_wrong(core), *_cut(capture, method, options, core))
     return Prepared(capture, method, rows, dict(options), notes, core, found)
 
 
@@ -222,7 +222,8 @@ def _notes(
     notes = []
     slower = min(capture.rate_hz / _PAPER_RATE_HZ, 1.0)
     edge_hz = core.edge_hz or 0.0
-    if method in ("smooth", "paper") and "torque_edge_hz" not in options:
+    # Where a band is left out a finding says why the edge is where it is.
+    if method in ("smooth", "paper") and "torque_edge_hz" not in options and core.incoherent is None:
         if core.ripple is not None and edge_hz > 500.0 * slower:
             notes.append(
                 f"the torque has {waves(capture, core.ripple)}: its filter's edge is raised from "
@@ -238,6 +239,19 @@ def _notes(
         if absent:
             notes.append(f"{' and '.join(absent)} not recorded: derived from theta")
     return tuple(notes)
+
+
+def _wrong(core: _core.Signals) -> list[Finding]:
+    """A band in which the motion is not what the torque made."""
+    if core.incoherent is None:
+        return []
+    hz, edge_hz, times = core.incoherent
+    message = (
+        f"theta: above {hz:.3g} Hz the torque has nothing to do with the recorded motion, which would take "
+        f"{times:.2g} times as much: both are taken below, and the torque filter's edge is lowered from "
+        f"{edge_hz:.4g} Hz (torque_edge_hz= sets another)"
+    )
+    return [Finding("band", "theta", core.used, (), message, "mended")]
 
 
 def _cut(capture: Capture, method: str, options: Mapping[str, float], core: _core.Signals) -> list[Finding]:

@@ -14,6 +14,7 @@ from ..base.tables import TextTable, text_table
 from ..errors import InputError
 from ..model.effects import clipping, effects
 from ..model.effects import effect as catalogued
+from .beyond import incoherent
 from .plausible import implausible
 from .refit import PENALTY, cores, describe, percent, with_clipped
 
@@ -282,6 +283,7 @@ def absent(fit: Fit, without: Collection[str]) -> tuple[list[str], dict[str, str
     have = fit.model.effects
     coupled = any(catalogue[one].place == "coupling" for one in have)
     free = {name for name, parameter in fit.model.params.items() if parameter.role == "free"}
+    wrong = incoherent(fit)
     left_out = {}
     could = []
     for one, row in catalogue.items():
@@ -291,6 +293,8 @@ def absent(fit: Fit, without: Collection[str]) -> tuple[list[str], dict[str, str
             left_out[one] = f"it changes '{row.needs}', which the model does not have"
         elif coupled and row.place == "coupling":
             left_out[one] = "shaft and knob are joined by another effect already"
+        elif wrong and row.place != "load":
+            left_out[one] = "errors of the recorded motion look like it"
         elif row.taken_up is not None and free.issuperset(row.taken_up.by):
             left_out[one] = row.taken_up.why
         else:

@@ -16,13 +16,14 @@ from .. import _core
 from ..base import showing
 from ..base.tables import TextTable, text_table
 from ..capture import Capture, load
-from ..capture.prepare import Prepared, waves
+from ..capture.prepare import Prepared
 from ..capture.prepare import prepare as prepare_signals
 from ..errors import InputError
 from ..model import Model
 from ..model.effects import base_effects, base_effects_shown
 from . import refit, runs
 from .alike import check_captures, check_unit
+from .beyond import Beyond, beyond
 from .described import described, said, sign
 from .doubts import doubts
 from .origin import with_origin
@@ -61,16 +62,6 @@ class Estimate(NamedTuple):
         if self.se == 0.0:
             return "fixed"
         return f"{self.ci95[0]:.5g} to {self.ci95[1]:.5g}" if self.determined else "not determined"
-
-
-class Beyond(NamedTuple):
-    """What a torque filter takes off, in words, and its share of all that goes."""
-
-    words: str
-    share: float
-
-    def __str__(self) -> str:
-        return f"Not weighed: {self.words}."
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -313,13 +304,8 @@ class Fit(showing.Tabled):
 
     @cached_property
     def beyond(self) -> Beyond | None:
-        """Waves of a torque that its filter takes off and the model does not have."""
-        for one in self.prepared:
-            ripple = one.core.taken_off(self.model.core.torque(one.core, False)) if one.core.lost else None
-            if ripple is not None:
-                edge = f"beyond the torque filter's edge of {one.core.edge_hz:.4g} Hz"
-                return Beyond(f"{waves(one.capture, ripple)}, {edge}", ripple[2])
-        return None
+        """What of the torque its filter takes off and the model does not have."""
+        return beyond(self)
 
     @property
     def torque_unit(self) -> str:

@@ -14,6 +14,7 @@ from ..base import showing
 from ..base.tables import TextTable, text_table
 from ..capture import Capture
 from ..fit import Fit, fit
+from ..fit.beyond import incoherent
 from ..fit.diagnose import Diagnosis, check_effects, p_in_words
 from ..fit.refit import percent
 from ..fit.runs import in_words
@@ -122,6 +123,12 @@ class LearningResult(showing.Tabled):
                 return (
                     "Whether anything is missing cannot be told: these samples do not show how much of the "
                     f"error is noise; {100.0 * what.share:.0f} % of it lies along {what.axis}."
+                )
+            if incoherent(self.fit):
+                found = f"{names} found; what" if names else "What"
+                return (
+                    f"{found} is left, {100.0 * what.share:.0f} % of it along {what.axis} ({what.hint}), "
+                    "cannot be told from errors of the recorded motion."
                 )
             head = f"{names} found, and still something" if names else "Something"
             if self.after.complete:

@@ -105,7 +105,7 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
     elif unexplained is not None:
         found = tuple(one for one in found if any(step.added == one and _mainly(step) for step in ladder))
     if unexplained is None and (beyond := ladder[-1].fit.beyond) is not None:
-        unexplained = Unexplained("position", beyond.share, beyond.words)
+        unexplained = Unexplained(beyond.axis, beyond.share, beyond.words)
     return Selection(tuple(ladder), found, last, unexplained)
 
 

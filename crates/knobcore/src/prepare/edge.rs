@@ -1,6 +1,7 @@
 //! The edge of the torque's filter: where the motion makes waves of the torque that it would take off, it goes up.
 
 use super::Recording;
+use super::incoherent::Incoherent;
 use super::motion::Moving;
 use crate::filter::ZeroPhase;
 use crate::fourier::Transform;
@@ -51,6 +52,8 @@ pub struct Edge {
     pub ripple: Option<Ripple>,
     /// Whether the filter still does.
     pub lost: bool,
+    /// Why it is lower than it was.
+    pub incoherent: Option<Incoherent>,
 }
 
 impl Edge {
@@ -67,10 +70,15 @@ impl Edge {
         let ripple = fastest(columns, recording.measured, stretches, filter);
         let most = HIGHEST * recording.rate_hz;
         let Some(found) = ripple.filter(|_| follows && hz < most) else {
-            return Self { hz, ripple, lost: ripple.is_some() };
+            return Self { hz, ripple, lost: ripple.is_some(), incoherent: None };
         };
         let wider = edge_for(found.hz, filter, hz, most);
-        Self { hz: wider, ripple, lost: wider >= most }
+        Self { hz: wider, ripple, lost: wider >= most, incoherent: None }
+    }
+
+    /// The edge below which the torque has to do with the motion.
+    pub(super) fn lowered(self, to: Incoherent) -> Self {
+        Self { hz: to.hz, lost: self.ripple.is_some(), incoherent: Some(to), ..self }
     }
 }
 

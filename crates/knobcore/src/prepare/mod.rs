@@ -2,6 +2,7 @@
 
 mod direction;
 mod edge;
+mod incoherent;
 mod motion;
 
 use crate::chain::SUBSTEPS;
@@ -13,9 +14,10 @@ use crate::signals::Signals;
 use crate::smooth::Noise;
 
 pub use edge::{Edge, Ripple, taken_off};
+pub use incoherent::Incoherent;
 
 use direction::{standing_still, without_unsure};
-use motion::{columns, forward, smoothed};
+use motion::{Moving, columns, forward, smoothed};
 use std::ops::Range;
 
 /// The sampling rate of the paper, Hz; its filter edges (Table 6) belong to it.
@@ -175,7 +177,7 @@ pub fn prepare(recording: &Recording<'_>, how: &Preparation) -> Result<Prepared>
     let mut filter = how.torque.map(|design| design.design(recording.rate_hz)).transpose()?;
     let stretches = stretches(recording);
     let mut usable = Usable::of(&stretches, how, filter.as_ref())?;
-    let moving = match how.source {
+    let mut moving = match how.source {
         Source::Smoother => smoothed(recording, &stretches)?,
         Source::Filtered { theta, omega, alpha } => {
             let design = |low_pass: LowPass| low_pass.design(recording.rate_hz).map(Some);
@@ -191,6 +193,15 @@ pub fn prepare(recording: &Recording<'_>, how: &Preparation) -> Result<Prepared>
             usable = Usable::of(&stretches, how, filter.as_ref())?;
         }
         edge = Some(found);
+        if how.follows
+            && let Some(without) = beside(recording, &moving, &usable, found.hz)
+        {
+            let lowered = LowPass::Paper(without.hz).design(recording.rate_hz)?;
+            usable = Usable::within(&usable.inside(), &lowered)?;
+            filter = Some(lowered);
+            moving.keep_below(without.hz, recording, &usable.segments)?;
+            edge = Some(found.lowered(without));
+        }
     }
     let Usable { settle, trim, segments } = usable;
     let mut weight = vec![0.0; recording.t.len()];
@@ -230,6 +241,18 @@ pub fn prepare(recording: &Recording<'_>, how: &Preparation) -> Result<Prepared>
     Ok(Prepared { signals, uncertainty: moving.uncertainty, noise: moving.noise, edge })
 }
 
+/// Whether the torque, filtered as it is `how`, with an edge at `hz`, has bands that the motion is not made of.
+fn beside(recording: &Recording<'_>, moving: &Moving, usable: &Usable, hz: f64) -> Option<Incoherent> {
+    let inside = usable.inside();
+    let leaves = |hz: f64| {
+        let filter = LowPass::Paper(hz).design(recording.rate_hz).ok();
+        let fewer = filter.and_then(|filter| Usable::within(&inside, &filter).ok());
+        fewer.is_some_and(|fewer| 2 * fewer.counted() >= usable.counted())
+    };
+    let rates = [recording.rate_hz, hz];
+    incoherent::incoherent(moving, recording.tau, recording.axis, &inside, rates, leaves)
+}
+
 /// What is left of the stretches beside what the filter needs.
 struct Usable {
     /// Samples after which the filter's response is down to 1e-4, a quarter of the way to 1e-16.
@@ -244,11 +267,27 @@ impl Usable {
         let settle = filter.map_or(0, |filter| filter.sos().settle() / 4);
         let ends = if how.source == Source::Smoother { SMOOTHER_ENDS } else { 0 };
         let trim = how.trim.unwrap_or(settle.max(ends));
+        let stretches = stretches.iter().map(|s| s.start.max(how.skip)..s.end);
+        Self::long(stretches.collect(), filter, settle, trim)
+    }
+
+    /// Of ranges in which the motion is known, with a filter so slow that it would leave little: a tenth of its
+    /// response is all that counts, since the model's torque ends where the measured one does.
+    fn within(inside: &[Range<usize>], filter: &ZeroPhase) -> Result<Self> {
+        let settle = filter.sos().settle() / 16;
+        Self::long(inside.to_vec(), Some(filter), settle, settle)
+    }
+
+    fn long(
+        mut segments: Vec<Range<usize>>,
+        filter: Option<&ZeroPhase>,
+        settle: usize,
+        trim: usize,
+    ) -> Result<Self> {
         let shortest = SHORTEST.max(2 * trim + 1).max(filter.map_or(0, ZeroPhase::padding) + 1);
-        let segments: Vec<Range<usize>> =
-            stretches.iter().map(|s| s.start.max(how.skip)..s.end).filter(|s| s.len() >= shortest).collect();
+        let longest = segments.iter().map(ExactSizeIterator::len).max().unwrap_or(0);
+        segments.retain(|segment| segment.len() >= shortest);
         if segments.is_empty() {
-            let longest = stretches.iter().map(ExactSizeIterator::len).max().unwrap_or(0);
             return Err(Error::invalid(
                 "capture",
                 format!(
@@ -258,6 +297,17 @@ impl Usable {
             ));
         }
         Ok(Self { settle, trim, segments })
+    }
+
+    /// The segments without the ends, where the smoother knows the acceleration badly.
+    fn inside(&self) -> Vec<Range<usize>> {
+        let ends = self.trim.min(SMOOTHER_ENDS);
+        self.segments.iter().map(|s| s.start + ends..s.end - ends).collect()
+    }
+
+    /// Samples that count, of those that were measured.
+    fn counted(&self) -> usize {
+        self.segments.iter().map(|s| s.len() - 2 * self.trim).sum()
     }
 }
 

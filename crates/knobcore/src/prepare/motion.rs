@@ -1,6 +1,7 @@
 //! The motion of a recording: smoothed from its sensors, filtered column by column, or as given.
 
 use super::Recording;
+use super::incoherent::below;
 use crate::error::Result;
 use crate::filter::ZeroPhase;
 use crate::smooth::{Noise, Sensors, noise_from_capture, smooth};
@@ -20,6 +21,28 @@ pub(super) struct Moving {
     pub omega_sd: Vec<f64>,
     pub uncertainty: Option<[Vec<f64>; 2]>,
     pub noise: Option<Noise>,
+}
+
+impl Moving {
+    /// Keeps what of the motion is slower than a frequency, inside of these ranges. Errors of a speed grow with
+    /// frequency: below it lies no more of their squares than its share of the band.
+    pub(super) fn keep_below(
+        &mut self,
+        hz: f64,
+        recording: &Recording<'_>,
+        inside: &[Range<usize>],
+    ) -> Result<()> {
+        let filter = below(hz, recording.rate_hz)?;
+        for range in inside {
+            filter.filter_in_place(&mut self.theta[range.clone()])?;
+        }
+        self.omega = differences(recording.t, &self.theta, inside);
+        self.alpha = differences(recording.t, &self.omega, inside);
+        let share = (2.0 * hz / recording.rate_hz).sqrt();
+        let alpha_sd = self.uncertainty.iter_mut().flat_map(|[_, alpha]| alpha);
+        self.omega_sd.iter_mut().chain(alpha_sd).for_each(|sd| *sd *= share);
+        Ok(())
+    }
 }
 
 /// From one smoother over all sensors.
