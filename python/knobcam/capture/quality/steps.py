@@ -12,6 +12,7 @@ from ...base.arrays import BoolArray, FloatArray
 from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import Coordinate
 from .order import medians, quantile
+from .wild import wild
 
 REACH = 8
 """Steps to either side from which the step between two rows is expected."""
@@ -52,6 +53,10 @@ def check_steps(
     if len(index) < 4 * REACH:
         return Steps(t, theta, bad, ())
     findings: list[Finding] = []
+    # Where wild readings are a habit of the log they lie beside each other, and hide what else there is.
+    anything = wild(t[index], theta[index], 0.3 * _count(np.diff(theta[index])))
+    bad[index[anything]] = True
+    index = index[~anything]
     if coordinate == "rotary":
         theta, found = _unwrap(theta, index, rows)
         findings += found
@@ -76,9 +81,12 @@ def check_steps(
 
     spike = _there_and_back(step - expected, CLEAR * noise) & ~stale[:-1] & ~stale[1:]
     bad[index[1:-1][spike]] = True
-    if spike.any():
-        at = rows[index[1:-1][spike]]
-        message = f"theta: leaps away and back within a row at {rows_in_words(at)}; masked"
+    anything = bad & usable
+    anything[index[1:][stale]] = False
+    if anything.any():
+        at = rows[anything]
+        lasting = "a row" if (np.diff(at) > 1).all() else "a row or a few"
+        message = f"theta: leaps away and back within {lasting} at {rows_in_words(at)}; masked"
         findings.append(Finding("spike", "theta", len(at), spans(at), message, "masked"))
 
     # A leap that stays is beyond all steps of the motion; so wide a gap is not bridged.
