@@ -15,6 +15,9 @@ BESIDE = 6
 FAR = 6.0
 """Deviations of noise from that parabola beyond which a reading is none: one in 5e8 by chance."""
 
+AS_USUAL = 4.5
+"""The same in a log in which many are."""
+
 HABIT = 30
 """Readings below which wild ones are no habit of the log: an impact looks like a few."""
 
@@ -28,7 +31,8 @@ _GAIN = 20.0  # of the variance of white noise this many times as much
 # a fifth of the differences have one in them; without these, the tails of the noise count as well.
 _SPOILED = ((0.35, 0.4538), (0.7, 1.0364))
 _WITHOUT = (*_SPOILED, (0.9, 1.6449))
-_DOUBT = 3.5  # deviations beyond which rows are looked at
+_SUSPICIOUS = (3.5, 2.0)  # deviations of a difference beyond which its rows are looked at: once, again
+_DOUBT = 3.5  # deviations within which they are as good as the others
 _WIDEST = 60  # rows between the first and the last of those beside, beyond which a parabola says nothing
 _AGREE = 1.6  # times the noise that a parabola may leave: chance leaves more once in ten thousand
 _ROUNDS = 5
@@ -52,24 +56,28 @@ def wild(t: FloatArray, values: FloatArray, least: float) -> BoolArray:
     noise = _noise(third, _SPOILED, least)
     if not noise > 0.0:
         return found
-    doubtful = np.convolve(third > _DOUBT * math.sqrt(_GAIN) * noise, np.ones(len(_THIRD))) > 0.5
     fresh = np.append(True, np.diff(values) != 0.0)
-    off, way = np.zeros(len(values)), np.zeros(len(values))
-    for _ in range(_ROUNDS):
-        rows = np.flatnonzero(doubtful)
-        off[rows], way[rows] = _off(t, values, rows, np.flatnonzero(~doubtful), noise)
-        found = (np.abs(off) > FAR * noise) & fresh
-        doubtful &= ~(np.abs(off) < _DOUBT * noise)
-        clean = np.convolve(found, np.ones(len(_THIRD)), "valid") < 0.5
-        if not found.any() or not clean.any():
-            return np.zeros_like(found)
-        noise = _noise(third[clean], _WITHOUT, least)
+    doubtful, clean = found, np.ones(len(third), dtype=np.bool_)
+    off, way = np.zeros((2, len(values)))
+    for suspicious in _SUSPICIOUS:
+        far = clean & (third > suspicious * math.sqrt(_GAIN) * noise)
+        doubtful = doubtful | (np.convolve(far, np.ones(len(_THIRD))) > 0.5)
+        for _ in range(_ROUNDS):
+            rows = np.flatnonzero(doubtful)
+            off[rows], way[rows] = _off(t, values, rows, np.flatnonzero(~doubtful), noise)
+            found = (np.abs(off) > FAR * noise) & fresh
+            doubtful &= ~(np.abs(off) < _DOUBT * noise)
+            clean = np.convolve(found, np.ones(len(_THIRD)), "valid") < 0.5
+            if found.sum() < HABIT or not clean.any():
+                return np.zeros_like(found)
+            noise = _noise(third[clean], _WITHOUT, least)
     pairs = found[1:] & found[:-1]
     alike = pairs & (off[1:] * off[:-1] > 0.0)
     pulses = pairs.sum() > _FEW * found.sum() and alike.sum() > _ALIKE * pairs.sum()
     beyond = np.sum(np.abs(off[found]) > way[found])
     if pulses or beyond < max(HABIT, _BEYOND * found.sum()):
         return np.zeros_like(found)
+    found |= (np.abs(off) > AS_USUAL * noise) & fresh
     # Steps and the densest places have no parabola: there what is beyond all good ones on either side.
     rows = np.flatnonzero(doubtful & ~found & fresh)
     found[rows[_beyond(values, rows, np.flatnonzero(~doubtful)) > FAR * noise]] = True
