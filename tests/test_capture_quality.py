@@ -233,6 +233,31 @@ def test_an_angle_in_degrees_is_warned_about(tmp_path: Path) -> None:
     assert (finding.kind, finding.column) == ("unit", "theta") and "[deg]" in finding.message
 
 
+def degrees(tmp_path: Path, angle_deg: NDArray[np.float64], header: str = "theta_rad") -> tuple[Finding, ...]:
+    log = tmp_path / "log.csv"
+    columns = np.column_stack([times(), angle_deg, recording().tau])
+    np.savetxt(log, columns, delimiter=",", header=f"t_s,{header},tau_Nm", comments="", fmt="%.7g")
+    return tuple(one for one in kc.load(log).findings if one.kind == "unit")
+
+
+def test_degrees_are_warned_about_where_only_moments_are_beyond_hands(tmp_path: Path) -> None:
+    slow = 0.75 * np.sin(2.0 * np.pi * 0.5 * times()) + 1e-5 * np.random.default_rng(5).standard_normal(N)
+    (finding,) = degrees(tmp_path, np.degrees(slow))
+    assert finding.column == "theta" and "to and fro" in finding.message
+    assert degrees(tmp_path, slow) == ()
+    # A motor that runs one way as fast is faster for good or not at all.
+    assert degrees(tmp_path, 50.0 * times() ** 2 / times()[-1]) == ()
+
+
+def test_steps_of_a_binary_encoder_in_degrees_are_warned_about_however_slow(tmp_path: Path) -> None:
+    slow = 0.05 * np.sin(2.0 * np.pi * 0.5 * times())
+    for full, found in ((360.0, True), (2.0 * np.pi, False), (6.0, False)):
+        step = full / 16384
+        angle = step * np.floor(full / (2.0 * np.pi) * slow / step)
+        assert bool(degrees(tmp_path, angle)) is found, full
+    assert degrees(tmp_path, np.round(slow, 3)) == ()
+
+
 def test_a_torque_that_stands_still_while_the_knob_moves_is_masked() -> None:
     tau = recording().tau.copy()
     tau[: N // 2] = 0.0
