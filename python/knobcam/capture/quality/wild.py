@@ -38,6 +38,7 @@ _AGREE = 1.6  # times the noise that a parabola may leave: chance leaves more on
 _ROUNDS = 5
 _FEW = 0.15  # neighbours among the wild, below which they say little
 _ALIKE = 0.75  # of these on the same side, above which they are pulses
+_RARELY, _UNEVEN = 0.005, 0.01  # intervals between stamps that are left out, and how far others differ
 _BEYOND = 0.2  # of the readings that are off by more than the way from row to row: the others may be late
 
 
@@ -75,7 +76,8 @@ def wild(t: FloatArray, values: FloatArray, least: float) -> BoolArray:
     alike = pairs & (off[1:] * off[:-1] > 0.0)
     pulses = pairs.sum() > _FEW * found.sum() and alike.sum() > _ALIKE * pairs.sum()
     beyond = np.sum(np.abs(off[found]) > way[found])
-    if pulses or beyond < max(HABIT, _BEYOND * found.sum()):
+    late = not _even(t) and beyond < max(HABIT, _BEYOND * found.sum())
+    if pulses or late:
         return np.zeros_like(found)
     found |= (np.abs(off) > AS_USUAL * noise) & fresh
     # Steps and the densest places have no parabola: there what is beyond all good ones on either side.
@@ -85,6 +87,13 @@ def wild(t: FloatArray, values: FloatArray, least: float) -> BoolArray:
     for first, end in zip(edges[::2], edges[1::2], strict=True):
         found[first:end] = end - first <= LONGEST
     return found
+
+
+def _even(t: FloatArray) -> bool:
+    """Whether the clock is even: who stamps unevenly reads unevenly too."""
+    step = np.diff(t)
+    low, usual, high = (quantile(step, share) for share in (_RARELY, 0.5, 1.0 - _RARELY))
+    return high - low < _UNEVEN * usual
 
 
 def _noise(third: FloatArray, shares: tuple[tuple[float, float], ...], least: float) -> float:
