@@ -92,7 +92,9 @@ def check_steps(
     # A leap that stays is beyond all steps of the motion; so wide a gap is not bridged.
     leap = ~stale & (off > CLEAR * noise) & (off > _LEAP * quantile(np.abs(step), 0.999))
     leap &= (np.diff(t[index]) < 1.5 / rate_hz) & (np.diff(index) == 1)  # else time passed
-    leap &= (np.abs(step) <= math.pi) | (coordinate == "linear")  # else it wraps around
+    if coordinate == "rotary":  # what is near a whole turn may be an angle that wraps around
+        part = np.abs(step - math.tau * np.rint(step / math.tau))
+        leap &= (np.abs(step) <= math.pi) | (part > _LEAP * quantile(np.abs(step), 0.999))
     leap &= ~(np.append(spike, False) | np.append(False, spike))
     if leap.any() and leap.sum() <= len(step) // 1000 + 1:
         at = np.flatnonzero(leap)
