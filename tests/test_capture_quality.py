@@ -307,12 +307,22 @@ def test_counts_of_an_encoder_repeat_by_themselves_and_rows_that_repeat_torque_a
     assert finding.count >= 25
 
 
-def test_an_angle_that_leaps_and_goes_on_splits_the_log() -> None:
+def test_of_an_angle_that_leaps_once_and_goes_on_the_longer_part_is_kept() -> None:
     theta = recording().theta + np.where(times() > 1.0, 1.2, 0.0)
     capture = recording(theta=theta, omega=None, alpha=None)
     finding = only(capture)
-    assert (finding.kind, finding.count, finding.severity) == ("jump", 1, "warning")
-    assert (~capture.mask).sum() == 4
+    assert (finding.kind, finding.severity) == ("jump", "masked")
+    assert finding.spans == ((1, 1001),) and finding.count == 1001
+    assert "rows 1002" in finding.message or "row 1002" in finding.message
+    assert not capture.mask[:1001].any() and capture.mask[1003:].all()
+
+
+def test_an_angle_that_leaps_again_and_goes_on_splits_the_log() -> None:
+    theta = recording().theta + 1.2 * (times() > 1.0) + 0.8 * (times() > 2.0)
+    capture = recording(theta=theta, omega=None, alpha=None)
+    finding = only(capture)
+    assert (finding.kind, finding.count, finding.severity) == ("jump", 2, "warning")
+    assert (~capture.mask).sum() == 8
 
 
 @pytest.mark.parametrize(("rows", "which"), [(3, "after"), (-3, "before")])
@@ -330,7 +340,7 @@ def test_a_velocity_that_belongs_to_another_motion_is_a_contradiction() -> None:
 def test_an_angle_that_leaps_by_more_than_half_a_turn_but_no_whole_one_does_not_wrap() -> None:
     theta = recording().theta + np.where(times() > 1.0, 4.0, 0.0)
     finding = only(recording(theta=theta))
-    assert (finding.kind, finding.severity) == ("jump", "warning")
+    assert (finding.kind, finding.severity) == ("jump", "masked")
 
 
 @pytest.mark.parametrize("name", ["omega", "alpha"])

@@ -101,12 +101,23 @@ def check_steps(
         for row in (-2, -1, 0, 1):
             bad[index[np.clip(1 + at + row, 0, len(index) - 1)]] = True
         leapt = rows[index[1:][at]]
-        message = (
-            f"theta: leaps by {step[at[0]]:.4g} at {rows_in_words(leapt)} and goes on from there; what lies "
-            "before and after is filtered apart, but positions of one part are not those of the other: keep "
-            "one with --start and --end if the log was joined"
-        )
-        findings.append(Finding("jump", "theta", len(leapt), spans(leapt), message, "warning"))
+        what = f"theta: leaps by {step[at[0]]:.4g} at {rows_in_words(leapt)} and goes on from there"
+        apart = "positions of one part are not those of the other"
+        if len(at) == 1:
+            shorter = min(index[: at[0] + 1], index[at[0] + 1 :], key=len)
+            bad[shorter] = True
+            message = (
+                f"{what}, as where two logs were joined: {apart}, so the shorter one, {len(shorter)} rows, "
+                "is masked; --start and --end choose the other"
+            )
+            found = rows[shorter]
+            findings.append(Finding("jump", "theta", len(found), spans(found), message, "masked"))
+        else:
+            message = (
+                f"{what}; what lies before and after is filtered apart, but {apart}: keep one with --start "
+                "and --end if the log was joined"
+            )
+            findings.append(Finding("jump", "theta", len(leapt), spans(leapt), message, "warning"))
         clear &= ~leap
 
     # What a repeated row held back comes with the next one.
