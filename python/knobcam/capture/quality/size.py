@@ -82,7 +82,7 @@ def _counts_of_degrees(theta: FloatArray) -> str | None:
     if not moved.size:
         return None
     least = float(moved.min())
-    bits = math.log2(360.0 / least)
+    bits = math.log2(360.0) - math.log2(least)
     exact = abs(bits - round(bits)) < _EXACT and round(bits) in _BITS
     whole = np.abs(moved / least - np.rint(moved / least)) < 0.01
     if not (exact and len(moved) > _FEWEST and whole.all()):

@@ -125,7 +125,8 @@ def _off(
     powers = np.stack([np.ones_like(away), away, away**2], axis=2)
     level = values[beside] - values[beside[:, :1]]
     moments = np.swapaxes(powers, 1, 2)
-    factors = np.linalg.solve(moments @ powers, moments @ level[:, :, None])
+    # Next to nothing more, so that rows beside a gap of ages are no parabola and no error.
+    factors = np.linalg.solve(moments @ powers + 1e-12 * np.eye(3), moments @ level[:, :, None])
     left = np.sum((level - (powers @ factors)[:, :, 0]) ** 2, axis=1) / (2 * BESIDE - 3)
     own = values[rows[inside]] - values[beside[:, 0]] - factors[:, 0, 0]
     off[inside] = np.where(left <= (_AGREE * noise) ** 2, own, np.nan)
