@@ -9,8 +9,8 @@ use std::f64::consts::TAU;
 /// A sin(theta / P + S) beside the detents, P no fraction of theirs.
 pub struct SecondDetent;
 
-/// Waves that a motion must cross: fewer are any smooth torque.
-const LEAST_WAVES: f64 = 3.0;
+/// Waves that a motion must cross: fewer are a map of position, which anything smooth draws.
+const LEAST_WAVES: f64 = 4.0;
 /// Two series of nearly one period are told apart by this many waves within the motion.
 const RESOLVED: f64 = 1.0;
 /// Waves within the motion by which one that is bound to the detents, or to the turn, may seem not to be; standard
@@ -54,12 +54,15 @@ impl Effect<3> for SecondDetent {
         Param::phase("S", 0, "phase"),
     ];
 
-    /// The waves that were found; where none were looked for, a few of which one is near any of middling length.
+    /// The waves that were found, of those that can be its own; where none were looked for, a few of which one is near
+    /// any of middling length.
     fn starts(survey: &Survey) -> Vec<[f64; 3]> {
-        survey.waves.clone().unwrap_or_else(|| {
-            let range = survey.range().max(1e-6);
-            (8..24).map(|half| [0.0, range / (TAU * 0.5 * f64::from(half)), 0.0]).collect()
-        })
+        let range = survey.range().max(1e-6);
+        let Some(mut waves) = survey.waves.clone() else {
+            return (8..24).map(|half| [0.0, range / (TAU * 0.5 * f64::from(half)), 0.0]).collect();
+        };
+        waves.retain(|[_, period, _]| range >= LEAST_WAVES * TAU * period);
+        waves
     }
 
     fn typical(carrier: &Carrier<'_>) -> [f64; 3] {
