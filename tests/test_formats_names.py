@@ -168,7 +168,7 @@ def test_a_cell_that_is_no_number_is_named_where_its_column_is_taken(tmp_path: P
 
 def test_columns_without_names_are_shown_with_the_clock_that_is_among_them(tmp_path: Path) -> None:
     np.save(tmp_path / "run.npy", np.stack([T, 8192.3 * THETA, TAU]))
-    with pytest.raises(InputError, match=r't=c0, theta=c1/COUNTS \[turn\], tau=c2" \(COUNTS: the number in a turn, .*c2 \[A\]\)'):
+    with pytest.raises(InputError, match=r'theta=c1/COUNTS \[turn\], tau=c2" \(COUNTS: .*c2 \[A\]\)'):
         kc.load(tmp_path / "run.npy")
 
 

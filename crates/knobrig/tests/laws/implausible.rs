@@ -59,7 +59,7 @@ fn a_second_series_is_bound_neither_to_the_detents_nor_to_the_turn() {
     round.theta.iter_mut().for_each(|theta| *theta *= 5.0);
     assert_eq!(waves(1.0 / 14.4, &short), "");
     assert!(waves(0.2, &short).starts_with("only 1.6 of its waves"));
-    assert!(waves(0.09, &short).starts_with("it is too near the detents"));
+    assert!(waves(0.077, &short).starts_with("it is too near the detents"));
     // Twice the detents' waves, and three halves.
     for period in [0.05, 0.0667] {
         assert!(waves(period, &short).ends_with("detent_harmonics would, by nature"));

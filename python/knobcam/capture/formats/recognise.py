@@ -185,7 +185,8 @@ def _mapped(entry: Entry) -> tuple[str, str]:
     name = _bare(entry.expression)
     text = name if _SIMPLE_NAME.fullmatch(name) or not entry.expression.startswith("`") else entry.expression
     if entry.unit == COUNTS:
-        return f"{text}/{PLACEHOLDER} [turn]", f"{PLACEHOLDER}: the number in a turn, as in {text}/8192 [turn]"
+        note = f"{PLACEHOLDER}: the number in a turn, as in {text}/8192 [turn]"
+        return f"{text}/{PLACEHOLDER} [turn]", note
     return text if entry.unit is None else f"{text} [{entry.unit}]", ""
 
 

@@ -77,8 +77,8 @@ def resolve(table: Table, column_map: ColumnMap | None, coordinate: Coordinate |
         if PLACEHOLDER not in table.columns and re.search(rf"\b{PLACEHOLDER}\b", entry.expression):
             example = re.sub(rf"\b{PLACEHOLDER}\b", "8192", str(entry))
             raise InputError(
-                f"map: {PLACEHOLDER} in {target}={entry} stands for the counts of a turn, which the file does "
-                f"not say; write the number, as in {target}={example}"
+                f"map: {PLACEHOLDER} in {target}={entry} stands for the counts of a turn, which the file "
+                f"does not say; write the number, as in {target}={example}"
             )
         values = evaluate(entry.expression, table.column)
         if values.ndim == 0:
