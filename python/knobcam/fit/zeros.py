@@ -39,8 +39,8 @@ _AS_WELL = 0.02  # of the mean square
 _WORSE = 1.5  # times the mean square must be left without a shift
 _OVERLAP = 0.5  # of the shorter way, that two captures must share
 _ALIKE = 0.15  # of the maps' own variance: what may differ where the shift is right
-_APART = 4.0  # times as much must differ without it
-_LEAST = 0.05  # of the maps' variance: less is no shift that anyone would feel
+_APART = 2.0  # times as much must differ without it
+_LEAST = 0.02  # of the maps' variance: less is no shift that anyone would feel
 _SHOWS = 4.0  # times its noise: the variance of a map that can be told from none
 _SURE = 6.0  # standard errors of a shift
 
