@@ -233,6 +233,31 @@ def test_an_angle_in_degrees_is_warned_about(tmp_path: Path) -> None:
     assert (finding.kind, finding.column) == ("unit", "theta") and "[deg]" in finding.message
 
 
+def degrees(tmp_path: Path, angle_deg: NDArray[np.float64], header: str = "theta_rad") -> tuple[Finding, ...]:
+    log = tmp_path / "log.csv"
+    columns = np.column_stack([times(), angle_deg, recording().tau])
+    np.savetxt(log, columns, delimiter=",", header=f"t_s,{header},tau_Nm", comments="", fmt="%.7g")
+    return tuple(one for one in kc.load(log).findings if one.kind == "unit")
+
+
+def test_degrees_are_warned_about_where_only_moments_are_beyond_hands(tmp_path: Path) -> None:
+    slow = 0.75 * np.sin(2.0 * np.pi * 0.5 * times()) + 1e-5 * np.random.default_rng(5).standard_normal(N)
+    (finding,) = degrees(tmp_path, np.degrees(slow))
+    assert finding.column == "theta" and "to and fro" in finding.message
+    assert degrees(tmp_path, slow) == ()
+    # A motor that runs one way as fast is faster for good or not at all.
+    assert degrees(tmp_path, 50.0 * times() ** 2 / times()[-1]) == ()
+
+
+def test_steps_of_a_binary_encoder_in_degrees_are_warned_about_however_slow(tmp_path: Path) -> None:
+    slow = 0.05 * np.sin(2.0 * np.pi * 0.5 * times())
+    for full, found in ((360.0, True), (2.0 * np.pi, False), (6.0, False)):
+        step = full / 16384
+        angle = step * np.floor(full / (2.0 * np.pi) * slow / step)
+        assert bool(degrees(tmp_path, angle)) is found, full
+    assert degrees(tmp_path, np.round(slow, 3)) == ()
+
+
 def test_a_torque_that_stands_still_while_the_knob_moves_is_masked() -> None:
     tau = recording().tau.copy()
     tau[: N // 2] = 0.0
@@ -282,12 +307,22 @@ def test_counts_of_an_encoder_repeat_by_themselves_and_rows_that_repeat_torque_a
     assert finding.count >= 25
 
 
-def test_an_angle_that_leaps_and_goes_on_splits_the_log() -> None:
+def test_of_an_angle_that_leaps_once_and_goes_on_the_longer_part_is_kept() -> None:
     theta = recording().theta + np.where(times() > 1.0, 1.2, 0.0)
     capture = recording(theta=theta, omega=None, alpha=None)
     finding = only(capture)
-    assert (finding.kind, finding.count, finding.severity) == ("jump", 1, "warning")
-    assert (~capture.mask).sum() == 4
+    assert (finding.kind, finding.severity) == ("jump", "masked")
+    assert finding.spans == ((1, 1001),) and finding.count == 1001
+    assert "rows 1002" in finding.message or "row 1002" in finding.message
+    assert not capture.mask[:1001].any() and capture.mask[1003:].all()
+
+
+def test_an_angle_that_leaps_again_and_goes_on_splits_the_log() -> None:
+    theta = recording().theta + 1.2 * (times() > 1.0) + 0.8 * (times() > 2.0)
+    capture = recording(theta=theta, omega=None, alpha=None)
+    finding = only(capture)
+    assert (finding.kind, finding.count, finding.severity) == ("jump", 2, "warning")
+    assert (~capture.mask).sum() == 8
 
 
 @pytest.mark.parametrize(("rows", "which"), [(3, "after"), (-3, "before")])
@@ -302,11 +337,10 @@ def test_a_velocity_that_belongs_to_another_motion_is_a_contradiction() -> None:
     assert [one.kind for one in recording(omega=other).findings] == ["contradiction"]
 
 
-def test_an_angle_that_jumps_by_no_whole_turn_is_warned_about() -> None:
+def test_an_angle_that_leaps_by_more_than_half_a_turn_but_no_whole_one_does_not_wrap() -> None:
     theta = recording().theta + np.where(times() > 1.0, 4.0, 0.0)
     finding = only(recording(theta=theta))
-    assert (finding.kind, finding.severity) == ("wrap", "warning")
-    assert "unwrap" in finding.message
+    assert (finding.kind, finding.severity) == ("jump", "masked")
 
 
 @pytest.mark.parametrize("name", ["omega", "alpha"])

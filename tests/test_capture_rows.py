@@ -119,6 +119,45 @@ def test_a_reading_that_leaps_for_one_row_is_masked(name: str) -> None:
     np.testing.assert_array_equal(np.flatnonzero(~capture.mask), at)
 
 
+@pytest.mark.parametrize("lasting", [1, 5])
+@pytest.mark.parametrize("name", ["tau", "theta"])
+def test_where_one_reading_in_twenty_is_anything_these_are_masked_and_the_fit_is_as_it_was(
+    name: str, lasting: int
+) -> None:
+    rng = np.random.default_rng(5)
+    columns = motion()
+    wild = np.zeros(N, dtype=np.bool_)
+    while wild.sum() < N // 20:
+        first = rng.integers(10, N - 20)
+        wild[first : first + rng.integers(1, lasting + 1)] = True
+    size = rng.uniform(0.03, 0.1, wild.sum()) * rng.choice([-1.0, 1.0], wild.sum())
+    before = fit(measured(columns))
+    columns[name][wild] += size
+    capture = measured(columns)
+    (finding,) = capture.findings
+    assert (finding.kind, finding.column, finding.severity) == ("spike", name, "masked")
+    assert np.mean(~capture.mask[wild]) > 0.99
+    assert np.mean(~capture.mask[~wild]) < 0.002
+    after = fit(capture)
+    true = 5e-5
+    assert abs(after.params["inertia.M"].value / true - 1.0) < 0.02
+    assert abs(after.noise_floor / before.noise_floor - 1.0) < 0.1
+    # The straight lines that stand for them have more slow noise than what was measured, and no fast one.
+    assert abs(after.rmse / after.noise_floor - before.rmse / before.noise_floor) < 0.03
+
+
+def test_pulses_of_a_knob_and_angles_that_are_read_late_are_not_wild() -> None:
+    columns = without_motion(motion())
+    at = 100 + 290 * np.arange(100)
+    side = np.sign(columns["tau"][at])
+    columns["tau"][at] += 0.05 * side
+    columns["tau"][at + 1] += 0.03 * side
+    assert measured(columns).findings == ()
+    late = motion()
+    late["theta"][at] -= 0.3 * late["omega"][at] / RATE_HZ
+    assert sum(finding.count for finding in measured(late).findings) <= len(at)
+
+
 def test_friction_that_turns_round_in_a_row_and_an_impact_that_the_knob_feels_are_no_spikes() -> None:
     columns = motion()
     columns["tau"] += 0.1 * np.sign(columns["omega"])

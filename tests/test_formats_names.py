@@ -168,8 +168,14 @@ def test_a_cell_that_is_no_number_is_named_where_its_column_is_taken(tmp_path: P
 
 def test_columns_without_names_are_shown_with_the_clock_that_is_among_them(tmp_path: Path) -> None:
     np.save(tmp_path / "run.npy", np.stack([T, 8192.3 * THETA, TAU]))
-    with pytest.raises(InputError, match=r't=c0, theta=c1/COUNTS \[turn\], tau=c2" \(COUNTS: of a turn\)'):
+    with pytest.raises(InputError, match=r'theta=c1/COUNTS \[turn\], tau=c2" \(COUNTS: .*c2 \[A\]\)'):
         kc.load(tmp_path / "run.npy")
+
+
+def test_the_word_that_stands_for_the_counts_of_a_turn_is_told_from_a_column(tmp_path: Path) -> None:
+    np.save(tmp_path / "run.npy", np.stack([T, 8192.3 * THETA, TAU]))
+    with pytest.raises(InputError, match=r"stands for the counts of a turn.*theta=c1/8192 \[turn\]"):
+        kc.load(tmp_path / "run.npy", map="t=c0, theta=c1/COUNTS [turn], tau=c2")
 
 
 def test_registers_of_moteus_are_in_turns(tmp_path: Path) -> None:

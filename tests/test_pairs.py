@@ -18,6 +18,7 @@ PAIRS = {
     "stribeck": ("knob1", "sweep"),
     "quadratic_drag": ("knob3", "multisine"),
     "detent_harmonics": ("knob4", "turns"),
+    "second_detent": ("knob5", "turns"),
     "directional_detent": ("knob5", "sweep"),
     "position_polynomial": ("knob3", "hand"),
     "return_spring": ("knob2", "hand"),

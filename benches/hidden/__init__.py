@@ -7,7 +7,8 @@ diagnosis is examined on physics and not on its own equations.
 from .faults import FAULTS, Fault
 from .make import ACCEPTED, KINDS, Hidden, make
 from .motions import MOTIONS
+from .series import SERIES
 from .shapes import NAMED
 from .strange import STRANGE
 
-__all__ = ["ACCEPTED", "FAULTS", "KINDS", "MOTIONS", "NAMED", "STRANGE", "Fault", "Hidden", "make"]
+__all__ = ["ACCEPTED", "FAULTS", "KINDS", "MOTIONS", "NAMED", "SERIES", "STRANGE", "Fault", "Hidden", "make"]

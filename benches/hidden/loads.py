@@ -19,7 +19,8 @@ class Loads(NamedTuple):
 
     Rows of `harmonics` and `rough`: spatial frequency (in detents; in 1/rad), amplitude (N m; relative to
     Coulomb), phase. Rows of `stops`: side (1 or -1), angle, stiffness, growth of the stiffness per rad,
-    damping. `weights` and `distances` of Maxwell-slip elements: shares of the friction, and slip in rad.
+    damping. Rows of `ripple`: spatial frequency in 1/rad, amplitude in N m, phase. `weights` and
+    `distances` of Maxwell-slip elements: shares of the friction, and slip in rad.
     """
 
     inertia: float
@@ -39,6 +40,7 @@ class Loads(NamedTuple):
     unbalance: float = 0.0
     unbalance_at: float = 0.0
     stops: Floats = np.zeros((0, 5))
+    ripple: Floats = NONE
     rise: float = 0.0
     vs: float = 1.0
     delta: float = 1.0
@@ -70,6 +72,9 @@ def push(x, v, p):  # type: ignore[no-untyped-def]
     torque = detent(x, v, p) + p.spring * (x - p.spring_at)
     if p.unbalance != 0.0:
         torque = torque + p.unbalance * np.sin(x + p.unbalance_at)
+    for i in range(p.ripple.shape[0]):
+        row = p.ripple[i]
+        torque = torque + row[1] * np.sin(row[0] * x + row[2])
     torque = torque + x * (p.poly[0] + x * (p.poly[1] + x * p.poly[2]))
     forth = 1.0 * (v > 0.0)
     torque = torque + v * (p.viscous_neg + (p.viscous_pos - p.viscous_neg) * forth)

@@ -12,13 +12,14 @@ from .chain import Chain, Grow, Scene, log_uniform, plain_knob
 from .loads import Loads
 from .motions import MOTIONS, Floats
 from .sensors import EDGE, FLOOR, RANGE, RATE_HZ, filtered, measured
+from .series import SERIES
 from .shapes import NAMED
 from .strange import STRANGE
 
-KINDS = NAMED | STRANGE
+KINDS = NAMED | SERIES | STRANGE
 # Alike over less than a turn, and a polynomial is nearly what they are beyond.
 POSITION = ["position_polynomial", "return_spring", "unbalance"]
-ACCEPTED = {name: POSITION if name in POSITION else [name] for name in NAMED}
+ACCEPTED = {name: POSITION if name in POSITION else [name] for name in NAMED | SERIES}
 # The names of the strange kinds that are torques of position alone: a free map of position is their truth.
 ACCEPTED |= {name: ["regional", "wavelet"] if name in ("bump", "rough_map") else [] for name in STRANGE}
 

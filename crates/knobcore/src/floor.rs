@@ -33,6 +33,10 @@ const MANY: usize = 40;
 const QUIET: f64 = 0.35;
 /// Standard errors by which the mean over all stretches may differ from that, where noise alone is in it.
 const ALIKE: f64 = 2.5;
+/// Rows of the longest line whose noise is told from that of shorter ones.
+const LINES: usize = 8;
+/// Frequencies at which the noise of lines is summed.
+const SHARES: u32 = 256;
 /// Slowest frequencies of a periodogram, which its taper and its mean take off.
 const TAKEN_OFF: usize = 2;
 
@@ -48,7 +52,42 @@ pub fn noise(signals: &Signals, model: &Model) -> Option<Noise> {
     if white.is_nan() {
         return None;
     }
-    Some(coloured(signals, &rest).unwrap_or(Noise::white(white)))
+    Some(coloured(signals, &rest).unwrap_or(Noise::white(white * bridged(signals))))
+}
+
+/// Variance behind the filter of white noise with straight lines in it, over what its power in the band above lets
+/// expect: a line between two readings has their slow noise twice and no fast one.
+fn bridged(signals: &Signals) -> f64 {
+    let Some(filter) = signals.filter.as_ref().filter(|_| !signals.bridges.is_empty()) else { return 1.0 };
+    let rows = signals.segments.iter().map(ExactSizeIterator::len).sum::<usize>() as f64;
+    let mut lines = [0.0; LINES];
+    for bridge in &signals.bridges {
+        lines[bridge.len().min(LINES) - 1] += 1.0 / rows;
+    }
+    let power = |share: f64| 1.0 + (1..).zip(lines).map(|(n, often)| often * line(n, share)).sum::<f64>();
+    let (mut within, mut passed, mut above, mut bins) = (0.0, 0.0, 0.0, 0.0);
+    for share in (0..SHARES).map(|k| (f64::from(k) + 0.5) / f64::from(SHARES)) {
+        let gain = filter.sos().power_gain(0.5 * share * signals.rate_hz).powi(2);
+        (within, passed) = (within + gain * power(share), passed + gain);
+        if (BAND[0]..BAND[1]).contains(&share) {
+            (above, bins) = (above + power(share), bins + 1.0);
+        }
+    }
+    within / passed / (above / bins)
+}
+
+/// What a straight line over `n` rows adds to the energy of white noise at this share of the Nyquist frequency.
+///
+/// With c_i = 1 - i / (n + 1), row i holds c_i of the reading before and the rest of the one after, not its own: of
+/// the sum over i of the squared differences, its own noise and the products with what stayed.
+fn line(n: u32, share: f64) -> f64 {
+    let (mut re, mut im) = (0.0, 0.0);
+    for i in 1..=n {
+        let (sin, cos) = (PI * share * f64::from(i)).sin_cos();
+        let part = 1.0 - f64::from(i) / f64::from(n + 1);
+        (re, im) = (re + part * cos, im + part * sin);
+    }
+    2.0 * (re * re + im * im) + 4.0 * re - f64::from(n)
 }
 
 /// Noise that is louder the slower it is, if the spectrum above the motion falls; None where it is level.

@@ -42,6 +42,8 @@ pub struct Signals {
     pub segments: Vec<Range<usize>>,
     /// Stretches in which the knob stands still; they say nothing about sliding and do not count.
     pub stuck: Vec<Range<usize>>,
+    /// Rows that were not measured, where straight lines stand for them.
+    pub bridges: Vec<Range<usize>>,
     /// The measurement filter; the model's torque passes through it too. None: no filter.
     pub filter: Option<ZeroPhase>,
     /// Steps per sample of a motion that is simulated; at least one.

@@ -19,6 +19,12 @@ def name(capture: Capture) -> str:
     return Path(str(capture.meta.get("source", ""))).name
 
 
+def same(capture: Capture, other: Capture) -> Capture:
+    """Return a capture that is known as another one: the same run, of which something was mended."""
+    _known[capture] = fingerprint(other)
+    return capture
+
+
 def fingerprint(capture: Capture) -> str:
     """Return digits that no other capture has: of its angle and its torque, whatever its file is called."""
     if capture not in _known:

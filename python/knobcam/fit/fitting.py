@@ -28,6 +28,7 @@ from .described import described, said, sign
 from .doubts import doubts
 from .origin import with_origin
 from .plausible import REVERSED, log_fault
+from .zeros import aligned
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
@@ -370,7 +371,7 @@ def fit(
             f"detents={detents!r} is for the base model; a model that is given is fitted as it is: "
             "add the effect detent to it, or take it out"
         )
-    signals = tuple(prepare_signals(capture, prepare, **options) for capture in several)
+    signals = aligned([prepare_signals(capture, prepare, **options) for capture in several])
     coordinate = several[0].coordinate
     base = base_effects(coordinate) + (base_effects_shown(coordinate) if detents == "yes" else ())
     start = model or Model.of(base, coordinate, several[0].torque_unit)

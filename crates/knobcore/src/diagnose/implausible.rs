@@ -3,6 +3,7 @@
 use crate::effects::{Context, Id};
 use crate::fit::Fit;
 use crate::model::{Model, Role};
+use crate::param::Axis;
 use crate::signals::Signals;
 use std::f64::consts::TAU;
 
@@ -65,6 +66,7 @@ fn context(data: &[&Signals], fit: &Fit, id: Id, clipped: bool, first: bool) -> 
         rate_hz: data.first().map_or(1.0, |signals| signals.rate_hz),
         noise_floor: fit.noise_floor,
         period: fit.model.period().map(|at| slots[at].value),
+        revolution: (fit.model.axis == Axis::Rotary).then_some(1.0),
         clipped,
         first,
     }

@@ -17,6 +17,8 @@ pub struct Context {
     pub noise_floor: f64,
     /// Period of the detents over 2 pi, rad, if the model has some.
     pub period: Option<f64>,
+    /// Period over 2 pi of a revolution, rad; None on a linear axis.
+    pub revolution: Option<f64>,
     /// Whether the torque sensor was seen at its limit.
     pub clipped: bool,
     /// Whether the effect is the first that is added.
@@ -77,6 +79,7 @@ mod tests {
             rate_hz: 5000.0,
             noise_floor: 1e-3,
             period: None,
+            revolution: Some(1.0),
             clipped: false,
             first: true,
         };

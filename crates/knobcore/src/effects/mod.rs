@@ -215,6 +215,7 @@ registry! {
         stribeck::Stribeck(3),
         quadratic_drag::QuadraticDrag(1),
         detent_harmonics::DetentHarmonics(9),
+        second_detent::SecondDetent(3),
         directional_detent::DirectionalDetent(3),
         position_polynomial::PositionPolynomial(3),
         return_spring::ReturnSpring(2),

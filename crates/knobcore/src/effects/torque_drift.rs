@@ -145,6 +145,7 @@ mod tests {
                 rate_hz: 1000.0,
                 noise_floor: 1e-3,
                 period: None,
+                revolution: Some(1.0),
                 clipped: false,
                 first: true,
             };

@@ -232,6 +232,7 @@ pub fn prepare(recording: &Recording<'_>, how: &Preparation) -> Result<Prepared>
         tau: Vec::new(),
         tau_raw: recording.tau.to_vec(),
         weight,
+        bridges: segments.iter().flat_map(|segment| not_measured(recording.measured, segment)).collect(),
         segments,
         stuck,
         filter,
@@ -251,6 +252,18 @@ fn beside(recording: &Recording<'_>, moving: &Moving, usable: &Usable, hz: f64) 
     };
     let rates = [recording.rate_hz, hz];
     incoherent::incoherent(moving, recording.tau, recording.axis, &inside, rates, leaves)
+}
+
+/// Runs of rows in a segment that were not measured.
+fn not_measured(measured: &[bool], segment: &Range<usize>) -> Vec<Range<usize>> {
+    let mut runs: Vec<Range<usize>> = Vec::new();
+    for at in segment.clone().filter(|&at| !measured[at]) {
+        match runs.last_mut().filter(|run| run.end == at) {
+            Some(run) => run.end = at + 1,
+            None => runs.push(at..at + 1),
+        }
+    }
+    runs
 }
 
 /// What is left of the stretches beside what the filter needs.

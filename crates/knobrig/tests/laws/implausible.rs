@@ -13,6 +13,7 @@ fn context() -> Context {
         rate_hz: RATE_HZ,
         noise_floor: 1e-3,
         period: Some(0.1),
+        revolution: Some(1.0),
         clipped: false,
         first: true,
     }
@@ -49,6 +50,26 @@ fn friction_along_the_way_goes_through_a_period_of_its_own() {
     assert_eq!(varies(1.0, 0.5), "only 0.3 of its periods were crossed: it is a trend");
     assert_eq!(varies(0.17, 2.5), "it varies by 2.5 times the friction there is");
     assert!(varies(0.1, 0.5).starts_with("it repeats with the detents"));
+}
+
+#[test]
+fn a_second_series_is_bound_neither_to_the_detents_nor_to_the_turn() {
+    let waves = |period: f64, context: &Context| said(Id::SecondDetent, &[1.0, period, 0.0], context);
+    let (short, mut round) = (context(), context());
+    round.theta.iter_mut().for_each(|theta| *theta *= 5.0);
+    assert_eq!(waves(1.0 / 14.4, &short), "");
+    assert!(waves(0.2, &short).starts_with("only 1.6 of its waves"));
+    assert!(waves(0.077, &short).starts_with("it is too near the detents"));
+    // Twice the detents' waves, and three halves.
+    for period in [0.05, 0.0667] {
+        assert!(waves(period, &short).ends_with("detent_harmonics would, by nature"));
+    }
+    // Within a third of a turn nothing tells whether an order is whole.
+    assert_eq!(waves(1.0 / 17.0, &short), "");
+    assert_eq!(waves(1.0 / 17.0, &round), "it comes 17 times per turn: cogging would, by nature");
+    assert_eq!(waves(1.0 / 17.4, &round), "");
+    round.revolution = None;
+    assert_eq!(waves(1.0 / 17.0, &round), "");
 }
 
 #[test]

@@ -48,12 +48,12 @@ pub fn telling_knob(id: Id, noise: &mut Noise) -> Model {
 
 #[test]
 fn what_was_simulated_is_what_is_fitted() {
-    let mut noise = Noise::new(6);
     // Stiction acts where torque makes motion. The borders between regions are steps, which no slope leads to, and
     // so are a contact behind a gap and the border of a stop that damps: they have laws of their own below.
     let others = [Id::Karnopp, Id::Regional, Id::Backlash, Id::EndStop];
     for &id in Id::BUILT_IN.iter().filter(|id| !others.contains(id)) {
-        let truth = telling_knob(id, &mut noise);
+        // To each its own draw, so that one effect more changes nothing of the others.
+        let truth = telling_knob(id, &mut Noise::new(6));
         let data = torque(&truth);
         let found = best(&data, &truth, id);
         if id == Id::Presliding {

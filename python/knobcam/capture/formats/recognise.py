@@ -23,6 +23,8 @@ _NEEDED = {"theta": "an angle", "tau": "a torque"}
 _FAR = 2000.0  # of an angle: what runs further is not in rad
 _SLOWEST_S = 0.5  # between two samples of a log of motion: longer is another unit
 _MOST_NAMES = 1000  # of columns: what has more is no log
+PLACEHOLDER = "COUNTS"
+"""Stands in a map that a message shows for a number that no log says: the counts of a turn."""
 _SIMPLE_NAME = re.compile(r"[A-Za-z_][\w.]*")
 
 
@@ -168,7 +170,10 @@ def ask(table: Table, why: str, entries: dict[str, Entry]) -> InputError:
     parts = {"theta": ("COLUMN", ""), "tau": ("COLUMN", "")} | parts
     shown = ", ".join(f"{target}={parts[target][0]}" for target in TARGETS if target in parts)
     rate = "" if "t" in entries else " --rate HZ"
-    constants = "; ".join(constant for _, constant in parts.values() if constant)
+    notes = [constant for _, constant in parts.values() if constant]
+    if "tau" in entries and entries["tau"].unit is None:
+        notes.append(f"tau: in N m, of a current {parts['tau'][0]} [A]")
+    constants = "; ".join(notes)
     return InputError(
         f"{table.source}: {why}; the file has {table.listing()}; say which is which, for example "
         f'--map "{shown}"{rate}{f" ({constants})" if constants else ""}'
@@ -180,7 +185,8 @@ def _mapped(entry: Entry) -> tuple[str, str]:
     name = _bare(entry.expression)
     text = name if _SIMPLE_NAME.fullmatch(name) or not entry.expression.startswith("`") else entry.expression
     if entry.unit == COUNTS:
-        return f"{text}/COUNTS [turn]", "COUNTS: of a turn"
+        note = f"{PLACEHOLDER}: the number in a turn, as in {text}/8192 [turn]"
+        return f"{text}/{PLACEHOLDER} [turn]", note
     return text if entry.unit is None else f"{text} [{entry.unit}]", ""
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +12,7 @@ from ...errors import InputError
 from ..finding import Finding
 from .columnmap import TARGETS, ColumnMap, Entry, parse_map
 from .expression import evaluate
-from .recognise import ask, by_content, recognise
+from .recognise import PLACEHOLDER, ask, by_content, recognise
 from .table import Table
 from .units import GIVEN, SI, Coordinate, to_si
 
@@ -73,6 +74,12 @@ def resolve(table: Table, column_map: ColumnMap | None, coordinate: Coordinate |
                 f"{coordinate}; change the unit or the coordinate"
             )
         coordinate = implied or coordinate
+        if PLACEHOLDER not in table.columns and re.search(rf"\b{PLACEHOLDER}\b", entry.expression):
+            example = re.sub(rf"\b{PLACEHOLDER}\b", "8192", str(entry))
+            raise InputError(
+                f"map: {PLACEHOLDER} in {target}={entry} stands for the counts of a turn, which the file "
+                f"does not say; write the number, as in {target}={example}"
+            )
         values = evaluate(entry.expression, table.column)
         if values.ndim == 0:
             raise InputError(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping
 
 import numpy as np
@@ -18,6 +19,18 @@ LARGEST_RAD_S = 120.0
 """Velocity (rad/s) that no hand keeps up, eleven hundred revolutions a minute."""
 
 _MOSTLY = 0.68  # of the samples: a deviation of normal ones, and nothing that few outliers move
+
+_MOMENTS = 0.99  # of the samples: all but the fastest moments, and single readings that are wrong
+
+_REACH_RAD = 16.0 * math.pi  # eight turns: several times what hands turn a knob before they turn it back
+
+_AGAIN = 1.5  # times its range that an angle goes to and fro
+
+_BITS = range(8, 25)  # of encoders
+
+_EXACT = 1e-4  # bits, within which the counts of a turn are a power of two: chance is so in one of 5000
+
+_FEWEST = 100  # steps, of which all have to be whole
 
 _SPAN_S = 0.02  # over which the velocity is read off the angle
 
@@ -36,14 +49,45 @@ def check_size(
             "of a larger machine state the unit: tau=... [Nm]"
         )
         findings.append(Finding("unit", "tau", int(usable.sum()), (), message, "warning"))
-    t, theta = columns["t"][usable], columns["theta"][usable]
-    span = max(1, round(_SPAN_S * len(t) / max(float(t[-1] - t[0]), 1e-9)))
-    if "theta" in names and len(t) > span:
-        speed = quantile(np.abs((theta[span:] - theta[:-span]) / (t[span:] - t[:-span])), _MOSTLY)
-        if speed > LARGEST_RAD_S:
-            message = (
-                f"theta: {speed:.4g} rad/s is faster than hands turn; if it is in degrees, "
-                "map theta=... [deg]; of a motor state the unit: theta=... [rad]"
-            )
-            findings.append(Finding("unit", "theta", int(usable.sum()), (), message, "warning"))
+    if "theta" in names:
+        t, theta = columns["t"][usable], columns["theta"][usable]
+        reason = _counts_of_degrees(theta) or _faster_than_hands(t, theta)
+        if reason:
+            findings.append(Finding("unit", "theta", int(usable.sum()), (), f"theta: {reason}", "warning"))
     return findings
+
+
+def _faster_than_hands(t: FloatArray, theta: FloatArray) -> str | None:
+    """Say that no hand turns so fast all the time, or for a moment that far to and fro."""
+    span = max(1, round(_SPAN_S * len(t) / max(float(t[-1] - t[0]), 1e-9)))
+    if len(t) <= span:
+        return None
+    speeds = np.abs((theta[span:] - theta[:-span]) / (t[span:] - t[:-span]))
+    usual, most = quantile(speeds, _MOSTLY), quantile(speeds, _MOMENTS)
+    remedy = "if it is in degrees, map theta=... [deg]; of a motor state the unit: theta=... [rad]"
+    if usual > LARGEST_RAD_S:
+        return f"{usual:.4g} rad/s is faster than hands turn; {remedy}"
+    wide = float(np.ptp(theta))
+    to_and_fro = float(np.sum(np.abs(np.diff(theta[::span])))) >= _AGAIN * wide
+    if most > LARGEST_RAD_S and wide > _REACH_RAD and to_and_fro:
+        turns = wide / math.tau
+        return f"{most:.4g} rad/s to and fro over {turns:.3g} turns is more than hands do; {remedy}"
+    return None
+
+
+def _counts_of_degrees(theta: FloatArray) -> str | None:
+    """Say that the angle's steps are those of a binary encoder in degrees, which in radians none has."""
+    step = np.abs(np.diff(theta))
+    moved = step[step > 0.0]
+    if not moved.size:
+        return None
+    least = float(moved.min())
+    bits = math.log2(360.0) - math.log2(least)
+    exact = abs(bits - round(bits)) < _EXACT and round(bits) in _BITS
+    whole = np.abs(moved / least - np.rint(moved / least)) < 0.01
+    if not (exact and len(moved) > _FEWEST and whole.all()):
+        return None
+    return (
+        f"its steps of {least:.6g} are 360/{2 ** round(bits)}, so it is in degrees: map theta=... [deg], "
+        "or theta=... [rad] if it is not"
+    )

@@ -12,6 +12,7 @@ from ...base.arrays import BoolArray, FloatArray
 from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import Coordinate
 from .order import medians, quantile
+from .wild import wild
 
 REACH = 8
 """Steps to either side from which the step between two rows is expected."""
@@ -52,6 +53,10 @@ def check_steps(
     if len(index) < 4 * REACH:
         return Steps(t, theta, bad, ())
     findings: list[Finding] = []
+    # Where wild readings are a habit of the log they lie beside each other, and hide what else there is.
+    anything = wild(t[index], theta[index], 0.3 * _count(np.diff(theta[index])))
+    bad[index[anything]] = True
+    index = index[~anything]
     if coordinate == "rotary":
         theta, found = _unwrap(theta, index, rows)
         findings += found
@@ -76,27 +81,43 @@ def check_steps(
 
     spike = _there_and_back(step - expected, CLEAR * noise) & ~stale[:-1] & ~stale[1:]
     bad[index[1:-1][spike]] = True
-    if spike.any():
-        at = rows[index[1:-1][spike]]
-        message = f"theta: leaps away and back within a row at {rows_in_words(at)}; masked"
+    anything = bad & usable
+    anything[index[1:][stale]] = False
+    if anything.any():
+        at = rows[anything]
+        lasting = "a row" if (np.diff(at) > 1).all() else "a row or a few"
+        message = f"theta: leaps away and back within {lasting} at {rows_in_words(at)}; masked"
         findings.append(Finding("spike", "theta", len(at), spans(at), message, "masked"))
 
     # A leap that stays is beyond all steps of the motion; so wide a gap is not bridged.
     leap = ~stale & (off > CLEAR * noise) & (off > _LEAP * quantile(np.abs(step), 0.999))
     leap &= (np.diff(t[index]) < 1.5 / rate_hz) & (np.diff(index) == 1)  # else time passed
-    leap &= (np.abs(step) <= math.pi) | (coordinate == "linear")  # else it wraps around
+    if coordinate == "rotary":  # what is near a whole turn may be an angle that wraps around
+        part = np.abs(step - math.tau * np.rint(step / math.tau))
+        leap &= (np.abs(step) <= math.pi) | (part > _LEAP * quantile(np.abs(step), 0.999))
     leap &= ~(np.append(spike, False) | np.append(False, spike))
     if leap.any() and leap.sum() <= len(step) // 1000 + 1:
         at = np.flatnonzero(leap)
         for row in (-2, -1, 0, 1):
             bad[index[np.clip(1 + at + row, 0, len(index) - 1)]] = True
         leapt = rows[index[1:][at]]
-        message = (
-            f"theta: leaps by {step[at[0]]:.4g} at {rows_in_words(leapt)} and goes on from there; what lies "
-            "before and after is filtered apart, but positions of one part are not those of the other: keep "
-            "one with --start and --end if the log was joined"
-        )
-        findings.append(Finding("jump", "theta", len(leapt), spans(leapt), message, "warning"))
+        what = f"theta: leaps by {step[at[0]]:.4g} at {rows_in_words(leapt)} and goes on from there"
+        apart = "positions of one part are not those of the other"
+        if len(at) == 1:
+            shorter = min(index[: at[0] + 1], index[at[0] + 1 :], key=len)
+            bad[shorter] = True
+            message = (
+                f"{what}, as where two logs were joined: {apart}, so the shorter one, {len(shorter)} rows, "
+                "is masked; --start and --end choose the other"
+            )
+            found = rows[shorter]
+            findings.append(Finding("jump", "theta", len(found), spans(found), message, "masked"))
+        else:
+            message = (
+                f"{what}; what lies before and after is filtered apart, but {apart}: keep one with --start "
+                "and --end if the log was joined"
+            )
+            findings.append(Finding("jump", "theta", len(leapt), spans(leapt), message, "warning"))
         clear &= ~leap
 
     # What a repeated row held back comes with the next one.

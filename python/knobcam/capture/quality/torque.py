@@ -12,6 +12,7 @@ from ...base.arrays import BoolArray, FloatArray
 from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import GIVEN
 from .order import medians, quantile
+from .wild import wild
 
 Limit = Literal["sensor", "actuator"]
 """Whose limit it is where a torque sits at its extreme: the sensor's, or that of what drives the motor."""
@@ -94,10 +95,15 @@ def check_spikes(
         if not alone.size:
             break
         spikes[index[alone]] = True
+    # Where this is a habit of the log, they are beside each other too.
+    index = np.flatnonzero(usable)
+    at = np.flatnonzero(wild(columns["t"][index], columns["tau"][index], 0.0))
+    spikes[index[at[_unfelt(columns, index, at)]]] = True
     if not spikes.any():
         return spikes, []
     found = rows[spikes]
-    message = f"tau: leaps for a single row at {rows_in_words(found)}, which no knob does; masked"
+    lasting = "a single row" if (np.diff(found) > 1).all() else "a row or a few"
+    message = f"tau: leaps for {lasting} at {rows_in_words(found)}, which no knob does; masked"
     return spikes, [Finding("spike", "tau", len(found), spans(found), message, "masked")]
 
 
@@ -115,15 +121,25 @@ def _alone(columns: dict[str, FloatArray], index: NDArray[np.intp]) -> NDArray[n
     alone = _leaps(tau, at, noise) > SPIKE
     for beside in (-2, -1, 1, 2):
         alone &= _leaps(tau, at + beside, noise) < QUIET
-    if not alone.any():
-        return at[alone]  # as in nearly every log: the motion need not be looked at
+    at = at[alone]
+    return at[_unfelt(columns, index, at)]
+
+
+def _unfelt(columns: dict[str, FloatArray], index: NDArray[np.intp], at: NDArray[np.intp]) -> BoolArray:
+    """Return at which of the rows `index[at]` the motion has no leap."""
+    still = np.ones(len(at), dtype=np.bool_)
+    if not at.size:
+        return still  # as in nearly every log: the motion need not be looked at
+    at = np.clip(at, 5, len(index) - 6)
     for name, order in (("theta", 2), ("omega", 1), ("alpha", 0)):
         if name in columns:
             jerk = np.diff(columns[name][index], n=order)
             noise = _noise(np.diff(jerk))
             for late in range(order + 1):  # differences that the row has a part in
-                alone &= _leaps(jerk, at - late, noise) < QUIET
-    return at[alone]
+                # What is missing between two rows makes a leap too.
+                whole = index[at - late + order] - index[at - late] == order
+                still &= ~whole | (_leaps(jerk, at - late, noise) < QUIET)
+    return still
 
 
 def _noise(step: FloatArray) -> float:
