@@ -43,6 +43,12 @@ struct Way {
 }
 
 impl Way {
+    /// The same with all loads at the knob; none where they are.
+    fn behind(&self) -> Option<Self> {
+        let model = self.model.with_all_at_knob().ok()?;
+        (!self.model.shafts().is_empty()).then_some(Self { model, ..*self })
+    }
+
     /// As far as a descent leads.
     fn on(&self, to: impl Fn(&Model) -> Found) -> Self {
         let found = to(&self.model);
@@ -57,7 +63,7 @@ impl Way {
 pub fn pairs(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_>) -> Option<Vec<Pair>> {
     let (couplings, others): (Vec<Id>, Vec<Id>) =
         effects.iter().partition(|id| id.info().place == Place::Coupling);
-    let watch = Watch::new(tell, others.len() + LOOKED + COARSE + FINE);
+    let watch = Watch::new(tell, others.len() + LOOKED + 2 * COARSE + FINE);
     let coarse: Vec<Signals> =
         data.iter().filter_map(|signals| slowed(&beginning(signals), COARSE_HZ)).collect();
     let coarse: Vec<&Signals> = coarse.iter().collect();
@@ -73,6 +79,9 @@ pub fn pairs(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_>) 
     };
     let looked = watch.each(&looked, |way| stepped(way, &|model| glance(&coarse, model)));
     let followed = best_of(looked, COARSE, 1);
+    // Where the other effect acts the first steps do not tell.
+    let behind: Vec<Way> = followed.iter().filter_map(Way::behind).collect();
+    let followed: Vec<Way> = followed.into_iter().chain(behind).collect();
     let followed = watch.each(&followed, |way| stepped(way, &|model| sketch(&coarse, model)));
     let middle: Vec<Signals> = data.iter().filter_map(|signals| slowed(signals, MIDDLE_HZ)).collect();
     let middle: Vec<&Signals> = middle.iter().collect();

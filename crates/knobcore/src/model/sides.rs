@@ -72,6 +72,15 @@ impl Model {
         Ok(model)
     }
 
+    /// The same model with all loads at the knob.
+    ///
+    /// # Errors
+    /// As of [`Model::only`].
+    pub fn with_all_at_knob(&self) -> Result<Self> {
+        let bare = Self { shaft: Vec::new(), ..self.clone() };
+        bare.only(&self.effects().collect::<Vec<_>>())
+    }
+
     /// Takes a load from the knob to the shaft.
     pub(super) fn put_at_shaft(&mut self, id: Id) {
         let Some((_, params)) = self.parts.iter().find(|(own, _)| *own == id).cloned() else { return };
