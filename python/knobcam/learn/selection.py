@@ -59,7 +59,8 @@ def select(
         best = choose(diagnosis)
         if best is None or len(ladder) > _MOST:
             selection = concluded(ladder, diagnosis, nothing_to_find)
-            if together or selection.unexplained is None or not fit.noise_floor > 0.0:
+            # What is wrong with a log, or lies beyond its filter, no effect explains.
+            if together or fit.log_fault or diagnosis.comparison.complete or not fit.noise_floor > 0.0:
                 return selection
             best = followed(diagnosis, tell)
         if best is None:

@@ -17,6 +17,8 @@ const FOLLOWED: usize = 3;
 const RIVAL: f64 = 0.7;
 /// Beside a coupling a start must predict this share of the sum of squares to be followed.
 const WORTH: f64 = 0.005;
+/// Before a coupling it must predict this share of what noise does not explain.
+const AT_SHAFT: f64 = 0.1;
 /// Where an effect explains this share of what noise does not, a coupling can wait for what is left.
 const MOST: f64 = 0.95;
 /// A sum of squares below this many times what noise leaves is explained.
@@ -94,7 +96,10 @@ fn fitted(screen: &Screen<'_>, id: Id, [white, floor]: [f64; 2]) -> (Candidate, 
     } else {
         let mut starts = screen.starts(id);
         let apart = screen.apart(id, &starts);
-        let at_shaft = followed(screen, id, &at_shaft(screen, id, &starts));
+        let mut before = at_shaft(screen, id, &starts);
+        // Of what loads the shaft the first step tells nearly all.
+        before.retain(|start| screen.squares - start.predicted >= AT_SHAFT * (screen.squares - floor));
+        let at_shaft = followed(screen, id, &before);
         let explained = at_shaft.as_ref().is_some_and(|(_, found)| found.cost <= EXPLAINED * floor);
         let at_knob = if explained { None } else { followed(screen, id, &starts) };
         let shared =
