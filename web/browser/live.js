@@ -71,6 +71,8 @@ await page.route("**/api/sources*", async (route) => {
 });
 await page.getByRole("button", { name: "New capture…" }).click();
 await from("port").check();
+// The ports of the machine stand there until the answer above has come.
+await dialog.locator("#new-found").filter({ hasText: HOSTILE }).waitFor();
 assert.equal(await dialog.locator("#new-found").textContent(), `${HOSTILE} (${HOSTILE})`);
 assert.ok(await dialog.locator("#new-warning").isVisible());
 await picture("17-port-dark");
