@@ -1,6 +1,6 @@
 //! Bindings of the fit.
 use super::convert::{Floats, array, input_error, matrix};
-use super::model::PyModel;
+use super::model::{PyModel, ids};
 use super::progress::Progress;
 use super::signals::PySignals;
 use super::user::watched;
@@ -230,7 +230,7 @@ pub fn diagnose(
     effects: Vec<String>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Vec<CandidateRow>> {
-    let ids = effects.iter().map(|id| Id::parse(id)).collect::<Result<Vec<_>, _>>().map_err(input_error)?;
+    let ids = ids(&effects)?;
     let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
     let (model, signals) = (&model.0, &signals[..]);
     let progress = Progress::of(progress);
@@ -251,7 +251,7 @@ pub fn pairs(
     effects: Vec<String>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Vec<(&'static str, &'static str, PyFit)>> {
-    let ids = effects.iter().map(|id| Id::parse(id)).collect::<Result<Vec<_>, _>>().map_err(input_error)?;
+    let ids = ids(&effects)?;
     let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
     let (model, signals) = (&model.0, &signals[..]);
     let progress = Progress::of(progress);

@@ -25,6 +25,11 @@ pub fn axis(name: &str) -> Axis {
     if name == "linear" { Axis::Linear } else { Axis::Rotary }
 }
 
+/// Effects by their names.
+pub fn ids(effects: &[String]) -> PyResult<Vec<Id>> {
+    effects.iter().map(|id| Id::parse(id)).collect::<Result<_, _>>().map_err(input_error)
+}
+
 impl PyModel {
     fn changed(&self, change: impl FnOnce(&mut Model) -> knobcore::error::Result<()>) -> PyResult<Self> {
         let mut model = self.0.clone();
@@ -38,8 +43,7 @@ impl PyModel {
     #[new]
     #[pyo3(signature = (effects, axis_name="rotary", name="", torque_unit=""))]
     fn new(effects: Vec<String>, axis_name: &str, name: &str, torque_unit: &str) -> PyResult<Self> {
-        let ids =
-            effects.iter().map(|id| Id::parse(id)).collect::<Result<Vec<_>, _>>().map_err(input_error)?;
+        let ids = ids(&effects)?;
         let mut model = Model::new(&ids, axis(axis_name));
         model.name = name.to_owned();
         model.given = Given::ALL.into_iter().find(|given| given.unit() == torque_unit);

@@ -19,15 +19,12 @@ if TYPE_CHECKING:
 _HALF = 0.5  # of what noise does not explain: what a pair takes off that the search one by one left
 
 
-def joined(first: LearningStep, last: Fit, without: Collection[str]) -> list[LearningStep] | None:
+def joined(diagnosis: Diagnosis, last: Fit, without: Collection[str]) -> list[LearningStep] | None:
     """Return the steps of a coupling and another effect that explain what a search one by one left.
 
-    `first` is the step of the first model, with what was weighed beside it, `last` where the search ended.
-    None where no pair takes off half of what that left.
+    `diagnosis` is what was weighed beside the first model, `last` where the search ended. None where no pair
+    takes off half of what that left.
     """
-    diagnosis = first.diagnosis
-    if diagnosis is None:
-        return None
     fit = diagnosis.fit
     weighed = absent(fit, without)[0]
     for coupling, companion, core in _core.pairs(cores(fit), fit.model.core, weighed):

@@ -66,8 +66,8 @@ def select(
         if best is None:
             together = True
             tell("weighing what could be missing together with a joint of shaft and knob")
-            start = replace(ladder[0], diagnosis=(ladder[1].diagnosis if len(ladder) > 1 else diagnosis))
-            pair = joined(start, fit, {*without, *described})
+            first_weighed = next((step.diagnosis for step in ladder if step.diagnosis is not None), diagnosis)
+            pair = joined(first_weighed, fit, {*without, *described})
             if pair is None:
                 return selection
             ladder = [ladder[0], *pair]

@@ -14,7 +14,7 @@ use crate::prepare::slower;
 use crate::signals::Signals;
 
 /// Stopband edges at 5 kHz of the filter that the search goes through and of the one in between, Hz.
-pub(super) const COARSE_HZ: f64 = 60.0;
+const COARSE_HZ: f64 = 60.0;
 pub(super) const MIDDLE_HZ: f64 = 150.0;
 /// Starts that are followed through the coarse filter.
 const FOLLOWED: usize = 2;
@@ -28,18 +28,15 @@ const EXPLAINED: f64 = 1.01;
 /// The starts of a coupling beside a screen's model, most promising first, and where they lead to.
 pub fn coupled(whole: &Screen<'_>, id: Id) -> (Vec<Start>, Option<(Model, Found)>) {
     let (data, base, watch) = (whole.data, whole.model, whole.watch);
-    let coarse: Vec<Signals> =
-        data.iter().filter_map(|signals| slowed(&beginning(signals), COARSE_HZ)).collect();
+    let coarse = beginnings(data);
     let coarse: Vec<&Signals> = coarse.iter().collect();
     let screen = Screen::new(&coarse, base, watch);
     let starts = screen.starts(id);
     // What is in the model beside the base may load the shaft as well as the knob.
     let beside: Vec<Id> = base.effects().filter(|id| Model::may_be_at_shaft(*id)).collect();
-    let before = if beside.is_empty() {
-        Vec::new()
-    } else {
-        Screen::new(&coarse, base, watch).with_shaft(beside).starts(id)
-    };
+    let both = !beside.is_empty();
+    let screen = screen.with_shaft(beside);
+    let before = if both { screen.starts(id) } else { Vec::new() };
     let followed = before.iter().take(FOLLOWED).chain(starts.iter().take(FOLLOWED));
     let followed = followed.take_while(|_| watch.wanted());
     let sketched = followed.map(|start| (&start.model, sketch(&coarse, &start.model)));
@@ -51,7 +48,7 @@ pub fn coupled(whole: &Screen<'_>, id: Id) -> (Vec<Start>, Option<(Model, Found)
     let fine = worth.map(|(model, found)| {
         let mut model = model.clone();
         model.set_values(&found.p);
-        let middle: Vec<Signals> = data.iter().filter_map(|signals| slowed(signals, MIDDLE_HZ)).collect();
+        let middle = slowed(data, MIDDLE_HZ);
         model.set_values(&sketch(&middle.iter().collect::<Vec<_>>(), &model).p);
         let fine = sketch(data, &model);
         (model, fine)
@@ -75,7 +72,7 @@ pub fn converge(data: &[&Signals], model: &Model) -> Result<Fit> {
         }
         let mut model = best.model.clone();
         for edge in edges {
-            let slow: Vec<Signals> = data.iter().filter_map(|signals| slowed(signals, *edge)).collect();
+            let slow = slowed(data, *edge);
             model = refine(&slow.iter().collect::<Vec<_>>(), &model)?.model;
         }
         let fit = refine(data, &model)?;
@@ -86,8 +83,14 @@ pub fn converge(data: &[&Signals], model: &Model) -> Result<Fit> {
     settled(data, best, |model| refine(data, model))
 }
 
+/// The beginnings of captures through the coarse filter.
+pub(super) fn beginnings(data: &[&Signals]) -> Vec<Signals> {
+    let beginnings: Vec<Signals> = data.iter().map(|signals| beginning(signals)).collect();
+    slowed(&beginnings.iter().collect::<Vec<_>>(), COARSE_HZ)
+}
+
 /// The first samples of a capture: enough to find what is then followed through all of it.
-pub(super) fn beginning(signals: &Signals) -> Signals {
+fn beginning(signals: &Signals) -> Signals {
     let mut left = ENOUGH;
     let mut segments = Vec::new();
     for segment in &signals.segments {
@@ -107,11 +110,14 @@ pub(super) fn beginning(signals: &Signals) -> Signals {
     Signals { weight, segments, ..signals.clone() }
 }
 
-/// The same signals through a slower measurement filter.
-pub(super) fn slowed(signals: &Signals, edge_hz: f64) -> Option<Signals> {
-    let edge = edge_hz * slower(signals.rate_hz);
-    let filter = ZeroPhase::new(cheby2(3, 20.0, edge, signals.rate_hz).ok()?);
-    let mut slow = Signals { filter: Some(filter), substeps: 2, ..signals.clone() };
-    slow.filter_torque();
-    Some(slow)
+/// The same captures through a slower measurement filter; without those that are sampled too slowly for it.
+pub(super) fn slowed(data: &[&Signals], edge_hz: f64) -> Vec<Signals> {
+    let slow = |signals: &&Signals| {
+        let edge = edge_hz * slower(signals.rate_hz);
+        let filter = ZeroPhase::new(cheby2(3, 20.0, edge, signals.rate_hz).ok()?);
+        let mut slow = Signals { filter: Some(filter), substeps: 2, ..Signals::clone(signals) };
+        slow.filter_torque();
+        Some(slow)
+    };
+    data.iter().filter_map(slow).collect()
 }

@@ -4,7 +4,7 @@
 //! neither is found. So each joint is tried with each of the others, from coarse to fine: the starts of the joint beside
 //! the rigid model that has the other effect, a few steps from the most promising, descents from the best of these.
 
-use super::coupled::{COARSE_HZ, MIDDLE_HZ, beginning, slowed};
+use super::coupled::{MIDDLE_HZ, beginnings, slowed};
 use super::screen::{Screen, Start};
 use super::watch::{Tell, Watch};
 use crate::effects::{Id, Place};
@@ -64,8 +64,7 @@ pub fn pairs(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_>) 
     let (couplings, others): (Vec<Id>, Vec<Id>) =
         effects.iter().partition(|id| id.info().place == Place::Coupling);
     let watch = Watch::new(tell, others.len() + LOOKED + 2 * COARSE + FINE);
-    let coarse: Vec<Signals> =
-        data.iter().filter_map(|signals| slowed(&beginning(signals), COARSE_HZ)).collect();
+    let coarse = beginnings(data);
     let coarse: Vec<&Signals> = coarse.iter().collect();
     let rigid = Screen::new(&coarse, model, &watch);
     let starts = watch.each(&others, |companion| {
@@ -83,7 +82,7 @@ pub fn pairs(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_>) 
     let behind: Vec<Way> = followed.iter().filter_map(Way::behind).collect();
     let followed: Vec<Way> = followed.into_iter().chain(behind).collect();
     let followed = watch.each(&followed, |way| stepped(way, &|model| sketch(&coarse, model)));
-    let middle: Vec<Signals> = data.iter().filter_map(|signals| slowed(signals, MIDDLE_HZ)).collect();
+    let middle = slowed(data, MIDDLE_HZ);
     let middle: Vec<&Signals> = middle.iter().collect();
     let ends = watch.each(&best_of(followed, FINE, 1), |way| {
         let way = stepped(way, &|model| sketch(&middle, model));

@@ -1,5 +1,6 @@
 //! A second series of detents, with a period of its own.
 
+use super::detent::Detent;
 use super::{Carrier, Context, Effect, Id, LoadEffect, Over, Survey, Wave, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
@@ -98,8 +99,8 @@ impl Effect<3> for SecondDetent {
 
 impl LoadEffect<3> for SecondDetent {
     #[inline(always)]
-    fn load<T: Scalar>([a, p, s]: &[T; 3], motion: &Motion<T>) -> Load<T> {
-        Load::detent(*a * (motion.theta / *p + *s).sin_cos().0)
+    fn load<T: Scalar>(params: &[T; 3], motion: &Motion<T>) -> Load<T> {
+        Detent::load(params, motion)
     }
 }
 
