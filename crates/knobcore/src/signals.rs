@@ -9,6 +9,11 @@ use std::ops::Range;
 /// Samples that are evaluated and filtered at a time, so that memory does not grow with the capture.
 const CHUNK: usize = 8192;
 
+/// Gain of the measurement filter (forward and backward) at which a frequency counts as stopped.
+const STOPPED: f64 = 0.0101;
+/// Samples of which at least one is kept.
+const SPARSEST: usize = 64;
+
 /// Motion and torque of one capture, ready to be compared with a model.
 ///
 /// All columns have the same length and SI units (rad or m by `axis`).
@@ -123,6 +128,18 @@ impl Signals {
             // Segments are longer than the padding, and all columns as long as the chunk: it cannot refuse.
             let _ = filter.filter_channels(columns);
         }
+    }
+
+    /// Every how many samples tell all that passes the measurement filter.
+    pub fn spacing(&self) -> usize {
+        let Some(filter) = &self.filter else { return 1 };
+        let sos = filter.sos();
+        let passes = |every: &usize| {
+            let fastest = 0.5 * self.rate_hz / *every as f64;
+            // The least frequency that would be mistaken for one that passes.
+            sos.power_gain(fastest) <= STOPPED
+        };
+        (1..=SPARSEST).take_while(passes).last().unwrap_or(1)
     }
 
     /// Filters the raw torque into `tau`, by the same route that a model's torque takes.

@@ -9,6 +9,7 @@ mod null;
 mod pairs;
 mod screen;
 mod spectrum;
+mod thinned;
 mod watch;
 
 pub use candidates::{Candidate, diagnose};

@@ -6,11 +6,12 @@
 //! filtered signatures.
 
 use super::screen::{Screen, Start};
+use super::thinned::{Thinned, orthonormal, project, whole};
 use crate::effects::{Id, Place};
 use crate::fit::add_products;
+use crate::model::{Model, Role};
 use crate::noise::Noise;
 use crate::random;
-use crate::signals::Signals;
 use nalgebra::{Cholesky, DMatrix, DVector};
 use std::collections::BTreeMap;
 
@@ -18,6 +19,8 @@ use std::collections::BTreeMap;
 const DRAWS: usize = 999;
 /// Signatures of an effect that are looked at, over all of its starts.
 const MOST: usize = 40;
+/// Samples that are looked at: what chance gives does not depend on how many there are.
+const ENOUGH: usize = 30_000;
 
 /// Gains of effects by chance.
 pub struct Null {
@@ -36,25 +39,30 @@ impl Null {
         white: f64,
         effects: impl Iterator<Item = (Id, &'b [Start])>,
     ) -> Self {
-        // Start by start the signatures that it spans.
+        let chance = Chance::of(screen, noises);
+        // Start by start the signatures that it spans. The hidden motion of a coupling has none at its neutral values.
+        let starts: Vec<(Id, &Start)> = effects
+            .filter(|(id, _)| id.info().place != Place::Coupling)
+            .flat_map(|(id, starts)| evenly(starts, MOST).map(move |start| (id, start)))
+            .collect();
+        let at: Vec<usize> = (0..starts.len()).collect();
+        let mut signed = screen.watch.each(&at, |at| {
+            let (id, start) = starts[*at];
+            (*at, id, chance.signature(id, start))
+        });
+        signed.sort_by_key(|(at, ..)| *at);
         let mut groups: Vec<(Id, std::ops::Range<usize>)> = Vec::new();
         let mut columns: Vec<Vec<f64>> = Vec::new();
-        for (id, starts) in effects {
-            // The hidden motion of a coupling has no signature at its neutral values.
-            if id.info().place == Place::Coupling {
-                continue;
-            }
-            let first = columns.len();
-            for start in evenly(starts, MOST) {
-                if columns.len() - first >= MOST || !screen.watch.wanted() {
-                    break;
-                }
-                let from = columns.len();
-                columns.extend(screen.signature(id, start));
-                groups.push((id, from..columns.len()));
+        let mut of: BTreeMap<Id, usize> = BTreeMap::new();
+        for (_, id, own) in signed {
+            let before = of.entry(id).or_default();
+            if *before < MOST {
+                *before += own.len();
+                groups.push((id, columns.len()..columns.len() + own.len()));
+                columns.extend(own);
             }
         }
-        let factor = covariance_root(screen.data, noises, white, columns);
+        let factor = covariance_root(&columns, white);
         let mut noise = random::Noise::new(0x6e75_6c6c);
         let mut gains: BTreeMap<Id, Vec<f64>> = BTreeMap::new();
         for _ in 0..DRAWS {
@@ -104,27 +112,62 @@ fn evenly(starts: &[Start], most: usize) -> impl Iterator<Item = &Start> {
     starts.iter().step_by(starts.len().div_ceil(most).max(1))
 }
 
-/// A root of the covariance of the products of columns with noise that went through the measurement filter.
-fn covariance_root(
-    data: &[&Signals],
-    noises: &[Noise],
-    white: f64,
-    mut columns: Vec<Vec<f64>>,
-) -> DMatrix<f64> {
-    let k = columns.len();
-    // The filter runs forward and backward and so is its own transpose, up to its ends, which do not count.
-    let mut from = 0;
-    for (signals, noise) in data.iter().zip(noises) {
-        for segment in &signals.segments {
-            let to = from + segment.len();
-            for few in columns.chunks_mut(4) {
-                let mut parts: Vec<&mut [f64]> = few.iter_mut().map(|column| &mut column[from..to]).collect();
+/// Signatures, and what they become on the way back through the measurement filter and the noise's colour: the products
+/// of a signature with noise behind the filter are those of the latter with white noise.
+struct Chance<'a> {
+    screen: &'a Screen<'a>,
+    noises: &'a [Noise],
+    thinned: Thinned,
+    /// Rows of a signature; as many follow of what it becomes.
+    rows: usize,
+    base: Vec<Vec<f64>>,
+}
+
+impl<'a> Chance<'a> {
+    fn of(screen: &'a Screen<'a>, noises: &'a [Noise]) -> Self {
+        let thinned = Thinned::of(screen.data, ENOUGH);
+        let mut chance = Self { screen, noises, rows: thinned.rows(), thinned, base: Vec::new() };
+        let slots = screen.model.slots();
+        let free: Vec<usize> = (0..slots.len()).filter(|&i| slots[i].role == Role::Free).collect();
+        chance.base = orthonormal(&chance.both(screen.model, &free), chance.rows);
+        chance
+    }
+
+    /// Derivative columns and what they become, one after the other, thinned.
+    fn both(&self, model: &Model, params: &[usize]) -> Vec<Vec<f64>> {
+        let data = self.screen.data;
+        let mut columns = whole(data, model, params);
+        let mut both: Vec<Vec<f64>> = columns.iter().map(|column| self.thinned.pick(data, column)).collect();
+        // The filter runs forward and backward and so is its own transpose, up to its ends, which do not count.
+        let mut from = 0;
+        for (signals, noise) in data.iter().zip(self.noises) {
+            for segment in &signals.segments {
+                let to = from + segment.len();
+                let mut parts: Vec<&mut [f64]> =
+                    columns.iter_mut().map(|column| &mut column[from..to]).collect();
                 signals.measure(&mut parts);
                 parts.iter_mut().for_each(|part| noise.colour_back(part));
+                from = to;
             }
-            from = to;
         }
+        both.iter_mut().zip(&columns).for_each(|(both, column)| both.extend(self.thinned.pick(data, column)));
+        both
     }
+
+    /// What the orthonormal derivative columns of a start, off those of the model, become.
+    fn signature(&self, id: Id, start: &Start) -> Vec<Vec<f64>> {
+        let slots = start.model.slots();
+        let own = |&i: &usize| slots[i].role == Role::Free && slots[i].effect == id;
+        let (shown, own) = self.screen.shown(&start.model, (0..slots.len()).filter(own).collect());
+        let mut columns = self.both(&shown, &own);
+        columns.iter_mut().for_each(|column| project(column, &self.base, self.rows));
+        orthonormal(&columns, self.rows).into_iter().map(|mut both| both.split_off(self.rows)).collect()
+    }
+}
+
+/// A root of the covariance of the products of signatures with noise, given what they become.
+fn covariance_root(columns: &[Vec<f64>], white: f64) -> DMatrix<f64> {
+    let k = columns.len();
     let views: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
     let mut gram = DMatrix::zeros(k, k);
     add_products(&views, gram.as_mut_slice());

@@ -1,14 +1,15 @@
 //! Screening: what an effect would take off the error, to first order, from each of its starts.
 //!
 //! The columns of the base model are evaluated once and kept; a start costs its own columns alone, projected off all
-//! of the base's, so that what the base parameters can absorb does not count.
+//! of the base's, so that what the base parameters can absorb does not count. Of all columns as many samples are kept as
+//! the measurement filter's bandwidth needs.
 
+use super::thinned::{Thinned, orthonormal, project, subtract};
 use super::watch::Watch;
 use crate::effects::{Id, Place, Survey, Wave};
-use crate::fit::{dot, evaluate, runs, waves, without_whole};
+use crate::fit::{dot, runs, waves, without_whole};
 use crate::model::{Model, Role};
 use crate::param::{Axis, Usual};
-use crate::predict::Seeds;
 use crate::signals::Signals;
 
 /// Steps of the quantiles of a survey.
@@ -19,11 +20,12 @@ pub struct Screen<'a> {
     pub data: &'a [&'a Signals],
     pub model: &'a Model,
     pub survey: Survey,
-    /// Derivative columns over all counted samples, an orthonormal base of them.
+    thinned: Thinned,
+    /// Derivative columns, thinned; an orthonormal base of them.
     base: Vec<Vec<f64>>,
-    /// The residual over all counted samples.
+    /// The residual, thinned.
     residual: Vec<f64>,
-    /// Sum of squares of the residual, (N m)^2.
+    /// Sum of squares of the whole residual, (N m)^2.
     pub squares: f64,
     /// Whether the model has a coupling.
     pub coupled: bool,
@@ -47,15 +49,15 @@ impl<'a> Screen<'a> {
     pub fn new(data: &'a [&'a Signals], model: &'a Model, watch: &'a Watch<'a>) -> Self {
         let free: Vec<usize> =
             (0..model.slots().len()).filter(|&i| model.slots()[i].role == Role::Free).collect();
-        let mut columns = columns(data, model, &free);
-        let residual = columns.pop().unwrap_or_default();
-        let base = orthonormal(&columns);
-        let squares = dot(&residual, &residual);
+        let thinned = Thinned::of(data, usize::MAX);
+        let (columns, residual, squares) = thinned.columns(data, model, &free);
+        let base = orthonormal(&columns, residual.len());
         let coupled = model.is_coupled();
         Self {
             data,
             model,
             survey: survey(data, model),
+            thinned,
             base,
             residual,
             squares,
@@ -173,21 +175,23 @@ impl<'a> Screen<'a> {
                     || (slower && id.info().needs == Some(effect.info().id))
             })
             .collect();
-        let (mut columns, residual) = self.shown(model, &own);
+        let (shown, own) = self.shown(model, own);
+        let (mut columns, residual, _) = self.thinned.columns(self.data, &shown, &own);
         let mut residual = if self.coupled { self.residual.clone() } else { residual };
-        project(&mut residual, &self.base);
-        columns.iter_mut().for_each(|column| project(column, &self.base));
-        for direction in orthonormal(&columns) {
-            subtract(&mut residual, &direction);
+        let rows = residual.len();
+        project(&mut residual, &self.base, rows);
+        columns.iter_mut().for_each(|column| project(column, &self.base, rows));
+        for direction in orthonormal(&columns, rows) {
+            subtract(&mut residual, &direction, rows);
         }
-        dot(&residual, &residual)
+        // What thinning changes is in both.
+        self.squares - dot(&self.residual, &self.residual) + dot(&residual, &residual)
     }
 
-    /// Derivative columns by these parameters, and the residual. Beside a coupling they are looked at where the
-    /// shaft is, as if it were rigid: the hidden motion is near, and takes a hundred times as long.
-    fn shown(&self, model: &Model, params: &[usize]) -> (Vec<Vec<f64>>, Vec<f64>) {
+    /// A model and some of its parameters as they are looked at: beside a coupling where the shaft is, as if it were
+    /// rigid, for the hidden motion is near, and takes a hundred times as long.
+    pub fn shown(&self, model: &Model, mut params: Vec<usize>) -> (Model, Vec<usize>) {
         let mut shown = model.clone();
-        let mut params = params.to_vec();
         if self.coupled {
             let loads: Vec<Id> = model.effects().filter(|id| id.info().place != Place::Coupling).collect();
             shown = model.only(&loads).unwrap_or(shown);
@@ -196,57 +200,8 @@ impl<'a> Screen<'a> {
                 at.map(|at| *i = at).is_ok()
             });
         }
-        let mut columns = columns(self.data, &shown, &params);
-        let residual = columns.pop().unwrap_or_default();
-        (columns, residual)
+        (shown, params)
     }
-
-    /// The derivative columns of a start, off those of the base, orthonormal.
-    pub fn signature(&self, id: Id, start: &Start) -> Vec<Vec<f64>> {
-        let slots = start.model.slots();
-        let own: Vec<usize> =
-            (0..slots.len()).filter(|&i| slots[i].role == Role::Free && slots[i].effect == id).collect();
-        let (mut columns, _) = self.shown(&start.model, &own);
-        columns.iter_mut().for_each(|column| project(column, &self.base));
-        orthonormal(&columns)
-    }
-}
-
-/// Derivative columns by these parameters, and the residual, over all samples; zero where one does not count.
-fn columns(data: &[&Signals], model: &Model, params: &[usize]) -> Vec<Vec<f64>> {
-    let mut columns = vec![Vec::new(); params.len() + 1];
-    evaluate(data, model, &model.values(), &Seeds::of(model, params), |evaluated| {
-        for (column, part) in columns.iter_mut().zip(evaluated.columns) {
-            column.extend_from_slice(part);
-        }
-    });
-    columns
-}
-
-fn subtract(x: &mut [f64], direction: &[f64]) {
-    let along = dot(x, direction);
-    x.iter_mut().zip(direction).for_each(|(x, d)| *x -= along * d);
-}
-
-fn project(x: &mut [f64], base: &[Vec<f64>]) {
-    base.iter().for_each(|direction| subtract(x, direction));
-}
-
-/// Orthonormal columns that span the same as these (modified Gram-Schmidt; what depends on others is dropped).
-fn orthonormal(columns: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let mut base: Vec<Vec<f64>> = Vec::new();
-    for column in columns {
-        let before = dot(column, column);
-        let mut own = column.clone();
-        project(&mut own, &base);
-        let length = dot(&own, &own);
-        if length > 1e-9 * before && length > 0.0 && length.is_finite() {
-            let scale = length.sqrt().recip();
-            own.iter_mut().for_each(|x| *x *= scale);
-            base.push(own);
-        }
-    }
-    base
 }
 
 fn survey(data: &[&Signals], model: &Model) -> Survey {

@@ -31,7 +31,7 @@ use detents::{Judge, best_from_scan, scan_beside};
 use moments::{Blocks, used};
 use nalgebra::DMatrix;
 use separable::{Effort, Layout, descend};
-use serial::{Meat, serial};
+use serial::{Meat, serial, thinned};
 use solve::{Normal, independent, solvable};
 use undetermined::{SILENT, silent, undetermined};
 
@@ -255,10 +255,10 @@ fn finish(
     let used = used(data);
     let mut blocks = Blocks::of(used / BLOCKS);
     let mut residuals: Vec<Vec<f64>> = vec![Vec::new(); data.len()];
+    let every = data.iter().map(|signals| signals.spacing()).min().unwrap_or(1);
     evaluate(data, &model, &found.p, &seeds, |evaluated| {
         blocks.add(evaluated);
-        let weight = &evaluated.signals.weight[evaluated.chunk.core.clone()];
-        let rest = evaluated.columns[k].iter().zip(weight).filter(|(_, w)| **w > 0.0).map(|(r, _)| *r);
+        let rest = thinned(evaluated, every).map(|row| evaluated.columns[k][row]);
         residuals[evaluated.capture].extend(rest);
     });
     let blocks = blocks.done();
@@ -267,7 +267,7 @@ fn finish(
     let gram = |i: usize, j: usize| at.gram(i, j);
     let kept = solvable(gram, independent(gram, &layout.linear_first()));
     let serial = serial(&residuals.iter().map(Vec::as_slice).collect::<Vec<_>>());
-    let mut meat = Meat::new(&serial, k);
+    let mut meat = Meat::new(&serial, k, every);
     if serial.coefficients.is_empty() {
         meat.of_white(gram);
     } else {
@@ -293,7 +293,7 @@ fn finish(
         free: kept.iter().map(|&column| layout.free[column]).collect(),
         covariance,
         undetermined,
-        rmse: (residuals.iter().flatten().map(|r| r * r).sum::<f64>() / used).sqrt(),
+        rmse: (at.squares() / used).sqrt(),
         rmse_heldout: bootstrap::held_out(&blocks, &kept, FOLDS),
         noise_floor: floor.rms(),
         white_squares: floor.squares / floor.white,

@@ -3,14 +3,22 @@
 //! The residual is modelled as autoregressive, r = e / A(z), of an order chosen by BIC; the covariance of
 //! the parameters is the sandwich (J'J)^-1 J' Sigma J (J'J)^-1 with that model's Sigma. Source: den Haan &
 //! Levin 1997 ("VARHAC"), for one series. J' Sigma J needs no matrix of the length of the capture: it is
-//! the product of the columns after they went through the same recursion 1 / A(z).
+//! the product of the columns after they went through the same recursion 1 / A(z). All of it is done with as many
+//! samples as the measurement filter's bandwidth needs: with more of them the recursion would be long and nearly
+//! unstable, to say that nothing is above it.
 
 use super::moments::{Evaluated, dot};
 use crate::isa;
 use crate::noise::{MOST, Noise};
 use crate::scalar::{LANES, Pack, Packed, Scalar};
 
-/// The noise that residuals are; lags are counted in used samples.
+/// Which samples of a chunk are looked at: of those that count one of `every`.
+pub fn thinned<'a>(evaluated: &'a Evaluated<'_>, every: usize) -> impl Iterator<Item = usize> + 'a {
+    let weight = &evaluated.signals.weight[evaluated.chunk.core.clone()];
+    (0..weight.len()).filter(|row| weight[*row] > 0.0).step_by(every)
+}
+
+/// The noise that residuals are; lags are counted in the samples that are given.
 pub fn serial(residuals: &[&[f64]]) -> Noise {
     let n: usize = residuals.iter().map(|r| r.len()).sum();
     let mut covariance = vec![0.0; MOST.min(n / 10) + 1];
@@ -26,6 +34,7 @@ pub fn serial(residuals: &[&[f64]]) -> Noise {
 pub struct Meat<'a> {
     serial: &'a Noise,
     k: usize,
+    every: usize,
     /// For every pack of columns their last values after the recursion, oldest first.
     past: Vec<Vec<Pack>>,
     capture: usize,
@@ -34,17 +43,17 @@ pub struct Meat<'a> {
 }
 
 impl<'a> Meat<'a> {
-    /// Nothing accumulated yet, for `k` columns.
-    pub fn new(serial: &'a Noise, k: usize) -> Self {
+    /// Nothing accumulated yet, for `k` columns of which one sample of `every` is looked at.
+    pub fn new(serial: &'a Noise, k: usize, every: usize) -> Self {
         let past = vec![vec![Pack::of(0.0); serial.coefficients.len()]; k.div_ceil(LANES)];
-        Self { serial, k, past, capture: usize::MAX, products: vec![0.0; k * k] }
+        Self { serial, k, every, past, capture: usize::MAX, products: vec![0.0; k * k] }
     }
 
     /// J' Sigma J of white residuals: no pass is needed.
     pub fn of_white(&mut self, gram: impl Fn(usize, usize) -> f64) {
         let k = self.k;
         for (at, product) in self.products.iter_mut().enumerate() {
-            *product = self.serial.innovation * gram(at / k, at % k);
+            *product = self.every as f64 * self.serial.innovation * gram(at / k, at % k);
         }
     }
 
@@ -54,11 +63,12 @@ impl<'a> Meat<'a> {
             self.capture = evaluated.capture;
             self.past.iter_mut().for_each(|past| past.fill(Pack::of(0.0)));
         }
-        let weight = &evaluated.signals.weight[evaluated.chunk.core.clone()];
+        let rows: Vec<usize> = thinned(evaluated, self.every).collect();
         let order = self.serial.coefficients.len();
         let mut coloured: Vec<Vec<Pack>> = Vec::with_capacity(self.past.len());
         for (few, past) in evaluated.columns[..self.k].chunks(LANES).zip(&mut self.past) {
-            let recursion = Recursion { coefficients: &self.serial.coefficients, columns: few, weight, past };
+            let recursion =
+                Recursion { coefficients: &self.serial.coefficients, columns: few, rows: &rows, past };
             let series = isa::dispatch(recursion);
             past.copy_from_slice(&series[series.len() - order..]);
             coloured.push(series);
@@ -67,7 +77,8 @@ impl<'a> Meat<'a> {
         for i in 0..self.k {
             for j in 0..=i {
                 let product: f64 = column(i).zip(column(j)).map(|(a, b)| a * b).sum();
-                let product = product * self.serial.innovation;
+                // Each sample stands for its neighbours, in both columns.
+                let product = product * self.serial.innovation * (self.every * self.every) as f64;
                 self.products[i * self.k + j] += product;
                 if i != j {
                     self.products[j * self.k + i] += product;
@@ -77,11 +88,11 @@ impl<'a> Meat<'a> {
     }
 }
 
-/// y_t = x_t - a_1 y_(t-1) - a_2 y_(t-2) - ... of up to a pack of columns at once, over the used samples.
+/// y_t = x_t - a_1 y_(t-1) - a_2 y_(t-2) - ... of up to a pack of columns at once, over these rows.
 struct Recursion<'a> {
     coefficients: &'a [f64],
     columns: &'a [&'a [f64]],
-    weight: &'a [f64],
+    rows: &'a [usize],
     past: &'a [Pack],
 }
 
@@ -92,26 +103,24 @@ impl pulp::NullaryFnOnce for Recursion<'_> {
     fn call(self) -> Vec<Pack> {
         let order = self.coefficients.len();
         let mut y = self.past.to_vec();
-        y.reserve(self.weight.len());
-        for (row, w) in self.weight.iter().enumerate() {
-            if *w > 0.0 {
-                let mut x = [0.0; LANES];
-                for (lane, column) in x.iter_mut().zip(self.columns) {
-                    *lane = column[row];
-                }
-                // Two sums side by side: each addition waits for the one before it.
-                let recent = &y[y.len() - order..];
-                let (mut even, mut odd) = (Packed(x), Pack::of(0.0));
-                for (pair, a) in recent.rchunks(2).zip(self.coefficients.chunks(2)) {
-                    if let ([second, first], [a, b]) = (pair, a) {
-                        even = even - *first * Pack::of(*a);
-                        odd = odd - *second * Pack::of(*b);
-                    } else if let ([first], [a]) = (pair, a) {
-                        even = even - *first * Pack::of(*a);
-                    }
-                }
-                y.push(even + odd);
+        y.reserve(self.rows.len());
+        for row in self.rows {
+            let mut x = [0.0; LANES];
+            for (lane, column) in x.iter_mut().zip(self.columns) {
+                *lane = column[*row];
             }
+            // Two sums side by side: each addition waits for the one before it.
+            let recent = &y[y.len() - order..];
+            let (mut even, mut odd) = (Packed(x), Pack::of(0.0));
+            for (pair, a) in recent.rchunks(2).zip(self.coefficients.chunks(2)) {
+                if let ([second, first], [a, b]) = (pair, a) {
+                    even = even - *first * Pack::of(*a);
+                    odd = odd - *second * Pack::of(*b);
+                } else if let ([first], [a]) = (pair, a) {
+                    even = even - *first * Pack::of(*a);
+                }
+            }
+            y.push(even + odd);
         }
         y
     }
