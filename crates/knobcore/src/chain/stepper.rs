@@ -56,27 +56,28 @@ impl<T: Scalar> Acts<T> {
     pub fn of(load: &Load<T>, plain: bool, body: &Body<T>, inertia: T) -> Self {
         let (half, zero, one) = (T::of(0.5), T::of(0.0), T::of(1.0));
         let [back, forth] = load.resist;
-        let mut rubs = if plain { [[-back, zero], [forth, zero]] } else { [load.rubs(zero), load.rubs(one)] };
+        let [mut backward, mut forward] =
+            if plain { [[-back, zero], [forth, zero]] } else { [load.rubs(zero), load.rubs(one)] };
         let presses = load.presses();
         if !body.leaving && (load.band - body.omega.abs()).is_positive() {
-            for (([unpressed, per_load], hold), sign) in rubs.iter_mut().zip(load.hold).zip([-one, one]) {
+            for ([unpressed, per_load], hold, sign) in
+                [(&mut backward, load.hold[0], -one), (&mut forward, load.hold[1], one)]
+            {
                 let more = hold - sign * (*unpressed + *per_load * presses.abs());
                 *unpressed = more.where_positive(sign * hold, *unpressed);
                 *per_load = more.where_positive(zero, *per_load);
             }
         }
         let inertial = load.inertia_share.is_positive() || load.mu.abs().is_positive();
-        let pressed = (inertial && !plain).then_some(Pressed {
-            load: presses,
-            share: load.inertia_share,
-            per_load: rubs.map(|[_, per_load]| per_load),
-        });
-        let [back, forth] =
-            rubs.map(
-                |[unpressed, per_load]| {
-                    if pressed.is_some() { unpressed } else { unpressed + per_load * presses.abs() }
-                },
-            );
+        let ([mut back, back_per_load], [mut forth, forth_per_load]) = (backward, forward);
+        let mut pressed = None;
+        if inertial && !plain {
+            let per_load = [back_per_load, forth_per_load];
+            pressed = Some(Pressed { load: presses, share: load.inertia_share, per_load });
+        } else if !plain {
+            back = back + back_per_load * presses.abs();
+            forth = forth + forth_per_load * presses.abs();
+        }
         let friction = (half * (forth - back)).max(zero);
         Self { inertia, push: load.drive + half * (forth + back), friction, pressed }
     }
@@ -147,33 +148,151 @@ impl<T: Scalar> Body<T> {
     /// to the next.
     #[inline(always)]
     pub fn stepped(&self, joint: &Joint<T>, acts: &Acts<T>, shaft: [T; 2], h: f64) -> (Self, T) {
-        let (half, zero) = (T::of(0.5), T::of(0.0));
-        let speed = (shaft[1] - shaft[0]) / T::of(h);
-        // Rate and twist of the joint halfway, by the speed of the knob at the end of the step.
-        let rate = |omega: T| speed - half * (self.omega + omega);
-        let twist = |omega: T| shaft[0] - self.theta + T::of(0.5 * h) * rate(omega);
-        let slid = |fixed: T, drag: T| self.slid(acts, fixed, drag, h);
-        let ends = |omega: T, force: T| (self.moved(omega, h), force);
+        let step = Step::of(self, joint, acts, shaft, h);
+        // Which way it goes, by the values alone: only that way has to be gone with derivatives.
+        let contact = step.values().contact();
+        let omega = match contact {
+            Contact::None => return (self.moved(step.alone(), h), T::of(0.0)),
+            Contact::Lasts(side) => step.held(side),
+            Contact::Reached(side) => step.reaching(side),
+        };
+        let force = match contact {
+            Contact::Reached(_) => {
+                let inertial = acts.inertia / T::of(h) * (omega - self.omega);
+                inertial + acts.opposes(omega, inertial)
+            }
+            Contact::Lasts(side) => step.force(side, omega),
+            Contact::None => T::of(0.0),
+        };
+        (self.moved(omega, h), force)
+    }
+}
+
+/// What a joint does in a step, and on which side (1 or -1).
+#[derive(Debug, Clone, Copy)]
+enum Contact {
+    /// Nothing.
+    None,
+    /// It touches to the end of the step.
+    Lasts(f64),
+    /// It touches just at its end: the damper would stop the knob short of the contact, which has to be reached for it
+    /// to act.
+    Reached(f64),
+}
+
+/// A step behind a joint. Its parts are functions, and not closures, for these would be left out of what is compiled for
+/// the machine's instruction set.
+#[derive(Debug, Clone, Copy)]
+struct Step<T> {
+    body: Body<T>,
+    joint: Joint<T>,
+    acts: Acts<T>,
+    /// Angle of the shaft at the start, and its speed.
+    shaft: T,
+    speed: T,
+    h: f64,
+}
+
+impl<T: Scalar> Step<T> {
+    #[inline(always)]
+    fn of(body: &Body<T>, joint: &Joint<T>, acts: &Acts<T>, [from, to]: [T; 2], h: f64) -> Self {
+        let speed = (to - from) / T::of(h);
+        Self { body: *body, joint: *joint, acts: *acts, shaft: from, speed, h }
+    }
+
+    /// The same without derivatives.
+    #[inline(always)]
+    fn values(&self) -> Step<f64> {
+        let Self { body, joint, acts, shaft, speed, h } = *self;
+        let body = Body { theta: body.theta.value(), omega: body.omega.value(), leaving: body.leaving };
+        let joint = Joint {
+            gap: joint.gap.value(),
+            stiffness: joint.stiffness.value(),
+            damping: joint.damping.value(),
+            share: joint.share.value(),
+            welded: joint.welded,
+        };
+        let pressed = match acts.pressed {
+            Some(Pressed { load, share, per_load: [back, forth] }) => Some(Pressed {
+                load: load.value(),
+                share: share.value(),
+                per_load: [back.value(), forth.value()],
+            }),
+            None => None,
+        };
+        let acts = Acts {
+            inertia: acts.inertia.value(),
+            push: acts.push.value(),
+            friction: acts.friction.value(),
+            pressed,
+        };
+        Step { body, joint, acts, shaft: shaft.value(), speed: speed.value(), h }
+    }
+
+    /// Rate of the joint halfway, by the speed of the knob at the end of the step.
+    #[inline(always)]
+    fn rate(&self, omega: T) -> T {
+        self.speed - T::of(0.5) * (self.body.omega + omega)
+    }
+
+    /// Twist of the joint there.
+    #[inline(always)]
+    fn twist(&self, omega: T) -> T {
+        self.shaft - self.body.theta + T::of(0.5 * self.h) * self.rate(omega)
+    }
+
+    /// The twist at which a side touches.
+    #[inline(always)]
+    fn border(&self, side: f64) -> T {
+        T::of(0.5 * side) * self.joint.gap
+    }
+
+    /// Torque of the joint halfway.
+    #[inline(always)]
+    fn force(&self, side: f64, omega: T) -> T {
+        self.joint.stiffness * (self.twist(omega) - self.border(side)) + self.joint.damping * self.rate(omega)
+    }
+
+    /// Speed at the end without joint;
+    #[inline(always)]
+    fn alone(&self) -> T {
+        self.body.slid(&self.acts, T::of(0.0), T::of(0.0), self.h)
+    }
+
+    /// with a side that touches to the end;
+    #[inline(always)]
+    fn held(&self, side: f64) -> T {
+        let drag = T::of(0.25 * self.h) * self.joint.stiffness + T::of(0.5) * self.joint.damping;
+        self.body.slid(&self.acts, self.force(side, T::of(0.0)), drag, self.h)
+    }
+
+    /// with one that just touches there.
+    #[inline(always)]
+    fn reaching(&self, side: f64) -> T {
+        let rate = self.rate(T::of(0.0));
+        rate + rate + (self.shaft - self.body.theta - self.border(side)) * T::of(4.0 / self.h)
+    }
+}
+
+impl Step<f64> {
+    #[inline(always)]
+    fn contact(&self) -> Contact {
         // The side that the knob without joint would be on is the one that touches, if any does.
-        let alone = slid(zero, zero);
-        let side = twist(alone).where_positive(T::of(1.0), T::of(-1.0));
-        let border = half * side * joint.gap;
-        let strain = |omega: T| twist(omega) - border;
-        let force = |omega: T| joint.stiffness * strain(omega) + joint.damping * rate(omega);
-        let inside = |omega: T| (side * strain(omega)).is_positive();
-        let touches = joint.welded || inside(alone) && (side * force(alone)).is_positive();
-        if !touches {
-            return ends(alone, zero);
+        let alone = self.alone();
+        let side = if self.twist(alone) > 0.0 { 1.0 } else { -1.0 };
+        if self.joint.welded {
+            return Contact::Lasts(side);
         }
-        let drag = T::of(0.25 * h) * joint.stiffness + half * joint.damping;
-        let omega = slid(force(zero), drag);
-        if joint.welded || inside(omega) {
-            return ends(omega, force(omega));
+        if !(self.inside(side, alone) && side * self.force(side, alone) > 0.0) {
+            return Contact::None;
         }
-        // The damper would stop the knob short of the contact, which has to be reached for it to act: just there.
-        let omega = rate(zero) + rate(zero) + (shaft[0] - self.theta - border) * T::of(4.0 / h);
-        let inertial = acts.inertia / T::of(h) * (omega - self.omega);
-        ends(omega, inertial + acts.opposes(omega, inertial))
+        if self.inside(side, self.held(side)) { Contact::Lasts(side) } else { Contact::Reached(side) }
+    }
+
+    /// Whether a side touches halfway.
+    #[inline(always)]
+    fn inside(&self, side: f64, omega: f64) -> bool {
+        side * (self.twist(omega) - self.border(side)) > 0.0
     }
 }
 

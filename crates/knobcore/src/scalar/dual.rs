@@ -114,7 +114,12 @@ impl<V: Scalar, const L: usize> Scalar for Dual<V, L> {
         yes.zip(no, v, |a, b| self.v.where_positive(a, b))
     }
 
-    #[inline]
+    #[inline(always)]
+    fn value(self) -> f64 {
+        self.v.value()
+    }
+
+    #[inline(always)]
     fn is_positive(self) -> bool {
         self.v.is_positive()
     }

@@ -41,6 +41,9 @@ pub trait Scalar:
         (self.ln() * y).exp()
     }
 
+    /// The number without derivatives (of a pack the first).
+    fn value(self) -> f64;
+
     /// Whether it is positive (a pack: all of it).
     fn is_positive(self) -> bool;
 
@@ -84,7 +87,11 @@ impl Scalar for f64 {
     fn where_positive(self, yes: Self, no: Self) -> Self {
         if self > 0.0 { yes } else { no }
     }
-    #[inline]
+    #[inline(always)]
+    fn value(self) -> f64 {
+        self
+    }
+    #[inline(always)]
     fn is_positive(self) -> bool {
         self > 0.0
     }

@@ -131,6 +131,11 @@ impl<const L: usize> Scalar for Packed<L> {
         Self(out)
     }
 
+    #[inline(always)]
+    fn value(self) -> f64 {
+        self.0[0]
+    }
+
     #[inline]
     fn is_positive(self) -> bool {
         self.0.iter().all(|x| *x > 0.0)
