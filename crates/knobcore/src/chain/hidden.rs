@@ -35,8 +35,10 @@ pub struct Hidden<T> {
     substeps: usize,
     /// Length of a step, s.
     step_s: f64,
-    /// The last instant that it was followed to, and what loads it there.
-    before: Option<(Instant, Load<T>, Option<Beside<T>>)>,
+    /// The last instant that it was followed to, and the effects of a user's own there.
+    before: Option<(Instant, Option<Beside<T>>)>,
+    /// What loads the knob where it is. It stays where it is: to copy one takes longer than most effects.
+    load: Load<T>,
 }
 
 impl<T: Carried> Hidden<T> {
@@ -52,7 +54,7 @@ impl<T: Carried> Hidden<T> {
         let shafts = (T::of(1.0) - joint.share) * inertia;
         let (own, substeps) = (joint.share * inertia, substeps.max(1));
         let (plain, step_s) = (model.is_plain(), dt / substeps as f64);
-        Some(Self { joint, knob, own, shafts, plain, substeps, step_s, before: None })
+        Some(Self { joint, knob, own, shafts, plain, substeps, step_s, before: None, load: Load::none() })
     }
 
     /// Cuts the joint to a stiffness and raises its damping to at least what such a stiffness needs.
@@ -82,7 +84,8 @@ impl<T: Carried> Hidden<T> {
         [theta, omega]: [T; 2],
     ) {
         self.knob = Body::at(theta, omega);
-        self.before = Some((shaft, self.load(model, p, state, shaft[0]), beside));
+        self.load(model, p, state, shaft[0]);
+        self.before = Some((shaft, beside));
     }
 
     /// Forgets where the shaft was: the next instant is the first.
@@ -92,20 +95,21 @@ impl<T: Carried> Hidden<T> {
         self.before = None;
     }
 
-    /// What loads the knob where it is.
+    /// Looks what loads the knob where it is.
     #[inline(always)]
-    fn load(&self, model: &Model, p: &[T], state: &mut [T], t: f64) -> Load<T> {
-        model.load(p, state, &Motion::exact(T::of(t), self.knob.theta, self.knob.omega, T::of(0.0)))
+    fn load(&mut self, model: &Model, p: &[T], state: &mut [T], t: f64) {
+        let motion = Motion::exact(T::of(t), self.knob.theta, self.knob.omega, T::of(0.0));
+        self.load = Load::none();
+        model.add_loads(p, state, &motion, &mut self.load);
     }
 
     /// What acts on the knob in a step.
     #[inline(always)]
-    fn acts(&self, load: &Load<T>, beside: Option<Beside<T>>) -> Acts<T> {
-        let mut load = *load;
-        if let Some(beside) = beside {
-            load.drive = load.drive + beside.drive;
-            load.friction_scale = load.friction_scale * beside.friction_scale;
-        }
+    fn acts(&self, beside: Option<Beside<T>>) -> Acts<T> {
+        let Some(beside) = beside else { return Acts::of(&self.load, self.plain, &self.knob, self.own) };
+        let mut load = self.load;
+        load.drive = load.drive + beside.drive;
+        load.friction_scale = load.friction_scale * beside.friction_scale;
         Acts::of(&load, self.plain, &self.knob, self.own)
     }
 
@@ -126,11 +130,11 @@ impl<T: Carried> Hidden<T> {
         beside: Option<Beside<T>>,
     ) -> T {
         let last = self.carry(model, p, state, to, missed, beside);
-        let load = self.load(model, p, state, to[0]);
-        self.before = Some((to, load, beside));
+        self.load(model, p, state, to[0]);
+        self.before = Some((to, beside));
         let ([_, theta, omega, alpha], h) = (to, self.step_s);
-        let shaft = [theta, theta + h * (omega + 0.5 * h * alpha)].map(T::of);
-        let (_, next) = self.knob.stepped(&self.joint, &self.acts(&load, beside), shaft, h);
+        let shaft = [T::of(theta), T::of(theta + h * (omega + 0.5 * h * alpha))];
+        let (_, next) = self.knob.stepped(&self.joint, &self.acts(beside), shaft, h);
         last.map_or(next, |last| T::of(0.5) * (last + next))
     }
 
@@ -145,7 +149,7 @@ impl<T: Carried> Hidden<T> {
         missed: usize,
         beside: Option<Beside<T>>,
     ) -> Option<T> {
-        let (from, mut load, was) = self.before?;
+        let (from, was) = self.before?;
         let time = to[0] - from[0];
         if time.is_nan() || time <= 0.0 {
             return None;
@@ -156,7 +160,7 @@ impl<T: Carried> Hidden<T> {
         let (mut last, mut angle) = (None, from[1]);
         for step in 0..substeps {
             if step > 0 {
-                load = self.load(model, p, state, from[0] + step as f64 * h);
+                self.load(model, p, state, from[0] + step as f64 * h);
             }
             let next = hermite([from[1], to[1]], [from[2] * time, to[2] * time], share(step + 1));
             let between = was.zip(beside).map(|(was, now)| Beside {
@@ -164,8 +168,7 @@ impl<T: Carried> Hidden<T> {
                 friction_scale: was.friction_scale
                     + T::of(share(step)) * (now.friction_scale - was.friction_scale),
             });
-            let acts = self.acts(&load, between);
-            let (knob, force) = self.knob.stepped(&self.joint, &acts, [T::of(angle), T::of(next)], h);
+            let (knob, force) = self.knob.stepped(&self.joint, &self.acts(between), [T::of(angle), T::of(next)], h);
             (self.knob, last, angle) = (knob, Some(force), next);
         }
         last
