@@ -31,6 +31,10 @@ const LONG: [usize; 3] = [1024, 512, 256];
 const MANY: usize = 40;
 /// The quantile of the stretches that counts as noise alone.
 const QUIET: f64 = 0.35;
+/// Samples of stretches so short that something that comes again and again leaves some of them out, and the quantile
+/// of these that does not have it.
+const SHORT: usize = 128;
+const QUIETEST: f64 = 0.1;
 /// Standard errors by which the mean over all stretches may differ from that, where noise alone is in it.
 const ALIKE: f64 = 2.5;
 /// Rows of the longest line whose noise is told from that of shorter ones.
@@ -104,11 +108,22 @@ fn coloured(signals: &Signals, rest: &[f64]) -> Option<Noise> {
     };
     let mut level = steady(spectra(rest));
     let mean = |level: &[f64], [from, to]: [f64; 2]| {
-        let bins = (from * (window / 2) as f64) as usize..(to * (window / 2) as f64) as usize;
+        let half = (level.len() - 1) as f64;
+        let bins = (from * half) as usize..(to * half) as usize;
         level[bins.clone()].iter().sum::<f64>() / bins.len() as f64
     };
     let falls = |level: &[f64]| mean(level, BELOW) > FALLS * mean(level, BAND);
     if !falls(&level) || !falls(&steady(spectra(&signals.tau_raw))) {
+        return None;
+    }
+    // What rings after each of many contacts fills all long stretches, and falls too; but no noise ever pauses.
+    let pauses = |column: &[f64]| {
+        let periodogram = Periodogram::new(SHORT);
+        let powers: Vec<Vec<f64>> = windows(SHORT).map(|range| periodogram.of(&column[range])).collect();
+        let at = |bin: usize| quiet(powers.iter().map(|power| power[bin]).collect(), QUIETEST);
+        !falls(&(0..=SHORT / 2).map(at).collect::<Vec<_>>())
+    };
+    if pauses(rest) || pauses(&signals.tau_raw) {
         return None;
     }
     // A window's mean is taken off it, and with it its slowest frequencies.
@@ -137,7 +152,7 @@ fn windows(signals: &Signals, window: usize) -> impl Iterator<Item = Range<usize
 fn steady(powers: Vec<Vec<f64>>) -> Vec<f64> {
     let means: Vec<f64> = powers.iter().map(|p| p.iter().sum::<f64>() / p.len() as f64).collect();
     let stretches = powers.first().map_or(1, Vec::len) as f64;
-    let quiet: Vec<f64> = powers.into_iter().map(quiet).collect();
+    let quiet: Vec<f64> = powers.into_iter().map(|powers| quiet(powers, QUIET)).collect();
     let total = quiet.iter().sum::<f64>();
     // Of K exponential variables the quantile p, as an estimate of their mean, has this variance beside theirs.
     let more = QUIET / (1.0 - QUIET) / (1.0 - QUIET).ln().powi(2) - 1.0;
@@ -146,9 +161,9 @@ fn steady(powers: Vec<Vec<f64>>) -> Vec<f64> {
 }
 
 /// The mean of exponential variables of which most are alike and some are too large, by a low quantile.
-fn quiet(mut powers: Vec<f64>) -> f64 {
+fn quiet(mut powers: Vec<f64>, quantile: f64) -> f64 {
     powers.sort_by(f64::total_cmp);
-    powers.get((QUIET * powers.len() as f64) as usize).map_or(0.0, |power| power / -(1.0 - QUIET).ln())
+    powers.get((quantile * powers.len() as f64) as usize).map_or(0.0, |power| power / -(1.0 - quantile).ln())
 }
 
 /// Variance of white noise with the power of `rest` in the band; the median over frequencies keeps a line (mains,

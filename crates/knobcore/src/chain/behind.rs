@@ -68,6 +68,38 @@ fn knobs(model: &Model, p: &[f64], columns: &[Option<usize>], substeps: usize, o
     }
 }
 
+/// The motion of the hidden knob along a shaft's: angle, speed and acceleration at each sample. Effects of a user's own
+/// are left out of it. None without a joint.
+pub fn knob(
+    model: &Model,
+    p: &[f64],
+    motion: [&[f64]; 5],
+    dt: f64,
+    substeps: usize,
+) -> Option<[Vec<f64>; 3]> {
+    let mut state = vec![0.0; model.states()];
+    let [t, theta, omega, alpha, _] = motion;
+    let instant = |at: usize| [t[at], theta[at], omega[at], alpha[at]];
+    if t.is_empty() {
+        return None;
+    }
+    let mut hidden = Hidden::<f64>::new(model, p, instant(0), dt, substeps)?;
+    let (mut angles, mut speeds) = (Vec::with_capacity(t.len()), Vec::with_capacity(t.len()));
+    for at in 0..t.len() {
+        hidden.follow(model, p, &mut state, instant(at), 0, None);
+        let [theta, omega] = hidden.knob();
+        angles.push(theta);
+        speeds.push(omega);
+    }
+    let last = speeds.len() - 1;
+    let slope = |at: usize| {
+        let (before, after) = (at.saturating_sub(1), (at + 1).min(last));
+        (speeds[after] - speeds[before]) / (dt * (after - before).max(1) as f64)
+    };
+    let accelerations = (0..=last).map(slope).collect();
+    Some([angles, speeds, accelerations])
+}
+
 /// What is simulated, and by which parameters it is differentiated.
 struct Behind<'a> {
     model: &'a Model,

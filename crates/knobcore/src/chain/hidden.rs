@@ -168,7 +168,8 @@ impl<T: Carried> Hidden<T> {
                 friction_scale: was.friction_scale
                     + T::of(share(step)) * (now.friction_scale - was.friction_scale),
             });
-            let (knob, force) = self.knob.stepped(&self.joint, &self.acts(between), [T::of(angle), T::of(next)], h);
+            let (knob, force) =
+                self.knob.stepped(&self.joint, &self.acts(between), [T::of(angle), T::of(next)], h);
             (self.knob, last, angle) = (knob, Some(force), next);
         }
         last

@@ -18,6 +18,7 @@ mod push;
 mod rigid;
 mod stepper;
 
+pub use behind::knob;
 pub use block::Block;
 pub use driven::{Drive, Driven, steps};
 pub use hidden::{Beside, Hidden, Instant};

@@ -1,6 +1,7 @@
 //! Every absent effect, fitted: what would each take off the error?
 
-use super::coupled::coupled;
+use super::beside::beside;
+use super::coupled::{Ways, coupled};
 use super::null::Null;
 use super::screen::{Screen, Start};
 use super::watch::{Tell, Watch};
@@ -51,14 +52,28 @@ pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_
     let floor = Floor::with(data, &noises);
     let white = if floor.white > 0.0 { floor.white } else { screen.squares.max(f64::MIN_POSITIVE) * 1e-12 };
     let (slow, quick): (Vec<Id>, Vec<Id>) = effects.iter().partition(|id| id.info().place == Place::Coupling);
-    let mut found = weighed(&screen, &quick, [white, floor.squares]);
+    // Beside a coupling each step takes long; what several runs have apart is not looked at in steps.
+    let mut found = if screen.coupled && data.len() == 1 {
+        let ways = beside(&screen, &quick);
+        watch.steps(quick.len());
+        ways.into_iter()
+            .map(|Ways { id, starts, end }| (candidate(&screen, id, &starts, end, white), starts))
+            .collect()
+    } else {
+        weighed(&screen, &quick, [white, floor.squares])
+    };
     let best = found.iter().fold(0.0, |best: f64, (candidate, _)| best.max(candidate.gain));
     let left = screen.squares - best * white;
     let most = best * white >= MOST * (screen.squares - floor.squares);
     let explained = left <= EXPLAINED * floor.squares || most;
     // Who asks for couplings alone wants to know.
     if quick.is_empty() || left.is_nan() || floor.squares.is_nan() || !explained {
-        found.extend(weighed(&screen, &slow, [white, floor.squares]));
+        let best = found.iter().max_by(|(a, _), (b, _)| a.gain.total_cmp(&b.gain));
+        let rival = best.and_then(|(best, _)| best.fit.as_ref()).map(|fit| fit.model.clone());
+        for Ways { id, starts, end } in coupled(&screen, &slow, rival.as_ref()) {
+            watch.step();
+            found.push((candidate(&screen, id, &starts, end, white), starts));
+        }
     }
     found.sort_by_key(|(candidate, _)| candidate.id);
     let noises: Vec<Noise> = noises.into_iter().map(|noise| noise.unwrap_or(Noise::white(white))).collect();
@@ -91,41 +106,24 @@ fn weighed(screen: &Screen<'_>, effects: &[Id], noise: [f64; 2]) -> Vec<(Candida
 
 /// An effect fitted beside the screen's model, and the starts that it had.
 fn fitted(screen: &Screen<'_>, id: Id, [white, floor]: [f64; 2]) -> (Candidate, Vec<Start>) {
-    let (starts, end) = if id.info().place == Place::Coupling {
-        coupled(screen, id)
-    } else {
-        let mut starts = screen.starts(id);
-        let apart = screen.apart(id, &starts);
-        let mut before = at_shaft(screen, id, &starts);
-        // Of what loads the shaft the first step tells nearly all.
-        before.retain(|start| screen.squares - start.predicted >= AT_SHAFT * (screen.squares - floor));
-        let at_shaft = followed(screen, id, &before);
-        let explained = at_shaft.as_ref().is_some_and(|(_, found)| found.cost <= EXPLAINED * floor);
-        let at_knob = if explained { None } else { followed(screen, id, &starts) };
-        let shared =
-            [at_shaft, at_knob].into_iter().flatten().min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost));
-        // Each run's own parameters have their price like any others, and have to differ beyond chance.
-        let priced =
-            |(model, found): &(Model, Found)| found.cost + PRICE * white * added(screen, id, model) as f64;
-        let own = followed(screen, id, &apart)
-            .filter(|own| shared.as_ref().is_none_or(|shared| priced(own) < priced(shared)))
-            .filter(|(model, found)| {
-                report(screen.data, model, found.clone()).is_ok_and(|fit| differ(&fit, id))
-            });
-        let end = own.or(shared);
-        starts.extend(apart);
-        (starts, end)
-    };
+    let mut starts = screen.starts(id);
+    let apart = screen.apart(id, &starts);
+    let mut before = screen.at_shaft(id, &starts);
+    // Of what loads the shaft the first step tells nearly all.
+    before.retain(|start| screen.squares - start.predicted >= AT_SHAFT * (screen.squares - floor));
+    let at_shaft = followed(screen, id, &before);
+    let explained = at_shaft.as_ref().is_some_and(|(_, found)| found.cost <= EXPLAINED * floor);
+    let at_knob = if explained { None } else { followed(screen, id, &starts) };
+    let shared = [at_shaft, at_knob].into_iter().flatten().min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost));
+    // Each run's own parameters have their price like any others, and have to differ beyond chance.
+    let priced =
+        |(model, found): &(Model, Found)| found.cost + PRICE * white * added(screen, id, model) as f64;
+    let own = followed(screen, id, &apart)
+        .filter(|own| shared.as_ref().is_none_or(|shared| priced(own) < priced(shared)))
+        .filter(|(model, found)| report(screen.data, model, found.clone()).is_ok_and(|fit| differ(&fit, id)));
+    let end = own.or(shared);
+    starts.extend(apart);
     (candidate(screen, id, &starts, end, white), starts)
-}
-
-/// The same starts before a joint and not behind it; none without one, or of what cannot be there.
-fn at_shaft(screen: &Screen<'_>, id: Id, starts: &[Start]) -> Vec<Start> {
-    if !screen.coupled || !Model::may_be_at_shaft(id) {
-        return Vec::new();
-    }
-    let moved = |start: &Start| Some(Start { model: start.model.with_at_shaft(id).ok()?, ..start.clone() });
-    starts.iter().filter_map(moved).collect()
 }
 
 /// Where the best of some starts leads to.

@@ -7,53 +7,101 @@ use super::screen::{Screen, Start};
 use crate::effects::Id;
 use crate::error::Result;
 use crate::filter::{ZeroPhase, cheby2};
-use crate::fit::{Fit, Found, refine, settled, sketch};
+use crate::fit::{Fit, Found, glance, refine, settled, sketch};
 use crate::floor::Floor;
 use crate::model::Model;
 use crate::prepare::slower;
 use crate::signals::Signals;
 
 /// Stopband edges at 5 kHz of the filter that the search goes through and of the one in between, Hz.
-const COARSE_HZ: f64 = 60.0;
+pub(super) const COARSE_HZ: f64 = 60.0;
 pub(super) const MIDDLE_HZ: f64 = 150.0;
-/// Starts that are followed through the coarse filter.
+/// Starts that are looked at by a few steps through the coarse filter, and those of them that are followed.
+const LOOKED: usize = 5;
 const FOLLOWED: usize = 2;
-/// Samples of a capture that the coarse search looks at.
-const ENOUGH: usize = 12_000;
+/// Samples of captures that the coarse search looks at.
+const ENOUGH: usize = 30_000;
 /// Share of what noise does not explain that a coupling must explain through the coarse filter.
 const WORTH: f64 = 0.25;
-/// An error this close to the noise floor needs no better end.
+/// A coupling that leaves so many times what its best rival does, and a share of all beside it, is not followed.
+const RIVAL: f64 = 2.0;
+const CLOSE: f64 = 0.02;
+/// Ends whose sums of squares differ by less than this share are one.
+const SAME: f64 = 1e-3;
+/// An error this close to the noise floor needs no better end; one beyond the other shows that more is missing.
 const EXPLAINED: f64 = 1.01;
+const NEAR: f64 = 1.5;
 
-/// The starts of a coupling beside a screen's model, most promising first, and where they lead to.
-pub fn coupled(whole: &Screen<'_>, id: Id) -> (Vec<Start>, Option<(Model, Found)>) {
+/// Where the starts of a coupling lead to.
+pub struct Ways {
+    /// Which.
+    pub id: Id,
+    /// Its starts, most promising first.
+    pub starts: Vec<Start>,
+    /// The best end, if one was worth the fine search.
+    pub end: Option<(Model, Found)>,
+}
+
+/// Couplings beside a screen's model, fitted from coarse to fine. What explains much less of it through the coarse
+/// filter than another coupling does, or than the `rival` that was fitted, is not followed further.
+pub fn coupled(whole: &Screen<'_>, couplings: &[Id], rival: Option<&Model>) -> Vec<Ways> {
     let (data, base, watch) = (whole.data, whole.model, whole.watch);
-    let coarse = beginnings(data);
+    let coarse = beginnings(data, ENOUGH);
     let coarse: Vec<&Signals> = coarse.iter().collect();
     let screen = Screen::new(&coarse, base, watch);
-    let starts = screen.starts(id);
     // What is in the model beside the base may load the shaft as well as the knob.
     let beside: Vec<Id> = base.effects().filter(|id| Model::may_be_at_shaft(*id)).collect();
-    let both = !beside.is_empty();
-    let screen = screen.with_shaft(beside);
-    let before = if both { screen.starts(id) } else { Vec::new() };
-    let followed = before.iter().take(FOLLOWED).chain(starts.iter().take(FOLLOWED));
-    let followed = followed.take_while(|_| watch.wanted());
-    let sketched = followed.map(|start| (&start.model, sketch(&coarse, &start.model)));
-    let best = sketched.min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost));
-    // Not worth the fine search, then, at least until what explains more is in the model.
-    let excess = screen.squares - Floor::of(&coarse, base).squares;
-    let worth = best.filter(|_| watch.wanted());
-    let worth = worth.filter(|(_, found)| screen.squares - found.cost >= WORTH * excess || excess.is_nan());
-    let fine = worth.map(|(model, found)| {
-        let mut model = model.clone();
-        model.set_values(&found.p);
-        let middle = slowed(data, MIDDLE_HZ);
-        model.set_values(&sketch(&middle.iter().collect::<Vec<_>>(), &model).p);
-        let fine = sketch(data, &model);
-        (model, fine)
+    let shaft = (!beside.is_empty()).then(|| Screen::new(&coarse, base, watch).with_shaft(beside));
+    let mut ways: Vec<Ways> = Vec::new();
+    let mut looked: Vec<(usize, Model)> = Vec::new();
+    for id in couplings {
+        let starts = screen.starts(*id);
+        let before = shaft.iter().flat_map(|screen| screen.starts(*id).into_iter().take(LOOKED));
+        let models = before.chain(starts.iter().take(LOOKED).cloned()).map(|start| (ways.len(), start.model));
+        looked.extend(models);
+        ways.push(Ways { id: *id, starts, end: None });
+    }
+    let mut seen = watch.each(&looked, |(of, model)| (*of, on(model, |m| glance(&coarse, m))));
+    seen.sort_by(|(_, (_, a)), (_, (_, b))| a.cost.total_cmp(&b.cost));
+    let few = |of: usize| seen.iter().filter(move |(own, _)| *own == of).take(FOLLOWED);
+    let few: Vec<&(usize, (Model, Found))> = (0..ways.len()).flat_map(few).collect();
+    let mut ends = watch.each(&few, |(of, (model, _))| (*of, on(model, |m| sketch(&coarse, m))));
+    ends.sort_by(|(_, (_, a)), (_, (_, b))| a.cost.total_cmp(&b.cost));
+    let others = rival.map(|model| sketch(&coarse, model));
+    let floor = Floor::of(&coarse, base).squares;
+    // Without a floor nothing can be said to be too little.
+    let (floor, excess) = if floor.is_nan() { (0.0, 0.0) } else { (floor, screen.squares - floor) };
+    let least = ends.iter().map(|(_, (_, found))| found).chain(&others).map(|found| found.cost);
+    let least = (least.fold(f64::INFINITY, f64::min) - floor).max(0.0);
+    let enough = screen.squares - WORTH * excess;
+    ends.retain(|(_, (_, found))| found.cost <= enough.min(floor + RIVAL * least + CLOSE * excess));
+    // Two starts mostly lead to one end.
+    let mut kept: Vec<(usize, f64)> = Vec::new();
+    ends.retain(|(of, (_, found))| {
+        let known = kept.iter().any(|(own, cost)| own == of && found.cost <= (1.0 + SAME) * cost);
+        kept.push((*of, found.cost));
+        !known
     });
-    (starts, fine.filter(|(_, found)| found.cost.is_finite()))
+    let middle = slowed(data, MIDDLE_HZ);
+    let middle: Vec<&Signals> = middle.iter().collect();
+    let mut fine = watch.each(&ends, |(of, (model, _))| {
+        let (model, _) = on(model, |m| sketch(&middle, m));
+        (*of, on(&model, |m| sketch(data, m)))
+    });
+    fine.retain(|(_, (_, found))| found.cost.is_finite());
+    fine.sort_by(|(_, (_, a)), (_, (_, b))| b.cost.total_cmp(&a.cost));
+    for (of, end) in fine {
+        ways[of].end = Some(end);
+    }
+    ways
+}
+
+/// A model where a descent from it ended.
+pub(super) fn on(model: &Model, to: impl Fn(&Model) -> Found) -> (Model, Found) {
+    let found = to(model);
+    let mut model = model.clone();
+    model.set_values(&found.p);
+    (model, found)
 }
 
 /// Fits a model from values near its best. The error of one with a coupling is rough at its finest: it is
@@ -63,40 +111,39 @@ pub fn coupled(whole: &Screen<'_>, id: Id) -> (Vec<Start>, Option<(Model, Found)
 /// As of [`crate::fit::fit`].
 pub fn converge(data: &[&Signals], model: &Model) -> Result<Fit> {
     let mut best = refine(data, model)?;
-    if !model.is_coupled() {
-        return settled(data, best, |model| refine(data, model));
-    }
-    for edges in [&[MIDDLE_HZ][..], &[COARSE_HZ, MIDDLE_HZ]] {
-        if best.rmse <= EXPLAINED * best.noise_floor {
-            break;
-        }
-        let mut model = best.model.clone();
-        for edge in edges {
-            let slow = slowed(data, *edge);
-            model = refine(&slow.iter().collect::<Vec<_>>(), &model)?.model;
-        }
-        let fit = refine(data, &model)?;
-        if fit.rmse < best.rmse {
-            best = fit;
-        }
+    if model.is_coupled() && (EXPLAINED..NEAR).contains(&(best.rmse / best.noise_floor)) {
+        let by_way_of = |edges: &[f64]| {
+            let mut model = best.model.clone();
+            for edge in edges {
+                let slow = slowed(data, *edge);
+                (model, _) = on(&model, |m| sketch(&slow.iter().collect::<Vec<_>>(), m));
+            }
+            refine(data, &model)
+        };
+        let (one, other) = std::thread::scope(|scope| {
+            let other = scope.spawn(|| by_way_of(&[COARSE_HZ, MIDDLE_HZ]));
+            (by_way_of(&[MIDDLE_HZ]), other.join())
+        });
+        let others = [Ok(one), other].into_iter().flatten().flatten();
+        best = others.fold(best, |best, fit| if fit.rmse < best.rmse { fit } else { best });
     }
     settled(data, best, |model| refine(data, model))
 }
 
-/// The beginnings of captures through the coarse filter.
-pub(super) fn beginnings(data: &[&Signals]) -> Vec<Signals> {
-    let beginnings: Vec<Signals> = data.iter().map(|signals| beginning(signals)).collect();
+/// The beginnings of captures, of so many samples at most, through the coarse filter.
+pub(super) fn beginnings(data: &[&Signals], most: usize) -> Vec<Signals> {
+    let beginnings: Vec<Signals> = data.iter().map(|signals| beginning(signals, most)).collect();
     slowed(&beginnings.iter().collect::<Vec<_>>(), COARSE_HZ)
 }
 
 /// The first samples of a capture: enough to find what is then followed through all of it.
-fn beginning(signals: &Signals) -> Signals {
-    let mut left = ENOUGH;
+fn beginning(signals: &Signals, most: usize) -> Signals {
+    let mut left = most;
     let mut segments = Vec::new();
     for segment in &signals.segments {
         let taken = segment.len().min(left);
         left -= taken;
-        if taken >= ENOUGH / 10 {
+        if taken >= most / 10 {
             segments.push(segment.start..segment.start + taken);
         }
     }

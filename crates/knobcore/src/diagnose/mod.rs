@@ -1,5 +1,6 @@
 //! Where a model fails, and which effect it lacks.
 
+mod beside;
 mod bins;
 mod candidates;
 mod coupled;

@@ -12,6 +12,7 @@ use crate::fit::add_products;
 use crate::model::{Model, Role};
 use crate::noise::Noise;
 use crate::random;
+use crate::signals::Signals;
 use nalgebra::{Cholesky, DMatrix, DVector};
 use std::collections::BTreeMap;
 
@@ -129,13 +130,12 @@ impl<'a> Chance<'a> {
         let mut chance = Self { screen, noises, rows: thinned.rows(), thinned, base: Vec::new() };
         let slots = screen.model.slots();
         let free: Vec<usize> = (0..slots.len()).filter(|&i| slots[i].role == Role::Free).collect();
-        chance.base = orthonormal(&chance.both(screen.model, &free), chance.rows);
+        chance.base = orthonormal(&chance.both(screen.data, screen.model, &free), chance.rows);
         chance
     }
 
     /// Derivative columns and what they become, one after the other, thinned.
-    fn both(&self, model: &Model, params: &[usize]) -> Vec<Vec<f64>> {
-        let data = self.screen.data;
+    fn both(&self, data: &[&Signals], model: &Model, params: &[usize]) -> Vec<Vec<f64>> {
         let mut columns = whole(data, model, params);
         let mut both: Vec<Vec<f64>> = columns.iter().map(|column| self.thinned.pick(data, column)).collect();
         // The filter runs forward and backward and so is its own transpose, up to its ends, which do not count.
@@ -159,7 +159,7 @@ impl<'a> Chance<'a> {
         let slots = start.model.slots();
         let own = |&i: &usize| slots[i].role == Role::Free && slots[i].effect == id;
         let (shown, own) = self.screen.shown(&start.model, (0..slots.len()).filter(own).collect());
-        let mut columns = self.both(&shown, &own);
+        let mut columns = self.both(&self.screen.seen_by(id, &start.model), &shown, &own);
         columns.iter_mut().for_each(|column| project(column, &self.base, self.rows));
         orthonormal(&columns, self.rows).into_iter().map(|mut both| both.split_off(self.rows)).collect()
     }

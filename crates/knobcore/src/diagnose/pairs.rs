@@ -19,6 +19,8 @@ const COARSE: usize = 6;
 const FINE: usize = 2;
 /// Starts of one pair among the first.
 const ALIKE: usize = 2;
+/// Samples of captures that the coarse search looks at.
+const ENOUGH: usize = 12_000;
 /// Starts of the other effect.
 const STARTS: usize = 2;
 
@@ -64,7 +66,7 @@ pub fn pairs(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_>) 
     let (couplings, others): (Vec<Id>, Vec<Id>) =
         effects.iter().partition(|id| id.info().place == Place::Coupling);
     let watch = Watch::new(tell, others.len() + LOOKED + 2 * COARSE + FINE);
-    let coarse = beginnings(data);
+    let coarse = beginnings(data, ENOUGH);
     let coarse: Vec<&Signals> = coarse.iter().collect();
     let rigid = Screen::new(&coarse, model, &watch);
     let starts = watch.each(&others, |companion| {

@@ -6,6 +6,7 @@
 
 use super::thinned::{Thinned, orthonormal, project, subtract};
 use super::watch::Watch;
+use crate::chain;
 use crate::effects::{Id, Place, Survey, Wave};
 use crate::fit::{dot, runs, waves, without_whole};
 use crate::model::{Model, Role};
@@ -31,6 +32,8 @@ pub struct Screen<'a> {
     pub coupled: bool,
     /// What loads the shaft, and not the knob, once a joint is between them.
     shaft: Vec<Id>,
+    /// The captures with the hidden knob's motion in place of the shaft's; none where they are one.
+    behind: Vec<Signals>,
     /// Who waits for it.
     pub watch: &'a Watch<'a>,
 }
@@ -63,6 +66,11 @@ impl<'a> Screen<'a> {
             squares,
             coupled,
             shaft: Vec::new(),
+            behind: if coupled {
+                data.iter().map(|signals| behind(signals, model)).collect()
+            } else {
+                Vec::new()
+            },
             watch,
         }
     }
@@ -101,6 +109,23 @@ impl<'a> Screen<'a> {
         let runs = runs(self.data);
         let models = starts.iter().filter_map(|start| start.model.apart(id, &runs));
         self.by_promise(id, models.collect())
+    }
+
+    /// The same starts before a joint and not behind it; none without one, or of what cannot be there.
+    pub fn at_shaft(&self, id: Id, starts: &[Start]) -> Vec<Start> {
+        if !self.coupled || !Model::may_be_at_shaft(id) {
+            return Vec::new();
+        }
+        let moved = |start: &Start| start.model.with_at_shaft(id).ok();
+        self.by_promise(id, starts.iter().filter_map(moved).collect())
+    }
+
+    /// The captures as an effect of a model sees them: with the motion of what it loads.
+    pub fn seen_by(&self, id: Id, model: &Model) -> Vec<&Signals> {
+        if self.behind.is_empty() || model.at_shaft(id) {
+            return self.data.to_vec();
+        }
+        self.behind.iter().collect()
     }
 
     /// Models with an effect as starts, most promising first.
@@ -176,7 +201,7 @@ impl<'a> Screen<'a> {
             })
             .collect();
         let (shown, own) = self.shown(model, own);
-        let (mut columns, residual, _) = self.thinned.columns(self.data, &shown, &own);
+        let (mut columns, residual, _) = self.thinned.columns(&self.seen_by(id, model), &shown, &own);
         let mut residual = if self.coupled { self.residual.clone() } else { residual };
         let rows = residual.len();
         project(&mut residual, &self.base, rows);
@@ -188,8 +213,8 @@ impl<'a> Screen<'a> {
         self.squares - dot(&self.residual, &self.residual) + dot(&residual, &residual)
     }
 
-    /// A model and some of its parameters as they are looked at: beside a coupling where the shaft is, as if it were
-    /// rigid, for the hidden motion is near, and takes a hundred times as long.
+    /// A model and some of its parameters as they are looked at: beside a coupling as if it were rigid, along the
+    /// motion of what they load. To simulate how a load moves the hidden knob takes a hundred times as long.
     pub fn shown(&self, model: &Model, mut params: Vec<usize>) -> (Model, Vec<usize>) {
         let mut shown = model.clone();
         if self.coupled {
@@ -202,6 +227,27 @@ impl<'a> Screen<'a> {
         }
         (shown, params)
     }
+}
+
+/// A capture with the motion of the hidden knob of a model, whose forward is that of its speed alone.
+fn behind(signals: &Signals, model: &Model) -> Signals {
+    let mut hidden = signals.clone();
+    let values = model.values();
+    let (p, _) = model.in_run(&signals.run, &values, &[]);
+    for segment in &signals.segments {
+        let motion = signals.motion_columns(segment.clone());
+        let Some([theta, omega, alpha]) =
+            chain::knob(model, &p, motion, 1.0 / signals.rate_hz, signals.substeps)
+        else {
+            continue;
+        };
+        let forward = omega.iter().map(|omega| if *omega == 0.0 { 0.5 } else { f64::from(*omega > 0.0) });
+        hidden.forward.splice(segment.clone(), forward);
+        hidden.theta[segment.clone()].copy_from_slice(&theta);
+        hidden.omega[segment.clone()].copy_from_slice(&omega);
+        hidden.alpha[segment.clone()].copy_from_slice(&alpha);
+    }
+    hidden
 }
 
 fn survey(data: &[&Signals], model: &Model) -> Survey {

@@ -1,0 +1,50 @@
+//! What is missing beside a coupling: a descent there takes a hundred times as long as beside a rigid shaft, so that of
+//! all starts of all effects only those are followed that the first step promises most of.
+
+use super::coupled::{Ways, on};
+use super::screen::{Screen, Start};
+use crate::effects::Id;
+use crate::fit::{Found, glance, sketch};
+use crate::model::Model;
+
+/// Starts that are looked at by a few steps, and those of them that are followed.
+const LOOKED: usize = 6;
+const FOLLOWED: usize = 3;
+/// A start must promise this share of what the best one does, and of the sum of squares.
+const RIVAL: f64 = 0.25;
+const WORTH: f64 = 0.005;
+
+/// Effects beside a screen's model that has a coupling, fitted where they may be what is missing: as loads of the knob, or
+/// of the shaft.
+pub fn beside(screen: &Screen<'_>, effects: &[Id]) -> Vec<Ways> {
+    let (data, watch) = (screen.data, screen.watch);
+    let mut started = watch.each(effects, |id| {
+        let starts = screen.starts(*id);
+        let before = screen.at_shaft(*id, &starts);
+        (*id, starts, before)
+    });
+    started.sort_by_key(|(id, ..)| *id);
+    let promise = |start: &Start| screen.squares - start.predicted;
+    let mut first: Vec<(usize, &Start)> = Vec::new();
+    for (of, (_, starts, before)) in started.iter().enumerate() {
+        first.extend([starts.first(), before.first()].into_iter().flatten().map(|start| (of, start)));
+    }
+    first.sort_by(|(_, a), (_, b)| a.predicted.total_cmp(&b.predicted));
+    let most = first.first().map_or(0.0, |(_, start)| promise(start));
+    let least = (RIVAL * most).max(WORTH * screen.squares);
+    first.retain(|(_, start)| promise(start) >= least);
+    first.truncate(LOOKED);
+    let mut looked: Vec<(usize, (Model, Found))> =
+        watch.each(&first, |(of, start)| (*of, on(&start.model, |model| glance(data, model))));
+    looked.sort_by(|(_, (_, a)), (_, (_, b))| a.cost.total_cmp(&b.cost));
+    looked.truncate(FOLLOWED);
+    let mut ends = watch.each(&looked, |(of, (model, _))| (*of, on(model, |model| sketch(data, model))));
+    // The best of each last, so that it stays.
+    ends.sort_by(|(_, (_, a)), (_, (_, b))| b.cost.total_cmp(&a.cost));
+    let mut ways: Vec<Ways> =
+        started.into_iter().map(|(id, starts, _)| Ways { id, starts, end: None }).collect();
+    for (of, end) in ends {
+        ways[of].end = Some(end);
+    }
+    ways
+}
