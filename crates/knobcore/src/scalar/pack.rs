@@ -12,7 +12,6 @@ pub const WIDE: usize = 8;
 
 /// Values of one quantity at as many consecutive samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[repr(align(32))]
 pub struct Packed<const L: usize>(pub [f64; L]);
 
 /// Samples that are differentiated side by side.
@@ -90,6 +89,7 @@ impl<const L: usize> Neg for Packed<L> {
 }
 
 impl<const L: usize> Scalar for Packed<L> {
+    const ZERO: Self = Self([0.0; L]);
     #[inline(always)]
     fn of(x: f64) -> Self {
         Self([x; L])
@@ -127,6 +127,15 @@ impl<const L: usize> Scalar for Packed<L> {
         let mut out = [0.0; L];
         for i in 0..L {
             out[i] = if self.0[i] > 0.0 { yes.0[i] } else { no.0[i] };
+        }
+        Self(out)
+    }
+
+    #[inline(always)]
+    fn where_above(self, other: Self, yes: Self, no: Self) -> Self {
+        let mut out = [0.0; L];
+        for i in 0..L {
+            out[i] = if self.0[i] > other.0[i] { yes.0[i] } else { no.0[i] };
         }
         Self(out)
     }

@@ -1,10 +1,10 @@
 //! A block of samples in which loads come together, channel by channel, and in which friction is then spent.
 
 use super::gradient::Gradient;
-use crate::effects::{LoadEffect, MemoryEffect};
+use crate::effects::LoadEffect;
 use crate::isa;
 use crate::motion::{Channel, Load, Motion, Touched};
-use crate::scalar::{Dual, LANES, Pack, Packed, Scalar, WIDE, Wide};
+use crate::scalar::{Dual, Known, LANES, Pack, Packed, Scalar, WIDE, Wide};
 use pulp::NullaryFnOnce;
 use std::ops::Range;
 
@@ -98,7 +98,7 @@ impl<'a> Totals<'a> {
     }
 
     #[inline(always)]
-    fn join<const L: usize>(&mut self, at: usize, load: &Load<Packed<L>>, touches: Touched) {
+    pub(super) fn join<const L: usize>(&mut self, at: usize, load: &Load<Packed<L>>, touches: Touched) {
         if self.plain {
             self.joined::<PLAIN, L>(at, load, touches)
         } else {
@@ -134,25 +134,6 @@ impl<'a> Totals<'a> {
         for at in (0..self.block.len()).step_by(WIDE) {
             let load = E::load(&p, &self.motion(at));
             self.join(at, &load, const { Channel::among(E::TOUCHES) });
-        }
-    }
-
-    #[inline(always)]
-    pub(super) fn add_remembering<const N: usize, const M: usize, E: MemoryEffect<N, M>>(
-        &mut self,
-        p: &[f64],
-        state: &mut [f64],
-    ) {
-        let p: [f64; N] = super::take(p);
-        let Some(state) = state.first_chunk_mut::<M>() else { return };
-        for at in (0..self.block.len()).step_by(LANES) {
-            let motion: Motion<Pack> = self.motion(at);
-            let loads: [Load<f64>; LANES] =
-                std::array::from_fn(|lane| E::load(&p, state, &motion.map(|x| x.0[lane])));
-            let own: [[f64; CHANNELS]; LANES] = loads.map(|load| channels(&load));
-            let packs: [Pack; CHANNELS] =
-                std::array::from_fn(|c| Packed(std::array::from_fn(|lane| own[lane][c])));
-            self.join(at, &load_of(packs), const { Channel::among(E::TOUCHES) });
         }
     }
 
@@ -215,16 +196,10 @@ fn spend_by<const C: usize>(
     by: &mut Channels,
     at: usize,
 ) {
-    let mut seeds: [Dual<Pack, C>; CHANNELS] = [Dual::of(0.0); CHANNELS];
-    for (lane, (seed, pack)) in seeds.iter_mut().zip(packs).enumerate() {
-        seed.v = pack;
-        if lane < C {
-            seed.d[lane] = Pack::of(1.0);
-        }
-    }
-    let tau = load_of(seeds).sliding(&motion.map(Dual::constant));
-    tau.v.store(torque, at);
-    for (column, slope) in by.iter_mut().zip(tau.d) {
+    let seeds: [Dual<Known<Pack>, C>; CHANNELS] = Dual::seeds(packs.map(Known::any), 0);
+    let tau = load_of(seeds).sliding(&motion.map(|x| Dual::constant(Known::any(x))));
+    tau.v.x.store(torque, at);
+    for (column, slope) in by.iter_mut().zip(tau.slopes(|slope| slope.x)) {
         slope.store(column, at);
     }
 }
