@@ -10,7 +10,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 macro_rules! lane_by_lane {
     ($lanes:expr, $lane:ident => $work:block) => {
         lane_by_lane!(@ $lanes, $lane => $work, 0 1 2 3 4 5 6 7 8 9 10 11);
-        for $lane in 12..$lanes {
+        for $lane in (0..$lanes).skip(12) {
             $work
         }
     };

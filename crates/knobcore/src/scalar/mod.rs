@@ -46,7 +46,7 @@ pub trait Scalar:
         (self - other).where_positive(yes, no)
     }
 
-    /// self^y of a positive number.
+    /// self^y of a positive number; the square without a logarithm where no derivative by the exponent is asked for.
     #[inline(always)]
     fn powf(self, y: Self) -> Self {
         (self.ln() * y).exp()
@@ -91,6 +91,10 @@ impl Scalar for f64 {
     #[inline(always)]
     fn ln(self) -> Self {
         elementary::ln(self)
+    }
+    #[inline(always)]
+    fn powf(self, y: Self) -> Self {
+        if y == 2.0 { self * self } else { elementary::exp(elementary::ln(self) * y) }
     }
     #[inline(always)]
     fn where_positive(self, yes: Self, no: Self) -> Self {

@@ -42,6 +42,20 @@ impl<const L: usize> Packed<L> {
         }
     }
 
+    /// The pack that begins at `at` of packs side by side: a column that has no end to look for.
+    #[inline(always)]
+    pub fn of_packs(x: &[f64], at: usize) -> Self {
+        Self(x.as_chunks().0.get(at / L).copied().unwrap_or([0.0; L]))
+    }
+
+    /// Writes it as the pack that begins at `at` of packs side by side.
+    #[inline(always)]
+    pub fn into_packs(self, out: &mut [f64], at: usize) {
+        if let Some(pack) = out.as_chunks_mut().0.get_mut(at / L) {
+            *pack = self.0;
+        }
+    }
+
     #[inline(always)]
     fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
         let mut out = [0.0; L];
@@ -120,6 +134,11 @@ impl<const L: usize> Scalar for Packed<L> {
             out[i] = elementary::ln(self.0[i]);
         }
         Self(out)
+    }
+
+    #[inline(always)]
+    fn powf(self, y: Self) -> Self {
+        if y.0.iter().all(|y| *y == 2.0) { self * self } else { (self.ln() * y).exp() }
     }
 
     #[inline(always)]

@@ -10,6 +10,8 @@ use crate::scalar::{Dual, Known, LANES, Pack, Scalar, lane_by_lane};
 pub struct Gradient<'a> {
     pub(super) totals: Totals<'a>,
     pub(super) by: &'a mut Channels,
+    /// Derivatives by an effect's own parameters over the block, before they come to their columns.
+    pub(super) own: &'a mut Channels,
     pub(super) slopes: &'a mut [Vec<f64>],
 }
 
@@ -41,10 +43,10 @@ impl Gradient<'_> {
         let mut sums = Dual::<V, N>::ZERO;
         lane_by_lane!(C, channel => {
             if let (true, Some(own), Some(by)) = (touches[channel], own.get(channel), self.by.get(channel)) {
-                let mut by = Pack::load(by, at);
+                let mut by = Pack::of_packs(by, at);
                 if channel == SCALE {
                     // The derivative of a product by one of its factors.
-                    by = by * Pack::load(&self.totals.channels[SCALE], at) / own.v.pack();
+                    by = by * Pack::of_packs(&self.totals.channels[SCALE], at) / own.v.pack();
                 }
                 sums = sums + *own * Dual::constant(V::of_pack(by));
             }
@@ -80,7 +82,28 @@ impl Gradient<'_> {
         for at in (0..self.totals.block.len()).step_by(LANES) {
             let motion = self.totals.motion(at).map(|x| Dual::constant(V::of_pack(x)));
             let slopes = self.through(at, &E::load(&p, &motion), const { Channel::among(E::TOUCHES) });
-            self.add(columns, at, &slopes);
+            lane_by_lane!(L, lane => {
+                self.put(lane, at, slopes[lane]);
+            });
+        }
+        self.add(columns, L);
+    }
+
+    /// Derivatives by the parameter at `place` over a pack of samples.
+    #[inline(always)]
+    pub(super) fn put(&mut self, place: usize, at: usize, slope: Pack) {
+        if let Some(own) = self.own.get_mut(place) {
+            slope.into_packs(own, at);
+        }
+    }
+
+    /// Adds what was put at the first places to these columns.
+    #[inline(always)]
+    pub(super) fn add(&mut self, columns: &[Option<usize>], places: usize) {
+        for (column, own) in columns.iter().zip(self.own.iter().take(places)) {
+            if let Some(column) = column.and_then(|c| self.slopes.get_mut(c)) {
+                column[self.totals.block.clone()].iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+            }
         }
     }
 
@@ -101,17 +124,6 @@ impl Gradient<'_> {
             let Some(column) = self.slopes.get_mut(column) else { continue };
             for (i, at) in block.clone().enumerate() {
                 column[at] += weight(i) * own[at];
-            }
-        }
-    }
-
-    #[inline(always)]
-    pub(super) fn add(&mut self, columns: &[Option<usize>], at: usize, more: &[Pack]) {
-        let block = self.totals.block.clone();
-        for (column, slope) in columns.iter().zip(more) {
-            if let Some(column) = column.and_then(|c| self.slopes.get_mut(c)) {
-                let column = &mut column[block.clone()];
-                (Pack::load(column, at) + *slope).store(column, at);
             }
         }
     }

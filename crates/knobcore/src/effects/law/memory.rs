@@ -64,6 +64,8 @@ fn follow<const R: usize, const N: usize, const S: usize, const M: usize, E: Mem
     kept: &mut [f64],
     theta: &[f64],
 ) {
+    // More elements than lanes do not compile.
+    let _ = const { WIDE - M };
     let Some((before, rows)) = kept.split_first_chunk_mut::<BEFORE>() else { return };
     let (last, trace) = rows.split_at_mut(row(R));
     let shared: [Dual<Known<Wide>, R>; S] = seeded(p, 0);
@@ -149,7 +151,6 @@ impl Gradient<'_> {
         kept: &[f64],
     ) {
         let (p, trace): ([f64; N], _) = (take(p), trace::<S>(kept));
-        let (of_all, of_each) = columns.split_at_checked(S).unwrap_or_default();
         for at in (0..self.totals.block.len()).step_by(LANES) {
             let motion = self.totals.motion(at).map(|x| Dual::constant(Known::any(x)));
             let mut shared = [Pack::of(0.0); S];
@@ -159,12 +160,15 @@ impl Gradient<'_> {
                 let [own, z]: [Dual<_, 2>; 2] = Dual::seeds(values, 0);
                 let load = E::load(own, z, &motion);
                 let [by_own, by_z] = self.through(at, &load, const { Channel::among(E::TOUCHES) });
-                self.add(of_each.get(i..=i).unwrap_or(&[]), at, &[by_own]);
+                self.put(S + i, at, by_own);
                 for (s, sum) in shared.iter_mut().enumerate() {
                     *sum = *sum + by_z * across::<S>(trace, at, WIDE * (1 + s) + i);
                 }
             }
-            self.add(of_all, at, &shared);
+            for (s, sum) in shared.into_iter().enumerate() {
+                self.put(s, at, sum);
+            }
         }
+        self.add(columns, N);
     }
 }
