@@ -56,16 +56,16 @@ impl<T: Scalar> Motion<T> {
 }
 
 impl<const L: usize> Motion<Packed<L>> {
-    /// A pack of samples of columns (t, theta, omega, alpha, forward) from `at` on. Written out: mapped over an array it is
-    /// a call, which loads also what an effect does not look at.
+    /// A pack of samples of columns (t, theta, omega, alpha, forward) of packs side by side. Written out: mapped over an
+    /// array it is a call, which loads also what an effect does not look at.
     #[inline(always)]
     pub fn over([t, theta, omega, alpha, forward]: &[&[f64]; 5], at: usize) -> Self {
         Self {
-            t: Packed::load(t, at),
-            theta: Packed::load(theta, at),
-            omega: Packed::load(omega, at),
-            alpha: Packed::load(alpha, at),
-            forward: Packed::load(forward, at),
+            t: Packed::of_packs(t, at),
+            theta: Packed::of_packs(theta, at),
+            omega: Packed::of_packs(omega, at),
+            alpha: Packed::of_packs(alpha, at),
+            forward: Packed::of_packs(forward, at),
         }
     }
 }
@@ -81,20 +81,20 @@ pub enum Channel {
     Back,
     /// `resist`, forward.
     Forth,
+    /// `friction_scale`.
+    FrictionScale,
+    /// `hysteresis`.
+    Hysteresis,
     /// `normal_load`.
     NormalLoad,
     /// `position_load`.
     PositionLoad,
-    /// `friction_scale`.
-    FrictionScale,
     /// `mu`.
     Mu,
     /// `position_share`.
     PositionShare,
     /// `inertia_share`.
     InertiaShare,
-    /// `hysteresis`.
-    Hysteresis,
     /// `hold` and `band`: only a knob at rest feels them.
     Stick,
 }
@@ -103,19 +103,20 @@ pub enum Channel {
 pub type Touched = [bool; Channel::ALL.len()];
 
 impl Channel {
-    /// Every channel. The first four suffice where nothing shapes the friction; the last one no moving knob feels.
+    /// Every channel. The first four suffice where nothing shapes the friction, the first six where
+    /// none of it grows with a load; the last one no moving knob feels.
     pub const ALL: &'static [Self] = &[
         Self::Drive,
         Self::Inertia,
         Self::Back,
         Self::Forth,
+        Self::FrictionScale,
+        Self::Hysteresis,
         Self::NormalLoad,
         Self::PositionLoad,
-        Self::FrictionScale,
         Self::Mu,
         Self::PositionShare,
         Self::InertiaShare,
-        Self::Hysteresis,
         Self::Stick,
     ];
 

@@ -52,6 +52,11 @@ impl Columns {
         }
     }
 
+    /// The torque and the derivative columns, to keep.
+    pub fn into_all(self) -> Vec<Vec<f64>> {
+        self.data
+    }
+
     fn clear(&mut self, columns: usize, rows: usize) {
         self.data.resize_with(columns, Vec::new);
         for column in &mut self.data {

@@ -12,6 +12,7 @@ use knobcore::param::{Axis, Given, Param};
 use knobcore::predict::{Columns, Seeds, raw};
 
 use knobcore::{model_file, predict};
+use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -227,8 +228,9 @@ impl PyModel {
             let seeds = Seeds::of(&self.0, &free);
             raw(&self.0, &self.0.values(), &seeds, signals, 0..signals.t.len(), &mut columns);
         })?;
-        let (torque, slopes) = columns.split();
-        Ok((array(py, torque), slopes.iter().map(|column| array(py, column)).collect()))
+        let mut columns = columns.into_all().into_iter().map(|column| PyArray1::from_vec(py, column));
+        let torque = columns.next().unwrap_or_else(|| array(py, &[]));
+        Ok((torque, columns.collect()))
     }
 }
 

@@ -6,7 +6,7 @@ use super::step::{Renderer, Sensed};
 use knobcore::chain::Block;
 use knobcore::isa;
 use knobcore::motion::Motion;
-use knobcore::scalar::LANES;
+use knobcore::scalar::{LANES, Pack, Scalar};
 
 /// Columns of a motion: angle, speed, acceleration, and the torque of the hand where it is measured.
 #[derive(Clone, Copy)]
@@ -117,33 +117,41 @@ impl Renderer {
     fn slide_through(&self, columns: &Columns<'_>, at: usize, ahead: &mut Ahead, out: &mut [f64]) {
         let n = out.len().min(Block::SAMPLES);
         let [theta, omega, alpha] = columns.motion.map(|column| &column[at..at + n]);
-        let Ahead { motion: [_, _, forward], before, moving, resting, asked, ways } = ahead;
-        let [inertia, damping] = self.tuning.own;
-        let (limit, fastest) = (self.limits.torque, self.limits.speed);
-        let most = fastest * self.dt;
+        let Ahead { motion: [_, _, forward], before, moving, resting, asked: [asked, inertias], ways } =
+            ahead;
+        for at in (0..n).step_by(LANES) {
+            let load = moving.load(at);
+            let zero = Pack::of(0.0);
+            // Written out: mapped over an array it is a call.
+            let (omega, alpha) = (Pack::load(omega, at), Pack::load(alpha, at));
+            let motion = Motion { t: zero, theta: zero, omega, alpha, forward: Pack::of_packs(forward, at) };
+            let drive =
+                if self.guarded { braked(&load, &motion, resting.load(at).drive) } else { load.drive };
+            (drive + load.friction(motion.forward, alpha)).into_packs(asked, at);
+            load.inertia.into_packs(inertias, at);
+        }
         // No branch within: every sample goes through this.
+        let [inertia, damping] = self.tuning.own;
+        let limit = self.limits.torque;
+        let (asked, inertias, before, ways) = (&asked[..n], &inertias[..n], &before[..n], &mut ways[..n]);
         for i in 0..n {
-            let load = moving.load(i);
-            let drive = if self.guarded {
-                let motion =
-                    Motion { t: 0.0, theta: 0.0, omega: omega[i], alpha: alpha[i], forward: forward[i] };
-                braked(&load, &motion, resting.load(i).drive)
-            } else {
-                load.drive
-            };
-            let torque = drive + load.friction(forward[i], alpha[i]);
-            (asked[0][i], asked[1][i]) = (torque, load.inertia);
-            let tau = torque + (load.inertia + inertia) * alpha[i] + damping * omega[i];
+            out[i] = asked[i] + (inertias[i] + inertia) * alpha[i] + damping * omega[i];
+        }
+        let fastest = self.limits.speed;
+        let most = fastest * self.dt;
+        for i in 0..n {
             let by = theta[i] - before[i];
             // What is not finite fails.
             let sane = (by.abs() <= most) & (omega[i].abs() <= fastest);
-            let sane = sane & (alpha[i].abs() < f64::INFINITY) & (tau.abs() < f64::INFINITY);
+            let sane = sane & (alpha[i].abs() < f64::INFINITY) & (out[i].abs() < f64::INFINITY);
             let forth = (by >= 0.0) & (omega[i] > 0.0) & sane;
             let back = (by <= 0.0) & (omega[i] < 0.0) & sane;
             let way = if forth { 1.0 } else { 0.0 };
             ways[i] = if back { -1.0 } else { way };
-            let cut = if tau < -limit { -limit } else { tau };
-            out[i] = if cut > limit { limit } else { cut };
+        }
+        for tau in out.iter_mut() {
+            let cut = if *tau < -limit { -limit } else { *tau };
+            *tau = if cut > limit { limit } else { cut };
         }
         if let Some(hand) = columns.hand {
             // A hand that is NaN is not known.

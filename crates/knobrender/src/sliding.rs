@@ -2,6 +2,7 @@
 
 use knobcore::model::Model;
 use knobcore::motion::{Load, Motion};
+use knobcore::scalar::Scalar;
 
 /// Torque and inertia of a sliding knob.
 #[derive(Debug, Clone, Copy)]
@@ -44,7 +45,7 @@ pub(super) fn at_rest(motion: &Motion<f64>) -> Motion<f64> {
 /// The torque that pushes, cut where what depends on the motion would push along with it by more than dry
 /// friction takes: a negative viscous coefficient (knobs 1 to 3 of the paper) would else create energy.
 #[inline(always)]
-pub(super) fn braked(load: &Load<f64>, motion: &Motion<f64>, rest: f64) -> f64 {
+pub(super) fn braked<T: Scalar>(load: &Load<T>, motion: &Motion<T>, rest: T) -> T {
     let (sign, dry) = (motion.direction(), load.dry(motion.forward, motion.alpha));
-    if sign * (load.drive - rest) + dry > 0.0 { load.drive } else { rest - sign * dry }
+    (sign * (load.drive - rest) + dry).where_positive(load.drive, rest - sign * dry)
 }

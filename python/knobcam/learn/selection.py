@@ -173,7 +173,8 @@ def retested(fit: Fit, tested: Collection[str]) -> tuple[Fit, tuple[str, ...]]:
     for effect in tested:
         if effect not in fit.model.effects:
             continue  # it went before, or with another that it changed
-        bare = drop(fit, effect)
+        # What an effect did, a joint has to be fitted anew to do.
+        bare = converged(drop(fit, effect))
         if unpaid(fit, bare) or fit.rmse**2 >= (1.0 - _WORTH) * bare.rmse**2:
             fit = bare
             dropped.append(effect)

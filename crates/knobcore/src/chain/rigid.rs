@@ -11,21 +11,18 @@ use crate::model::Part;
 pub(super) fn loads(parts: &[Part<'_>], over: &mut Response<'_>) {
     let plain = !parts.iter().any(|(id, ..)| id.info().shapes_friction);
     let samples = over.torque.len();
-    let kept = |(id, p, columns): &Part<'_>, slopes| id.law().kept(p, columns, over.motion, slopes);
-    let mut valued: Vec<Vec<f64>> = parts.iter().map(|part| kept(part, 0)).collect();
-    let mut sloped: Vec<Vec<f64>> = Vec::new();
-    if !over.slopes.is_empty() {
-        sloped.extend(parts.iter().map(|part| kept(part, part.1.len())));
-    }
-    let (mut channels, mut by) = ([[0.0; BLOCK]; CHANNELS], [[0.0; BLOCK]; CHANNELS]);
+    let mut kept: Vec<Vec<f64>> =
+        parts.iter().map(|(id, p, columns)| id.law().kept(p, columns, over.motion)).collect();
+    let (mut channels, mut spent) = ([[0.0; BLOCK]; CHANNELS], [[[0.0; BLOCK]; CHANNELS]; 2]);
+    let mut end = [[0.0; BLOCK]; 5];
     for start in (0..samples).step_by(BLOCK) {
         let block = start..(start + BLOCK).min(samples);
-        let mut totals = Totals::new(over.motion, block, plain, &mut channels);
-        for ((id, p, _), kept) in parts.iter().zip(&mut valued) {
+        let mut totals = Totals::new(over.motion, block, plain, &mut channels, &mut end);
+        for ((id, p, _), kept) in parts.iter().zip(&mut kept) {
             id.law().total(p, kept, &mut totals);
         }
-        let mut gradient = totals.spend(over.torque, over.slopes, &mut by);
-        for ((id, p, columns), kept) in parts.iter().zip(&mut sloped) {
+        let mut gradient = totals.spend(over.torque, over.slopes, &mut spent);
+        for ((id, p, columns), kept) in parts.iter().zip(&mut kept) {
             id.law().slopes(p, columns, kept, &mut gradient);
         }
     }

@@ -68,9 +68,7 @@ pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_
     let explained = left <= EXPLAINED * floor.squares || most;
     // Who asks for couplings alone wants to know.
     if quick.is_empty() || left.is_nan() || floor.squares.is_nan() || !explained {
-        let best = found.iter().max_by(|(a, _), (b, _)| a.gain.total_cmp(&b.gain));
-        let rival = best.and_then(|(best, _)| best.fit.as_ref()).map(|fit| fit.model.clone());
-        for Ways { id, starts, end } in coupled(&screen, &slow, rival.as_ref()) {
+        for Ways { id, starts, end } in coupled(&screen, &slow) {
             watch.step();
             found.push((candidate(&screen, id, &starts, end, white), starts));
         }

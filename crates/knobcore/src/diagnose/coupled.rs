@@ -43,8 +43,8 @@ pub struct Ways {
 }
 
 /// Couplings beside a screen's model, fitted from coarse to fine. What explains much less of it through the coarse
-/// filter than another coupling does, or than the `rival` that was fitted, is not followed further.
-pub fn coupled(whole: &Screen<'_>, couplings: &[Id], rival: Option<&Model>) -> Vec<Ways> {
+/// filter than another does is not followed further.
+pub fn coupled(whole: &Screen<'_>, couplings: &[Id]) -> Vec<Ways> {
     let (data, base, watch) = (whole.data, whole.model, whole.watch);
     let coarse = beginnings(data, ENOUGH);
     let coarse: Vec<&Signals> = coarse.iter().collect();
@@ -67,12 +67,10 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], rival: Option<&Model>) -> V
     let few: Vec<&(usize, (Model, Found))> = (0..ways.len()).flat_map(few).collect();
     let mut ends = watch.each(&few, |(of, (model, _))| (*of, on(model, |m| sketch(&coarse, m))));
     ends.sort_by(|(_, (_, a)), (_, (_, b))| a.cost.total_cmp(&b.cost));
-    let others = rival.map(|model| sketch(&coarse, model));
     let floor = Floor::of(&coarse, base).squares;
     // Without a floor nothing can be said to be too little.
     let (floor, excess) = if floor.is_nan() { (0.0, 0.0) } else { (floor, screen.squares - floor) };
-    let least = ends.iter().map(|(_, (_, found))| found).chain(&others).map(|found| found.cost);
-    let least = (least.fold(f64::INFINITY, f64::min) - floor).max(0.0);
+    let least = ends.first().map_or(0.0, |(_, (_, found))| (found.cost - floor).max(0.0));
     let enough = screen.squares - WORTH * excess;
     ends.retain(|(_, (_, found))| found.cost <= enough.min(floor + RIVAL * least + CLOSE * excess));
     // Two starts mostly lead to one end.

@@ -59,9 +59,15 @@ impl LoadEffect<9> for DetentHarmonics {
     #[inline(always)]
     fn load<T: Scalar>([a2, s2, a3, s3, a4, s4, a5, s5, p]: &[T; 9], motion: &Motion<T>) -> Load<T> {
         let x = motion.theta / *p;
-        let wave = |n: f64, a: &T, s: &T| *a * (T::of(n) * x + *s).sin_cos().0;
-        Load::detent(wave(2.0, a2, s2) + wave(3.0, a3, s3) + wave(4.0, a4, s4) + wave(5.0, a5, s5))
+        Load::detent(
+            wave(2.0, x, a2, s2) + wave(3.0, x, a3, s3) + wave(4.0, x, a4, s4) + wave(5.0, x, a5, s5),
+        )
     }
+}
+
+#[inline(always)]
+fn wave<T: Scalar>(n: f64, x: T, a: &T, s: &T) -> T {
+    *a * (T::of(n) * x + *s).sin_cos().0
 }
 
 #[cfg(test)]

@@ -87,15 +87,18 @@ impl Effect<6> for EndStop {
 impl LoadEffect<6> for EndStop {
     #[inline(always)]
     fn load<T: Scalar>([k_lo, lo, k_hi, hi, d, g]: &[T; 6], motion: &Motion<T>) -> Load<T> {
-        let (zero, one) = (T::of(0.0), T::of(1.0));
-        let pressed = |k: T, depth: T, rate: T| {
-            let force = k * depth * (one + *g * depth) + *d * rate;
-            k.where_positive(depth.where_positive(force.max(zero), zero), zero)
-        };
-        let above = pressed(*k_hi, motion.theta - *hi, motion.omega);
-        let below = pressed(*k_lo, *lo - motion.theta, -motion.omega);
+        let above = pressed([*k_hi, *d, *g], motion.theta - *hi, motion.omega);
+        let below = pressed([*k_lo, *d, *g], *lo - motion.theta, -motion.omega);
         Load::position(above - below)
     }
+}
+
+/// What a stop answers that is pressed in so far and so fast.
+#[inline(always)]
+fn pressed<T: Scalar>([k, d, g]: [T; 3], depth: T, rate: T) -> T {
+    let (zero, one) = (T::of(0.0), T::of(1.0));
+    let force = k * depth * (one + g * depth) + d * rate;
+    k.where_positive(depth.where_positive(force.max(zero), zero), zero)
 }
 
 #[cfg(test)]

@@ -162,10 +162,17 @@ pub trait LoadEffect<const N: usize>: Effect<N> {
     fn load<T: Scalar>(p: &[T; N], motion: &Motion<T>) -> Load<T>;
 }
 
-/// An effect that loads the knob and remembers where it has been; its state is `M` numbers, zero at first.
-pub trait MemoryEffect<const N: usize, const M: usize>: Effect<N> {
-    /// What it asks of the rig at one instant; call it once a sample, in order.
-    fn load<T: Scalar>(p: &[T; N], state: &mut [T; M], motion: &Motion<T>) -> Load<T>;
+/// An effect that loads the knob and remembers where it has been: `M` elements in parallel, of which each remembers one
+/// number, zero at first. The first `S` of its parameters belong to all of them, of the others each has one.
+pub trait MemoryEffect<const N: usize, const S: usize, const M: usize>: Effect<N> {
+    /// What tells one element from the other in what they remember.
+    const ELEMENTS: [f64; M];
+
+    /// What an element that remembered `z` remembers after the knob has turned `by` so much; called once a sample.
+    fn remember<T: Scalar>(shared: &[T; S], element: T, z: T, by: T) -> T;
+
+    /// What an element that remembers `z` asks of the rig.
+    fn load<T: Scalar>(own: T, z: T, motion: &Motion<T>) -> Load<T>;
 }
 
 /// An effect between the shaft, whose motion is measured, and the knob.
@@ -229,7 +236,7 @@ registry! {
         wavelet::Wavelet(33),
     }
     memories {
-        presliding::Presliding(7, 8),
+        presliding::Presliding(7, 1, 6),
     }
     lates {
         actuation_delay::ActuationDelay(1),

@@ -93,22 +93,20 @@ impl Effect<7> for Presliding {
     }
 }
 
-/// The state: 1 after the first sample, the angle before, and z of each element.
-impl MemoryEffect<7, 8> for Presliding {
+/// Each element remembers z_i.
+impl MemoryEffect<7, 1, 6> for Presliding {
+    /// 2^(i-1).
+    const ELEMENTS: [f64; 6] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
+
     #[inline(always)]
-    fn load<T: Scalar>(p: &[T; 7], state: &mut [T; 8], motion: &Motion<T>) -> Load<T> {
-        let [s, shares @ ..] = p;
-        let [running, before, z @ ..] = state;
-        let moved = *running * (motion.theta - *before) / *s;
-        (*running, *before) = (T::of(1.0), motion.theta);
-        let (one, sign) = (T::of(1.0), motion.direction());
-        let (mut hysteresis, mut finer) = (T::of(0.0), one);
-        for (z, share) in z.iter_mut().zip(shares) {
-            *z = (*z + moved * finer).min(one).max(-one);
-            hysteresis = hysteresis + *share * (*z - sign);
-            finer = finer + finer;
-        }
-        Load { hysteresis, ..Load::none() }
+    fn remember<T: Scalar>([s]: &[T; 1], element: T, z: T, by: T) -> T {
+        let one = T::of(1.0);
+        (z + by * (element / *s)).min(one).max(-one)
+    }
+
+    #[inline(always)]
+    fn load<T: Scalar>(share: T, z: T, motion: &Motion<T>) -> Load<T> {
+        Load { hysteresis: share * (z - motion.direction()), ..Load::none() }
     }
 }
 
@@ -118,14 +116,16 @@ mod tests {
 
     /// Friction of unit Coulomb level along a path.
     fn friction(path: &[f64]) -> Vec<f64> {
-        let mut state = [0.0; 8];
+        let law = Id::Presliding.law();
+        let mut state = vec![0.0; law.states()];
         let mut before = path[0];
         path.iter()
             .map(|theta| {
                 let motion = Motion::exact(0.0, *theta, theta - before, 0.0);
                 before = *theta;
-                let load = Presliding::load(&[0.1, 0.5, 0.3, 0.0, 0.0, 0.0, 0.2], &mut state, &motion);
-                Load { resist: [1.0, 1.0], ..load }.friction(motion.forward, 0.0)
+                let mut load = Load { resist: [1.0, 1.0], ..Load::none() };
+                law.load(&[0.1, 0.5, 0.3, 0.0, 0.0, 0.0, 0.2], &mut state, &motion, &mut load);
+                load.friction(motion.forward, 0.0)
             })
             .collect()
     }

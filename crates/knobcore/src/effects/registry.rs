@@ -109,12 +109,12 @@ pub(super) const fn lanes(params: usize) -> usize {
 }
 
 /// Generates [`Id`] and the modules of the effects from one line each, `module::Name(number of parameters)`; an
-/// effect with memory adds the size of its state.
+/// effect with memory adds how many of them its elements share, and how many elements it has.
 macro_rules! registry {
     (
         couplings { $($jmod:ident::$joint:ident($jn:literal)),* $(,)? }
         loads { $($lmod:ident::$load:ident($ln:literal)),* $(,)? }
-        memories { $($mmod:ident::$memory:ident($mn:literal, $ms:literal)),* $(,)? }
+        memories { $($mmod:ident::$memory:ident($mn:literal, $ms:literal, $mm:literal)),* $(,)? }
         lates { $($tmod:ident::$late:ident($tn:literal)),* $(,)? }
         sensors { $($smod:ident::$sensor:ident($sn:literal)),* $(,)? }
     ) => {
@@ -146,7 +146,7 @@ macro_rules! registry {
                 match self {
                     $(Self::$joint => &Couples::<$joint, $jn>(PhantomData),)*
                     $(Self::$load => &Loads::<$load, $ln, { lanes($ln) }>(PhantomData),)*
-                    $(Self::$memory => &Remembers::<$memory, $mn, $ms>(PhantomData),)*
+                    $(Self::$memory => &Remembers::<$memory, $mn, $ms, $mm>(PhantomData),)*
                     $(Self::$late => &Delays::<$late, $tn>(PhantomData),)*
                     $(Self::$sensor => &Senses::<$sensor, $sn, { $sn + 1 }>(PhantomData),)*
                     Self::User(user) => user,

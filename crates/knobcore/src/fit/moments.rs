@@ -142,9 +142,9 @@ fn inner_of_four(a: &[f64], others: [&[f64]; 4]) -> [f64; 4] {
     let mut sums = [Pack::of(0.0); 4];
     let whole = a.len() - a.len() % LANES;
     for at in (0..whole).step_by(LANES) {
-        let x = Pack::load(a, at);
+        let x = Pack::of_packs(a, at);
         for i in 0..4 {
-            sums[i] = sums[i] + x * Pack::load(others[i], at);
+            sums[i] = sums[i] + x * Pack::of_packs(others[i], at);
         }
     }
     let mut out = [0.0; 4];
@@ -159,8 +159,8 @@ fn inner_of_four(a: &[f64], others: [&[f64]; 4]) -> [f64; 4] {
 fn inner(a: &[f64], b: &[f64]) -> f64 {
     let (mut first, mut second) = (Pack::of(0.0), Pack::of(0.0));
     for (x, y) in a.chunks_exact(2 * LANES).zip(b.chunks_exact(2 * LANES)) {
-        first = first + Pack::load(x, 0) * Pack::load(y, 0);
-        second = second + Pack::load(x, LANES) * Pack::load(y, LANES);
+        first = first + Pack::of_packs(x, 0) * Pack::of_packs(y, 0);
+        second = second + Pack::of_packs(x, LANES) * Pack::of_packs(y, LANES);
     }
     let done = a.len() - a.len() % (2 * LANES);
     let tail: f64 = a[done..].iter().zip(&b[done..]).map(|(x, y)| x * y).sum();

@@ -5,6 +5,25 @@
 use super::Scalar;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+/// Work for each of a number of lanes. The first twelve are written out: in a loop it is not known at compile time which
+/// of them vanish.
+macro_rules! lane_by_lane {
+    ($lanes:expr, $lane:ident => $work:block) => {
+        lane_by_lane!(@ $lanes, $lane => $work, 0 1 2 3 4 5 6 7 8 9 10 11);
+        for $lane in (0..$lanes).skip(12) {
+            $work
+        }
+    };
+    (@ $lanes:expr, $lane:ident => $work:block, $($at:literal)*) => {
+        $(if $lanes > $at {
+            let $lane: usize = $at;
+            $work
+        })*
+    };
+}
+
+pub(crate) use lane_by_lane;
+
 /// `v + sum_i d[i] eps_i`, with every `eps_i eps_j = 0`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dual<V, const L: usize> {
@@ -18,7 +37,7 @@ impl<V: Scalar, const L: usize> Dual<V, L> {
     /// A constant: no derivative.
     #[inline(always)]
     pub fn constant(v: V) -> Self {
-        Self { v, d: [V::of(0.0); L] }
+        Self { v, d: [V::ZERO; L] }
     }
 
     /// The parameter that lane `lane` differentiates by.
@@ -31,6 +50,29 @@ impl<V: Scalar, const L: usize> Dual<V, L> {
         x
     }
 
+    /// Parameters, of which those from `first` on are differentiated by, one lane each.
+    #[inline(always)]
+    pub fn seeds<const N: usize>(values: [V; N], first: usize) -> [Self; N] {
+        let mut seeds = [Self::ZERO; N];
+        lane_by_lane!(N, i => {
+            seeds[i].v = values[i];
+            if i >= first && i - first < L {
+                seeds[i].d[i - first] = V::of(1.0);
+            }
+        });
+        seeds
+    }
+
+    /// Its derivatives as plain numbers, for those that do not know which lane is which.
+    #[inline(always)]
+    pub fn slopes<U: Scalar>(self, plain: impl Fn(V) -> U) -> [U; L] {
+        let mut slopes = [U::ZERO; L];
+        lane_by_lane!(L, lane => {
+            slopes[lane] = plain(self.d[lane]);
+        });
+        slopes
+    }
+
     /// Chain rule: value `v`, and `slope` times each derivative.
     #[inline(always)]
     fn chain(self, v: V, slope: V) -> Self {
@@ -40,9 +82,9 @@ impl<V: Scalar, const L: usize> Dual<V, L> {
     #[inline(always)]
     fn zip(self, o: Self, v: V, f: impl Fn(V, V) -> V) -> Self {
         let mut d = self.d;
-        for (d, other) in d.iter_mut().zip(o.d) {
-            *d = f(*d, other);
-        }
+        lane_by_lane!(L, lane => {
+            d[lane] = f(d[lane], o.d[lane]);
+        });
         Self { v, d }
     }
 }
@@ -86,6 +128,8 @@ impl<V: Scalar, const L: usize> Neg for Dual<V, L> {
 }
 
 impl<V: Scalar, const L: usize> Scalar for Dual<V, L> {
+    const ZERO: Self = Self { v: V::ZERO, d: [V::ZERO; L] };
+
     #[inline(always)]
     fn of(x: f64) -> Self {
         Self::constant(V::of(x))
@@ -117,6 +161,12 @@ impl<V: Scalar, const L: usize> Scalar for Dual<V, L> {
     #[inline(always)]
     fn value(self) -> f64 {
         self.v.value()
+    }
+
+    #[inline(always)]
+    fn where_above(self, o: Self, yes: Self, no: Self) -> Self {
+        let v = self.v.where_above(o.v, yes.v, no.v);
+        yes.zip(no, v, |a, b| self.v.where_above(o.v, a, b))
     }
 
     #[inline(always)]

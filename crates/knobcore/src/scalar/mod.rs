@@ -6,9 +6,12 @@
 
 mod dual;
 mod elementary;
+mod known;
 mod pack;
 
 pub use dual::Dual;
+pub(crate) use dual::lane_by_lane;
+pub use known::Known;
 pub use pack::{LANES, Pack, Packed, WIDE, Wide};
 
 use std::fmt::Debug;
@@ -24,6 +27,9 @@ pub trait Scalar:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
+    /// Zero, known to be where that can be: a derivative that vanishes. A constant: what a call gives would be written to
+    /// an array in a loop.
+    const ZERO: Self;
     /// The constant `x`, the same in every lane and without derivatives.
     fn of(x: f64) -> Self;
     /// (sin, cos), to about one unit in the last place for |x| < 1e6.
@@ -34,8 +40,13 @@ pub trait Scalar:
     fn ln(self) -> Self;
     /// `yes` in the lanes where `self` is positive, `no` in the others; derivatives follow the branch.
     fn where_positive(self, yes: Self, no: Self) -> Self;
+    /// `yes` in the lanes where `self` is greater than `other`, `no` in the others.
+    #[inline(always)]
+    fn where_above(self, other: Self, yes: Self, no: Self) -> Self {
+        (self - other).where_positive(yes, no)
+    }
 
-    /// self^y of a positive number.
+    /// self^y of a positive number; the square without a logarithm where no derivative by the exponent is asked for.
     #[inline(always)]
     fn powf(self, y: Self) -> Self {
         (self.ln() * y).exp()
@@ -56,17 +67,18 @@ pub trait Scalar:
     /// The smaller of the two.
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        (self - other).where_positive(other, self)
+        self.where_above(other, other, self)
     }
 
     /// The larger of the two.
     #[inline(always)]
     fn max(self, other: Self) -> Self {
-        (self - other).where_positive(self, other)
+        self.where_above(other, self, other)
     }
 }
 
 impl Scalar for f64 {
+    const ZERO: Self = 0.0;
     #[inline(always)]
     fn of(x: f64) -> Self {
         x
@@ -84,12 +96,20 @@ impl Scalar for f64 {
         elementary::ln(self)
     }
     #[inline(always)]
+    fn powf(self, y: Self) -> Self {
+        if y == 2.0 { self * self } else { elementary::exp(elementary::ln(self) * y) }
+    }
+    #[inline(always)]
     fn where_positive(self, yes: Self, no: Self) -> Self {
         if self > 0.0 { yes } else { no }
     }
     #[inline(always)]
     fn value(self) -> f64 {
         self
+    }
+    #[inline(always)]
+    fn where_above(self, other: Self, yes: Self, no: Self) -> Self {
+        if self > other { yes } else { no }
     }
     #[inline(always)]
     fn is_positive(self) -> bool {

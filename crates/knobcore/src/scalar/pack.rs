@@ -12,7 +12,6 @@ pub const WIDE: usize = 8;
 
 /// Values of one quantity at as many consecutive samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[repr(align(32))]
 pub struct Packed<const L: usize>(pub [f64; L]);
 
 /// Samples that are differentiated side by side.
@@ -40,6 +39,20 @@ impl<const L: usize> Packed<L> {
             for (slot, value) in out.iter_mut().skip(at).zip(self.0) {
                 *slot = value;
             }
+        }
+    }
+
+    /// The pack that begins at `at` of packs side by side: a column that has no end to look for.
+    #[inline(always)]
+    pub fn of_packs(x: &[f64], at: usize) -> Self {
+        Self(x.as_chunks().0.get(at / L).copied().unwrap_or([0.0; L]))
+    }
+
+    /// Writes it as the pack that begins at `at` of packs side by side.
+    #[inline(always)]
+    pub fn into_packs(self, out: &mut [f64], at: usize) {
+        if let Some(pack) = out.as_chunks_mut().0.get_mut(at / L) {
+            *pack = self.0;
         }
     }
 
@@ -90,6 +103,7 @@ impl<const L: usize> Neg for Packed<L> {
 }
 
 impl<const L: usize> Scalar for Packed<L> {
+    const ZERO: Self = Self([0.0; L]);
     #[inline(always)]
     fn of(x: f64) -> Self {
         Self([x; L])
@@ -123,6 +137,11 @@ impl<const L: usize> Scalar for Packed<L> {
     }
 
     #[inline(always)]
+    fn powf(self, y: Self) -> Self {
+        if y.0.iter().all(|y| *y == 2.0) { self * self } else { (self.ln() * y).exp() }
+    }
+
+    #[inline(always)]
     fn where_positive(self, yes: Self, no: Self) -> Self {
         let mut out = [0.0; L];
         for i in 0..L {
@@ -134,6 +153,15 @@ impl<const L: usize> Scalar for Packed<L> {
     #[inline(always)]
     fn value(self) -> f64 {
         self.0[0]
+    }
+
+    #[inline(always)]
+    fn where_above(self, other: Self, yes: Self, no: Self) -> Self {
+        let mut out = [0.0; L];
+        for i in 0..L {
+            out[i] = if self.0[i] > other.0[i] { yes.0[i] } else { no.0[i] };
+        }
+        Self(out)
     }
 
     #[inline]

@@ -101,13 +101,13 @@ fn a_load_touches_no_channel_that_it_does_not_name() {
             load.inertia,
             back,
             forth,
+            load.friction_scale,
+            load.hysteresis,
             load.normal_load,
             load.position_load,
-            load.friction_scale,
             load.mu,
             load.position_share,
             load.inertia_share,
-            load.hysteresis,
             held,
         ]
     };

@@ -1,20 +1,22 @@
 //! A block of samples in which loads come together, channel by channel, and in which friction is then spent.
 
 use super::gradient::Gradient;
-use crate::effects::{LoadEffect, MemoryEffect};
+use crate::effects::LoadEffect;
 use crate::isa;
 use crate::motion::{Channel, Load, Motion, Touched};
-use crate::scalar::{Dual, LANES, Pack, Packed, Scalar, WIDE, Wide};
+use crate::scalar::{Dual, Known, LANES, Pack, Packed, Scalar, WIDE, Wide, lane_by_lane};
 use pulp::NullaryFnOnce;
 use std::ops::Range;
 
 /// Samples that are evaluated at a time: their channels stay in the first cache.
 pub(crate) const BLOCK: usize = 256;
-/// Channels of a load that a moving knob feels: drive, inertia, dry friction backward and forward; normal load, load
-/// by position, friction scale, friction per load, shares of position and of inertia in the load, hysteresis.
+/// Channels of a load that a moving knob feels: drive, inertia, dry friction backward and forward; friction scale,
+/// hysteresis; normal load, load by position, friction per load, shares of position and of inertia in the load.
 pub(crate) const CHANNELS: usize = Channel::Stick as usize;
 /// The first of them, which suffice where nothing shapes the friction.
-pub(crate) const PLAIN: usize = Channel::NormalLoad as usize;
+pub(crate) const PLAIN: usize = Channel::FrictionScale as usize;
+/// Those that suffice where no friction grows with a load.
+const SHAPED: usize = Channel::NormalLoad as usize;
 /// The channel that multiplies.
 pub(crate) const SCALE: usize = Channel::FrictionScale as usize;
 
@@ -26,13 +28,13 @@ pub(super) fn channels<T: Scalar>(load: &Load<T>) -> [T; CHANNELS] {
         load.inertia,
         back,
         forth,
+        load.friction_scale,
+        load.hysteresis,
         load.normal_load,
         load.position_load,
-        load.friction_scale,
         load.mu,
         load.position_share,
         load.inertia_share,
-        load.hysteresis,
     ]
 }
 
@@ -43,13 +45,13 @@ pub(crate) fn load_of<T: Scalar>(
         inertia,
         back,
         forth,
+        friction_scale,
+        hysteresis,
         normal_load,
         position_load,
-        friction_scale,
         mu,
         position_share,
         inertia_share,
-        hysteresis,
     ]: [T; CHANNELS],
 ) -> Load<T> {
     Load {
@@ -69,14 +71,31 @@ pub(crate) fn load_of<T: Scalar>(
 
 /// A block of every channel.
 pub(crate) type Channels = [[f64; BLOCK]; CHANNELS];
+/// A block of every column of a motion.
+pub(crate) type Motions = [[f64; BLOCK]; 5];
+
+/// Columns over a block, filled up with their last sample so that they are packs side by side.
+pub(super) fn filled<'a>(columns: [&'a [f64]; 5], end: &'a mut Motions) -> [&'a [f64]; 5] {
+    if columns[0].len() == BLOCK {
+        return columns;
+    }
+    for (end, column) in end.iter_mut().zip(columns) {
+        end.fill(column.last().copied().unwrap_or(0.0));
+        end.iter_mut().zip(column).for_each(|(x, value)| *x = *value);
+    }
+    std::array::from_fn(|i| end[i].as_slice())
+}
 
 /// The loads over a block, coming together.
 pub struct Totals<'a> {
     pub(super) whole: [&'a [f64]; 5],
+    /// Packs side by side.
     pub(super) motion: [&'a [f64]; 5],
     pub(super) block: Range<usize>,
     pub(super) channels: &'a mut Channels,
     pub(super) plain: bool,
+    /// Whether friction may grow with a load.
+    by_load: bool,
 }
 
 impl<'a> Totals<'a> {
@@ -86,6 +105,7 @@ impl<'a> Totals<'a> {
         block: Range<usize>,
         plain: bool,
         channels: &'a mut Channels,
+        end: &'a mut Motions,
     ) -> Self {
         for (channel, column) in channels.iter_mut().enumerate().take(if plain { PLAIN } else { CHANNELS }) {
             column.fill(if channel == SCALE { 1.0 } else { 0.0 });
@@ -93,12 +113,12 @@ impl<'a> Totals<'a> {
         if plain {
             channels[SCALE].fill(1.0);
         }
-        let motion = whole.map(|column| &column[block.clone()]);
-        Self { whole, motion, block, channels, plain }
+        let motion = filled(whole.map(|column| &column[block.clone()]), end);
+        Self { whole, motion, block, channels, plain, by_load: false }
     }
 
     #[inline(always)]
-    fn join<const L: usize>(&mut self, at: usize, load: &Load<Packed<L>>, touches: Touched) {
+    pub(super) fn join<const L: usize>(&mut self, at: usize, load: &Load<Packed<L>>, touches: Touched) {
         if self.plain {
             self.joined::<PLAIN, L>(at, load, touches)
         } else {
@@ -113,13 +133,14 @@ impl<'a> Totals<'a> {
         load: &Load<Packed<L>>,
         touches: Touched,
     ) {
+        self.by_load |= touches[Channel::Mu as usize];
         let own = channels(load);
         for (channel, (column, own)) in self.channels.iter_mut().zip(own).take(C).enumerate() {
             if !touches[channel] {
                 continue;
             }
-            let before = Packed::load(column, at);
-            (if channel == SCALE { before * own } else { before + own }).store(column, at);
+            let before = Packed::of_packs(column, at);
+            (if channel == SCALE { before * own } else { before + own }).into_packs(column, at);
         }
     }
 
@@ -137,27 +158,9 @@ impl<'a> Totals<'a> {
         }
     }
 
-    #[inline(always)]
-    pub(super) fn add_remembering<const N: usize, const M: usize, E: MemoryEffect<N, M>>(
-        &mut self,
-        p: &[f64],
-        state: &mut [f64],
-    ) {
-        let p: [f64; N] = super::take(p);
-        let Some(state) = state.first_chunk_mut::<M>() else { return };
-        for at in (0..self.block.len()).step_by(LANES) {
-            let motion: Motion<Pack> = self.motion(at);
-            let loads: [Load<f64>; LANES] =
-                std::array::from_fn(|lane| E::load(&p, state, &motion.map(|x| x.0[lane])));
-            let own: [[f64; CHANNELS]; LANES] = loads.map(|load| channels(&load));
-            let packs: [Pack; CHANNELS] =
-                std::array::from_fn(|c| Packed(std::array::from_fn(|lane| own[lane][c])));
-            self.join(at, &load_of(packs), const { Channel::among(E::TOUCHES) });
-        }
-    }
-
     /// Brings in what was worked out for the whole motion at once, into one channel.
     pub(super) fn add_column(&mut self, channel: Channel, column: &[f64]) {
+        self.by_load |= channel == Channel::Mu;
         for (total, own) in self.channels[channel as usize].iter_mut().zip(&column[self.block.clone()]) {
             *total = if channel == Channel::FrictionScale { *total * own } else { *total + own };
         }
@@ -168,21 +171,23 @@ impl<'a> Totals<'a> {
         self,
         torque: &mut [f64],
         slopes: &'b mut [Vec<f64>],
-        by: &'b mut Channels,
+        [by, own]: &'b mut [Channels; 2],
     ) -> Gradient<'b>
     where
         'a: 'b,
     {
-        let torque = &mut torque[self.block.clone()];
-        isa::dispatch(Spent { totals: &self, torque, by: (!slopes.is_empty()).then_some(&mut *by) });
-        Gradient { totals: self, by, slopes }
+        let mut block = [0.0; BLOCK];
+        let by_channels = (!slopes.is_empty()).then_some(&mut *by);
+        isa::dispatch(Spent { totals: &self, torque: &mut block, by: by_channels });
+        torque[self.block.clone()].iter_mut().zip(block).for_each(|(torque, own)| *torque = own);
+        Gradient { totals: self, by, own, slopes }
     }
 }
 
 /// The spending as a value, so that its body is compiled for the machine's instruction set.
 struct Spent<'a, 'b> {
     totals: &'a Totals<'b>,
-    torque: &'a mut [f64],
+    torque: &'a mut [f64; BLOCK],
     by: Option<&'a mut Channels>,
 }
 
@@ -191,40 +196,38 @@ impl NullaryFnOnce for Spent<'_, '_> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { totals, torque, mut by } = self;
-        for at in (0..totals.block.len()).step_by(LANES) {
-            let mut packs = [Pack::of(0.0); CHANNELS];
-            for (pack, channel) in packs.iter_mut().zip(&*totals.channels) {
-                *pack = Pack::load(channel, at);
-            }
-            let motion = totals.motion(at);
-            match &mut by {
-                None => load_of(packs).sliding(&motion).store(torque, at),
-                Some(by) if totals.plain => spend_by::<PLAIN>(packs, &motion, torque, by, at),
-                Some(by) => spend_by::<CHANNELS>(packs, &motion, torque, by, at),
-            }
+        let Self { totals, torque, by } = self;
+        match by {
+            None if !totals.by_load => totals.spend_by::<SHAPED, 0>(torque, &mut []),
+            None => totals.spend_by::<CHANNELS, 0>(torque, &mut []),
+            Some(by) if totals.plain => totals.spend_by::<PLAIN, PLAIN>(torque, by),
+            Some(by) if !totals.by_load => totals.spend_by::<SHAPED, SHAPED>(torque, by),
+            Some(by) => totals.spend_by::<CHANNELS, CHANNELS>(torque, by),
         }
     }
 }
 
-#[inline(always)]
-fn spend_by<const C: usize>(
-    packs: [Pack; CHANNELS],
-    motion: &Motion<Pack>,
-    torque: &mut [f64],
-    by: &mut Channels,
-    at: usize,
-) {
-    let mut seeds: [Dual<Pack, C>; CHANNELS] = [Dual::of(0.0); CHANNELS];
-    for (lane, (seed, pack)) in seeds.iter_mut().zip(packs).enumerate() {
-        seed.v = pack;
-        if lane < C {
-            seed.d[lane] = Pack::of(1.0);
+impl Totals<'_> {
+    /// The torque where only the first `C` channels differ from those of no load, and its derivatives by the first `D`.
+    #[inline(always)]
+    fn spend_by<const C: usize, const D: usize>(&self, torque: &mut [f64], by: &mut [[f64; BLOCK]]) {
+        for at in (0..self.block.len()).step_by(LANES) {
+            let mut loads: [Dual<Known<Pack>, D>; CHANNELS] = [Dual::ZERO; CHANNELS];
+            loads[SCALE] = Dual::of(1.0);
+            lane_by_lane!(C, channel => {
+                if let (Some(load), Some(column)) = (loads.get_mut(channel), self.channels.get(channel)) {
+                    load.v = Known::any(Pack::of_packs(column, at));
+                    if let Some(slope) = load.d.get_mut(channel) {
+                        *slope = Known::of(1.0);
+                    }
+                }
+            });
+            let motion: Motion<Pack> = self.motion(at);
+            let tau = load_of(loads).sliding(&motion.map(|x| Dual::constant(Known::any(x))));
+            tau.v.x.into_packs(torque, at);
+            for (column, slope) in by.iter_mut().zip(tau.slopes(|slope| slope.x)) {
+                slope.into_packs(column, at);
+            }
         }
-    }
-    let tau = load_of(seeds).sliding(&motion.map(Dual::constant));
-    tau.v.store(torque, at);
-    for (column, slope) in by.iter_mut().zip(tau.d) {
-        slope.store(column, at);
     }
 }

@@ -1,53 +1,57 @@
 //! The second half of a response: each effect's own derivatives, by the chain rule through the channels of its load.
 
-use super::block::{CHANNELS, Channels, PLAIN, SCALE, Totals, channels, load_of};
+use super::block::{CHANNELS, Channels, PLAIN, SCALE, Totals, channels};
 use super::seeded;
-use crate::effects::{LoadEffect, MemoryEffect};
-use crate::motion::{Channel, Load, Motion, Touched};
-use crate::scalar::{Dual, LANES, Pack, Packed, Scalar};
+use crate::effects::LoadEffect;
+use crate::motion::{Channel, Load, Touched};
+use crate::scalar::{Dual, Known, LANES, Pack, Scalar, lane_by_lane};
 
 /// The gradient of the torque to the channels of the load over a block.
 pub struct Gradient<'a> {
     pub(super) totals: Totals<'a>,
     pub(super) by: &'a mut Channels,
+    /// Derivatives by an effect's own parameters over the block, before they come to their columns.
+    pub(super) own: &'a mut Channels,
     pub(super) slopes: &'a mut [Vec<f64>],
 }
 
 impl Gradient<'_> {
     /// Chain rule: derivatives of the torque where those of an effect's own load are given.
     #[inline(always)]
-    fn through<const N: usize>(&self, at: usize, load: &Load<Dual<Pack, N>>, touches: Touched) -> [Pack; N] {
+    pub(super) fn through<V: Differentiates, const N: usize>(
+        &self,
+        at: usize,
+        load: &Load<Dual<V, N>>,
+        touches: Touched,
+    ) -> [Pack; N] {
         if self.totals.plain {
-            self.summed::<N, PLAIN>(at, load, touches)
+            self.summed::<V, N, PLAIN>(at, load, touches)
         } else {
-            self.summed::<N, CHANNELS>(at, load, touches)
+            self.summed::<V, N, CHANNELS>(at, load, touches)
         }
     }
 
     /// The chain rule over the first `C` channels.
     #[inline(always)]
-    fn summed<const N: usize, const C: usize>(
+    fn summed<V: Differentiates, const N: usize, const C: usize>(
         &self,
         at: usize,
-        load: &Load<Dual<Pack, N>>,
+        load: &Load<Dual<V, N>>,
         touches: Touched,
     ) -> [Pack; N] {
         let own = channels(load);
-        let mut sums = [Pack::of(0.0); N];
-        for (channel, own) in own.iter().enumerate().take(C) {
-            if !touches[channel] {
-                continue;
+        let mut sums = Dual::<V, N>::ZERO;
+        lane_by_lane!(C, channel => {
+            if let (true, Some(own), Some(by)) = (touches[channel], own.get(channel), self.by.get(channel)) {
+                let mut by = Pack::of_packs(by, at);
+                if channel == SCALE {
+                    // The derivative of a product by one of its factors.
+                    by = by * Pack::of_packs(&self.totals.channels[SCALE], at) / own.v.pack();
+                }
+                sums = sums + *own * Dual::constant(V::of_pack(by));
             }
-            let mut by = Pack::load(&self.by[channel], at);
-            if channel == SCALE {
-                // The derivative of a product by one of its factors.
-                by = by * Pack::load(&self.totals.channels[SCALE], at) / own.v;
-            }
-            for (sum, slope) in sums.iter_mut().zip(own.d) {
-                *sum = *sum + by * slope;
-            }
-        }
-        sums
+        });
+        sums.slopes(V::pack)
     }
 
     /// The derivatives of a load, `L` parameters at a time.
@@ -57,47 +61,49 @@ impl Gradient<'_> {
         p: &[f64],
         columns: &[Option<usize>],
     ) {
+        if N == L {
+            return self.some::<Known<Pack>, N, L, E>(p, columns, 0);
+        }
         for first in (0..N).step_by(L) {
-            let columns = columns.get(first..).unwrap_or(&[]);
-            let p: [Dual<Pack, L>; N] = seeded(p, first);
-            for at in (0..self.totals.block.len()).step_by(LANES) {
-                let load = E::load(&p, &self.totals.motion(at).map(Dual::constant));
-                let slopes = self.through(at, &load, const { Channel::among(E::TOUCHES) });
-                self.add(columns, at, &slopes);
-            }
+            self.some::<Pack, N, L, E>(p, columns, first);
         }
     }
 
+    /// The derivatives by the `L` parameters from `first` on.
     #[inline(always)]
-    pub(super) fn chain_remembering<const N: usize, const M: usize, E: MemoryEffect<N, M>>(
+    fn some<V: Differentiates, const N: usize, const L: usize, E: LoadEffect<N>>(
         &mut self,
         p: &[f64],
         columns: &[Option<usize>],
-        state: &mut [f64],
+        first: usize,
     ) {
-        let p: [Dual<f64, N>; N] = seeded(p, 0);
-        let mut own: [Dual<f64, N>; M] = std::array::from_fn(|m| dual_from(&state[m * (1 + N)..]));
-        let touches = const { Channel::among(E::TOUCHES) };
+        let columns = columns.get(first..).unwrap_or(&[]);
+        let p: [Dual<V, L>; N] = seeded(p, first);
         for at in (0..self.totals.block.len()).step_by(LANES) {
-            let motion: Motion<Pack> = self.totals.motion(at);
-            let loads: [Load<Dual<f64, N>>; LANES] =
-                std::array::from_fn(|lane| E::load(&p, &mut own, &motion.map(|x| Dual::constant(x.0[lane]))));
-            let loads = loads.map(|load| channels(&load));
-            let packs: [Dual<Pack, N>; CHANNELS] = std::array::from_fn(|c| {
-                if !touches[c] {
-                    return Dual::constant(Pack::of(0.0));
-                }
-                Dual {
-                    v: Packed(std::array::from_fn(|lane| loads[lane][c].v)),
-                    d: std::array::from_fn(|i| Packed(std::array::from_fn(|lane| loads[lane][c].d[i]))),
-                }
+            let motion = self.totals.motion(at).map(|x| Dual::constant(V::of_pack(x)));
+            let slopes = self.through(at, &E::load(&p, &motion), const { Channel::among(E::TOUCHES) });
+            lane_by_lane!(L, lane => {
+                self.put(lane, at, slopes[lane]);
             });
-            let slopes = self.through(at, &load_of(packs), touches);
-            self.add(columns, at, &slopes);
         }
-        for (slots, value) in state.chunks_mut(1 + N).zip(own) {
-            slots[0] = value.v;
-            slots[1..].copy_from_slice(&value.d);
+        self.add(columns, L);
+    }
+
+    /// Derivatives by the parameter at `place` over a pack of samples.
+    #[inline(always)]
+    pub(super) fn put(&mut self, place: usize, at: usize, slope: Pack) {
+        if let Some(own) = self.own.get_mut(place) {
+            slope.into_packs(own, at);
+        }
+    }
+
+    /// Adds what was put at the first places to these columns.
+    #[inline(always)]
+    pub(super) fn add(&mut self, columns: &[Option<usize>], places: usize) {
+        for (column, own) in columns.iter().zip(self.own.iter().take(places)) {
+            if let Some(column) = column.and_then(|c| self.slopes.get_mut(c)) {
+                column[self.totals.block.clone()].iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+            }
         }
     }
 
@@ -121,20 +127,33 @@ impl Gradient<'_> {
             }
         }
     }
+}
 
+/// What loads are differentiated with: packs of samples. Where each parameter has a lane of its own, which lanes vanish is
+/// known; where they take turns, it changes.
+pub(super) trait Differentiates: Scalar {
+    fn of_pack(x: Pack) -> Self;
+    fn pack(self) -> Pack;
+}
+
+impl Differentiates for Pack {
     #[inline(always)]
-    fn add(&mut self, columns: &[Option<usize>], at: usize, more: &[Pack]) {
-        let block = self.totals.block.clone();
-        for (column, slope) in columns.iter().zip(more) {
-            if let Some(column) = column.and_then(|c| self.slopes.get_mut(c)) {
-                let column = &mut column[block.clone()];
-                (Pack::load(column, at) + *slope).store(column, at);
-            }
-        }
+    fn of_pack(x: Pack) -> Self {
+        x
+    }
+    #[inline(always)]
+    fn pack(self) -> Pack {
+        self
     }
 }
 
-fn dual_from<const N: usize>(slots: &[f64]) -> Dual<f64, N> {
-    let slot = |i: usize| slots.get(i).copied().unwrap_or(0.0);
-    Dual { v: slot(0), d: std::array::from_fn(|i| slot(1 + i)) }
+impl Differentiates for Known<Pack> {
+    #[inline(always)]
+    fn of_pack(x: Pack) -> Self {
+        Self::any(x)
+    }
+    #[inline(always)]
+    fn pack(self) -> Pack {
+        self.x
+    }
 }

@@ -6,12 +6,13 @@
 
 mod block;
 mod gradient;
+mod memory;
 mod own;
 mod place;
 mod response;
 
 pub use block::Totals;
-pub(crate) use block::{BLOCK, CHANNELS, Channels, load_of};
+pub(crate) use block::{BLOCK, CHANNELS, Channels, Motions, load_of};
 pub(crate) use gradient::Gradient;
 pub(crate) use place::{Couples, Delays, Loads, Remembers, Senses};
 pub use response::Response;
@@ -46,10 +47,10 @@ pub trait Law: Sync {
         false
     }
 
-    /// What is kept for it from block to block with `slopes` derivatives: its state, or what it worked out for the
-    /// whole motion at once. `columns` says which parameters have a derivative column.
-    fn kept(&self, _p: &[f64], _columns: &[Option<usize>], _motion: [&[f64]; 5], slopes: usize) -> Vec<f64> {
-        vec![0.0; self.states() * (1 + slopes)]
+    /// What is kept for it from block to block: its state, or what it worked out for the whole motion at once. `columns`
+    /// says which parameters have a derivative column.
+    fn kept(&self, _p: &[f64], _columns: &[Option<usize>], _motion: [&[f64]; 5]) -> Vec<f64> {
+        Vec::new()
     }
 
     /// Brings its load at one instant into a sum.
@@ -68,10 +69,10 @@ pub trait Law: Sync {
         None
     }
 
-    /// Adds what it asks over a block of samples to the totals.
+    /// Adds what it asks over a block of samples to the totals; for what remembers, block after block.
     fn total(&self, _p: &[f64], _kept: &mut [f64], _totals: &mut Totals<'_>) {}
 
-    /// Adds the derivatives of the torque by its own parameters over a block of samples.
+    /// Adds the derivatives of the torque by its own parameters over the block that came last.
     fn slopes(
         &self,
         _p: &[f64],
@@ -138,8 +139,5 @@ pub(crate) fn take<T: Scalar, const N: usize>(p: &[T]) -> [T; N] {
 /// Parameters of which those from `first` on are differentiated by, one lane each.
 #[inline(always)]
 fn seeded<V: Scalar, const N: usize, const L: usize>(p: &[f64], first: usize) -> [Dual<V, L>; N] {
-    std::array::from_fn(|i| {
-        let lane = i.checked_sub(first).filter(|lane| *lane < L);
-        Dual::seeded(p.get(i).copied().unwrap_or(0.0), lane)
-    })
+    Dual::seeds(take::<f64, N>(p).map(V::of), first)
 }

@@ -61,17 +61,12 @@ impl Law for User {
         self.remembers || self.info.place == Place::Coupling
     }
 
-    fn kept(&self, p: &[f64], columns: &[Option<usize>], motion: [&[f64]; 5], slopes: usize) -> Vec<f64> {
+    fn kept(&self, p: &[f64], columns: &[Option<usize>], motion: [&[f64]; 5]) -> Vec<f64> {
         if !self.loads() {
             return Vec::new();
         }
-        let asked = columns.iter().enumerate().filter(|(_, column)| slopes > 0 && column.is_some());
-        // Of a drive no derivative needs the values.
-        let mut kept = if slopes > 0 && self.channel() == Channel::Drive {
-            vec![0.0; motion[0].len()]
-        } else {
-            self.over(p, &motion)
-        };
+        let mut kept = self.over(p, &motion);
+        let asked = columns.iter().enumerate().filter(|(_, column)| column.is_some());
         asked.for_each(|(i, _)| kept.extend(self.slope(p, i, &motion)));
         kept
     }

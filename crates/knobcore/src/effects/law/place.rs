@@ -3,7 +3,7 @@
 use super::block::Totals;
 use super::gradient::Gradient;
 use super::response::Response;
-use super::{Carried, D, Law, take};
+use super::{Carried, D, Law, memory, take};
 use crate::effects::{
     Carrier, Context, CouplingEffect, Info, Joint, LateEffect, LoadEffect, MemoryEffect, Place, SensorEffect,
     Survey,
@@ -17,8 +17,8 @@ use std::marker::PhantomData;
 pub(crate) struct Couples<E, const N: usize>(pub PhantomData<E>);
 /// A load on the knob, differentiated by `L` parameters at a time.
 pub(crate) struct Loads<E, const N: usize, const L: usize>(pub PhantomData<E>);
-/// A load that remembers `M` numbers.
-pub(crate) struct Remembers<E, const N: usize, const M: usize>(pub PhantomData<E>);
+/// A load of `M` elements that remember, of whose parameters they share `S`.
+pub(crate) struct Remembers<E, const N: usize, const S: usize, const M: usize>(pub PhantomData<E>);
 /// A sensor that remembers what it has seen.
 pub(crate) struct Delays<E, const N: usize>(pub PhantomData<E>);
 /// A sensor; `L` is one more than its parameters.
@@ -83,32 +83,39 @@ impl<E: LoadEffect<N> + Sync, const N: usize, const L: usize> Law for Loads<E, N
     }
 }
 
-impl<E: MemoryEffect<N, M> + Sync, const N: usize, const M: usize> Law for Remembers<E, N, M> {
+impl<E: MemoryEffect<N, S, M> + Sync, const N: usize, const S: usize, const M: usize> Law
+    for Remembers<E, N, S, M>
+{
     told!(Place::Load);
 
     fn states(&self) -> usize {
-        M
+        memory::BEFORE + M
     }
 
     fn remembers(&self) -> bool {
         true
     }
 
+    fn kept(&self, _: &[f64], columns: &[Option<usize>], _: [&[f64]; 5]) -> Vec<f64> {
+        memory::kept(if columns.iter().any(Option::is_some) { S } else { 0 })
+    }
+
     fn load(&self, p: &[f64], state: &mut [f64], motion: &Motion<f64>, sum: &mut Load<f64>) {
-        let Some(state) = state.first_chunk_mut::<M>() else { return };
-        sum.join(&E::load(&take(p), state, motion), const { Channel::among(E::TOUCHES) });
+        memory::recall::<_, N, S, M, E>(p, state, motion, sum);
     }
 
     fn load_carried(&self, p: &[D], state: &mut [D], motion: &Motion<D>, sum: &mut Load<D>) {
-        isa::dispatch(Recalled::<_, E, N, M>(p, state, motion, sum, PhantomData));
+        isa::dispatch(Recalled::<_, E, N, S, M>(p, state, motion, sum, PhantomData));
     }
 
-    fn total(&self, p: &[f64], state: &mut [f64], totals: &mut Totals<'_>) {
-        isa::dispatch(TotalledOn::<E, N, M>(p, state, totals, PhantomData));
+    fn total(&self, p: &[f64], kept: &mut [f64], totals: &mut Totals<'_>) {
+        isa::dispatch_wide(TotalledOn::<E, N, S, M>(p, kept, totals, PhantomData));
     }
 
-    fn slopes(&self, p: &[f64], columns: &[Option<usize>], state: &mut [f64], gradient: &mut Gradient<'_>) {
-        isa::dispatch(ChainedOn::<E, N, M>(p, columns, state, gradient, PhantomData));
+    fn slopes(&self, p: &[f64], columns: &[Option<usize>], kept: &mut [f64], gradient: &mut Gradient<'_>) {
+        if columns.iter().any(Option::is_some) {
+            isa::dispatch(ChainedOn::<E, N, S, M>(p, columns, kept, gradient, PhantomData));
+        }
     }
 }
 
@@ -146,7 +153,7 @@ impl<T: Carried, E: LoadEffect<N>, const N: usize> NullaryFnOnce for Summed<'_, 
     }
 }
 
-struct Recalled<'a, T, E, const N: usize, const M: usize>(
+struct Recalled<'a, T, E, const N: usize, const S: usize, const M: usize>(
     &'a [T],
     &'a mut [T],
     &'a Motion<T>,
@@ -154,15 +161,14 @@ struct Recalled<'a, T, E, const N: usize, const M: usize>(
     PhantomData<E>,
 );
 
-impl<T: Carried, E: MemoryEffect<N, M>, const N: usize, const M: usize> NullaryFnOnce
-    for Recalled<'_, T, E, N, M>
+impl<T: Carried, E: MemoryEffect<N, S, M>, const N: usize, const S: usize, const M: usize> NullaryFnOnce
+    for Recalled<'_, T, E, N, S, M>
 {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let Some(state) = self.1.first_chunk_mut::<M>() else { return };
-        self.3.join(&E::load(&take(self.0), state, self.2), const { Channel::among(E::TOUCHES) });
+        memory::recall::<_, N, S, M, E>(self.0, self.1, self.2, self.3);
     }
 }
 
@@ -177,19 +183,21 @@ impl<E: LoadEffect<N>, const N: usize> NullaryFnOnce for Totalled<'_, '_, E, N> 
     }
 }
 
-struct TotalledOn<'a, 'b, E, const N: usize, const M: usize>(
+struct TotalledOn<'a, 'b, E, const N: usize, const S: usize, const M: usize>(
     &'a [f64],
     &'a mut [f64],
     &'a mut Totals<'b>,
     PhantomData<E>,
 );
 
-impl<E: MemoryEffect<N, M>, const N: usize, const M: usize> NullaryFnOnce for TotalledOn<'_, '_, E, N, M> {
+impl<E: MemoryEffect<N, S, M>, const N: usize, const S: usize, const M: usize> NullaryFnOnce
+    for TotalledOn<'_, '_, E, N, S, M>
+{
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        self.2.add_remembering::<N, M, E>(self.0, self.1);
+        self.2.add_remembering::<N, S, M, E>(self.0, self.1);
     }
 }
 
@@ -209,20 +217,22 @@ impl<E: LoadEffect<N>, const N: usize, const L: usize> NullaryFnOnce for Chained
     }
 }
 
-struct ChainedOn<'a, 'b, E, const N: usize, const M: usize>(
+struct ChainedOn<'a, 'b, E, const N: usize, const S: usize, const M: usize>(
     &'a [f64],
     &'a [Option<usize>],
-    &'a mut [f64],
+    &'a [f64],
     &'a mut Gradient<'b>,
     PhantomData<E>,
 );
 
-impl<E: MemoryEffect<N, M>, const N: usize, const M: usize> NullaryFnOnce for ChainedOn<'_, '_, E, N, M> {
+impl<E: MemoryEffect<N, S, M>, const N: usize, const S: usize, const M: usize> NullaryFnOnce
+    for ChainedOn<'_, '_, E, N, S, M>
+{
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        self.3.chain_remembering::<N, M, E>(self.0, self.1, self.2);
+        self.3.chain_remembering::<N, S, M, E>(self.0, self.1, self.2);
     }
 }
 

@@ -1,9 +1,10 @@
 //! Whole columns of samples with exact derivatives, and how they pass through a sensor.
 
+use super::block::{BLOCK, filled};
 use super::seeded;
 use crate::effects::{LateEffect, SensorEffect};
 use crate::motion::Motion;
-use crate::scalar::{Dual, LANES, Pack, Scalar};
+use crate::scalar::{Dual, Known, LANES, Pack, Scalar};
 
 /// Derivative columns that pass through a late sensor at a time.
 const AT_ONCE: usize = 4;
@@ -31,17 +32,34 @@ impl Response<'_> {
         p: &[f64],
         columns: &[Option<usize>],
     ) {
-        let p: [Dual<Pack, L>; N] = seeded(p, 0);
-        for at in (0..self.torque.len()).step_by(LANES) {
-            let mut tau = Dual::constant(Pack::load(self.torque, at));
-            tau.d[L - 1] = Pack::of(1.0);
-            let motion = Motion::over(&self.motion, at).map(Dual::constant);
-            let sensed = E::sense(&p, &motion, tau);
-            sensed.v.store(self.torque, at);
-            for column in self.slopes.iter_mut() {
-                (Pack::load(column, at) * sensed.d[L - 1]).store(column, at);
+        let p: [Dual<Known<Pack>, L>; N] = seeded(p, 0);
+        let (mut end, mut torque, mut by) = ([[0.0; BLOCK]; 5], [0.0; BLOCK], [[0.0; BLOCK]; L]);
+        for start in (0..self.torque.len()).step_by(BLOCK) {
+            let block = start..(start + BLOCK).min(self.torque.len());
+            let motion = filled(self.motion.map(|column| &column[block.clone()]), &mut end);
+            let own = &mut self.torque[block.clone()];
+            torque[..own.len()].copy_from_slice(own);
+            for at in (0..own.len()).step_by(LANES) {
+                let constant = |x: Pack| Dual::<Known<Pack>, L>::constant(Known::any(x));
+                let mut tau = constant(Pack::of_packs(&torque, at));
+                tau.d[L - 1] = Known::of(1.0);
+                let sensed = E::sense(&p, &Motion::over(&motion, at).map(constant), tau);
+                sensed.v.x.into_packs(&mut torque, at);
+                for (by, slope) in by.iter_mut().zip(sensed.slopes(|slope| slope.x)) {
+                    slope.into_packs(by, at);
+                }
             }
-            add(self.slopes, columns, at, &sensed.d);
+            own.iter_mut().zip(torque).for_each(|(own, torque)| *own = torque);
+            if let Some((through, by)) = by.split_last() {
+                for column in self.slopes.iter_mut() {
+                    column[block.clone()].iter_mut().zip(through).for_each(|(slope, by)| *slope *= by);
+                }
+                for (column, by) in columns.iter().zip(by) {
+                    if let Some(column) = column.and_then(|c| self.slopes.get_mut(c)) {
+                        column[block.clone()].iter_mut().zip(by).for_each(|(slope, by)| *slope += by);
+                    }
+                }
+            }
         }
     }
 
@@ -69,16 +87,6 @@ impl Response<'_> {
                     column[at] += slope;
                 }
             }
-        }
-    }
-}
-
-/// Adds derivatives of a pack of samples to their columns.
-#[inline(always)]
-fn add(slopes: &mut [Vec<f64>], columns: &[Option<usize>], at: usize, more: &[Pack]) {
-    for (column, slope) in columns.iter().zip(more) {
-        if let Some(column) = column.and_then(|c| slopes.get_mut(c)) {
-            (Pack::load(column, at) + *slope).store(column, at);
         }
     }
 }
