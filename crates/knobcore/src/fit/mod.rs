@@ -4,6 +4,7 @@ mod bootstrap;
 mod detents;
 mod moments;
 mod orders;
+mod parts;
 mod runs;
 mod scan;
 mod separable;
@@ -30,6 +31,7 @@ use crate::special::Z95;
 use detents::{Judge, best_from_scan, scan_beside};
 use moments::{Blocks, used};
 use nalgebra::DMatrix;
+use parts::Parts;
 use separable::{Effort, Layout, descend};
 use serial::{Meat, serial};
 use solve::{Normal, independent, solvable};
@@ -39,6 +41,9 @@ use undetermined::{SILENT, silent, undetermined};
 const BLOCKS: f64 = 200.0;
 /// Parts that the blocks are held out in.
 const FOLDS: usize = 10;
+
+/// Less than this share of the mean square error is no more than what the noise floor itself is unsure by.
+const SEEN: f64 = 0.02;
 
 /// How to find the detents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -57,7 +62,7 @@ pub struct Fit {
     pub model: Model,
     /// The free parameters that the data determine, as indices into the slots of the model.
     pub free: Vec<usize>,
-    /// Their covariance, with correlated residuals.
+    /// Their covariance, with correlated residuals, and with what the model misses where it misses something.
     pub covariance: DMatrix<f64>,
     /// What the data say nothing about; those values are not results.
     pub undetermined: Vec<Undetermined>,
@@ -253,10 +258,17 @@ fn finish(
     let seeds = layout.seeds(&model);
     let k = layout.free.len();
     let used = used(data);
+    let floor = Floor::of(data, &model);
+    // The part of the mean square error that noise does not explain; none where noise is unknown.
+    let excess = (1.0 - floor.squares / found.cost).max(0.0);
+    let mut parts = (excess > SEEN).then(|| Parts::of(data, k));
     let mut blocks = Blocks::of(used / BLOCKS);
     let mut residuals: Vec<Vec<f64>> = vec![Vec::new(); data.len()];
     evaluate(data, &model, &found.p, &seeds, |evaluated| {
         blocks.add(evaluated);
+        if let Some(parts) = &mut parts {
+            parts.add(evaluated);
+        }
         let weight = &evaluated.signals.weight[evaluated.chunk.core.clone()];
         let rest = evaluated.columns[k].iter().zip(weight).filter(|(_, w)| **w > 0.0).map(|(r, _)| *r);
         residuals[evaluated.capture].extend(rest);
@@ -280,11 +292,17 @@ fn finish(
                 DMatrix::from_fn(kept.len(), kept.len(), |i, j| meat.products[kept[i] * k + kept[j]]);
             let degrees = used / (used - kept.len() as f64);
             let sandwich = &bread * &middle * &bread;
-            DMatrix::from_fn(kept.len(), kept.len(), |i, j| sandwich[(i, j)] * degrees)
+            let by_parts = parts.map(|parts| parts.variances(&kept));
+            // What is missing is no noise: what comes back of it adds to what noise with a memory does.
+            let wider = |i: usize| {
+                let more = by_parts.as_ref().map_or(0.0, |all| all[kept[i]]);
+                (1.0 + excess * more / (sandwich[(i, i)] * degrees)).sqrt()
+            };
+            let wider: Vec<f64> = (0..kept.len()).map(wider).collect();
+            DMatrix::from_fn(kept.len(), kept.len(), |i, j| sandwich[(i, j)] * degrees * wider[i] * wider[j])
         }
         None => DMatrix::zeros(0, 0),
     };
-    let floor = Floor::of(data, &model);
     let undetermined = (0..layout.free.len())
         .filter(|c| !kept.contains(c))
         .map(|c| undetermined(&model, layout, &at, &kept, c))
