@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
 from command import knobcam, process
 
 import knobcam as kc
+from knobcam.learn import selection
 
 
 @pytest.fixture(scope="module")
@@ -136,3 +138,22 @@ def test_demo_hides_the_effect_that_is_asked_for(tmp_path: Path) -> None:
     assert Path(document["files"]["report"]).is_file()
     assert kc.load(document["files"]["capture"]).samples == kc.load(document["files"]["log"]).samples
     assert document["rendered"]["rmse"] == pytest.approx(document["noise_floor"], rel=0.05)
+
+
+def test_learn_that_is_interrupted_prints_what_it_knew_and_ends_with_130(
+    recorded: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(selection, "diagnose", interrupted)
+    ended = knobcam("learn", recorded, "--json")
+    assert ended.code == 130 and "interrupted" in ended.err
+    document = json.loads(ended.out)
+    assert document["verdict"] == "unexplained" and document["cut"]["by"] == "interrupt"
+
+
+def test_learn_with_a_budget_says_what_it_did_not_weigh(recorded: Path) -> None:
+    document = knobcam("learn", recorded, "--budget-s", "1e-6", "--json").document
+    assert document["verdict"] == "unexplained" and document["cut"]["not_weighed"]
+    assert knobcam("learn", recorded, "--budget-s", "-1").code == 2

@@ -98,7 +98,7 @@ def make(
         noise_floor=floor,
         strength=float(total),
         strengths=tuple(part.strength for part in parts),
-        knob={name: float(value) for name, value in _named(scene.knob).items()},
+        knob={name: float(value) for name, value in _named(chain.shaft or chain.loads).items()},
         truth=chain.truth(scene.knob),
     )
 
@@ -175,14 +175,19 @@ def _solved(left: Callable[[float], float], low: float, high: float, strength: f
 
 
 def _named(knob: Loads) -> dict[str, float]:
-    """The base parameters under the catalogue's names."""
+    """The base parameters under the catalogue's names.
+
+    Of detents that differ by direction the catalogue's are what both have in common, half the sum.
+    """
+    forth = knob.detent * np.exp(1j * knob.phase)
+    both = forth * (1.0 + (1.0 + knob.back_gain) * np.exp(1j * knob.back_shift)) / 2.0
     return {
         "inertia.M": knob.inertia,
         "coulomb.neg": knob.coulomb_neg,
         "coulomb.pos": knob.coulomb_pos,
         "viscous.neg": knob.viscous_neg,
         "viscous.pos": knob.viscous_pos,
-        "detent.A": knob.detent,
+        "detent.A": np.abs(both),
         "detent.P": knob.period,
-        "detent.S": knob.phase,
+        "detent.S": np.angle(both),
     }

@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from .fit.stiction import Stiction, stiction
     from .learn import LearningResult, learn
     from .learn.agreement import Disagreement
+    from .learn.cut import Cut, Interrupted
     from .learn.ladder import LearningStep, Unexplained
     from .learn.limitations import Limitation
     from .model import KNOBS, Model, Parameter
@@ -70,6 +71,7 @@ __all__ = [
     "Candidate",
     "Capture",
     "Comparison",
+    "Cut",
     "Device",
     "Diagnosis",
     "Disagreement",
@@ -79,6 +81,7 @@ __all__ = [
     "Fit",
     "Forward",
     "InputError",
+    "Interrupted",
     "KnobcamError",
     "KnobcamWarning",
     "LearningResult",
@@ -131,7 +134,9 @@ _HOME = {
     "Comparison": "fit.compare",
     "Device": "render",
     "Diagnosis": "fit.diagnose",
+    "Cut": "learn.cut",
     "Disagreement": "learn.agreement",
+    "Interrupted": "learn.cut",
     "Effect": "model.effects",
     "EmulatedHandle": "render.emulated",
     "Estimate": "fit",

@@ -27,10 +27,12 @@ from . import (
     workbench,
 )
 from .arguments import Parser, VersionAction
-from .output import status
+from .output import Unfinished, status
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from .output import Answer
 
 _GROUPS = (
     *(capturing, calibrating, recording, fitting, learning, rendering),
@@ -66,6 +68,9 @@ def _run(words: list[str]) -> int:
         answer = args.run(args)
     except SystemExit:  # --help and --version
         return 0
+    except Unfinished as interrupt:
+        _say(interrupt.answer, as_document=args.json)
+        return _end(f"interrupted; {interrupt}", _INTERRUPTED)
     except KeyboardInterrupt as interrupt:
         kept = str(interrupt)  # what a recording says that it has saved
         return _end(f"interrupted; {kept}" if kept else "interrupted", _INTERRUPTED)
@@ -82,10 +87,15 @@ def _run(words: list[str]) -> int:
     status(None)
     if answer is None:  # it has said all while it ran
         return 0
+    _say(answer, as_document=args.json)
+    return 0
+
+
+def _say(answer: Answer, *, as_document: bool) -> None:
+    status(None)
     for message in answer.messages:
         print(message, file=sys.stderr)
-    print(as_json(answer.document) if args.json else answer.text)
-    return 0
+    print(as_json(answer.document) if as_document else answer.text)
 
 
 def command_parser() -> Parser:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from ..errors import InputError
 from . import arguments
 from .fitting import answer, draw, said
-from .output import about, check_file, check_folder, status, writing
+from .output import Unfinished, about, check_file, check_folder, status, writing
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -44,6 +44,9 @@ def register(commands: arguments.Commands) -> None:
     arguments.add_captures(parser, "several are of one knob")
     parser.add_argument("--model", metavar="MODEL", help="to start from; default the base")
     parser.add_argument("--report", type=Path, metavar="FILE.html", help="report to write, in one file")
+    parser.add_argument(
+        "--budget-s", type=float, metavar="SECONDS", help="time for the search, which is then cut short"
+    )
     arguments.add_output(parser, "model")
     arguments.add_plots(parser)
     _shared(parser)
@@ -126,13 +129,20 @@ def run_learn(args: Namespace) -> Answer:
     model = _model(args.model)
     _check_without(args)
 
-    from ..learn import learn
+    from ..learn import Interrupted, learn
 
     captures = arguments.read_all(args)
+    options |= {"budget_s": args.budget_s}
     with about(*args.captures):
-        learned = learn(
-            captures, model, without=args.without, prepare=args.prepare, progress=status, **options
-        )
+        try:
+            learned = learn(
+                captures, model, without=args.without, prepare=args.prepare, progress=status, **options
+            )
+        except Interrupted as interrupted:
+            so_far = interrupted.so_far
+            raise Unfinished(
+                answer(args, repr(so_far), so_far.document() | {"files": {}}, so_far.fit)
+            ) from None
     files = write(learned, args.report, args.output, args.plots)
     text = "\n".join([repr(learned), *said(files)])
     return answer(args, text, learned.document() | {"files": files}, learned.fit)

@@ -27,6 +27,14 @@ class Answer(NamedTuple):
     messages: tuple[str, ...] = ()
 
 
+class Unfinished(KeyboardInterrupt):
+    """Ctrl-C in a command that has something to answer all the same."""
+
+    def __init__(self, answer: Answer) -> None:
+        super().__init__("what was known by then is printed")
+        self.answer = answer
+
+
 def status(text: str | None) -> None:
     """Show what is being done on the last line of a terminal; None takes it away. Files see nothing of it."""
     if sys.stderr.isatty():

@@ -278,10 +278,7 @@ class Fit(showing.Tabled):
             "message": self.core.message,
             "effects": list(self.model.effects),
             "at_shaft": list(self.model.at_shaft),
-            "params": {
-                name: {"value": e.value, "ci95": list(e.ci95) if e.determined else None, "unit": e.unit}
-                for name, e in self.params.items()
-            },
+            "params": documented(self.params),
             "per_capture": runs.document(self.per_capture),
             "undetermined": dict(self.undetermined),
             "correlation": {a: dict(row) for a, row in self.correlation.items()},
@@ -336,6 +333,14 @@ class Fit(showing.Tabled):
     def tables(self) -> tuple[TextTable, ...]:
         """What it says of itself, as text."""
         return (TextTable("Fit: " + self._summary, self.HEAD, self.rows()),)
+
+
+def documented(params: Mapping[str, Estimate]) -> dict[str, Any]:
+    """Return parameters as every document has them."""
+    return {
+        name: {"value": e.value, "ci95": list(e.ci95) if e.determined else None, "unit": e.unit}
+        for name, e in params.items()
+    }
 
 
 def fit(

@@ -11,7 +11,7 @@ from ..fit.refit import converged, cores
 from .ladder import LearningStep
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Callable, Collection
 
     from ..fit import Fit
     from ..fit.diagnose import Diagnosis
@@ -19,15 +19,17 @@ if TYPE_CHECKING:
 _HALF = 0.5  # of what noise does not explain: what a pair takes off that the search one by one left
 
 
-def joined(diagnosis: Diagnosis, last: Fit, without: Collection[str]) -> list[LearningStep] | None:
+def joined(
+    diagnosis: Diagnosis, last: Fit, without: Collection[str], progress: Callable[[float], object]
+) -> list[LearningStep] | None:
     """Return the steps of a coupling and another effect that explain what a search one by one left.
 
-    `diagnosis` is what was weighed beside the first model, `last` where the search ended. None where no pair
-    takes off half of what that left.
+    `diagnosis` is what was weighed beside the first model, `last` where the search ended; what `progress`
+    raises ends the work. None where no pair takes off half of what that left.
     """
     fit = diagnosis.fit
     weighed = absent(fit, without)[0]
-    for coupling, companion, core in _core.pairs(cores(fit), fit.model.core, weighed):
+    for coupling, companion, core in _core.pairs(cores(fit), fit.model.core, weighed, progress):
         pair = replace(fit, core=core, before=None)
         alone = next((one for one in diagnosis.candidates if one.effect == companion), None)
         if alone is None or pair.rmse >= last.rmse or pair.excess > _HALF * last.excess:

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..fit.fitting import Z95
+from ..fit.fitting import Z95, documented
 from ..fit.refit import describe
+from .rivals import weights
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -85,15 +86,23 @@ class LearningStep:
         """How far the parameters went that were there before."""
         return self.fit.moved
 
-    def document(self) -> dict[str, Any]:
-        """Return it as the document of `knobcam learn --json` has it."""
+    @cached_property
+    def weights(self) -> Mapping[str, float]:
+        """Weight of `added` and of each rival: how likely each is, of what could have come in; see `rivals`.
+
+        Empty where nothing came in, or not by itself.
+        """
+        return weights(self.diagnosis, self.added)
+
+    def document(self, params: Mapping[str, Estimate] | None = None) -> dict[str, Any]:
+        """Return it as the document of `knobcam learn --json` has it, with `params` for those of its fit."""
         known: dict[str, Any] = {
             "added": self.added,
             "effects": list(self.effects),
             "rmse": self.rmse,
             "rmse_ci95": list(self.rmse_ci95),
             "rmse_heldout": self.rmse_heldout,
-            "params": self.fit.document()["params"],
+            "params": documented(params or self.params),
         }
         if self.added is None:
             return known
@@ -101,6 +110,8 @@ class LearningStep:
             "error_fall": self.error_fall,
             "p_value": self.p_value,
             "equivalent": list(self.equivalent),
+            "weight": self.weights.get(self.added) if self.weights else None,
+            "rivals": {one: weight for one, weight in self.weights.items() if one != self.added},
             "moved": describe(self.moved),
             "dropped": list(self.dropped),
         }

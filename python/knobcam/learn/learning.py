@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import warnings
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
@@ -20,14 +20,17 @@ from ..fit.refit import percent
 from ..fit.runs import in_words
 from ..model import Model
 from .agreement import Disagreement, disagreements
+from .cut import Cut, Deadline, Interrupted
 from .ladder import LearningStep, Unexplained
 from .limitations import Limitation, limitations
+from .rivals import in_percent, with_choice
 from .selection import select
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from ..base.showing import Figure, Look
+    from ..fit import Estimate
     from ..fit.compare import Comparison
 
 Verdict = Literal["complete", "missing", "unexplained"]
@@ -39,13 +42,15 @@ class LearningResult(showing.Tabled):
     """How a model was completed, step by step, and what the captures still do not tell; immutable.
 
     `found` are the effects that were missing, in the order in which they came in; `last` is what was weighed
-    on the last step and not added, `without` what was not weighed.
+    on the last step and not added, `without` what was not weighed; `cut` says so of a search that did not
+    come to its end.
     """
 
     ladder: tuple[LearningStep, ...]
     found: tuple[str, ...]
     last: Diagnosis
     unexplained: Unexplained | None
+    cut: Cut | None = None
     without: tuple[str, ...] = ()
 
     @property
@@ -57,6 +62,11 @@ class LearningResult(showing.Tabled):
     def model(self) -> Model:
         """The model on the last step."""
         return self.fit.model
+
+    @cached_property
+    def params(self) -> Mapping[str, Estimate]:
+        """Parameters on the last step; their intervals carry what the choice of its effects adds."""
+        return with_choice(self.fit.params, self.ladder)
 
     @property
     def verdict(self) -> Verdict:
@@ -116,6 +126,10 @@ class LearningResult(showing.Tabled):
         names = " and ".join(self.found)
         what = self.unexplained
         beyond = what is not None and self.fit.beyond is not None and what.hint == self.fit.beyond.words
+        if self.cut is not None:
+            found = f"{names} found; whether" if names else "Whether"
+            more = " more" if names else ""
+            return f"{found} anything{more} is missing is not known: {self.cut.words}."
         if what is not None and not beyond:
             if (fault := self.fit.log_fault) is not None:
                 return f"The log is to be mended first, it tells nothing of the knob: {fault}."
@@ -173,13 +187,17 @@ class LearningResult(showing.Tabled):
             "noise_floor": self.noise_floor,
             "verdict": self.verdict,
             "found": list(self.found),
-            "ladder": [step.document() for step in self.ladder],
+            "ladder": [
+                step.document(with_choice(step.params, self.ladder[: at + 1]))
+                for at, step in enumerate(self.ladder)
+            ],
             "unexplained": None if self.unexplained is None else self.unexplained._asdict(),
             "per_capture": fitted["per_capture"],
             "limitations": [one._asdict() for one in self.limitations],
             "lacks": [one._asdict() for one in self.limitations],  # its older name, for one version
             "disagreements": [one._asdict() for one in self.disagreements],
             "headline": self.headline,
+            "cut": None if self.cut is None else self.cut._asdict(),
         }
 
     @property
@@ -187,7 +205,7 @@ class LearningResult(showing.Tabled):
         """What the columns of `rows` are."""
         unit = self.fit.torque_unit
         unseen = f"on unseen blocks ({unit})"
-        return ("model", f"RMS error ({unit})", unseen, "error", "p-value", "cannot be told from")
+        return ("model", f"RMS error ({unit})", unseen, "error", "p-value", "weight", "cannot be told from")
 
     def rows(self) -> list[tuple[str, ...]]:
         """The ladder as rows of text, under the words of `head`."""
@@ -204,10 +222,11 @@ class LearningResult(showing.Tabled):
                     f"{step.rmse_heldout:.4g}",
                     percent(-step.error_fall) if new else "",
                     p_in_words(step.p_value) if new else "",
+                    in_percent(step.weights.get(step.added or "")) if new else "",
                     ", ".join(step.equivalent),
                 )
             )
-        return [*rows, ("sensor noise alone", f"{self.noise_floor:.4g}", "", "", "", "")]
+        return [*rows, ("sensor noise alone", f"{self.noise_floor:.4g}", "", "", "", "", "")]
 
     def __repr__(self) -> str:
         head = (self.head[0], "", *self.head[1:])
@@ -242,14 +261,19 @@ def learn(
     prepare: str = "smooth",
     detents: str = "auto",
     progress: Callable[[str], None] | None = None,
+    budget_s: float | None = None,
     **options: float,
 ) -> LearningResult:
     """Learn which effects are missing from a model (by default the base model) of one or several captures.
 
-    `without` takes effects out of the catalogue; `progress` is told each step; the rest as in `fit`.
+    `without` takes effects out of the catalogue; `progress` is told each step; the rest as in `fit`. A search
+    that takes longer than `budget_s` seconds is cut short: its verdict is `unexplained`, and `cut` says what
+    it did not weigh.
 
-    Raises InputError for captures that cannot be fitted, with what to do, and for unknown effects.
+    Raises InputError for captures that cannot be fitted, with what to do, and for unknown effects;
+    Interrupted, a KeyboardInterrupt with what was learned by then, for Ctrl-C in the search.
     """
+    deadline = Deadline.of(budget_s)
     tell = progress or (lambda _: None)
     if isinstance(model, str | os.PathLike):
         model = Model.load(model)
@@ -257,5 +281,9 @@ def learn(
     tell("fitting the first model")
     first = fit(captures, model, prepare=prepare, detents=detents, **options)
     given = model is not None
-    selection = select(first, without, tell, given=given, detents=not given and detents == "auto")
-    return LearningResult(*selection, without)
+    automatic = not given and detents == "auto"
+    selection = select(first, without, tell, deadline, given=given, detents=automatic)
+    learned = LearningResult(*selection, without)
+    if learned.cut is not None and learned.cut.by == "interrupt":
+        raise Interrupted(learned)
+    return learned

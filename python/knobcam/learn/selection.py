@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from .. import _core
 from ..capture.prepare import travel
-from ..fit.diagnose import Candidate, Diagnosis, diagnose
+from ..fit.diagnose import Candidate, Diagnosis, absent, diagnose
 from ..fit.refit import converged, cores, drop, unpaid, with_clipped
 from ..model.effects import base_effects_shown, clipping, descriptions, effects
+from .cut import Cut, Deadline, OutOfTime
 from .joined import joined
 from .ladder import LearningStep, Unexplained
 
@@ -29,33 +30,64 @@ _MAINLY = 0.5  # of what noise does not explain: what a cause takes off where so
 
 
 class Selection(NamedTuple):
-    """The ladder, which effects were missing, what was weighed last and not added, and what none explains."""
+    """The ladder, which effects were missing, what was weighed last and not added, and what none explains.
+
+    `cut` says what a search did not weigh that did not come to its end.
+    """
 
     ladder: tuple[LearningStep, ...]
     found: tuple[str, ...]
     last: Diagnosis
     unexplained: Unexplained | None
+    cut: Cut | None = None
 
 
 def select(
-    first: Fit, without: Collection[str], tell: Callable[[str], None], *, given: bool, detents: bool
+    first: Fit,
+    without: Collection[str],
+    tell: Callable[[str], None],
+    deadline: Deadline,
+    *,
+    given: bool,
+    detents: bool,
 ) -> Selection:
     """Add effects as long as one is beyond chance, physical and worth it; re-test the earlier ones each time.
 
     `given` says that a user gave the first model; the base model has detents where there are any, so that
-    these are nothing to find. `detents` says that they come in by themselves where the data show them.
+    these are nothing to find. `detents` says that they come in by themselves where the data show them. The
+    deadline, or Ctrl-C, cuts the search short.
     """
     coordinate = first.model.coordinate
     fit = with_clipped(first) if clipping(coordinate) - set(without) else first
-    described, shown = descriptions(coordinate), base_effects_shown(coordinate)
     ladder = [LearningStep(fit)]
+    try:
+        return _grown(ladder, without, tell, deadline, given=given, detents=detents)
+    except (OutOfTime, KeyboardInterrupt) as ended:
+        return _cut_short(ladder, deadline.cut(ended), given=given)
+
+
+def _grown(
+    ladder: list[LearningStep],
+    without: Collection[str],
+    tell: Callable[[str], None],
+    deadline: Deadline,
+    *,
+    given: bool,
+    detents: bool,
+) -> Selection:
+    """Let a ladder grow in place to its end."""
+    first = ladder[0].fit
+    coordinate = first.model.coordinate
+    described, shown = descriptions(coordinate), base_effects_shown(coordinate)
     base = first.model.effects
     nothing_to_find = base if given else [*base, *shown]
     together = False
     while True:
         fit = ladder[-1].fit
         tell(f"weighing what could be missing from {', '.join(fit.model.effects)}")
-        diagnosis = diagnose(fit, without={*without, *described})
+        deadline.weighing = absent(fit, {*without, *described})[0]
+        deadline()
+        diagnosis = diagnose(fit, without={*without, *described}, progress=deadline)
         best = choose(diagnosis)
         if best is None or len(ladder) > _MOST:
             selection = concluded(ladder, diagnosis, nothing_to_find)
@@ -67,10 +99,11 @@ def select(
             together = True
             tell("weighing what could be missing together with a joint of shaft and knob")
             first_weighed = next((step.diagnosis for step in ladder if step.diagnosis is not None), diagnosis)
-            pair = joined(first_weighed, fit, {*without, *described})
+            deadline.weighing = ["sets of a joint and another effect"]
+            pair = joined(first_weighed, fit, {*without, *described}, deadline)
             if pair is None:
                 return selection
-            ladder = [ladder[0], *pair]
+            ladder[1:] = pair
             continue
         tell(f"adding {best.effect}")
         richer = converged(best.fit)
@@ -108,6 +141,20 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
     if unexplained is None and (beyond := ladder[-1].fit.beyond) is not None:
         unexplained = Unexplained(beyond.axis, beyond.share, beyond.words)
     return Selection(tuple(ladder), found, last, unexplained)
+
+
+def _cut_short(ladder: list[LearningStep], cut: Cut, *, given: bool) -> Selection:
+    """Return what a ladder says whose last step was not weighed to the end: no verdict on what is left."""
+    fit = ladder[-1].fit
+    last = Diagnosis(fit, (), dict.fromkeys(cut.not_weighed, "the search was cut short"))
+    coordinate = fit.model.coordinate
+    base = ladder[0].fit.model.effects
+    known = concluded(ladder, last, base if given else [*base, *base_effects_shown(coordinate)])
+    worst = max(last.comparison.splits, key=lambda split: split.share, default=None)
+    axis, share = (worst.axis, worst.share) if worst else ("time", 0.0)
+    if known.unexplained is not None:
+        axis, share = known.unexplained.axis, known.unexplained.share
+    return known._replace(unexplained=Unexplained(axis, share, cut.words), cut=cut)
 
 
 def _is_map(effect: str, fit: Fit) -> bool:

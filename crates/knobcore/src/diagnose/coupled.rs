@@ -22,7 +22,7 @@ const FOLLOWED: usize = 2;
 /// Samples of captures that the coarse search looks at.
 const ENOUGH: usize = 30_000;
 /// Share of what noise does not explain that a coupling must explain through the coarse filter.
-const WORTH: f64 = 0.25;
+const WORTH: f64 = 0.1;
 /// A coupling that leaves so many times what its best rival does, and a share of all beside it, is not followed.
 const RIVAL: f64 = 2.0;
 const CLOSE: f64 = 0.02;

@@ -4,6 +4,7 @@ mod bootstrap;
 mod detents;
 mod moments;
 mod orders;
+mod parts;
 mod runs;
 mod scan;
 mod separable;
@@ -30,6 +31,7 @@ use crate::special::Z95;
 use detents::{Judge, best_from_scan, scan_beside};
 use moments::{Blocks, used};
 use nalgebra::DMatrix;
+use parts::Parts;
 use separable::{Effort, Layout, descend};
 use serial::{Meat, serial, thinned};
 use solve::{Normal, independent, solvable};
@@ -39,6 +41,9 @@ use undetermined::{SILENT, silent, undetermined};
 const BLOCKS: f64 = 200.0;
 /// Parts that the blocks are held out in.
 const FOLDS: usize = 10;
+
+/// Less than this share of the mean square error is no more than what the noise floor itself is unsure by.
+const SEEN: f64 = 0.02;
 
 /// How to find the detents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -57,7 +62,7 @@ pub struct Fit {
     pub model: Model,
     /// The free parameters that the data determine, as indices into the slots of the model.
     pub free: Vec<usize>,
-    /// Their covariance, with correlated residuals.
+    /// Their covariance, with correlated residuals, and with what the model misses where it misses something.
     pub covariance: DMatrix<f64>,
     /// What the data say nothing about; those values are not results.
     pub undetermined: Vec<Undetermined>,
@@ -107,7 +112,7 @@ fn found(data: &[&Signals], model: &Model, detents: Detents) -> Result<Fit> {
     let Start { model, found, scan } = start;
     let layout = Layout::of(&model);
     let found = found.unwrap_or_else(|| descend(data, &model, &layout, &model.values(), Effort::Full));
-    let mut fit = finish(data, model, &layout, found, scan)?;
+    let mut fit = finish(data, model, &layout, found, scan, true)?;
     for name in silent {
         fit.model.set_role(&name, Role::Free)?;
         fit.undetermined.push(Undetermined { name, why: SILENT.into() });
@@ -123,7 +128,7 @@ pub fn refine(data: &[&Signals], model: &Model) -> Result<Fit> {
     check(data, model)?;
     let layout = Layout::of(model);
     let found = descend(data, model, &layout, &model.values(), Effort::Full);
-    finish(data, model.clone(), &layout, found, None)
+    finish(data, model.clone(), &layout, found, None, true)
 }
 
 /// Sinusoids over position that a scan beside a model finds: amplitude, period over 2 pi and phase of the best.
@@ -146,13 +151,14 @@ pub fn glance(data: &[&Signals], model: &Model) -> Found {
     descend(data, model, &Layout::of(model), &model.values(), Effort::Glance)
 }
 
-/// What is to be reported where a search ended.
+/// What is to be reported where a search ended that weighs one model against others: its intervals are those of noise
+/// alone.
 ///
 /// # Errors
 /// As of [`fit`].
 pub fn report(data: &[&Signals], model: &Model, found: Found) -> Result<Fit> {
     check(data, model)?;
-    finish(data, model.clone(), &Layout::of(model), found, None)
+    finish(data, model.clone(), &Layout::of(model), found, None, false)
 }
 
 /// A model to finish with, and what is known of its optimum.
@@ -241,23 +247,31 @@ fn check(data: &[&Signals], model: &Model) -> Result<()> {
     Ok(())
 }
 
-/// Everything that is reported about the optimum.
+/// Everything that is reported about the optimum; `wholly` with what a missing effect does to the intervals.
 fn finish(
     data: &[&Signals],
     mut model: Model,
     layout: &Layout,
     found: Found,
     scan: Option<Scan>,
+    wholly: bool,
 ) -> Result<Fit> {
     model.set_values(&found.p);
     let seeds = layout.seeds(&model);
     let k = layout.free.len();
     let used = used(data);
+    let floor = Floor::of(data, &model);
+    // The part of the mean square error that noise does not explain; none where noise is unknown.
+    let excess = (1.0 - floor.squares / found.cost).max(0.0);
+    let mut parts = (wholly && excess > SEEN).then(|| Parts::of(data, k));
     let mut blocks = Blocks::of(used / BLOCKS);
     let mut residuals: Vec<Vec<f64>> = vec![Vec::new(); data.len()];
     let every = data.iter().map(|signals| signals.spacing()).min().unwrap_or(1);
     evaluate(data, &model, &found.p, &seeds, |evaluated| {
         blocks.add(evaluated);
+        if let Some(parts) = &mut parts {
+            parts.add(evaluated);
+        }
         let rest = thinned(evaluated, every).map(|row| evaluated.columns[k][row]);
         residuals[evaluated.capture].extend(rest);
     });
@@ -280,11 +294,17 @@ fn finish(
                 DMatrix::from_fn(kept.len(), kept.len(), |i, j| meat.products[kept[i] * k + kept[j]]);
             let degrees = used / (used - kept.len() as f64);
             let sandwich = &bread * &middle * &bread;
-            DMatrix::from_fn(kept.len(), kept.len(), |i, j| sandwich[(i, j)] * degrees)
+            let by_parts = parts.map(|parts| parts.variances(&kept));
+            // What is missing is no noise: what comes back of it adds to what noise with a memory does.
+            let wider = |i: usize| {
+                let more = by_parts.as_ref().map_or(0.0, |all| all[kept[i]]);
+                (1.0 + excess * more / (sandwich[(i, i)] * degrees)).sqrt()
+            };
+            let wider: Vec<f64> = (0..kept.len()).map(wider).collect();
+            DMatrix::from_fn(kept.len(), kept.len(), |i, j| sandwich[(i, j)] * degrees * wider[i] * wider[j])
         }
         None => DMatrix::zeros(0, 0),
     };
-    let floor = Floor::of(data, &model);
     let undetermined = (0..layout.free.len())
         .filter(|c| !kept.contains(c))
         .map(|c| undetermined(&model, layout, &at, &kept, c))
