@@ -51,17 +51,20 @@ impl Effect<4> for Backlash {
 
     fn starts(survey: &Survey) -> Vec<[f64; 4]> {
         let inertia = survey.inertia.max(1e-12);
-        // Contact that rings at a fraction of the sampling rate, damped to a half.
-        let rings = |hz: f64, share: f64| {
-            let omega = std::f64::consts::TAU * hz;
-            [share * inertia * omega * omega, share * inertia * omega]
+        // Contact that is damped to a half and rings at a fraction of the sampling rate: through the coarse filter that the
+        // search begins with a harder one is all edges, from most of which no slope leads on.
+        let rings = |share_of_rate: f64, share: f64| {
+            let omega = std::f64::consts::TAU * share_of_rate * survey.rate_hz;
+            [(share * inertia * omega * omega).clamp(1e-3, 1e5), (share * inertia * omega).clamp(1e-9, 1e2)]
         };
         let mut starts = Vec::new();
-        let mut gap = 0.003 * survey.range().clamp(0.1, 2.0);
-        for _ in 0..9 {
-            let [k, d] = rings(0.03 * survey.rate_hz, 0.7);
-            starts.push([gap, k.clamp(1e-3, 1e5), d.clamp(1e-9, 1e2), 0.7]);
-            gap *= 1.6;
+        let mut gap = 0.001 * survey.range().clamp(0.1, 2.0);
+        for _ in 0..7 {
+            for share_of_rate in [0.008, 0.015] {
+                let [k, d] = rings(share_of_rate, 0.7);
+                starts.push([gap, k, d, 0.7]);
+            }
+            gap *= 2.0;
         }
         starts
     }
