@@ -25,6 +25,7 @@ _WORTH = 0.015  # of the squared error: less is nothing that a user would feel
 _RARE = 0.005  # chance at which something is missing of a model that chance alone explains
 _SHARE = 0.2  # of what noise does not explain: less is a stopgap, not the cause
 _MOST = 6  # effects; a model that needs more is no explanation
+_HELPED = 1e-3  # of the error: a joint that ends lower by less has not moved
 _MANY = 4.0  # detents that a motion crosses
 _MAINLY = 0.5  # of what noise does not explain: what a cause takes off where something else is unexplained
 
@@ -112,6 +113,9 @@ def _grown(
         tell("re-testing the effects that came in before")
         came = {*(step.added for step in ladder), *shown}
         tested = [one for one in richer.model.effects if one in came and one not in (*base, best.effect)]
+        if best.place != "coupling" and (smoother := without_help(richer, best.effect, fit)) is not None:
+            ladder[-1] = replace(ladder[-1], fit=smoother)
+            continue
         richer, dropped = retested(richer, [*tested, *(one for one in shown if detents and one in base)])
         richer = replace(converged(richer) if dropped else richer, before=fit)
         ladder.append(LearningStep(richer, best.effect, best.p_value, best.equivalent, dropped, diagnosis))
@@ -212,6 +216,24 @@ def with_detents(fit: Fit) -> Fit:
     """Return the fit with detents where the data show them now."""
     core = _core.fit(cores(fit), fit.core.model, True)
     return converged(replace(fit, core=core)) if core.model.period is not None else fit
+
+
+def without_help(richer: Fit, effect: str, fit: Fit) -> Fit | None:
+    """Return the fit without an effect that only helped a joint to a better end; None where it did more.
+
+    The error of a joint is rough: whatever is added to one moves it, and any move may end lower.
+    """
+    if not _coupled(fit):
+        return None
+    bare = converged(drop(richer, effect))
+    helped = bare.rmse < (1.0 - _HELPED) * fit.rmse
+    needed = not unpaid(richer, bare) and richer.rmse**2 < (1.0 - _WORTH) * bare.rmse**2
+    return replace(bare, before=fit.before) if helped and not needed else None
+
+
+def _coupled(fit: Fit) -> bool:
+    catalogue = effects(fit.model.coordinate)
+    return any(catalogue[one].place == "coupling" for one in fit.model.effects)
 
 
 def retested(fit: Fit, tested: Collection[str]) -> tuple[Fit, tuple[str, ...]]:

@@ -17,8 +17,8 @@ use crate::signals::Signals;
 pub(super) const COARSE_HZ: f64 = 60.0;
 pub(super) const MIDDLE_HZ: f64 = 150.0;
 /// Starts that are looked at by a few steps through the coarse filter, and those of them that are followed.
-const LOOKED: usize = 5;
-const FOLLOWED: usize = 2;
+const LOOKED: usize = 8;
+const FOLLOWED: usize = 3;
 /// Samples of captures that the coarse search looks at.
 const ENOUGH: usize = 30_000;
 /// Share of what noise does not explain that a coupling must explain through the coarse filter.

@@ -60,7 +60,7 @@ impl Effect<4> for Backlash {
         let mut starts = Vec::new();
         let mut gap = 0.001 * survey.range().clamp(0.1, 2.0);
         for _ in 0..7 {
-            for share_of_rate in [0.008, 0.015] {
+            for share_of_rate in [0.008, 0.015, 0.03] {
                 let [k, d] = rings(share_of_rate, 0.7);
                 starts.push([gap, k, d, 0.7]);
             }
