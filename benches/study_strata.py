@@ -3,6 +3,8 @@
 Effects alone from weak to strong, every pair of them, faultless knobs; what the core shares a formula with
 is made by other physics. Answers are kept in `benches/results/strata.jsonl` by case, by who answered and by
 which version, so that a run goes on where the last one stopped; tables go to `strata.json` beside it.
+Of the peers `--who stlsq` needs pysindy (MIT; 500 MB with what it needs), which nothing else here does:
+install it beside this for that sitting, which asks nothing of knobcam.
 """
 
 import argparse
@@ -71,9 +73,7 @@ def main() -> None:
         "--only", default="", metavar="KIND", help="cases whose name begins so: one, pair/backl"
     )
     parser.add_argument("--jobs", type=int, default=2, help="processes")
-    parser.add_argument(
-        "--cap", type=float, default=120.0, help="seconds after which a capture has no answer"
-    )
+    parser.add_argument("--cap", type=float, default=120.0, help="seconds of the processor for a capture")
     parser.add_argument(
         "--who", choices=list(WHO), default="knobcam", help="who sits; peers need their packages"
     )
@@ -86,7 +86,8 @@ def main() -> None:
         run(options.who, chosen, options.jobs, options.cap)
     rows = tabled(list(WHO))
     today = time.strftime("%Y-%m-%d", time.gmtime())
-    head = f"{today}: python benches/study_strata.py; n: as many as were held"
+    version = about("knobcam")["version"]
+    head = f"{today}: python benches/study_strata.py, program {version}; n: as many as were held"
     text, long = [head, *report(rows)], list(at_length(rows))
     print(*text, *long, sep="\n")
     TABLES.write_text(json.dumps({"report": text, "at_length": long}, indent=0) + "\n", "utf-8")
