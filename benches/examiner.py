@@ -2,11 +2,13 @@
 
 import tempfile
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import hidden
 import numpy as np
+from strata import Stratum
 
 import knobcam as kc
 
@@ -15,6 +17,20 @@ SAMPLE_S = 2e-4
 # A constant torque is told from a difference of the two Coulomb levels by nothing but convention: under these
 # effects, which bring one, the levels themselves are not examined.
 WITH_A_CONSTANT = {"position_polynomial", "return_spring", "unbalance", "torque_drift"}
+
+# The marks of who has said nothing.
+SILENT: dict[str, Any] = {
+    "verdict": "no answer",
+    "found": [],
+    "axis": None,
+    "first": False,
+    "exact": False,
+    "wrong": False,
+    "error": None,
+    "floor": None,
+    "p_value": None,
+    "covered": {},
+}
 
 
 class Case(NamedTuple):
@@ -98,9 +114,36 @@ def ask(knob: hidden.Hidden, without: tuple[str, ...]) -> dict[str, Any]:
 def examine(case: Case) -> dict[str, Any]:
     """The marks of one capture."""
     knob = case.make()
+    left_out = case.sitting == "left-out"
+    return {"case": str(case), **known(case, knob), **marked(knob, case.without, left_out)}
+
+
+def sit(case: Stratum) -> Iterator[dict[str, Any]]:
+    """A stratum's row: what is known of the knob, then the marks."""
+    knob = case.make()
+    yield known(case, knob)
+    yield marked(knob)
+
+
+def known(case: Case | Stratum, knob: hidden.Hidden) -> dict[str, Any]:
+    """What a row says of its case, whatever the answer."""
+    return {
+        "sitting": case.sitting,
+        "topic": case.topic,
+        "motion": knob.motion,
+        "effects": knob.effects,
+        "accepted": knob.accepted,
+        "strength": round(knob.strength, 2),
+        "strengths": [round(strength, 2) for strength in knob.strengths],
+        "misfit": round(knob.misfit, 3),
+    }
+
+
+def marked(knob: hidden.Hidden, without: tuple[str, ...] = (), left_out: bool = False) -> dict[str, Any]:
+    """Ask, and judge the answer."""
     start = time.perf_counter()
     try:
-        document = ask(knob, case.without)
+        document = ask(knob, without)
     except Exception as error:  # a program that fails has not answered, and the others go on
         document = {
             "verdict": f"{type(error).__name__}: {error}",
@@ -108,26 +151,22 @@ def examine(case: Case) -> dict[str, Any]:
             "ladder": [],
             "noise_floor": np.nan,
         }
-    return {
-        "case": str(case),
-        "sitting": case.sitting,
-        "topic": case.topic,
-        "motion": knob.motion,
-        "effects": knob.effects,
-        "strength": round(knob.strength, 2),
-        "seconds": round(time.perf_counter() - start, 2),
-        **judged(knob, document, case.sitting == "left-out"),
-    }
+    return {"seconds": round(time.perf_counter() - start, 2), **judged(knob, document, left_out)}
 
 
 def judged(knob: hidden.Hidden, document: dict[str, Any], left_out: bool) -> dict[str, Any]:
-    """How the document compares with what was hidden; `left_out`: the hidden effect cannot be named."""
+    """How the document compares with what was hidden; `left_out`: the hidden effect cannot be named.
+
+    Where the textbook laws of the right names leave more than chance of a stranger's torque, "unexplained"
+    beside these names is as exact as "missing".
+    """
     accepted = [] if left_out else [set(names) for names in knob.accepted if names]
     nameless = left_out or any(not names for names in knob.accepted)
     verdict, found, ladder = document["verdict"], document["found"], document["ladder"]
     right = set().union(*accepted)
     exact = not nameless and len(found) == len(accepted) and all(set(found) & names for names in accepted)
-    exact = exact and verdict == ("missing" if accepted else "complete")
+    verdicts = {"missing" if accepted else "complete"}
+    exact = exact and verdict in verdicts | ({"unexplained"} if knob.misfit > hidden.ALIKE else set())
     last = ladder[-1] if ladder else {"rmse": np.nan, "params": {}}
     unexplained = document.get("unexplained") or {}
     return {
@@ -139,7 +178,8 @@ def judged(knob: hidden.Hidden, document: dict[str, Any], left_out: bool) -> dic
         "wrong": verdict == "missing" and not set(found) <= right,
         "error": round(last["rmse"] / knob.noise_floor, 4),
         "floor": round(document["noise_floor"] / knob.noise_floor, 4),
-        "covered": covered(knob, last["params"]) if exact else {},
+        "p_value": ladder[1].get("p_value") if len(ladder) > 1 else None,
+        "covered": covered(knob, last["params"]),
     }
 
 

@@ -76,7 +76,7 @@ def targets(rows: list[Row]) -> list[Target]:
     worst = min((percent(own, lambda row: row["first"]) for _, own in _by_topic(single)), default=np.nan)
     errors = [row["error"] for row in named + by["faultless"]]
     floors = [abs(row["floor"] - 1.0) for row in rows]
-    held = [100.0 * hold for row in rows for hold in row["covered"].values()]
+    held = [100.0 * hold for row in rows if row["exact"] for hold in row["covered"].values()]
     lines = [
         Target("right effect first, %", 97, 100, percent(named, lambda row: row["first"])),
         Target("right effect first, worst effect, %", 85, 100, worst),

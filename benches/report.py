@@ -1,8 +1,10 @@
 """Writes BENCHMARKS.md and docs/measured.md from what this machine measures: `python benches/report.py`.
 
-The statistical part comes from `benches/results`, which the `benches/study_*.py` write.
+The statistical part comes from `benches/results`, which the `benches/study_*.py` write; `--studies` writes
+that part alone and leaves the figures of speed as they stand.
 """
 
+import argparse
 import json
 import os
 import platform
@@ -19,6 +21,7 @@ STUDIES = {
     "basin": "No starting values",
     "rig": "Random knobs under the rig's sensors",
     "hidden": "Knobs with something hidden in them",
+    "strata": "One and two effects, from weak to strong, and peers",
     "logs": "Logs with faults",
     "capture": "Recording",
     "render": "Rendering",
@@ -29,6 +32,7 @@ STUDIES = {
 }
 # Those whose tables are long have a page of their own, as have the single cases of others.
 AT_LENGTH = {
+    "strata": "One and two effects, each and by pair",
     "logs": "Logs with faults, not answered as they should be",
     "pairs": "Every effect in every knob",
     "roundtrip": "Round trips",
@@ -87,6 +91,7 @@ def lines() -> Iterator[str]:
         for name in (
             "study_recovery",
             "study_hidden",
+            "study_strata",
             "study_logs",
             "study_capture",
             "study_render",
@@ -136,6 +141,14 @@ def studies(titles: dict[str, str], part: str, fence: str) -> Iterator[str]:
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(description="The pages of figures.")
+    parser.add_argument("--studies", action="store_true", help="the studies' tables alone, nothing is timed")
+    if parser.parse_args().studies:
+        page = ROOT / "BENCHMARKS.md"
+        timed, _, _ = page.read_text("utf-8").partition(f"## {next(iter(STUDIES.values()))}")
+        page.write_text(timed + "\n".join(studies(STUDIES, "report", "```")) + "\n", "utf-8")
+        (ROOT / "docs" / "measured.md").write_text("\n".join(at_length()) + "\n", "utf-8")
+        return
     if os.environ.get(THREADS) != "1":
         os.environ[THREADS] = "1"
         os.execv(sys.executable, [sys.executable, *sys.argv])  # NumPy reads it when it is loaded

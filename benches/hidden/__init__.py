@@ -5,10 +5,25 @@ diagnosis is examined on physics and not on its own equations.
 """
 
 from .faults import FAULTS, Fault
+from .likeness import ALIKE
 from .make import ACCEPTED, KINDS, Hidden, make
 from .motions import MOTIONS
 from .series import SERIES
 from .shapes import NAMED
 from .strange import STRANGE
+from .stranger import STRANGER
 
-__all__ = ["ACCEPTED", "FAULTS", "KINDS", "MOTIONS", "NAMED", "SERIES", "STRANGE", "Fault", "Hidden", "make"]
+__all__ = [
+    "ACCEPTED",
+    "ALIKE",
+    "FAULTS",
+    "KINDS",
+    "MOTIONS",
+    "NAMED",
+    "SERIES",
+    "STRANGE",
+    "STRANGER",
+    "Fault",
+    "Hidden",
+    "make",
+]

@@ -21,13 +21,14 @@ class Base:
 
     def left(self, torque: Floats, *others: Floats) -> float:
         """RMS of what neither Equation 1 nor the signatures `others` explain of a torque, N m."""
-        rest = self._without(torque)
+        rest = self.rest(torque)
         if others:
-            known = np.stack([self._without(other) for other in others], 1)
+            known = np.stack([self.rest(other) for other in others], 1)
             rest = rest - known @ np.linalg.lstsq(known, rest, rcond=None)[0]
         return float(np.sqrt(np.mean(rest**2)))
 
-    def _without(self, torque: Floats) -> Floats:
+    def rest(self, torque: Floats) -> Floats:
+        """What Equation 1 leaves of a torque, through the filter and without the edges, N m."""
         kept = _kept(torque)
         return kept - self._q @ (self._q.T @ kept)
 

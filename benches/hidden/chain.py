@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .bodies import Contact, one_body, two_bodies
+from .impacts import Gap, gapped
 from .loads import Loads
 from .motions import Floats, Track
 from .sensors import Sensor
@@ -19,7 +20,7 @@ class Chain(NamedTuple):
     """
 
     loads: Loads
-    contact: Contact | None = None
+    contact: Contact | Gap | None = None
     sensor: Sensor = Sensor()
     strange: Floats = np.zeros(1)
     shaft: Loads | None = None
@@ -29,7 +30,8 @@ class Chain(NamedTuple):
         if self.contact is None:
             tau = one_body(track, self.loads)
         else:
-            tau = two_bodies(track, self.loads, self.contact, substeps)
+            joined = gapped if isinstance(self.contact, Gap) else two_bodies
+            tau = joined(track, self.loads, self.contact, substeps)
             if self.shaft is not None:
                 tau = tau + one_body(track, self.shaft) - one_body(track, self.loads)
         tau = self.sensor.late(track.t, tau + self.strange)
@@ -45,8 +47,16 @@ class Chain(NamedTuple):
             (self.contact or (), ()),
         ):
             own = part._asdict() if part else {}
-            values |= {name: v for name, v in own.items() if v is not getattr(bare, name, None)}
+            values |= _flat({name: v for name, v in own.items() if v is not getattr(bare, name, None)})
         return {name: np.asarray(v).tolist() for name, v in values.items() if np.size(v) < 100}
+
+
+def _flat(values: dict[str, Any]) -> dict[str, Any]:
+    """The values, those of a tuple with names under its own names."""
+    flat: dict[str, Any] = {}
+    for name, value in values.items():
+        flat |= value._asdict() if hasattr(value, "_asdict") else {name: value}
+    return flat
 
 
 class Scene(NamedTuple):

@@ -10,6 +10,7 @@ import numpy as np
 from numba.extending import register_jitable
 
 from .motions import Floats
+from .rubbing import Ageing, Bristles
 
 NONE = np.zeros((0, 3))
 
@@ -52,6 +53,13 @@ class Loads(NamedTuple):
     warm_s: float = 1.0
     weights: Floats = np.zeros(0)
     distances: Floats = np.zeros(0)
+    bristles: Bristles = Bristles()
+    ageing: Ageing = Ageing()
+
+    @property
+    def remembers(self) -> bool:
+        """Whether friction follows bristles or the age of its contacts."""
+        return len(self.bristles.shares) > 0 or self.ageing.evolving != 0.0
 
 
 @register_jitable

@@ -9,18 +9,21 @@ import numpy as np
 
 from .base import Base
 from .chain import Chain, Grow, Scene, log_uniform, plain_knob
+from .likeness import ALIKE, BY_NATURE, NAMES, STRANGE_SHARE, STRANGEST, left_by
 from .loads import Loads
 from .motions import MOTIONS, Floats
 from .sensors import EDGE, FLOOR, RANGE, RATE_HZ, filtered, measured
 from .series import SERIES
 from .shapes import NAMED
 from .strange import STRANGE
+from .stranger import STRANGER
 
-KINDS = NAMED | SERIES | STRANGE
+KINDS = NAMED | SERIES | STRANGER | STRANGE
 # Alike over less than a turn, and a polynomial is nearly what they are beyond.
 POSITION = ["position_polynomial", "return_spring", "unbalance"]
 ACCEPTED = {name: POSITION if name in POSITION else [name] for name in NAMED | SERIES}
 # The names of the strange kinds that are torques of position alone: a free map of position is their truth.
+ACCEPTED |= {name: [names[0]] for name, names in NAMES.items()}
 ACCEPTED |= {name: ["regional", "wavelet"] if name in ("bump", "rough_map") else [] for name in STRANGE}
 
 WEAKEST, STRONGEST = 0.7, 12.0
@@ -36,6 +39,7 @@ class Hidden:
     `strength` is what the base model cannot explain of the exact torque, and `strengths` what of each effect
     neither it nor the others' signatures can, RMS over the noise floor. `noise_floor` is the RMS of the very
     noise in this capture after the measurement filter, N m. `accepted`: the ids that are as right, for each.
+    `misfit`: what the textbook laws of those names leave of the exact torque, over the noise floor.
     """
 
     seed: int
@@ -48,19 +52,20 @@ class Hidden:
     strengths: tuple[float, ...]
     knob: dict[str, float]
     truth: dict[str, Any]
+    misfit: float = 0.0
 
 
 def make(
     seed: int,
     effects: Sequence[str] = (),
     motion: str | None = None,
-    strength: float | None = None,
+    strength: float | tuple[float, float] | None = None,
     size: float | None = None,
     duration_s: float = 6.0,
     keep: float = 0.0,
     at_shaft: bool = False,
 ) -> Hidden:
-    """Make the capture of a seed. Motion and strength are drawn (0.7 to 12) where they are not given.
+    """Make the capture of a seed. Motion and strength are drawn (0.7 to 12, or between two) where not given.
 
     `size` sets the one effect's own size (a delay's seconds) in place of its strength. `keep` colours the
     torque's noise, AR(1) of the same RMS. Knobs on which an
@@ -72,7 +77,7 @@ def make(
     for attempt in range(TRIES):
         if attempt % PATIENCE == 0:
             turned = motion or str(rng.choice(list(MOTIONS)))
-            wanted = [strength or log_uniform(rng, WEAKEST, STRONGEST) for _ in kinds]
+            wanted = [_wanted(rng, strength) for _ in kinds]
         detents = any(kind.detents for kind in kinds.values()) or bool(rng.random() < 0.7)
         scene = Scene(MOTIONS[turned](rng, t), plain_knob(rng, detents))
         found = _grown(
@@ -83,29 +88,59 @@ def make(
         parts, total = found
         chain = _chain(scene, parts, at_shaft)
         tau, limit = chain.torque(scene.track)
-        if np.abs(tau).max() < RANGE - 0.01:
+        if np.abs(tau).max() > RANGE - 0.01:
+            continue
+        named = _names(scene, parts)
+        if named is not None:
             break
     else:
         raise ValueError(f"no knob shows {list(effects)} at {wanted} times the noise under {turned}")
+    accepted, misfit = named
     capture = measured(noise, scene.track, tau, limit, keep)
     floor = float(np.sqrt(np.mean(filtered(capture["tau_Nm"] - tau)[EDGE:-EDGE] ** 2)))
     return Hidden(
         seed=seed,
         motion=turned,
         effects=tuple(kinds),
-        accepted=tuple(tuple(ACCEPTED[name]) for name in kinds),
+        accepted=tuple(tuple(names) for names in accepted),
         capture=capture,
         noise_floor=floor,
         strength=float(total),
         strengths=tuple(part.strength for part in parts),
         knob={name: float(value) for name, value in _named(chain.shaft or chain.loads).items()},
         truth=chain.truth(scene.knob),
+        misfit=misfit,
     )
+
+
+def _wanted(rng: np.random.Generator, strength: float | tuple[float, float] | None) -> float:
+    if isinstance(strength, float | int):
+        return float(strength)
+    return float(log_uniform(rng, *(strength or (WEAKEST, STRONGEST))))
+
+
+def _names(scene: Scene, parts: Sequence["_Part"]) -> tuple[list[list[str]], float] | None:
+    """The names that are right for each part, and what their laws leave; None where a name is not sure."""
+    accepted, misfits = [], [0.0]
+    base = Base(scene.track, scene.knob)
+    for part in parts:
+        names = ACCEPTED[part.name]
+        if part.name in NAMES:
+            alone = part.grow(Chain(scene.knob), part.size)
+            left = {name: left_by(name, scene, alone, base) for name in NAMES[part.name]}
+            misfits.append(left[names[0]])
+            sure = part.name in BY_NATURE or misfits[-1] < max(STRANGEST, STRANGE_SHARE * part.strength)
+            if not sure:
+                return None
+            names = names + [name for name in left if name not in names and left[name] < ALIKE]
+        accepted.append(names)
+    return accepted, float(np.linalg.norm(misfits))
 
 
 class _Part(NamedTuple):
     """An effect at its size; strength over the noise."""
 
+    name: str
     grow: Grow
     size: float
     strength: float
@@ -124,22 +159,26 @@ def _grown(
     parts: list[_Part] = []
     for (name, grow), strength in zip(grows.items(), wanted, strict=True):
         others = [signature(parts)] if parts else []
+        part = _Part(name, grow, 0.0, 0.0)
 
         def left(
-            at: float, grow: Grow = grow, known: Sequence[_Part] = tuple(parts), others: list[Floats] = others
+            at: float,
+            part: _Part = part,
+            known: Sequence[_Part] = tuple(parts),
+            others: list[Floats] = others,
         ) -> float:
-            return base.left(plain + signature([*known, _Part(grow, at, 0.0)]), *others) / FLOOR
+            return base.left(plain + signature([*known, part._replace(size=at)]), *others) / FLOOR
 
         fitting = size or _solved(left, *KINDS[name].sizes, strength)
         if fitting is None:
             return None
-        parts.append(_Part(grow, fitting, left(fitting)))
+        parts.append(_Part(name, grow, fitting, left(fitting)))
     if len(parts) > 1:
         whole = signature(parts)
         for i, part in enumerate(parts):
             rest = base.left(plain + whole, signature(parts[:i] + parts[i + 1 :])) / FLOOR
             parts[i] = part._replace(strength=rest)
-    if len(parts) > 1 and min(part.strength for part in parts) < WEAKEST:
+    if len(parts) > 1 and any(part.strength < min(WEAKEST, wanted[i]) for i, part in enumerate(parts)):
         return None
     return parts, base.left(plain + signature(parts)) / FLOOR if parts else 0.0
 
