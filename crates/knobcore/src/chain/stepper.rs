@@ -212,14 +212,11 @@ impl<T: Scalar> Step<T> {
             share: joint.share.value(),
             welded: joint.welded,
         };
-        let pressed = match acts.pressed {
-            Some(Pressed { load, share, per_load: [back, forth] }) => Some(Pressed {
-                load: load.value(),
-                share: share.value(),
-                per_load: [back.value(), forth.value()],
-            }),
-            None => None,
-        };
+        let pressed = acts.pressed.map(|Pressed { load, share, per_load: [back, forth] }| Pressed {
+            load: load.value(),
+            share: share.value(),
+            per_load: [back.value(), forth.value()],
+        });
         let acts = Acts {
             inertia: acts.inertia.value(),
             push: acts.push.value(),

@@ -152,7 +152,7 @@ mod tests {
 
     #[test]
     fn stretches_are_spread_over_a_segment() {
-        assert_eq!(stretches(&(5..10), 1.0).collect::<Vec<_>>(), [5..10]);
+        assert!(stretches(&(5..10), 1.0).eq(std::iter::once(5..10)));
         let few: Vec<_> = stretches(&(1000..2200), 0.1).collect();
         assert_eq!((few.len(), few[0].clone(), few[11].clone()), (12, 1000..1010, 2100..2110));
     }
