@@ -22,6 +22,10 @@ const WORTH: f64 = 0.005;
 const AT_SHAFT: f64 = 0.1;
 /// Where an effect explains this share of what noise does not, a coupling can wait for what is left.
 const MOST: f64 = 0.95;
+/// What noise does not explain and is below this share of what it leaves may be the noise's; else an effect that leaves
+/// more than the other share of it has not explained it.
+const SLIGHT: f64 = 0.05;
+const BETTER: f64 = 0.3;
 /// A sum of squares below this many times what noise leaves is explained.
 const EXPLAINED: f64 = 1.1;
 
@@ -65,7 +69,10 @@ pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_
     let best = found.iter().fold(0.0, |best: f64, (candidate, _)| best.max(candidate.gain));
     let left = screen.squares - best * white;
     let most = best * white >= MOST * (screen.squares - floor.squares);
-    let explained = left <= EXPLAINED * floor.squares || most;
+    // Of a little that is missing, what looks like it alone explains the better part of it.
+    let (excess, rest) = (screen.squares - floor.squares, left - floor.squares);
+    let better = excess <= SLIGHT * floor.squares || rest <= BETTER * excess;
+    let explained = left <= EXPLAINED * floor.squares && better || most;
     // Who asks for couplings alone wants to know.
     if quick.is_empty() || left.is_nan() || floor.squares.is_nan() || !explained {
         for Ways { id, starts, end } in coupled(&screen, &slow) {
