@@ -253,6 +253,9 @@ few = settings(max_examples=100, deadline=None, suppress_health_check=[HealthChe
 @example(
     pattern=[("1e-320", "1e-320"), ("0", "0"), ("1e-320", "0")], rows=400, method="smooth", command="compare"
 )
+@example(
+    pattern=[("0.0", "0.0"), ("1.0", "0.0"), ("1e-320", "0.0")], rows=140, method="smooth", command="fit"
+)
 def test_no_table_of_numbers_makes_the_program_fail(
     pattern: list[tuple[str, str]], rows: int, method: str, command: str, tmp_path: Path
 ) -> None:

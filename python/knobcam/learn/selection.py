@@ -83,6 +83,7 @@ def _grown(
     base = first.model.effects
     nothing_to_find = base if given else [*base, *shown]
     together = False
+    helped: set[str] = set()
     while True:
         fit = ladder[-1].fit
         tell(f"weighing what could be missing from {', '.join(fit.model.effects)}")
@@ -113,8 +114,9 @@ def _grown(
         tell("re-testing the effects that came in before")
         came = {*(step.added for step in ladder), *shown}
         tested = [one for one in richer.model.effects if one in came and one not in (*base, best.effect)]
-        if best.place != "coupling" and (smoother := without_help(richer, best.effect, fit)) is not None:
-            ladder[-1] = replace(ladder[-1], fit=smoother)
+        if best.effect not in helped and (lower := without_help(richer, best, fit)) is not None:
+            helped.add(best.effect)
+            ladder[-1] = replace(ladder[-1], fit=lower)
             continue
         richer, dropped = retested(richer, [*tested, *(one for one in shown if detents and one in base)])
         richer = replace(converged(richer) if dropped else richer, before=fit)
@@ -218,22 +220,18 @@ def with_detents(fit: Fit) -> Fit:
     return converged(replace(fit, core=core)) if core.model.period is not None else fit
 
 
-def without_help(richer: Fit, effect: str, fit: Fit) -> Fit | None:
-    """Return the fit without an effect that only helped a joint to a better end; None where it did more.
+def without_help(richer: Fit, candidate: Candidate, fit: Fit) -> Fit | None:
+    """Return the fit without a candidate that only helped a joint to a better end; None where it did more.
 
     The error of a joint is rough: whatever is added to one moves it, and any move may end lower.
     """
-    if not _coupled(fit):
+    places = {one: row.place for one, row in effects(fit.model.coordinate).items()}
+    if candidate.place == "coupling" or all(places[one] != "coupling" for one in fit.model.effects):
         return None
-    bare = converged(drop(richer, effect))
+    bare = converged(drop(richer, candidate.effect))
     helped = bare.rmse < (1.0 - _HELPED) * fit.rmse
     needed = not unpaid(richer, bare) and richer.rmse**2 < (1.0 - _WORTH) * bare.rmse**2
     return replace(bare, before=fit.before) if helped and not needed else None
-
-
-def _coupled(fit: Fit) -> bool:
-    catalogue = effects(fit.model.coordinate)
-    return any(catalogue[one].place == "coupling" for one in fit.model.effects)
 
 
 def retested(fit: Fit, tested: Collection[str]) -> tuple[Fit, tuple[str, ...]]:

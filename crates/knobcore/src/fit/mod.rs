@@ -43,7 +43,7 @@ const BLOCKS: f64 = 200.0;
 const FOLDS: usize = 10;
 
 /// Less than this share of the mean square error is no more than what the noise floor itself is unsure by.
-const SEEN: f64 = 0.02;
+const SEEN: f64 = 0.04;
 
 /// How to find the detents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

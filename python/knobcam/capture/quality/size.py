@@ -84,8 +84,9 @@ def _counts_of_degrees(theta: FloatArray) -> str | None:
     least = float(moved.min())
     bits = math.log2(360.0) - math.log2(least)
     exact = abs(bits - round(bits)) < _EXACT and round(bits) in _BITS
-    whole = np.abs(moved / least - np.rint(moved / least)) < 0.01
-    if not (exact and len(moved) > _FEWEST and whole.all()):
+    if not (exact and len(moved) > _FEWEST):
+        return None
+    if not (np.abs(moved / least - np.rint(moved / least)) < 0.01).all():
         return None
     return (
         f"its steps of {least:.6g} are 360/{2 ** round(bits)}, so it is in degrees: map theta=... [deg], "
