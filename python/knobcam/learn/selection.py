@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from .. import _core
 from ..capture.prepare import travel
 from ..fit.diagnose import Candidate, Diagnosis, absent, diagnose
-from ..fit.refit import converged, cores, drop, unpaid, with_clipped
+from ..fit.refit import converged, cores, unpaid, with_clipped
 from ..model.effects import base_effects_shown, clipping, descriptions, effects
 from .cut import Cut, Deadline, OutOfTime
 from .joined import joined
@@ -228,10 +228,14 @@ def without_help(richer: Fit, candidate: Candidate, fit: Fit) -> Fit | None:
     places = {one: row.place for one, row in effects(fit.model.coordinate).items()}
     if candidate.place == "coupling" or all(places[one] != "coupling" for one in fit.model.effects):
         return None
-    bare = converged(drop(richer, candidate.effect))
+    bare = richer.drop(candidate.effect)
     helped = bare.rmse < (1.0 - _HELPED) * fit.rmse
-    needed = not unpaid(richer, bare) and richer.rmse**2 < (1.0 - _WORTH) * bare.rmse**2
-    return replace(bare, before=fit.before) if helped and not needed else None
+    return replace(bare, before=fit.before) if helped and _as_good(bare, richer) else None
+
+
+def _as_good(bare: Fit, richer: Fit) -> bool:
+    """Whether a fit without an effect leaves no more than what the effect has to be worth."""
+    return unpaid(richer, bare) or richer.rmse**2 >= (1.0 - _WORTH) * bare.rmse**2
 
 
 def retested(fit: Fit, tested: Collection[str]) -> tuple[Fit, tuple[str, ...]]:
@@ -241,8 +245,8 @@ def retested(fit: Fit, tested: Collection[str]) -> tuple[Fit, tuple[str, ...]]:
         if effect not in fit.model.effects:
             continue  # it went before, or with another that it changed
         # What an effect did, a joint has to be fitted anew to do.
-        bare = converged(drop(fit, effect))
-        if unpaid(fit, bare) or fit.rmse**2 >= (1.0 - _WORTH) * bare.rmse**2:
+        bare = fit.drop(effect)
+        if _as_good(bare, fit):
             fit = bare
             dropped.append(effect)
     return fit, tuple(dropped)

@@ -1,7 +1,7 @@
 //! What is missing beside a coupling: a descent there takes a hundred times as long as beside a rigid shaft, so that of
 //! all starts of all effects only those are followed that the first step promises most of.
 
-use super::coupled::{Ways, on};
+use super::coupled::{Ways, led, on};
 use super::screen::{Screen, Start};
 use crate::effects::Id;
 use crate::fit::{Found, glance, sketch};
@@ -38,13 +38,9 @@ pub fn beside(screen: &Screen<'_>, effects: &[Id]) -> Vec<Ways> {
         watch.each(&first, |(of, start)| (*of, on(&start.model, |model| glance(data, model))));
     looked.sort_by(|(_, (_, a)), (_, (_, b))| a.cost.total_cmp(&b.cost));
     looked.truncate(FOLLOWED);
-    let mut ends = watch.each(&looked, |(of, (model, _))| (*of, on(model, |model| sketch(data, model))));
-    // The best of each last, so that it stays.
-    ends.sort_by(|(_, (_, a)), (_, (_, b))| b.cost.total_cmp(&a.cost));
+    let ends = watch.each(&looked, |(of, (model, _))| (*of, on(model, |model| sketch(data, model))));
     let mut ways: Vec<Ways> =
         started.into_iter().map(|(id, starts, _)| Ways { id, starts, end: None }).collect();
-    for (of, end) in ends {
-        ways[of].end = Some(end);
-    }
+    led(&mut ways, ends);
     ways
 }

@@ -57,12 +57,12 @@ pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_
     let white = if floor.white > 0.0 { floor.white } else { screen.squares.max(f64::MIN_POSITIVE) * 1e-12 };
     let (slow, quick): (Vec<Id>, Vec<Id>) = effects.iter().partition(|id| id.info().place == Place::Coupling);
     // Beside a coupling each step takes long; what several runs have apart is not looked at in steps.
-    let mut found = if screen.coupled && data.len() == 1 {
-        let ways = beside(&screen, &quick);
-        watch.steps(quick.len());
-        ways.into_iter()
-            .map(|Ways { id, starts, end }| (candidate(&screen, id, &starts, end, white), starts))
-            .collect()
+    let told = |Ways { id, starts, end }| {
+        watch.step();
+        (candidate(&screen, id, &starts, end, white), starts)
+    };
+    let mut found: Vec<(Candidate, Vec<Start>)> = if screen.coupled && data.len() == 1 {
+        beside(&screen, &quick).into_iter().map(told).collect()
     } else {
         weighed(&screen, &quick, [white, floor.squares])
     };
@@ -75,10 +75,7 @@ pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_
     let explained = left <= EXPLAINED * floor.squares && better || most;
     // Who asks for couplings alone wants to know.
     if quick.is_empty() || left.is_nan() || floor.squares.is_nan() || !explained {
-        for Ways { id, starts, end } in coupled(&screen, &slow) {
-            watch.step();
-            found.push((candidate(&screen, id, &starts, end, white), starts));
-        }
+        found.extend(coupled(&screen, &slow).into_iter().map(told));
     }
     found.sort_by_key(|(candidate, _)| candidate.id);
     let noises: Vec<Noise> = noises.into_iter().map(|noise| noise.unwrap_or(Noise::white(white))).collect();

@@ -87,11 +87,17 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id]) -> Vec<Ways> {
         (*of, on(&model, |m| sketch(data, m)))
     });
     fine.retain(|(_, (_, found))| found.cost.is_finite());
-    fine.sort_by(|(_, (_, a)), (_, (_, b))| b.cost.total_cmp(&a.cost));
-    for (of, end) in fine {
+    led(&mut ways, fine);
+    ways
+}
+
+/// Gives each of the ways the best of the ends that are its own, by its place among them.
+pub(super) fn led(ways: &mut [Ways], mut ends: Vec<(usize, (Model, Found))>) {
+    // The best last, so that it stays.
+    ends.sort_by(|(_, (_, a)), (_, (_, b))| b.cost.total_cmp(&a.cost));
+    for (of, end) in ends {
         ways[of].end = Some(end);
     }
-    ways
 }
 
 /// A model where a descent from it ended.

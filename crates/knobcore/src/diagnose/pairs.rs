@@ -4,7 +4,7 @@
 //! neither is found. So each joint is tried with each of the others, from coarse to fine: the starts of the joint beside
 //! the rigid model that has the other effect, a few steps from the most promising, descents from the best of these.
 
-use super::coupled::{MIDDLE_HZ, beginnings, slowed};
+use super::coupled::{MIDDLE_HZ, beginnings, on, slowed};
 use super::screen::{Screen, Start};
 use super::watch::{Tell, Watch};
 use crate::effects::{Id, Place};
@@ -53,9 +53,7 @@ impl Way {
 
     /// As far as a descent leads.
     fn on(&self, to: impl Fn(&Model) -> Found) -> Self {
-        let found = to(&self.model);
-        let mut model = self.model.clone();
-        model.set_values(&found.p);
+        let (model, found) = on(&self.model, to);
         Self { model, squares: found.cost, ..*self }
     }
 }

@@ -13,7 +13,7 @@ pub type Tell<'a> = dyn Fn(f64) -> bool + Sync + 'a;
 /// Work of so many steps, done by several threads.
 pub struct Watch<'a> {
     tell: &'a Tell<'a>,
-    all: usize,
+    steps: usize,
     done: AtomicUsize,
     unwanted: AtomicBool,
     asked: Mutex<Option<Instant>>,
@@ -23,17 +23,12 @@ impl<'a> Watch<'a> {
     /// Of `steps` steps, none of them done.
     pub fn new(tell: &'a Tell<'a>, steps: usize) -> Self {
         let (done, unwanted) = (AtomicUsize::new(0), AtomicBool::new(false));
-        Self { tell, all: steps, done, unwanted, asked: Mutex::new(None) }
+        Self { tell, steps, done, unwanted, asked: Mutex::new(None) }
     }
 
     /// One more step is done.
     pub fn step(&self) {
-        self.steps(1);
-    }
-
-    /// So many more are.
-    pub fn steps(&self, more: usize) {
-        self.done.fetch_add(more, Ordering::Relaxed);
+        self.done.fetch_add(1, Ordering::Relaxed);
     }
 
     /// Whether to go on; once it is false it stays so. To be asked often: nothing else ends the work.
@@ -44,7 +39,7 @@ impl<'a> Watch<'a> {
         if !known || asked.is_some_and(|last| last.elapsed() < APART) {
             return known;
         }
-        let share = self.done.load(Ordering::Relaxed) as f64 / self.all.max(1) as f64;
+        let share = self.done.load(Ordering::Relaxed) as f64 / self.steps.max(1) as f64;
         let wanted = (self.tell)(share);
         self.unwanted.store(!wanted, Ordering::Relaxed);
         *asked = Some(Instant::now());
