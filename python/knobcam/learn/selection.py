@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from .. import _core
 from ..capture.prepare import travel
 from ..fit.diagnose import Candidate, Diagnosis, absent, diagnose
+from ..fit.doubts import AT_FLOOR, below_zero
 from ..fit.refit import converged, cores, unpaid, with_clipped
 from ..model.effects import base_effects_shown, clipping, descriptions, effects
 from .cut import Cut, Deadline, OutOfTime
@@ -16,7 +17,7 @@ from .joined import joined
 from .ladder import LearningStep, Unexplained
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection
+    from collections.abc import Callable, Collection, Sequence
 
     from ..fit import Fit
     from ..fit.compare import Comparison
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 _WORTH = 0.015  # of the squared error: less is nothing that a user would feel
 _RARE = 0.005  # chance at which something is missing of a model that chance alone explains
 _SHARE = 0.2  # of what noise does not explain: less is a stopgap, not the cause
+_LAW = 0.025  # of what was added: as far as a textbook's law is that of a real knob
 _MOST = 6  # effects; a model that needs more is no explanation
 _HELPED = 1e-3  # of the error: a joint that ends lower by less has not moved
 _MANY = 4.0  # detents that a motion crosses
@@ -90,13 +92,14 @@ def _grown(
         deadline.weighing = absent(fit, {*without, *described})[0]
         deadline()
         diagnosis = diagnose(fit, without={*without, *described}, progress=deadline)
-        best = choose(diagnosis)
+        best = choose(diagnosis, ladder[0].fit)
         if best is None or len(ladder) > _MOST:
             selection = concluded(ladder, diagnosis, nothing_to_find)
             # What is wrong with a log, or lies beyond its filter, no effect explains.
-            if together or fit.log_fault or diagnosis.comparison.complete or not fit.noise_floor > 0.0:
+            enough = diagnosis.comparison.complete or within_law(ladder)
+            if together or fit.log_fault or enough or not fit.noise_floor > 0.0:
                 return selection
-            best = followed(diagnosis, tell)
+            best = followed(diagnosis, ladder[0].fit, tell)
         if best is None:
             together = True
             tell("weighing what could be missing together with a joint of shaft and knob")
@@ -131,7 +134,7 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
     if (fault := ladder[-1].fit.log_fault) is not None:
         # What is wrong is the log, not the knob.
         return Selection(tuple(ladder), (), last, Unexplained("load", 1.0, fault))
-    unexplained = _unexplained(last.comparison)
+    unexplained = None if within_law(ladder) else _unexplained(last.comparison)
     # Torques of position alone: two of them together draw nearly any map, so together they name no cause.
     maps = [one for one in found if _is_map(one, ladder[-1].fit)]
     if len(maps) > 1:
@@ -147,6 +150,13 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
     if unexplained is None and (beyond := ladder[-1].fit.beyond) is not None:
         unexplained = Unexplained(beyond.axis, beyond.share, beyond.words)
     return Selection(tuple(ladder), found, last, unexplained)
+
+
+def within_law(ladder: Sequence[LearningStep]) -> bool:
+    """Whether what is left is hardly more than noise, and no more than the laws that were added may be off by."""
+    first, fit = ladder[0].fit, ladder[-1].fit
+    near = fit.rmse <= AT_FLOOR * fit.noise_floor
+    return near and fit.excess <= _LAW**2 * (first.rmse**2 - fit.rmse**2)
 
 
 def _cut_short(ladder: list[LearningStep], cut: Cut, *, given: bool) -> Selection:
@@ -176,29 +186,34 @@ def _mainly(step: LearningStep) -> bool:
     return before is not None and before.rmse**2 - step.fit.rmse**2 >= _MAINLY * before.excess
 
 
-def choose(diagnosis: Diagnosis) -> Candidate | None:
-    """Return the candidate to add: what explains most for its parameters; of those alike the simplest."""
+def choose(diagnosis: Diagnosis, first: Fit) -> Candidate | None:
+    """Return the candidate to add: what explains most for its parameters; of those alike the simplest.
+
+    `first` is the fit that the search began with.
+    """
     fit = diagnosis.fit
     if not fit.noise_floor > 0.0 or diagnosis.comparison.exact:
         return None  # without noise, or without knowing it, chance cannot be told from what is missing
     # Where chance explains the rest it takes more than one look in twenty to accuse a knob.
     chance = _RARE if diagnosis.comparison.complete else 1.0
+    law = _LAW**2 * (first.rmse**2 - fit.rmse**2) if fit.rmse <= AT_FLOOR * fit.noise_floor else 0.0
     worth = [
         one
         for one in diagnosis.candidates
         if one.beyond_chance
         and one.p_value <= chance
         and not one.implausible
-        and fit.rmse**2 - one.rmse**2 >= max(_WORTH * fit.rmse**2, _SHARE * fit.excess)
+        and fit.rmse**2 - one.rmse**2 >= max(_WORTH * fit.rmse**2, _SHARE * fit.excess, law)
     ]
     if not worth:
         return None
     best = max(worth, key=lambda one: one.score)
     alike = [one for one in worth if one.effect == best.effect or one.effect in best.equivalent]
-    return min(alike, key=lambda one: (one.count, -one.score))
+    # What explains as much without friction that gives power back has a better claim than what is simpler.
+    return min(alike, key=lambda one: (len(below_zero(one.fit)), one.count, -one.score))
 
 
-def followed(diagnosis: Diagnosis, tell: Callable[[str], None]) -> Candidate | None:
+def followed(diagnosis: Diagnosis, first: Fit, tell: Callable[[str], None]) -> Candidate | None:
     """Return the coupling that leads the candidates, followed to its end, if that is then worth adding.
 
     Candidates are sketched, and the error of a coupling is so rough that a sketch may stop far from its end.
@@ -211,7 +226,7 @@ def followed(diagnosis: Diagnosis, tell: Callable[[str], None]) -> Candidate | N
     fit = diagnosis.fit
     end = replace(best, fit=replace(converged(best.fit), before=fit))
     found = replace(diagnosis, candidates=(end,))
-    return choose(found)
+    return choose(found, first)
 
 
 def with_detents(fit: Fit) -> Fit:
