@@ -153,7 +153,7 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
 
 
 def within_law(ladder: Sequence[LearningStep]) -> bool:
-    """Whether what is left is hardly more than noise, and no more than the laws that were added may be off by."""
+    """Whether what is left is hardly more than noise, and no more than what added laws may be off by."""
     first, fit = ladder[0].fit, ladder[-1].fit
     near = fit.rmse <= AT_FLOOR * fit.noise_floor
     return near and fit.excess <= _LAW**2 * (first.rmse**2 - fit.rmse**2)
@@ -186,17 +186,19 @@ def _mainly(step: LearningStep) -> bool:
     return before is not None and before.rmse**2 - step.fit.rmse**2 >= _MAINLY * before.excess
 
 
-def choose(diagnosis: Diagnosis, first: Fit) -> Candidate | None:
+def choose(diagnosis: Diagnosis, first: Fit | None = None) -> Candidate | None:
     """Return the candidate to add: what explains most for its parameters; of those alike the simplest.
 
-    `first` is the fit that the search began with.
+    `first` is the fit that a search began with, if this is one.
     """
     fit = diagnosis.fit
     if not fit.noise_floor > 0.0 or diagnosis.comparison.exact:
         return None  # without noise, or without knowing it, chance cannot be told from what is missing
     # Where chance explains the rest it takes more than one look in twenty to accuse a knob.
     chance = _RARE if diagnosis.comparison.complete else 1.0
-    law = _LAW**2 * (first.rmse**2 - fit.rmse**2) if fit.rmse <= AT_FLOOR * fit.noise_floor else 0.0
+    law = 0.0
+    if first is not None and fit.rmse <= AT_FLOOR * fit.noise_floor:
+        law = _LAW**2 * (first.rmse**2 - fit.rmse**2)
     worth = [
         one
         for one in diagnosis.candidates
