@@ -273,3 +273,10 @@ def pairs(
     effects: Sequence[str],
     progress: Callable[[float], object] | None = None,
 ) -> list[tuple[str, str, Fit]]: ...
+def sets(
+    data: Sequence[Signals],
+    model: Model,
+    pool: Sequence[tuple[str, Model]],
+    most: int,
+    progress: Callable[[float], object] | None = None,
+) -> list[tuple[list[str], Fit]]: ...

@@ -5,8 +5,8 @@ use super::progress::Progress;
 use super::signals::PySignals;
 use super::user::watched;
 use knobcore::diagnose::{
-    Candidate, Split, converge, diagnose as diagnose_core, implausible as implausible_core,
-    locate as locate_core, pairs as pairs_core,
+    Candidate, Set, Split, converge, diagnose as diagnose_core, implausible as implausible_core,
+    locate as locate_core, pairs as pairs_core, sets as sets_core,
 };
 use knobcore::effects::Id;
 use knobcore::fit::{Detents, Fit, PRICE, fit as fit_core, report, sketch};
@@ -258,4 +258,28 @@ pub fn pairs(
     let found = watched(py, model, || pairs_core(signals, model, &ids, &|share| progress.tell(share)))?;
     let found = progress.ended(found)?;
     Ok(found.into_iter().map(|p| (p.coupling.info().id, p.companion.info().id, PyFit(p.fit))).collect())
+}
+
+/// The sets of up to `most` effects of a pool that explain most beside a fitted model, for their parameters: rows of
+/// (effects, fit), best first. The pool has a model for each effect with values near its best.
+#[pyfunction]
+#[pyo3(signature = (data, model, pool, most, progress=None))]
+pub fn sets(
+    py: Python<'_>,
+    data: Vec<PyRef<'_, PySignals>>,
+    model: &PyModel,
+    pool: Vec<(String, PyRef<'_, PyModel>)>,
+    most: usize,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Vec<(Vec<&'static str>, PyFit)>> {
+    let parsed = |(effect, from): &(String, PyRef<'_, PyModel>)| Ok((Id::parse(effect)?, from.0.clone()));
+    let pool =
+        pool.iter().map(parsed).collect::<Result<Vec<_>, knobcore::error::Error>>().map_err(input_error)?;
+    let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
+    let (model, signals) = (&model.0, &signals[..]);
+    let progress = Progress::of(progress);
+    let found = watched(py, model, || sets_core(signals, model, &pool, most, &|share| progress.tell(share)))?;
+    let found = progress.ended(found)?;
+    let row = |set: Set| (set.effects.iter().map(|id| id.info().id).collect(), PyFit(set.fit));
+    Ok(found.into_iter().map(row).collect())
 }

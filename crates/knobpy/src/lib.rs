@@ -44,6 +44,7 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(fit::price, m)?)?;
     m.add_function(wrap_pyfunction!(fit::diagnose, m)?)?;
     m.add_function(wrap_pyfunction!(fit::pairs, m)?)?;
+    m.add_function(wrap_pyfunction!(fit::sets, m)?)?;
     m.add_function(wrap_pyfunction!(fit::implausible, m)?)?;
     m.add_function(wrap_pyfunction!(fit::fit, m)?)
 }

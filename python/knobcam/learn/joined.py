@@ -35,7 +35,7 @@ def joined(
         if alone is None or pair.rmse >= last.rmse or pair.excess > _HALF * last.excess:
             continue
         pair = converged(pair)
-        chance = _chance(pair, alone.fit, diagnosis)
+        chance = chance_of(pair, alone.fit, diagnosis)
         if chance <= CHANCE:
             before = replace(converged(alone.fit), before=fit)
             step = LearningStep(before, companion, alone.p_value, (), (), diagnosis)
@@ -43,10 +43,10 @@ def joined(
     return None
 
 
-def _chance(pair: Fit, alone: Fit, diagnosis: Diagnosis) -> float:
-    """Return how often chance would do as well: no oftener than for what takes off less."""
+def chance_of(richer: Fit, before: Fit, diagnosis: Diagnosis) -> float:
+    """Return how often chance would do as well as a richer fit: no oftener than what takes off less."""
     floor = diagnosis.fit.noise_floor
     if not floor > 0.0:
         return 1.0
-    gain = (alone.rmse**2 - pair.rmse**2) / floor**2 * diagnosis.fit.white_squares
+    gain = (before.rmse**2 - richer.rmse**2) / floor**2 * diagnosis.fit.white_squares
     return min((one.p_value for one in diagnosis.candidates if one.gain <= gain), default=1.0)

@@ -13,6 +13,7 @@ from ..fit.doubts import AT_FLOOR, below_zero
 from ..fit.refit import converged, cores, unpaid, with_clipped
 from ..model.effects import base_effects_shown, clipping, descriptions, effects
 from .cut import Cut, Deadline, OutOfTime
+from .exchanged import exchanged
 from .joined import joined
 from .ladder import LearningStep, Unexplained
 
@@ -84,7 +85,7 @@ def _grown(
     described, shown = descriptions(coordinate), base_effects_shown(coordinate)
     base = first.model.effects
     nothing_to_find = base if given else [*base, *shown]
-    together = False
+    together = sets = False
     helped: set[str] = set()
     while True:
         fit = ladder[-1].fit
@@ -93,6 +94,12 @@ def _grown(
         deadline()
         diagnosis = diagnose(fit, without={*without, *described}, progress=deadline)
         best = choose(diagnosis, ladder[0].fit)
+        if best is None and not sets and not fit.log_fault and fit.noise_floor > 0.0:
+            sets = True
+            tell("weighing what came in against other sets")
+            if (steps := exchanged(ladder, diagnosis.comparison, deadline)) is not None:
+                ladder[1:] = steps
+                continue
         if best is None or len(ladder) > _MOST:
             selection = concluded(ladder, diagnosis, nothing_to_find)
             # What is wrong with a log, or lies beyond its filter, no effect explains.

@@ -1,0 +1,84 @@
+"""Sets of effects, weighed as one, against what a search one by one came to.
+
+What came in first may have stood in for two others, and what came in after it for what it left of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from .. import _core
+from ..fit.refit import PENALTY, converged, cores
+from ..model.effects import effects
+from .joined import chance_of
+from .ladder import LearningStep
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from ..fit import Fit
+    from ..fit.compare import Comparison
+    from ..fit.diagnose import Diagnosis
+
+_POOL = 7  # effects whose sets are weighed
+_MOST = 3  # effects of a set, where more than noise is left
+
+
+def exchanged(
+    ladder: Sequence[LearningStep], after: Comparison, progress: Callable[[float], object]
+) -> list[LearningStep] | None:
+    """Return the steps of a set that explains more for its parameters than what the ladder came to.
+
+    `after` is where its last fit fails.
+
+    None where there is none, where less than two effects came in, or beside a coupling, whose fits take long;
+    what `progress` raises ends the work.
+    """
+    first, last = ladder[0].fit, ladder[-1].fit
+    found = [one for one in last.model.effects if one not in first.model.effects]
+    diagnosis = next((step.diagnosis for step in ladder if step.diagnosis is not None), None)
+    rows = effects(first.model.coordinate)
+    if (
+        diagnosis is None
+        or len(found) < 2
+        or any(rows[one].place == "coupling" for one in last.model.effects)
+    ):
+        return None
+    pool = dict.fromkeys(found, last)
+    weighed = [one for step in ladder if step.diagnosis is not None for one in step.diagnosis.candidates]
+    for one in sorted(weighed, key=lambda one: -one.score):
+        fits = one.beyond_chance and not one.implausible and one.place != "coupling"
+        if fits and len(pool) < _POOL:
+            pool.setdefault(one.effect, one.fit)
+    models = [(one, fit.core.model) for one, fit in pool.items()]
+    most = len(found) if after.complete else max(_MOST, len(found))
+    for names, core in _core.sets(cores(last), first.core.model, models, most, progress):
+        if set(names) == set(found):
+            return None
+        fit = converged(replace(last, core=core, before=None))
+        if _score(fit, first) > _score(last, first) + PENALTY:
+            return _steps(fit, names, ladder[0], diagnosis)
+    return None
+
+
+def _score(fit: Fit, first: Fit) -> float:
+    """Return what a fit took off the sum of squares less the price of its parameters."""
+    gain = (first.rmse**2 - fit.rmse**2) / fit.noise_floor**2 * first.white_squares
+    return gain - PENALTY * len(fit.core.free)
+
+
+def _steps(fit: Fit, names: Sequence[str], start: LearningStep, diagnosis: Diagnosis) -> list[LearningStep]:
+    """Return the steps to a set: what explains most by itself first, each fitted with those before it."""
+    alone = {one.effect: one.gain for one in diagnosis.candidates}
+    order = sorted(names, key=lambda name: alone.get(name, 0.0))
+    fits = [fit]
+    for name in order[:-1]:
+        fits.append(converged(fits[-1].drop(name)))
+    steps: list[LearningStep] = []
+    before = start.fit
+    for name, own in zip(reversed(order), reversed(fits), strict=True):
+        own = replace(own, before=before)
+        steps.append(LearningStep(own, name, chance_of(own, before, diagnosis), (), (), diagnosis))
+        before = own
+    return steps
