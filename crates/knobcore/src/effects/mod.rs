@@ -245,7 +245,7 @@ registry! {
     sensors {
         torque_drift::TorqueDrift(8),
         offset::Offset(1),
-        saturation::Saturation(1),
+        saturation::Saturation(2),
     }
 }
 

@@ -5,12 +5,18 @@ use crate::motion::Motion;
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
-/// tau, cut at -limit and +limit.
+/// What the torque and its noise read on average, cut at -limit and +limit: the sensor cuts the noise with the torque,
+/// so that near its limit it reads less than the torque.
 pub struct Saturation;
 
-impl Effect<1> for Saturation {
+/// Standard deviations of a normal distribution in the scale of the logistic one that is next to it (Camilli 1994).
+const LOGISTIC: f64 = 1.702;
+/// Scale of a noise that is none.
+const NONE: f64 = 1e-12;
+
+impl Effect<2> for Saturation {
     const ID: &'static str = "saturation";
-    const LAW: &'static str = "clamp(tau, -limit, limit)";
+    const LAW: &'static str = "mean of clamp(tau + noise, -limit, limit)";
     const SOURCE: &'static str = "range of the torque sensor; 180 mN m on the rig of the haptic-camera paper";
     const SHOWS: &'static str = "at the largest torques";
     const CONFUSED: &'static [&'static str] = &["quadratic_drag", "end_stop"];
@@ -28,48 +34,81 @@ impl Effect<1> for Saturation {
             "move more gently, or stay off the stops",
             "leave the clipped samples out, which is done unless this effect is asked for",
         ],
-        latex: r"\operatorname{clamp}(\tau,\,-\tau_{\max},\,\tau_{\max})",
+        latex: r"\operatorname{E}\,\operatorname{clamp}(\tau + \sigma n,\,-\tau_{\max},\,\tau_{\max})",
     };
     const OVER: Over = Over::Torque;
     const CLIPS: bool = true;
-    const PARAMS: [Param; 1] =
-        [Param::shape("limit", Unit::of(1, 0, 0), [1e-9, 1e9], 1e9, "largest reading")];
+    const PARAMS: [Param; 2] = [
+        Param::shape("limit", Unit::of(1, 0, 0), [1e-9, 1e9], 1e9, "largest reading"),
+        Param::shape(
+            "noise",
+            Unit::of(1, 0, 0),
+            [0.0, 1e9],
+            0.0,
+            "standard deviation of the noise that is cut too",
+        ),
+    ];
 
-    fn starts(survey: &Survey) -> Vec<[f64; 1]> {
-        // Noise reaches beyond the limit, so the largest reading is not it.
-        [0.995, 0.97, 0.9].into_iter().map(|q| [Survey::quantile(&survey.torque, q).max(1e-9)]).collect()
+    fn starts(survey: &Survey) -> Vec<[f64; 2]> {
+        // Where readings are not cut, noise reaches beyond the limit.
+        let limits = [0.995, 0.97, 0.9].map(|q| Survey::quantile(&survey.torque, q).max(1e-9));
+        limits.into_iter().map(|limit| [limit, 0.02 * limit]).collect()
     }
 
     /// Beside another effect a limit can hide that one's misfit; readings that repeat at it are the proof.
-    fn implausible(_: &[f64; 1], context: &Context) -> Vec<String> {
+    fn implausible(_: &[f64; 2], context: &Context) -> Vec<String> {
         if context.first || context.clipped {
             return Vec::new();
         }
         vec!["no reading repeats at such a limit".into()]
     }
 
-    fn typical(carrier: &Carrier<'_>) -> [f64; 1] {
+    fn typical(carrier: &Carrier<'_>) -> [f64; 2] {
         // By the share of the samples that it cuts off.
         carrier.sized(Id::Saturation, [0.005, 0.35], |cut| {
-            [Survey::quantile(&carrier.survey.torque, 1.0 - cut).max(1e-9)]
+            [Survey::quantile(&carrier.survey.torque, 1.0 - cut).max(1e-9), 0.0]
         })
     }
 }
 
-impl SensorEffect<1> for Saturation {
+impl SensorEffect<2> for Saturation {
     #[inline(always)]
-    fn sense<T: Scalar>([limit]: &[T; 1], _: &Motion<T>, tau: T) -> T {
-        tau.min(*limit).max(-*limit)
+    fn sense<T: Scalar>([limit, noise]: &[T; 2], _: &Motion<T>, tau: T) -> T {
+        let scale = (*noise / T::of(LOGISTIC)).max(T::of(NONE));
+        tau - beyond(tau - *limit, scale) + beyond(-tau - *limit, scale)
     }
+}
+
+/// The mean of what reaches beyond nought of a number with logistic noise.
+#[inline(always)]
+fn beyond<T: Scalar>(x: T, scale: T) -> T {
+    x.max(T::of(0.0)) + scale * (T::of(1.0) + (-x.abs() / scale).exp()).ln()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Noise;
+
+    fn read(tau: f64, noise: f64) -> f64 {
+        Saturation::sense(&[0.18, noise], &Motion::exact(0.0, 0.0, 1.0, 0.0), tau)
+    }
 
     #[test]
     fn the_sensor_reads_true_within_its_range_and_its_limit_beyond() {
-        let read = |tau: f64| Saturation::sense(&[0.18], &Motion::exact(0.0, 0.0, 1.0, 0.0), tau);
-        assert_eq!((read(0.1), read(0.3), read(-0.3)), (0.1, 0.18, -0.18));
+        for (tau, reads) in [(0.1, 0.1), (0.3, 0.18), (-0.3, -0.18)] {
+            assert!((read(tau, 0.0) - reads).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn near_its_limit_it_reads_what_noise_that_is_cut_there_leaves_on_average() {
+        let (mut random, sd) = (Noise::new(3), 0.004);
+        for tau in [0.17, 0.178, 0.18, 0.182, 0.19, -0.18] {
+            let readings = 200_000;
+            let mean = (0..readings).map(|_| (tau + sd * random.normal()).clamp(-0.18, 0.18)).sum::<f64>()
+                / f64::from(readings);
+            assert!((read(tau, sd) - mean).abs() < 0.03 * sd, "{} for {mean} at {tau}", read(tau, sd));
+        }
     }
 }
