@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 pub struct Row {
     /// By which it is called.
     pub name: &'static str,
-    /// What it decides: `verdict`, `name`, `axis`, `noise` or `search`.
+    /// What it decides: a `verdict`, the `words` beside it, the `noise` that all is held against, or where a `search` goes.
     pub decides: &'static str,
     /// What it means.
     pub meaning: &'static str,
@@ -62,33 +62,67 @@ macro_rules! rules {
 }
 
 rules! {
+verdict {
+    /// Times the noise floor up to which an error is no different from it.
+    at_floor: 1.05, "times the noise floor", "the floor is an estimate, good to a few percent; not studied apart";
+    /// A part of the squared error on any axis that is this small, though beyond chance, leaves an error complete.
+    felt: 0.03, "share of the squared error", "judgement: nothing that a hand would feel";
+    /// An error that is this small beside the torque is rounding, and nothing is missing.
+    rounding: 1e-10, "times the RMS torque", "double precision, with room for sums over a capture";
+    /// An effect whose gain chance reaches oftener than so in the whole catalogue is no more than chance.
+    chance: 0.05, "probability", "the usual 95 %";
+    /// The same where chance explains the error already.
+    rare: 0.005, "probability", "it takes more than one look in twenty to accuse a knob of which nothing is left";
+    /// What a parameter must take off the sum of squares.
+    price: 12.0, "variances of the raw noise", "BIC's for some thousands of independent samples, with the doubt about the noise on top";
+    /// What an effect must take off the squared error.
+    worth: 0.015, "share of the squared error", "judgement: less is nothing that a user would feel";
+    /// What an effect must take off what noise does not explain; what takes off less is a stopgap, not the cause.
+    share: 0.2, "share of the excess", "judgement: a line of the mains is drawn by many effects, by each a little";
+    /// What the cause must have taken off where something else stays unexplained, to be named beside that.
+    mainly: 0.5, "share of the excess", "judgement: the better part";
+    /// What a pair of a coupling and another effect may leave of what the search one by one left.
+    pair_leaves: 0.5, "share of the excess", "judgement: the better part";
+    /// Effects that come in one after the other, at most.
+    most: 6.0, "effects", "judgement: a model that needs more is no explanation";
+    /// Detents that a motion has to cross for a shape that returns with each to be no map of position.
+    many: 4.0, "detents", "judgement: a polynomial does not follow four of them";
+    /// Detents that a motion has to cross for a change of them to be told from any map of position.
+    crossed: 1.5, "detents", "judgement: a change of one detent alone is any map of position";
+    /// Standard errors by which a value must be out of its plausible range to be implausible.
+    sure: 2.0, "standard errors", "95 % of a normal distribution";
+    /// The same where the log itself is blamed.
+    surely: 4.0, "standard errors", "judgement: who is told to mend a log has to be told right";
+}
 search {
-    /// Effects that leave so little of what noise does not explain make it needless to look at couplings: 1 less this share.
-    enough: 0.95, "share of the excess", "couplings take by far the longest, and of 5 % too little is left to tell one";
-    /// Where noise does not explain less than this share of what it leaves, that may be the noise's, and no coupling is looked at.
-    slight: 0.05, "share of the noise's squares", "the floor is known to a few percent, see at_floor";
-    /// Where little is missing, an effect that leaves more than this share of it has not explained it, and couplings are looked at.
-    better: 0.3, "share of the excess", "judgement: an effect that stands in for a weak coupling explains half of it";
+    /// An effect that takes off this share of what noise does not explain makes it needless to look at couplings.
+    enough: 0.95, "share of the excess", "judgement: couplings take by far the longest, and can wait for what is left";
+    /// What noise does not explain, and is less than this share of what it leaves, may be the noise's: no coupling is looked at.
+    slight: 0.05, "share of the noise's squares", "the floor is an estimate, see at_floor";
+    /// Where little is missing, an effect that leaves more than this share of it has not explained it: couplings are looked at.
+    better: 0.3, "share of the excess", "judgement: what looks like it alone explains the better part of it";
     /// A sum of squares below this many times what noise leaves is explained: no coupling is looked at.
     explained: 1.1, "times the noise's squares", "at_floor, squared";
-    /// A start of an effect is followed if it promises this share of what the best start does; a third of it with detents.
-    rival_start: 0.7, "share of the best promise", "judgement: first steps tell the gain of most effects to some 10 %";
+    /// A start of an effect is followed if it promises this share of what the best start does; with detents a third of that.
+    rival_start: 0.7, "share of the best promise", "judgement";
     /// Beside a coupling a start is followed only if it promises this share of the sum of squares.
-    worth_following: 0.005, "share of the sum of squares", "a third of worth: the first step tells part of a gain";
-    /// Before a coupling a start is followed only if it promises this share of the excess.
+    worth_following: 0.005, "share of the sum of squares", "a third of worth: a first step tells a part of the gain";
+    /// Before a coupling a start is followed only if it promises this share of what noise does not explain.
     worth_at_shaft: 0.1, "share of the excess", "half of share: of what loads the shaft the first step tells nearly all";
-    /// Beside a coupling an effect's start is followed only if it promises this share of what the best of all does.
-    rival_beside: 0.25, "share of the best promise", "judgement: couplings bend what first steps promise several times over";
-    /// Share of the excess that a coupling must explain through the coarse filter to be followed.
-    worth_coarse: 0.1, "share of the excess", "half of share: what the coarse filter shows of a coupling is a part of it";
-    /// A coupling that leaves so many times what its best rival leaves through the coarse filter is not followed.
-    rival_coarse: 2.0, "times the rival's excess", "judgement: ends through the coarse filter are known to a fraction";
-    /// The same as a share of all the excess, where the best leaves next to nothing.
-    close_coarse: 0.02, "share of the excess", "judgement: less cannot be told through the coarse filter";
+    /// Beside a coupling a start is followed only if it promises this share of what the best of all effects does.
+    rival_beside: 0.25, "share of the best promise", "judgement";
+    /// What a coupling must explain through the coarse filter to be followed.
+    worth_coarse: 0.1, "share of the excess", "half of share";
+    /// A coupling that leaves more than so many times what its best rival does through the coarse filter is not followed.
+    rival_coarse: 2.0, "times the rival's excess", "judgement";
+    /// The same as a share of all the excess, for where the best leaves next to nothing.
+    close_coarse: 0.02, "share of the excess", "judgement";
     /// An error with a coupling that is this close to the noise floor needs no better end.
-    converged: 1.01, "times the noise floor", "a tenth of what the floor is known to";
-    /// An error with a coupling beyond this shows that more is missing, and no better end is looked for.
-    hopeless: 1.5, "times the noise floor", "judgement: rough ends of the right coupling are within a fifth of the floor";
+    converged: 1.01, "times the noise floor", "judgement: well within at_floor";
+    /// An error with a coupling beyond this shows that more is missing: no better end is looked for.
+    hopeless: 1.5, "times the noise floor", "judgement";
+    /// A joint whose error ends lower by less has not moved.
+    helped: 1e-3, "share of the error", "judgement: a tenth of converged";
 }
 }
 

@@ -9,7 +9,8 @@ use knobcore::diagnose::{
     locate as locate_core, pairs as pairs_core,
 };
 use knobcore::effects::Id;
-use knobcore::fit::{Detents, Fit, PRICE, fit as fit_core, report, sketch};
+use knobcore::fit::{Detents, Fit, fit as fit_core, report, sketch};
+use knobcore::rule::{Row, Rule, rule, settle};
 use knobcore::stiction::{Estimate, stiction as stiction_core};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -165,10 +166,20 @@ fn split_dict<'py>(py: Python<'py>, split: &Split) -> PyResult<Bound<'py, PyDict
     Ok(row)
 }
 
-/// What a parameter must take off the sum of squares, in variances of the raw noise.
+/// A threshold as it goes out: name, value, unit, what it decides, meaning, source.
+type Threshold = (&'static str, f64, &'static str, &'static str, &'static str, &'static str);
+
+/// The thresholds that decide what is said to be missing, with their values in this process.
 #[pyfunction]
-pub fn price() -> f64 {
-    PRICE
+pub fn thresholds() -> Vec<Threshold> {
+    let row = |(row, value): (&Row, f64)| (row.name, value, row.unit, row.decides, row.meaning, row.source);
+    Rule::ROWS.iter().zip(rule().values()).map(row).collect()
+}
+
+/// Changes thresholds for a study, `name=value` with commas between, before anything has asked for one.
+pub fn settled(changes: &str) -> PyResult<()> {
+    settle(Rule::with(changes).map_err(input_error)?);
+    Ok(())
 }
 
 /// Fits a model to one or several captures; `find_detents` adds detents where the data show them.

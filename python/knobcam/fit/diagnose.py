@@ -16,7 +16,8 @@ from ..model.effects import clipping, effects
 from ..model.effects import effect as catalogued
 from .beyond import incoherent
 from .plausible import implausible
-from .refit import PENALTY, cores, describe, percent, with_clipped
+from .refit import cores, describe, percent, with_clipped
+from .rule import RULE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping
@@ -26,8 +27,6 @@ if TYPE_CHECKING:
     from .fitting import Estimate, Fit
     from .refit import Moved
 
-CHANCE = 0.05
-"""A p-value above it is no more than chance."""
 CHANCE_IN_WORDS = "No more than chance, or not worth their parameters"
 RELATIVE = 0.02
 """Sums of squares that differ by less than this share of what is left are no evidence either way."""
@@ -60,7 +59,7 @@ class Candidate:
     @property
     def score(self) -> float:
         """Its gain (fall of the sum of squares in variances of the raw noise) less a price per parameter."""
-        return self.gain - PENALTY * self.count
+        return self.gain - RULE.price * self.count
 
     @property
     def place(self) -> str:
@@ -96,7 +95,7 @@ class Candidate:
     @property
     def beyond_chance(self) -> bool:
         """Whether chance would hardly do as well, and its parameters are worth their price."""
-        return self.p_value <= CHANCE and self.score > 0.0
+        return self.p_value <= RULE.chance and self.score > 0.0
 
     @property
     def remarks(self) -> str:
@@ -329,7 +328,7 @@ def _equivalent(candidate: Candidate, others: Collection[Candidate]) -> tuple[st
     floor = before.noise_floor
     # Where much is left with either, a small share of that says no more than chance does at the floor.
     left = candidate.rmse**2 / floor**2 * RELATIVE if floor > 0.0 else 0.0
-    margin = max(PENALTY, before.white_squares * left)
+    margin = max(RULE.price, before.white_squares * left)
     return tuple(
         other.effect
         for other in others

@@ -10,6 +10,7 @@ from .. import _core
 from ..capture.prepare import travel
 from ..fit.diagnose import Candidate, Diagnosis, absent, diagnose
 from ..fit.refit import converged, cores, unpaid, with_clipped
+from ..fit.rule import RULE
 from ..model.effects import base_effects_shown, clipping, descriptions, effects
 from .cut import Cut, Deadline, OutOfTime
 from .joined import joined
@@ -20,14 +21,6 @@ if TYPE_CHECKING:
 
     from ..fit import Fit
     from ..fit.compare import Comparison
-
-_WORTH = 0.015  # of the squared error: less is nothing that a user would feel
-_RARE = 0.005  # chance at which something is missing of a model that chance alone explains
-_SHARE = 0.2  # of what noise does not explain: less is a stopgap, not the cause
-_MOST = 6  # effects; a model that needs more is no explanation
-_HELPED = 1e-3  # of the error: a joint that ends lower by less has not moved
-_MANY = 4.0  # detents that a motion crosses
-_MAINLY = 0.5  # of what noise does not explain: what a cause takes off where something else is unexplained
 
 
 class Selection(NamedTuple):
@@ -91,7 +84,7 @@ def _grown(
         deadline()
         diagnosis = diagnose(fit, without={*without, *described}, progress=deadline)
         best = choose(diagnosis)
-        if best is None or len(ladder) > _MOST:
+        if best is None or len(ladder) > RULE.most:
             selection = concluded(ladder, diagnosis, nothing_to_find)
             # What is wrong with a log, or lies beyond its filter, no effect explains.
             if together or fit.log_fault or diagnosis.comparison.complete or not fit.noise_floor > 0.0:
@@ -167,13 +160,13 @@ def _is_map(effect: str, fit: Fit) -> bool:
     """Whether an effect draws maps of position, and is not bound to return with each of many detents."""
     row, period = effects(fit.model.coordinate)[effect], fit.model.period
     crossed = 0.0 if row.needs is None or period is None else travel(fit.prepared) / (2.0 * math.pi * period)
-    return row.map and crossed < _MANY
+    return row.map and crossed < RULE.many
 
 
 def _mainly(step: LearningStep) -> bool:
     """Whether the effect of a step took off most of what noise did not explain before it."""
     before = step.fit.before
-    return before is not None and before.rmse**2 - step.fit.rmse**2 >= _MAINLY * before.excess
+    return before is not None and before.rmse**2 - step.fit.rmse**2 >= RULE.mainly * before.excess
 
 
 def choose(diagnosis: Diagnosis) -> Candidate | None:
@@ -182,14 +175,14 @@ def choose(diagnosis: Diagnosis) -> Candidate | None:
     if not fit.noise_floor > 0.0 or diagnosis.comparison.exact:
         return None  # without noise, or without knowing it, chance cannot be told from what is missing
     # Where chance explains the rest it takes more than one look in twenty to accuse a knob.
-    chance = _RARE if diagnosis.comparison.complete else 1.0
+    chance = RULE.rare if diagnosis.comparison.complete else 1.0
     worth = [
         one
         for one in diagnosis.candidates
         if one.beyond_chance
         and one.p_value <= chance
         and not one.implausible
-        and fit.rmse**2 - one.rmse**2 >= max(_WORTH * fit.rmse**2, _SHARE * fit.excess)
+        and fit.rmse**2 - one.rmse**2 >= max(RULE.worth * fit.rmse**2, RULE.share * fit.excess)
     ]
     if not worth:
         return None
@@ -229,13 +222,13 @@ def without_help(richer: Fit, candidate: Candidate, fit: Fit) -> Fit | None:
     if candidate.place == "coupling" or all(places[one] != "coupling" for one in fit.model.effects):
         return None
     bare = richer.drop(candidate.effect)
-    helped = bare.rmse < (1.0 - _HELPED) * fit.rmse
+    helped = bare.rmse < (1.0 - RULE.helped) * fit.rmse
     return replace(bare, before=fit.before) if helped and _as_good(bare, richer) else None
 
 
 def _as_good(bare: Fit, richer: Fit) -> bool:
     """Whether a fit without an effect leaves no more than what the effect has to be worth."""
-    return unpaid(richer, bare) or richer.rmse**2 >= (1.0 - _WORTH) * bare.rmse**2
+    return unpaid(richer, bare) or richer.rmse**2 >= (1.0 - RULE.worth) * bare.rmse**2
 
 
 def retested(fit: Fit, tested: Collection[str]) -> tuple[Fit, tuple[str, ...]]:

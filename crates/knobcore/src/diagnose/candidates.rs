@@ -6,7 +6,7 @@ use super::null::Null;
 use super::screen::{Screen, Start};
 use super::watch::{Tell, Watch};
 use crate::effects::{Id, Place};
-use crate::fit::{Fit, Found, PRICE, differ, report, sketch};
+use crate::fit::{Fit, Found, differ, report, sketch};
 use crate::floor::{Floor, noise};
 use crate::model::{Model, Role, Slot};
 use crate::noise::Noise;
@@ -107,7 +107,7 @@ fn fitted(screen: &Screen<'_>, id: Id, [white, floor]: [f64; 2]) -> (Candidate, 
     let shared = [at_shaft, at_knob].into_iter().flatten().min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost));
     // Each run's own parameters have their price like any others, and have to differ beyond chance.
     let priced =
-        |(model, found): &(Model, Found)| found.cost + PRICE * white * added(screen, id, model) as f64;
+        |(model, found): &(Model, Found)| found.cost + rule().price * white * added(screen, id, model) as f64;
     let own = followed(screen, id, &apart)
         .filter(|own| shared.as_ref().is_none_or(|shared| priced(own) < priced(shared)))
         .filter(|(model, found)| report(screen.data, model, found.clone()).is_ok_and(|fit| differ(&fit, id)));

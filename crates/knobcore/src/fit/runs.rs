@@ -7,11 +7,8 @@ use super::{Fit, refine};
 use crate::effects::Id;
 use crate::error::Result;
 use crate::model::{Model, Run};
+use crate::rule::rule;
 use crate::signals::Signals;
-
-/// What a parameter more must take off the sum of squares, in variances of the noise (BIC's for some thousands of
-/// independent samples, with the doubt about the noise on top).
-pub const PRICE: f64 = 12.0;
 
 /// Less than this share of what noise does not explain is no run's own: what the model misses looks like a zero of
 /// the run that has more of it.
@@ -74,7 +71,7 @@ fn promising(data: &[&Signals], fit: &Fit, richer: &Model) -> bool {
     let more = layout.free.len().saturating_sub(Layout::of(&fit.model).free.len()) as f64;
     least_squares(&at, &kept).is_none_or(|step| {
         let gain = at.squares() - at.squares_after(&step);
-        gain > PRICE * more * at.squares() / at.rows
+        gain > rule().price * more * at.squares() / at.rows
     })
 }
 
@@ -101,5 +98,5 @@ pub fn differ(fit: &Fit, id: Id) -> bool {
     let Some(normal) = Normal::of(apart, &kept) else { return false };
     let solved = normal.solve(|i| difference(kept[i]));
     let wald: f64 = kept.iter().zip(&solved).map(|(&i, x)| difference(i) * x).sum();
-    wald > PRICE * kept.len() as f64
+    wald > rule().price * kept.len() as f64
 }
