@@ -89,6 +89,8 @@ verdict {
     many: 4.0, "detents", "judgement: a polynomial does not follow four of them";
     /// Detents that a motion has to cross for a change of them to be told from any map of position.
     crossed: 1.5, "detents", "judgement: a change of one detent alone is any map of position";
+    /// Sums of squares that differ by less than this share of what either leaves tell no effect from another.
+    relative: 0.02, "share of what is left", "judgement: where much is left, shapes differ by that much";
     /// Standard errors by which a value must be out of its plausible range to be implausible.
     sure: 2.0, "standard errors", "95 % of a normal distribution";
     /// The same where the log itself is blamed.

@@ -5,8 +5,9 @@ use super::progress::Progress;
 use super::signals::PySignals;
 use super::user::watched;
 use knobcore::diagnose::{
-    Candidate, Split, converge, diagnose as diagnose_core, implausible as implausible_core,
-    locate as locate_core, pairs as pairs_core,
+    Candidate, Evidence, Split, State, complete as complete_core, converge, diagnose as diagnose_core,
+    exact as exact_core, implausible as implausible_core, judge as judge_core, locate as locate_core,
+    pairs as pairs_core,
 };
 use knobcore::effects::Id;
 use knobcore::fit::{Detents, Fit, fit as fit_core, report, sketch};
@@ -164,6 +165,38 @@ fn split_dict<'py>(py: Python<'py>, split: &Split) -> PyResult<Bound<'py, PyDict
         split.regions.iter().map(|r| (r.from, r.to, r.direction, r.mean, r.share)).collect();
     row.set_item("regions", regions)?;
     Ok(row)
+}
+
+/// A fit as it is judged: error, noise floor, what the noise leaves in variances of the raw noise, RMS torque, and of each
+/// axis along which it fails beyond chance the part of the squared error that lies there.
+type Judged = (f64, f64, f64, f64, Vec<f64>);
+
+fn state((rmse, noise_floor, white_squares, torque_rms, beyond): Judged) -> State {
+    let exact = exact_core(rmse, torque_rms);
+    let state = State { rmse, noise_floor, white_squares, complete: false, exact };
+    State { complete: complete_core(&state, &beyond), ..state }
+}
+
+/// Whether what a fit leaves is rounding, and whether chance explains it.
+#[pyfunction]
+pub fn complete(fit: Judged) -> (bool, bool) {
+    let state = state(fit);
+    (state.exact, state.complete)
+}
+
+/// What is said of effects beside a fit, one each: a word, and the places of those that cannot be told from it. An effect
+/// has a gain, a number of parameters, a p-value, the error with it, and whether its values are implausible.
+#[pyfunction]
+pub fn judge(fit: Judged, effects: Vec<(f64, usize, f64, f64, bool)>) -> Vec<(&'static str, Vec<usize>)> {
+    let evidence = |(gain, parameters, p_value, rmse, implausible)| Evidence {
+        gain,
+        parameters,
+        p_value,
+        rmse,
+        implausible,
+    };
+    let all: Vec<Evidence> = effects.into_iter().map(evidence).collect();
+    judge_core(&state(fit), &all).into_iter().map(|one| (one.word.id(), one.equivalent)).collect()
 }
 
 /// A threshold as it goes out: name, value, unit, what it decides, meaning, source.

@@ -111,6 +111,11 @@ def unpaid(fit: Fit, bare: Fit) -> bool:
     return gain <= RULE.price * count
 
 
+def needless(fit: Fit, bare: Fit) -> bool:
+    """Whether a barer fit leaves no more than what the effects that it lacks have to be worth."""
+    return unpaid(fit, bare) or fit.rmse**2 >= (1.0 - RULE.worth) * bare.rmse**2
+
+
 def worse(fit: Fit) -> tuple[str, ...]:
     """Return why a fit is no better than the one that it came from, a sentence each; none where it is."""
     before = fit.before

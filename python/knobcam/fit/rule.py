@@ -8,10 +8,10 @@ from .. import _core
 
 
 class Threshold(NamedTuple):
-    """A number that decides: its `unit`, what it `decides`, its `meaning`, and its `source`, why it is so large.
+    """A number that decides: its `unit`, its `meaning`, and its `source`, why it is so large.
 
-    It `decides` a `verdict`, the `words` beside it, the `noise` that all is held against, or where a `search`
-    goes.
+    What it `decides` is a `verdict`, the `words` beside it, the `noise` that all is held against, or where a
+    `search` goes.
     """
 
     name: str

@@ -47,7 +47,7 @@ def with_choice(params: Mapping[str, Estimate], ladder: Iterable[LearningStep]) 
 def _weighed(diagnosis: Diagnosis | None, added: str | None) -> list[tuple[Candidate, float]]:
     if diagnosis is None or not diagnosis.fit.noise_floor > 0.0:
         return []
-    could = [one for one in diagnosis.beyond_chance if not one.implausible]
+    could = diagnosis.could_be
     best = max(could, key=lambda one: one.score, default=None)
     if best is None or added not in (best.effect, *best.equivalent):
         return []

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, NamedTuple
 from .. import _core
 from ..capture.prepare import travel
 from ..fit.diagnose import Candidate, Diagnosis, absent, diagnose
-from ..fit.refit import converged, cores, unpaid, with_clipped
+from ..fit.refit import converged, cores, needless, with_clipped
 from ..fit.rule import RULE
+from ..fit.verdict import judged
 from ..model.effects import base_effects_shown, clipping, descriptions, effects
 from .cut import Cut, Deadline, OutOfTime
 from .joined import joined
@@ -170,25 +171,8 @@ def _mainly(step: LearningStep) -> bool:
 
 
 def choose(diagnosis: Diagnosis) -> Candidate | None:
-    """Return the candidate to add: what explains most for its parameters; of those alike the simplest."""
-    fit = diagnosis.fit
-    if not fit.noise_floor > 0.0 or diagnosis.comparison.exact:
-        return None  # without noise, or without knowing it, chance cannot be told from what is missing
-    # Where chance explains the rest it takes more than one look in twenty to accuse a knob.
-    chance = RULE.rare if diagnosis.comparison.complete else 1.0
-    worth = [
-        one
-        for one in diagnosis.candidates
-        if one.beyond_chance
-        and one.p_value <= chance
-        and not one.implausible
-        and fit.rmse**2 - one.rmse**2 >= max(RULE.worth * fit.rmse**2, RULE.share * fit.excess)
-    ]
-    if not worth:
-        return None
-    best = max(worth, key=lambda one: one.score)
-    alike = [one for one in worth if one.effect == best.effect or one.effect in best.equivalent]
-    return min(alike, key=lambda one: (one.count, -one.score))
+    """Return the candidate to add."""
+    return diagnosis.best
 
 
 def followed(diagnosis: Diagnosis, tell: Callable[[str], None]) -> Candidate | None:
@@ -203,8 +187,7 @@ def followed(diagnosis: Diagnosis, tell: Callable[[str], None]) -> Candidate | N
     tell(f"following {best.effect} to its end")
     fit = diagnosis.fit
     end = replace(best, fit=replace(converged(best.fit), before=fit))
-    found = replace(diagnosis, candidates=(end,))
-    return choose(found)
+    return choose(replace(diagnosis, candidates=judged(diagnosis.comparison, [end])))
 
 
 def with_detents(fit: Fit) -> Fit:
@@ -223,12 +206,7 @@ def without_help(richer: Fit, candidate: Candidate, fit: Fit) -> Fit | None:
         return None
     bare = richer.drop(candidate.effect)
     helped = bare.rmse < (1.0 - RULE.helped) * fit.rmse
-    return replace(bare, before=fit.before) if helped and _as_good(bare, richer) else None
-
-
-def _as_good(bare: Fit, richer: Fit) -> bool:
-    """Whether a fit without an effect leaves no more than what the effect has to be worth."""
-    return unpaid(richer, bare) or richer.rmse**2 >= (1.0 - RULE.worth) * bare.rmse**2
+    return replace(bare, before=fit.before) if helped and needless(richer, bare) else None
 
 
 def retested(fit: Fit, tested: Collection[str]) -> tuple[Fit, tuple[str, ...]]:
@@ -239,7 +217,7 @@ def retested(fit: Fit, tested: Collection[str]) -> tuple[Fit, tuple[str, ...]]:
             continue  # it went before, or with another that it changed
         # What an effect did, a joint has to be fitted anew to do.
         bare = fit.drop(effect)
-        if _as_good(bare, fit):
+        if needless(fit, bare):
             fit = bare
             dropped.append(effect)
     return fit, tuple(dropped)

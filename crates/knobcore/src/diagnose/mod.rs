@@ -11,6 +11,7 @@ mod pairs;
 mod screen;
 mod spectrum;
 mod thinned;
+mod verdict;
 mod watch;
 
 pub use candidates::{Candidate, diagnose};
@@ -18,4 +19,5 @@ pub use coupled::converge;
 pub use implausible::implausible;
 pub use locate::{Region, Split, locate};
 pub use pairs::{Pair, pairs};
+pub use verdict::{Evidence, Judgement, State, complete, exact, judge};
 pub use watch::Tell;
