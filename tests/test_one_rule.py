@@ -24,7 +24,7 @@ CHOSEN = ("missing", "part")
 def humming() -> kc.Capture:
     """A knob with nothing missing but a hum of the mains in its torque, which is in no catalogue."""
     capture = kc.simulate("knob4", "sweep", seed=11, duration_s=2.0, rate_hz=2000.0)
-    hum = 2.0 * 0.0006 * np.sin(2.0 * np.pi * 50.0 * capture.t + 0.3)
+    hum = 0.01 * np.sin(2.0 * np.pi * 50.0 * capture.t + 0.3)
     return dataclasses.replace(capture, tau=capture.tau + hum)
 
 

@@ -91,10 +91,40 @@ verdict {
     crossed: 1.5, "detents", "judgement: a change of one detent alone is any map of position";
     /// Sums of squares that differ by less than this share of what either leaves tell no effect from another.
     relative: 0.02, "share of what is left", "judgement: where much is left, shapes differ by that much";
+    /// What a parameter that each of several runs has for itself must take off what noise does not explain.
+    own_of_runs: 0.2, "share of the excess", "judgement, as share: what the model misses looks like a zero of the run that has more of it";
+    /// Chance of detents that are not there, in a scan of their spatial frequency.
+    detents_chance: 1e-4, "probability", "judgement: where they are taken for granted nobody looks at them again";
+    /// Times what the median frequency of a scan takes off that detents must take off.
+    detents_stand_out: 30.0, "times the background", "judgement: a missing effect fills the scan broadly, detents are a line";
+    /// What detents must explain of what noise does not.
+    detents_share: 0.2, "share of the excess", "judgement, as share";
     /// Standard errors by which a value must be out of its plausible range to be implausible.
     sure: 2.0, "standard errors", "95 % of a normal distribution";
     /// The same where the log itself is blamed.
     surely: 4.0, "standard errors", "judgement: who is told to mend a log has to be told right";
+}
+words {
+    /// Chance of any false region on an axis, and of any false line in the spectrum.
+    alarm: 0.05, "probability", "the usual 95 %";
+    /// Times the power around it that a line stands out.
+    line: 8.0, "times the power around", "judgement: a residual that lies over position fills the spectrum too, without lines";
+    /// Weight of lines in frequency where the axis is named that shows most.
+    frequency_leads: 0.5, "times the share", "judgement: any residual has lines where the motion repeats itself";
+    /// The same of time.
+    time_leads: 0.75, "times the share", "judgement: any residual changes with time too";
+    /// Standard errors by which captures must ask for different values to disagree.
+    apart: 5.0, "standard errors", "far beyond chance, also over many parameters and captures";
+    /// Weight below which what could have been added is no rival.
+    least_weight: 1e-3, "probability", "judgement: it changes no interval";
+}
+noise {
+    /// Times the middle one by which a window is as loud as an impact, and does not count as noise.
+    loud: 1.5, "times the power", "five standard deviations of noise alone";
+    /// Times as much that the band below must hold for noise to be taken for coloured.
+    falls: 1.4, "times the power", "judgement";
+    /// Standard errors within which all stretches and the quiet ones must agree to be noise alone.
+    steady: 2.5, "standard errors", "about 99 % of a normal distribution";
 }
 search {
     /// An effect that takes off this share of what noise does not explain makes it needless to look at couplings.

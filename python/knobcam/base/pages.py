@@ -6,7 +6,7 @@ JSON has null for it. Torques in N m, or forces in N on a linear axis; all else 
 
 from typing import Literal, NotRequired, TypedDict
 
-Word = Literal["missing", "part", "alike", "less", "implausible", "too_little", "chance", "untold"]
+Word = Literal["missing", "part", "alike", "less", "implausible", "too_little", "unpaid", "chance", "untold"]
 """What is said of an effect that could be missing; those first that speak most for it."""
 
 

@@ -12,6 +12,7 @@ from ..base import showing
 from ..base.tables import TextTable, text_table
 from . import origin
 from .described import names
+from .rule import RULE
 from .runs import in_words
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ _UNITS = {
     "history": ("rad", "m"),
 }
 # What any residual fills as well, whatever its cause, leads only with clearly more than the others.
-_WEIGHT = {"frequency": 0.5, "time": 0.75}
+_WEIGHT = {"frequency": RULE.frequency_leads, "time": RULE.time_leads}
 _DIRECTIONS = {1: "forward", -1: "backward", 0: ""}
 
 

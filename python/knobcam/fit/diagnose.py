@@ -39,7 +39,7 @@ class Candidate:
     `fit` is the whole model fitted anew with it, `p_value` how often chance alone would do as well in the
     whole catalogue, `equivalent` the effects that this capture cannot tell it from, `implausible` what is so
     about its values, a sentence each. `word` is what the rule says of it, one of `missing`, `part`, `alike`,
-    `less`, `implausible`, `too_little`, `chance` and `untold`, and `said` the same in words.
+    `less`, `implausible`, `too_little`, `unpaid`, `chance` and `untold`, and `said` the same in words.
     """
 
     effect: str
@@ -98,7 +98,7 @@ class Candidate:
     @property
     def beyond_chance(self) -> bool:
         """Whether chance would hardly do as well, and its parameters are worth their price."""
-        return self.word not in ("chance", "untold")
+        return self.word not in ("unpaid", "chance", "untold")
 
     @property
     def could_be(self) -> bool:

@@ -28,6 +28,7 @@ _WORDS: dict[Word, str] = {
     "less": "could be missing, but {chosen} explains more",
     "implausible": "not by its values",
     "too_little": "explains too little",
+    "unpaid": "not worth its parameters",
     "chance": "no more than chance",
     "untold": "the noise is not known, nor what is chance",
 }

@@ -13,6 +13,7 @@ import math
 from typing import TYPE_CHECKING
 
 from ..fit.fitting import Z95
+from ..fit.rule import RULE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from ..fit.diagnose import Candidate, Diagnosis
     from .ladder import LearningStep
 
-_LEAST = 1e-3  # less is no rival
 
 
 def weights(diagnosis: Diagnosis | None, added: str | None) -> dict[str, float]:
@@ -58,7 +58,7 @@ def _weighed(diagnosis: Diagnosis | None, added: str | None) -> list[tuple[Candi
     largest = max(logs)
     parts = [math.exp(log - largest) for log in logs]
     both = [(one, part / sum(parts)) for one, part in zip(could, parts, strict=True)]
-    return sorted((pair for pair in both if pair[1] >= _LEAST), key=lambda pair: -pair[1])
+    return sorted((pair for pair in both if pair[1] >= RULE.least_weight), key=lambda pair: -pair[1])
 
 
 def _spread(step: LearningStep, name: str) -> float:

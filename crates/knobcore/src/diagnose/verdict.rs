@@ -49,7 +49,9 @@ pub enum Word {
     Implausible,
     /// More than chance, but too little of what noise does not explain to be the cause.
     TooLittle,
-    /// Chance does as well, or it is not worth its parameters.
+    /// Not worth its parameters.
+    Unpaid,
+    /// Chance does as well.
     Chance,
     /// Chance cannot be told from anything: the noise is not known.
     Untold,
@@ -65,6 +67,7 @@ impl Word {
             Self::Less => "less",
             Self::Implausible => "implausible",
             Self::TooLittle => "too_little",
+            Self::Unpaid => "unpaid",
             Self::Chance => "chance",
             Self::Untold => "untold",
         }
@@ -95,8 +98,10 @@ fn judge_by(rule: &Rule, state: &State, all: &[Evidence]) -> Vec<Judgement> {
     let alone = |one: &Evidence| {
         if state.noise_floor.is_nan() || state.noise_floor <= 0.0 {
             Word::Untold
-        } else if state.exact || one.p_value > chance || score(one) <= 0.0 {
+        } else if state.exact || one.p_value > chance {
             Word::Chance
+        } else if score(one) <= 0.0 {
+            Word::Unpaid
         } else if one.implausible {
             Word::Implausible
         } else if taken(one) < least {
@@ -215,9 +220,9 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_worth_its_parameters_is_chance() {
+    fn what_is_not_worth_its_parameters_is_not_missing() {
         let dear = Evidence { gain: 30.0, ..takes(0.9, 3) };
-        assert_eq!(words(&BENT, &[dear]), [Word::Chance]);
+        assert_eq!(words(&BENT, &[dear]), [Word::Unpaid]);
     }
 
     #[test]

@@ -10,10 +10,6 @@ use crate::model::{Model, Run};
 use crate::rule::rule;
 use crate::signals::Signals;
 
-/// Less than this share of what noise does not explain is no run's own: what the model misses looks like a zero of
-/// the run that has more of it.
-const SHARE: f64 = 0.2;
-
 /// The runs of several captures.
 pub fn runs<'a>(data: &[&'a Signals]) -> Vec<&'a Run> {
     data.iter().map(|signals| &signals.run).collect()
@@ -58,7 +54,7 @@ pub fn settled(data: &[&Signals], mut fit: Fit, again: impl Fn(&Model) -> Result
 /// Whether a fit takes enough off what noise does not explain of the one before; where noise is unknown, nothing tells.
 fn mainly(before: &Fit, now: &Fit) -> bool {
     let excess = before.rmse.powi(2) - before.noise_floor.powi(2);
-    excess.is_nan() || before.rmse.powi(2) - now.rmse.powi(2) >= SHARE * excess
+    excess.is_nan() || before.rmse.powi(2) - now.rmse.powi(2) >= rule().own_of_runs * excess
 }
 
 /// Whether one step towards the optimum of a richer model could be worth its parameters. The filter takes more off
