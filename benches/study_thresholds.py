@@ -25,8 +25,8 @@ TABLE = KEPT.with_suffix(".json")
 PAGE = HERE.parent / "docs" / "thresholds.md"
 PROGRAM = HERE.parent / "python" / "knobcam"
 FACTORS = (0.5, 2.0)
-# Nothing missing under both noises, two effects at once, weak effects (seeds 0, 5, ...), and such as stand out of the noise clearly;
-# without couplings, whose searches take a hundred times as long.
+# Nothing missing under both noises, two effects at once, weak effects (seeds 0, 5, ...), and such as stand
+# out of the noise clearly; without couplings, whose searches take a hundred times as long.
 CASES = (
     *("none/white:0", "none/white:1", "none/ar1:2", "pair/quadratic_drag+unbalance:2"),
     *("one/quadratic_drag:0", "one/return_spring:5", "one/torque_drift:10", "one/second_detent:15"),
@@ -34,21 +34,24 @@ CASES = (
 )
 HEAD = """# Thresholds
 
-Every number that decides what is said to be missing, in one table: `crates/knobcore/src/rule.rs`. The core decides by
-it, and Python has it by `knobcam.fit.rule.thresholds()`. Constants of methods (steps, windows, how many starts are looked
-at) stand where they are used; what values an effect may have, in the effect's file; what makes a log doubtful, with the
-checks of captures.
+Every number that decides what is said to be missing, in one table: `crates/knobcore/src/rule.rs`. The core
+decides by it, and Python has it by `knobcam.fit.rule.thresholds()`. Constants of methods (steps, windows, how
+many starts are looked at) stand where they are used; what values an effect may have, in the effect's file;
+what makes a log doubtful, with the checks of captures.
 
-A source that begins with "judgement" is no measurement: somebody thought it right, and the examination was passed with
-it. The last column is measured by `benches/study_thresholds.py`: the threshold halved and doubled, all others as they
-are, and {cases} captures of the second simulator judged again, of {version}. It says how many answers (verdict and
-names) changed, and how many of all were right then; {right} are with the rule as it is. So few captures show what a
-threshold does to ordinary answers, not how rare errors become rarer; captures with couplings are not among them. "-": not
-measured yet.
+A source that begins with "judgement" is no measurement: somebody thought it right, and the examination was
+passed with it. The last column is measured by `benches/study_thresholds.py`: the threshold halved and
+doubled, all others as they are, and {cases} captures of the second simulator judged again: nothing missing, weak and
+plain effects, two at once. It says how many answers (verdict and names) changed, and how many of all were
+right then; as the rule is, {right} are. So few captures show what a threshold does to ordinary answers, not
+how rare errors become rarer, and none of them has a coupling. "-" is not measured yet.
 
-For such a study, and for nothing else, `KNOBCAM_RULE=price=24,worth=0.03` in the environment changes thresholds of a
-process, when the library is loaded.
+For such a study, and for nothing else, `KNOBCAM_RULE=price=24,worth=0.03` in the environment changes
+thresholds of a process, when the library is loaded.
 """
+
+
+_COLUMNS = "| name | value | meaning | source | halved; doubled |"
 
 
 def asked(changes: str, knobs: Path) -> dict[str, Any]:
@@ -108,7 +111,10 @@ def about() -> dict[str, str]:
     """What the answers depend on beside the rule."""
     from resumed import version
 
-    return {"version": version(PROGRAM), "knobs": version(HERE / "strata.py", HERE / "hidden", Path(__file__))}
+    return {
+        "version": version(PROGRAM),
+        "knobs": version(HERE / "strata.py", HERE / "hidden", Path(__file__)),
+    }
 
 
 def tabled() -> dict[str, Any]:
@@ -143,7 +149,7 @@ def page(table: dict[str, Any]) -> str:
     """The page of the documentation: the table of thresholds, each with what was measured of it."""
     from knobcam.fit.rule import thresholds
 
-    head = HEAD.format(cases=table["cases"], right=table["right"], version=f"program {table['version']}")
+    head = HEAD.format(cases=table["cases"], right=table["right"])
     lines = [head]
     title = {
         "verdict": "What is missing, and whether anything is",
@@ -152,7 +158,12 @@ def page(table: dict[str, Any]) -> str:
         "search": "Where the search goes",
     }
     for decides, words in title.items():
-        lines += [f"## {words}", "", "| name | value | meaning | source | halved; doubled |", "|---|---|---|---|---|"]
+        lines += [
+            f"## {words}",
+            "",
+            "| name | value | meaning | source | halved; doubled |",
+            "|---|---|---|---|---|",
+        ]
         for one in thresholds():
             if one.decides == decides:
                 measured = table["thresholds"].get(one.name, {})

@@ -1,11 +1,10 @@
-"""What is missing is decided in one place: `learn`, `diagnose`, the workbench's page and the report say the same."""
+"""What is missing is decided in one place: `learn`, `diagnose`, the page and the report say the same."""
 
 from __future__ import annotations
 
 import dataclasses
 import json
 import re
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,7 @@ import pytest
 
 import knobcam as kc
 from knobcam.base.strict_json import as_json
-from knobcam.fit.rule import RULE, thresholds
+from knobcam.fit.rule import RULE
 from knobcam.show import results
 from knobcam.workbench import state
 from knobcam.workbench.session import Session
@@ -78,7 +77,7 @@ def test_who_is_named_first_is_what_learn_adds_first(asked: dict[str, Any]) -> N
 
 def test_the_text_names_nobody_whom_learn_does_not(asked: dict[str, Any]) -> None:
     diagnosis, learned = asked["diagnosis"], asked["learned"]
-    could_be, rest = repr(diagnosis).split("Too little, no more than chance, or not by their values:")
+    could_be, *_ = repr(diagnosis).split("Too little, no more than chance, or not by their values:")
     named = {one.effect for one in diagnosis.candidates if re.search(rf"(?m)^ *{one.effect} ", could_be)}
     assert named == {one.effect for one in diagnosis.could_be}
     assert bool(named) == bool(learned.found)
@@ -98,11 +97,3 @@ def test_a_hum_accuses_nobody_and_a_hidden_effect_is_named(asked: dict[str, Any]
         slivers = [one for one in asked["diagnosis"].candidates if one.word == "too_little"]
         assert slivers and all(one.p_value <= RULE.chance for one in slivers)
         assert "is the cause" in asked["diagnosis"].summary
-
-
-def test_every_threshold_that_is_asked_for_is_in_the_table() -> None:
-    package = Path(kc.__file__).parent
-    code = "\n".join(path.read_text("utf-8") for path in package.rglob("*.py"))
-    assert set(re.findall(r"\bRULE\.(\w+)", code)) <= {one.name for one in thresholds()}
-    with pytest.raises(AttributeError, match="no threshold is called 'magic'"):
-        _ = RULE.magic

@@ -91,9 +91,7 @@ def test_candidates_that_could_be_missing_are_solid_and_those_that_look_alike_ar
     diagnosis = story.first_diagnosis
     (axes,) = plot.diagnosis(diagnosis).axes
     patches = [patch for patch in axes.patches if isinstance(patch, Rectangle)]
-    assert [patch.get_hatch() is None for patch in patches] == [
-        one.could_be for one in diagnosis.candidates
-    ]
+    assert [patch.get_hatch() is None for patch in patches] == [one.could_be for one in diagnosis.candidates]
     assert [p.get_width() for p in patches] == pytest.approx(
         [100 * c.error_fall for c in diagnosis.candidates]
     )

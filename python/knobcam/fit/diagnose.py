@@ -277,9 +277,9 @@ def diagnose(
 ) -> Diagnosis:
     """Return which effects of the catalogue could be missing from a fit, ranked with evidence.
 
-    `only` weighs these effects alone, `without` takes some out of the catalogue; what describes a shape without
-    naming a cause is weighed only where `only` has it. `progress` is told the share
-    of the work that is done, 0 to 1, from any thread; what it raises ends the work. Raises InputError for an
+    `only` weighs these effects alone, `without` takes some out of the catalogue; what describes a shape
+    without naming a cause is weighed only where `only` has it. `progress` is told the share of the work that
+    is done, 0 to 1, from any thread; what it raises ends the work. Raises InputError for an
     effect that the catalogue does not have.
     """
     coordinate = fit.model.coordinate

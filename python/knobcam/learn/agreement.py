@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from ..fit import Estimate, Fit
 
 
-
 class Disagreement(NamedTuple):
     """A parameter that two captures ask for differently, and by how many standard errors."""
 

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from .ladder import LearningStep
 
 
-
 def weights(diagnosis: Diagnosis | None, added: str | None) -> dict[str, float]:
     """Return the weights of what could have been added, the largest first; they add up to one.
 
