@@ -41,10 +41,10 @@ what makes a log doubtful, with the checks of captures.
 
 A source that begins with "judgement" is no measurement: somebody thought it right, and the examination was
 passed with it. The last column is measured by `benches/study_thresholds.py`: the threshold halved and
-doubled, all others as they are, and {cases} captures of the second simulator judged again: nothing missing, weak and
-plain effects, two at once. It says how many answers (verdict and names) changed, and how many of all were
-right then; as the rule is, {right} are. So few captures show what a threshold does to ordinary answers, not
-how rare errors become rarer, and none of them has a coupling. "-" is not measured yet.
+doubled, all others as they are, and {cases} captures of the second simulator judged again: nothing missing,
+weak and plain effects, two at once. It says how many answers (verdict and names) changed, and how many of all
+were right then; as the rule is, {right} are. So few captures show what a threshold does to ordinary answers,
+not how rare errors become rarer, and none of them has a coupling. "-" is not measured yet.
 
 For such a study, and for nothing else, `KNOBCAM_RULE=price=24,worth=0.03` in the environment changes
 thresholds of a process, when the library is loaded.
