@@ -252,7 +252,8 @@ class Fit:
 def complete(fit: tuple[float, float, float, float, list[float]]) -> tuple[bool, bool]: ...
 def judge(
     fit: tuple[float, float, float, float, list[float]],
-    effects: Sequence[tuple[float, int, float, float, bool]],
+    law: float,
+    effects: Sequence[tuple[float, int, float, float, bool, int]],
 ) -> list[tuple[Word, list[int]]]: ...
 def thresholds() -> list[tuple[str, float, str, str, str, str]]: ...
 def stiction(

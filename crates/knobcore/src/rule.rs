@@ -79,6 +79,8 @@ verdict {
     worth: 0.015, "share of the squared error", "judgement: less is nothing that a user would feel";
     /// What an effect must take off what noise does not explain; what takes off less is a stopgap, not the cause.
     share: 0.2, "share of the excess", "judgement: a line of the mains is drawn by many effects, by each a little";
+    /// What laws that were added may be off by, of what they took off: what is left at the floor and is less than that is no effect more.
+    law: 0.025, "share of what was added", "judgement: as far as a textbook's law is that of a real knob";
     /// What the cause must have taken off where something else stays unexplained, to be named beside that.
     mainly: 0.5, "share of the excess", "judgement: the better part";
     /// What a pair of a coupling and another effect may leave of what the search one by one left.

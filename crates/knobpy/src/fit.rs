@@ -173,7 +173,7 @@ type Judged = (f64, f64, f64, f64, Vec<f64>);
 
 fn state((rmse, noise_floor, white_squares, torque_rms, beyond): Judged) -> State {
     let exact = exact_core(rmse, torque_rms);
-    let state = State { rmse, noise_floor, white_squares, complete: false, exact };
+    let state = State { rmse, noise_floor, white_squares, law: 0.0, complete: false, exact };
     State { complete: complete_core(&state, &beyond), ..state }
 }
 
@@ -185,18 +185,27 @@ pub fn complete(fit: Judged) -> (bool, bool) {
 }
 
 /// What is said of effects beside a fit, one each: a word, and the places of those that cannot be told from it. An effect
-/// has a gain, a number of parameters, a p-value, the error with it, and whether its values are implausible.
+/// has a gain, a number of parameters, a p-value, the error with it, whether its values are implausible, and how many of
+/// the base model it bends below zero. `law` is the mean squared error by which laws that were added may be off.
 #[pyfunction]
-pub fn judge(fit: Judged, effects: Vec<(f64, usize, f64, f64, bool)>) -> Vec<(&'static str, Vec<usize>)> {
-    let evidence = |(gain, parameters, p_value, rmse, implausible)| Evidence {
+pub fn judge(
+    fit: Judged,
+    law: f64,
+    effects: Vec<(f64, usize, f64, f64, bool, usize)>,
+) -> Vec<(&'static str, Vec<usize>)> {
+    let evidence = |(gain, parameters, p_value, rmse, implausible, bent)| Evidence {
         gain,
         parameters,
         p_value,
         rmse,
         implausible,
+        bent,
     };
     let all: Vec<Evidence> = effects.into_iter().map(evidence).collect();
-    judge_core(&state(fit), &all).into_iter().map(|one| (one.word.id(), one.equivalent)).collect()
+    judge_core(&State { law, ..state(fit) }, &all)
+        .into_iter()
+        .map(|one| (one.word.id(), one.equivalent))
+        .collect()
 }
 
 /// A threshold as it goes out: name, value, unit, what it decides, meaning, source.

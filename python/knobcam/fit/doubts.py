@@ -12,8 +12,6 @@ from .plausible import REVERSED
 from .rule import RULE
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from ..capture.prepare import Prepared
     from .fitting import Estimate, Fit
 
@@ -25,9 +23,7 @@ def at_floor(fit: Fit) -> bool:
 
 def doubts(fit: Fit) -> tuple[str, ...]:
     """Return what makes the values of a fit doubtful, a sentence each."""
-    base = base_effects(fit.model.coordinate)
-    own = {name: e for name, e in fit.params.items() if name.split(".", 1)[0] in base}
-    negative = [name for name, e in own.items() if e.determined and e.ci95[1] < 0.0]
+    negative = below_zero(fit)
     if fit.log_fault == REVERSED:
         found = [REVERSED]
     else:
@@ -43,11 +39,22 @@ def doubts(fit: Fit) -> tuple[str, ...]:
             "position and acceleration move together, so inertia cannot be told from a stiffness over "
             "position: record a motion of more than one frequency"
         )
-    return (*found, *_at_bounds(fit), *_back_emf(fit, own))
+    return (*found, *_at_bounds(fit), *_back_emf(fit))
 
 
-def _back_emf(fit: Fit, own: Mapping[str, Estimate]) -> list[str]:
+def below_zero(fit: Fit) -> list[str]:
+    """Return the parameters of the base model that came out negative beyond doubt."""
+    return [name for name, e in _of_base(fit).items() if e.determined and e.ci95[1] < 0.0]
+
+
+def _of_base(fit: Fit) -> dict[str, Estimate]:
+    base = base_effects(fit.model.coordinate)
+    return {name: e for name, e in fit.params.items() if name.split(".", 1)[0] in base}
+
+
+def _back_emf(fit: Fit) -> list[str]:
     """What is said of friction in proportion to the speed where the torque is what drives the current."""
+    own = _of_base(fit)
     per_speed = f"{fit.torque_unit} s/{'rad' if fit.model.coordinate == 'rotary' else 'm'}"
     names = [name for name, e in own.items() if e.unit == per_speed]
     if fit.torque_unit not in ("V", "duty") or not names:

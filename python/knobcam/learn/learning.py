@@ -158,6 +158,11 @@ class LearningResult(showing.Tabled):
         if names:
             was, it = ("was", "it") if len(self.found) == 1 else ("were", "them")
             rest = "what else passes the torque filter" if beyond else "the rest"
+            if not self.after.complete:
+                share = math.sqrt(
+                    max(self.fit.excess, 0.0) / (self.ladder[0].fit.rmse ** 2 - self.fit.rmse**2)
+                )
+                rest = f"{rest}, beside {100.0 * share:.1f} % by which a law may be off,"
             return f"{names} {was} missing; with {it} {rest} is chance."
         if beyond:
             return "Nothing is missing of what passes the torque filter: chance explains that."

@@ -11,7 +11,7 @@ from ..capture.prepare import travel
 from ..fit.diagnose import Candidate, Diagnosis, absent, diagnose
 from ..fit.refit import converged, cores, needless, with_clipped
 from ..fit.rule import RULE
-from ..fit.verdict import judged
+from ..fit.verdict import judged, within_law
 from ..model.effects import base_effects_shown, clipping, descriptions, effects
 from .cut import Cut, Deadline, OutOfTime
 from .joined import joined
@@ -88,7 +88,8 @@ def _grown(
         if best is None or len(ladder) > RULE.most:
             selection = concluded(ladder, diagnosis, nothing_to_find)
             # What is wrong with a log, or lies beyond its filter, no effect explains.
-            if together or fit.log_fault or diagnosis.comparison.complete or not fit.noise_floor > 0.0:
+            enough = diagnosis.comparison.complete or within_law(fit)
+            if together or fit.log_fault or enough or not fit.noise_floor > 0.0:
                 return selection
             best = followed(diagnosis, tell)
         if best is None:
@@ -125,7 +126,7 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
     if (fault := ladder[-1].fit.log_fault) is not None:
         # What is wrong is the log, not the knob.
         return Selection(tuple(ladder), (), last, Unexplained("load", 1.0, fault))
-    unexplained = _unexplained(last.comparison)
+    unexplained = None if within_law(ladder[-1].fit) else _unexplained(last.comparison)
     # Torques of position alone: two of them together draw nearly any map, so together they name no cause.
     maps = [one for one in found if _is_map(one, ladder[-1].fit)]
     if len(maps) > 1:

@@ -54,11 +54,13 @@ pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_
         weighed(&screen, &quick, [white, floor.squares])
     };
     let best = found.iter().fold(0.0, |best: f64, (candidate, _)| best.max(candidate.gain));
+    let paid = found.iter().any(|(candidate, _)| candidate.gain > rule().price * candidate.parameters as f64);
     let left = screen.squares - best * white;
     let most = best * white >= rule().enough * (screen.squares - floor.squares);
-    // Of a little that is missing, what looks like it alone explains the better part of it.
+    // Of a little that is missing, what looks like it alone explains the better part of it; where nothing does,
+    // nothing is named in a coupling's place.
     let (excess, rest) = (screen.squares - floor.squares, left - floor.squares);
-    let better = excess <= rule().slight * floor.squares || rest <= rule().better * excess;
+    let better = excess <= rule().slight * floor.squares || rest <= rule().better * excess || !paid;
     let explained = left <= rule().explained * floor.squares && better || most;
     // Who asks for couplings alone wants to know.
     if quick.is_empty() || left.is_nan() || floor.squares.is_nan() || !explained {

@@ -8,7 +8,7 @@ use super::thinned::{Thinned, orthonormal, project, subtract};
 use super::watch::Watch;
 use crate::chain;
 use crate::effects::{Id, Place, Survey, Wave};
-use crate::fit::{dot, runs, waves, without_whole};
+use crate::fit::{beside_orders, dot, runs, waves};
 use crate::model::{Model, Role};
 use crate::param::{Axis, Usual};
 use crate::signals::Signals;
@@ -84,11 +84,15 @@ impl<'a> Screen<'a> {
     pub fn starts(&self, id: Id) -> Vec<Start> {
         // Behind a coupling the knob has a direction of its own, by which a friction cannot be scanned for.
         let wave = id.info().scan.filter(|wave| !self.coupled || *wave != Wave::Friction);
-        let beside = if wave == Some(Wave::Orders) {
-            without_whole(self.data, self.model)
-        } else {
-            self.model.clone()
+        let beside = match wave {
+            Some(Wave::Orders) => beside_orders(self.data, self.model),
+            _ => vec![self.model.clone()],
         };
+        self.by_promise(id, beside.iter().flat_map(|beside| self.beside(id, beside, wave)).collect())
+    }
+
+    /// Models with an effect beside one, at each of the effect's starts.
+    fn beside(&self, id: Id, beside: &Model, wave: Option<Wave>) -> Vec<Model> {
         let joins = |id: Id| id.info().place == Place::Coupling;
         let before = self.shaft.iter().filter(|_| joins(id));
         let with =
@@ -96,12 +100,12 @@ impl<'a> Screen<'a> {
         let Ok(with) = with else { return Vec::new() };
         let values = match wave {
             Some(wave) => {
-                let waves = Some(waves(self.data, &beside, wave));
+                let waves = Some(waves(self.data, beside, wave));
                 id.law().starts(&Survey { waves, ..self.survey.clone() })
             }
             None => id.law().starts(&self.survey),
         };
-        self.by_promise(id, values.iter().flat_map(|values| self.placed(&with, id, values)).collect())
+        values.iter().flat_map(|values| self.placed(&with, id, values)).collect()
     }
 
     /// The same starts with what belongs to a run apart; none where there is nothing of the kind, or one run.

@@ -13,6 +13,8 @@ pub struct State {
     pub noise_floor: f64,
     /// What the noise leaves of the sum of squares, in variances of the raw noise.
     pub white_squares: f64,
+    /// Mean squared error by which laws that were added may be off, (N m)^2: less is no effect more.
+    pub law: f64,
     /// Whether chance explains the error already.
     pub complete: bool,
     /// Whether what is left is rounding.
@@ -32,6 +34,8 @@ pub struct Evidence {
     pub rmse: f64,
     /// Whether its values cannot be its own.
     pub implausible: bool,
+    /// Parameters of the base model that are negative beyond doubt beside it, which no knob has.
+    pub bent: usize,
 }
 
 /// What is said of an effect.
@@ -92,7 +96,7 @@ fn judge_by(rule: &Rule, state: &State, all: &[Evidence]) -> Vec<Judgement> {
     let score = |one: &Evidence| one.gain - rule.price * one.parameters as f64;
     let excess = state.rmse.powi(2) - state.noise_floor.powi(2);
     let taken = |one: &Evidence| state.rmse.powi(2) - one.rmse.powi(2);
-    let least = (rule.worth * state.rmse.powi(2)).max(rule.share * excess);
+    let least = (rule.worth * state.rmse.powi(2)).max(rule.share * excess).max(state.law);
     let chance = if state.complete { rule.rare } else { rule.chance };
     // What is said of each by itself.
     let alone = |one: &Evidence| {
@@ -123,8 +127,9 @@ fn judge_by(rule: &Rule, state: &State, all: &[Evidence]) -> Vec<Judgement> {
     let best = could.iter().copied().max_by(|a, b| score(&all[*a]).total_cmp(&score(&all[*b])));
     let group = best.map_or_else(Vec::new, &alike);
     let simplest = |a: &usize, b: &usize| {
-        let fewer = all[*a].parameters.cmp(&all[*b].parameters);
-        fewer.then(score(&all[*b]).total_cmp(&score(&all[*a])))
+        // What explains as much without friction that gives power back has a better claim than what is simpler.
+        let claim = |at: usize| (all[at].bent, all[at].parameters);
+        claim(*a).cmp(&claim(*b)).then(score(&all[*b]).total_cmp(&score(&all[*a])))
     };
     if let Some(chosen) = group.iter().copied().min_by(simplest) {
         group.iter().for_each(|&at| words[at] = Word::Alike);
@@ -162,12 +167,12 @@ mod tests {
     use super::*;
 
     const BENT: State =
-        State { rmse: 2.0, noise_floor: 1.0, white_squares: 1000.0, complete: false, exact: false };
+        State { rmse: 2.0, noise_floor: 1.0, white_squares: 1000.0, law: 0.0, complete: false, exact: false };
 
     /// An effect that takes off a share of what noise does not explain.
     fn takes(share: f64, parameters: usize) -> Evidence {
         let rmse = (4.0 - 3.0 * share).sqrt();
-        Evidence { gain: 3000.0 * share, parameters, p_value: 0.001, rmse, implausible: false }
+        Evidence { gain: 3000.0 * share, parameters, p_value: 0.001, rmse, implausible: false, bent: 0 }
     }
 
     fn words(state: &State, all: &[Evidence]) -> Vec<Word> {
@@ -204,6 +209,18 @@ mod tests {
     }
 
     #[test]
+    fn of_those_alike_what_bends_nothing_below_zero_stands_before_what_is_simpler() {
+        let bent = Evidence { bent: 1, ..takes(0.99, 1) };
+        assert_eq!(words(&BENT, &[bent, takes(0.992, 3)]), [Word::Alike, Word::Missing]);
+    }
+
+    #[test]
+    fn what_added_laws_may_be_off_by_names_nothing_more() {
+        assert_eq!(words(&State { law: 1.6, ..BENT }, &[takes(0.5, 1)]), [Word::TooLittle]);
+        assert_eq!(words(&State { law: 1.4, ..BENT }, &[takes(0.5, 1)]), [Word::Missing]);
+    }
+
+    #[test]
     fn what_cannot_be_is_no_rival_of_what_can() {
         let impossible = Evidence { implausible: true, ..takes(0.995, 1) };
         let judged = judge_by(&Rule::default(), &BENT, &[impossible, takes(0.99, 2)]);
@@ -214,7 +231,8 @@ mod tests {
     #[test]
     fn where_chance_explains_the_error_it_takes_more_to_accuse() {
         let at_floor = State { rmse: 1.03, complete: true, ..BENT };
-        let doubtful = Evidence { gain: 40.0, parameters: 1, p_value: 0.02, rmse: 1.01, implausible: false };
+        let doubtful =
+            Evidence { gain: 40.0, parameters: 1, p_value: 0.02, rmse: 1.01, implausible: false, bent: 0 };
         assert_eq!(words(&at_floor, &[doubtful]), [Word::Chance]);
         assert_eq!(words(&at_floor, &[Evidence { p_value: 0.001, ..doubtful }]), [Word::Missing]);
     }

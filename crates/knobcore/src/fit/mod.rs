@@ -14,7 +14,7 @@ mod undetermined;
 
 pub use moments::Moments;
 pub(crate) use moments::{add_products, dot, evaluate};
-pub use orders::without_whole;
+pub use orders::beside as beside_orders;
 pub(crate) use runs::{differ, runs, settled};
 pub use scan::Scan;
 pub use separable::{Found, Status};

@@ -50,22 +50,45 @@ pub fn waves(data: &[&Signals], model: &Model) -> Vec<[f64; 3]> {
     waves
 }
 
-/// The model without detents where these are whole orders of a ripple themselves: fixed, and silent.
-pub fn without_whole(data: &[&Signals], model: &Model) -> Model {
+/// What a ripple may stand beside: the model; where its detents are a whole order themselves, the model without them
+/// too (fixed, and silent), and with detents looked for anew beside that order. Along an axis detents are ripple.
+pub fn beside(data: &[&Signals], model: &Model) -> Vec<Model> {
+    let Some(period) = model.period().map(|at| model.slots()[at].value) else { return vec![model.clone()] };
     let mut bare = model.clone();
-    let Some(period) = model.period().map(|at| model.slots()[at].value) else { return bare };
-    let turns = range(data) / TAU;
-    let whole = ((1.0 / period).round() - 1.0 / period).abs() * turns < WHOLE && turns >= TURNS;
-    if model.axis == Axis::Linear || whole {
-        let own: Vec<String> =
-            model.slots().iter().filter(|slot| slot.effect == Id::Detent).map(|slot| slot.name()).collect();
-        for name in own {
-            // They are its own names; the amplitude is what is silent at nought.
-            let _ = bare.set_role(&name, Role::Fixed);
-        }
-        let _ = bare.set("detent.A", 0.0);
+    let own: Vec<String> =
+        model.slots().iter().filter(|slot| slot.effect == Id::Detent).map(|slot| slot.name()).collect();
+    for name in own {
+        // They are its own names; the amplitude is what is silent at nought.
+        let _ = bare.set_role(&name, Role::Fixed);
     }
-    bare
+    let _ = bare.set("detent.A", 0.0);
+    if model.axis == Axis::Linear {
+        return vec![bare];
+    }
+    let order = (1.0 / period).round();
+    let turns = range(data) / TAU;
+    if (order - 1.0 / period).abs() * turns >= WHOLE || turns < TURNS {
+        return vec![model.clone()];
+    }
+    let moved = elsewhere(data, model, order);
+    [Some(model.clone()), Some(bare), moved].into_iter().flatten().collect()
+}
+
+/// The model with its detents where a scan beside a wave of this order finds the strongest that are none.
+fn elsewhere(data: &[&Signals], model: &Model, order: f64) -> Option<Model> {
+    let others: Vec<Id> = model.effects().filter(|id| *id != Id::Detent).collect();
+    let mut with = model.only(&others).ok()?.with(Id::Cogging).ok()?;
+    with.set("cogging.n1", order).ok()?;
+    with.set("cogging.a1", model.slots()[model.index("detent.A").ok()?].value).ok()?;
+    with.settle();
+    let linear = Layout::of(&with).linear();
+    let (scan, _) = scan(data, &with, &with.values(), &linear, Wave::Torque)?;
+    let peak = scan.peaks().into_iter().next()?;
+    let mut moved = model.clone();
+    for (name, value) in [("detent.P", peak.period), ("detent.A", peak.amplitude), ("detent.S", peak.phase)] {
+        moved.set(name, value).ok()?;
+    }
+    Some(moved)
 }
 
 /// Revolution or pitch over 2 pi, if the motion covers one.
