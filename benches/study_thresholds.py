@@ -111,10 +111,8 @@ def about() -> dict[str, str]:
     """What the answers depend on beside the rule."""
     from resumed import version
 
-    return {
-        "version": version(PROGRAM),
-        "knobs": version(HERE / "strata.py", HERE / "hidden", Path(__file__)),
-    }
+    knobs = version(HERE / "strata.py", HERE / "hidden", HERE / "examiner.py")
+    return {"version": version(PROGRAM), "knobs": knobs, "captures": " ".join(CASES)}
 
 
 def tabled() -> dict[str, Any]:
