@@ -97,3 +97,11 @@ def test_a_hum_accuses_nobody_and_a_hidden_effect_is_named(asked: dict[str, Any]
         slivers = [one for one in asked["diagnosis"].candidates if one.word == "too_little"]
         assert slivers and all(one.p_value <= RULE.chance for one in slivers)
         assert "is the cause" in asked["diagnosis"].summary
+
+
+def test_where_the_noise_is_not_known_nothing_is_told_from_chance() -> None:
+    knob = kc.Model.load("knob4").with_effect("return_spring").with_value("return_spring.k", 0.004)
+    capture = kc.simulate(knob, "sweep", rate_hz=25.0)
+    diagnosis = kc.fit(capture, prepare="none").diagnose(only=["return_spring", "quadratic_drag"])
+    assert {one.word for one in diagnosis.candidates} == {"untold"}
+    assert diagnosis.best is None and "cannot be told from chance" in diagnosis.summary

@@ -189,6 +189,8 @@ class Diagnosis(showing.Tabled):
     @property
     def _nothing(self) -> str:
         """Why nothing is named, in a sentence."""
+        if any(one.word == "untold" for one in self.candidates):
+            return "Without the noise, what is missing cannot be told from chance."
         if not self.beyond_chance:
             return "No effect of the catalogue lowers this error beyond chance."
         few = [one.effect for one in self.beyond_chance if one.word == "too_little"]
