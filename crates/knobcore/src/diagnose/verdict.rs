@@ -216,8 +216,8 @@ mod tests {
 
     #[test]
     fn what_added_laws_may_be_off_by_names_nothing_more() {
-        assert_eq!(words(&State { law: 1.6, ..BENT }, &[takes(0.5, 1)]), [Word::TooLittle]);
-        assert_eq!(words(&State { law: 1.4, ..BENT }, &[takes(0.5, 1)]), [Word::Missing]);
+        assert_eq!(words(&State { law: 1.9, ..BENT }, &[takes(0.6, 1)]), [Word::TooLittle]);
+        assert_eq!(words(&State { law: 1.7, ..BENT }, &[takes(0.6, 1)]), [Word::Missing]);
     }
 
     #[test]
