@@ -23,7 +23,7 @@ import knobcam as kc
 HERE = Path(__file__).parent
 KEPT = HERE / "results" / "chance.jsonl"
 TABLE = KEPT.with_suffix(".json")
-MOTIONS = ("sweep", "chirp", "multisine", "hand")
+MOTIONS = ("sweep", "multisine", "turns", "hand")
 KEEP = {"white": 0.0, "ar1": 0.9}
 SECONDS = 1.6
 FIRST = 7000  # seed
