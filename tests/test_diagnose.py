@@ -34,8 +34,8 @@ def test_the_hidden_spring_comes_first_or_is_named_among_those_that_look_like_it
     assert best.rmse < 1.05 * diagnosis.fit.noise_floor
 
 
-def test_what_is_beyond_chance_stands_before_what_is_not(diagnosis: kc.Diagnosis) -> None:
-    solid = [one.beyond_chance for one in diagnosis.candidates]
+def test_what_could_be_missing_stands_before_what_could_not(diagnosis: kc.Diagnosis) -> None:
+    solid = [one.could_be for one in diagnosis.candidates]
     assert solid == sorted(solid, reverse=True)
     assert all(one.p_value <= 0.05 for one in diagnosis.beyond_chance)
 
@@ -81,16 +81,17 @@ def test_a_knob_with_nothing_missing_is_accused_of_nothing(fit: kc.Fit) -> None:
     diagnosis = fit.diagnose()
     assert diagnosis.best is None and diagnosis.beyond_chance == ()
     assert "No effect of the catalogue lowers this error beyond chance" in diagnosis.summary
-    assert "Beyond chance: nothing" in repr(diagnosis)
+    assert "Could be missing: nothing" in repr(diagnosis)
 
 
 def test_a_diagnosis_prints_as_a_table_with_a_line_between_evidence_and_chance(
     diagnosis: kc.Diagnosis,
 ) -> None:
-    text = repr(diagnosis) + "\nNo more than chance, or"  # where it is not said, nothing stands below it
+    rest = "Too little, no more than chance"
+    text = repr(diagnosis) + f"\n{rest}"  # where it is not said, nothing stands below it
     for one in diagnosis.candidates:
-        solid = text.index(f"  {one.effect}") < text.index("No more than chance, or")
-        assert solid == one.beyond_chance
+        solid = text.index(f"  {one.effect}") < text.index(rest)
+        assert solid == one.could_be
     assert "<table>" in diagnosis._repr_html_()
 
 
@@ -98,7 +99,8 @@ def test_the_document_of_a_diagnosis_has_every_candidate_with_its_evidence(diagn
     document = diagnosis.document()
     assert document["schema"] == "knobcam.diagnose/1"
     first, best = document["candidates"][0], diagnosis.candidates[0]
-    assert first["effect"] == best.effect and first["beyond_chance"] is True
+    assert first["effect"] == best.effect and first["word"] == "missing"
+    assert first["beyond_chance"] is first["could_be"] is True
     assert set(first["params"]) == set(best.parameters)
     assert first["moved"].keys() == best.moved.keys()
     assert document["remains"]["complete"] is True

@@ -21,7 +21,7 @@ CRATE_ORDER = ["knobcore", "knobrender", "knobrig", "knobpy"]
 RUST_ORDER = [
     *("error", "random", "special", "fourier", "isa", "scalar", "motion", "param", "effects", "model"),
     *("model_file", "chain", "filter", "signals", "smooth", "prepare", "predict", "forward", "carry"),
-    *("noise", "floor", "fit", "diagnose", "stiction"),
+    *("noise", "rule", "floor", "fit", "diagnose", "stiction"),
 ]
 """Modules of knobcore, each of which knows those before it."""
 MOST = 12

@@ -85,15 +85,13 @@ def test_movements_are_drawn_in_standard_errors_for_every_parameter_of_the_first
         assert drawn[name] == pytest.approx(move.by_se)
 
 
-def test_candidates_beyond_chance_are_solid_and_those_that_look_alike_are_linked(
+def test_candidates_that_could_be_missing_are_solid_and_those_that_look_alike_are_linked(
     story: kc.LearningResult,
 ) -> None:
     diagnosis = story.first_diagnosis
     (axes,) = plot.diagnosis(diagnosis).axes
     patches = [patch for patch in axes.patches if isinstance(patch, Rectangle)]
-    assert [patch.get_hatch() is None for patch in patches] == [
-        one.beyond_chance for one in diagnosis.candidates
-    ]
+    assert [patch.get_hatch() is None for patch in patches] == [one.could_be for one in diagnosis.candidates]
     assert [p.get_width() for p in patches] == pytest.approx(
         [100 * c.error_fall for c in diagnosis.candidates]
     )

@@ -308,7 +308,7 @@ def test_an_effect_that_takes_off_no_more_than_chance_was_not_missing(weighed: S
     weighed.add("return_spring")
     weighed.add("stribeck")
     assert told(weighed)["verdict_text"].startswith(
-        "stribeck was added, and it took off no more than chance."
+        "stribeck was added, and it took off too little to have been missing."
     )
     weighed.weigh()
     verdict = told(weighed)["verdict_text"]

@@ -7,6 +7,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from .base.pages import Word
 from .capture.formats.units import Coordinate
 
 Floats = NDArray[np.float64]
@@ -248,7 +249,13 @@ class Fit:
     def bootstrap(self, draws: int, seed: int) -> Floats: ...
     def band(self, signals: Signals) -> Floats: ...
 
-def price() -> float: ...
+def complete(fit: tuple[float, float, float, float, list[float]]) -> tuple[bool, bool]: ...
+def judge(
+    fit: tuple[float, float, float, float, list[float]],
+    law: float,
+    effects: Sequence[tuple[float, int, float, float, bool, int]],
+) -> list[tuple[Word, list[int]]]: ...
+def thresholds() -> list[tuple[str, float, str, str, str, str]]: ...
 def stiction(
     data: Sequence[Signals], model: Model
 ) -> tuple[

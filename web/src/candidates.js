@@ -44,7 +44,7 @@ export class Candidates {
     this.place.replaceChildren(
       ...(candidates.ready ? [] : [make("p", { class: "soft" }, job ? `${job.what} …` : ask)]),
       ...(candidates.ready && this.items.length === 0
-        ? [make("p", { class: "well", text: "Nothing is missing beyond chance." })]
+        ? [make("p", { class: "well", text: "Nothing is left to be weighed." })]
         : []),
       list,
       ...remainder(candidates.unexplained),
@@ -65,7 +65,7 @@ export class Candidates {
       ...{ type: "button", text: "?", tabindex: -1, "aria-label": `about ${row.effect}`, title: "what it is (key: ?)" },
       on: { click: () => this.deeds.about?.(row) },
     });
-    const chance = row.beyond_chance ? "" : " chance";
+    const chance = row.could_be ? "" : " chance";
     return make(
       "li",
       {
@@ -117,7 +117,7 @@ export class Candidates {
 /** @param {Candidate} row */
 function evidence(row) {
   const chance = row.p_value <= 0.001 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
-  return row.beyond_chance ? `beyond chance (${chance})` : `no more than chance (${chance})`;
+  return `${row.said} (${chance})`;
 }
 
 /**

@@ -43,11 +43,13 @@
  */
 
 /**
- * An effect that could be missing, with what speaks for it and against it.
+ * An effect that could be missing, with what speaks for it and against it; `said` is `word` in words.
  * @typedef {{effect: string, place: string, law: string, source: string, shows: string, confused: string[],
- *   name: string, about: string, causes: string[], remedies: string[], beyond_chance: boolean, p_value: number,
- *   error_fall: number, rmse_heldout: number | null, moved: Record<string, Movement>, equivalent: string[],
- *   implausible: string[], note: string}} Candidate
+ *   name: string, about: string, causes: string[], remedies: string[],
+ *   word: "missing" | "part" | "alike" | "less" | "implausible" | "too_little" | "unpaid" | "chance" | "untold",
+ *   said: string, could_be: boolean, beyond_chance: boolean, p_value: number, error_fall: number,
+ *   rmse_heldout: number | null, moved: Record<string, Movement>, equivalent: string[], implausible: string[],
+ *   note: string}} Candidate
  */
 
 /**

@@ -8,6 +8,7 @@ use crate::fourier::Transform;
 use crate::model::Model;
 use crate::noise::{self, Noise};
 use crate::predict::torque_raw;
+use crate::rule::rule;
 use crate::signals::Signals;
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -17,14 +18,10 @@ use std::sync::Arc;
 const WINDOWS: [usize; 4] = [512, 256, 128, 64];
 /// Periodograms below which their mean tells nothing.
 const ENOUGH: usize = 4;
-/// A window this many times as loud as the middle one holds an impact: five deviations of noise alone.
-const LOUD: f64 = 1.5;
 /// The band that is taken for noise alone, as shares of the Nyquist frequency.
 const BAND: [f64; 2] = [0.5, 0.95];
-/// The band below, which noise that is not white fills more;
+/// The band below, which noise that is not white fills more.
 const BELOW: [f64; 2] = [0.25, 0.5];
-/// this many times as much.
-const FALLS: f64 = 1.4;
 /// Samples of a periodogram down to the slowest frequencies, as many as leave [`MANY`].
 const LONG: [usize; 3] = [1024, 512, 256];
 /// See [`LONG`].
@@ -35,8 +32,6 @@ const QUIET: f64 = 0.35;
 /// of these that does not have it.
 const SHORT: usize = 128;
 const QUIETEST: f64 = 0.1;
-/// Standard errors by which the mean over all stretches may differ from that, where noise alone is in it.
-const ALIKE: f64 = 2.5;
 /// Rows of the longest line whose noise is told from that of shorter ones.
 const LINES: usize = 8;
 /// Frequencies at which the noise of lines is summed.
@@ -112,7 +107,7 @@ fn coloured(signals: &Signals, rest: &[f64]) -> Option<Noise> {
         let bins = (from * half) as usize..(to * half) as usize;
         level[bins.clone()].iter().sum::<f64>() / bins.len() as f64
     };
-    let falls = |level: &[f64]| mean(level, BELOW) > FALLS * mean(level, BAND);
+    let falls = |level: &[f64]| mean(level, BELOW) > rule().falls * mean(level, BAND);
     if !falls(&level) || !falls(&steady(spectra(&signals.tau_raw))) {
         return None;
     }
@@ -157,7 +152,7 @@ fn steady(powers: Vec<Vec<f64>>) -> Vec<f64> {
     // Of K exponential variables the quantile p, as an estimate of their mean, has this variance beside theirs.
     let more = QUIET / (1.0 - QUIET) / (1.0 - QUIET).ln().powi(2) - 1.0;
     let error = (more * quiet.iter().map(|level| level * level).sum::<f64>() / stretches).sqrt();
-    if (means.iter().sum::<f64>() - total).abs() <= ALIKE * error { means } else { quiet }
+    if (means.iter().sum::<f64>() - total).abs() <= rule().steady * error { means } else { quiet }
 }
 
 /// The mean of exponential variables of which most are alike and some are too large, by a low quantile.
@@ -182,7 +177,7 @@ fn variance_above(signals: &Signals, rest: &[f64]) -> f64 {
     }
     // An impact is heard at all frequencies, but only while it lasts.
     powers.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let loudest = LOUD * powers.get(powers.len() / 2).map_or(0.0, |(total, _)| *total);
+    let loudest = rule().loud * powers.get(powers.len() / 2).map_or(0.0, |(total, _)| *total);
     powers.retain(|(total, _)| *total <= loudest);
     let windows = powers.len() as f64;
     let mut band: Vec<f64> =

@@ -33,6 +33,7 @@ pub mod forward;
 pub mod carry;
 
 pub mod noise;
+pub mod rule;
 
 pub mod floor;
 

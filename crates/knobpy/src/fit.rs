@@ -5,11 +5,13 @@ use super::progress::Progress;
 use super::signals::PySignals;
 use super::user::watched;
 use knobcore::diagnose::{
-    Candidate, Set, Split, converge, diagnose as diagnose_core, implausible as implausible_core,
-    locate as locate_core, pairs as pairs_core, sets as sets_core,
+    Candidate, Evidence, Set, Split, State, complete as complete_core, converge, diagnose as diagnose_core,
+    exact as exact_core, implausible as implausible_core, judge as judge_core, locate as locate_core,
+    pairs as pairs_core, sets as sets_core,
 };
 use knobcore::effects::Id;
-use knobcore::fit::{Detents, Fit, PRICE, fit as fit_core, report, sketch};
+use knobcore::fit::{Detents, Fit, fit as fit_core, report, sketch};
+use knobcore::rule::{Row, Rule, rule, settle};
 use knobcore::stiction::{Estimate, stiction as stiction_core};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -165,10 +167,61 @@ fn split_dict<'py>(py: Python<'py>, split: &Split) -> PyResult<Bound<'py, PyDict
     Ok(row)
 }
 
-/// What a parameter must take off the sum of squares, in variances of the raw noise.
+/// A fit as it is judged: error, noise floor, what the noise leaves in variances of the raw noise, RMS torque, and of each
+/// axis along which it fails beyond chance the part of the squared error that lies there.
+type Judged = (f64, f64, f64, f64, Vec<f64>);
+
+fn state((rmse, noise_floor, white_squares, torque_rms, beyond): Judged) -> State {
+    let exact = exact_core(rmse, torque_rms);
+    let state = State { rmse, noise_floor, white_squares, law: 0.0, complete: false, exact };
+    State { complete: complete_core(&state, &beyond), ..state }
+}
+
+/// Whether what a fit leaves is rounding, and whether chance explains it.
 #[pyfunction]
-pub fn price() -> f64 {
-    PRICE
+pub fn complete(fit: Judged) -> (bool, bool) {
+    let state = state(fit);
+    (state.exact, state.complete)
+}
+
+/// What is said of effects beside a fit, one each: a word, and the places of those that cannot be told from it. An effect
+/// has a gain, a number of parameters, a p-value, the error with it, whether its values are implausible, and how many of
+/// the base model it bends below zero. `law` is the mean squared error by which laws that were added may be off.
+#[pyfunction]
+pub fn judge(
+    fit: Judged,
+    law: f64,
+    effects: Vec<(f64, usize, f64, f64, bool, usize)>,
+) -> Vec<(&'static str, Vec<usize>)> {
+    let evidence = |(gain, parameters, p_value, rmse, implausible, bent)| Evidence {
+        gain,
+        parameters,
+        p_value,
+        rmse,
+        implausible,
+        bent,
+    };
+    let all: Vec<Evidence> = effects.into_iter().map(evidence).collect();
+    judge_core(&State { law, ..state(fit) }, &all)
+        .into_iter()
+        .map(|one| (one.word.id(), one.equivalent))
+        .collect()
+}
+
+/// A threshold as it goes out: name, value, unit, what it decides, meaning, source.
+type Threshold = (&'static str, f64, &'static str, &'static str, &'static str, &'static str);
+
+/// The thresholds that decide what is said to be missing, with their values in this process.
+#[pyfunction]
+pub fn thresholds() -> Vec<Threshold> {
+    let row = |(row, value): (&Row, f64)| (row.name, value, row.unit, row.decides, row.meaning, row.source);
+    Rule::ROWS.iter().zip(rule().values()).map(row).collect()
+}
+
+/// Changes thresholds for a study, `name=value` with commas between, before anything has asked for one.
+pub fn settled(changes: &str) -> PyResult<()> {
+    settle(Rule::with(changes).map_err(input_error)?);
+    Ok(())
 }
 
 /// Fits a model to one or several captures; `find_detents` adds detents where the data show them.

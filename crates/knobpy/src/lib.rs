@@ -18,6 +18,10 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    // Once, when it is loaded: a process has one rule.
+    if let Ok(changes) = std::env::var("KNOBCAM_RULE") {
+        fit::settled(&changes)?;
+    }
     filter::register(m)?;
     wire::register(m)?;
     m.add_class::<model::PyModel>()?;
@@ -41,7 +45,9 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(fit::locate, m)?)?;
     m.add_function(wrap_pyfunction!(fit::stiction, m)?)?;
     m.add_function(wrap_pyfunction!(fit::refine, m)?)?;
-    m.add_function(wrap_pyfunction!(fit::price, m)?)?;
+    m.add_function(wrap_pyfunction!(fit::thresholds, m)?)?;
+    m.add_function(wrap_pyfunction!(fit::complete, m)?)?;
+    m.add_function(wrap_pyfunction!(fit::judge, m)?)?;
     m.add_function(wrap_pyfunction!(fit::diagnose, m)?)?;
     m.add_function(wrap_pyfunction!(fit::pairs, m)?)?;
     m.add_function(wrap_pyfunction!(fit::sets, m)?)?;

@@ -6,6 +6,9 @@ JSON has null for it. Torques in N m, or forces in N on a linear axis; all else 
 
 from typing import Literal, NotRequired, TypedDict
 
+Word = Literal["missing", "part", "alike", "less", "implausible", "too_little", "unpaid", "chance", "untold"]
+"""What is said of an effect that could be missing; those first that speak most for it."""
+
 
 class CaptureInfo(TypedDict):
     """A capture that is open; `findings` in words, `hides` whether something in it is to be found."""
@@ -86,8 +89,11 @@ class Movement(TypedDict):
 
 
 class Candidate(Effect):
-    """An effect that could be missing, with what speaks for it and against it."""
+    """An effect that could be missing, with what speaks for it and against it; `said` is `word` in words."""
 
+    word: Word
+    said: str
+    could_be: bool
     beyond_chance: bool
     p_value: float
     error_fall: float

@@ -12,7 +12,7 @@ from ..base import showing
 from ..base.tables import TextTable, text_table
 from . import origin
 from .described import names
-from .doubts import AT_FLOOR
+from .rule import RULE
 from .runs import in_words
 
 if TYPE_CHECKING:
@@ -30,13 +30,9 @@ _UNITS = {
     "frequency": ("Hz", "Hz"),
     "history": ("rad", "m"),
 }
-# A model that agrees to this share of the torque agrees to rounding.
-_ROUNDING = 1e-10
 # What any residual fills as well, whatever its cause, leads only with clearly more than the others.
-_WEIGHT = {"frequency": 0.5, "time": 0.75}
+_WEIGHT = {"frequency": RULE.frequency_leads, "time": RULE.time_leads}
 _DIRECTIONS = {1: "forward", -1: "backward", 0: ""}
-# A part of the squared error this small, though beyond chance, is nothing that a hand would feel.
-_FELT = 0.03
 
 
 class Figures(NamedTuple):
@@ -145,16 +141,24 @@ class Comparison(showing.Tabled):
         failing = [] if self.exact else [split for split in self.splits if split.fails]
         return max(failing, key=lambda split: _WEIGHT.get(split.axis, 1.0) * split.share, default=None)
 
+    @cached_property
+    def judged(self) -> tuple[float, float, float, float, list[float]]:
+        """What the core judges the fit by: error, noise floor, what the noise leaves in variances of the raw
+        noise, RMS torque, and the part of the squared error along each axis that fails.
+        """
+        fit = self.fit
+        beyond = [split.part for split in self.splits if split.fails]
+        return fit.rmse, fit.noise_floor, fit.white_squares, self.torque_rms, beyond
+
     @property
     def exact(self) -> bool:
         """Whether what is left is rounding, as where a model meets its own noise-free torque."""
-        return self.fit.rmse <= _ROUNDING * self.torque_rms
+        return _core.complete(self.judged)[0]
 
     @property
     def complete(self) -> bool:
         """Whether the error is what noise alone leaves, but for what is too small to feel on any axis."""
-        felt = any(split.fails and split.part > _FELT for split in self.splits)
-        return self.exact or (self.fit.rmse <= AT_FLOOR * self.fit.noise_floor and not felt)
+        return _core.complete(self.judged)[1]
 
     @cached_property
     def figures(self) -> Figures:

@@ -12,11 +12,13 @@ from .. import _core
 from ..base import pages, showing
 from ..base.tables import TextTable, text_table
 from ..errors import InputError
-from ..model.effects import clipping, effects
+from ..model.effects import clipping, descriptions, effects
 from ..model.effects import effect as catalogued
 from .beyond import incoherent
 from .plausible import implausible
-from .refit import PENALTY, cores, describe, percent, with_clipped
+from .refit import cores, describe, percent, with_clipped
+from .rule import RULE
+from .verdict import CHOSEN, COULD_BE, judged
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping
@@ -26,11 +28,8 @@ if TYPE_CHECKING:
     from .fitting import Estimate, Fit
     from .refit import Moved
 
-CHANCE = 0.05
-"""A p-value above it is no more than chance."""
-CHANCE_IN_WORDS = "No more than chance, or not worth their parameters"
-RELATIVE = 0.02
-"""Sums of squares that differ by less than this share of what is left are no evidence either way."""
+COULD_BE_IN_WORDS = "Could be missing"
+COULD_NOT_IN_WORDS = "Too little, no more than chance, or not by their values"
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +38,8 @@ class Candidate:
 
     `fit` is the whole model fitted anew with it, `p_value` how often chance alone would do as well in the
     whole catalogue, `equivalent` the effects that this capture cannot tell it from, `implausible` what is so
-    about its values, a sentence each.
+    about its values, a sentence each. `word` is what the rule says of it, one of `missing`, `part`, `alike`,
+    `less`, `implausible`, `too_little`, `unpaid`, `chance` and `untold`, and `said` the same in words.
     """
 
     effect: str
@@ -50,6 +50,8 @@ class Candidate:
     equivalent: tuple[str, ...] = ()
     implausible: tuple[str, ...] = ()
     note: str = ""
+    word: pages.Word = "untold"
+    said: str = ""
 
     @property
     def unphysical(self) -> tuple[str, ...]:
@@ -60,7 +62,7 @@ class Candidate:
     @property
     def score(self) -> float:
         """Its gain (fall of the sum of squares in variances of the raw noise) less a price per parameter."""
-        return self.gain - PENALTY * self.count
+        return self.gain - RULE.price * self.count
 
     @property
     def place(self) -> str:
@@ -96,18 +98,26 @@ class Candidate:
     @property
     def beyond_chance(self) -> bool:
         """Whether chance would hardly do as well, and its parameters are worth their price."""
-        return self.p_value <= CHANCE and self.score > 0.0
+        return self.word not in ("unpaid", "chance", "untold")
+
+    @property
+    def could_be(self) -> bool:
+        """Whether it could be what is missing."""
+        return self.word in COULD_BE
 
     @property
     def remarks(self) -> str:
         """What else there is to say about it, in one line."""
         same = f"cannot be told from {', '.join(self.equivalent)}" if self.equivalent else ""
-        return "; ".join(part for part in (same, *self.implausible, self.note) if part)
+        return "; ".join(part for part in (self.said, same, *self.implausible, self.note) if part)
 
     def evidence(self) -> pages.Candidate:
         """Return what speaks for it and against it, as the pages list it."""
         return {
             **catalogued(self.effect, self.fit.model.coordinate).document(),
+            "word": self.word,
+            "said": self.said,
+            "could_be": self.could_be,
             "beyond_chance": self.beyond_chance,
             "p_value": self.p_value,
             "error_fall": self.error_fall,
@@ -128,7 +138,7 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Diagnosis(showing.Tabled):
-    """The effects that could be missing from a fit, best first; those beyond chance before the others.
+    """The effects that could be missing from a fit, those for which most speaks first.
 
     `left_out` are effects that could not be weighed, and why.
     """
@@ -143,15 +153,20 @@ class Diagnosis(showing.Tabled):
 
     @property
     def beyond_chance(self) -> tuple[Candidate, ...]:
-        """Those that chance does not explain."""
+        """Those that chance does not explain; most may explain too little to be missing, see `could_be`."""
         return tuple(candidate for candidate in self.candidates if candidate.beyond_chance)
 
     @property
-    def best(self) -> Candidate | None:
-        """The first of those; None where nothing is beyond chance."""
-        return next(iter(self.beyond_chance), None)
+    def could_be(self) -> tuple[Candidate, ...]:
+        """Those that could be missing: the best, what cannot be told from it, and what explains less."""
+        return tuple(candidate for candidate in self.candidates if candidate.could_be)
 
-    @cached_property
+    @property
+    def best(self) -> Candidate | None:
+        """What `learn` would add; None where nothing that could be added is missing."""
+        return next((one for one in self.candidates if one.word in CHOSEN), None)
+
+    @property
     def comparison(self) -> Comparison:
         """Where the fit fails."""
         return self.fit.compare()
@@ -164,14 +179,28 @@ class Diagnosis(showing.Tabled):
     @property
     def summary(self) -> str:
         """What could be missing, and what would remain."""
-        what = "No effect of the catalogue lowers this error beyond chance."
+        what = self._nothing
         if self.best is not None:
             either = " or ".join([self.best.effect, *self.best.equivalent])
-            what = f"Missing first of all: {either} (error {percent(-self.best.error_fall)})."
+            head = "Missing first of all" if self.best.word == "missing" else "A part of what is missing"
+            what = f"{head}: {either} (error {percent(-self.best.error_fall)})."
         return f"{self.comparison.summary} {what} {self.fit.beyond or ''}".rstrip()
 
+    @property
+    def _nothing(self) -> str:
+        """Why nothing is named, in a sentence."""
+        if any(one.word == "untold" for one in self.candidates):
+            return "Without the noise, what is missing cannot be told from chance."
+        if not self.beyond_chance:
+            return "No effect of the catalogue lowers this error beyond chance."
+        few = [one.effect for one in self.beyond_chance if one.word == "too_little"]
+        if not few:
+            return "No effect of the catalogue that could be missing lowers this error beyond chance."
+        takes = "effect takes" if len(few) == 1 else "effects take"
+        return f"No effect of the catalogue is the cause: {len(few)} {takes} off some of it, but too little."
+
     def plot(self) -> Figure:
-        """Error fall of every candidate; those beyond chance solid, those that look alike linked."""
+        """Error fall of every candidate; those that could be missing solid, those that look alike linked."""
         return showing.plot(self)
 
     def look(self) -> Look:
@@ -219,23 +248,25 @@ class Diagnosis(showing.Tabled):
         ]
 
     def __repr__(self) -> str:
-        found = self.beyond_chance
-        rest = [one for one in self.candidates if not one.beyond_chance]
+        found = self.could_be
+        rest = [one for one in self.candidates if not one.could_be]
         lines = [self.summary]
         # One table, so that both halves have the same columns.
         head, *rows = text_table(self.HEAD, self.rows([*found, *rest])).splitlines()
-        lines += ["Beyond chance:", head, *rows[: len(found)]] if found else ["Beyond chance: nothing"]
-        lines += [f"{CHANCE_IN_WORDS}:", *([] if found else [head]), *rows[len(found) :]] if rest else []
+        could_be = f"{COULD_BE_IN_WORDS}:"
+        lines += [could_be, head, *rows[: len(found)]] if found else [f"{could_be} nothing"]
+        lines += [f"{COULD_NOT_IN_WORDS}:", *([] if found else [head]), *rows[len(found) :]] if rest else []
         lines += [f"Left out: {one}: {why}" for one, why in self.left_out.items()]
         lines += [f"With {self.best.effect}: {self.remaining.summary}"] if self.best else []
         return "\n".join(lines)
 
     def tables(self) -> tuple[TextTable, ...]:
         """What it says of itself, as text."""
-        rest = [one for one in self.candidates if not one.beyond_chance]
+        rest = [one for one in self.candidates if not one.could_be]
+        could_be = f"{self.summary} {COULD_BE_IN_WORDS}:"
         return (
-            TextTable(f"{self.summary} Beyond chance:", self.HEAD, self.rows(self.beyond_chance)),
-            TextTable(f"{CHANCE_IN_WORDS}:", self.HEAD, self.rows(rest)),
+            TextTable(could_be, self.HEAD, self.rows(self.could_be)),
+            TextTable(f"{COULD_NOT_IN_WORDS}:", self.HEAD, self.rows(rest)),
         )
 
 
@@ -248,16 +279,20 @@ def diagnose(
 ) -> Diagnosis:
     """Return which effects of the catalogue could be missing from a fit, ranked with evidence.
 
-    `only` weighs these effects alone, `without` takes some out of the catalogue. `progress` is told the share
-    of the work that is done, 0 to 1, from any thread; what it raises ends the work. Raises InputError for an
+    `only` weighs these effects alone, `without` takes some out of the catalogue; what describes a shape
+    without naming a cause is weighed only where `only` has it. `progress` is told the share of the work that
+    is done, 0 to 1, from any thread; what it raises ends the work. Raises InputError for an
     effect that the catalogue does not have.
     """
-    out = set(check_effects("without", without, fit.model.coordinate))
-    if only is not None:
-        out |= set(effects(fit.model.coordinate)) - set(check_effects("only", only, fit.model.coordinate))
-    fit = with_clipped(fit) if clipping(fit.model.coordinate) - out else fit
+    coordinate = fit.model.coordinate
+    out = set(check_effects("without", without, coordinate))
+    if only is None:
+        out |= set(descriptions(coordinate))
+    else:
+        out |= set(effects(coordinate)) - set(check_effects("only", only, coordinate))
+    fit = with_clipped(fit) if clipping(coordinate) - out else fit
     candidates, left_out = _candidates(fit, out, progress)
-    return Diagnosis(fit, tuple(sorted(candidates, key=lambda one: not one.beyond_chance)), left_out)
+    return Diagnosis(fit, judged(fit.compare(), candidates), left_out)
 
 
 def check_effects(name: str, ids: Collection[str], coordinate: str) -> tuple[str, ...]:
@@ -305,7 +340,7 @@ def absent(fit: Fit, without: Collection[str]) -> tuple[list[str], dict[str, str
 def _candidates(
     fit: Fit, without: Collection[str], progress: Callable[[float], object] | None
 ) -> tuple[list[Candidate], dict[str, str]]:
-    """Return every absent effect fitted, the one that explains most first, and why some are not."""
+    """Return every absent effect fitted, and why some are not."""
     could, left_out = absent(fit, without)
     weighed = _core.diagnose(cores(fit), fit.model.core, could, progress)
     found = [
@@ -313,25 +348,5 @@ def _candidates(
         for one, core, gain, count, p_value, note in weighed
         if core is not None
     ]
-    found.sort(key=lambda candidate: -candidate.score)
     left_out |= {one: note for one, core, *_, note in weighed if core is None}
-    told = [
-        replace(one, equivalent=_equivalent(one, found), implausible=implausible(one, fit)) for one in found
-    ]
-    return told, left_out
-
-
-def _equivalent(candidate: Candidate, others: Collection[Candidate]) -> tuple[str, ...]:
-    """Return the effects that do as well as one, for their parameters, up to what chance does."""
-    if not candidate.beyond_chance:
-        return ()
-    before = candidate.fit.before or candidate.fit  # whose noise all gains are counted in
-    floor = before.noise_floor
-    # Where much is left with either, a small share of that says no more than chance does at the floor.
-    left = candidate.rmse**2 / floor**2 * RELATIVE if floor > 0.0 else 0.0
-    margin = max(PENALTY, before.white_squares * left)
-    return tuple(
-        other.effect
-        for other in others
-        if other.effect != candidate.effect and abs(other.score - candidate.score) <= margin
-    )
+    return [replace(one, implausible=implausible(one, fit)) for one in found], left_out

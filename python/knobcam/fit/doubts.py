@@ -9,13 +9,16 @@ import numpy as np
 
 from ..model.effects import base_effects, effects
 from .plausible import REVERSED
+from .rule import RULE
 
 if TYPE_CHECKING:
     from ..capture.prepare import Prepared
     from .fitting import Estimate, Fit
 
-AT_FLOOR = 1.05
-"""An error this many times the noise floor is no different: the floor itself is known to a few percent."""
+
+def at_floor(fit: Fit) -> bool:
+    """Whether an error is no different from what noise alone would leave; false where that is not known."""
+    return fit.noise_floor > 0.0 and fit.rmse <= RULE.at_floor * fit.noise_floor
 
 
 def doubts(fit: Fit) -> tuple[str, ...]:
@@ -24,8 +27,11 @@ def doubts(fit: Fit) -> tuple[str, ...]:
     if fit.log_fault == REVERSED:
         found = [REVERSED]
     else:
-        told = fit.noise_floor > 0.0 and fit.rmse <= AT_FLOOR * fit.noise_floor
-        why = "over these speeds it describes what remains" if told else "an effect is probably missing"
+        why = (
+            "over these speeds it describes what remains"
+            if at_floor(fit)
+            else "an effect is probably missing"
+        )
         found = [f"{name} is negative, which no real knob has: {why}" for name in negative]
     alike = [signals for signals in fit.prepared if _moves_like_a_spring(signals)]
     if alike and len(alike) == len(fit.prepared) and fit.model.core.at_rest()[0] != 0.0:

@@ -185,7 +185,14 @@ class Fit(showing.Tabled):
         """Return where the model fails: on its captures, or as it is on others (or their files)."""
         from .compare import compare
 
-        return compare(self if captures is None else self._on(captures))
+        return self._comparison if captures is None else compare(self._on(captures))
+
+    @cached_property
+    def _comparison(self) -> Comparison:
+        """Where it fails on its own captures."""
+        from .compare import compare
+
+        return compare(self)
 
     def forward(
         self,

@@ -12,13 +12,12 @@ from ..base.arrays import FloatArray
 from ..model.effects import effect as catalogued
 from ..model.effects import effects
 from .refit import cores
+from .rule import RULE
 
 if TYPE_CHECKING:
     from .diagnose import Candidate
-    from .fitting import Fit
+    from .fitting import Estimate, Fit
 
-_SURE = 2.0  # standard errors
-_SURELY = 4.0  # standard errors, where the log itself is blamed
 _FAULTS = (("unit", "theta"), ("unit", "tau"), ("contradiction", "omega"))
 """Findings, kind and column, with which no model of a log is one of the knob."""
 
@@ -45,7 +44,7 @@ def reversed_torque(fit: Fit) -> bool:
     if any(estimate.ci95[0] > 0.0 for estimate in sure) or not any(e.ci95[1] < 0.0 for e in sure):
         return False
     power, error = _friction_power(fit)
-    return power + _SURELY * error < 0.0
+    return power + RULE.surely * error < 0.0
 
 
 def _friction_power(fit: Fit) -> tuple[float, float]:
@@ -75,14 +74,19 @@ def _out_of_range(candidate: Candidate) -> list[str]:
     for row in catalogued(candidate.effect, candidate.fit.model.coordinate).params:
         name = f"{candidate.effect}.{row.name}"
         estimate = candidate.fit.params.get(name)
-        if estimate is None:
-            continue  # one that says nothing at present
-        low, high = row.plausible
-        margin = _SURE * estimate.se if estimate.determined else 0.0
-        if estimate.value + margin < low or estimate.value - margin > high:
-            limits = f"at least {low:g}" if math.isinf(high) else f"{low:g} to {high:g}"
-            said.append(f"{name} = {estimate.value:.3g} is implausible: it should be {limits}")
+        why = None if estimate is None else out_of_range(estimate, row.plausible)  # None says nothing now
+        said += [] if why is None else [f"{name} = {why}"]
     return said
+
+
+def out_of_range(estimate: Estimate, plausible: tuple[float, float]) -> str | None:
+    """Return what is implausible about a value, if it surely is out of its range."""
+    low, high = plausible
+    margin = RULE.sure * estimate.se if estimate.determined else 0.0
+    if low <= estimate.value + margin and estimate.value - margin <= high:
+        return None
+    limits = f"at least {low:g}" if math.isinf(high) else f"{low:g} to {high:g}"
+    return f"{estimate.value:.3g} is implausible: it should be {limits}"
 
 
 def _below_zero(candidate: Candidate, before: Fit) -> list[str]:
@@ -92,7 +96,7 @@ def _below_zero(candidate: Candidate, before: Fit) -> list[str]:
         now, then = candidate.fit.params.get(name), before.params.get(name)
         if now is None or then is None or not (now.determined and then.determined):
             continue
-        bent = now.value + _SURE * now.se < min(0.0, then.value - _SURE * then.se)
+        bent = now.value + RULE.sure * now.se < min(0.0, then.value - RULE.sure * then.se)
         # What makes less torque than remains unexplained is bent by that.
         if bent and _torque_of(candidate.fit, name) > candidate.rmse:
             said.append(f"beside it {name} = {now.value:.3g}, which no knob has")

@@ -12,6 +12,7 @@ from ..capture.prepare import prepare
 from ..errors import InputError
 from ..model.effects import effect as catalogued
 from ..model.effects import effects
+from .rule import RULE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
     from .fitting import Fit
 
 
-PENALTY = _core.price()
-"""What a parameter must take off the sum of squares, in variances of the raw noise."""
 _ROUNDING = 1e-9  # of an error
 
 
@@ -109,7 +108,12 @@ def unpaid(fit: Fit, bare: Fit) -> bool:
     """Whether a fit takes off no more than the price of the parameters that a barer one lacks."""
     count = len(fit.core.free) - len(bare.core.free)
     gain = (bare.rmse**2 / fit.noise_floor**2 - fit.rmse**2 / fit.noise_floor**2) * fit.white_squares
-    return gain <= PENALTY * count
+    return gain <= RULE.price * count
+
+
+def needless(fit: Fit, bare: Fit) -> bool:
+    """Whether a barer fit leaves no more than what the effects that it lacks have to be worth."""
+    return unpaid(fit, bare) or fit.rmse**2 >= (1.0 - RULE.worth) * bare.rmse**2
 
 
 def worse(fit: Fit) -> tuple[str, ...]:

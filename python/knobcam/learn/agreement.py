@@ -7,11 +7,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from .. import _core
+from ..fit.rule import RULE
 
 if TYPE_CHECKING:
     from ..fit import Estimate, Fit
-
-_APART = 5.0  # standard errors of a difference, far beyond chance also over many parameters and captures
 
 
 class Disagreement(NamedTuple):
@@ -54,7 +53,7 @@ def disagreements(fit: Fit) -> tuple[Disagreement, ...]:
             if i < j
         ]
         worst = max(pairs, key=lambda pair: pair.by_se, default=None)
-        if worst is not None and worst.by_se > _APART:
+        if worst is not None and worst.by_se > RULE.apart:
             found.append(worst)
     return tuple(sorted(found, key=lambda one: -one.by_se))
 

@@ -9,7 +9,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from .. import _core
-from ..fit.refit import PENALTY, converged, cores
+from ..fit.refit import converged, cores
+from ..fit.rule import RULE
 from ..model.effects import effects
 from .joined import chance_of
 from .ladder import LearningStep
@@ -57,7 +58,7 @@ def exchanged(
         if set(names) == set(found):
             return None
         fit = converged(replace(last, core=core, before=None))
-        if _score(fit, first) > _score(last, first) + PENALTY:
+        if _score(fit, first) > _score(last, first) + RULE.price:
             return _steps(fit, names, ladder[0], diagnosis)
     return None
 
@@ -65,7 +66,7 @@ def exchanged(
 def _score(fit: Fit, first: Fit) -> float:
     """Return what a fit took off the sum of squares less the price of its parameters."""
     gain = (first.rmse**2 - fit.rmse**2) / fit.noise_floor**2 * first.white_squares
-    return gain - PENALTY * len(fit.core.free)
+    return gain - RULE.price * len(fit.core.free)
 
 
 def _steps(fit: Fit, names: Sequence[str], start: LearningStep, diagnosis: Diagnosis) -> list[LearningStep]:

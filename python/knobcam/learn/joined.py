@@ -6,8 +6,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from .. import _core
-from ..fit.diagnose import CHANCE, absent
+from ..fit.diagnose import absent
 from ..fit.refit import converged, cores
+from ..fit.rule import RULE
 from .ladder import LearningStep
 
 if TYPE_CHECKING:
@@ -15,8 +16,6 @@ if TYPE_CHECKING:
 
     from ..fit import Fit
     from ..fit.diagnose import Diagnosis
-
-_HALF = 0.5  # of what noise does not explain: what a pair takes off that the search one by one left
 
 
 def joined(
@@ -32,11 +31,11 @@ def joined(
     for coupling, companion, core in _core.pairs(cores(fit), fit.model.core, weighed, progress):
         pair = replace(fit, core=core, before=None)
         alone = next((one for one in diagnosis.candidates if one.effect == companion), None)
-        if alone is None or pair.rmse >= last.rmse or pair.excess > _HALF * last.excess:
+        if alone is None or pair.rmse >= last.rmse or pair.excess > RULE.pair_leaves * last.excess:
             continue
         pair = converged(pair)
         chance = chance_of(pair, alone.fit, diagnosis)
-        if chance <= CHANCE:
+        if chance <= RULE.chance:
             before = replace(converged(alone.fit), before=fit)
             step = LearningStep(before, companion, alone.p_value, (), (), diagnosis)
             return [step, LearningStep(replace(pair, before=before), coupling, chance, (), (), diagnosis)]

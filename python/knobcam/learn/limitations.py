@@ -10,7 +10,7 @@ import numpy as np
 
 from ..capture.formats.units import SI
 from ..capture.prepare import travel
-from ..fit.doubts import AT_FLOOR
+from ..fit.doubts import at_floor
 from ..model.effects import base_effects
 
 if TYPE_CHECKING:
@@ -112,8 +112,8 @@ def _excitation(fit: Fit, omega: FloatArray) -> Limitation | None:
     speed = np.abs(omega)
     moving = speed[speed >= _SLOW * float(np.max(speed))]
     low, high = (float(np.quantile(moving, q)) for q in (0.05, 0.95))
-    right = fit.noise_floor > 0.0 and fit.rmse <= AT_FLOOR * fit.noise_floor
-    if not (_too_even(fit, high / low if low > 0.0 else 1.0, alpha) or (right and not _stands_out(fit))):
+    even = _too_even(fit, high / low if low > 0.0 else 1.0, alpha)
+    if not (even or (at_floor(fit) and not _stands_out(fit))):
         return None
     units, rms = SI[fit.model.coordinate], math.sqrt(float(np.mean(alpha**2)))
     return Limitation(

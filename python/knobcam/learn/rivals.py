@@ -13,6 +13,7 @@ import math
 from typing import TYPE_CHECKING
 
 from ..fit.fitting import Z95
+from ..fit.rule import RULE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
     from ..fit import Estimate
     from ..fit.diagnose import Candidate, Diagnosis
     from .ladder import LearningStep
-
-_LEAST = 1e-3  # less is no rival
 
 
 def weights(diagnosis: Diagnosis | None, added: str | None) -> dict[str, float]:
@@ -47,7 +46,7 @@ def with_choice(params: Mapping[str, Estimate], ladder: Iterable[LearningStep]) 
 def _weighed(diagnosis: Diagnosis | None, added: str | None) -> list[tuple[Candidate, float]]:
     if diagnosis is None or not diagnosis.fit.noise_floor > 0.0:
         return []
-    could = [one for one in diagnosis.beyond_chance if not one.implausible]
+    could = diagnosis.could_be
     best = max(could, key=lambda one: one.score, default=None)
     if best is None or added not in (best.effect, *best.equivalent):
         return []
@@ -58,7 +57,7 @@ def _weighed(diagnosis: Diagnosis | None, added: str | None) -> list[tuple[Candi
     largest = max(logs)
     parts = [math.exp(log - largest) for log in logs]
     both = [(one, part / sum(parts)) for one, part in zip(could, parts, strict=True)]
-    return sorted((pair for pair in both if pair[1] >= _LEAST), key=lambda pair: -pair[1])
+    return sorted((pair for pair in both if pair[1] >= RULE.least_weight), key=lambda pair: -pair[1])
 
 
 def _spread(step: LearningStep, name: str) -> float:

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, NamedTuple
 from .. import _core
 from ..capture.prepare import travel
 from ..fit.diagnose import Candidate, Diagnosis, absent, diagnose
-from ..fit.doubts import AT_FLOOR, below_zero
-from ..fit.refit import converged, cores, unpaid, with_clipped
+from ..fit.refit import converged, cores, needless, with_clipped
+from ..fit.rule import RULE
+from ..fit.verdict import judged, within_law
 from ..model.effects import base_effects_shown, clipping, descriptions, effects
 from .cut import Cut, Deadline, OutOfTime
 from .exchanged import exchanged
@@ -18,19 +19,10 @@ from .joined import joined
 from .ladder import LearningStep, Unexplained
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Sequence
+    from collections.abc import Callable, Collection
 
     from ..fit import Fit
     from ..fit.compare import Comparison
-
-_WORTH = 0.015  # of the squared error: less is nothing that a user would feel
-_RARE = 0.005  # chance at which something is missing of a model that chance alone explains
-_SHARE = 0.2  # of what noise does not explain: less is a stopgap, not the cause
-_LAW = 0.025  # of what was added: as far as a textbook's law is that of a real knob
-_MOST = 6  # effects; a model that needs more is no explanation
-_HELPED = 1e-3  # of the error: a joint that ends lower by less has not moved
-_MANY = 4.0  # detents that a motion crosses
-_MAINLY = 0.5  # of what noise does not explain: what a cause takes off where something else is unexplained
 
 
 class Selection(NamedTuple):
@@ -93,20 +85,20 @@ def _grown(
         deadline.weighing = absent(fit, {*without, *described})[0]
         deadline()
         diagnosis = diagnose(fit, without={*without, *described}, progress=deadline)
-        best = choose(diagnosis, ladder[0].fit)
+        best = choose(diagnosis)
         if best is None and not sets and not fit.log_fault and fit.noise_floor > 0.0:
             sets = True
             tell("weighing what came in against other sets")
             if (steps := exchanged(ladder, diagnosis.comparison, deadline)) is not None:
                 ladder[1:] = steps
                 continue
-        if best is None or len(ladder) > _MOST:
+        if best is None or len(ladder) > RULE.most:
             selection = concluded(ladder, diagnosis, nothing_to_find)
             # What is wrong with a log, or lies beyond its filter, no effect explains.
-            enough = diagnosis.comparison.complete or within_law(ladder)
+            enough = diagnosis.comparison.complete or within_law(fit)
             if together or fit.log_fault or enough or not fit.noise_floor > 0.0:
                 return selection
-            best = followed(diagnosis, ladder[0].fit, tell)
+            best = followed(diagnosis, tell)
         if best is None:
             together = True
             tell("weighing what could be missing together with a joint of shaft and knob")
@@ -141,7 +133,7 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
     if (fault := ladder[-1].fit.log_fault) is not None:
         # What is wrong is the log, not the knob.
         return Selection(tuple(ladder), (), last, Unexplained("load", 1.0, fault))
-    unexplained = None if within_law(ladder) else _unexplained(last.comparison)
+    unexplained = None if within_law(ladder[-1].fit) else _unexplained(last.comparison)
     # Torques of position alone: two of them together draw nearly any map, so together they name no cause.
     maps = [one for one in found if _is_map(one, ladder[-1].fit)]
     if len(maps) > 1:
@@ -157,13 +149,6 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
     if unexplained is None and (beyond := ladder[-1].fit.beyond) is not None:
         unexplained = Unexplained(beyond.axis, beyond.share, beyond.words)
     return Selection(tuple(ladder), found, last, unexplained)
-
-
-def within_law(ladder: Sequence[LearningStep]) -> bool:
-    """Whether what is left is hardly more than noise, and no more than what added laws may be off by."""
-    first, fit = ladder[0].fit, ladder[-1].fit
-    near = fit.rmse <= AT_FLOOR * fit.noise_floor
-    return near and fit.excess <= _LAW**2 * (first.rmse**2 - fit.rmse**2)
 
 
 def _cut_short(ladder: list[LearningStep], cut: Cut, *, given: bool) -> Selection:
@@ -184,45 +169,21 @@ def _is_map(effect: str, fit: Fit) -> bool:
     """Whether an effect draws maps of position, and is not bound to return with each of many detents."""
     row, period = effects(fit.model.coordinate)[effect], fit.model.period
     crossed = 0.0 if row.needs is None or period is None else travel(fit.prepared) / (2.0 * math.pi * period)
-    return row.map and crossed < _MANY
+    return row.map and crossed < RULE.many
 
 
 def _mainly(step: LearningStep) -> bool:
     """Whether the effect of a step took off most of what noise did not explain before it."""
     before = step.fit.before
-    return before is not None and before.rmse**2 - step.fit.rmse**2 >= _MAINLY * before.excess
+    return before is not None and before.rmse**2 - step.fit.rmse**2 >= RULE.mainly * before.excess
 
 
-def choose(diagnosis: Diagnosis, first: Fit | None = None) -> Candidate | None:
-    """Return the candidate to add: what explains most for its parameters; of those alike the simplest.
-
-    `first` is the fit that a search began with, if this is one.
-    """
-    fit = diagnosis.fit
-    if not fit.noise_floor > 0.0 or diagnosis.comparison.exact:
-        return None  # without noise, or without knowing it, chance cannot be told from what is missing
-    # Where chance explains the rest it takes more than one look in twenty to accuse a knob.
-    chance = _RARE if diagnosis.comparison.complete else 1.0
-    law = 0.0
-    if first is not None and fit.rmse <= AT_FLOOR * fit.noise_floor:
-        law = _LAW**2 * (first.rmse**2 - fit.rmse**2)
-    worth = [
-        one
-        for one in diagnosis.candidates
-        if one.beyond_chance
-        and one.p_value <= chance
-        and not one.implausible
-        and fit.rmse**2 - one.rmse**2 >= max(_WORTH * fit.rmse**2, _SHARE * fit.excess, law)
-    ]
-    if not worth:
-        return None
-    best = max(worth, key=lambda one: one.score)
-    alike = [one for one in worth if one.effect == best.effect or one.effect in best.equivalent]
-    # What explains as much without friction that gives power back has a better claim than what is simpler.
-    return min(alike, key=lambda one: (len(below_zero(one.fit)), one.count, -one.score))
+def choose(diagnosis: Diagnosis) -> Candidate | None:
+    """Return the candidate to add."""
+    return diagnosis.best
 
 
-def followed(diagnosis: Diagnosis, first: Fit, tell: Callable[[str], None]) -> Candidate | None:
+def followed(diagnosis: Diagnosis, tell: Callable[[str], None]) -> Candidate | None:
     """Return the coupling that leads the candidates, followed to its end, if that is then worth adding.
 
     Candidates are sketched, and the error of a coupling is so rough that a sketch may stop far from its end.
@@ -234,8 +195,7 @@ def followed(diagnosis: Diagnosis, first: Fit, tell: Callable[[str], None]) -> C
     tell(f"following {best.effect} to its end")
     fit = diagnosis.fit
     end = replace(best, fit=replace(converged(best.fit), before=fit))
-    found = replace(diagnosis, candidates=(end,))
-    return choose(found, first)
+    return choose(replace(diagnosis, candidates=judged(diagnosis.comparison, [end])))
 
 
 def with_detents(fit: Fit) -> Fit:
@@ -253,13 +213,8 @@ def without_help(richer: Fit, candidate: Candidate, fit: Fit) -> Fit | None:
     if candidate.place == "coupling" or all(places[one] != "coupling" for one in fit.model.effects):
         return None
     bare = richer.drop(candidate.effect)
-    helped = bare.rmse < (1.0 - _HELPED) * fit.rmse
-    return replace(bare, before=fit.before) if helped and _as_good(bare, richer) else None
-
-
-def _as_good(bare: Fit, richer: Fit) -> bool:
-    """Whether a fit without an effect leaves no more than what the effect has to be worth."""
-    return unpaid(richer, bare) or richer.rmse**2 >= (1.0 - _WORTH) * bare.rmse**2
+    helped = bare.rmse < (1.0 - RULE.helped) * fit.rmse
+    return replace(bare, before=fit.before) if helped and needless(richer, bare) else None
 
 
 def retested(fit: Fit, tested: Collection[str]) -> tuple[Fit, tuple[str, ...]]:
@@ -270,7 +225,7 @@ def retested(fit: Fit, tested: Collection[str]) -> tuple[Fit, tuple[str, ...]]:
             continue  # it went before, or with another that it changed
         # What an effect did, a joint has to be fitted anew to do.
         bare = fit.drop(effect)
-        if _as_good(bare, fit):
+        if needless(fit, bare):
             fit = bare
             dropped.append(effect)
     return fit, tuple(dropped)

@@ -85,7 +85,9 @@ def _facts(learned: LearningResult) -> str:
 def _found(learned: LearningResult) -> str:
     """Each effect that came in: its law, its values, its evidence."""
     if not learned.found:
-        return _paragraph("Nothing: no effect of the catalogue was added.")
+        tried = " and ".join(step.added for step in learned.ladder if step.added)
+        why = f"{tried} came in, but cannot be named as the cause" if tried else "no effect was added"
+        return _paragraph(f"Nothing of the catalogue: {why}.")
     parts = []
     for step in learned.ladder:
         if step.added not in learned.found:
@@ -159,7 +161,7 @@ def _weighed(diagnosis: Diagnosis) -> str:
         return _paragraph("There was nothing to weigh: the catalogue has no other effect.")
     table = _table("Every absent effect, best first", diagnosis.HEAD, diagnosis.rows(diagnosis.candidates))
     left_out = _list(f"{one}, left out: {why}" for one, why in diagnosis.left_out.items())
-    picture = _figure(diagnosis.plot(), "Solid bars: beyond chance. Linked: alike in this capture.")
+    picture = _figure(diagnosis.plot(), "Solid bars: could be missing. Linked: alike in this capture.")
     return picture + table + (left_out if diagnosis.left_out else "")
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from ..fit.refit import unpaid
+from ..fit import refit
 from ..learn import LearningResult
 from ..learn.ladder import LearningStep
 from ..learn.selection import Selection, concluded
@@ -41,14 +41,14 @@ def ladder(done: Sequence[Node]) -> list[LearningStep]:
 
 
 def in_vain(steps: Sequence[LearningStep]) -> list[str]:
-    """Return the effects that were added and took off no more than chance does, for their parameters."""
+    """Return the effects that were added and took off no more than an effect has to."""
     return [
         step.added
         for step in steps
         if step.added is not None
         and step.fit.before is not None
         and step.fit.noise_floor > 0.0
-        and unpaid(step.fit, step.fit.before)
+        and refit.needless(step.fit, step.fit.before)
     ]
 
 

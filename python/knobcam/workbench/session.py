@@ -14,7 +14,6 @@ from ..capture import load
 from ..errors import InputError
 from ..fit import Fit, fit, refit
 from ..fit.diagnose import Diagnosis, diagnose
-from ..model.effects import descriptions
 from .tree import Branch, How, Node, Opened, Start
 from .view import View
 
@@ -211,8 +210,7 @@ class Session:
             return known
         doing = "weighing what could be missing"
         tell(doing)
-        described = descriptions(node.fit.model.coordinate)
-        diagnosis = diagnose(node.fit, without=described, progress=lambda share: tell(doing, share))
+        diagnosis = diagnose(node.fit, progress=lambda share: tell(doing, share))
         _ = diagnosis.comparison.summary  # computed here, where nobody waits for it
         self._diagnoses[node.id] = diagnosis  # whoever comes back to the node has it, wanted now or not
         with self.lock:

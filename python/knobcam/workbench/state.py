@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 from ..base import pages
 from ..errors import InputError
+from ..fit.plausible import out_of_range
+from ..learn import LearningResult
 from ..learn.limitations import limitations
-from ..learn.selection import choose
 from ..model.effects import effects
 from ..show.samples import candidates
 from .learned import conclusion, in_vain, ladder
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from .view import View
 
 SCHEMA = "knobcam.workbench/1"
-_SURE = 2.0  # standard errors beyond a plausible range
 
 
 def document(session: Session) -> pages.Session:
@@ -40,7 +39,7 @@ def document(session: Session) -> pages.Session:
     steps = ladder(branch.done)
     # Where something is left to be added nothing is concluded yet.
     end = None
-    if diagnosis is not None and choose(diagnosis) is None:
+    if diagnosis is not None and diagnosis.best is None:
         end = conclusion(steps, diagnosis)
     left = None if end is None else end.unexplained
     return {
@@ -176,22 +175,16 @@ def _doubt(name: str, estimate: Estimate, plausible: tuple[float, float], view: 
     said = [warning for warning in view.fit.warnings if warning.startswith(f"{name} ")]
     if said:
         return said[0]
-    low, high = plausible
-    margin = _SURE * estimate.se if estimate.determined else 0.0
-    if low <= estimate.value + margin and estimate.value - margin <= high:
-        return None
-    limits = f"at least {low:g}" if math.isinf(high) else f"{low:g} to {high:g}"
-    return f"{estimate.value:.3g} is implausible: it should be {limits}"
+    return out_of_range(estimate, plausible)
 
 
 def _verdict(steps: list[LearningStep], diagnosis: Diagnosis | None, end: Selection | None) -> str:
     useless = in_vain(steps)
     was, it = ("was", "it") if len(useless) == 1 else ("were", "they")
-    said = f"{' and '.join(useless)} {was} added, and {it} took off no more than chance. " if useless else ""
+    said = f"{' and '.join(useless)} {was} added, and {it} took off too little to have been missing. "
+    said = said if useless else ""
     if diagnosis is None:
         return f"{said}What could be missing is not weighed yet."
-    if end is None or end.unexplained is not None or not end.found:
+    if end is None:
         return said + diagnosis.summary
-    names = " and ".join(end.found)
-    was = "was" if len(end.found) == 1 else "were"
-    return f"{said}{names} {was} missing. {diagnosis.comparison.summary}"
+    return f"{said}{LearningResult(*end).headline} {diagnosis.comparison.summary}"

@@ -6,13 +6,11 @@ use super::screen::{Screen, Start};
 use crate::effects::Id;
 use crate::fit::{Found, glance, sketch};
 use crate::model::Model;
+use crate::rule::rule;
 
 /// Starts that are looked at by a few steps, and those of them that are followed.
 const LOOKED: usize = 6;
 const FOLLOWED: usize = 3;
-/// A start must promise this share of what the best one does, and of the sum of squares.
-const RIVAL: f64 = 0.25;
-const WORTH: f64 = 0.005;
 
 /// Effects beside a screen's model that has a coupling, fitted where they may be what is missing: as loads of the knob, or
 /// of the shaft.
@@ -31,7 +29,7 @@ pub fn beside(screen: &Screen<'_>, effects: &[Id]) -> Vec<Ways> {
     }
     first.sort_by(|(_, a), (_, b)| a.predicted.total_cmp(&b.predicted));
     let most = first.first().map_or(0.0, |(_, start)| promise(start));
-    let least = (RIVAL * most).max(WORTH * screen.squares);
+    let least = (rule().rival_beside * most).max(rule().worth_following * screen.squares);
     first.retain(|(_, start)| promise(start) >= least);
     first.truncate(LOOKED);
     let mut looked: Vec<(usize, (Model, Found))> =

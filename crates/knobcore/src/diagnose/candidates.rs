@@ -6,28 +6,15 @@ use super::null::Null;
 use super::screen::{Screen, Start};
 use super::watch::{Tell, Watch};
 use crate::effects::{Id, Place};
-use crate::fit::{Fit, Found, PRICE, differ, report, sketch};
+use crate::fit::{Fit, Found, differ, report, sketch};
 use crate::floor::{Floor, noise};
 use crate::model::{Model, Role, Slot};
 use crate::noise::Noise;
+use crate::rule::rule;
 use crate::signals::Signals;
 
 /// Starts of an effect that are followed to their optimum.
 const FOLLOWED: usize = 3;
-/// A start that promises to take off this share of what the best one does is followed too.
-const RIVAL: f64 = 0.7;
-/// Beside a coupling a start must predict this share of the sum of squares to be followed.
-const WORTH: f64 = 0.005;
-/// Before a coupling it must predict this share of what noise does not explain.
-const AT_SHAFT: f64 = 0.1;
-/// Where an effect explains this share of what noise does not, a coupling can wait for what is left.
-const MOST: f64 = 0.95;
-/// What noise does not explain and is below this share of what it leaves may be the noise's; else an effect that leaves
-/// more than the other share of it has not explained it.
-const SLIGHT: f64 = 0.05;
-const BETTER: f64 = 0.3;
-/// A sum of squares below this many times what noise leaves is explained.
-const EXPLAINED: f64 = 1.1;
 
 /// An effect that the model lacks, and what it would do.
 #[derive(Debug, Clone)]
@@ -67,14 +54,14 @@ pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_
         weighed(&screen, &quick, [white, floor.squares])
     };
     let best = found.iter().fold(0.0, |best: f64, (candidate, _)| best.max(candidate.gain));
-    let paid = found.iter().any(|(candidate, _)| candidate.gain > PRICE * candidate.parameters as f64);
+    let paid = found.iter().any(|(candidate, _)| candidate.gain > rule().price * candidate.parameters as f64);
     let left = screen.squares - best * white;
-    let most = best * white >= MOST * (screen.squares - floor.squares);
+    let most = best * white >= rule().enough * (screen.squares - floor.squares);
     // Of a little that is missing, what looks like it alone explains the better part of it; where nothing does,
     // nothing is named in a coupling's place.
     let (excess, rest) = (screen.squares - floor.squares, left - floor.squares);
-    let better = excess <= SLIGHT * floor.squares || rest <= BETTER * excess || !paid;
-    let explained = left <= EXPLAINED * floor.squares && better || most;
+    let better = excess <= rule().slight * floor.squares || rest <= rule().better * excess || !paid;
+    let explained = left <= rule().explained * floor.squares && better || most;
     // Who asks for couplings alone wants to know.
     if quick.is_empty() || left.is_nan() || floor.squares.is_nan() || !explained {
         found.extend(coupled(&screen, &slow).into_iter().map(told));
@@ -114,14 +101,15 @@ fn fitted(screen: &Screen<'_>, id: Id, [white, floor]: [f64; 2]) -> (Candidate, 
     let apart = screen.apart(id, &starts);
     let mut before = screen.at_shaft(id, &starts);
     // Of what loads the shaft the first step tells nearly all.
-    before.retain(|start| screen.squares - start.predicted >= AT_SHAFT * (screen.squares - floor));
+    before
+        .retain(|start| screen.squares - start.predicted >= rule().worth_at_shaft * (screen.squares - floor));
     let at_shaft = followed(screen, id, &before);
-    let explained = at_shaft.as_ref().is_some_and(|(_, found)| found.cost <= EXPLAINED * floor);
+    let explained = at_shaft.as_ref().is_some_and(|(_, found)| found.cost <= rule().explained * floor);
     let at_knob = if explained { None } else { followed(screen, id, &starts) };
     let shared = [at_shaft, at_knob].into_iter().flatten().min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost));
     // Each run's own parameters have their price like any others, and have to differ beyond chance.
     let priced =
-        |(model, found): &(Model, Found)| found.cost + PRICE * white * added(screen, id, model) as f64;
+        |(model, found): &(Model, Found)| found.cost + rule().price * white * added(screen, id, model) as f64;
     let own = followed(screen, id, &apart)
         .filter(|own| shared.as_ref().is_none_or(|shared| priced(own) < priced(shared)))
         .filter(|(model, found)| report(screen.data, model, found.clone()).is_ok_and(|fit| differ(&fit, id)));
@@ -134,9 +122,10 @@ fn fitted(screen: &Screen<'_>, id: Id, [white, floor]: [f64; 2]) -> (Candidate, 
 fn followed(screen: &Screen<'_>, id: Id, starts: &[Start]) -> Option<(Model, Found)> {
     let best_predicted = screen.squares - starts.first()?.predicted;
     // Beside a coupling each step takes long.
-    let (most, least) = if screen.coupled { (1, WORTH * screen.squares) } else { (FOLLOWED, 0.0) };
+    let (most, least) =
+        if screen.coupled { (1, rule().worth_following * screen.squares) } else { (FOLLOWED, 0.0) };
     // The starts of what changes the detents are of other periods: which is right the first step cannot tell.
-    let rival = if id.info().needs.is_some() { 0.3 * RIVAL } else { RIVAL };
+    let rival = if id.info().needs.is_some() { 0.3 * rule().rival_start } else { rule().rival_start };
     let worth = |start: &&Start| {
         let predicted = screen.squares - start.predicted;
         predicted >= rival * best_predicted && predicted >= least

@@ -11,6 +11,7 @@ use crate::fit::{Fit, Found, glance, refine, settled, sketch};
 use crate::floor::Floor;
 use crate::model::Model;
 use crate::prepare::slower;
+use crate::rule::rule;
 use crate::signals::Signals;
 
 /// Stopband edges at 5 kHz of the filter that the search goes through and of the one in between, Hz.
@@ -21,16 +22,8 @@ const LOOKED: usize = 8;
 const FOLLOWED: usize = 3;
 /// Samples of captures that the coarse search looks at.
 const ENOUGH: usize = 30_000;
-/// Share of what noise does not explain that a coupling must explain through the coarse filter.
-const WORTH: f64 = 0.1;
-/// A coupling that leaves so many times what its best rival does, and a share of all beside it, is not followed.
-const RIVAL: f64 = 2.0;
-const CLOSE: f64 = 0.02;
 /// Ends whose sums of squares differ by less than this share are one.
 const SAME: f64 = 1e-3;
-/// An error this close to the noise floor needs no better end; one beyond the other shows that more is missing.
-const EXPLAINED: f64 = 1.01;
-const NEAR: f64 = 1.5;
 
 /// Where the starts of a coupling lead to.
 pub struct Ways {
@@ -71,8 +64,10 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id]) -> Vec<Ways> {
     // Without a floor nothing can be said to be too little.
     let (floor, excess) = if floor.is_nan() { (0.0, 0.0) } else { (floor, screen.squares - floor) };
     let least = ends.first().map_or(0.0, |(_, (_, found))| (found.cost - floor).max(0.0));
-    let enough = screen.squares - WORTH * excess;
-    ends.retain(|(_, (_, found))| found.cost <= enough.min(floor + RIVAL * least + CLOSE * excess));
+    let enough = screen.squares - rule().worth_coarse * excess;
+    ends.retain(|(_, (_, found))| {
+        found.cost <= enough.min(floor + rule().rival_coarse * least + rule().close_coarse * excess)
+    });
     // Two starts mostly lead to one end.
     let mut kept: Vec<(usize, f64)> = Vec::new();
     ends.retain(|(of, (_, found))| {
@@ -115,7 +110,7 @@ pub(super) fn on(model: &Model, to: impl Fn(&Model) -> Found) -> (Model, Found) 
 /// As of [`crate::fit::fit`].
 pub fn converge(data: &[&Signals], model: &Model) -> Result<Fit> {
     let mut best = refine(data, model)?;
-    if model.is_coupled() && (EXPLAINED..NEAR).contains(&(best.rmse / best.noise_floor)) {
+    if model.is_coupled() && (rule().converged..rule().hopeless).contains(&(best.rmse / best.noise_floor)) {
         let by_way_of = |edges: &[f64]| {
             let mut model = best.model.clone();
             for edge in edges {

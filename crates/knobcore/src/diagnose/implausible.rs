@@ -4,11 +4,9 @@ use crate::effects::{Context, Id};
 use crate::fit::Fit;
 use crate::model::{Model, Role};
 use crate::param::Axis;
+use crate::rule::rule;
 use crate::signals::Signals;
 use std::f64::consts::TAU;
-
-/// Periods that a motion must cross for a change of them to be told from a map of position.
-const CROSSED: f64 = 1.5;
 
 /// What is implausible about the values of an effect of a fit, a sentence each, beside those that no parameter may
 /// have alone. `clipped` says that the torque sensor was seen at its limit, `first` that the effect is the first that
@@ -21,7 +19,7 @@ pub fn implausible(data: &[&Signals], fit: &Fit, id: Id, clipped: bool, first: b
     // A change of one detent alone is any map of position.
     if let Some(period) = context.period.filter(|_| changes_detents(&fit.model, id)) {
         let crossed = context.travel() / (TAU * period);
-        if crossed < CROSSED {
+        if crossed < rule().crossed {
             said.push(format!("only {crossed:.1} detents were crossed"));
         }
     }

@@ -10,6 +10,7 @@ use crate::model::Model;
 use crate::noise::Noise;
 use crate::predict::torque;
 use crate::random;
+use crate::rule::rule;
 use crate::signals::Signals;
 use crate::special::normal_quantile;
 
@@ -17,8 +18,6 @@ use crate::special::normal_quantile;
 const DRAWS: usize = 64;
 /// Of which so many are held at once: the filter takes four at a time.
 const AT_ONCE: usize = 4;
-/// Chance of any false region on an axis.
-const ALARM: f64 = 0.05;
 
 /// A stretch of an axis in which the model fails beyond chance.
 #[derive(Debug, Clone, PartialEq)]
@@ -168,7 +167,7 @@ fn split(rest: &Rest<'_>, bins: &Bins, sums: &[f64], chance: &Chance) -> Split {
     let upper = by_chance.get(by_chance.len() * 95 / 100).copied().unwrap_or(0.0);
     let mean: Vec<f64> = sums.iter().zip(&bins.count).map(|(sum, count)| sum / count.max(1.0)).collect();
     let squares = bins.sums(&rest.residual, |r| r * r);
-    let limit = normal_quantile(1.0 - 0.5 * ALARM / bins.len().max(1) as f64);
+    let limit = normal_quantile(1.0 - 0.5 * rule().alarm / bins.len().max(1) as f64);
     let fails = |bin: usize| bins.count[bin] > 0.0 && mean[bin].abs() > limit * chance.sd(bin);
     Split {
         axis: bins.axis,

@@ -12,6 +12,7 @@ mod screen;
 mod sets;
 mod spectrum;
 mod thinned;
+mod verdict;
 mod watch;
 
 pub use candidates::{Candidate, diagnose};
@@ -20,4 +21,5 @@ pub use implausible::implausible;
 pub use locate::{Region, Split, locate};
 pub use pairs::{Pair, pairs};
 pub use sets::{Set, sets};
+pub use verdict::{Evidence, Judgement, State, complete, exact, judge};
 pub use watch::Tell;

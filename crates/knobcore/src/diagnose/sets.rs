@@ -6,9 +6,10 @@
 
 use super::watch::{Tell, Watch};
 use crate::effects::Id;
-use crate::fit::{Fit, Found, PRICE, report, sketch};
+use crate::fit::{Fit, Found, report, sketch};
 use crate::floor::Floor;
 use crate::model::{Model, Role};
+use crate::rule::rule;
 use crate::signals::Signals;
 
 /// Sets that are told of.
@@ -37,7 +38,7 @@ pub fn sets(
         (1_usize..1 << pool.len()).filter(|set| (1..=most).contains(&(set.count_ones() as usize))).collect();
     let watch = Watch::new(tell, members.len());
     let white = Floor::of(data, base).white;
-    let price = if white.is_finite() { PRICE * white } else { 0.0 };
+    let price = if white.is_finite() { rule().price * white } else { 0.0 };
     let free = |model: &Model| model.slots().iter().filter(|slot| slot.role == Role::Free).count() as f64;
     let mut ends: Vec<(f64, Vec<Id>, Model, Found)> = watch
         .each(&members, |set| {

@@ -2,6 +2,7 @@
 
 use super::locate::{Region, Rest, Split};
 use crate::floor::Periodogram;
+use crate::rule::rule;
 use crate::signals::Signals;
 use crate::special::normal_quantile;
 
@@ -9,11 +10,6 @@ use crate::special::normal_quantile;
 const LONGEST: usize = 8192;
 /// Shortest window that is worth a spectrum.
 const SHORTEST: usize = 256;
-/// Chance of a false line anywhere.
-const ALARM: f64 = 0.05;
-
-/// A line stands this many times above the power around it.
-const LINE: f64 = 8.0;
 /// First bin that can hold a line: slower than that it is a drift.
 const SLOWEST: usize = 4;
 /// Bins to either side that count as around.
@@ -51,7 +47,7 @@ pub fn split_frequency(rest: &Rest<'_>) -> Split {
     let degrees = 1.8 * windows;
     let quantile = |z: f64| (1.0 - 2.0 / (9.0 * degrees) + z * (2.0 / (9.0 * degrees)).sqrt()).powi(3);
     let (usual, limit) =
-        (quantile(normal_quantile(0.95)), quantile(normal_quantile(1.0 - ALARM / cells as f64)));
+        (quantile(normal_quantile(0.95)), quantile(normal_quantile(1.0 - rule().alarm / cells as f64)));
     // Power per bin is scaled so that its mean over both halves of the spectrum is the variance.
     let used: f64 = rest.data.iter().map(|s| s.used() as f64).sum();
     let scale = 2.0 / window as f64 / windows;
@@ -62,7 +58,7 @@ pub fn split_frequency(rest: &Rest<'_>) -> Split {
     // Only lines count: a residual that lies over position or velocity fills the spectrum broadly as well, and
     // frequency says nothing about it.
     let floor = surroundings(&power);
-    let line = |cell: usize| cell >= SLOWEST && fails(cell) && power[cell] > LINE * floor[cell];
+    let line = |cell: usize| cell >= SLOWEST && fails(cell) && power[cell] > rule().line * floor[cell];
     let mut beyond = 0.0;
     let mut regions = Vec::new();
     let mut cell = 0;

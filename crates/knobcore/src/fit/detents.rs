@@ -7,16 +7,10 @@ use crate::error::Result;
 use crate::floor::Floor;
 use crate::model::Model;
 use crate::param::Axis;
+use crate::rule::rule;
 use crate::signals::Signals;
 use std::f64::consts::PI;
 
-/// A peak of the scan stands out when it takes off this many times what the median frequency does: a missing
-/// effect fills the scan broadly, detents are a line.
-const STANDS_OUT: f64 = 30.0;
-/// Chance of detents where there is noise alone.
-const CHANCE: f64 = 1e-4;
-/// Detents must explain this share of what the model without them leaves above the noise.
-const SHARE: f64 = 0.2;
 /// Widest period over 2 pi of what counts as detents on a rotary axis, rad: 1.25 to the turn. What comes once a
 /// turn is gravity or a bent shaft.
 const WIDEST: f64 = 0.8;
@@ -125,10 +119,11 @@ impl Judge<'_> {
     /// In noise alone each gain is the noise's variance times a chi-square number of two degrees of freedom,
     /// so that the largest of n stays below twice the variance times ln(n / chance).
     fn worth_it(&self, gain: f64) -> bool {
-        let by_chance = 2.0 * self.white() * (self.scan.gain.len() as f64 / CHANCE).ln();
+        let by_chance = 2.0 * self.white() * (self.scan.gain.len() as f64 / rule().detents_chance).ln();
         let noise = if self.floor.squares.is_finite() { self.floor.squares } else { 0.0 };
         let excess = (self.without.cost - noise).max(0.0);
-        gain >= by_chance.max(STANDS_OUT * self.scan.background()) && gain >= SHARE * excess
+        gain >= by_chance.max(rule().detents_stand_out * self.scan.background())
+            && gain >= rule().detents_share * excess
     }
 
     /// Whether detents explain the error as well as a cubic over position, which has as many parameters (in a

@@ -15,7 +15,6 @@ mod undetermined;
 pub use moments::Moments;
 pub(crate) use moments::{add_products, dot, evaluate};
 pub use orders::beside as beside_orders;
-pub use runs::PRICE;
 pub(crate) use runs::{differ, runs, settled};
 pub use scan::Scan;
 pub use separable::{Found, Status};

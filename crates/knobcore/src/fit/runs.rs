@@ -7,15 +7,8 @@ use super::{Fit, refine};
 use crate::effects::Id;
 use crate::error::Result;
 use crate::model::{Model, Run};
+use crate::rule::rule;
 use crate::signals::Signals;
-
-/// What a parameter more must take off the sum of squares, in variances of the noise (BIC's for some thousands of
-/// independent samples, with the doubt about the noise on top).
-pub const PRICE: f64 = 12.0;
-
-/// Less than this share of what noise does not explain is no run's own: what the model misses looks like a zero of
-/// the run that has more of it.
-const SHARE: f64 = 0.2;
 
 /// The runs of several captures.
 pub fn runs<'a>(data: &[&'a Signals]) -> Vec<&'a Run> {
@@ -61,7 +54,7 @@ pub fn settled(data: &[&Signals], mut fit: Fit, again: impl Fn(&Model) -> Result
 /// Whether a fit takes enough off what noise does not explain of the one before; where noise is unknown, nothing tells.
 fn mainly(before: &Fit, now: &Fit) -> bool {
     let excess = before.rmse.powi(2) - before.noise_floor.powi(2);
-    excess.is_nan() || before.rmse.powi(2) - now.rmse.powi(2) >= SHARE * excess
+    excess.is_nan() || before.rmse.powi(2) - now.rmse.powi(2) >= rule().own_of_runs * excess
 }
 
 /// Whether one step towards the optimum of a richer model could be worth its parameters. The filter takes more off
@@ -74,7 +67,7 @@ fn promising(data: &[&Signals], fit: &Fit, richer: &Model) -> bool {
     let more = layout.free.len().saturating_sub(Layout::of(&fit.model).free.len()) as f64;
     least_squares(&at, &kept).is_none_or(|step| {
         let gain = at.squares() - at.squares_after(&step);
-        gain > PRICE * more * at.squares() / at.rows
+        gain > rule().price * more * at.squares() / at.rows
     })
 }
 
@@ -101,5 +94,5 @@ pub fn differ(fit: &Fit, id: Id) -> bool {
     let Some(normal) = Normal::of(apart, &kept) else { return false };
     let solved = normal.solve(|i| difference(kept[i]));
     let wald: f64 = kept.iter().zip(&solved).map(|(&i, x)| difference(i) * x).sum();
-    wald > PRICE * kept.len() as f64
+    wald > rule().price * kept.len() as f64
 }

@@ -17,14 +17,15 @@ _COLUMNS = 2  # of the legend
 
 @styled
 def diagnosis(diagnosis: Diagnosis) -> Picture:
-    """The error fall of every candidate, those beyond chance solid, those that look alike linked.
+    """The error fall of every candidate, those that could be missing solid, those that look alike linked.
 
     Diamonds are the same on blocks that the fit did not see; the dashed line is all that there is to gain.
     """
     best = diagnosis.best
-    said = "No effect of the catalogue is missing beyond chance"
+    said = "No effect of the catalogue that is weighed here is missing"
     if best is not None:
-        said = f"Missing first of all: {plain(' or '.join([best.effect, *best.equivalent]), 200)}"
+        first = "Missing first of all" if best.word == "missing" else "A part of what is missing"
+        said = f"{first}: {plain(' or '.join([best.effect, *best.equivalent]), 200)}"
     rows = max(len(diagnosis.candidates), 1)
     figure = Picture(9.0, 1.9 + 0.32 * rows, f"{said}\n{headline(diagnosis.fit)}")
     draw_candidates(figure.add_subplot(), diagnosis)
@@ -45,9 +46,9 @@ def draw_candidates(axes: Axes, diagnosis: Diagnosis) -> None:
             row,
             fall,
             height=0.62,
-            color=BLUE if one.beyond_chance else "white",
-            edgecolor=BLUE if one.beyond_chance else GREY,
-            hatch=None if one.beyond_chance else "////",
+            color=BLUE if one.could_be else "white",
+            edgecolor=BLUE if one.could_be else GREY,
+            hatch=None if one.could_be else "////",
             lw=0.9,
         )
         unseen = 100.0 * (1.0 - one.rmse_heldout / fit.rmse_heldout) if fit.rmse_heldout > 0.0 else 0.0
@@ -62,18 +63,18 @@ def draw_candidates(axes: Axes, diagnosis: Diagnosis) -> None:
             (8, 0),
             textcoords="offset points",
             va="center",
-            color=BLACK if one.beyond_chance else GREY,
+            color=BLACK if one.could_be else GREY,
         )
     if gain > 0.0:
         axes.axvline(gain, color=BLACK, lw=1.3, ls="--", label="all that noise leaves to gain")
     _links(axes, candidates)
-    found = len(diagnosis.beyond_chance)
+    found = len(diagnosis.could_be)
     if 0 < found < len(candidates):
         axes.axhline(found - 0.5, color=BLACK, lw=0.8)
         axes.text(
             1.0,
             found - 0.47,
-            "no more than chance",
+            "not missing",
             transform=axes.get_yaxis_transform(),
             ha="right",
             va="top",
@@ -85,10 +86,12 @@ def draw_candidates(axes: Axes, diagnosis: Diagnosis) -> None:
     axes.grid(visible=False, axis="y")
     axes.tick_params(axis="y", length=0)
     axes.set_xlabel("the RMS error falls by (%)")
-    title = "What could be missing; solid: beyond chance"
+    title = "What was weighed; solid: could be missing"
     lines = -(-len(axes.get_legend_handles_labels()[1]) // _COLUMNS)
     # The legend stands between the title and the axes: beside the title there is no room for it.
-    axes.set_title(title if found else "No effect beyond chance", fontweight="bold", pad=6.0 + 13.0 * lines)
+    axes.set_title(
+        title if found else "No effect that could be missing", fontweight="bold", pad=6.0 + 13.0 * lines
+    )
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1, ncols=_COLUMNS)
 
 

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from ...fit.diagnose import p_in_words
+from ...fit.doubts import at_floor
 from .style import (
     BLACK,
     BLUE,
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
     from ...learn.ladder import LearningStep
 
 _NAMED = 2  # of the effects that look alike; a table has the others
-_TOLD = 1.05  # the noise floor is known to a few percent: less than that beyond it is not drawn as excess
 
 
 @styled
@@ -100,7 +100,7 @@ def _rest(axes: Axes, learned: LearningResult, row: int, scale: Scale) -> None:
     step, floor = learned.ladder[-1], learned.noise_floor
     left = step.rmse * scale.factor
     axes.plot([left, left], [row - 0.7, row + 0.3], color=GREY, lw=0.8)
-    beyond = math.isfinite(floor) and step.rmse > _TOLD * floor
+    beyond = math.isfinite(floor) and not at_floor(step.fit)
     chance = floor * scale.factor if beyond else left
     axes.barh(row, chance, height=0.6, color=BLUE if math.isfinite(floor) else PALE, lw=0)
     if beyond:

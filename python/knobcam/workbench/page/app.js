@@ -220,7 +220,7 @@ var Candidates = class {
     const list = make("ul", { role: "listbox", "aria-label": "candidates", class: "candidates" }, ...this.items);
     this.place.replaceChildren(
       ...candidates.ready ? [] : [make("p", { class: "soft" }, job ? `${job.what} …` : ask2)],
-      ...candidates.ready && this.items.length === 0 ? [make("p", { class: "well", text: "Nothing is missing beyond chance." })] : [],
+      ...candidates.ready && this.items.length === 0 ? [make("p", { class: "well", text: "Nothing is left to be weighed." })] : [],
       list,
       ...remainder(candidates.unexplained)
     );
@@ -239,7 +239,7 @@ var Candidates = class {
       ...{ type: "button", text: "?", tabindex: -1, "aria-label": `about ${row.effect}`, title: "what it is (key: ?)" },
       on: { click: () => this.deeds.about?.(row) }
     });
-    const chance = row.beyond_chance ? "" : " chance";
+    const chance = row.could_be ? "" : " chance";
     return make(
       "li",
       {
@@ -290,7 +290,7 @@ var Candidates = class {
 };
 function evidence(row) {
   const chance = row.p_value <= 1e-3 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
-  return row.beyond_chance ? `beyond chance (${chance})` : `no more than chance (${chance})`;
+  return `${row.said} (${chance})`;
 }
 function remarks({ equivalent, confused, note }) {
   const others = confused.filter((effect) => !equivalent.includes(effect));

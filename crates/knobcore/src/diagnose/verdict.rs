@@ -1,0 +1,261 @@
+//! The one decision: what is said of each effect that a model lacks.
+//!
+//! Whoever names an effect asks here: `learn`, which adds the one that is chosen, `diagnose`, the workbench and reports.
+
+use crate::rule::{Rule, rule};
+
+/// A fitted model, before anything is added.
+#[derive(Debug, Clone, Copy)]
+pub struct State {
+    /// Root mean square error, N m.
+    pub rmse: f64,
+    /// What the noise alone would leave of it, N m; NaN where that is not known.
+    pub noise_floor: f64,
+    /// What the noise leaves of the sum of squares, in variances of the raw noise.
+    pub white_squares: f64,
+    /// Mean squared error by which laws that were added may be off, (N m)^2: less is no effect more.
+    pub law: f64,
+    /// Whether chance explains the error already.
+    pub complete: bool,
+    /// Whether what is left is rounding.
+    pub exact: bool,
+}
+
+/// What speaks for an effect.
+#[derive(Debug, Clone, Copy)]
+pub struct Evidence {
+    /// What it takes off the sum of squares, in variances of the raw noise.
+    pub gain: f64,
+    /// Parameters that it adds.
+    pub parameters: usize,
+    /// Chance of such a gain where nothing is missing.
+    pub p_value: f64,
+    /// Root mean square error with it, N m.
+    pub rmse: f64,
+    /// Whether its values cannot be its own.
+    pub implausible: bool,
+    /// Parameters of the base model that are negative beyond doubt beside it, which no knob has.
+    pub bent: usize,
+}
+
+/// What is said of an effect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Word {
+    /// It is missing: the simplest of those that explain most.
+    Missing,
+    /// The same, but it explains less than the better part of what noise does not: a part of what is missing at most.
+    Part,
+    /// It could be missing in place of the one that is named: the captures cannot tell them apart.
+    Alike,
+    /// It could be missing if another did not explain more; once that is added it is weighed again.
+    Less,
+    /// Its values cannot be its own: it stands in for something else.
+    Implausible,
+    /// More than chance, but too little of what noise does not explain to be the cause.
+    TooLittle,
+    /// Not worth its parameters.
+    Unpaid,
+    /// Chance does as well.
+    Chance,
+    /// Chance cannot be told from anything: the noise is not known.
+    Untold,
+}
+
+impl Word {
+    /// By which documents call it.
+    pub fn id(self) -> &'static str {
+        match self {
+            Self::Missing => "missing",
+            Self::Part => "part",
+            Self::Alike => "alike",
+            Self::Less => "less",
+            Self::Implausible => "implausible",
+            Self::TooLittle => "too_little",
+            Self::Unpaid => "unpaid",
+            Self::Chance => "chance",
+            Self::Untold => "untold",
+        }
+    }
+}
+
+/// What is said of an effect, and which others the captures cannot tell from it, by their places.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Judgement {
+    /// What is said.
+    pub word: Word,
+    /// Others that do as well for their parameters, of those that could be missing.
+    pub equivalent: Vec<usize>,
+}
+
+/// Judges all effects that were weighed beside a model. One of them at most is [`Word::Missing`] or [`Word::Part`].
+pub fn judge(state: &State, all: &[Evidence]) -> Vec<Judgement> {
+    judge_by(rule(), state, all)
+}
+
+fn judge_by(rule: &Rule, state: &State, all: &[Evidence]) -> Vec<Judgement> {
+    let score = |one: &Evidence| one.gain - rule.price * one.parameters as f64;
+    let excess = state.rmse.powi(2) - state.noise_floor.powi(2);
+    let taken = |one: &Evidence| state.rmse.powi(2) - one.rmse.powi(2);
+    let least = (rule.worth * state.rmse.powi(2)).max(rule.share * excess).max(state.law);
+    let chance = if state.complete { rule.rare } else { rule.chance };
+    // What is said of each by itself.
+    let alone = |one: &Evidence| {
+        if state.noise_floor.is_nan() || state.noise_floor <= 0.0 {
+            Word::Untold
+        } else if state.exact || one.p_value > chance {
+            Word::Chance
+        } else if score(one) <= 0.0 {
+            Word::Unpaid
+        } else if one.implausible {
+            Word::Implausible
+        } else if taken(one) < least {
+            Word::TooLittle
+        } else {
+            Word::Less
+        }
+    };
+    let mut words: Vec<Word> = all.iter().map(alone).collect();
+    let could: Vec<usize> = (0..all.len()).filter(|&at| words[at] == Word::Less).collect();
+    // Where much is left with either, a small share of that says no more than chance does at the floor.
+    let margin = |one: &Evidence| {
+        rule.price.max(state.white_squares * rule.relative * (one.rmse / state.noise_floor).powi(2))
+    };
+    let alike = |at: usize| -> Vec<usize> {
+        let near = |other: &usize| (score(&all[*other]) - score(&all[at])).abs() <= margin(&all[at]);
+        could.iter().copied().filter(near).collect()
+    };
+    let best = could.iter().copied().max_by(|a, b| score(&all[*a]).total_cmp(&score(&all[*b])));
+    let group = best.map_or_else(Vec::new, &alike);
+    let simplest = |a: &usize, b: &usize| {
+        // What explains as much without friction that gives power back has a better claim than what is simpler.
+        let claim = |at: usize| (all[at].bent, all[at].parameters);
+        claim(*a).cmp(&claim(*b)).then(score(&all[*b]).total_cmp(&score(&all[*a])))
+    };
+    if let Some(chosen) = group.iter().copied().min_by(simplest) {
+        group.iter().for_each(|&at| words[at] = Word::Alike);
+        let mainly = taken(&all[chosen]) >= rule.mainly * excess;
+        words[chosen] = if mainly { Word::Missing } else { Word::Part };
+    }
+    let judgement = |(at, word): (usize, Word)| {
+        let same = if group.contains(&at) {
+            group.clone()
+        } else if word == Word::Less {
+            alike(at)
+        } else {
+            Vec::new()
+        };
+        Judgement { word, equivalent: same.into_iter().filter(|&other| other != at).collect() }
+    };
+    words.into_iter().enumerate().map(judgement).collect()
+}
+
+/// Whether an error is what noise alone leaves. `beyond` are the parts of the squared error that lie along an axis
+/// beyond chance, one an axis that has any.
+pub fn complete(state: &State, beyond: &[f64]) -> bool {
+    let rule = rule();
+    let felt = beyond.iter().any(|part| *part > rule.felt);
+    state.exact || state.rmse <= rule.at_floor * state.noise_floor && !felt
+}
+
+/// Whether an error is rounding beside the torque.
+pub fn exact(rmse: f64, torque_rms: f64) -> bool {
+    rmse <= rule().rounding * torque_rms
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BENT: State =
+        State { rmse: 2.0, noise_floor: 1.0, white_squares: 1000.0, law: 0.0, complete: false, exact: false };
+
+    /// An effect that takes off a share of what noise does not explain.
+    fn takes(share: f64, parameters: usize) -> Evidence {
+        let rmse = (4.0 - 3.0 * share).sqrt();
+        Evidence { gain: 3000.0 * share, parameters, p_value: 0.001, rmse, implausible: false, bent: 0 }
+    }
+
+    fn words(state: &State, all: &[Evidence]) -> Vec<Word> {
+        judge_by(&Rule::default(), state, all).into_iter().map(|one| one.word).collect()
+    }
+
+    #[test]
+    fn what_explains_most_is_missing_and_what_explains_less_waits() {
+        let all = [takes(0.4, 1), takes(0.99, 2), takes(0.1, 1)];
+        assert_eq!(words(&BENT, &all), [Word::Less, Word::Missing, Word::TooLittle]);
+    }
+
+    #[test]
+    fn slivers_name_nobody_however_sure_they_are() {
+        let all: Vec<Evidence> = (1..=16).map(|n| takes(0.01 * f64::from(n), 1)).collect();
+        assert!(words(&BENT, &all).iter().all(|word| *word == Word::TooLittle));
+    }
+
+    #[test]
+    fn less_than_the_better_part_is_a_part() {
+        assert_eq!(words(&BENT, &[takes(0.45, 1)]), [Word::Part]);
+        assert_eq!(words(&BENT, &[takes(0.55, 1)]), [Word::Missing]);
+    }
+
+    #[test]
+    fn of_those_alike_the_simplest_is_named_and_each_knows_the_others() {
+        let judged = judge_by(&Rule::default(), &BENT, &[takes(0.5, 1), takes(0.992, 3), takes(0.99, 2)]);
+        assert_eq!(
+            judged.iter().map(|one| one.word).collect::<Vec<_>>(),
+            [Word::Less, Word::Alike, Word::Missing]
+        );
+        assert_eq!((&judged[1].equivalent[..], &judged[2].equivalent[..]), (&[2][..], &[1][..]));
+        assert!(judged[0].equivalent.is_empty());
+    }
+
+    #[test]
+    fn of_those_alike_what_bends_nothing_below_zero_stands_before_what_is_simpler() {
+        let bent = Evidence { bent: 1, ..takes(0.99, 1) };
+        assert_eq!(words(&BENT, &[bent, takes(0.992, 3)]), [Word::Alike, Word::Missing]);
+    }
+
+    #[test]
+    fn what_added_laws_may_be_off_by_names_nothing_more() {
+        assert_eq!(words(&State { law: 1.9, ..BENT }, &[takes(0.6, 1)]), [Word::TooLittle]);
+        assert_eq!(words(&State { law: 1.7, ..BENT }, &[takes(0.6, 1)]), [Word::Missing]);
+    }
+
+    #[test]
+    fn what_cannot_be_is_no_rival_of_what_can() {
+        let impossible = Evidence { implausible: true, ..takes(0.995, 1) };
+        let judged = judge_by(&Rule::default(), &BENT, &[impossible, takes(0.99, 2)]);
+        assert_eq!((judged[0].word, judged[1].word), (Word::Implausible, Word::Missing));
+        assert!(judged[1].equivalent.is_empty());
+    }
+
+    #[test]
+    fn where_chance_explains_the_error_it_takes_more_to_accuse() {
+        let at_floor = State { rmse: 1.03, complete: true, ..BENT };
+        let doubtful =
+            Evidence { gain: 40.0, parameters: 1, p_value: 0.02, rmse: 1.01, implausible: false, bent: 0 };
+        assert_eq!(words(&at_floor, &[doubtful]), [Word::Chance]);
+        assert_eq!(words(&at_floor, &[Evidence { p_value: 0.001, ..doubtful }]), [Word::Missing]);
+    }
+
+    #[test]
+    fn what_is_not_worth_its_parameters_is_not_missing() {
+        let dear = Evidence { gain: 30.0, ..takes(0.9, 3) };
+        assert_eq!(words(&BENT, &[dear]), [Word::Unpaid]);
+    }
+
+    #[test]
+    fn without_the_noise_nothing_is_told_and_rounding_is_nothing() {
+        let all = [takes(0.9, 1)];
+        for noise_floor in [f64::NAN, 0.0] {
+            assert_eq!(words(&State { noise_floor, ..BENT }, &all), [Word::Untold]);
+        }
+        assert_eq!(words(&State { exact: true, complete: true, ..BENT }, &all), [Word::Chance]);
+    }
+
+    #[test]
+    fn an_error_at_the_floor_is_complete_unless_a_part_of_it_is_felt() {
+        let near = State { rmse: 1.04, ..BENT };
+        assert!(complete(&near, &[0.02]) && !complete(&near, &[0.02, 0.04]) && !complete(&BENT, &[]));
+        assert!(!complete(&State { noise_floor: f64::NAN, ..near }, &[]));
+    }
+}

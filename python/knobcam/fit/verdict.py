@@ -1,0 +1,76 @@
+"""What is said of each effect that could be missing: the one rule, which the core holds, in one set of words.
+
+`learn` adds what is chosen here, `diagnose`, the workbench and reports say the same of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, get_args
+
+from .. import _core
+from ..base.pages import Word
+from .doubts import at_floor, below_zero
+from .rule import RULE
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from .compare import Comparison
+    from .diagnose import Candidate
+    from .fitting import Fit
+
+CHOSEN: tuple[Word, ...] = ("missing", "part")
+"""Of the one effect that comes in next; `part`: it explains less than half of what noise does not."""
+COULD_BE: tuple[Word, ...] = (*CHOSEN, "alike", "less")
+"""Of all that could be missing."""
+_WORDS: dict[Word, str] = {
+    "missing": "missing",
+    "part": "a part of what is missing",
+    "alike": "could be missing",
+    "less": "could be missing, but {chosen} explains more",
+    "implausible": "not by its values",
+    "too_little": "explains too little",
+    "unpaid": "not worth its parameters",
+    "chance": "no more than chance",
+    "untold": "the noise is not known, nor what is chance",
+}
+_RANKS = get_args(Word)
+
+
+def off_by_law(fit: Fit) -> float:
+    """Return the mean squared error by which the laws that were added so far may be off, (N m)^2."""
+    first = fit
+    while first.before is not None:
+        first = first.before
+    return RULE.law**2 * (first.rmse**2 - fit.rmse**2)
+
+
+def within_law(fit: Fit) -> bool:
+    """Whether what is left is hardly more than noise, and no more than what added laws may be off by."""
+    return at_floor(fit) and fit.excess <= off_by_law(fit)
+
+
+def judged(comparison: Comparison, candidates: Collection[Candidate]) -> tuple[Candidate, ...]:
+    """Return candidates with what is said of each, those for which most speaks first.
+
+    `comparison` is where the fit that they were weighed beside fails.
+    """
+    several = list(candidates)
+    evidence = [
+        (one.gain, one.count, one.p_value, one.rmse, bool(one.implausible), len(below_zero(one.fit)))
+        for one in several
+    ]
+    fit = comparison.fit
+    told = _core.judge(comparison.judged, off_by_law(fit) if at_floor(fit) else 0.0, evidence)
+    chosen = next((one.effect for one, (word, _) in zip(several, told, strict=True) if word in CHOSEN), "")
+    known = [
+        replace(
+            one,
+            word=word,
+            said=_WORDS[word].format(chosen=chosen),
+            equivalent=tuple(several[at].effect for at in alike),
+        )
+        for one, (word, alike) in zip(several, told, strict=True)
+    ]
+    return tuple(sorted(known, key=lambda one: (_RANKS.index(one.word), -one.score)))
