@@ -27,7 +27,7 @@ from .beyond import Beyond, beyond
 from .described import described, said, sign
 from .doubts import doubts
 from .origin import with_origin
-from .plausible import REVERSED, log_fault
+from .plausible import REVERSED, impossible, log_fault
 from .zeros import aligned
 
 if TYPE_CHECKING:
@@ -299,6 +299,11 @@ class Fit(showing.Tabled):
     def log_fault(self) -> str | None:
         """What is wrong with the log, so that no model of it is one of the knob; None where nothing is."""
         return log_fault(self)
+
+    @cached_property
+    def impossible(self) -> str | None:
+        """What of the model no knob has, beyond doubt; None where there is nothing."""
+        return impossible(self)
 
     @cached_property
     def beyond(self) -> Beyond | None:

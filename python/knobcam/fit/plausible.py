@@ -48,9 +48,32 @@ def reversed_torque(fit: Fit) -> bool:
     return power + _SURELY * error < 0.0
 
 
+def impossible(fit: Fit) -> str | None:
+    """Return what of a model no knob has, beyond doubt, so that it is not the knob's however small its error.
+
+    That is an inertia below zero, or friction that gives power back over the whole motion. An offset takes
+    one direction's friction below zero, and what falls with the speed a viscous term: these are left alone.
+    """
+    told = {name: fit.params[name] for name in _never_negative(fit.model.coordinate) if name in fit.params}
+    negative = [name for name, e in told.items() if e.determined and e.value + _SURELY * e.se < 0.0]
+    if not negative:
+        return None
+    rubs = _friction(fit.model.coordinate)
+    stores = [name for name in negative if name.split(".")[0] not in rubs]
+    if stores:
+        return f"{' and '.join(stores)} came out negative, which no knob has"
+    power, error = _friction_power(fit)
+    return "friction gives power back, which no knob does" if power + _SURELY * error < 0.0 else None
+
+
+def _friction(coordinate: str) -> list[str]:
+    """Return the effects of the base model that rub."""
+    return [one.id for one in effects(coordinate).values() if one.base and one.friction]
+
+
 def _friction_power(fit: Fit) -> tuple[float, float]:
     """Return what friction of the base model takes, and its standard error, N m rad/s on average."""
-    rubs = [one.id for one in effects(fit.model.coordinate).values() if one.base and one.friction]
+    rubs = _friction(fit.model.coordinate)
     told = [(name, e) for name, e in fit.params.items() if name.split(".")[0] in rubs]
     names = [name for name, estimate in told if estimate.determined and estimate.value != 0.0]
     omega = np.concatenate([np.where(one.used, one.omega, 0.0) for one in fit.prepared])

@@ -146,6 +146,10 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
         found = tuple(one for one in found if any(step.added == one and _mainly(step) for step in ladder))
     if unexplained is None and (beyond := ladder[-1].fit.beyond) is not None:
         unexplained = Unexplained(beyond.axis, beyond.share, beyond.words)
+    if unexplained is None and (words := ladder[-1].fit.impossible) is not None:
+        # However little it leaves, it is not this knob that it explains.
+        found = tuple(one for one in found if any(step.added == one and _mainly(step) for step in ladder))
+        unexplained = Unexplained("load", 1.0, words)
     return Selection(tuple(ladder), found, last, unexplained)
 
 
