@@ -255,7 +255,7 @@ def _strays(core: _core.Signals, t: FloatArray) -> list[Finding]:
         if at:
             times = ", ".join(f"{time:.6g}" for time in at[:_NAMED]) + (", ..." if len(at) > _NAMED else "")
             message = (
-                f"{name}: {len(at)} readings are what no motion has beside all the others (at t = {times} s); "
+                f"{name}: {len(at)} readings are of no motion beside all the others (at t = {times} s); "
                 "left out of the motion"
             )
             found.append(Finding("spike", name, len(at), (), message, "masked"))

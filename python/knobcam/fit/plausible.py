@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 _SURE = 2.0  # standard errors
 _SURELY = 4.0  # standard errors, where the log itself is blamed
-_FAULTS = (("unit", "theta"), ("unit", "tau"), ("contradiction", "omega"))
-"""Findings, kind and column, with which no model of a log is one of the knob."""
+_FAULTS = ("unit", "sign", "contradiction", "swapped")
+"""Findings with which, unless they were mended, no model of a log is one of the knob."""
 
 
 def implausible(candidate: Candidate, before: Fit) -> tuple[str, ...]:
@@ -87,10 +87,13 @@ def _friction_power(fit: Fit) -> tuple[float, float]:
 
 def log_fault(fit: Fit) -> str | None:
     """Return what is wrong with the log, so that no model of it is one of the knob; None where nothing is."""
-    if reversed_torque(fit):
-        return REVERSED
+    return REVERSED if reversed_torque(fit) else columns_at_fault(fit)
+
+
+def columns_at_fault(fit: Fit) -> str | None:
+    """Return what is wrong with the columns of a log, whatever the model; None where nothing is."""
     found = (finding for one in fit.prepared for finding in one.capture.findings)
-    return next((one.message for one in found if (one.kind, one.column) in _FAULTS), None)
+    return next((one.message for one in found if one.kind in _FAULTS and one.severity == "warning"), None)
 
 
 def _out_of_range(candidate: Candidate) -> list[str]:

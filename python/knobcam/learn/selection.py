@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from .. import _core
 from ..capture.prepare import travel
 from ..fit.diagnose import Candidate, Diagnosis, absent, diagnose
+from ..fit.plausible import columns_at_fault
 from ..fit.refit import converged, cores, unpaid, with_clipped
 from ..model.effects import base_effects_shown, clipping, descriptions, effects
 from .cut import Cut, Deadline, OutOfTime
@@ -91,7 +92,7 @@ def _grown(
         deadline()
         diagnosis = diagnose(fit, without={*without, *described}, progress=deadline)
         best = choose(diagnosis)
-        if best is None or len(ladder) > _MOST:
+        if best is None or len(ladder) > _MOST or columns_at_fault(fit):
             selection = concluded(ladder, diagnosis, nothing_to_find)
             # What is wrong with a log, or lies beyond its filter, no effect explains.
             if together or fit.log_fault or diagnosis.comparison.complete or not fit.noise_floor > 0.0:
@@ -146,10 +147,10 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
         found = tuple(one for one in found if any(step.added == one and _mainly(step) for step in ladder))
     if unexplained is None and (beyond := ladder[-1].fit.beyond) is not None:
         unexplained = Unexplained(beyond.axis, beyond.share, beyond.words)
-    if unexplained is None and (words := ladder[-1].fit.impossible) is not None:
+    if unexplained is None and (wrong := ladder[-1].fit.impossible) is not None:
         # However little it leaves, it is not this knob that it explains.
         found = tuple(one for one in found if any(step.added == one and _mainly(step) for step in ladder))
-        unexplained = Unexplained("load", 1.0, words)
+        unexplained = Unexplained("load", 1.0, wrong)
     return Selection(tuple(ladder), found, last, unexplained)
 
 

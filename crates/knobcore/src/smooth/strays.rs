@@ -21,8 +21,9 @@ const NOTICED: f64 = 10.0;
 /// Readings that are left out at one place where other sensors tell what there was, and where none does.
 const MOST: [usize; 2] = [8, 1];
 
-/// What is left of the squares in one place after leaving a reading out, at most: of an impact nearly all is.
-const LEFT: f64 = 0.85;
+/// Readings after which an impact is known as one: nearly all of its squares are left, this share at least.
+const TRIED: usize = 3;
+const LEFT: f64 = 0.7;
 
 /// Samples to either side of a place that are smoothed with it.
 const AROUND: usize = 16 * WINDOW;
@@ -77,7 +78,7 @@ fn at(
     let mut columns = there.map(|column| column.map(<[f64]>::to_vec));
     let others = (1..3).any(|i| there[i].is_some() && model.variance[i].is_finite());
     let mut left_out = Vec::new();
-    let mut before = f64::INFINITY;
+    let mut first = f64::INFINITY;
     for _ in 0..=MOST[usize::from(!others)] {
         let seen = Sensors {
             t: local.t,
@@ -97,10 +98,11 @@ fn at(
             .flat_map(|sums| &sums[windows.clone()])
             .map(|sum| sum.0)
             .sum();
-        if squares > LEFT * before {
+        if left_out.is_empty() {
+            first = squares;
+        } else if left_out.len() >= TRIED && squares > LEFT * first {
             return None;
         }
-        before = squares;
         let inside = here.start - rows.start..here.end - rows.start;
         let (sensor, row) = farthest(&seen, model, spreads, &motion, inside)?;
         if let Some(reading) = columns[sensor].as_mut().and_then(|column| column.get_mut(row)) {
