@@ -49,14 +49,6 @@ BARRING = [
     "t in ms",
     "alpha and tau swapped",
 ]
-    "torque's sign",
-    "torque in mN m",
-    "angle in degrees",
-    "alpha's sign",
-    "two joined, step",
-    "t in ms",
-    "alpha and tau swapped",
-]
 
 
 @pytest.mark.parametrize("fault", SOUND)
