@@ -7,7 +7,7 @@ import re
 
 import numpy as np
 import pytest
-from recordings import RATE, only, recording, times
+from recordings import RATE, N, only, recording, times
 
 import knobcam as kc
 
@@ -102,3 +102,16 @@ def test_a_velocity_behind_a_filter_is_left_out_where_nothing_else_tells() -> No
     capture = recording(omega=omega, alpha=None)
     assert only(capture).kind == "late_column" and "omega is left out" in only(capture).message
     assert capture.omega is None
+
+
+def test_the_rows_of_a_clock_that_ticks_more_slowly_are_spread_evenly_unless_they_are_the_same_row() -> None:
+    ticks = np.floor(times() * 200.0) / 200.0
+    capture = recording(t=ticks)
+    finding = only(capture)
+    assert (finding.kind, finding.column, finding.severity) == ("duplicate", "t", "mended")
+    assert capture.mask.all() and capture.rate_hz == pytest.approx(RATE, rel=1e-3)
+    assert np.ptp(capture.t - times()) < 1e-4
+    same = {
+        name: values[np.arange(N) // 5 * 5] for name, values in recording().columns.items() if name != "t"
+    }
+    assert (~recording(t=ticks, **same).mask).sum() == pytest.approx(0.8 * N, rel=0.01)

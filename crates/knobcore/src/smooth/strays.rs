@@ -21,6 +21,10 @@ const NOTICED: f64 = 10.0;
 /// Readings that are left out at one place where other sensors tell what there was, and where none does.
 const MOST: [usize; 2] = [8, 1];
 
+/// Readings of the angle that have to be left in a place for each that is left out, where no other sensor tells: with
+/// all of its readings gone, any place is in line.
+const REST: usize = 4;
+
 /// Readings after which an impact is known as one: nearly all of its squares are left, this share at least.
 const TRIED: usize = 3;
 const LEFT: f64 = 0.7;
@@ -88,9 +92,11 @@ fn at(
         };
         let motion = smooth_rows(&seen, model, &Lifts::default());
         let all = sums(&seen, model, &motion);
+        let inside = here.start - rows.start..here.end - rows.start;
         let windows = (here.start - rows.start) / WINDOW..(here.end - rows.start).div_ceil(WINDOW);
         if !beyond_chance(&all, spreads)[windows.clone()].contains(&true) {
-            return Some(left_out);
+            let rest = seen.theta[inside].iter().filter(|theta| theta.is_finite()).count();
+            return (others || rest >= REST * left_out.len()).then_some(left_out);
         }
         let squares: f64 = all
             .iter()
@@ -103,7 +109,6 @@ fn at(
         } else if left_out.len() >= TRIED && squares > LEFT * first {
             return None;
         }
-        let inside = here.start - rows.start..here.end - rows.start;
         let (sensor, row) = farthest(&seen, model, spreads, &motion, inside)?;
         if let Some(reading) = columns[sensor].as_mut().and_then(|column| column.get_mut(row)) {
             *reading = f64::NAN;

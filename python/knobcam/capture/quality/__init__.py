@@ -17,7 +17,7 @@ from .motion import check_stuck, check_wrapped
 from .scales import check_scales
 from .size import check_size
 from .steps import check_steps
-from .timing import check_times, run_on
+from .timing import check_times, run_on, spread
 from .torque import Limit, check_clipping, check_spikes
 
 __all__ = ["Checked", "Finding", "Rows", "check", "check_size"]
@@ -87,6 +87,9 @@ def _check(
             findings.append(Finding("non-finite", name, len(at), spans(at), message, "masked"))
 
     present["t"], found = run_on(present["t"], rows)
+    findings += found
+    others = [values for name, values in present.items() if name != "t"]
+    present["t"], found = spread(present["t"], others, rows)
     findings += found
     rising, found, rate = check_times(present["t"], rows, source)
     findings += found

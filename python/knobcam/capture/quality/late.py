@@ -12,6 +12,7 @@ _SPAN_S = 0.02  # over which angles and velocities are compared
 _LEAST = 0.6  # rows, below which nobody can tell a delay from how a derivative is taken
 _SURE = 8.0  # standard errors
 _FEWEST = 50  # spans
+_WILD = 6.0  # times what two in three spans stay below
 _ALIKE = (0.9, 1.1)  # ratio of velocity and derivative within which only a delay sets them apart
 
 
@@ -56,6 +57,11 @@ def _at(wanted: FloatArray, t: FloatArray, values: FloatArray, longest: float) -
     return found
 
 
+def _tame(values: FloatArray) -> BoolArray:
+    tame: BoolArray = np.abs(values) <= _WILD * quantile(np.abs(values), 0.68)
+    return tame
+
+
 def _late(t: FloatArray, values: FloatArray, rate: FloatArray, rate_hz: float) -> float | None:
     """How late values come after their rate of change, s; zero where that is not sure, None if unknown.
 
@@ -70,6 +76,9 @@ def _late(t: FloatArray, values: FloatArray, rate: FloatArray, rate_hz: float) -
         return None
     went, should = (column[start + span] - column[start] for column in (values, integral))
     gained = rate[start + span] - rate[start]
+    # Wild readings are among them.
+    tame = _tame(gained) & _tame(went - should)
+    went, should, gained = went[tame], should[tame], gained[tame]
     squares = float(gained @ gained)
     alike = float(went @ should) / max(float(should @ should), 1e-300)
     if squares == 0.0 or not _ALIKE[0] < alike < _ALIKE[1]:
