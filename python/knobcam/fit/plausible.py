@@ -14,6 +14,9 @@ from ..model.effects import effects
 from .refit import cores
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ..capture.prepare import Prepared
     from .diagnose import Candidate
     from .fitting import Fit
 
@@ -87,12 +90,12 @@ def _friction_power(fit: Fit) -> tuple[float, float]:
 
 def log_fault(fit: Fit) -> str | None:
     """Return what is wrong with the log, so that no model of it is one of the knob; None where nothing is."""
-    return REVERSED if reversed_torque(fit) else columns_at_fault(fit)
+    return REVERSED if reversed_torque(fit) else columns_at_fault(fit.prepared)
 
 
-def columns_at_fault(fit: Fit) -> str | None:
+def columns_at_fault(prepared: Sequence[Prepared]) -> str | None:
     """Return what is wrong with the columns of a log, whatever the model; None where nothing is."""
-    found = (finding for one in fit.prepared for finding in one.capture.findings)
+    found = (finding for one in prepared for finding in one.capture.findings)
     return next((one.message for one in found if one.kind in _FAULTS and one.severity == "warning"), None)
 
 

@@ -92,7 +92,7 @@ def _grown(
         deadline()
         diagnosis = diagnose(fit, without={*without, *described}, progress=deadline)
         best = choose(diagnosis)
-        if best is None or len(ladder) > _MOST or columns_at_fault(fit):
+        if best is None or len(ladder) > _MOST or columns_at_fault(fit.prepared):
             selection = concluded(ladder, diagnosis, nothing_to_find)
             # What is wrong with a log, or lies beyond its filter, no effect explains.
             if together or fit.log_fault or diagnosis.comparison.complete or not fit.noise_floor > 0.0:

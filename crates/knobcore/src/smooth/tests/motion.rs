@@ -10,7 +10,6 @@ pub const OMEGA_NOISE: f64 = 5e-3;
 pub const ALPHA_NOISE: f64 = 0.41;
 
 /// Theta, omega and alpha at times t, SI.
-#[derive(Clone)]
 pub struct Motion {
     pub t: Vec<f64>,
     pub theta: Vec<f64>,
