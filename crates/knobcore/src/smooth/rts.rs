@@ -80,8 +80,10 @@ pub fn smooth(sensors: &Sensors<'_>, noise: &Noise) -> Result<Smoothed> {
     let sensors = Sensors { theta: readings.as_deref().unwrap_or(sensors.theta), ..*sensors };
     let model = Model::new(noise, sensors.step());
     let first = smooth_rows(&sensors, &model, &Lifts::default());
-    let strays = strays(&sensors, &model, &first);
-    Ok(with_impacts(&sensors, &model, first).finish(*noise, strays))
+    Ok(match strays(&sensors, &model, &first) {
+        None => first.finish(*noise, Default::default()),
+        Some(strays) => with_impacts(&sensors, &model, first).finish(*noise, strays),
+    })
 }
 
 /// The smoother itself, on sensors that were checked.

@@ -29,6 +29,9 @@ const REST: usize = 4;
 const TRIED: usize = 3;
 const LEFT: f64 = 0.7;
 
+/// Readings to either side that a wild one leaps away from.
+const BESIDE: usize = 3;
+
 /// Samples to either side of a place that are smoothed with it.
 const AROUND: usize = 16 * WINDOW;
 
@@ -38,21 +41,22 @@ const BETWEEN: usize = 4;
 /// Places beyond which a motion is full of impacts.
 const PLACES: usize = 100;
 
-/// Readings by sensor and row, beside which the `motion`, with the usual jerk throughout, is out of line.
-pub fn strays(sensors: &Sensors<'_>, model: &Model, motion: &Motion) -> [Vec<usize>; 3] {
-    let mut found: [Vec<usize>; 3] = Default::default();
+/// Readings by sensor and row, beside which the `motion`, with the usual jerk throughout, is out of line; None where it
+/// is nowhere.
+pub fn strays(sensors: &Sensors<'_>, model: &Model, motion: &Motion) -> Option<[Vec<usize>; 3]> {
     let all = sums(sensors, model, motion);
     let spreads = all.each_ref().map(|sums| spread(sums));
     let places = places(&beyond_chance(&all, &spreads));
-    if places.len() > PLACES {
-        return found;
+    if places.is_empty() {
+        return None;
     }
-    for place in places {
-        for (sensor, row) in at(sensors, model, &spreads, &place).unwrap_or_default() {
+    let mut found: [Vec<usize>; 3] = Default::default();
+    for place in places.iter().filter(|_| places.len() <= PLACES) {
+        for (sensor, row) in at(sensors, model, &spreads, place).unwrap_or_default() {
             found[sensor].push(row);
         }
     }
-    found
+    Some(found)
 }
 
 /// Runs of windows that are out of line, with few between them.
@@ -96,7 +100,13 @@ fn at(
         let windows = (here.start - rows.start) / WINDOW..(here.end - rows.start).div_ceil(WINDOW);
         if !beyond_chance(&all, spreads)[windows.clone()].contains(&true) {
             let rest = seen.theta[inside].iter().filter(|theta| theta.is_finite()).count();
-            return (others || rest >= REST * left_out.len()).then_some(left_out);
+            let leaps = |&(i, row): &(usize, usize)| {
+                let seen = columns[i].as_deref().unwrap_or_default();
+                let noise = (spreads[i] * model.variance[i]).sqrt() / model.scale[i];
+                there[i].is_some_and(|all| leaps(all[row - rows.start], seen, row - rows.start, FAR * noise))
+            };
+            let wild = left_out.iter().all(leaps) && (others || rest >= REST * left_out.len());
+            return wild.then_some(left_out);
         }
         let squares: f64 = all
             .iter()
@@ -116,6 +126,16 @@ fn at(
         left_out.push((sensor, rows.start + row));
     }
     None
+}
+
+/// Whether a reading is beyond all those of its sensor beside it that are left, by `far`: where a force sets in or ends
+/// they are on the one side as it is, or on the other.
+fn leaps(reading: f64, seen: &[f64], row: usize, far: f64) -> bool {
+    let finite = |value: &&f64| value.is_finite();
+    let before = seen[..row].iter().rev().filter(finite).take(BESIDE);
+    let mut beside = before.chain(seen[row + 1..].iter().filter(finite).take(BESIDE));
+    let first = beside.next().map(|value| reading - value);
+    first.is_some_and(|off| off.abs() > far && beside.all(|value| (reading - value) * off.signum() > far))
 }
 
 /// The reading that is farthest from what all the others predict, if that is far, and they would have noticed.
