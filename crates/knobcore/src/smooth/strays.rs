@@ -128,14 +128,15 @@ fn at(
     None
 }
 
-/// Whether a reading is beyond all those of its sensor beside it that are left, by `far`: where a force sets in or ends
-/// they are on the one side as it is, or on the other.
+/// Whether a reading is beyond all those of its sensor beside it that are left, by `far` and by more than they differ:
+/// where a force sets in or ends they lie on the one side as it does, or on the other.
 fn leaps(reading: f64, seen: &[f64], row: usize, far: f64) -> bool {
     let finite = |value: &&f64| value.is_finite();
     let before = seen[..row].iter().rev().filter(finite).take(BESIDE);
-    let mut beside = before.chain(seen[row + 1..].iter().filter(finite).take(BESIDE));
-    let first = beside.next().map(|value| reading - value);
-    first.is_some_and(|off| off.abs() > far && beside.all(|value| (reading - value) * off.signum() > far))
+    let beside = before.chain(seen[row + 1..].iter().filter(finite).take(BESIDE));
+    let (low, high) =
+        beside.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
+    (reading - high).max(low - reading) > far.max(high - low)
 }
 
 /// The reading that is farthest from what all the others predict, if that is far, and they would have noticed.
