@@ -2,49 +2,16 @@
 
 from __future__ import annotations
 
-import math
-import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from recordings import RATE, N, masked, only, recording, times
 
 import knobcam as kc
 from knobcam.capture import Capture, Finding
 from knobcam.errors import InputError
-
-RATE = 1000.0
-N = 3000
-
-
-def recording(**changes: object) -> Capture:
-    """A noisy swing of a knob at 1 kHz with all five columns."""
-    rng = np.random.default_rng(7)
-    t = np.arange(N) / RATE
-    phase = 2.0 * np.pi * 1.5 * t
-    columns: dict[str, object] = {
-        "t": t,
-        "theta": np.sin(phase) + 1e-5 * rng.standard_normal(N),
-        "omega": 3.0 * np.pi * np.cos(phase) + 5e-3 * rng.standard_normal(N),
-        "alpha": -9.0 * np.pi**2 * np.sin(phase) + 0.4 * rng.standard_normal(N),
-        "tau": 0.05 * np.cos(phase) + 1.8e-3 * rng.standard_normal(N),
-    }
-    return Capture.from_arrays(**(columns | changes))  # type: ignore[arg-type]
-
-
-def only(capture: Capture) -> Finding:
-    assert len(capture.findings) == 1, capture.findings
-    return capture.findings[0]
-
-
-def masked(capture: Capture) -> list[int]:
-    """The masked data rows, from 1."""
-    return (np.flatnonzero(~capture.mask) + 1).tolist()
-
-
-def times() -> NDArray[np.float64]:
-    return np.arange(N) / RATE
 
 
 def test_a_sample_that_is_not_finite_is_masked_in_every_column_and_kept_as_it_is() -> None:
@@ -179,36 +146,6 @@ def test_a_column_that_never_changes_is_warned_about(name: str) -> None:
     assert [(finding.column, finding.severity) for finding in stuck] == [(name, "warning")]
 
 
-UNITS = [
-    (1e3, "thousandths"),
-    (1e-3, "theta may be in thousandths"),
-    (180.0 / math.pi, "degrees"),
-    (math.pi / 180.0, "theta may be in degrees"),
-    (60.0 / (2.0 * math.pi), "rpm"),
-    (1.0 / (2.0 * math.pi), "turns"),
-    (-1.0, "sign"),
-    (3.3, "check the units"),
-]
-
-
-@pytest.mark.parametrize("name", ["omega", "alpha"])
-@pytest.mark.parametrize(("factor", "word"), UNITS)
-def test_a_derivative_in_another_unit_is_named_with_its_factor(name: str, factor: float, word: str) -> None:
-    capture = recording(**{name: recording().columns[name] * factor})
-    finding = only(capture)
-    turned = factor < 0.0
-    assert (finding.kind, finding.severity) == (("sign", "mended") if turned else ("unit", "warning"))
-    assert finding.column == name and word in finding.message
-    assert np.array_equal(capture.columns[name], recording().columns[name]) == turned
-
-
-def test_an_angle_in_degrees_is_seen_by_both_derivatives() -> None:
-    findings = recording(theta=np.rad2deg(recording().theta)).findings
-    scale = [finding for finding in findings if finding.kind in ("sign", "unit")]
-    assert [finding.column for finding in scale] == ["omega", "alpha"]
-    assert all("theta may be in degrees" in finding.message for finding in scale)
-
-
 def test_a_derivative_of_pure_noise_is_not_judged() -> None:
     rng = np.random.default_rng(11)
     assert recording(omega=rng.standard_normal(N), alpha=rng.standard_normal(N)).findings == ()
@@ -323,18 +260,6 @@ def test_an_angle_that_leaps_again_and_goes_on_splits_the_log() -> None:
     finding = only(capture)
     assert (finding.kind, finding.count, finding.severity) == ("jump", 2, "warning")
     assert (~capture.mask).sum() == 8
-
-
-@pytest.mark.parametrize(("rows", "which"), [(3, "after"), (-3, "before")])
-def test_an_angle_that_is_late_against_the_velocity_is_named_with_its_delay(rows: int, which: str) -> None:
-    finding = only(recording(theta=np.interp(times() - rows / RATE, times(), recording().theta)))
-    assert (finding.kind, finding.column) == ("late_column", "theta")
-    assert re.search(rf"stands (2\.9|3|3\.0)\d* ms .* {which} the omega", finding.message)
-
-
-def test_a_velocity_that_belongs_to_another_motion_is_a_contradiction() -> None:
-    other = 50.0 * np.cos(2.0 * np.pi * 0.7 * times() + 1.0)
-    assert [one.kind for one in recording(omega=other).findings] == ["contradiction"]
 
 
 def test_an_angle_that_leaps_by_more_than_half_a_turn_but_no_whole_one_does_not_wrap() -> None:

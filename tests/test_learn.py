@@ -231,3 +231,20 @@ def test_limitations_are_found_under_their_old_name_too(story: kc.LearningResult
     with pytest.warns(DeprecationWarning, match="lacks is now called limitations"):
         assert story.lacks == story.limitations
     assert story.document()["lacks"] == story.document()["limitations"]
+
+
+def test_a_model_with_less_than_no_inertia_is_no_all_clear_however_little_it_leaves() -> None:
+    rng, t = np.random.default_rng(5), np.arange(6000) / 1000.0
+    omega = 3.0 * np.pi * np.cos(3.0 * np.pi * t)
+    theta, alpha = np.sin(3.0 * np.pi * t), -((3.0 * np.pi) ** 2) * np.sin(3.0 * np.pi * t)
+    # At one frequency a spring is an inertia below zero, and here it is the stronger.
+    tau = (
+        0.02 * theta + 2e-3 * np.sign(omega) + 2e-4 * omega + 5e-5 * alpha + 1e-3 * rng.standard_normal(6000)
+    )
+    seen = theta + 1e-5 * rng.standard_normal(6000)
+    story = kc.learn(kc.Capture.from_arrays(t=t, theta=seen, tau=tau))
+    document = story.document()
+    assert (story.verdict, story.found) == ("unexplained", ())
+    assert "inertia.M came out negative" in document["headline"]
+    assert "inertia.M" in document["unexplained"]["hint"]
+    assert any("more than one frequency" in warning for warning in document["warnings"])

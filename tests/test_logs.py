@@ -25,6 +25,11 @@ MENDED = [
     "lost rows, clock not",
     "torque spikes",
     "angle spikes",
+    "alpha spikes",
+    "wild runs of omega",
+    "omega in rpm",
+    "alpha in g",
+    "theta late 5 rows",
     "wrap",
     "1 % NaN",
     "2 % repeated stamps",
@@ -35,7 +40,15 @@ MENDED = [
     "angle only + stale rows",
     "torque spikes + wrap",
 ]
-BARRING = ["torque's sign", "torque in mN m", "angle in degrees", "alpha's sign", "two joined, step"]
+BARRING = [
+    "torque's sign",
+    "torque in mN m",
+    "angle in degrees",
+    "alpha's sign",
+    "two joined, step",
+    "t in ms",
+    "alpha and tau swapped",
+]
 
 
 @pytest.mark.parametrize("fault", SOUND)
@@ -66,7 +79,7 @@ def test_a_fault_that_no_fit_gets_over_is_said(fault: str) -> None:
     assert examine(Log(fault, 90002, learned=False))["said"]
 
 
-@pytest.mark.parametrize("fault", ["stale rows", "torque ahead 5 rows", "torque's sign"])
+@pytest.mark.parametrize("fault", ["stale rows", "alpha spikes", "torque ahead 5 rows", "torque's sign"])
 def test_the_knob_of_a_faulty_log_is_accused_of_nothing(fault: str) -> None:
     row = examine(Log(fault, SEED))
     assert right(row), row

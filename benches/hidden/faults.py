@@ -83,6 +83,19 @@ def outliers(rng: Rng, columns: Columns) -> Columns:
     return _leaping(rng, columns, "tau_Nm", len(columns["t_s"]) // 20, 0.03, 0.1)
 
 
+def acceleration_spikes(rng: Rng, columns: Columns) -> Columns:
+    return _leaping(rng, columns, "alpha_rad_s2", 6, 300.0, 2000.0)
+
+
+def wild_velocities(rng: Rng, columns: Columns) -> Columns:
+    """8 runs of 2 to 6 velocities that are anything."""
+    omega = columns["omega_rad_s"].copy()
+    for row in 20 * (1 + rng.choice(len(omega) // 20 - 4, 8, replace=False)):
+        many = int(rng.integers(2, 7))
+        omega[row : row + many] += rng.choice([-1.0, 1.0], many) * rng.uniform(3.0, 20.0, many)
+    return columns | {"omega_rad_s": omega}
+
+
 def wrap(rng: Rng, columns: Columns) -> Columns:
     """An angle that is kept within a turn, whose end lies where the knob passes."""
     theta = columns["theta_rad"]
@@ -150,6 +163,31 @@ def degrees(rng: Rng, columns: Columns) -> Columns:
     return angle_only(rng, columns) | {"theta_rad": np.rad2deg(columns["theta_rad"])}
 
 
+def milliseconds(rng: Rng, columns: Columns) -> Columns:
+    """Times in ms under a header that says s."""
+    return columns | {"t_s": 1e3 * columns["t_s"]}
+
+
+def turns_a_minute(rng: Rng, columns: Columns) -> Columns:
+    """Velocity in turns a minute under a header that says rad/s."""
+    return columns | {"omega_rad_s": columns["omega_rad_s"] * 60.0 / (2.0 * np.pi)}
+
+
+def gravities(rng: Rng, columns: Columns) -> Columns:
+    """Acceleration in units of g."""
+    return columns | {"alpha_rad_s2": columns["alpha_rad_s2"] / 9.80665}
+
+
+def swapped(rng: Rng, columns: Columns) -> Columns:
+    """The columns of acceleration and torque in each other's place."""
+    return columns | {"alpha_rad_s2": columns["tau_Nm"], "tau_Nm": columns["alpha_rad_s2"]}
+
+
+def late_angle(rng: Rng, columns: Columns) -> Columns:
+    later = {name: values[LATE:] for name, values in columns.items()}
+    return later | {"theta_rad": columns["theta_rad"][:-LATE]}
+
+
 def late_velocity(rng: Rng, columns: Columns) -> Columns:
     omega = columns["omega_rad_s"]
     return columns | {"omega_rad_s": np.concatenate([np.full(LATE, omega[0]), omega[:-LATE]])}
@@ -198,6 +236,8 @@ _SINGLE = {
     "lost rows, clock not": Fault(lost_unseen, frozenset({"lost"})),
     "torque spikes": Fault(torque_spikes, _SPIKES),
     "angle spikes": Fault(angle_spikes, _OFF),
+    "alpha spikes": Fault(acceleration_spikes, frozenset({"spike alpha"})),
+    "wild runs of omega": Fault(wild_velocities, frozenset({"spike omega"})),
     "wrap": Fault(wrap, frozenset({"wrap"})),
     "1 % NaN": Fault(missing, frozenset({"non-finite"})),
     "2 % repeated stamps": Fault(repeated_stamps, frozenset({"duplicate"})),
@@ -209,6 +249,11 @@ _SINGLE = {
     "torque in mN m": Fault(thousandths, frozenset({"unit tau"}), bars=True),
     "angle in degrees": Fault(degrees, frozenset({"unit theta"}), bars=True),
     "alpha's sign": Fault(alpha_sign, frozenset({"scale alpha", "sign alpha"}), bars=True),
+    "t in ms": Fault(milliseconds, frozenset({"unit t", "rate"}), bars=True),
+    "omega in rpm": Fault(turns_a_minute, frozenset({"unit omega"})),
+    "alpha in g": Fault(gravities, frozenset({"unit alpha"})),
+    "alpha and tau swapped": Fault(swapped, frozenset({"swapped", "unit tau"}), bars=True),
+    "theta late 5 rows": Fault(late_angle, frozenset({"late", "late_column"})),
     "omega late 5 rows": Fault(late_velocity, frozenset({"late", "late_column"})),
     "torque ahead 5 rows": Fault(
         commanded, frozenset({"late", "late_column"}), effects=frozenset({"actuation_delay"})

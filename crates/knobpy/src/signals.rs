@@ -91,6 +91,13 @@ impl PySignals {
         self.prepared.edge?.incoherent.map(|found| (found.hz, found.edge_hz, found.times))
     }
 
+    /// Readings of theta, omega and alpha that the smoother left out, each with its row (of those kept).
+    #[getter]
+    fn strays(&self) -> Vec<(&'static str, usize)> {
+        let named = ["theta", "omega", "alpha"].into_iter().zip(&self.prepared.strays);
+        named.flat_map(|(name, rows)| rows.iter().map(move |&row| (name, row))).collect()
+    }
+
     /// What `ripple` is, of what the filter takes off beside this raw torque of a model (samples kept, N m).
     fn taken_off(&self, torque: Column<'_>) -> PyResult<Option<(f64, f64, f64)>> {
         Ok(taken_off(&self.prepared.signals, torque.as_slice()?).map(in_numbers))

@@ -29,6 +29,7 @@ _OPTIONS = {
     "differences": {"cutoff_hz", "decimate"},
 }
 _BRIDGE = 3  # rows
+_NAMED = 6  # times in a sentence
 _PAPER_RATE_HZ = 5000.0
 
 
@@ -169,7 +170,12 @@ def prepare(capture: Capture, method: str = "smooth", **options: float) -> Prepa
         source = capture.meta.get("source")  # of several captures somebody wants to know which
         raise InputError(f"{source}: {error}" if source else str(error)) from None
     notes = _notes(capture, method, options, core)
-    found = (*capture.findings, *_wrong(core), *_cut(capture, method, options, core))
+    found = (
+        *capture.findings,
+        *_strays(core, kept["t"]),
+        *_wrong(core),
+        *_cut(capture, method, options, core),
+    )
     return Prepared(capture, method, rows, dict(options), notes, core, found)
 
 
@@ -239,6 +245,21 @@ def _notes(
         if absent:
             notes.append(f"{' and '.join(absent)} not recorded: derived from theta")
     return tuple(notes)
+
+
+def _strays(core: _core.Signals, t: FloatArray) -> list[Finding]:
+    """Readings that all the others contradict, by sensor; what is there of a row beside them counts."""
+    found = []
+    for name in ("theta", "omega", "alpha"):
+        at = [t[row] for column, row in core.strays if column == name]
+        if at:
+            times = ", ".join(f"{time:.6g}" for time in at[:_NAMED]) + (", ..." if len(at) > _NAMED else "")
+            message = (
+                f"{name}: {len(at)} readings are of no motion beside all the others (at t = {times} s); "
+                "left out of the motion"
+            )
+            found.append(Finding("spike", name, len(at), (), message, "masked"))
+    return found
 
 
 def _wrong(core: _core.Signals) -> list[Finding]:

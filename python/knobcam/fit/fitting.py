@@ -27,7 +27,7 @@ from .beyond import Beyond, beyond
 from .described import described, said, sign
 from .doubts import doubts
 from .origin import with_origin
-from .plausible import REVERSED, log_fault
+from .plausible import REVERSED, columns_at_fault, impossible, log_fault
 from .zeros import aligned
 
 if TYPE_CHECKING:
@@ -308,6 +308,11 @@ class Fit(showing.Tabled):
         return log_fault(self)
 
     @cached_property
+    def impossible(self) -> str | None:
+        """What of the model no knob has, beyond doubt; None where there is nothing."""
+        return impossible(self)
+
+    @cached_property
     def beyond(self) -> Beyond | None:
         """What of the torque its filter takes off and the model does not have."""
         return beyond(self)
@@ -388,5 +393,9 @@ def fit(
     base = base_effects(coordinate) + (base_effects_shown(coordinate) if detents == "yes" else ())
     start = model or Model.of(base, coordinate, several[0].torque_unit)
     check_unit(start, several[0])
-    core = _core.fit([s.core for s in signals], start.core, model is None and detents == "auto")
+    try:
+        core = _core.fit([s.core for s in signals], start.core, model is None and detents == "auto")
+    except InputError as error:
+        fault = columns_at_fault(signals)  # what is wrong may be why there is too little
+        raise InputError(f"{error}; {fault}" if fault else str(error)) from None
     return Fit(signals, core)

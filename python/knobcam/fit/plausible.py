@@ -15,11 +15,14 @@ from .refit import cores
 from .rule import RULE
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ..capture.prepare import Prepared
     from .diagnose import Candidate
     from .fitting import Estimate, Fit
 
-_FAULTS = (("unit", "theta"), ("unit", "tau"), ("contradiction", "omega"))
-"""Findings, kind and column, with which no model of a log is one of the knob."""
+_FAULTS = ("unit", "sign", "contradiction", "swapped")
+"""Findings with which, unless they were mended, no model of a log is one of the knob."""
 
 
 def implausible(candidate: Candidate, before: Fit) -> tuple[str, ...]:
@@ -47,9 +50,32 @@ def reversed_torque(fit: Fit) -> bool:
     return power + RULE.surely * error < 0.0
 
 
+def impossible(fit: Fit) -> str | None:
+    """Return what of a model no knob has, beyond doubt, so that it is not the knob's however small its error.
+
+    That is an inertia below zero, or friction that gives power back over the whole motion. An offset takes
+    one direction's friction below zero, and what falls with the speed a viscous term: these are left alone.
+    """
+    told = {name: fit.params[name] for name in _never_negative(fit.model.coordinate) if name in fit.params}
+    negative = [name for name, e in told.items() if e.determined and e.value + RULE.surely * e.se < 0.0]
+    if not negative:
+        return None
+    rubs = _friction(fit.model.coordinate)
+    stores = [name for name in negative if name.split(".")[0] not in rubs]
+    if stores:
+        return f"{' and '.join(stores)} came out negative, which no knob has"
+    power, error = _friction_power(fit)
+    return "friction gives power back, which no knob does" if power + RULE.surely * error < 0.0 else None
+
+
+def _friction(coordinate: str) -> list[str]:
+    """Return the effects of the base model that rub."""
+    return [one.id for one in effects(coordinate).values() if one.base and one.friction]
+
+
 def _friction_power(fit: Fit) -> tuple[float, float]:
     """Return what friction of the base model takes, and its standard error, N m rad/s on average."""
-    rubs = [one.id for one in effects(fit.model.coordinate).values() if one.base and one.friction]
+    rubs = _friction(fit.model.coordinate)
     told = [(name, e) for name, e in fit.params.items() if name.split(".")[0] in rubs]
     names = [name for name, estimate in told if estimate.determined and estimate.value != 0.0]
     omega = np.concatenate([np.where(one.used, one.omega, 0.0) for one in fit.prepared])
@@ -63,10 +89,13 @@ def _friction_power(fit: Fit) -> tuple[float, float]:
 
 def log_fault(fit: Fit) -> str | None:
     """Return what is wrong with the log, so that no model of it is one of the knob; None where nothing is."""
-    if reversed_torque(fit):
-        return REVERSED
-    found = (finding for one in fit.prepared for finding in one.capture.findings)
-    return next((one.message for one in found if (one.kind, one.column) in _FAULTS), None)
+    return REVERSED if reversed_torque(fit) else columns_at_fault(fit.prepared)
+
+
+def columns_at_fault(prepared: Sequence[Prepared]) -> str | None:
+    """Return what is wrong with the columns of a log, whatever the model; None where nothing is."""
+    found = (finding for one in prepared for finding in one.capture.findings)
+    return next((one.message for one in found if one.kind in _FAULTS and one.severity == "warning"), None)
 
 
 def _out_of_range(candidate: Candidate) -> list[str]:

@@ -138,6 +138,12 @@ class LearningResult(showing.Tabled):
                     "Whether anything is missing cannot be told: these samples do not show how much of the "
                     f"error is noise; {100.0 * what.share:.0f} % of it lies along {what.axis}."
                 )
+            if what.hint == self.fit.impossible:
+                found = f"{names} found; the" if names else "The"
+                return (
+                    f"{found} model leaves chance alone, but {what.hint}: it is not this knob's. Look for "
+                    "swapped columns, signs, units and parts that belong to another run (--start, --end)."
+                )
             if incoherent(self.fit):
                 found = f"{names} found; what" if names else "What"
                 return (
@@ -202,6 +208,7 @@ class LearningResult(showing.Tabled):
             "lacks": [one._asdict() for one in self.limitations],  # its older name, for one version
             "disagreements": [one._asdict() for one in self.disagreements],
             "headline": self.headline,
+            "warnings": list(self.fit.warnings),
             "cut": None if self.cut is None else self.cut._asdict(),
         }
 

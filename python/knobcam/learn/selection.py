@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from .. import _core
 from ..capture.prepare import travel
 from ..fit.diagnose import Candidate, Diagnosis, absent, diagnose
+from ..fit.plausible import columns_at_fault
 from ..fit.refit import converged, cores, needless, with_clipped
 from ..fit.rule import RULE
 from ..fit.verdict import judged, within_law
@@ -86,13 +87,14 @@ def _grown(
         deadline()
         diagnosis = diagnose(fit, without={*without, *described}, progress=deadline)
         best = choose(diagnosis)
+        at_fault = columns_at_fault(fit.prepared)
         if best is None and not sets and not fit.log_fault and fit.noise_floor > 0.0:
             sets = True
             tell("weighing what came in against other sets")
             if (steps := exchanged(ladder, diagnosis.comparison, deadline)) is not None:
                 ladder[1:] = steps
                 continue
-        if best is None or len(ladder) > RULE.most:
+        if best is None or len(ladder) > RULE.most or at_fault:
             selection = concluded(ladder, diagnosis, nothing_to_find)
             # What is wrong with a log, or lies beyond its filter, no effect explains.
             enough = diagnosis.comparison.complete or within_law(fit)
@@ -148,6 +150,10 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
         found = tuple(one for one in found if any(step.added == one and _mainly(step) for step in ladder))
     if unexplained is None and (beyond := ladder[-1].fit.beyond) is not None:
         unexplained = Unexplained(beyond.axis, beyond.share, beyond.words)
+    if unexplained is None and (wrong := ladder[-1].fit.impossible) is not None:
+        # However little it leaves, it is not this knob that it explains.
+        found = tuple(one for one in found if any(step.added == one and _mainly(step) for step in ladder))
+        unexplained = Unexplained("load", 1.0, wrong)
     return Selection(tuple(ladder), found, last, unexplained)
 
 

@@ -258,7 +258,15 @@ mod tests {
         let [theta, omega, alpha, mut tau] = columns;
         tau.rotate_right(late);
         let omega_sd = vec![0.0; theta.len()];
-        let moving = Moving { theta, omega, alpha, omega_sd, uncertainty: None, noise: None };
+        let moving = Moving {
+            theta,
+            omega,
+            alpha,
+            omega_sd,
+            uncertainty: None,
+            noise: None,
+            strays: Default::default(),
+        };
         let inside = late..10_000 - late;
         incoherent(&moving, &tau, Axis::Rotary, std::slice::from_ref(&inside), [RATE, 100.0], |hz| hz > 5.0)
     }

@@ -167,6 +167,8 @@ pub struct Prepared {
     pub noise: Option<Noise>,
     /// The edge of the torque's filter, where that is the paper's.
     pub edge: Option<Edge>,
+    /// Readings of theta, omega and alpha, by row, that the smoother left out: all the others contradict them.
+    pub strays: [Vec<usize>; 3],
 }
 
 /// Prepares a recording.
@@ -239,7 +241,8 @@ pub fn prepare(recording: &Recording<'_>, how: &Preparation) -> Result<Prepared>
         substeps: SUBSTEPS,
     };
     signals.filter_torque();
-    Ok(Prepared { signals, uncertainty: moving.uncertainty, noise: moving.noise, edge })
+    let Moving { uncertainty, noise, strays, .. } = moving;
+    Ok(Prepared { signals, uncertainty, noise, edge, strays })
 }
 
 /// Whether the torque, filtered as it is `how`, with an edge at `hz`, has bands that the motion is not made of.

@@ -6,12 +6,15 @@ use crate::error::Result;
 use crate::filter::ZeroPhase;
 use crate::smooth::{Noise, Sensors, noise_from_capture, smooth};
 use crate::special::normal_cdf;
+use std::mem::take;
 use std::ops::Range;
 
 /// A direction less probable than this does not happen: it is three standard deviations away.
 const CERTAIN: f64 = 1.35e-3;
 /// Noise below this share of a column's largest value is rounding.
 const ROUNDING: f64 = 1e-13;
+/// Looks for readings that are none: large ones hide others.
+const LOOKS: usize = 2;
 
 /// A motion with what is known of its uncertainty.
 pub(super) struct Moving {
@@ -21,6 +24,8 @@ pub(super) struct Moving {
     pub omega_sd: Vec<f64>,
     pub uncertainty: Option<[Vec<f64>; 2]>,
     pub noise: Option<Noise>,
+    /// Readings of theta, omega and alpha, by row, that were left out.
+    pub strays: [Vec<usize>; 3],
 }
 
 impl Moving {
@@ -61,8 +66,26 @@ pub(super) fn smoothed(recording: &Recording<'_>, stretches: &[Range<usize>]) ->
         let given = columns(recording, stretches, [None, None, None])?;
         return Ok(Moving { noise: Some(noise), ..given });
     }
-    let motion = smooth(&sensors, &noise)?;
+    let mut motion = smooth(&sensors, &noise)?;
+    let mut strays: [Vec<usize>; 3] = Default::default();
+    for _ in 0..LOOKS {
+        let found = take(&mut motion.strays);
+        if found.iter().all(Vec::is_empty) {
+            break;
+        }
+        strays.iter_mut().zip(found).for_each(|(strays, found)| strays.extend(found));
+        // All anew: where the motion is liveliest its jerk is read, and there they were.
+        let [theta, omega, alpha] = [0, 1, 2].map(|i| {
+            let mut column = [Some(recording.theta), recording.omega, recording.alpha][i]?.to_vec();
+            strays[i].iter().for_each(|&row| column[row] = f64::NAN);
+            Some(column)
+        });
+        let theta = theta.as_deref().unwrap_or(recording.theta);
+        let without = Sensors { theta, omega: omega.as_deref(), alpha: alpha.as_deref(), ..sensors };
+        motion = smooth(&without, &noise_from_capture(&without)?)?;
+    }
     Ok(Moving {
+        strays,
         theta: motion.theta,
         omega: motion.omega,
         alpha: motion.alpha,
@@ -98,7 +121,7 @@ pub(super) fn columns(
         None => differences(recording.t, &omega, stretches),
     };
     let omega_sd = vec![0.0; omega.len()];
-    Ok(Moving { theta, omega, alpha, omega_sd, uncertainty: None, noise: None })
+    Ok(Moving { theta, omega, alpha, omega_sd, uncertainty: None, noise: None, strays: Default::default() })
 }
 
 /// Central differences within each stretch, one-sided at its ends.

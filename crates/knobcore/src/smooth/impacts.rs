@@ -11,8 +11,9 @@
 //! signal reconstruction from limited data using FOCUSS", IEEE Transactions on Signal Processing 45(3), 1997;
 //! here window by window and never below the usual jerk). A window that stays out of line is raised further.
 //!
-//! A wild reading of a single sensor looks like an impact and is followed as one; sensors that contradict each
-//! other for several samples are smoothed with a standard deviation that may be too small.
+//! A wild reading of a single sensor looks like an impact at first, and is left out (`strays`);
+//! sensors that contradict each other for several samples are smoothed with a standard deviation that may be
+//! too small.
 
 use super::lifts::{Lifts, WINDOW};
 use super::rts::{Motion, smooth_rows};
@@ -39,10 +40,10 @@ const STUBBORN: f64 = 8.0;
 /// there the smoother passes through every sample.
 const MOST: f64 = 1e4;
 
-/// The motion, with the jerk of `model` except where there are impacts.
-pub fn smooth_with_impacts(sensors: &Sensors<'_>, model: &Model) -> Motion {
+/// The motion of a first run, with the jerk of `model` except where there are impacts.
+pub fn with_impacts(sensors: &Sensors<'_>, model: &Model, first: Motion) -> Motion {
     let mut lifts = Lifts::default();
-    let mut motion = smooth_rows(sensors, model, &lifts);
+    let mut motion = first;
     // The least that each window is raised; none where the motion is smooth.
     let mut least: Vec<Option<f64>> = Vec::new();
     for _ in 1..RUNS {
@@ -90,16 +91,22 @@ fn most(model: &Model) -> f64 {
 
 /// Windows whose readings lie off the motion by more than chance.
 fn out_of_line(sensors: &Sensors<'_>, model: &Model, motion: &Motion) -> Vec<bool> {
+    let sums = sums(sensors, model, motion);
+    let spreads = sums.each_ref().map(|sums| spread(sums));
+    beyond_chance(&sums, &spreads)
+}
+
+/// Of each sensor that is there, window by window: the sum of squares of its residuals in units of its noise, and
+/// their degrees of freedom.
+pub fn sums(sensors: &Sensors<'_>, model: &Model, motion: &Motion) -> [Vec<(f64, f64)>; 3] {
     let windows = || (0..sensors.len()).step_by(WINDOW).map(|k| k..(k + WINDOW).min(sensors.len()));
-    let theta = |rows| angles_off(sensors.theta, motion, model.variance[0], rows);
-    let mut found = beyond_chance(windows().map(theta).collect());
-    for (i, column) in [(1, sensors.omega), (2, sensors.alpha)] {
-        let Some(column) = column.filter(|_| model.variance[i].is_finite()) else { continue };
+    let jumps = |i: usize, column: Option<&[f64]>| -> Vec<(f64, f64)> {
+        let Some(column) = column.filter(|_| model.variance[i].is_finite()) else { return Vec::new() };
         let noise = model.variance[i] / model.scale[i].powi(2);
-        let jumps = windows().map(|rows| jumps_off(column, &motion.values[i], noise, rows)).collect();
-        found.iter_mut().zip(beyond_chance(jumps)).for_each(|(found, jump)| *found |= jump);
-    }
-    found
+        windows().map(|rows| jumps_off(column, &motion.values[i], noise, rows)).collect()
+    };
+    let theta = windows().map(|rows| angles_off(sensors.theta, motion, model.variance[0], rows)).collect();
+    [theta, jumps(1, sensors.omega), jumps(2, sensors.alpha)]
 }
 
 /// Residuals of the angle: sum of their squares in units of the noise, and the degrees of freedom that the
@@ -128,20 +135,28 @@ fn jumps_off(rate: &[f64], motion: &[f64], noise: f64, rows: Range<usize>) -> (f
     (squares, freedom)
 }
 
-/// Which of the sums of squares, each with its degrees of freedom, are too large for chance. Noise that is
-/// not white has larger sums everywhere: if a tenth of them are larger than white noise has them, all are
-/// measured by that (overdispersion: P. McCullagh and J. A. Nelder, "Generalized Linear Models", Chapman and
-/// Hall 1989, section 4.5; by a quantile, as the impacts must not count).
-fn beyond_chance(sums: Vec<(f64, f64)>) -> Vec<bool> {
+/// How much larger the sums of a sensor are than those of white noise, at least 1. Noise that is not white has
+/// larger ones everywhere: if a tenth of them are larger than white noise has them, all are measured by that
+/// (overdispersion: P. McCullagh and J. A. Nelder, "Generalized Linear Models", Chapman and Hall 1989, section
+/// 4.5; by a quantile, as the impacts must not count).
+pub fn spread(sums: &[(f64, f64)]) -> f64 {
     let mut ratios: Vec<f64> =
         sums.iter().filter(|sum| sum.1 > 0.5).map(|(squares, freedom)| squares / freedom).collect();
     let tenth = ratios.len() * 9 / 10;
-    let spread = if ratios.is_empty() {
-        1.0
-    } else {
-        (*ratios.select_nth_unstable_by(tenth, f64::total_cmp).1 / UPPER_TENTH).max(1.0)
-    };
-    sums.into_iter().map(|(squares, freedom)| squares > spread * chance(freedom)).collect()
+    if ratios.is_empty() {
+        return 1.0;
+    }
+    (*ratios.select_nth_unstable_by(tenth, f64::total_cmp).1 / UPPER_TENTH).max(1.0)
+}
+
+/// In which windows the sums of any sensor, of that spread, are too large for chance.
+pub fn beyond_chance(sums: &[Vec<(f64, f64)>; 3], spreads: &[f64; 3]) -> Vec<bool> {
+    let mut found = vec![false; sums[0].len()];
+    for (sums, spread) in sums.iter().zip(spreads) {
+        let beyond = sums.iter().map(|(squares, freedom)| *squares > spread * chance(*freedom));
+        found.iter_mut().zip(beyond).for_each(|(found, beyond)| *found |= beyond);
+    }
+    found
 }
 
 /// What a chi-square exceeds once in exp(UNLIKELY) at most (B. Laurent and P. Massart, Annals of Statistics

@@ -29,6 +29,7 @@ mod rts;
 mod sensors;
 mod staircase;
 mod state;
+mod strays;
 #[cfg(test)]
 mod tests;
 

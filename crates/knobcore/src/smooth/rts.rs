@@ -13,12 +13,13 @@
 //! The filter leaves a checkpoint every few thousand samples and runs again from there on the way back, so
 //! that memory beyond the result does not grow with the capture.
 
-use super::impacts::smooth_with_impacts;
+use super::impacts::with_impacts;
 use super::kalman::{Filter, Prediction, Prior};
 use super::lifts::Lifts;
 use super::sensors::{Noise, Sensors};
 use super::staircase::one_reading_per_step;
 use super::state::{Model, coast, transition};
+use super::strays::strays;
 use crate::error::Result;
 use nalgebra::{Matrix3, Vector3};
 
@@ -45,6 +46,8 @@ pub struct Smoothed {
     pub alpha_sd: Vec<f64>,
     /// What was taken for the sensors' noise and the jerk.
     pub noise: Noise,
+    /// Readings of theta, omega and alpha, by row, without which there would be no impact: they count still.
+    pub strays: [Vec<usize>; 3],
 }
 
 /// The smoother's gains over one step.
@@ -76,7 +79,11 @@ pub fn smooth(sensors: &Sensors<'_>, noise: &Noise) -> Result<Smoothed> {
     let readings = one_reading_per_step(sensors.theta);
     let sensors = Sensors { theta: readings.as_deref().unwrap_or(sensors.theta), ..*sensors };
     let model = Model::new(noise, sensors.step());
-    Ok(smooth_with_impacts(&sensors, &model).finish(*noise))
+    let first = smooth_rows(&sensors, &model, &Lifts::default());
+    Ok(match strays(&sensors, &model, &first) {
+        None => first.finish(*noise, Default::default()),
+        Some(strays) => with_impacts(&sensors, &model, first).finish(*noise, strays),
+    })
 }
 
 /// The smoother itself, on sensors that were checked.
@@ -181,9 +188,9 @@ impl Motion {
         }
     }
 
-    fn finish(self, noise: Noise) -> Smoothed {
+    fn finish(self, noise: Noise, strays: [Vec<usize>; 3]) -> Smoothed {
         let [theta, omega, alpha] = self.values;
         let [theta_sd, omega_sd, alpha_sd] = self.sds;
-        Smoothed { theta, omega, alpha, theta_sd, omega_sd, alpha_sd, noise }
+        Smoothed { theta, omega, alpha, theta_sd, omega_sd, alpha_sd, noise, strays }
     }
 }

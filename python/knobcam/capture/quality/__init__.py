@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,10 +13,11 @@ from ..formats.units import Coordinate
 from .dead import check_dead
 from .held import check_held
 from .late import check_late
-from .motion import check_scale, check_stuck, check_wrapped
+from .motion import check_stuck, check_wrapped
+from .scales import check_scales
 from .size import check_size
 from .steps import check_steps
-from .timing import check_times, run_on
+from .timing import check_times, run_on, spread
 from .torque import Limit, check_clipping, check_spikes
 
 __all__ = ["Checked", "Finding", "Rows", "check", "check_size"]
@@ -87,6 +88,9 @@ def _check(
 
     present["t"], found = run_on(present["t"], rows)
     findings += found
+    others = [values for name, values in present.items() if name != "t"]
+    present["t"], found = spread(present["t"], others, rows)
+    findings += found
     rising, found, rate = check_times(present["t"], rows, source)
     findings += found
     mask &= rising
@@ -108,22 +112,15 @@ def _check(
     clipped, found = check_clipping(present["tau"], present["theta"], mask, rows, limit)
     findings += found
     findings += check_held(present, mask, rows)
-    findings += check_late(present, mask, rate)
     for name in ("theta", "omega", "alpha", "tau"):
         if name in present:
             findings += check_stuck(name, present[name], mask)
     findings += check_wrapped(present["theta"], mask, rows, coordinate)
-    scales: list[Finding] = []
-    for order, name in enumerate(("omega", "alpha"), start=1):
-        if name in present:
-            scales += check_scale(present["t"], present["theta"], present[name], order, mask, coordinate)
-    # Of one column alone there is no doubt which is turned; of both it may be theta.
-    if [one.kind for one in scales] == ["sign"] and {"omega", "alpha"} <= set(present):
-        turned = scales[0]
-        present[turned.column] = -present[turned.column]
-        message = f"{turned.column}: its sign is reversed, as theta and the other column say; it is turned"
-        scales = [replace(turned, message=message, severity="mended")]
-    findings += scales
+    present, found = check_scales(present, mask, coordinate)
+    findings += found
+    present, found = check_late(present, mask, rate)
+    findings += found
+    mask &= _measured(present["theta"])
     return Checked(mask & ~clipped, tuple(findings), rate, present)
 
 

@@ -1,4 +1,4 @@
-"""Motion columns that contradict each other: stuck, wrapped, in another unit than they say."""
+"""Motion columns that are stuck or wrap, and how large one is beside the derivative of another."""
 
 from __future__ import annotations
 
@@ -9,30 +9,17 @@ from numpy.typing import NDArray
 
 from ...base.arrays import BoolArray, FloatArray
 from ..finding import Finding, Rows, rows_in_words, spans
-from ..formats.units import SI, Coordinate
+from ..formats.units import Coordinate
 from .order import quantile
-
-AGREEMENT = (0.8, 1.25)
-"""Ratio of a derivative's column to the derivative of theta that passes as the same unit."""
 
 MAX_SPREAD = 0.3
 """Interquartile range of that ratio, relative, above which the columns are too noisy to judge."""
 
 _WINDOWS_S = (0.005, 0.02, 0.08, 0.32)  # spans compared: short ones for fast motion, long ones for noise
+_SLOWEST_S = 0.02  # between rows, for those spans
 _MIN_WINDOWS = 20
 _ALIKE = 0.5  # correlation over the longest spans, below which a column is no derivative of another
 _OTHER = 5.0  # times larger that its integral is: that of noise alone is not
-
-_FACTORS: dict[Coordinate, dict[float, str]] = {
-    "linear": {1e3: "thousandths", 1e6: "millionths"},
-    "rotary": {
-        1e3: "thousandths",
-        1e6: "millionths",
-        180 / math.pi: "degrees",
-        1 / (2 * math.pi): "turns",
-        60 / (2 * math.pi): "rpm",
-    },
-}
 
 
 def check_stuck(name: str, values: FloatArray, usable: BoolArray) -> list[Finding]:
@@ -63,58 +50,14 @@ def check_wrapped(theta: FloatArray, usable: BoolArray, rows: Rows, coordinate: 
     return [Finding("wrap", "theta", len(at), spans(at), message, "warning")]
 
 
-def check_scale(
-    t: FloatArray,
-    theta: FloatArray,
-    column: FloatArray,
-    order: int,
-    usable: BoolArray,
-    coordinate: Coordinate,
-) -> list[Finding]:
-    """Return a warning when omega (`order` 1) or alpha (2) is not that derivative of theta.
-
-    The column is integrated `order` times and its differences over a window compared with those of theta:
-    no derivative of a noisy angle is taken. The median over windows with much motion makes the ratio.
-    """
-    name = "omega" if order == 1 else "alpha"
-    derivative = "d theta/dt" if order == 1 else "d2 theta/dt2"
-    ratio, apart = _ratio(t, theta, column, order, usable)
-    if order == 1 and apart:
-        message = f"{name}: has nothing to do with {derivative}; check which column is which in the map"
-        return [Finding("contradiction", name, int(usable.sum()), (), message, "warning")]
-    if ratio is None or AGREEMENT[0] <= ratio <= AGREEMENT[1]:
-        return []
-    if -AGREEMENT[1] <= ratio <= -AGREEMENT[0]:
-        kind, reason = "sign", "its sign is reversed, map it with a minus"
-    else:
-        kind, reason = "unit", _likely(name, abs(ratio), coordinate)
-    message = f"{name}: {ratio:.4g} times {derivative}: {reason}; nothing is changed"
-    return [Finding(kind, name, int(usable.sum()), (), message, "warning")]
-
-
-def _likely(name: str, ratio: float, coordinate: Coordinate) -> str:
-    """Return the unit that would explain `ratio`, within the agreement that passes as equal."""
-    unit = SI[coordinate][name]
-    known = [
-        (factor, f"the column may be in {word} where {unit} is expected")
-        for factor, word in _FACTORS[coordinate].items()
-    ]
-    known += [
-        (1 / factor, f"theta may be in {word} where {SI[coordinate]['theta']} is expected")
-        for factor, word in _FACTORS[coordinate].items()
-    ]
-    factor, reason = min(known, key=lambda pair: abs(math.log(pair[0] / ratio)))
-    if AGREEMENT[0] <= ratio / factor <= AGREEMENT[1]:
-        return f"near {factor:.4g}, so {reason} (or t is not in s)"
-    return "check the units in the map"
-
-
-def _ratio(
+def ratio(
     t: FloatArray, theta: FloatArray, column: FloatArray, order: int, usable: BoolArray
 ) -> tuple[float | None, bool]:
-    """Return the median ratio of `column` to the derivative of `theta`, and whether they are strangers.
+    """Return the median ratio of `column` to that derivative of `theta`, and whether they are strangers.
 
-    The ratio is None when it cannot be judged.
+    The column is integrated `order` times and its differences over a window compared with those of theta:
+    no derivative of a noisy angle is taken. The median over windows with much motion makes the ratio, None
+    when it cannot be judged.
     """
     dt = np.diff(t)
     broken = ~(usable[1:] & usable[:-1])
@@ -130,7 +73,9 @@ def _ratio(
 
     best: tuple[float, float] | None = None
     apart = False
-    for window in _WINDOWS_S:
+    # A clock that seems to stand nearly still may be in another unit: the windows are then as many rows.
+    slower = max(1.0, usual / _SLOWEST_S)
+    for window in np.multiply(slower, _WINDOWS_S):
         span = max(1, round(window / usual))
         start = np.arange(0, len(t) - order * span, max(1, span // 2))
         start = start[holes[start] == holes[start + order * span]]

@@ -22,6 +22,9 @@ PLAUSIBLE_RATE_HZ = (10.0, 1e6)
 """Sampling rates outside are more often a unit mistaken than a rig."""
 
 _RUN = 50  # stamps that rise before a clock begins anew, and after it
+_TICKING = 0.3  # of the stamps that repeat, above which a clock is slower than the rows
+_WITHIN = 1.5  # ticks between the stamps of such a clock and evenly spaced rows, if no row is missing
+_NEW = 0.5  # of the rows under a repeated stamp that have to say something new
 _SNAP = 1e-9  # a rate this close (relative) to a whole number of Hz was one before it went through text
 
 
@@ -112,6 +115,31 @@ def run_on(t: FloatArray, rows: Rows) -> tuple[FloatArray, list[Finding]]:
         f"t: the clock begins anew at {rows_in_words(at)}; it is taken on from there, as if no row was lost"
     )
     return t + np.cumsum(shift), [Finding("restart", "t", len(at), spans(at), message, "mended")]
+
+
+def spread(t: FloatArray, others: list[FloatArray], rows: Rows) -> tuple[FloatArray, list[Finding]]:
+    """Return the stamps of a clock that ticks more slowly than rows come, spread evenly, and say so.
+
+    `t` in s and the `others`, the measured columns, shape (samples,) each. Only where the rows are even, none
+    is missing, and those under one stamp are not the same row again.
+    """
+    step = np.diff(t)
+    repeats = step == 0.0
+    if not (step >= 0.0).all() or not np.mean(repeats) > _TICKING or repeats.all():
+        return t, []
+    anew = np.any([np.diff(values)[repeats] != 0.0 for values in others], axis=0)
+    tick = quantile(step[~repeats], 0.5)
+    count = np.arange(len(t), dtype=np.float64)
+    off = count - count.mean()
+    even = t.mean() + float(off @ (t - t.mean())) / float(off @ off) * off
+    if not np.mean(anew) > _NEW or np.ptp(t - even) > _WITHIN * tick:
+        return t, []
+    many = int(repeats.sum())
+    message = (
+        f"t: {many} samples repeat the time stamp before them: the clock ticks every {1e3 * tick:.4g} ms, "
+        "and the rows between come evenly; their stamps are spread evenly"
+    )
+    return even, [Finding("duplicate", "t", many, spans(rows[1:][repeats]), message, "mended")]
 
 
 def _rising(t: FloatArray, rows: Rows) -> tuple[BoolArray, list[Finding]]:

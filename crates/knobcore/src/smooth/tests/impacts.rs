@@ -169,3 +169,21 @@ fn jerk_that_is_far_too_low_is_raised_where_the_motion_asks() {
     let honest = rms(&motion.omega, &truth.omega, |k| motion.omega_sd[k]);
     assert!(honest < 3.0, "{honest}");
 }
+
+#[test]
+fn a_wild_reading_of_one_sensor_is_named_and_an_impact_is_not() {
+    for seed in [1, 2, 3] {
+        let mut seen = Motion::of(even(SAMPLES), motion::multisine).seen(seed, FINE);
+        assert!(smoothed(&seen).strays.iter().all(Vec::is_empty));
+        seen.omega[9_000] -= 5.0;
+        seen.alpha[5_000] += 800.0;
+        assert_eq!(smoothed(&seen).strays, [vec![], vec![9_000], vec![5_000]]);
+        for truth in [stick_slip().0, end_stop(), hand_release()] {
+            let seen = truth.seen(seed, FINE);
+            assert!(smoothed(&seen).strays.iter().all(Vec::is_empty));
+            let alone = seen.theta_alone();
+            let motion = smooth(&alone, &noise_from_capture(&alone).unwrap()).unwrap();
+            assert!(motion.strays.iter().all(Vec::is_empty));
+        }
+    }
+}

@@ -1,0 +1,117 @@
+"""Columns that contradict each other are named, and mended where two of three leave no doubt."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import numpy as np
+import pytest
+from recordings import RATE, N, only, recording, times
+
+import knobcam as kc
+
+UNITS = [
+    (1e3, "thousandths"),
+    (180.0 / math.pi, "degrees"),
+    (60.0 / (2.0 * math.pi), "rpm"),
+    (1.0 / (2.0 * math.pi), "turns"),
+    (-1.0, "sign"),
+    (3.3, "check the units"),
+]
+
+
+@pytest.mark.parametrize("name", ["omega", "alpha"])
+@pytest.mark.parametrize(("factor", "word"), UNITS)
+def test_a_derivative_in_another_unit_is_left_out_where_two_others_agree(
+    name: str, factor: float, word: str
+) -> None:
+    capture = recording(**{name: recording().columns[name] * factor})
+    finding = only(capture)
+    assert (finding.kind, finding.severity) == ("sign" if factor < 0.0 else "unit", "mended")
+    assert finding.column == name and word in finding.message
+    if factor < 0.0:
+        assert np.array_equal(capture.columns[name], recording().columns[name])
+    else:
+        assert name not in capture.columns
+
+
+@pytest.mark.parametrize("factor", [180.0 / math.pi, math.pi / 180.0, -1.0])
+def test_of_two_columns_that_contradict_each_other_either_may_be_wrong(factor: float) -> None:
+    capture = recording(omega=recording().columns["omega"] * factor, alpha=None)
+    finding = only(capture)
+    assert (finding.column, finding.severity) == ("omega", "warning")
+    assert np.array_equal(capture.columns["omega"], recording().columns["omega"] * factor)
+    assert "to be mended first" in kc.learn(capture).headline
+
+
+def test_an_angle_in_degrees_is_seen_by_both_derivatives() -> None:
+    finding = only(recording(theta=np.rad2deg(recording().theta)))
+    assert (finding.kind, finding.column, finding.severity) == ("unit", "theta", "warning")
+    assert "theta may be in degrees" in finding.message
+
+
+def test_a_reversed_angle_is_turned_where_both_derivatives_say_so() -> None:
+    capture = recording(theta=-recording().theta)
+    finding = only(capture)
+    assert (finding.kind, finding.column, finding.severity) == ("sign", "theta", "mended")
+    assert np.array_equal(capture.theta, recording().theta)
+
+
+def test_a_clock_in_milliseconds_is_told_by_both_derivatives() -> None:
+    (finding,) = (one for one in recording(t=1e3 * times()).findings if one.kind == "unit")
+    assert finding.column == "t" and "t=... [ms]" in finding.message
+
+
+@pytest.mark.parametrize(
+    ("one", "other"), [("theta", "omega"), ("omega", "alpha"), ("alpha", "tau"), ("theta", "tau")]
+)
+def test_columns_in_each_others_place_are_named_both(one: str, other: str) -> None:
+    there = recording().columns
+    found = [
+        finding
+        for finding in recording(**{one: there[other], other: there[one]}).findings
+        if finding.kind == "swapped"
+    ]
+    assert [(finding.column, finding.severity) for finding in found] == [(one, "warning")]
+    assert f"{one} what {other} should be" in found[0].message
+
+
+@pytest.mark.parametrize(("rows", "which"), [(3, "after"), (-3, "before")])
+def test_an_angle_that_is_late_against_the_velocity_is_named_with_its_delay(rows: int, which: str) -> None:
+    finding = only(recording(theta=np.interp(times() - rows / RATE, times(), recording().theta)))
+    assert (finding.kind, finding.column, finding.severity) == ("late_column", "theta", "mended")
+    assert re.search(rf"stands (2\.9|3|3\.0)\d* ms .* {which} the omega", finding.message)
+
+
+def test_a_velocity_that_belongs_to_another_motion_is_a_contradiction() -> None:
+    other = 50.0 * np.cos(2.0 * np.pi * 0.7 * times() + 1.0)
+    assert [one.kind for one in recording(omega=other).findings] == ["contradiction"]
+
+
+def test_an_angle_that_is_late_against_both_its_derivatives_is_put_back() -> None:
+    true = recording().theta
+    capture = recording(theta=np.interp(times() - 3 / RATE, times(), true))
+    inside = slice(10, -10)
+    assert np.abs(capture.theta - true)[inside].max() < 1e-3  # 0.03 off as it was
+    assert not capture.mask[-2:].any()
+
+
+def test_a_velocity_behind_a_filter_is_left_out_where_nothing_else_tells() -> None:
+    omega = np.interp(times() - 5 / RATE, times(), recording().columns["omega"])
+    capture = recording(omega=omega, alpha=None)
+    assert only(capture).kind == "late_column" and "omega is left out" in only(capture).message
+    assert capture.omega is None
+
+
+def test_the_rows_of_a_clock_that_ticks_more_slowly_are_spread_evenly_unless_they_are_the_same_row() -> None:
+    ticks = np.floor(times() * 200.0) / 200.0
+    capture = recording(t=ticks)
+    finding = only(capture)
+    assert (finding.kind, finding.column, finding.severity) == ("duplicate", "t", "mended")
+    assert capture.mask.all() and capture.rate_hz == pytest.approx(RATE, rel=1e-3)
+    assert np.ptp(capture.t - times()) < 1e-4
+    same = {
+        name: values[np.arange(N) // 5 * 5] for name, values in recording().columns.items() if name != "t"
+    }
+    assert (~recording(t=ticks, **same).mask).sum() == pytest.approx(0.8 * N, rel=0.01)
