@@ -15,8 +15,13 @@ mod wire;
 
 use pyo3::prelude::*;
 
+/// A large block that was freed once tells the C library (glibc: "dynamic mmap threshold") to keep what is freed for
+/// what is asked for next. Else it hands the columns of every fit back, and new pages take longer than the fit.
+const KEPT_BYTES: usize = 8 << 20;
+
 #[pymodule]
 fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
+    drop(std::hint::black_box(Vec::<u8>::with_capacity(KEPT_BYTES)));
     m.add("__version__", env!("CARGO_PKG_VERSION"))?;
     filter::register(m)?;
     wire::register(m)?;

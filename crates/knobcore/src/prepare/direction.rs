@@ -26,8 +26,12 @@ pub(super) fn without_unsure(
     segments: &[Range<usize>],
     reach: usize,
 ) -> Option<Vec<f64>> {
+    let unsure = slower_than(UNSURE_SD, 0, moving, segments);
+    if unsure.is_empty() {
+        return None;
+    }
     let mut sure = weight.to_vec();
-    for run in slower_than(UNSURE_SD, 0, moving, segments) {
+    for run in unsure {
         sure[run.start.saturating_sub(reach)..(run.end + reach).min(weight.len())].fill(0.0);
     }
     (sure.iter().sum::<f64>() >= MOSTLY_SURE * weight.iter().sum::<f64>()).then_some(sure)
