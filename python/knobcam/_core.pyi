@@ -12,6 +12,8 @@ from .capture.formats.units import Coordinate
 Floats = NDArray[np.float64]
 
 __version__: str
+instruction_set: str
+"""What is used: sse2, avx2 or avx512; the environment's KNOBCAM_ISA names another, read once."""
 
 def zero_phase(channels: Floats, sos: Floats) -> Floats: ...
 def cheby2_sos(order: int, stopband_db: float, edge_hz: float, rate_hz: float) -> Floats: ...

@@ -1,10 +1,9 @@
 //! Hann-tapered periodograms of stretches of a column, several at a time.
 
-#![expect(clippy::needless_range_loop, reason = "a count known to the compiler becomes vector instructions")]
-
 use crate::fourier::Transform;
 use crate::isa;
 use crate::scalar::{Packed, Scalar, WIDE, Wide};
+use pulp::Simd;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -58,74 +57,80 @@ impl Periodogram {
         let n = bins.len();
         let mut powers = vec![0.0; starts.len() * n];
         for (few, out) in starts.chunks(WIDE).zip(powers.chunks_mut(WIDE * n)) {
-            let mut rows = self.transform.rows(WIDE);
-            isa::dispatch_wide(Tapered { taper: &self.taper, column, starts: few, rows: &mut rows });
-            let spectra = self.transform.forward(WIDE, rows, bins.clone());
-            isa::dispatch_wide(Squared { spectra: &spectra, scale: 1.0 / self.energy, out });
+            let mut rows = self.side_by_side(column, few);
+            isa::dispatch_wide(Tapered { taper: &self.taper, rows: &mut rows });
+            let mut spectra = self.transform.forward(WIDE, rows, bins.clone());
+            isa::dispatch_wide(Squared { spectra: &mut spectra, scale: 1.0 / self.energy });
+            for (lane, own) in out.chunks_exact_mut(n.max(1)).enumerate() {
+                for (own, powers) in own.iter_mut().zip(spectra[0].as_chunks::<WIDE>().0) {
+                    *own = powers[lane];
+                }
+            }
         }
         Powers { bins: n, powers }
     }
+
+    /// The even rows of windows, and the odd ones. Not compiled for a machine's own instructions: with those that gather and
+    /// scatter it takes several times as long.
+    fn side_by_side(&self, column: &[f64], starts: &[usize]) -> [Vec<f64>; 2] {
+        let mut rows = self.transform.rows(WIDE);
+        let [even, odd] = &mut rows;
+        for (lane, start) in starts.iter().enumerate() {
+            let pairs = column[*start..*start + self.taper.len()].as_chunks::<2>().0;
+            let even = even.as_chunks_mut::<WIDE>().0.iter_mut();
+            for ((even, odd), [first, second]) in even.zip(odd.as_chunks_mut::<WIDE>().0).zip(pairs) {
+                (even[lane % WIDE], odd[lane % WIDE]) = (*first, *second);
+            }
+        }
+        rows
+    }
 }
 
-/// Windows side by side, without their mean and tapered: their even rows, and their odd ones.
+/// Takes the mean off windows side by side, and tapers them.
 struct Tapered<'a> {
     taper: &'a [f64],
-    column: &'a [f64],
-    starts: &'a [usize],
     rows: &'a mut [Vec<f64>; 2],
 }
 
-impl pulp::NullaryFnOnce for Tapered<'_> {
+impl pulp::WithSimd for Tapered<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn call(self) {
-        let n = self.taper.len();
+    fn with_simd<S: Simd>(self, simd: S) {
         let [even, odd] = self.rows;
-        let (even, odd) = (even.as_chunks_mut::<WIDE>().0, odd.as_chunks_mut::<WIDE>().0);
-        for (lane, start) in self.starts.iter().enumerate() {
-            let pairs = self.column[*start..*start + n].as_chunks::<2>().0;
-            for ((even, odd), [first, second]) in even.iter_mut().zip(odd.iter_mut()).zip(pairs) {
-                (even[lane], odd[lane]) = (*first, *second);
+        let (even, odd) = (S::as_mut_simd_f64s(even).0, S::as_mut_simd_f64s(odd).0);
+        let packs = WIDE / S::F64_LANES;
+        let scale = simd.splat_f64s(1.0 / self.taper.len() as f64);
+        for pack in 0..packs {
+            let mut sums = [simd.splat_f64s(0.0); 2];
+            for (even, odd) in even.iter().zip(odd.iter()).skip(pack).step_by(packs) {
+                sums = [simd.add_f64s(sums[0], *even), simd.add_f64s(sums[1], *odd)];
             }
-        }
-        let (mut mean, mut beside) = ([0.0; WIDE], [0.0; WIDE]);
-        for (even, odd) in even.iter().zip(odd.iter()) {
-            for lane in 0..WIDE {
-                mean[lane] += even[lane];
-                beside[lane] += odd[lane];
-            }
-        }
-        for lane in 0..WIDE {
-            mean[lane] = (mean[lane] + beside[lane]) / n as f64;
-        }
-        for ((even, odd), weights) in even.iter_mut().zip(odd).zip(self.taper.as_chunks::<2>().0) {
-            for lane in 0..WIDE {
-                even[lane] = (even[lane] - mean[lane]) * weights[0];
-                odd[lane] = (odd[lane] - mean[lane]) * weights[1];
+            let mean = simd.mul_f64s(scale, simd.add_f64s(sums[0], sums[1]));
+            let rows = even.iter_mut().zip(odd.iter_mut()).skip(pack).step_by(packs);
+            for ((even, odd), [first, second]) in rows.zip(self.taper.as_chunks::<2>().0) {
+                *even = simd.mul_f64s(simd.sub_f64s(*even, mean), simd.splat_f64s(*first));
+                *odd = simd.mul_f64s(simd.sub_f64s(*odd, mean), simd.splat_f64s(*second));
             }
         }
     }
 }
 
-/// Powers of spectra side by side, one after the other.
+/// Makes powers of real parts.
 struct Squared<'a> {
-    spectra: &'a [Vec<f64>; 2],
+    spectra: &'a mut [Vec<f64>; 2],
     scale: f64,
-    out: &'a mut [f64],
 }
 
-impl pulp::NullaryFnOnce for Squared<'_> {
+impl pulp::WithSimd for Squared<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn call(self) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let [re, im] = self.spectra;
-        let (re, im) = (re.as_chunks::<WIDE>().0, im.as_chunks::<WIDE>().0);
-        for (lane, own) in self.out.chunks_exact_mut(re.len().max(1)).enumerate() {
-            for (own, (re, im)) in own.iter_mut().zip(re.iter().zip(im)) {
-                *own = (re[lane] * re[lane] + im[lane] * im[lane]) * self.scale;
-            }
+        let scale = simd.splat_f64s(self.scale);
+        for (re, im) in S::as_mut_simd_f64s(re).0.iter_mut().zip(S::as_simd_f64s(im).0) {
+            *re = simd.mul_f64s(scale, simd.mul_add_e_f64s(*re, *re, simd.mul_f64s(*im, *im)));
         }
     }
 }

@@ -13,6 +13,8 @@ mod signals;
 mod user;
 mod wire;
 
+use knobcore::isa::used;
+use pyo3::exceptions::PyImportError;
 use pyo3::prelude::*;
 
 /// A large block that was freed once tells the C library (glibc: "dynamic mmap threshold") to keep what is freed for
@@ -23,6 +25,7 @@ const KEPT_BYTES: usize = 8 << 20;
 fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     drop(std::hint::black_box(Vec::<u8>::with_capacity(KEPT_BYTES)));
     m.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    m.add("instruction_set", used().map_err(|error| PyImportError::new_err(error.to_string()))?)?;
     filter::register(m)?;
     wire::register(m)?;
     m.add_class::<model::PyModel>()?;

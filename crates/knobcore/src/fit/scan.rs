@@ -276,21 +276,21 @@ pub fn scan(
         Complex64::new(re[at], im[at])
     };
     // Gain, and the sine and cosine coefficient counted from position zero.
+    let mut columns = vec![Complex64::default(); kept.len()];
     let detent = |at: usize| -> (f64, [f64; 2]) {
         // Cosine and sine products with the kept columns, the residual, and each other.
-        let columns: Vec<Complex64> = kept.iter().map(|&i| spectrum(i, at).conj()).collect();
+        columns.iter_mut().zip(&kept).for_each(|(column, &i)| *column = spectrum(i, at).conj());
         let residual =
             spectrum(k, at).conj() - columns.iter().zip(&solved).map(|(b, c)| b * c).sum::<Complex64>();
         let (total, double) = (spectrum(k + 1, 0).re, spectrum(k + 1, 2 * at).conj());
         let (mut cc, mut cs, mut ss) =
             (0.5 * (total + double.re), 0.5 * double.im, 0.5 * (total - double.re));
         for (i, a) in columns.iter().enumerate() {
-            for (j, b) in columns.iter().enumerate() {
-                let g = inverse[(i, j)];
-                cc -= a.re * g * b.re;
-                cs -= a.re * g * b.im;
-                ss -= a.im * g * b.im;
-            }
+            // The column times that of the inverse.
+            let b = columns.iter().zip(inverse.column(i).iter()).map(|(b, g)| b * g).sum::<Complex64>();
+            cc -= a.re * b.re;
+            cs -= a.re * b.im;
+            ss -= a.im * b.im;
         }
         let (c, s) = (residual.re, residual.im);
         let determinant = cc * ss - cs * cs;
