@@ -28,7 +28,7 @@ for prepare in ("none", "smooth"):
     numbers[f"{prepare} scan"] = fit.core.scan[1].tolist()
 rendered = kc.Renderer(knob, 5000.0).along(capture.theta, capture.omega, capture.alpha)
 numbers["rendered"] = rendered.tolist()
-print(json.dumps([_core.instruction_set, numbers]))
+print(json.dumps([_core.instruction_set(), numbers]))
 """
 
 
@@ -37,9 +37,9 @@ def run(instruction_set: str, work: str = WORK) -> subprocess.CompletedProcess[s
     return subprocess.run([sys.executable, "-c", work], capture_output=True, text=True, env=environment)
 
 
-@pytest.mark.skipif(_core.instruction_set == "sse2", reason="this machine has one instruction set")
+@pytest.mark.skipif(_core.instruction_set() == "sse2", reason="this machine has one instruction set")
 def test_every_instruction_set_gives_the_same_numbers() -> None:
-    wanted = SETS[: SETS.index(_core.instruction_set) + 1]
+    wanted = SETS[: SETS.index(_core.instruction_set()) + 1]
     answers = {name: json.loads(run(name).stdout) for name in wanted}
     assert [used for used, _ in answers.values()] == list(wanted)
     _, best = answers[wanted[-1]]

@@ -40,6 +40,8 @@ const ALIKE: f64 = 2.5;
 const LINES: usize = 8;
 /// Frequencies at which the noise of lines is summed.
 const SHARES: u32 = 256;
+/// Times what a model leaves that noise of any colour is taken for at most: quiet stretches tell it to a factor of two.
+const LEFT: f64 = 4.0;
 /// Slowest frequencies of a periodogram, which its taper and its mean take off.
 const TAKEN_OFF: usize = 2;
 
@@ -156,7 +158,8 @@ fn quiet(powers: &Powers, quantile: f64) -> Vec<f64> {
 /// Variance of white noise with the power of `rest` in the band; the median over frequencies keeps a line (mains,
 /// a resonance) out.
 fn variance_above(signals: &Signals, rest: &[f64]) -> f64 {
-    let Some(window) = WINDOWS.into_iter().find(|window| windows(&signals.segments, *window).len() >= ENOUGH) else {
+    let Some(window) = WINDOWS.into_iter().find(|window| windows(&signals.segments, *window).len() >= ENOUGH)
+    else {
         return f64::NAN;
     };
     let bin = |share: f64| (share * (window / 2) as f64) as usize;
@@ -177,6 +180,11 @@ fn variance_above(signals: &Signals, rest: &[f64]) -> f64 {
 fn median(mut values: Vec<f64>) -> f64 {
     let middle = values.len() / 2;
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// What the measurement filter leaves of white noise.
+fn gain(signals: &Signals) -> f64 {
+    signals.filter.as_ref().map_or(1.0, |filter| filter.sos().mean_power())
 }
 
 /// Of each capture the variance of white noise as loud as its raw torque, whatever the model; see [`noise`].
@@ -211,8 +219,6 @@ impl Floor {
     /// noise of the others: it was the same sensor.
     pub fn with(data: &[&Signals], noises: &[Option<Noise>]) -> Self {
         let mut floor = Self { white: 0.0, squares: 0.0, rows: 0.0 };
-        let gain =
-            |signals: &Signals| signals.filter.as_ref().map_or(1.0, |filter| filter.sos().mean_power());
         // What the noise of each leaves, per sample, and as white noise.
         let left = |(signals, noise): (&&Signals, &Option<Noise>)| {
             noise.as_ref().map(|noise| noise.behind(signals.filter.as_ref()) / gain(signals))
@@ -230,6 +236,15 @@ impl Floor {
             floor.rows += used;
         }
         Self { white: floor.white / floor.rows, ..floor }
+    }
+
+    /// What `white` stays below beside a model that leaves such a sum of squares: white noise is no louder than the raw
+    /// torque, any other is part of what is left.
+    pub fn whitest(loudest: &[f64], data: &[&Signals], cost: f64) -> f64 {
+        let most = |most: f64, (raw, signals): (&f64, &&Signals)| most.max(raw * bridged(signals));
+        let white = loudest.iter().zip(data).fold(0.0, most);
+        let passed: f64 = data.iter().map(|signals| gain(signals) * signals.used() as f64).sum();
+        white.max(LEFT * cost / passed)
     }
 
     /// Root mean square, N m.

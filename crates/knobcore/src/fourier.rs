@@ -187,9 +187,8 @@ mod tests {
             let [re, im] = transform.forward(lanes, rows, bins.clone());
             assert_eq!((re.len(), im.len()), (bins.len() * lanes, bins.len() * lanes));
             for (at, (re, im)) in re.into_iter().zip(im).enumerate() {
-                let turn = |n: usize| {
-                    Complex64::cis(-TAU * ((bins.start + at / lanes) * n) as f64 / length as f64)
-                };
+                let turn =
+                    |n: usize| Complex64::cis(-TAU * ((bins.start + at / lanes) * n) as f64 / length as f64);
                 let sum: Complex64 = (0..length).map(|n| value(n, at % lanes) * turn(n)).sum();
                 let fast = Complex64::new(re, im);
                 assert!((fast - sum).norm() < 1e-12 * length as f64, "{length} {at}: {fast} {sum}");

@@ -21,11 +21,18 @@ use pyo3::prelude::*;
 /// what is asked for next. Else it hands the columns of every fit back, and new pages take longer than the fit.
 const KEPT_BYTES: usize = 8 << 20;
 
+/// The instruction set that is used: sse2, avx2 or avx512; the environment's KNOBCAM_ISA names another, read once.
+#[pyfunction]
+fn instruction_set() -> PyResult<&'static str> {
+    used().map_err(|error| PyImportError::new_err(error.to_string()))
+}
+
 #[pymodule]
 fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     drop(std::hint::black_box(Vec::<u8>::with_capacity(KEPT_BYTES)));
     m.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    m.add("instruction_set", used().map_err(|error| PyImportError::new_err(error.to_string()))?)?;
+    instruction_set()?;
+    m.add_function(wrap_pyfunction!(instruction_set, m)?)?;
     filter::register(m)?;
     wire::register(m)?;
     m.add_class::<model::PyModel>()?;

@@ -35,6 +35,7 @@ use parts::Parts;
 use separable::{Effort, Layout, descend};
 use serial::{Meat, serial, thinned};
 use solve::{Normal, independent, solvable};
+use std::cell::OnceCell;
 use undetermined::{SILENT, silent, undetermined};
 
 /// Blocks of the block bootstrap and of the held-out error.
@@ -170,12 +171,7 @@ struct Start {
 }
 
 /// Looks for detents; None where there is no motion to scan over.
-fn scanned(
-    data: &[&Signals],
-    model: &Model,
-    detents: Detents,
-    loudest: &[f64],
-) -> Result<Option<Start>> {
+fn scanned(data: &[&Signals], model: &Model, detents: Detents, loudest: &[f64]) -> Result<Option<Start>> {
     let Some((bare, without, scan)) = scan_beside(data, model) else { return Ok(None) };
     let full = if model.has(Id::Detent) { model.clone() } else { bare.with(Id::Detent)? };
     let mut start = full.values();
@@ -186,13 +182,8 @@ fn scanned(
     let with = if detents == Detents::AsModel {
         best()?
     } else {
-        let judge = Judge {
-            data,
-            bare: &bare,
-            without: &without,
-            scan: &scan,
-            floor: Floor::below(loudest, data, &at(&bare, &without)),
-        };
+        let floor = OnceCell::new();
+        let judge = Judge { data, bare: &bare, without: &without, scan: &scan, loudest, floor };
         let found = if judge.promising() { best()? } else { None };
         match found {
             Some(with) if judge.are_there(&full, &with)? => Some(with),

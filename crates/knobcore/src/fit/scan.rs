@@ -109,7 +109,10 @@ impl pulp::NullaryFnOnce for Extremes<'_> {
             low = low.min(w.where_positive(x, Pack::of(f64::INFINITY)));
             high = high.max(w.where_positive(x, Pack::of(f64::NEG_INFINITY)));
         }
-        (low.0.into_iter().fold(f64::INFINITY, f64::min), high.0.into_iter().fold(f64::NEG_INFINITY, f64::max))
+        (
+            low.0.into_iter().fold(f64::INFINITY, f64::min),
+            high.0.into_iter().fold(f64::NEG_INFINITY, f64::max),
+        )
     }
 }
 
