@@ -41,8 +41,8 @@ impl Transform {
     }
 
     /// Sum of x_n exp(-2 pi i k n / length) over the `rows` of columns side by side, for these k of at most half the length:
-    /// real parts, and imaginary ones.
-    pub fn forward(&self, lanes: usize, rows: [Vec<f64>; 2], bins: Range<usize>) -> [Vec<f64>; 2] {
+    /// real parts, and imaginary ones. The rows are worked in.
+    pub fn forward(&self, lanes: usize, rows: &mut [Vec<f64>; 2], bins: Range<usize>) -> [Vec<f64>; 2] {
         isa::dispatch_wide(Forward { transform: self, lanes, rows, bins })
     }
 }
@@ -63,7 +63,7 @@ fn place(frequency: usize, length: usize) -> usize {
 struct Forward<'a> {
     transform: &'a Transform,
     lanes: usize,
-    rows: [Vec<f64>; 2],
+    rows: &'a mut [Vec<f64>; 2],
     bins: Range<usize>,
 }
 
@@ -72,13 +72,13 @@ impl pulp::WithSimd for Forward<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self { transform, lanes, mut rows, bins } = self;
+        let Self { transform, lanes, rows, bins } = self;
         if !lanes.is_multiple_of(S::F64_LANES) {
             return Forward { transform, lanes, rows, bins }.with_simd(pulp::Scalar);
         }
         let Transform { places, turns } = transform;
         let (half, packs) = (places.len(), lanes / S::F64_LANES);
-        let [re, im] = &mut rows;
+        let [re, im] = rows;
         let (re, im) = (S::as_mut_simd_f64s(re).0, S::as_mut_simd_f64s(im).0);
         let mut size = half;
         while size >= 4 {
@@ -184,7 +184,7 @@ mod tests {
                 }
             }
             let bins = 1..length / 2 + 1;
-            let [re, im] = transform.forward(lanes, rows, bins.clone());
+            let [re, im] = transform.forward(lanes, &mut rows, bins.clone());
             assert_eq!((re.len(), im.len()), (bins.len() * lanes, bins.len() * lanes));
             for (at, (re, im)) in re.into_iter().zip(im).enumerate() {
                 let turn =

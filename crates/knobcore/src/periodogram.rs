@@ -56,10 +56,11 @@ impl Periodogram {
     pub fn powers(&self, column: &[f64], starts: &[usize], bins: Range<usize>) -> Powers {
         let n = bins.len();
         let mut powers = vec![0.0; starts.len() * n];
+        let mut rows = self.transform.rows(WIDE);
         for (few, out) in starts.chunks(WIDE).zip(powers.chunks_mut(WIDE * n)) {
-            let mut rows = self.side_by_side(column, few);
+            self.side_by_side(column, few, &mut rows);
             isa::dispatch_wide(Tapered { taper: &self.taper, rows: &mut rows });
-            let mut spectra = self.transform.forward(WIDE, rows, bins.clone());
+            let mut spectra = self.transform.forward(WIDE, &mut rows, bins.clone());
             isa::dispatch_wide(Squared { spectra: &mut spectra, scale: 1.0 / self.energy });
             for (lane, own) in out.chunks_exact_mut(n.max(1)).enumerate() {
                 for (own, powers) in own.iter_mut().zip(spectra[0].as_chunks::<WIDE>().0) {
@@ -72,9 +73,7 @@ impl Periodogram {
 
     /// The even rows of windows, and the odd ones. Not compiled for a machine's own instructions: with those that gather and
     /// scatter it takes several times as long.
-    fn side_by_side(&self, column: &[f64], starts: &[usize]) -> [Vec<f64>; 2] {
-        let mut rows = self.transform.rows(WIDE);
-        let [even, odd] = &mut rows;
+    fn side_by_side(&self, column: &[f64], starts: &[usize], [even, odd]: &mut [Vec<f64>; 2]) {
         for (lane, start) in starts.iter().enumerate() {
             let pairs = column[*start..*start + self.taper.len()].as_chunks::<2>().0;
             let even = even.as_chunks_mut::<WIDE>().0.iter_mut();
@@ -82,7 +81,6 @@ impl Periodogram {
                 (even[lane % WIDE], odd[lane % WIDE]) = (*first, *second);
             }
         }
-        rows
     }
 }
 

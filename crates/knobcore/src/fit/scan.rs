@@ -173,7 +173,7 @@ impl Grid {
         for (at, cell) in cells.iter().enumerate() {
             cell.into_packs(&mut rows[at % 2], at / 2 * WIDE);
         }
-        let mut spectra = transform.forward(WIDE, rows, 0..last + 1);
+        let mut spectra = transform.forward(WIDE, &mut rows, 0..last + 1);
         for index in 0..=last {
             // What the spreading takes off each frequency.
             let half = 0.5 * self.frequency(index) * self.width;
