@@ -9,7 +9,8 @@ use crate::model::Part;
 use std::cell::Cell;
 
 thread_local! {
-    /// Kept from call to call: it is larger than what most of them compute. A user's effect may end up here again.
+    /// Kept from call to call where no effect shapes the friction: it is larger than what most of them compute, and those
+    /// leave what they do not use at zero. A user's effect may end up here again.
     static SCRATCH: Cell<Option<Box<Scratch>>> = const { Cell::new(None) };
 }
 
@@ -19,7 +20,7 @@ pub(super) fn loads(parts: &[Part<'_>], over: &mut Response<'_>) {
     let samples = over.torque.len();
     let mut kept: Vec<Vec<f64>> =
         parts.iter().map(|(id, p, columns)| id.law().kept(p, columns, over.motion)).collect();
-    let mut scratch = SCRATCH.take().unwrap_or_default();
+    let mut scratch = SCRATCH.take().filter(|_| plain).unwrap_or_default();
     let Scratch { channels, spent, end } = &mut *scratch;
     for start in (0..samples).step_by(BLOCK) {
         let block = start..(start + BLOCK).min(samples);
@@ -32,5 +33,7 @@ pub(super) fn loads(parts: &[Part<'_>], over: &mut Response<'_>) {
             id.law().slopes(p, columns, kept, &mut gradient);
         }
     }
-    SCRATCH.set(Some(scratch));
+    if plain {
+        SCRATCH.set(Some(scratch));
+    }
 }
