@@ -37,6 +37,7 @@ AT_LENGTH = {
     "pairs": "Every effect in every knob",
     "roundtrip": "Round trips",
     "versions": "Speed before and after",
+    "sets": "Speed by instruction set",
 }
 
 

@@ -19,9 +19,9 @@ PYTHON = ROOT / "python" / "knobcam"
 CRATE_ORDER = ["knobcore", "knobrender", "knobrig", "knobpy"]
 """A crate knows those before it, by its Cargo.toml."""
 RUST_ORDER = [
-    *("error", "random", "special", "fourier", "isa", "scalar", "motion", "param", "effects", "model"),
-    *("model_file", "chain", "filter", "signals", "smooth", "prepare", "predict", "forward", "carry"),
-    *("noise", "rule", "floor", "fit", "diagnose", "stiction"),
+    *("error", "isa", "random", "scalar", "special", "fourier", "periodogram", "motion", "param"),
+    *("effects", "model", "model_file", "chain", "filter", "signals", "smooth", "prepare", "predict"),
+    *("forward", "carry", "noise", "rule", "floor", "fit", "diagnose", "stiction"),
 ]
 """Modules of knobcore, each of which knows those before it."""
 MOST = 12

@@ -4,20 +4,22 @@
 //! measurement filter for white noise, is the floor. Where that noise is not white, its whole spectrum is read off the
 //! quieter stretches.
 
-use crate::fourier::Transform;
 use crate::model::Model;
 use crate::noise::{self, Noise};
+use crate::periodogram::{Periodogram, Powers, windows};
 use crate::predict::torque_raw;
 use crate::rule::rule;
 use crate::signals::Signals;
 use std::f64::consts::PI;
+use std::iter::repeat;
 use std::ops::Range;
-use std::sync::Arc;
 
 /// Samples of one periodogram: as many of these as leave enough periodograms.
 const WINDOWS: [usize; 4] = [512, 256, 128, 64];
 /// Periodograms below which their mean tells nothing.
 const ENOUGH: usize = 4;
+/// Share of readings that are the largest of all, from which on the sensor is at its limit.
+const LIMITED: f64 = 0.02;
 /// The band that is taken for noise alone, as shares of the Nyquist frequency.
 const BAND: [f64; 2] = [0.5, 0.95];
 /// The band below, which noise that is not white fills more.
@@ -36,6 +38,8 @@ const QUIETEST: f64 = 0.1;
 const LINES: usize = 8;
 /// Frequencies at which the noise of lines is summed.
 const SHARES: u32 = 256;
+/// Times what a model leaves that noise of any colour is taken for at most: quiet stretches tell it to a factor of two.
+const LEFT: f64 = 4.0;
 /// Slowest frequencies of a periodogram, which its taper and its mean take off.
 const TAKEN_OFF: usize = 2;
 
@@ -44,10 +48,14 @@ const TAKEN_OFF: usize = 2;
 /// The model's torque is taken off, so that steps at reversals do not count as noise. But what it has of the
 /// noise of the motion does not count either: the quieter of both is nearer to the truth, which neither is below.
 pub fn noise(signals: &Signals, model: &Model) -> Option<Noise> {
-    let torque = torque_raw(model, signals);
-    let rest: Vec<f64> =
-        signals.tau_raw.iter().zip(torque).map(|(measured, model)| measured - model).collect();
-    let white = variance_above(signals, &rest).min(variance_above(signals, &signals.tau_raw));
+    noise_below(variance_above(signals, &signals.tau_raw), signals, model)
+}
+
+/// The same where the variance of white noise with the power of the raw torque is known.
+fn noise_below(raw: f64, signals: &Signals, model: &Model) -> Option<Noise> {
+    let mut rest = torque_raw(model, signals);
+    rest.iter_mut().zip(&signals.tau_raw).for_each(|(rest, measured)| *rest = measured - *rest);
+    let white = variance_above(signals, &rest).min(raw);
     if white.is_nan() {
         return None;
     }
@@ -94,30 +102,23 @@ fn line(n: u32, share: f64) -> f64 {
 /// Below, motion and model share the band with it. What the model gets wrong comes and goes with the motion, noise is
 /// always there: at each frequency the level is that of the quieter stretches.
 fn coloured(signals: &Signals, rest: &[f64]) -> Option<Noise> {
-    let windows = |window: usize| windows(signals, window);
-    let window = LONG.into_iter().find(|window| windows(*window).count() >= MANY)?;
-    let periodogram = Periodogram::new(window);
-    let spectra = |column: &[f64]| -> Vec<Vec<f64>> {
-        let powers: Vec<Vec<f64>> = windows(window).map(|range| periodogram.of(&column[range])).collect();
-        (0..=window / 2).map(|bin| powers.iter().map(|power| power[bin]).collect()).collect()
+    let window = LONG.into_iter().find(|window| windows(&signals.segments, *window).len() >= MANY)?;
+    let spectra = |column: &[f64], window: usize| {
+        let periodogram = Periodogram::of(window);
+        periodogram.powers(column, &windows(&signals.segments, window), periodogram.bins())
     };
-    let mut level = steady(spectra(rest));
+    let mut level = steady(&spectra(rest, window));
     let mean = |level: &[f64], [from, to]: [f64; 2]| {
         let half = (level.len() - 1) as f64;
         let bins = (from * half) as usize..(to * half) as usize;
         level[bins.clone()].iter().sum::<f64>() / bins.len() as f64
     };
     let falls = |level: &[f64]| mean(level, BELOW) > rule().falls * mean(level, BAND);
-    if !falls(&level) || !falls(&steady(spectra(&signals.tau_raw))) {
+    if !falls(&level) || !falls(&steady(&spectra(&signals.tau_raw, window))) {
         return None;
     }
     // What rings after each of many contacts fills all long stretches, and falls too; but no noise ever pauses.
-    let pauses = |column: &[f64]| {
-        let periodogram = Periodogram::new(SHORT);
-        let powers: Vec<Vec<f64>> = windows(SHORT).map(|range| periodogram.of(&column[range])).collect();
-        let at = |bin: usize| quiet(powers.iter().map(|power| power[bin]).collect(), QUIETEST);
-        !falls(&(0..=SHORT / 2).map(at).collect::<Vec<_>>())
-    };
+    let pauses = |column: &[f64]| !falls(&quiet(&spectra(column, SHORT), QUIETEST));
     if pauses(rest) || pauses(&signals.tau_raw) {
         return None;
     }
@@ -134,59 +135,70 @@ fn coloured(signals: &Signals, rest: &[f64]) -> Option<Noise> {
     Some(Noise::autoregressive(&covariance, signals.used() as f64))
 }
 
-/// Half-overlapping windows of the stretches of a capture.
-fn windows(signals: &Signals, window: usize) -> impl Iterator<Item = Range<usize>> {
-    signals.segments.iter().flat_map(move |segment| {
-        let starts = segment.clone().step_by(window / 2);
-        starts.map(move |start| start..start + window).filter(move |range| range.end <= segment.end)
-    })
-}
-
 /// The level of noise at each frequency, of its powers in all stretches: their mean where that is what the quiet
 /// ones let expect, which it estimates three times as well; else what the quiet ones say.
-fn steady(powers: Vec<Vec<f64>>) -> Vec<f64> {
-    let means: Vec<f64> = powers.iter().map(|p| p.iter().sum::<f64>() / p.len() as f64).collect();
-    let stretches = powers.first().map_or(1, Vec::len) as f64;
-    let quiet: Vec<f64> = powers.into_iter().map(|powers| quiet(powers, QUIET)).collect();
+fn steady(powers: &Powers) -> Vec<f64> {
+    let quiet = quiet(powers, QUIET);
+    let means = powers.mean(repeat(1.0));
+    let windows = powers.windows().count() as f64;
     let total = quiet.iter().sum::<f64>();
     // Of K exponential variables the quantile p, as an estimate of their mean, has this variance beside theirs.
     let more = QUIET / (1.0 - QUIET) / (1.0 - QUIET).ln().powi(2) - 1.0;
-    let error = (more * quiet.iter().map(|level| level * level).sum::<f64>() / stretches).sqrt();
+    let error = (more * quiet.iter().map(|level| level * level).sum::<f64>() / windows).sqrt();
     if (means.iter().sum::<f64>() - total).abs() <= rule().steady * error { means } else { quiet }
 }
 
-/// The mean of exponential variables of which most are alike and some are too large, by a low quantile.
-fn quiet(mut powers: Vec<f64>, quantile: f64) -> f64 {
-    powers.sort_by(f64::total_cmp);
-    powers.get((quantile * powers.len() as f64) as usize).map_or(0.0, |power| power / -(1.0 - quantile).ln())
+/// The mean at each frequency of exponential variables of which most are alike and some are too large, by a low quantile.
+fn quiet(powers: &Powers, quantile: f64) -> Vec<f64> {
+    powers.quantile(quantile).iter().map(|power| power / -(1.0 - quantile).ln()).collect()
 }
 
 /// Variance of white noise with the power of `rest` in the band; the median over frequencies keeps a line (mains,
 /// a resonance) out.
 fn variance_above(signals: &Signals, rest: &[f64]) -> f64 {
-    let Some(window) = WINDOWS.into_iter().find(|window| windows(signals, *window).count() >= ENOUGH) else {
+    let Some(window) = WINDOWS.into_iter().find(|window| windows(&signals.segments, *window).len() >= ENOUGH)
+    else {
         return f64::NAN;
     };
-    let periodogram = Periodogram::new(window);
     let bin = |share: f64| (share * (window / 2) as f64) as usize;
     let band = bin(BAND[0])..bin(BAND[1]);
-    let mut powers: Vec<(f64, Vec<f64>)> = Vec::new();
-    for range in windows(signals, window) {
-        let power = periodogram.of(&rest[range])[band.clone()].to_vec();
-        powers.push((power.iter().sum(), power));
-    }
-    // An impact is heard at all frequencies, but only while it lasts.
-    powers.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let loudest = rule().loud * powers.get(powers.len() / 2).map_or(0.0, |(total, _)| *total);
-    powers.retain(|(total, _)| *total <= loudest);
-    let windows = powers.len() as f64;
-    let mut band: Vec<f64> =
-        (0..band.len()).map(|i| powers.iter().map(|(_, p)| p[i]).sum::<f64>() / windows).collect();
-    band.sort_by(f64::total_cmp);
+    let ranges = windows(&signals.segments, window);
+    let powers = Periodogram::of(window).powers(rest, &ranges, band);
+    let totals: Vec<f64> = powers.windows().map(|window| window.iter().sum()).collect();
+    // An impact is heard at all frequencies, but only while it lasts. A sensor at its limit is quiet: beside that the
+    // noise itself would be loud.
+    let free = unlimited(&signals.tau_raw, &ranges);
+    let usual: Vec<f64> = totals.iter().zip(&free).filter(|(_, free)| **free).map(|(total, _)| *total).collect();
+    let loudest = rule().loud * median(if usual.len() < ENOUGH { totals.clone() } else { usual });
+    let weights = totals.iter().map(|total| f64::from(*total <= loudest));
+    let windows = weights.clone().sum::<f64>();
     // The median of an average of K exponential variables, by Wilson & Hilferty 1931; half-overlapping
     // windows count as about 0.95 each under a Hann taper (Welch 1967), no matter at this accuracy.
     let bias = (1.0 - 1.0 / (9.0 * windows)).powi(3);
-    band[band.len() / 2] / bias
+    median(powers.mean(weights)) / bias
+}
+
+/// Whether readings in each of the windows are hardly ever the largest of all.
+fn unlimited(torque: &[f64], windows: &[Range<usize>]) -> Vec<bool> {
+    let limit = windows.iter().flat_map(|range| &torque[range.clone()]).fold(0.0, |most: f64, x| most.max(x.abs()));
+    let at_limit = |range: &Range<usize>| torque[range.clone()].iter().filter(|x| x.abs() >= limit).count();
+    windows.iter().map(|range| at_limit(range) as f64 <= LIMITED * range.len() as f64).collect()
+}
+
+/// The middle one.
+fn median(mut values: Vec<f64>) -> f64 {
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// What the measurement filter leaves of white noise.
+fn gain(signals: &Signals) -> f64 {
+    signals.filter.as_ref().map_or(1.0, |filter| filter.sos().mean_power())
+}
+
+/// Of each capture the variance of white noise as loud as its raw torque, whatever the model; see [`noise`].
+pub fn loudest(data: &[&Signals]) -> Vec<f64> {
+    data.iter().map(|signals| variance_above(signals, &signals.tau_raw)).collect()
 }
 
 /// What noise alone would leave of a fit.
@@ -203,15 +215,19 @@ pub struct Floor {
 impl Floor {
     /// Of captures beside a model; see [`Floor::with`].
     pub fn of(data: &[&Signals], model: &Model) -> Self {
-        Self::with(data, &data.iter().map(|signals| noise(signals, model)).collect::<Vec<_>>())
+        Self::below(&loudest(data), data, model)
+    }
+
+    /// The same where it is known how [`loud`](loudest) the captures are at most.
+    pub fn below(loudest: &[f64], data: &[&Signals], model: &Model) -> Self {
+        let noise = |(signals, raw): (&&Signals, &f64)| noise_below(*raw, signals, model);
+        Self::with(data, &data.iter().zip(loudest).map(noise).collect::<Vec<_>>())
     }
 
     /// Of captures with this [`noise`]; NaN where that of none is known. A capture that is too short by itself has the
     /// noise of the others: it was the same sensor.
     pub fn with(data: &[&Signals], noises: &[Option<Noise>]) -> Self {
         let mut floor = Self { white: 0.0, squares: 0.0, rows: 0.0 };
-        let gain =
-            |signals: &Signals| signals.filter.as_ref().map_or(1.0, |filter| filter.sos().mean_power());
         // What the noise of each leaves, per sample, and as white noise.
         let left = |(signals, noise): (&&Signals, &Option<Noise>)| {
             noise.as_ref().map(|noise| noise.behind(signals.filter.as_ref()) / gain(signals))
@@ -231,31 +247,17 @@ impl Floor {
         Self { white: floor.white / floor.rows, ..floor }
     }
 
+    /// What `white` stays below beside a model that leaves such a sum of squares: white noise is no louder than the raw
+    /// torque, any other is part of what is left.
+    pub fn whitest(loudest: &[f64], data: &[&Signals], cost: f64) -> f64 {
+        let most = |most: f64, (raw, signals): (&f64, &&Signals)| most.max(raw * bridged(signals));
+        let white = loudest.iter().zip(data).fold(0.0, most);
+        let passed: f64 = data.iter().map(|signals| gain(signals) * signals.used() as f64).sum();
+        white.max(LEFT * cost / passed)
+    }
+
     /// Root mean square, N m.
     pub fn rms(&self) -> f64 {
         (self.squares / self.rows).sqrt()
-    }
-}
-
-/// Hann-tapered periodograms of one length, a power of two.
-pub(crate) struct Periodogram {
-    transform: Arc<Transform>,
-    taper: Vec<f64>,
-    energy: f64,
-}
-
-impl Periodogram {
-    pub fn new(n: usize) -> Self {
-        let taper: Vec<f64> =
-            (0..n).map(|i| 0.5 - 0.5 * (2.0 * PI * (i as f64 + 0.5) / n as f64).cos()).collect();
-        let energy = taper.iter().map(|w| w * w).sum();
-        Self { transform: Transform::of(n), taper, energy }
-    }
-
-    /// Power per bin; the mean over the bins of white noise is its variance.
-    pub fn of(&self, x: &[f64]) -> Vec<f64> {
-        let mean = x.iter().sum::<f64>() / x.len() as f64;
-        let tapered: Vec<f64> = x.iter().zip(&self.taper).map(|(x, w)| (x - mean) * w).collect();
-        self.transform.forward(&tapered).iter().map(|c| c.norm_sqr() / self.energy).collect()
     }
 }

@@ -5,11 +5,13 @@
 #![forbid(unsafe_code)]
 
 pub mod error;
-mod fourier;
 pub mod isa;
 pub mod random;
 pub mod scalar;
 pub mod special;
+
+mod fourier;
+mod periodogram;
 
 pub mod motion;
 pub mod param;

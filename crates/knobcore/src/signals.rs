@@ -1,6 +1,7 @@
 //! Prepared signals: what a fit sees of one capture.
 
 use crate::filter::ZeroPhase;
+use crate::isa;
 use crate::model::Run;
 use crate::motion::Motion;
 use crate::param::Axis;
@@ -8,6 +9,8 @@ use std::ops::Range;
 
 /// Samples that are evaluated and filtered at a time, so that memory does not grow with the capture.
 const CHUNK: usize = 8192;
+/// The same where there is no filter, which needs samples around them: what is worked on stays in the first cache.
+const SHORT_CHUNK: usize = 512;
 
 /// Gain of the measurement filter (forward and backward) at which a frequency counts as stopped.
 const STOPPED: f64 = 0.0101;
@@ -71,6 +74,18 @@ impl Chunk {
     }
 }
 
+/// How many of these numbers are positive.
+struct Positive<'a>(&'a [f64]);
+
+impl pulp::NullaryFnOnce for Positive<'_> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn call(self) -> usize {
+        self.0.iter().filter(|w| **w > 0.0).count()
+    }
+}
+
 impl Signals {
     /// Number of samples.
     pub fn len(&self) -> usize {
@@ -84,7 +99,7 @@ impl Signals {
 
     /// Number of samples that count.
     pub fn used(&self) -> usize {
-        self.weight.iter().filter(|w| **w > 0.0).count()
+        isa::dispatch(Positive(&self.weight))
     }
 
     /// t, theta, omega, alpha and forward over a range of samples.
@@ -107,10 +122,15 @@ impl Signals {
             return self.segments.iter().map(|s| Chunk { whole: s.clone(), core: s.clone() }).collect();
         }
         let halo = self.filter.as_ref().map_or(0, |filter| filter.sos().settle());
-        let size = CHUNK.max(2 * halo);
         let mut chunks = Vec::new();
         for segment in &self.segments {
-            let pieces = segment.len().div_ceil(size).max(1);
+            if halo == 0 {
+                let from = segment.clone().step_by(SHORT_CHUNK);
+                let pieces = from.map(|start| start..(start + SHORT_CHUNK).min(segment.end));
+                chunks.extend(pieces.map(|piece| Chunk { whole: piece.clone(), core: piece }));
+                continue;
+            }
+            let pieces = segment.len().div_ceil(CHUNK.max(2 * halo)).max(1);
             for piece in 0..pieces {
                 let border = |k: usize| segment.start + k * segment.len() / pieces;
                 let core = border(piece)..border(piece + 1);

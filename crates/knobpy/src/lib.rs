@@ -13,15 +13,30 @@ mod signals;
 mod user;
 mod wire;
 
+use knobcore::isa::used;
+use pyo3::exceptions::PyImportError;
 use pyo3::prelude::*;
+
+/// A large block that was freed once tells the C library (glibc: "dynamic mmap threshold") to keep what is freed for
+/// what is asked for next. Else it hands the columns of every fit back, and new pages take longer than the fit.
+const KEPT_BYTES: usize = 8 << 20;
+
+/// The instruction set that is used: sse2, avx2 or avx512; the environment's KNOBCAM_ISA names another, read once.
+#[pyfunction]
+fn instruction_set() -> PyResult<&'static str> {
+    used().map_err(|error| PyImportError::new_err(error.to_string()))
+}
 
 #[pymodule]
 fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
+    drop(std::hint::black_box(Vec::<u8>::with_capacity(KEPT_BYTES)));
     m.add("__version__", env!("CARGO_PKG_VERSION"))?;
     // Once, when it is loaded: a process has one rule.
     if let Ok(changes) = std::env::var("KNOBCAM_RULE") {
         fit::settled(&changes)?;
     }
+    instruction_set()?;
+    m.add_function(wrap_pyfunction!(instruction_set, m)?)?;
     filter::register(m)?;
     wire::register(m)?;
     m.add_class::<model::PyModel>()?;

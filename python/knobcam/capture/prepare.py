@@ -133,13 +133,12 @@ def prepare(capture: Capture, method: str = "smooth", **options: float) -> Prepa
     capture with no stretch that is long enough.
     """
     check_options(method, options)
-    bridge = _bridges(capture)
-    rows = np.flatnonzero(capture.mask | bridge)
-    measured = capture.mask[rows]
     # A capture without a masked sample goes as it is: picking rows would copy every column.
-    whole = len(rows) == capture.samples
+    whole = bool(capture.mask.all())
+    rows = np.arange(capture.samples) if whole else np.flatnonzero(capture.mask | _bridges(capture))
+    measured = capture.mask if whole else capture.mask[rows]
     kept = {name: values if whole else values[rows] for name, values in capture.columns.items()}
-    if not measured.all():
+    if not (whole or measured.all()):
         known = np.flatnonzero(measured)
         lacking = np.flatnonzero(~measured)
         for name, values in kept.items():
@@ -212,9 +211,10 @@ def _bridges(capture: Capture) -> BoolArray:
 def _gaps(capture: Capture, rows: np.ndarray[Any, np.dtype[np.intp]], t: FloatArray) -> BoolArray:
     """Return where samples are missing or masked just before a kept one, of times `t`."""
     gap = np.zeros(len(rows), dtype=bool)
-    gap[1:] = np.diff(rows) > 1
+    if len(rows) < capture.samples:
+        gap[1:] = np.diff(rows) > 1
     steps = np.diff(t)
-    if len(steps):
+    if np.max(steps, initial=0.0) * capture.rate_hz > 1.5:
         # Half as long again as the longest ordinary step: jittery clocks have no gaps, lost samples do.
         at = len(steps) * 99 // 100
         ordinary = max(1.0 / capture.rate_hz, float(np.partition(steps, at)[at]))

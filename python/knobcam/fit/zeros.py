@@ -82,8 +82,10 @@ def aligned(prepared: Sequence[Prepared]) -> tuple[Prepared, ...]:
 
     An angle is shifted where two maps of torque over position agree with the shift and do not without it.
     """
+    if len(prepared) < 2:
+        return tuple(prepared)
     used = [min(int(np.count_nonzero(one.used)), _ENOUGH // 2) for one in prepared]
-    if len(prepared) < 2 or min(used) < _FEWEST:
+    if min(used) < _FEWEST:
         return tuple(prepared)
     ways = [float(np.ptp(one.theta[one.used])) for one in prepared]
     width = max(ways) / min(_CELLS, min(used) // _IN_CELL)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from .. import _core
@@ -141,11 +142,13 @@ def descriptions(coordinate: str) -> set[str]:
     return {name for name, one in effects(coordinate).items() if one.describes}
 
 
+@cache  # effects of one's own are never part of it
 def base_effects(coordinate: str) -> tuple[str, ...]:
     """Return the effects of the base model, but for those that are part of it only where they show."""
     return tuple(name for name, one in effects(coordinate).items() if one.base == "always")
 
 
+@cache
 def base_effects_shown(coordinate: str) -> tuple[str, ...]:
     """Return the effects that are part of the base model where a capture shows them: its detents."""
     return tuple(name for name, one in effects(coordinate).items() if one.base == "where it shows")

@@ -4,8 +4,15 @@
 //! every channel of the load; by the chain rule each effect then needs derivatives to its own parameters only,
 //! however the loads act on each other.
 
-use crate::effects::law::{BLOCK, CHANNELS, Response, Totals};
+use crate::effects::law::{BLOCK, Response, Scratch, Totals};
 use crate::model::Part;
+use std::cell::Cell;
+
+thread_local! {
+    /// Kept from call to call where no effect shapes the friction: it is larger than what most of them compute, and those
+    /// leave what they do not use at zero. A user's effect may end up here again.
+    static SCRATCH: Cell<Option<Box<Scratch>>> = const { Cell::new(None) };
+}
 
 /// Torque and derivatives of loads on the moving knob; what the columns held is replaced.
 pub(super) fn loads(parts: &[Part<'_>], over: &mut Response<'_>) {
@@ -13,17 +20,20 @@ pub(super) fn loads(parts: &[Part<'_>], over: &mut Response<'_>) {
     let samples = over.torque.len();
     let mut kept: Vec<Vec<f64>> =
         parts.iter().map(|(id, p, columns)| id.law().kept(p, columns, over.motion)).collect();
-    let (mut channels, mut spent) = ([[0.0; BLOCK]; CHANNELS], [[[0.0; BLOCK]; CHANNELS]; 2]);
-    let mut end = [[0.0; BLOCK]; 5];
+    let mut scratch = SCRATCH.take().filter(|_| plain).unwrap_or_default();
+    let Scratch { channels, spent, end } = &mut *scratch;
     for start in (0..samples).step_by(BLOCK) {
         let block = start..(start + BLOCK).min(samples);
-        let mut totals = Totals::new(over.motion, block, plain, &mut channels, &mut end);
+        let mut totals = Totals::new(over.motion, block, plain, channels, end);
         for ((id, p, _), kept) in parts.iter().zip(&mut kept) {
             id.law().total(p, kept, &mut totals);
         }
-        let mut gradient = totals.spend(over.torque, over.slopes, &mut spent);
+        let mut gradient = totals.spend(over.torque, over.slopes, spent);
         for ((id, p, columns), kept) in parts.iter().zip(&mut kept) {
             id.law().slopes(p, columns, kept, &mut gradient);
         }
+    }
+    if plain {
+        SCRATCH.set(Some(scratch));
     }
 }

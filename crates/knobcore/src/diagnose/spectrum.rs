@@ -1,7 +1,7 @@
 //! The error along frequency: periodograms of the residual beside those of noise alone.
 
 use super::locate::{Region, Rest, Split};
-use crate::floor::Periodogram;
+use crate::periodogram::{Periodogram, windows};
 use crate::rule::rule;
 use crate::signals::Signals;
 use crate::special::normal_quantile;
@@ -23,25 +23,22 @@ pub fn split_frequency(rest: &Rest<'_>) -> Split {
     while 2 * window <= LONGEST && 8 * window <= longest {
         window *= 2;
     }
-    let periodogram = Periodogram::new(window);
+    let periodogram = Periodogram::of(window);
     let cells = window / 2 + 1;
-    let (mut power, mut noise, mut windows) = (vec![0.0; cells], vec![0.0; cells], 0.0);
+    let (mut power, mut noise, mut count) = (vec![0.0; cells], vec![0.0; cells], 0.0);
     let rate = rest.data.first().map_or(1.0, |s| s.rate_hz);
     for ((signals, residual), of_sensor) in rest.data.iter().zip(&rest.residual).zip(&rest.noise) {
-        for segment in &signals.segments {
-            for start in segment.clone().step_by(window / 2).filter(|start| start + window <= segment.end) {
-                windows += 1.0;
-                for (sum, p) in power.iter_mut().zip(periodogram.of(&residual[start..start + window])) {
-                    *sum += p;
-                }
-                for (cell, sum) in noise.iter_mut().enumerate() {
-                    let share = cell as f64 / window as f64;
-                    *sum += of_sensor.power(share) * gain(signals, share);
-                }
-            }
+        let starts = windows(&signals.segments, window);
+        for own in periodogram.powers(residual, &starts, 0..cells).windows() {
+            power.iter_mut().zip(own).for_each(|(sum, power)| *sum += power);
+        }
+        count += starts.len() as f64;
+        for (cell, sum) in noise.iter_mut().enumerate() {
+            let share = cell as f64 / window as f64;
+            *sum += starts.len() as f64 * of_sensor.power(share) * gain(signals, share);
         }
     }
-    let windows = f64::max(windows, 1.0);
+    let windows = f64::max(count, 1.0);
     // A mean of K overlapping periodograms is chi-square with about 1.9 K / 1.05 degrees of freedom (Welch
     // 1967), here in the cube-root approximation of Wilson & Hilferty 1931.
     let degrees = 1.8 * windows;

@@ -1,5 +1,6 @@
 //! Are there detents, and which?
 
+use super::at;
 use super::scan::{LEAST_PHASE, Scan, range, scan};
 use super::separable::{Effort, Found, Layout, Status, descend};
 use crate::effects::{Id, Wave};
@@ -9,6 +10,7 @@ use crate::model::Model;
 use crate::param::Axis;
 use crate::rule::rule;
 use crate::signals::Signals;
+use std::cell::OnceCell;
 use std::f64::consts::PI;
 
 /// Widest period over 2 pi of what counts as detents on a rotary axis, rad: 1.25 to the turn. What comes once a
@@ -88,8 +90,10 @@ pub struct Judge<'a> {
     pub without: &'a Found,
     /// The scan beside it.
     pub scan: &'a Scan,
-    /// What noise would leave.
-    pub floor: Floor,
+    /// How loud the captures are at most.
+    pub loudest: &'a [f64],
+    /// What noise would leave; most detents are so much more that nobody asks.
+    pub floor: OnceCell<Floor>,
 }
 
 impl Judge<'_> {
@@ -119,11 +123,21 @@ impl Judge<'_> {
     /// In noise alone each gain is the noise's variance times a chi-square number of two degrees of freedom,
     /// so that the largest of n stays below twice the variance times ln(n / chance).
     fn worth_it(&self, gain: f64) -> bool {
-        let by_chance = 2.0 * self.white() * (self.scan.gain.len() as f64 / rule().detents_chance).ln();
-        let noise = if self.floor.squares.is_finite() { self.floor.squares } else { 0.0 };
-        let excess = (self.without.cost - noise).max(0.0);
-        gain >= by_chance.max(rule().detents_stand_out * self.scan.background())
-            && gain >= rule().detents_share * excess
+        let by_chance = |white: f64| 2.0 * white * (self.scan.gain.len() as f64 / rule().detents_chance).ln();
+        if gain < rule().detents_stand_out * self.scan.background() {
+            return false;
+        }
+        let cost = self.without.cost;
+        if gain >= by_chance(Floor::whitest(self.loudest, self.data, cost)) && gain >= rule().detents_share * cost {
+            return true;
+        }
+        let squares = self.floor().squares;
+        let excess = (cost - if squares.is_finite() { squares } else { 0.0 }).max(0.0);
+        gain >= by_chance(self.white()) && gain >= rule().detents_share * excess
+    }
+
+    fn floor(&self) -> &Floor {
+        self.floor.get_or_init(|| Floor::below(self.loudest, self.data, &at(self.bare, self.without)))
     }
 
     /// Whether detents explain the error as well as a cubic over position, which has as many parameters (in a
@@ -142,6 +156,7 @@ impl Judge<'_> {
     }
 
     fn white(&self) -> f64 {
-        if self.floor.white.is_finite() { self.floor.white } else { 0.0 }
+        let white = self.floor().white;
+        if white.is_finite() { white } else { 0.0 }
     }
 }

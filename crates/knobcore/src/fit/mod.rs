@@ -22,7 +22,7 @@ pub use undetermined::Undetermined;
 
 use crate::effects::{Id, Wave};
 use crate::error::{Error, Result};
-use crate::floor::Floor;
+use crate::floor::{Floor, loudest};
 use crate::model::{Model, Role};
 use crate::predict::Seeds;
 use crate::signals::Signals;
@@ -34,6 +34,7 @@ use parts::Parts;
 use separable::{Effort, Layout, descend};
 use serial::{Meat, serial, thinned};
 use solve::{Normal, independent, solvable};
+use std::cell::OnceCell;
 use undetermined::{SILENT, silent, undetermined};
 
 /// Blocks of the block bootstrap and of the held-out error.
@@ -105,13 +106,14 @@ fn found(data: &[&Signals], model: &Model, detents: Detents) -> Result<Fit> {
         model.set_role(name, Role::Fixed)?;
     }
     let mut start = Start { model: model.clone(), found: None, scan: None };
+    let loudest = loudest(data);
     if detents == Detents::Find || is_free(&model, "detent.P") {
-        start = scanned(data, &model, detents)?.unwrap_or(start);
+        start = scanned(data, &model, detents, &loudest)?.unwrap_or(start);
     }
     let Start { model, found, scan } = start;
     let layout = Layout::of(&model);
     let found = found.unwrap_or_else(|| descend(data, &model, &layout, &model.values(), Effort::Full));
-    let mut fit = finish(data, model, &layout, found, scan, true)?;
+    let mut fit = finish(data, model, &layout, found, scan, &loudest, true)?;
     for name in silent {
         fit.model.set_role(&name, Role::Free)?;
         fit.undetermined.push(Undetermined { name, why: SILENT.into() });
@@ -127,7 +129,7 @@ pub fn refine(data: &[&Signals], model: &Model) -> Result<Fit> {
     check(data, model)?;
     let layout = Layout::of(model);
     let found = descend(data, model, &layout, &model.values(), Effort::Full);
-    finish(data, model.clone(), &layout, found, None, true)
+    finish(data, model.clone(), &layout, found, None, &loudest(data), true)
 }
 
 /// Sinusoids over position that a scan beside a model finds: amplitude, period over 2 pi and phase of the best.
@@ -157,7 +159,7 @@ pub fn glance(data: &[&Signals], model: &Model) -> Found {
 /// As of [`fit`].
 pub fn report(data: &[&Signals], model: &Model, found: Found) -> Result<Fit> {
     check(data, model)?;
-    finish(data, model.clone(), &Layout::of(model), found, None, false)
+    finish(data, model.clone(), &Layout::of(model), found, None, &loudest(data), false)
 }
 
 /// A model to finish with, and what is known of its optimum.
@@ -168,7 +170,7 @@ struct Start {
 }
 
 /// Looks for detents; None where there is no motion to scan over.
-fn scanned(data: &[&Signals], model: &Model, detents: Detents) -> Result<Option<Start>> {
+fn scanned(data: &[&Signals], model: &Model, detents: Detents, loudest: &[f64]) -> Result<Option<Start>> {
     let Some((bare, without, scan)) = scan_beside(data, model) else { return Ok(None) };
     let full = if model.has(Id::Detent) { model.clone() } else { bare.with(Id::Detent)? };
     let mut start = full.values();
@@ -179,13 +181,8 @@ fn scanned(data: &[&Signals], model: &Model, detents: Detents) -> Result<Option<
     let with = if detents == Detents::AsModel {
         best()?
     } else {
-        let judge = Judge {
-            data,
-            bare: &bare,
-            without: &without,
-            scan: &scan,
-            floor: Floor::of(data, &at(&bare, &without)),
-        };
+        let floor = OnceCell::new();
+        let judge = Judge { data, bare: &bare, without: &without, scan: &scan, loudest, floor };
         let found = if judge.promising() { best()? } else { None };
         match found {
             Some(with) if judge.are_there(&full, &with)? => Some(with),
@@ -253,19 +250,21 @@ fn finish(
     layout: &Layout,
     found: Found,
     scan: Option<Scan>,
+    loudest: &[f64],
     wholly: bool,
 ) -> Result<Fit> {
     model.set_values(&found.p);
     let seeds = layout.seeds(&model);
     let k = layout.free.len();
     let used = used(data);
-    let floor = Floor::of(data, &model);
+    let floor = Floor::below(loudest, data, &model);
     // The part of the mean square error that noise does not explain; none where noise is unknown.
     let excess = (1.0 - floor.squares / found.cost).max(0.0);
     let mut parts = (wholly && excess > SEEN).then(|| Parts::of(data, k));
     let mut blocks = Blocks::of(used / BLOCKS);
-    let mut residuals: Vec<Vec<f64>> = vec![Vec::new(); data.len()];
     let every = data.iter().map(|signals| signals.spacing()).min().unwrap_or(1);
+    let mut residuals: Vec<Vec<f64>> =
+        data.iter().map(|signals| Vec::with_capacity(signals.len() / every + 1)).collect();
     evaluate(data, &model, &found.p, &seeds, |evaluated| {
         blocks.add(evaluated);
         if let Some(parts) = &mut parts {

@@ -6,8 +6,8 @@
 use crate::isa;
 use crate::model::Model;
 use crate::predict::{Columns, Seeds, measured};
-use crate::scalar::{LANES, Pack, Scalar};
 use crate::signals::{Chunk, Signals};
+use pulp::Simd;
 
 /// Products of the `k` derivative columns with each other and with the residual, over the used samples.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,34 +77,35 @@ impl Moments {
 
 /// Adds the products of columns of one length with each other to a symmetric matrix, row by row.
 pub fn add_products(columns: &[&[f64]], products: &mut [f64]) {
-    isa::dispatch(Products { columns, products });
+    isa::dispatch_wide(Products { columns, products });
 }
 
-/// Rows that are multiplied at a time: ten columns of them stay in the first cache.
-const ROWS: usize = 256;
+/// Rows that are multiplied at a time: nine columns of them stay in the first cache.
+const ROWS: usize = 512;
 
 struct Products<'a> {
     columns: &'a [&'a [f64]],
     products: &'a mut [f64],
 }
 
-impl pulp::NullaryFnOnce for Products<'_> {
+impl pulp::WithSimd for Products<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn call(self) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let side = self.columns.len();
         let rows = self.columns.first().map_or(0, |column| column.len());
         for start in (0..rows).step_by(ROWS) {
             let end = (start + ROWS).min(rows);
-            for i in 0..side {
-                let own = &self.columns[i][start..end];
-                let (row, others) = (&mut self.products[i * side..], &self.columns[..=i]);
-                for (at, four) in others.chunks(4).enumerate() {
-                    let others: [&[f64]; 4] =
-                        std::array::from_fn(|j| &four[j.min(four.len() - 1)][start..end]);
-                    for (j, product) in inner_of_four(own, others).into_iter().enumerate().take(four.len()) {
-                        row[4 * at + j] += product;
+            // Of three columns that are not there, the last takes the place.
+            let three = |at: usize| [at, at + 1, at + 2].map(|i| &self.columns[i.min(side - 1)][start..end]);
+            for i in (0..side).step_by(3) {
+                for j in (0..=i).step_by(3) {
+                    let sums = nine(simd, three(i), three(j));
+                    for (i, sums) in (i..side).zip(sums) {
+                        for (j, sum) in (j..=i).zip(sums) {
+                            self.products[i * side + j] += sum;
+                        }
                     }
                 }
             }
@@ -119,7 +120,7 @@ impl pulp::NullaryFnOnce for Products<'_> {
 
 /// Sum of products of two columns of one length.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    isa::dispatch(Dot { a, b })
+    isa::dispatch_wide(Dot { a, b })
 }
 
 struct Dot<'a> {
@@ -127,44 +128,76 @@ struct Dot<'a> {
     b: &'a [f64],
 }
 
-impl pulp::NullaryFnOnce for Dot<'_> {
+impl pulp::WithSimd for Dot<'_> {
     type Output = f64;
 
     #[inline(always)]
-    fn call(self) -> f64 {
-        inner(self.a, self.b)
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        let (a, a_rest) = S::as_simd_f64s(self.a);
+        let (b, b_rest) = S::as_simd_f64s(self.b);
+        // Sums side by side: each addition waits for the one before it.
+        let mut sums = [simd.splat_f64s(0.0); 4];
+        for (a, b) in a.chunks(4).zip(b.chunks(4)) {
+            for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
+                *sum = simd.mul_add_e_f64s(*a, *b, *sum);
+            }
+        }
+        let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+        sums.iter().map(|sum| simd.reduce_sum_f64s(*sum)).sum::<f64>() + rest
     }
 }
 
-/// Products of one column with four others, so that it is read once.
+/// Sum of weighted squares.
+pub fn squares(x: &[f64], weight: &[f64]) -> f64 {
+    isa::dispatch_wide(Squares { x, weight })
+}
+
+struct Squares<'a> {
+    x: &'a [f64],
+    weight: &'a [f64],
+}
+
+impl pulp::WithSimd for Squares<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        let (x, x_rest) = S::as_simd_f64s(self.x);
+        let (w, w_rest) = S::as_simd_f64s(self.weight);
+        let mut sum = simd.splat_f64s(0.0);
+        for (x, w) in x.iter().zip(w) {
+            sum = simd.mul_add_e_f64s(simd.mul_f64s(*x, *x), *w, sum);
+        }
+        simd.reduce_sum_f64s(sum) + x_rest.iter().zip(w_rest).map(|(x, w)| x * x * w).sum::<f64>()
+    }
+}
+
+/// Products of three columns with three others, so that each is read once for three.
 #[inline(always)]
-fn inner_of_four(a: &[f64], others: [&[f64]; 4]) -> [f64; 4] {
-    let mut sums = [Pack::of(0.0); 4];
-    let whole = a.len() - a.len() % LANES;
-    for at in (0..whole).step_by(LANES) {
-        let x = Pack::of_packs(a, at);
-        for i in 0..4 {
-            sums[i] = sums[i] + x * Pack::of_packs(others[i], at);
+fn nine<S: Simd>(simd: S, [a, b, c]: [&[f64]; 3], [x, y, z]: [&[f64]; 3]) -> [[f64; 3]; 3] {
+    let n = a.len() / S::F64_LANES;
+    let packs = |column| &S::as_simd_f64s(column).0[..n];
+    let own = (packs(a), packs(b), packs(c));
+    let others = (packs(x), packs(y), packs(z));
+    let mut sums = [[simd.splat_f64s(0.0); 3]; 3];
+    for at in 0..n {
+        let (own, others) = ([own.0[at], own.1[at], own.2[at]], [others.0[at], others.1[at], others.2[at]]);
+        for i in 0..3 {
+            for j in 0..3 {
+                sums[i][j] = simd.mul_add_e_f64s(own[i], others[j], sums[i][j]);
+            }
         }
     }
-    let mut out = [0.0; 4];
-    for i in 0..4 {
-        let tail: f64 = a[whole..].iter().zip(&others[i][whole..]).map(|(x, y)| x * y).sum();
-        out[i] = sums[i].0.iter().sum::<f64>() + tail;
+    let mut out = [[0.0; 3]; 3];
+    for (i, own) in [a, b, c].into_iter().enumerate() {
+        for (j, other) in [x, y, z].into_iter().enumerate() {
+            out[i][j] = simd.reduce_sum_f64s(sums[i][j]);
+            for at in n * S::F64_LANES..a.len() {
+                out[i][j] += own[at] * other[at];
+            }
+        }
     }
     out
-}
-
-#[inline(always)]
-fn inner(a: &[f64], b: &[f64]) -> f64 {
-    let (mut first, mut second) = (Pack::of(0.0), Pack::of(0.0));
-    for (x, y) in a.chunks_exact(2 * LANES).zip(b.chunks_exact(2 * LANES)) {
-        first = first + Pack::of_packs(x, 0) * Pack::of_packs(y, 0);
-        second = second + Pack::of_packs(x, LANES) * Pack::of_packs(y, LANES);
-    }
-    let done = a.len() - a.len() % (2 * LANES);
-    let tail: f64 = a[done..].iter().zip(&b[done..]).map(|(x, y)| x * y).sum();
-    (first + second).0.iter().sum::<f64>() + tail
 }
 
 /// One chunk of a pass: the derivative columns and then the residual, zero where a sample does not count.
@@ -197,7 +230,8 @@ pub fn evaluate(
             for ((f, tau), w) in model_torque[inner.clone()].iter_mut().zip(tau).zip(weight) {
                 *f = (tau - *f) * w;
             }
-            if weight.iter().any(|w| *w < 1.0) {
+            // Eight at a time, which are compared side by side.
+            if weight.chunks(8).any(|few| few.iter().fold(false, |any, w| any | (*w < 1.0))) {
                 for column in derivatives.iter_mut() {
                     for (d, w) in column[inner.clone()].iter_mut().zip(weight) {
                         *d *= w;
@@ -250,15 +284,15 @@ impl Blocks {
         while from < weight.len() {
             let Some(block) = self.blocks.last_mut() else { return };
             let room = self.samples - block.rows;
-            let mut counted = 0.0;
-            let take = weight[from..].iter().take_while(|w| {
-                counted += **w;
-                counted <= room
-            });
-            let to = from + take.count();
+            let (mut to, mut counted) = (from, 0.0);
+            // No sample counts for more than one: so many at least are there room for.
+            while let take @ 1.. = ((room - counted) as usize).min(weight.len() - to) {
+                counted += weight[to..to + take].iter().sum::<f64>();
+                to += take;
+            }
             let views: Vec<&[f64]> = evaluated.columns.iter().map(|column| &column[from..to]).collect();
             block.add_columns(&views);
-            block.rows += weight[from..to].iter().sum::<f64>();
+            block.rows += counted;
             if to < weight.len() {
                 self.blocks.push(Moments::empty(k));
             }

@@ -12,7 +12,7 @@ use crate::param::Axis;
 use crate::predict::Seeds;
 use crate::signals::Signals;
 use nalgebra::{DMatrix, DVector};
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 use std::f64::consts::{LN_2, TAU};
 
 /// Highest order that is looked for.

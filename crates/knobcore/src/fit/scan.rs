@@ -2,27 +2,30 @@
 //!
 //! The least-squares periodogram of Lomb (1976) over position instead of time, with the columns of the rest
 //! of the model projected off. All products that it needs are Fourier transforms over position; samples are
-//! spread over a fine grid of positions (cloud in cell; Hockney & Eastwood 1981), so that one FFT per column
-//! serves every frequency.
+//! spread over a grid of positions by a cubic spline (piecewise cubic; Hockney & Eastwood 1981), so that one FFT
+//! per column serves every frequency.
 
 use super::moments::evaluate;
 use super::solve::{Normal, independent};
 use crate::effects::Wave;
 use crate::fourier::Transform;
+use crate::isa;
 use crate::model::Model;
 use crate::param::Axis;
 use crate::predict::Seeds;
-use crate::scalar::{LANES, Pack, Packed, Scalar};
+use crate::scalar::{LANES, Pack, Scalar, WIDE, Wide};
 use crate::signals::Signals;
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 use std::f64::consts::TAU;
 
 /// A detent must turn by this many radians of its own phase within the capture to show at all.
 pub const LEAST_PHASE: f64 = 3.5;
 /// Most detents per turn that are looked for, and per range on a linear axis.
 const MOST: f64 = 300.0;
-/// Most cells of the grid of positions: a million points to transform, whatever the range.
-const MOST_CELLS: f64 = 131_072.0;
+/// Most cells of the grid of positions: half a million points to transform, whatever the range.
+const MOST_CELLS: f64 = 65_536.0;
+/// Cells per wave at twice the highest frequency, which the products need.
+const CELLS: f64 = 4.0;
 /// Frequencies per independent frequency (one cycle over the range).
 const OVERSAMPLING: usize = 8;
 
@@ -79,23 +82,38 @@ impl Scan {
 
     /// Median gain over all frequencies: what a frequency without detent takes off.
     pub fn background(&self) -> f64 {
-        let mut gains = self.gain.clone();
-        gains.sort_by(f64::total_cmp);
-        gains.get(gains.len() / 2).copied().unwrap_or(0.0)
+        let (mut gains, middle) = (self.gain.clone(), self.gain.len() / 2);
+        if gains.is_empty() { 0.0 } else { *gains.select_nth_unstable_by(middle, f64::total_cmp).1 }
     }
 }
 
 /// Lowest and highest position that counts.
 fn extremes(data: &[&Signals]) -> (f64, f64) {
-    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-    for signals in data {
-        for (x, w) in signals.theta.iter().zip(&signals.weight) {
-            if *w > 0.0 {
-                (low, high) = (low.min(*x), high.max(*x));
-            }
+    let ends = |signals: &&Signals| isa::dispatch(Extremes(&signals.theta, &signals.weight));
+    let wider = |(low, high): (f64, f64), (x, y): (f64, f64)| (low.min(x), high.max(y));
+    data.iter().map(ends).fold((f64::INFINITY, f64::NEG_INFINITY), wider)
+}
+
+/// Of positions with weights.
+struct Extremes<'a>(&'a [f64], &'a [f64]);
+
+impl pulp::NullaryFnOnce for Extremes<'_> {
+    type Output = (f64, f64);
+
+    #[inline(always)]
+    fn call(self) -> (f64, f64) {
+        let (mut low, mut high) = (Pack::of(f64::INFINITY), Pack::of(f64::NEG_INFINITY));
+        // Lanes beyond the end repeat the last sample.
+        for at in (0..self.0.len()).step_by(LANES) {
+            let (x, w) = (Pack::load(self.0, at), Pack::load(self.1, at));
+            low = low.min(w.where_positive(x, Pack::of(f64::INFINITY)));
+            high = high.max(w.where_positive(x, Pack::of(f64::NEG_INFINITY)));
         }
+        (
+            low.0.into_iter().fold(f64::INFINITY, f64::min),
+            high.0.into_iter().fold(f64::NEG_INFINITY, f64::max),
+        )
     }
-    (low, high)
 }
 
 /// Range of positions that count.
@@ -106,7 +124,8 @@ pub fn range(data: &[&Signals]) -> f64 {
 
 /// Grid of positions shared by all captures.
 struct Grid {
-    low: f64,
+    /// The first cell, one before the lowest position.
+    first_cell: f64,
     width: f64,
     cells: usize,
     transform: usize,
@@ -126,57 +145,82 @@ impl Grid {
             Axis::Rotary => MOST.max(4.0 * TAU / range),
             Axis::Linear => MOST * TAU / range,
         };
-        // Eight cells to the shortest period at twice the highest frequency, which the products need.
-        let cells = (highest * 2.0 * range / TAU * 8.0).ceil().clamp(64.0, MOST_CELLS) as usize;
+        let cells = (highest * 2.0 * range / TAU * CELLS).ceil().clamp(32.0, MOST_CELLS) as usize;
         let width = range / cells as f64;
         let transform = (cells * OVERSAMPLING).next_power_of_two();
         let spacing = TAU / (transform as f64 * width);
         let first = (LEAST_PHASE / range / spacing).ceil() as usize;
         // Over very long ranges the cells run out before the frequencies do.
-        let highest = highest.min(cells as f64 * TAU / (16.0 * range));
+        let highest = highest.min(cells as f64 * TAU / (2.0 * CELLS * range));
         let last = ((highest / spacing) as usize).min(transform / 4 - 1);
-        (first <= last).then_some(Self { low, width, cells, transform, first, last })
+        (first <= last).then_some(Self { first_cell: low - width, width, cells, transform, first, last })
     }
 
     fn frequency(&self, index: usize) -> f64 {
         TAU * index as f64 / (self.transform as f64 * self.width)
     }
 
-    /// Spreads a row of up to a pack of columns over the two cells around each position.
-    fn spread(&self, theta: &[f64], columns: &[&[f64]], cells: &mut [Pack]) {
-        let per_cell = 1.0 / self.width;
-        for (row, x) in theta.iter().enumerate() {
-            let at = ((x - self.low) * per_cell).clamp(0.0, self.cells as f64);
-            let cell = at as usize;
-            let mut values = [0.0; LANES];
-            for (value, column) in values.iter_mut().zip(columns) {
-                *value = column[row];
-            }
-            if let Some([here, next]) = cells.get_mut(cell..cell + 2) {
-                let far = Packed(values) * Pack::of(at - cell as f64);
-                *here = *here + (Packed(values) - far);
-                *next = *next + far;
-            }
-        }
+    /// Spreads rows of up to a pack of columns over the four cells around each position.
+    fn spread(&self, theta: &[f64], columns: &[&[f64]], cells: &mut [Wide]) {
+        isa::dispatch_wide(Spread { grid: self, theta, columns, cells });
     }
 
-    /// Sum over the samples of value * exp(-i k theta), up to a common phase, for every frequency k.
-    fn spectra(&self, cells: &[Vec<Pack>], columns: usize) -> Vec<Vec<Complex64>> {
+    /// Sum over the samples of value * exp(-i k theta), up to a common phase, for every frequency k up to the `last` of a
+    /// pack of columns, side by side: real and imaginary parts.
+    fn spectra(&self, cells: &[Wide], last: usize) -> [Vec<f64>; 2] {
         let transform = Transform::of(self.transform);
-        // What the spreading takes off each frequency.
-        let spread = |index: usize| {
+        let mut rows = transform.rows(WIDE);
+        for (at, cell) in cells.iter().enumerate() {
+            cell.into_packs(&mut rows[at % 2], at / 2 * WIDE);
+        }
+        let mut spectra = transform.forward(WIDE, &mut rows, 0..last + 1);
+        for index in 0..=last {
+            // What the spreading takes off each frequency.
             let half = 0.5 * self.frequency(index) * self.width;
-            if half > 0.0 { (half.sin() / half).powi(2) } else { 1.0 }
-        };
-        let restore: Vec<f64> = (0..=2 * self.last).map(|index| 1.0 / spread(index)).collect();
-        let spectrum = |column: usize| {
-            let column: Vec<f64> = cells[column / LANES].iter().map(|cell| cell.0[column % LANES]).collect();
-            let mut out = transform.forward(&column);
-            out.truncate(restore.len());
-            out.iter_mut().zip(&restore).for_each(|(value, restore)| *value *= restore);
-            out
-        };
-        (0..columns).map(spectrum).collect()
+            let restore = if half > 0.0 { (half / half.sin()).powi(4) } else { 1.0 };
+            for part in &mut spectra {
+                part[index * WIDE..(index + 1) * WIDE].iter_mut().for_each(|value| *value *= restore);
+            }
+        }
+        spectra
+    }
+}
+
+/// Work of [`Grid::spread`].
+struct Spread<'a> {
+    grid: &'a Grid,
+    theta: &'a [f64],
+    columns: &'a [&'a [f64]],
+    cells: &'a mut [Wide],
+}
+
+impl pulp::NullaryFnOnce for Spread<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { grid, theta, columns, cells } = self;
+        let (per_cell, most) = (1.0 / grid.width, (grid.cells + 1) as f64);
+        // Of a pack that is not full the last column fills the other lanes, which nobody reads.
+        let columns: [&[f64]; WIDE] =
+            std::array::from_fn(|lane| &columns[lane.min(columns.len() - 1)][..theta.len()]);
+        for (row, x) in theta.iter().enumerate() {
+            let at = ((x - grid.first_cell) * per_cell).clamp(1.0, most);
+            let cell = at as usize;
+            let Some(around) = cells.get_mut(cell - 1..cell + 3) else { continue };
+            let mut values = Wide::of(0.0);
+            for (value, column) in values.0.iter_mut().zip(&columns) {
+                *value = column[row];
+            }
+            let beyond = at - cell as f64;
+            let short = 1.0 - beyond;
+            let (near, far) = (short * short * short / 6.0, beyond * beyond * beyond / 6.0);
+            // The four pieces of the spline; they add up to one.
+            let weights = [near, short + far - 2.0 * near, beyond + near - 2.0 * far, far];
+            for (cell, weight) in around.iter_mut().zip(weights) {
+                *cell = *cell + values * Wide::of(weight);
+            }
+        }
     }
 }
 
@@ -193,7 +237,7 @@ pub fn scan(
     let seeds = Seeds::of(model, linear);
     let k = linear.len();
     // The k columns, the residual, and the count of samples, packed.
-    let mut spread = vec![vec![Pack::of(0.0); grid.cells + 2]; (k + 2).div_ceil(LANES)];
+    let mut spread = vec![vec![Wide::of(0.0); grid.cells + 4]; (k + 2).div_ceil(WIDE)];
     let mut sum = super::moments::Moments::empty(k);
     evaluate(data, model, p, &seeds, |evaluated| {
         sum.add_columns(evaluated.columns);
@@ -216,7 +260,7 @@ pub fn scan(
             Wave::Friction => signed.iter().map(Vec::as_slice).collect(),
         };
         columns.push(&evaluated.signals.weight[core.clone()]);
-        for (cells, few) in spread.iter_mut().zip(columns.chunks(LANES)) {
+        for (cells, few) in spread.iter_mut().zip(columns.chunks(WIDE)) {
             grid.spread(&evaluated.signals.theta[core.clone()], few, cells);
         }
     });
@@ -225,30 +269,37 @@ pub fn scan(
     let solved = normal.solve(|i| sum.slope(kept[i]));
     let without = sum.squares() - kept.iter().zip(&solved).map(|(&i, c)| c * sum.slope(i)).sum::<f64>();
     let inverse = normal.inverse();
-    let spectra = grid.spectra(&spread, k + 2);
-    let count = &spectra[k + 1];
+    // The count of samples is the last column; its products are those of twice the frequencies.
+    let last = |pack: usize| if pack == (k + 1) / WIDE { 2 * grid.last } else { grid.last };
+    let spectra: Vec<[Vec<f64>; 2]> =
+        spread.iter().enumerate().map(|(pack, cells)| grid.spectra(cells, last(pack))).collect();
+    let spectrum = |column: usize, at: usize| {
+        let [re, im] = &spectra[column / WIDE];
+        let at = at * WIDE + column % WIDE;
+        Complex64::new(re[at], im[at])
+    };
     // Gain, and the sine and cosine coefficient counted from position zero.
+    let mut columns = vec![Complex64::default(); kept.len()];
     let detent = |at: usize| -> (f64, [f64; 2]) {
         // Cosine and sine products with the kept columns, the residual, and each other.
-        let columns: Vec<Complex64> = kept.iter().map(|&i| spectra[i][at].conj()).collect();
+        columns.iter_mut().zip(&kept).for_each(|(column, &i)| *column = spectrum(i, at).conj());
         let residual =
-            spectra[k][at].conj() - columns.iter().zip(&solved).map(|(b, c)| b * c).sum::<Complex64>();
-        let (total, double) = (count[0].re, count[2 * at].conj());
+            spectrum(k, at).conj() - columns.iter().zip(&solved).map(|(b, c)| b * c).sum::<Complex64>();
+        let (total, double) = (spectrum(k + 1, 0).re, spectrum(k + 1, 2 * at).conj());
         let (mut cc, mut cs, mut ss) =
             (0.5 * (total + double.re), 0.5 * double.im, 0.5 * (total - double.re));
         for (i, a) in columns.iter().enumerate() {
-            for (j, b) in columns.iter().enumerate() {
-                let g = inverse[(i, j)];
-                cc -= a.re * g * b.re;
-                cs -= a.re * g * b.im;
-                ss -= a.im * g * b.im;
-            }
+            // The column times that of the inverse.
+            let b = columns.iter().zip(inverse.column(i).iter()).map(|(b, g)| b * g).sum::<Complex64>();
+            cc -= a.re * b.re;
+            cs -= a.re * b.im;
+            ss -= a.im * b.im;
         }
         let (c, s) = (residual.re, residual.im);
         let determinant = cc * ss - cs * cs;
         if determinant > 1e-6 * total * total * 0.25 {
             let (on_cos, on_sin) = ((ss * c - cs * s) / determinant, (cc * s - cs * c) / determinant);
-            let (sin_low, cos_low) = (grid.frequency(at) * grid.low).sin_cos();
+            let (sin_low, cos_low) = (grid.frequency(at) * grid.first_cell).sin_cos();
             let wave = [on_sin * cos_low + on_cos * sin_low, on_cos * cos_low - on_sin * sin_low];
             (on_cos * c + on_sin * s, wave)
         } else {

@@ -5,7 +5,7 @@
 //! linear parameters are solved exactly, the cost is that of the solved problem, and the hard columns are
 //! projected off the linear ones. An amplitude and its phase count as linear, in polar form.
 
-use super::moments::{Moments, moments};
+use super::moments::{Moments, moments, squares};
 use super::solve::{Normal, independent};
 use crate::model::{Model, Role};
 use crate::param::Kind;
@@ -318,8 +318,7 @@ impl Problem<'_> {
 
 /// The best parameters that a descent from `start` reaches.
 pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64], effort: Effort) -> Found {
-    let square = |x: &[f64], w: &[f64]| x.iter().zip(w).map(|(x, w)| x * x * w).sum::<f64>();
-    let total: f64 = data.iter().map(|s| square(&s.tau, &s.weight)).sum();
+    let total: f64 = data.iter().map(|s| squares(&s.tau, &s.weight)).sum();
     let rows: f64 = data.iter().map(|s| s.used() as f64).sum();
     let unit = (total / rows.max(1.0)).sqrt().max(f64::MIN_POSITIVE);
     let mut problem =

@@ -7,10 +7,11 @@
 //! samples as the measurement filter's bandwidth needs: with more of them the recursion would be long and nearly
 //! unstable, to say that nothing is above it.
 
-use super::moments::{Evaluated, dot};
+use super::moments::Evaluated;
 use crate::isa;
 use crate::noise::{MOST, Noise};
 use crate::scalar::{LANES, Pack, Packed, Scalar};
+use pulp::Simd;
 
 /// Which samples of a chunk are looked at: of those that count one of `every`.
 pub fn thinned<'a>(evaluated: &'a Evaluated<'_>, every: usize) -> impl Iterator<Item = usize> + 'a {
@@ -23,11 +24,50 @@ pub fn serial(residuals: &[&[f64]]) -> Noise {
     let n: usize = residuals.iter().map(|r| r.len()).sum();
     let mut covariance = vec![0.0; MOST.min(n / 10) + 1];
     for r in residuals {
-        for (lag, sum) in covariance.iter_mut().enumerate().take(r.len()) {
-            *sum += dot(&r[lag..], &r[..r.len() - lag]) / n.max(1) as f64;
+        isa::dispatch_wide(Lagged { column: r, sums: &mut covariance });
+    }
+    covariance.iter_mut().for_each(|sum| *sum /= n.max(1) as f64);
+    Noise::autoregressive(&covariance, n.max(1) as f64)
+}
+
+/// Adds the products of a column with itself, later by 0, 1, ... rows.
+struct Lagged<'a> {
+    column: &'a [f64],
+    sums: &'a mut [f64],
+}
+
+/// Lags that are summed at a time, so that the column is read once for all.
+const LAGS: usize = 6;
+
+impl pulp::WithSimd for Lagged<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let n = self.column.len();
+        for (few, out) in self.sums.chunks_mut(LAGS).enumerate() {
+            let first = few * LAGS;
+            // What all of these lags have, and what is left of each.
+            let packs = n.saturating_sub(first + LAGS) / S::F64_LANES;
+            let later = |lag: usize| &S::as_simd_f64s(&self.column[(first + lag).min(n)..]).0[..packs];
+            let (now, a, b) = (&S::as_simd_f64s(self.column).0[..packs], later(0), later(1));
+            let (c, d, e, f) = (later(2), later(3), later(4), later(5));
+            let mut sums = [simd.splat_f64s(0.0); LAGS];
+            for at in 0..packs {
+                sums[0] = simd.mul_add_e_f64s(now[at], a[at], sums[0]);
+                sums[1] = simd.mul_add_e_f64s(now[at], b[at], sums[1]);
+                sums[2] = simd.mul_add_e_f64s(now[at], c[at], sums[2]);
+                sums[3] = simd.mul_add_e_f64s(now[at], d[at], sums[3]);
+                sums[4] = simd.mul_add_e_f64s(now[at], e[at], sums[4]);
+                sums[5] = simd.mul_add_e_f64s(now[at], f[at], sums[5]);
+            }
+            for (lag, (out, sum)) in (first..n).zip(out.iter_mut().zip(sums)) {
+                let (now, later) = (&self.column[packs * S::F64_LANES..n - lag], &self.column[lag..]);
+                let rest = now.iter().zip(&later[packs * S::F64_LANES..]).map(|(a, b)| a * b).sum::<f64>();
+                *out += simd.reduce_sum_f64s(sum) + rest;
+            }
         }
     }
-    Noise::autoregressive(&covariance, n.max(1) as f64)
 }
 
 /// Accumulates J' Sigma J over a pass.

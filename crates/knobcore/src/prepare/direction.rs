@@ -13,6 +13,9 @@ const STILL_S: f64 = 0.02;
 const UNSURE_SD: f64 = 3.0;
 /// As long as this share of the samples stays.
 const MOSTLY_SURE: f64 = 0.75;
+/// Samples that are looked at together.
+const MANY: usize = 64;
+
 /// Stretches in which the knob stands still.
 pub(super) fn standing_still(moving: &Moving, segments: &[Range<usize>], rate_hz: f64) -> Vec<Range<usize>> {
     slower_than(STILL_SD, (STILL_S * rate_hz) as usize, moving, segments)
@@ -26,8 +29,12 @@ pub(super) fn without_unsure(
     segments: &[Range<usize>],
     reach: usize,
 ) -> Option<Vec<f64>> {
+    let unsure = slower_than(UNSURE_SD, 0, moving, segments);
+    if unsure.is_empty() {
+        return None;
+    }
     let mut sure = weight.to_vec();
-    for run in slower_than(UNSURE_SD, 0, moving, segments) {
+    for run in unsure {
         sure[run.start.saturating_sub(reach)..(run.end + reach).min(weight.len())].fill(0.0);
     }
     (sure.iter().sum::<f64>() >= MOSTLY_SURE * weight.iter().sum::<f64>()).then_some(sure)
@@ -46,6 +53,13 @@ fn slower_than(
     for segment in segments {
         let mut at = segment.start;
         while at < segment.end {
+            // A knob mostly moves; that is told of many samples side by side.
+            let many = at..(at + MANY).min(segment.end);
+            let speeds = moving.omega[many.clone()].iter().zip(&moving.omega_sd[many.clone()]);
+            if !speeds.fold(false, |any, (omega, sd)| any | (omega.abs() <= deviations * sd)) {
+                at = many.end;
+                continue;
+            }
             let start = at;
             while at < segment.end && slow(at) {
                 at += 1;

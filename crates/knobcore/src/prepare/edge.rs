@@ -189,8 +189,11 @@ fn over_position(rows: &[[f64; 3]], highest: f64) -> Option<(f64, Vec<f64>)> {
     }
     let length = 2 * grid.len().next_power_of_two();
     let step = TAU / (length as f64 * width);
-    let sums = Transform::of(length).forward(&grid);
-    Some((step, sums.iter().take((highest / step) as usize).map(|sum| sum.norm_sqr()).collect()))
+    let transform = Transform::of(length);
+    let mut pairs = transform.rows(1);
+    grid.iter().enumerate().for_each(|(at, x)| pairs[at % 2][at / 2] = *x);
+    let [re, im] = transform.forward(1, &mut pairs, 0..(highest / step) as usize);
+    Some((step, re.iter().zip(&im).map(|(re, im)| re * re + im * im).collect()))
 }
 
 #[cfg(test)]

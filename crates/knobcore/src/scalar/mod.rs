@@ -46,7 +46,8 @@ pub trait Scalar:
         (self - other).where_positive(yes, no)
     }
 
-    /// self^y of a positive number; the square without a logarithm where no derivative by the exponent is asked for.
+    /// self^y of a positive number; itself and the square without a logarithm where no derivative by the exponent is asked
+    /// for.
     #[inline(always)]
     fn powf(self, y: Self) -> Self {
         (self.ln() * y).exp()
@@ -97,7 +98,11 @@ impl Scalar for f64 {
     }
     #[inline(always)]
     fn powf(self, y: Self) -> Self {
-        if y == 2.0 { self * self } else { elementary::exp(elementary::ln(self) * y) }
+        match y {
+            1.0 => self,
+            2.0 => self * self,
+            _ => elementary::exp(elementary::ln(self) * y),
+        }
     }
     #[inline(always)]
     fn where_positive(self, yes: Self, no: Self) -> Self {

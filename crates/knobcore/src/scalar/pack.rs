@@ -138,7 +138,13 @@ impl<const L: usize> Scalar for Packed<L> {
 
     #[inline(always)]
     fn powf(self, y: Self) -> Self {
-        if y.0.iter().all(|y| *y == 2.0) { self * self } else { (self.ln() * y).exp() }
+        if y.0.iter().all(|y| *y == 1.0) {
+            self
+        } else if y.0.iter().all(|y| *y == 2.0) {
+            self * self
+        } else {
+            (self.ln() * y).exp()
+        }
     }
 
     #[inline(always)]

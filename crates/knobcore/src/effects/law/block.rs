@@ -74,14 +74,33 @@ pub(crate) type Channels = [[f64; BLOCK]; CHANNELS];
 /// A block of every column of a motion.
 pub(crate) type Motions = [[f64; BLOCK]; 5];
 
+/// What a motion is worked out in, block by block.
+#[derive(Debug)]
+pub(crate) struct Scratch {
+    /// The loads, channel by channel.
+    pub channels: Channels,
+    /// What friction makes of them: derivatives by the channels, and by an effect's own parameters.
+    pub spent: [Channels; 2],
+    /// The last block of a motion, filled up.
+    pub end: Motions,
+}
+
+impl Default for Scratch {
+    fn default() -> Self {
+        let channels = [[0.0; BLOCK]; CHANNELS];
+        Self { channels, spent: [channels; 2], end: [[0.0; BLOCK]; 5] }
+    }
+}
+
 /// Columns over a block, filled up with their last sample so that they are packs side by side.
 pub(super) fn filled<'a>(columns: [&'a [f64]; 5], end: &'a mut Motions) -> [&'a [f64]; 5] {
     if columns[0].len() == BLOCK {
         return columns;
     }
     for (end, column) in end.iter_mut().zip(columns) {
-        end.fill(column.last().copied().unwrap_or(0.0));
-        end.iter_mut().zip(column).for_each(|(x, value)| *x = *value);
+        let (own, rest) = end.split_at_mut(column.len());
+        own.copy_from_slice(column);
+        rest.fill(column.last().copied().unwrap_or(0.0));
     }
     std::array::from_fn(|i| end[i].as_slice())
 }

@@ -4,7 +4,7 @@ use super::block::{CHANNELS, Channels, PLAIN, SCALE, Totals, channels};
 use super::seeded;
 use crate::effects::LoadEffect;
 use crate::motion::{Channel, Load, Touched};
-use crate::scalar::{Dual, Known, LANES, Pack, Scalar, lane_by_lane};
+use crate::scalar::{Dual, Known, Packed, Scalar, lane_by_lane};
 
 /// The gradient of the torque to the channels of the load over a block.
 pub struct Gradient<'a> {
@@ -18,35 +18,35 @@ pub struct Gradient<'a> {
 impl Gradient<'_> {
     /// Chain rule: derivatives of the torque where those of an effect's own load are given.
     #[inline(always)]
-    pub(super) fn through<V: Differentiates, const N: usize>(
+    pub(super) fn through<V: Differentiates<W>, const W: usize, const N: usize>(
         &self,
         at: usize,
         load: &Load<Dual<V, N>>,
         touches: Touched,
-    ) -> [Pack; N] {
+    ) -> [Packed<W>; N] {
         if self.totals.plain {
-            self.summed::<V, N, PLAIN>(at, load, touches)
+            self.summed::<V, W, N, PLAIN>(at, load, touches)
         } else {
-            self.summed::<V, N, CHANNELS>(at, load, touches)
+            self.summed::<V, W, N, CHANNELS>(at, load, touches)
         }
     }
 
     /// The chain rule over the first `C` channels.
     #[inline(always)]
-    fn summed<V: Differentiates, const N: usize, const C: usize>(
+    fn summed<V: Differentiates<W>, const W: usize, const N: usize, const C: usize>(
         &self,
         at: usize,
         load: &Load<Dual<V, N>>,
         touches: Touched,
-    ) -> [Pack; N] {
+    ) -> [Packed<W>; N] {
         let own = channels(load);
         let mut sums = Dual::<V, N>::ZERO;
         lane_by_lane!(C, channel => {
             if let (true, Some(own), Some(by)) = (touches[channel], own.get(channel), self.by.get(channel)) {
-                let mut by = Pack::of_packs(by, at);
+                let mut by = Packed::of_packs(by, at);
                 if channel == SCALE {
                     // The derivative of a product by one of its factors.
-                    by = by * Pack::of_packs(&self.totals.channels[SCALE], at) / own.v.pack();
+                    by = by * Packed::of_packs(&self.totals.channels[SCALE], at) / own.v.pack();
                 }
                 sums = sums + *own * Dual::constant(V::of_pack(by));
             }
@@ -54,24 +54,24 @@ impl Gradient<'_> {
         sums.slopes(V::pack)
     }
 
-    /// The derivatives of a load, `L` parameters at a time.
+    /// The derivatives of a load, `L` parameters and `W` samples at a time.
     #[inline(always)]
-    pub(super) fn chain<const N: usize, const L: usize, E: LoadEffect<N>>(
+    pub(super) fn chain<const W: usize, const N: usize, const L: usize, E: LoadEffect<N>>(
         &mut self,
         p: &[f64],
         columns: &[Option<usize>],
     ) {
         if N == L {
-            return self.some::<Known<Pack>, N, L, E>(p, columns, 0);
+            return self.some::<Known<Packed<W>>, W, N, L, E>(p, columns, 0);
         }
         for first in (0..N).step_by(L) {
-            self.some::<Pack, N, L, E>(p, columns, first);
+            self.some::<Packed<W>, W, N, L, E>(p, columns, first);
         }
     }
 
     /// The derivatives by the `L` parameters from `first` on.
     #[inline(always)]
-    fn some<V: Differentiates, const N: usize, const L: usize, E: LoadEffect<N>>(
+    fn some<V: Differentiates<W>, const W: usize, const N: usize, const L: usize, E: LoadEffect<N>>(
         &mut self,
         p: &[f64],
         columns: &[Option<usize>],
@@ -79,7 +79,7 @@ impl Gradient<'_> {
     ) {
         let columns = columns.get(first..).unwrap_or(&[]);
         let p: [Dual<V, L>; N] = seeded(p, first);
-        for at in (0..self.totals.block.len()).step_by(LANES) {
+        for at in (0..self.totals.block.len()).step_by(W) {
             let motion = self.totals.motion(at).map(|x| Dual::constant(V::of_pack(x)));
             let slopes = self.through(at, &E::load(&p, &motion), const { Channel::among(E::TOUCHES) });
             lane_by_lane!(L, lane => {
@@ -91,7 +91,7 @@ impl Gradient<'_> {
 
     /// Derivatives by the parameter at `place` over a pack of samples.
     #[inline(always)]
-    pub(super) fn put(&mut self, place: usize, at: usize, slope: Pack) {
+    pub(super) fn put<const W: usize>(&mut self, place: usize, at: usize, slope: Packed<W>) {
         if let Some(own) = self.own.get_mut(place) {
             slope.into_packs(own, at);
         }
@@ -131,29 +131,29 @@ impl Gradient<'_> {
 
 /// What loads are differentiated with: packs of samples. Where each parameter has a lane of its own, which lanes vanish is
 /// known; where they take turns, it changes.
-pub(super) trait Differentiates: Scalar {
-    fn of_pack(x: Pack) -> Self;
-    fn pack(self) -> Pack;
+pub(super) trait Differentiates<const W: usize>: Scalar {
+    fn of_pack(x: Packed<W>) -> Self;
+    fn pack(self) -> Packed<W>;
 }
 
-impl Differentiates for Pack {
+impl<const W: usize> Differentiates<W> for Packed<W> {
     #[inline(always)]
-    fn of_pack(x: Pack) -> Self {
+    fn of_pack(x: Packed<W>) -> Self {
         x
     }
     #[inline(always)]
-    fn pack(self) -> Pack {
+    fn pack(self) -> Packed<W> {
         self
     }
 }
 
-impl Differentiates for Known<Pack> {
+impl<const W: usize> Differentiates<W> for Known<Packed<W>> {
     #[inline(always)]
-    fn of_pack(x: Pack) -> Self {
+    fn of_pack(x: Packed<W>) -> Self {
         Self::any(x)
     }
     #[inline(always)]
-    fn pack(self) -> Pack {
+    fn pack(self) -> Packed<W> {
         self.x
     }
 }

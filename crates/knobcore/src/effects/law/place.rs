@@ -10,7 +10,8 @@ use crate::effects::{
 };
 use crate::isa;
 use crate::motion::{Channel, Load, Motion};
-use pulp::NullaryFnOnce;
+use crate::scalar::{LANES, WIDE};
+use pulp::{NullaryFnOnce, Simd, WithSimd};
 use std::marker::PhantomData;
 
 /// A joint between shaft and knob.
@@ -78,7 +79,7 @@ impl<E: LoadEffect<N> + Sync, const N: usize, const L: usize> Law for Loads<E, N
 
     fn slopes(&self, p: &[f64], columns: &[Option<usize>], _: &mut [f64], gradient: &mut Gradient<'_>) {
         if columns.iter().any(Option::is_some) {
-            isa::dispatch(Chained::<E, N, L>(p, columns, gradient, PhantomData));
+            isa::dispatch_wide(Chained::<E, N, L>(p, columns, gradient, PhantomData));
         }
     }
 }
@@ -208,12 +209,16 @@ struct Chained<'a, 'b, E, const N: usize, const L: usize>(
     PhantomData<E>,
 );
 
-impl<E: LoadEffect<N>, const N: usize, const L: usize> NullaryFnOnce for Chained<'_, '_, E, N, L> {
+impl<E: LoadEffect<N>, const N: usize, const L: usize> WithSimd for Chained<'_, '_, E, N, L> {
     type Output = ();
 
     #[inline(always)]
-    fn call(self) {
-        self.2.chain::<N, L, E>(self.0, self.1);
+    fn with_simd<S: Simd>(self, _: S) {
+        if S::F64_LANES == WIDE {
+            self.2.chain::<WIDE, N, L, E>(self.0, self.1);
+        } else {
+            self.2.chain::<LANES, N, L, E>(self.0, self.1);
+        }
     }
 }
 
