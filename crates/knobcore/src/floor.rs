@@ -12,7 +12,6 @@ use crate::rule::rule;
 use crate::signals::Signals;
 use std::f64::consts::PI;
 use std::iter::repeat;
-use std::ops::Range;
 
 /// Samples of one periodogram: as many of these as leave enough periodograms.
 const WINDOWS: [usize; 4] = [512, 256, 128, 64];
@@ -162,13 +161,14 @@ fn variance_above(signals: &Signals, rest: &[f64]) -> f64 {
     };
     let bin = |share: f64| (share * (window / 2) as f64) as usize;
     let band = bin(BAND[0])..bin(BAND[1]);
-    let ranges = windows(&signals.segments, window);
-    let powers = Periodogram::of(window).powers(rest, &ranges, band);
+    let starts = windows(&signals.segments, window);
+    let powers = Periodogram::of(window).powers(rest, &starts, band);
     let totals: Vec<f64> = powers.windows().map(|window| window.iter().sum()).collect();
     // An impact is heard at all frequencies, but only while it lasts. A sensor at its limit is quiet: beside that the
     // noise itself would be loud.
-    let free = unlimited(&signals.tau_raw, &ranges);
-    let usual: Vec<f64> = totals.iter().zip(&free).filter(|(_, free)| **free).map(|(total, _)| *total).collect();
+    let free = unlimited(&signals.tau_raw, &starts, window);
+    let usual: Vec<f64> =
+        totals.iter().zip(&free).filter(|(_, free)| **free).map(|(total, _)| *total).collect();
     let loudest = rule().loud * median(if usual.len() < ENOUGH { totals.clone() } else { usual });
     let weights = totals.iter().map(|total| f64::from(*total <= loudest));
     let windows = weights.clone().sum::<f64>();
@@ -178,11 +178,12 @@ fn variance_above(signals: &Signals, rest: &[f64]) -> f64 {
     median(powers.mean(weights)) / bias
 }
 
-/// Whether readings in each of the windows are hardly ever the largest of all.
-fn unlimited(torque: &[f64], windows: &[Range<usize>]) -> Vec<bool> {
-    let limit = windows.iter().flat_map(|range| &torque[range.clone()]).fold(0.0, |most: f64, x| most.max(x.abs()));
-    let at_limit = |range: &Range<usize>| torque[range.clone()].iter().filter(|x| x.abs() >= limit).count();
-    windows.iter().map(|range| at_limit(range) as f64 <= LIMITED * range.len() as f64).collect()
+/// Whether readings in each of the windows, by their starts, are hardly ever the largest of all.
+fn unlimited(torque: &[f64], starts: &[usize], window: usize) -> Vec<bool> {
+    let of = |start: &usize| &torque[*start..start + window];
+    let limit = starts.iter().flat_map(of).fold(0.0, |most: f64, x| most.max(x.abs()));
+    let at_limit = |start: &usize| of(start).iter().filter(|x| x.abs() >= limit).count() as f64;
+    starts.iter().map(|start| at_limit(start) <= LIMITED * window as f64).collect()
 }
 
 /// The middle one.

@@ -4,12 +4,12 @@
 //! error knows no way back once they no longer overlap. Through a slower filter they are broad and do.
 
 use super::screen::{Screen, Start};
-use crate::effects::Id;
+use crate::effects::{Id, Place};
 use crate::error::Result;
 use crate::filter::{ZeroPhase, cheby2};
 use crate::fit::{Fit, Found, glance, refine, settled, sketch};
 use crate::floor::Floor;
-use crate::model::Model;
+use crate::model::{Model, Role};
 use crate::prepare::slower;
 use crate::rule::rule;
 use crate::signals::Signals;
@@ -24,6 +24,13 @@ const FOLLOWED: usize = 3;
 const ENOUGH: usize = 30_000;
 /// Ends whose sums of squares differ by less than this share are one.
 const SAME: f64 = 1e-3;
+
+/// Rounds of kicks, how many lead on in each, and by what each moves the first two parameters of a joint: its gap and
+/// stiffness, or stiffness and damping.
+const SHAKEN: usize = 3;
+const LED: usize = 4;
+const KICKS: [[f64; 2]; 8] =
+    [[0.7, 0.4], [0.85, 0.4], [0.85, 1.0], [0.93, 1.0], [1.08, 1.0], [1.18, 1.0], [1.18, 2.5], [1.0, 0.5]];
 
 /// Where the starts of a coupling lead to.
 pub struct Ways {
@@ -125,8 +132,55 @@ pub fn converge(data: &[&Signals], model: &Model) -> Result<Fit> {
         });
         let others = [Ok(one), other].into_iter().flatten().flatten();
         best = others.fold(best, |best, fit| if fit.rmse < best.rmse { fit } else { best });
+        best = shaken(data, best)?;
     }
     settled(data, best, |model| refine(data, model))
+}
+
+/// A fit with a coupling, where kicks of the joint lead on from its end: the error there is so rough that a descent stops
+/// in the first dent. As long as they do, and more than noise is left.
+fn shaken(data: &[&Signals], mut best: Fit) -> Result<Fit> {
+    for _ in 0..SHAKEN {
+        if best.rmse <= rule().converged * best.noise_floor {
+            break;
+        }
+        let mut seen = both(&kicked(&best.model), |model| on(model, |m| glance(data, m)));
+        seen.sort_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost));
+        seen.truncate(LED);
+        let ends = both(&seen, |(model, _)| refine(data, model).ok());
+        let end = ends.into_iter().flatten().min_by(|a, b| a.rmse.total_cmp(&b.rmse));
+        let Some(end) = end.filter(|end| end.rmse < (1.0 - SAME) * best.rmse) else { break };
+        best = end;
+    }
+    Ok(best)
+}
+
+/// A model with the first two of its joint's free parameters moved, each and together.
+fn kicked(model: &Model) -> Vec<Model> {
+    let joint = |at: &usize| {
+        let slot = &model.slots()[*at];
+        slot.effect.info().place == Place::Coupling && slot.role == Role::Free && slot.value > 0.0
+    };
+    let own: Vec<usize> = (0..model.slots().len()).filter(joint).take(2).collect();
+    let at = |times: &[f64; 2]| {
+        let mut p = model.values();
+        own.iter().zip(times).for_each(|(at, times)| p[*at] *= times);
+        let mut kicked = model.clone();
+        kicked.set_values(&p);
+        kicked
+    };
+    KICKS.iter().map(at).collect()
+}
+
+/// What becomes of each, on two threads.
+fn both<T: Sync, R: Send>(items: &[T], to: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    let (one, other) = items.split_at(items.len() / 2);
+    std::thread::scope(|scope| {
+        let other = scope.spawn(|| other.iter().map(&to).collect::<Vec<_>>());
+        let mut one: Vec<R> = one.iter().map(&to).collect();
+        one.extend(other.join().unwrap_or_default());
+        one
+    })
 }
 
 /// The beginnings of captures, of so many samples at most, through the coarse filter.

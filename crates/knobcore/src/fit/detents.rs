@@ -128,7 +128,9 @@ impl Judge<'_> {
             return false;
         }
         let cost = self.without.cost;
-        if gain >= by_chance(Floor::whitest(self.loudest, self.data, cost)) && gain >= rule().detents_share * cost {
+        if gain >= by_chance(Floor::whitest(self.loudest, self.data, cost))
+            && gain >= rule().detents_share * cost
+        {
             return true;
         }
         let squares = self.floor().squares;
