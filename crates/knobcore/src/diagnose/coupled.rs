@@ -215,7 +215,9 @@ pub(super) fn slowed(data: &[&Signals], edge_hz: f64) -> Vec<Signals> {
     let slow = |signals: &&Signals| {
         let edge = edge_hz * slower(signals.rate_hz);
         let filter = ZeroPhase::new(cheby2(3, 20.0, edge, signals.rate_hz).ok()?);
-        let mut slow = Signals { filter: Some(filter), substeps: 2, ..Signals::clone(signals) };
+        // What a slower filter lets through needs no finer steps.
+        let substeps = if edge_hz > COARSE_HZ { 2 } else { 1 };
+        let mut slow = Signals { filter: Some(filter), substeps, ..Signals::clone(signals) };
         slow.filter_torque();
         Some(slow)
     };
