@@ -103,12 +103,12 @@ def test_a_rig_is_found_by_its_serial_number(rig: EmulatedRig, tmp_path: Path) -
 
 
 def test_a_calibration_takes_the_place_of_the_nominal_sensitivity(rig: EmulatedRig, tmp_path: Path) -> None:
-    twice = SimpleNamespace(c_cal=2 * 1148.0, date="2026-01-01")
-    calibrated = kc.record(rig.port, "sweep", duration_s=1.0, calibration=twice, output=tmp_path / "a.kcwire")
+    more = SimpleNamespace(c_cal=1.05 * 1148.0, date="2026-01-01")
+    calibrated = kc.record(rig.port, "sweep", duration_s=1.0, calibration=more, output=tmp_path / "a.kcwire")
     log = kc.WireLog.load(tmp_path / "a.kcwire")
     nominal = log.capture(calibration=SimpleNamespace(c_cal=1148.0))
     assert calibrated.alpha is not None and nominal.alpha is not None
-    np.testing.assert_allclose(calibrated.alpha, 2.0 * nominal.alpha)
+    np.testing.assert_allclose(calibrated.alpha, 1.05 * nominal.alpha)
     assert "2026-01-01" in kc.load(log.path).meta["calibration"]["from"]
 
 

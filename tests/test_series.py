@@ -43,7 +43,13 @@ def test_a_second_series_is_found_with_its_period_and_fitted_again_from_its_mode
 
 def test_series_of_whole_orders_are_the_ripple_of_a_motor_where_the_knob_turns_round():
     assert kc.learn(turned((12.0, 17.0), 14.0)).found == ("cogging",)
-    assert kc.learn(turned((12.0, 17.4), 14.0)).found == ("second_detent",)
+    assert kc.learn(turned((12.3, 17.4), 14.0)).found == ("second_detent",)
+
+
+def test_a_ripple_and_detents_are_two_detents_of_which_one_is_a_whole_order():
+    story = kc.learn(turned((12.0, 17.4), 14.0))
+    assert story.found == ("cogging",)  # it has a parameter less
+    assert "second_detent" in story.ladder[1].equivalent
 
 
 def test_a_series_of_twice_as_many_waves_is_the_shape_of_the_detents():

@@ -365,8 +365,7 @@ def fit(
 ) -> Fit:
     """Fit a model to one capture (or its file), or jointly to several of the same knob.
 
-    What belongs to a run, such as the zero of the torque sensor, is each capture's own where they ask for it
-    (`Fit.per_capture`).
+    What belongs to a run (a sensor's zero) is each capture's own where they ask for it (`Fit.per_capture`).
     Without a model: the paper's Equation 1; detents are part of it if the data show them (`detents="auto"`),
     always (`"yes"`) or never (`"no"`). A model (or its file) is fitted as it is: its fixed and tied values
     stay so, and a free detent period is found from the data whatever its value; `detents` is not for it.
@@ -389,13 +388,13 @@ def fit(
             "add the effect detent to it, or take it out"
         )
     signals = aligned([prepare_signals(capture, prepare, **options) for capture in several])
-    coordinate = several[0].coordinate
-    base = base_effects(coordinate) + (base_effects_shown(coordinate) if detents == "yes" else ())
-    start = model or Model.of(base, coordinate, several[0].torque_unit)
+    axis = several[0].coordinate
+    base = base_effects(axis) + (base_effects_shown(axis) if detents == "yes" else ())
+    start = model or Model.of(base, axis, several[0].torque_unit)
     check_unit(start, several[0])
     try:
         core = _core.fit([s.core for s in signals], start.core, model is None and detents == "auto")
     except InputError as error:
-        fault = columns_at_fault(signals)  # what is wrong may be why there is too little
-        raise InputError(f"{error}; {fault}" if fault else str(error)) from None
+        why = (str(error), columns_at_fault(signals))  # what is wrong may be why there is too little
+        raise InputError("; ".join(filter(None, why))) from None
     return Fit(signals, core)

@@ -9,8 +9,8 @@ import numpy as np
 
 from .. import _core
 from ..base.arrays import FloatArray
+from ..model.effects import base_effects, effects
 from ..model.effects import effect as catalogued
-from ..model.effects import effects
 from .refit import cores
 from .rule import RULE
 
@@ -30,7 +30,7 @@ def implausible(candidate: Candidate, before: Fit) -> tuple[str, ...]:
     fit = candidate.fit
     clipped = any(finding.kind == "clipped" for one in fit.prepared for finding in one.capture.findings)
     own = _core.implausible(cores(fit), fit.core, candidate.effect, clipped, before.before is None)
-    return (*_out_of_range(candidate), *_below_zero(candidate, before), *own)
+    return (*_out_of_range(candidate.effect, fit), *_below_zero(candidate, before), *own)
 
 
 REVERSED = "tau has the other sign: inertia and friction came out negative; map it with a minus"
@@ -53,9 +53,14 @@ def reversed_torque(fit: Fit) -> bool:
 def impossible(fit: Fit) -> str | None:
     """Return what of a model no knob has, beyond doubt, so that it is not the knob's however small its error.
 
-    That is an inertia below zero, or friction that gives power back over the whole motion. An offset takes
-    one direction's friction below zero, and what falls with the speed a viscous term: these are left alone.
+    That is an inertia below zero, friction that gives power back over the whole motion, or an effect beside
+    these that ended out of its range. An offset takes one direction's friction below zero, and what falls
+    with the speed a viscous term: these are left alone.
     """
+    base = base_effects(fit.model.coordinate)
+    beside = [one for one in fit.model.effects if one not in base]
+    if outside := [said for one in beside for said in _out_of_range(one, fit)]:
+        return outside[0]
     told = {name: fit.params[name] for name in _never_negative(fit.model.coordinate) if name in fit.params}
     negative = [name for name, e in told.items() if e.determined and e.value + RULE.surely * e.se < 0.0]
     if not negative:
@@ -98,12 +103,16 @@ def columns_at_fault(prepared: Sequence[Prepared]) -> str | None:
     return next((one.message for one in found if one.kind in _FAULTS and one.severity == "warning"), None)
 
 
-def _out_of_range(candidate: Candidate) -> list[str]:
+def _out_of_range(effect: str, fit: Fit) -> list[str]:
     said = []
-    for row in catalogued(candidate.effect, candidate.fit.model.coordinate).params:
-        name = f"{candidate.effect}.{row.name}"
-        estimate = candidate.fit.params.get(name)
-        why = None if estimate is None else out_of_range(estimate, row.plausible)  # None says nothing now
+    for row in catalogued(effect, fit.model.coordinate).params:
+        name = f"{effect}.{row.name}"
+        estimate = fit.params.get(name)
+        if estimate is None:
+            continue  # it says nothing at present
+        if any(math.isclose(estimate.value, bound, rel_tol=1e-6) for bound in (row.lower, row.upper)):
+            estimate = estimate._replace(se=0.0)  # where the search was stopped there is no doubt
+        why = out_of_range(estimate, row.plausible)
         said += [] if why is None else [f"{name} = {why}"]
     return said
 

@@ -43,7 +43,7 @@ def limitations(fit: Fit) -> tuple[Limitation, ...]:
         *_directions(fit, omega),
         _slowness(fit, omega),
         _excitation(fit, omega),
-        _width(fit),
+        width(fit),
         _noise(fit),
     ]
     return tuple(one for one in found if one is not None)
@@ -143,7 +143,8 @@ def _stands_out(fit: Fit) -> bool:
     return not swift or any(e.determined and abs(e.value) > _SEEN * e.se for e in swift)
 
 
-def _width(fit: Fit) -> Limitation | None:
+def width(fit: Fit) -> Limitation | None:
+    """Return what a motion within less than one detent cannot tell."""
     wide = travel(fit.prepared)
     period = fit.model.period
     unit = "rad" if fit.model.coordinate == "rotary" else "m"

@@ -8,13 +8,16 @@ use super::thinned::{Thinned, orthonormal, project, subtract};
 use super::watch::Watch;
 use crate::chain;
 use crate::effects::{Id, Place, Survey, Wave};
-use crate::fit::{beside_orders, dot, runs, waves};
+use crate::fit::{beside_orders, dot, glance, runs, waves};
 use crate::model::{Model, Role};
 use crate::param::{Axis, Usual};
 use crate::signals::Signals;
 
 /// Steps of the quantiles of a survey.
 const QUANTILES: usize = 400;
+
+/// Sums of squares that a ripple instead of detents may leave, for those that it leaves beside them.
+const SIMPLER: f64 = 1.5;
 
 /// A fitted model, its derivative columns and its residual, ready to hold signatures against.
 pub struct Screen<'a> {
@@ -88,7 +91,28 @@ impl<'a> Screen<'a> {
             Some(Wave::Orders) => beside_orders(self.data, self.model),
             _ => vec![self.model.clone()],
         };
-        self.by_promise(id, beside.iter().flat_map(|beside| self.beside(id, beside, wave)).collect())
+        let starts = |beside: &Model| self.by_promise(id, self.beside(id, beside, wave));
+        let mut starts: Vec<Start> = match &beside[..] {
+            // Detents that are a whole order go, unless the ripple leaves much more without them.
+            [own, bare, others @ ..] => {
+                let without = starts(bare);
+                let mut with: Vec<Start> = starts(own);
+                with.extend(others.iter().flat_map(starts));
+                with.sort_by(|a, b| a.predicted.total_cmp(&b.predicted));
+                // What detents did, a promise takes for absorbed: a few steps tell.
+                let left = |starts: &[Start]| {
+                    starts.first().map_or(f64::INFINITY, |start| glance(self.data, &start.model).cost)
+                };
+                if left(&without) <= SIMPLER * left(&with) {
+                    with.clear();
+                }
+                with.extend(without);
+                with
+            }
+            _ => beside.iter().flat_map(starts).collect(),
+        };
+        starts.sort_by(|a, b| a.predicted.total_cmp(&b.predicted));
+        starts
     }
 
     /// Models with an effect beside one, at each of the effect's starts.

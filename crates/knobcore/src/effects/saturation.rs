@@ -13,6 +13,8 @@ pub struct Saturation;
 const LOGISTIC: f64 = 1.702;
 /// Scale of a noise that is none.
 const NONE: f64 = 1e-12;
+/// Noise of a knob that hides a limit, as a share of that.
+const HARDLY_ANY: f64 = 1e-6;
 
 impl Effect<2> for Saturation {
     const ID: &'static str = "saturation";
@@ -64,9 +66,10 @@ impl Effect<2> for Saturation {
     }
 
     fn typical(carrier: &Carrier<'_>) -> [f64; 2] {
-        // By the share of the samples that it cuts off.
+        // By the share of the samples that it cuts off; the noise is that of the sensor, which has its own.
         carrier.sized(Id::Saturation, [0.005, 0.35], |cut| {
-            [Survey::quantile(&carrier.survey.torque, 1.0 - cut).max(1e-9), 0.0]
+            let limit = Survey::quantile(&carrier.survey.torque, 1.0 - cut).max(1e-9);
+            [limit, HARDLY_ANY * limit]
         })
     }
 }

@@ -12,6 +12,8 @@ pub struct TorqueLag;
 
 /// Below this lag, in samples, nothing is left of a torque after one sample: e^(-1/lag) is nought.
 const SHORTEST: f64 = 2e-3;
+/// Longest lag that is looked for, s.
+const LONGEST: f64 = 0.05;
 
 impl Effect<2> for TorqueLag {
     const ID: &'static str = "torque_lag";
@@ -36,7 +38,9 @@ impl Effect<2> for TorqueLag {
         latex: r"T\,\dot y + y = \tau,\quad \tau_{\text{read}}(t) = y(t - t_d)",
     };
     const PARAMS: [Param; 2] = [
-        Param::shape("lag", Unit::of(0, 0, 1), [0.0, 0.05], 0.0, "time constant"),
+        // One at the end of its range stands in for a memory of another kind.
+        Param::shape("lag", Unit::of(0, 0, 1), [0.0, LONGEST], 0.0, "time constant")
+            .plausibly(0.0, 0.9 * LONGEST),
         Param::shape("delay", Unit::of(0, 0, 1), [0.0, 0.02], 0.0, "dead time"),
     ];
 

@@ -23,6 +23,7 @@ PLAUSIBLE_RATE_HZ = (10.0, 1e6)
 
 _RUN = 50  # stamps that rise before a clock begins anew, and after it
 _TICKING = 0.3  # of the stamps that repeat, above which a clock is slower than the rows
+_TICKS = 100  # of a clock: fewer leave the rate unsure by more than a percent
 _WITHIN = 1.5  # ticks between the stamps of such a clock and evenly spaced rows, if no row is missing
 _NEW = 0.5  # of the rows under a repeated stamp that have to say something new
 _SNAP = 1e-9  # a rate this close (relative) to a whole number of Hz was one before it went through text
@@ -125,7 +126,8 @@ def spread(t: FloatArray, others: list[FloatArray], rows: Rows) -> tuple[FloatAr
     """
     step = np.diff(t)
     repeats = step == 0.0
-    if not (step >= 0.0).all() or not np.mean(repeats) > _TICKING or repeats.all():
+    # Few ticks do not tell how fast the rows come.
+    if not (step >= 0.0).all() or not np.mean(repeats) > _TICKING or np.sum(~repeats) < _TICKS:
         return t, []
     anew = np.any([np.diff(values)[repeats] != 0.0 for values in others], axis=0)
     tick = quantile(step[~repeats], 0.5)

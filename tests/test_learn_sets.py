@@ -1,0 +1,51 @@
+"""Sets of causes, and causes that look like others, on knobs that share no code with the core."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from strata import Stratum
+
+import knobcam as kc
+from knobcam.learn import LearningResult
+
+
+def learnt(case: str) -> LearningResult:
+    hidden = Stratum.parse(case).make().capture
+    t, theta, omega, alpha, tau = (
+        hidden[name] for name in ("t_s", "theta_rad", "omega_rad_s", "alpha_rad_s2", "tau_Nm")
+    )
+    return kc.learn(kc.Capture.from_arrays(t=t, theta=theta, omega=omega, alpha=alpha, tau=tau))
+
+
+def test_what_came_in_first_gives_way_to_the_two_that_it_stood_in_for() -> None:
+    story = learnt("pair/quadratic_drag+directional_detent:967")
+    assert set(story.found) == {"quadratic_drag", "directional_detent"}
+    assert story.verdict == "missing"
+    falls = [step.rmse for step in story.ladder]
+    assert falls == sorted(falls, reverse=True)
+
+
+@pytest.mark.parametrize("seed", [907, 908])
+def test_a_ripple_is_found_beside_detents_that_are_a_whole_order_or_taken_for_one(seed: int) -> None:
+    story = learnt(f"one/cogging:{seed}")
+    assert story.found == ("cogging",)
+
+
+def test_a_law_that_is_a_little_off_brings_no_second_name() -> None:
+    story = learnt("one/quadratic_drag:909")
+    assert (story.verdict, story.found) == ("missing", ("quadratic_drag",))
+
+
+def test_of_two_that_explain_as_much_the_one_that_leaves_friction_positive() -> None:
+    story = learnt("one/stribeck:905")
+    assert story.found == ("stribeck",)
+    assert all(story.params[name].value > 0.0 for name in ("viscous.neg", "viscous.pos"))
+
+
+def test_a_sensor_that_is_often_at_its_limit_keeps_its_noise() -> None:
+    story = learnt("pair/position_polynomial+saturation:982")
+    tau = story.captures[0].tau
+    assert np.mean(np.abs(tau) >= np.abs(tau).max()) > 0.2
+    assert story.fit.rmse < 1.03 * story.noise_floor
+    assert set(story.found) == {"position_polynomial", "saturation"}
