@@ -49,3 +49,10 @@ def test_a_sensor_that_is_often_at_its_limit_keeps_its_noise() -> None:
     assert np.mean(np.abs(tau) >= np.abs(tau).max()) > 0.2
     assert story.fit.rmse < 1.03 * story.noise_floor
     assert set(story.found) == {"position_polynomial", "saturation"}
+
+
+def test_what_was_looked_for_in_the_error_of_another_is_looked_for_anew_beside_it() -> None:
+    # Friction that falls as it warms up hides which waves over position it has.
+    story = learnt("pair/position_friction+friction_drift:3100")
+    assert set(story.found) == {"position_friction", "friction_drift"}
+    assert story.fit.rmse < 1.05 * story.noise_floor

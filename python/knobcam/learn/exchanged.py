@@ -9,7 +9,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from .. import _core
-from ..fit.refit import converged, cores
+from ..errors import InputError
+from ..fit.refit import add, converged, cores
 from ..fit.rule import RULE
 from ..model.effects import effects
 from .joined import chance_of
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from ..fit.diagnose import Diagnosis
 
 _POOL = 7  # effects whose sets are weighed
+_LOWER = 0.02  # of the error: what ends lower by less is where it was
 _MOST = 3  # effects of a set, where more than noise is left
 
 
@@ -37,7 +39,7 @@ def exchanged(
     what `progress` raises ends the work.
     """
     first, last = ladder[0].fit, ladder[-1].fit
-    found = [one for one in last.model.effects if one not in first.model.effects]
+    found = _found(first, last)
     diagnosis = next((step.diagnosis for step in ladder if step.diagnosis is not None), None)
     rows = effects(first.model.coordinate)
     if (
@@ -61,6 +63,36 @@ def exchanged(
         if _score(fit, first) > _score(last, first) + RULE.price:
             return _steps(fit, names, ladder[0], diagnosis)
     return None
+
+
+def anew(
+    ladder: Sequence[LearningStep], after: Comparison, progress: Callable[[float], object]
+) -> Fit | None:
+    """Return the last fit with one of its effects looked for anew beside the others, where that ends lower.
+
+    What came in first was looked for in the error of all that came after it: its period may be wrong. `after`
+    and `progress` as of `exchanged`; None where nothing ends lower, or in the same cases as there.
+    """
+    first, last = ladder[0].fit, ladder[-1].fit
+    found = _found(first, last)
+    if len(found) < 2 or after.complete:
+        return None
+    for effect in found[:-1]:
+        try:
+            again = add(last.drop(effect), effect, progress)
+        except InputError:
+            continue  # it does not go with the others
+        if again.rmse < (1.0 - _LOWER) * last.rmse:
+            return replace(again, before=last.before)
+    return None
+
+
+def _found(first: Fit, last: Fit) -> list[str]:
+    """Return what came in, none beside a coupling."""
+    rows = effects(first.model.coordinate)
+    if any(rows[one].place == "coupling" for one in last.model.effects):
+        return []
+    return [one for one in last.model.effects if one not in first.model.effects]
 
 
 def _score(fit: Fit, first: Fit) -> float:

@@ -15,7 +15,7 @@ from ..fit.rule import RULE
 from ..fit.verdict import judged, within_law
 from ..model.effects import base_effects_shown, clipping, descriptions, effects
 from .cut import Cut, Deadline, OutOfTime
-from .exchanged import exchanged
+from .exchanged import anew, exchanged
 from .joined import joined
 from .ladder import LearningStep, Unexplained
 from .limitations import width
@@ -92,6 +92,10 @@ def _grown(
         if best is None and not sets and not fit.log_fault and fit.noise_floor > 0.0:
             sets = True
             tell("weighing what came in against other sets")
+            if (lower := anew(ladder, diagnosis.comparison, deadline)) is not None:
+                ladder[-1] = replace(ladder[-1], fit=lower)
+                sets = False
+                continue
             if (steps := exchanged(ladder, diagnosis.comparison, deadline)) is not None:
                 ladder[1:] = steps
                 continue
