@@ -56,3 +56,7 @@ def test_what_was_looked_for_in_the_error_of_another_is_looked_for_anew_beside_i
     story = learnt("pair/position_friction+friction_drift:3100")
     assert set(story.found) == {"position_friction", "friction_drift"}
     assert story.fit.rmse < 1.05 * story.noise_floor
+
+
+def test_a_torque_that_is_late_is_not_ahead_too() -> None:
+    assert set(learnt("pair/torque_lag+second_detent:3105").found) == {"torque_lag", "second_detent"}

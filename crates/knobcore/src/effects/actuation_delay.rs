@@ -1,7 +1,7 @@
 //! Actuation delay: the recorded torque is a command, and acts later than it is logged.
 
 use super::shifted::shifted;
-use super::{Carrier, Effect, Id, LateEffect, Survey, Words};
+use super::{Carrier, Effect, Id, LateEffect, Survey, TakenUp, Words};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
@@ -32,6 +32,10 @@ impl Effect<1> for ActuationDelay {
         ],
         latex: r"\tau_{\text{read}}(t) = \tau(t + t_d)",
     };
+    const TAKEN_UP: Option<TakenUp> = Some(TakenUp {
+        by: &["torque_lag.lag"],
+        why: "a torque that is read late is not ahead too: a shorter lag does the same",
+    });
     const PARAMS: [Param; 1] = [Param::shape("delay", Unit::of(0, 0, 1), [0.0, 0.05], 0.0, "dead time")];
 
     fn starts(survey: &Survey) -> Vec<[f64; 1]> {

@@ -1,7 +1,7 @@
 //! Torque lag: the torque channel comes late.
 
 use super::shifted::shifted;
-use super::{Carrier, Effect, Id, LateEffect, Survey, Words};
+use super::{Carrier, Effect, Id, LateEffect, Survey, TakenUp, Words};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
 
@@ -37,6 +37,10 @@ impl Effect<2> for TorqueLag {
         ],
         latex: r"T\,\dot y + y = \tau,\quad \tau_{\text{read}}(t) = y(t - t_d)",
     };
+    const TAKEN_UP: Option<TakenUp> = Some(TakenUp {
+        by: &["actuation_delay.delay"],
+        why: "a torque that is logged ahead is not late too: a shorter delay does the same",
+    });
     const PARAMS: [Param; 2] = [
         // One at the end of its range stands in for a memory of another kind.
         Param::shape("lag", Unit::of(0, 0, 1), [0.0, LONGEST], 0.0, "time constant")
