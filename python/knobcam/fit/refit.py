@@ -107,8 +107,12 @@ def error_fall(before: Fit, after: Fit) -> float:
 def unpaid(fit: Fit, bare: Fit) -> bool:
     """Whether a fit takes off no more than the price of the parameters that a barer one lacks."""
     count = len(fit.core.free) - len(bare.core.free)
-    gain = (bare.rmse**2 / fit.noise_floor**2 - fit.rmse**2 / fit.noise_floor**2) * fit.white_squares
-    return gain <= RULE.price * count
+    return gain(bare, fit, fit) <= RULE.price * count
+
+
+def gain(before: Fit, after: Fit, noise: Fit) -> float:
+    """Return the fall of the sum of squares in variances of the raw noise that a third fit left."""
+    return (before.rmse**2 - after.rmse**2) / noise.noise_floor**2 * noise.white_squares
 
 
 def needless(fit: Fit, bare: Fit) -> bool:

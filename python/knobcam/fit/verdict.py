@@ -38,12 +38,17 @@ _WORDS: dict[Word, str] = {
 _RANKS = get_args(Word)
 
 
-def off_by_law(fit: Fit) -> float:
-    """Return the mean squared error by which the laws that were added so far may be off, (N m)^2."""
+def explained(fit: Fit) -> float:
+    """Return the mean squared error that what was added so far took off, (N m)^2."""
     first = fit
     while first.before is not None:
         first = first.before
-    return RULE.law**2 * (first.rmse**2 - fit.rmse**2)
+    return first.rmse**2 - fit.rmse**2
+
+
+def off_by_law(fit: Fit) -> float:
+    """Return the mean squared error by which the laws that were added so far may be off, (N m)^2."""
+    return RULE.law**2 * explained(fit)
 
 
 def within_law(fit: Fit) -> bool:

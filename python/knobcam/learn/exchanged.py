@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from .. import _core
 from ..errors import InputError
-from ..fit.refit import add, converged, cores
+from ..fit.refit import add, converged, cores, gain
 from ..fit.rule import RULE
 from ..model.effects import effects
 from .joined import chance_of
@@ -97,8 +97,7 @@ def _found(first: Fit, last: Fit) -> list[str]:
 
 def _score(fit: Fit, first: Fit) -> float:
     """Return what a fit took off the sum of squares less the price of its parameters."""
-    gain = (first.rmse**2 - fit.rmse**2) / fit.noise_floor**2 * first.white_squares
-    return gain - RULE.price * len(fit.core.free)
+    return gain(first, fit, fit) - RULE.price * len(fit.core.free)
 
 
 def _steps(fit: Fit, names: Sequence[str], start: LearningStep, diagnosis: Diagnosis) -> list[LearningStep]:

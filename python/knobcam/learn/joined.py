@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from .. import _core
 from ..fit.diagnose import absent
-from ..fit.refit import converged, cores
+from ..fit.refit import converged, cores, gain
 from ..fit.rule import RULE
 from .ladder import LearningStep
 
@@ -44,8 +44,7 @@ def joined(
 
 def chance_of(richer: Fit, before: Fit, diagnosis: Diagnosis) -> float:
     """Return how often chance would do as well as a richer fit: no oftener than what takes off less."""
-    floor = diagnosis.fit.noise_floor
-    if not floor > 0.0:
+    if not diagnosis.fit.noise_floor > 0.0:
         return 1.0
-    gain = (before.rmse**2 - richer.rmse**2) / floor**2 * diagnosis.fit.white_squares
-    return min((one.p_value for one in diagnosis.candidates if one.gain <= gain), default=1.0)
+    falls = gain(before, richer, diagnosis.fit)
+    return min((one.p_value for one in diagnosis.candidates if one.gain <= falls), default=1.0)

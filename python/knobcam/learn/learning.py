@@ -18,6 +18,7 @@ from ..fit.beyond import incoherent
 from ..fit.diagnose import Diagnosis, check_effects, p_in_words
 from ..fit.refit import percent
 from ..fit.runs import in_words
+from ..fit.verdict import explained
 from ..model import Model
 from .agreement import Disagreement, disagreements
 from .cut import Cut, Deadline, Interrupted
@@ -165,9 +166,7 @@ class LearningResult(showing.Tabled):
             was, it = ("was", "it") if len(self.found) == 1 else ("were", "them")
             rest = "what else passes the torque filter" if beyond else "the rest"
             if not self.after.complete:
-                share = math.sqrt(
-                    max(self.fit.excess, 0.0) / (self.ladder[0].fit.rmse ** 2 - self.fit.rmse**2)
-                )
+                share = math.sqrt(max(self.fit.excess, 0.0) / explained(self.fit))
                 rest = f"{rest}, beside {100.0 * share:.1f} % by which a law may be off,"
             return f"{names} {was} missing; with {it} {rest} is chance."
         if beyond:

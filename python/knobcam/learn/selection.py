@@ -87,19 +87,17 @@ def _grown(
         deadline.weighing = absent(fit, {*without, *described})[0]
         deadline()
         diagnosis = diagnose(fit, without={*without, *described}, progress=deadline)
-        best = choose(diagnosis)
-        at_fault = columns_at_fault(fit.prepared)
+        best = diagnosis.best
         if best is None and not sets and not fit.log_fault and fit.noise_floor > 0.0:
-            sets = True
             tell("weighing what came in against other sets")
             if (lower := anew(ladder, diagnosis.comparison, deadline)) is not None:
                 ladder[-1] = replace(ladder[-1], fit=lower)
-                sets = False
                 continue
+            sets = True
             if (steps := exchanged(ladder, diagnosis.comparison, deadline)) is not None:
                 ladder[1:] = steps
                 continue
-        if best is None or len(ladder) > RULE.most or at_fault:
+        if best is None or len(ladder) > RULE.most or columns_at_fault(fit.prepared):
             selection = concluded(ladder, diagnosis, nothing_to_find)
             # What is wrong with a log, or lies beyond its filter, no effect explains.
             enough = diagnosis.comparison.complete or within_law(fit)
@@ -191,11 +189,6 @@ def _mainly(step: LearningStep) -> bool:
     return before is not None and before.rmse**2 - step.fit.rmse**2 >= RULE.mainly * before.excess
 
 
-def choose(diagnosis: Diagnosis) -> Candidate | None:
-    """Return the candidate to add."""
-    return diagnosis.best
-
-
 def followed(diagnosis: Diagnosis, tell: Callable[[str], None]) -> Candidate | None:
     """Return the coupling that leads the candidates, followed to its end, if that is then worth adding.
 
@@ -208,7 +201,7 @@ def followed(diagnosis: Diagnosis, tell: Callable[[str], None]) -> Candidate | N
     tell(f"following {best.effect} to its end")
     fit = diagnosis.fit
     end = replace(best, fit=replace(converged(best.fit), before=fit))
-    return choose(replace(diagnosis, candidates=judged(diagnosis.comparison, [end])))
+    return replace(diagnosis, candidates=judged(diagnosis.comparison, [end])).best
 
 
 def with_detents(fit: Fit) -> Fit:

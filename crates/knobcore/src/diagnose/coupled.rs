@@ -4,6 +4,7 @@
 //! error knows no way back once they no longer overlap. Through a slower filter they are broad and do.
 
 use super::screen::{Screen, Start};
+use super::watch::Watch;
 use crate::effects::{Id, Place};
 use crate::error::Result;
 use crate::filter::{ZeroPhase, cheby2};
@@ -126,33 +127,31 @@ pub fn converge(data: &[&Signals], model: &Model) -> Result<Fit> {
             }
             refine(data, &model)
         };
-        let (one, other) = std::thread::scope(|scope| {
-            let other = scope.spawn(|| by_way_of(&[COARSE_HZ, MIDDLE_HZ]));
-            (by_way_of(&[MIDDLE_HZ]), other.join())
-        });
-        let others = [Ok(one), other].into_iter().flatten().flatten();
+        let ways: [&[f64]; 2] = [&[MIDDLE_HZ], &[COARSE_HZ, MIDDLE_HZ]];
+        let watch = Watch::new(&|_| true, ways.len());
+        let others = watch.each(&ways, |edges| by_way_of(edges).ok()).into_iter().flatten();
         best = others.fold(best, |best, fit| if fit.rmse < best.rmse { fit } else { best });
-        best = shaken(data, best)?;
+        best = shaken(data, best, &watch);
     }
     settled(data, best, |model| refine(data, model))
 }
 
 /// A fit with a coupling, where kicks of the joint lead on from its end: the error there is so rough that a descent stops
 /// in the first dent. As long as they do, and more than noise is left.
-fn shaken(data: &[&Signals], mut best: Fit) -> Result<Fit> {
+fn shaken(data: &[&Signals], mut best: Fit, watch: &Watch<'_>) -> Fit {
     for _ in 0..SHAKEN {
         if best.rmse <= rule().converged * best.noise_floor {
             break;
         }
-        let mut seen = both(&kicked(&best.model), |model| on(model, |m| glance(data, m)));
+        let mut seen = watch.each(&kicked(&best.model), |model| on(model, |m| glance(data, m)));
         seen.sort_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost));
         seen.truncate(LED);
-        let ends = both(&seen, |(model, _)| refine(data, model).ok());
+        let ends = watch.each(&seen, |(model, _)| refine(data, model).ok());
         let end = ends.into_iter().flatten().min_by(|a, b| a.rmse.total_cmp(&b.rmse));
         let Some(end) = end.filter(|end| end.rmse < (1.0 - SAME) * best.rmse) else { break };
         best = end;
     }
-    Ok(best)
+    best
 }
 
 /// A model with the first two of its joint's free parameters moved, each and together.
@@ -170,17 +169,6 @@ fn kicked(model: &Model) -> Vec<Model> {
         kicked
     };
     KICKS.iter().map(at).collect()
-}
-
-/// What becomes of each, on two threads.
-fn both<T: Sync, R: Send>(items: &[T], to: impl Fn(&T) -> R + Sync) -> Vec<R> {
-    let (one, other) = items.split_at(items.len() / 2);
-    std::thread::scope(|scope| {
-        let other = scope.spawn(|| other.iter().map(&to).collect::<Vec<_>>());
-        let mut one: Vec<R> = one.iter().map(&to).collect();
-        one.extend(other.join().unwrap_or_default());
-        one
-    })
 }
 
 /// The beginnings of captures, of so many samples at most, through the coarse filter.

@@ -91,28 +91,23 @@ impl<'a> Screen<'a> {
             Some(Wave::Orders) => beside_orders(self.data, self.model),
             _ => vec![self.model.clone()],
         };
-        let starts = |beside: &Model| self.by_promise(id, self.beside(id, beside, wave));
-        let mut starts: Vec<Start> = match &beside[..] {
-            // Detents that are a whole order go, unless the ripple leaves much more without them.
-            [own, bare, others @ ..] => {
-                let without = starts(bare);
-                let mut with: Vec<Start> = starts(own);
-                with.extend(others.iter().flat_map(starts));
-                with.sort_by(|a, b| a.predicted.total_cmp(&b.predicted));
-                // What detents did, a promise takes for absorbed: a few steps tell.
-                let left = |starts: &[Start]| {
-                    starts.first().map_or(f64::INFINITY, |start| glance(self.data, &start.model).cost)
-                };
-                if left(&without) <= SIMPLER * left(&with) {
-                    with.clear();
-                }
-                with.extend(without);
-                with
-            }
-            _ => beside.iter().flat_map(starts).collect(),
+        let starts = |models: &[&Model]| {
+            self.by_promise(id, models.iter().flat_map(|model| self.beside(id, model, wave)).collect())
         };
-        starts.sort_by(|a, b| a.predicted.total_cmp(&b.predicted));
-        starts
+        let beside: Vec<&Model> = beside.iter().collect();
+        let [own, bare, others @ ..] = &beside[..] else { return starts(&beside) };
+        // Detents that are a whole order go, unless the ripple leaves much more without them. What they did, a promise
+        // takes for absorbed: a few steps tell.
+        let left = |starts: &[Start]| {
+            starts.first().map_or(f64::INFINITY, |start| glance(self.data, &start.model).cost)
+        };
+        let (mut with, without) = (starts(&[&[*own], others].concat()), starts(&[*bare]));
+        if left(&without) <= SIMPLER * left(&with) {
+            return without;
+        }
+        with.extend(without);
+        with.sort_by(|a, b| a.predicted.total_cmp(&b.predicted));
+        with
     }
 
     /// Models with an effect beside one, at each of the effect's starts.
