@@ -154,7 +154,7 @@ search {
     /// An error with a coupling that is this close to the noise floor needs no better end.
     converged: 1.01, "times the noise floor", "judgement: well within at_floor";
     /// An error with a coupling beyond this shows that more is missing: no better end is looked for.
-    hopeless: 1.5, "times the noise floor", "judgement";
+    hopeless: 2.0, "times the noise floor", "judgement";
     /// A joint whose error ends lower by less has not moved.
     helped: 1e-3, "share of the error", "judgement: a tenth of converged";
 }

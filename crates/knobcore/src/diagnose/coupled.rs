@@ -4,13 +4,14 @@
 //! error knows no way back once they no longer overlap. Through a slower filter they are broad and do.
 
 use super::screen::{Screen, Start};
+use super::strides::strides;
 use super::watch::Watch;
-use crate::effects::{Id, Place};
+use crate::effects::Id;
 use crate::error::Result;
 use crate::filter::{ZeroPhase, cheby2};
 use crate::fit::{Fit, Found, glance, refine, settled, sketch};
 use crate::floor::Floor;
-use crate::model::{Model, Role};
+use crate::model::Model;
 use crate::prepare::slower;
 use crate::rule::rule;
 use crate::signals::Signals;
@@ -25,13 +26,6 @@ const FOLLOWED: usize = 3;
 const ENOUGH: usize = 30_000;
 /// Ends whose sums of squares differ by less than this share are one.
 const SAME: f64 = 1e-3;
-
-/// Rounds of kicks, how many lead on in each, and by what each moves the first two parameters of a joint: its gap and
-/// stiffness, or stiffness and damping.
-const SHAKEN: usize = 3;
-const LED: usize = 4;
-const KICKS: [[f64; 2]; 8] =
-    [[0.7, 0.4], [0.85, 0.4], [0.85, 1.0], [0.93, 1.0], [1.08, 1.0], [1.18, 1.0], [1.18, 2.5], [1.0, 0.5]];
 
 /// Where the starts of a coupling lead to.
 pub struct Ways {
@@ -111,64 +105,18 @@ pub(super) fn on(model: &Model, to: impl Fn(&Model) -> Found) -> (Model, Found) 
     (model, found)
 }
 
-/// Fits a model from values near its best. The error of one with a coupling is rough at its finest: it is
-/// approached through slower filters too, and the best end counts.
+/// Fits a model from values near its best. The error of one with a coupling is rough at its finest: it is descended in
+/// strides too, as long as more than noise is left.
 ///
 /// # Errors
 /// As of [`crate::fit::fit`].
 pub fn converge(data: &[&Signals], model: &Model) -> Result<Fit> {
     let mut best = refine(data, model)?;
     if model.is_coupled() && (rule().converged..rule().hopeless).contains(&(best.rmse / best.noise_floor)) {
-        let by_way_of = |edges: &[f64]| {
-            let mut model = best.model.clone();
-            for edge in edges {
-                let slow = slowed(data, *edge);
-                (model, _) = on(&model, |m| sketch(&slow.iter().collect::<Vec<_>>(), m));
-            }
-            refine(data, &model)
-        };
-        let ways: [&[f64]; 2] = [&[MIDDLE_HZ], &[COARSE_HZ, MIDDLE_HZ]];
-        let watch = Watch::new(&|_| true, ways.len());
-        let others = watch.each(&ways, |edges| by_way_of(edges).ok()).into_iter().flatten();
-        best = others.fold(best, |best, fit| if fit.rmse < best.rmse { fit } else { best });
-        best = shaken(data, best, &watch);
+        let led = strides(data, &best.model, &Watch::new(&|_| true, 1));
+        best = refine(data, &led).ok().filter(|led| led.rmse < best.rmse).unwrap_or(best);
     }
     settled(data, best, |model| refine(data, model))
-}
-
-/// A fit with a coupling, where kicks of the joint lead on from its end: the error there is so rough that a descent stops
-/// in the first dent. As long as they do, and more than noise is left.
-fn shaken(data: &[&Signals], mut best: Fit, watch: &Watch<'_>) -> Fit {
-    for _ in 0..SHAKEN {
-        if best.rmse <= rule().converged * best.noise_floor {
-            break;
-        }
-        let mut seen = watch.each(&kicked(&best.model), |model| on(model, |m| glance(data, m)));
-        seen.sort_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost));
-        seen.truncate(LED);
-        let ends = watch.each(&seen, |(model, _)| refine(data, model).ok());
-        let end = ends.into_iter().flatten().min_by(|a, b| a.rmse.total_cmp(&b.rmse));
-        let Some(end) = end.filter(|end| end.rmse < (1.0 - SAME) * best.rmse) else { break };
-        best = end;
-    }
-    best
-}
-
-/// A model with the first two of its joint's free parameters moved, each and together.
-fn kicked(model: &Model) -> Vec<Model> {
-    let joint = |at: &usize| {
-        let slot = &model.slots()[*at];
-        slot.effect.info().place == Place::Coupling && slot.role == Role::Free && slot.value > 0.0
-    };
-    let own: Vec<usize> = (0..model.slots().len()).filter(joint).take(2).collect();
-    let at = |times: &[f64; 2]| {
-        let mut p = model.values();
-        own.iter().zip(times).for_each(|(at, times)| p[*at] *= times);
-        let mut kicked = model.clone();
-        kicked.set_values(&p);
-        kicked
-    };
-    KICKS.iter().map(at).collect()
 }
 
 /// The beginnings of captures, of so many samples at most, through the coarse filter.

@@ -11,6 +11,7 @@ mod pairs;
 mod screen;
 mod sets;
 mod spectrum;
+mod strides;
 mod thinned;
 mod verdict;
 mod watch;

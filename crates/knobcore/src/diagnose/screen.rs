@@ -13,6 +13,8 @@ use crate::model::{Model, Role};
 use crate::param::{Axis, Usual};
 use crate::signals::Signals;
 
+/// What resists one way is at least so much of what does the other way.
+const APART: f64 = 0.6;
 /// Steps of the quantiles of a survey.
 const QUANTILES: usize = 400;
 
@@ -177,6 +179,9 @@ impl<'a> Screen<'a> {
             model.settle();
             model
         };
+        if id.info().place == Place::Coupling {
+            level(with, &mut p);
+        }
         let mut models = vec![at(&p)];
         // A coupling bends the inertia that the base model sees, even below zero.
         if let (Place::Coupling, Some(inertia)) = (id.info().place, with.inertia())
@@ -271,6 +276,24 @@ fn behind(signals: &Signals, model: &Model) -> Signals {
         hidden.alpha[segment.clone()].copy_from_slice(&alpha);
     }
     hidden
+}
+
+/// Brings what resists forward and backward nearer to each other: a joint bends them apart, even below zero, and a
+/// knob that nothing brakes one way goes where no other does.
+fn level(model: &Model, p: &mut [f64]) {
+    for at in 1..p.len() {
+        let slots = &model.slots()[at - 1..=at];
+        if slots[0].effect != slots[1].effect || [slots[0].param.name, slots[1].param.name] != ["neg", "pos"]
+        {
+            continue;
+        }
+        let (neg, pos) = (p[at - 1], p[at]);
+        let mean = 0.5 * (neg + pos);
+        if neg.min(pos) < APART * neg.max(pos) && mean > 0.0 {
+            p[at - 1] = mean;
+            p[at] = mean;
+        }
+    }
 }
 
 fn survey(data: &[&Signals], model: &Model) -> Survey {

@@ -18,6 +18,7 @@ pub use orders::beside as beside_orders;
 pub(crate) use runs::{differ, runs, settled};
 pub use scan::Scan;
 pub use separable::{Found, Status};
+pub(crate) use solve::least;
 pub use undetermined::Undetermined;
 
 use crate::effects::{Id, Wave};

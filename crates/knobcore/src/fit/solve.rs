@@ -83,6 +83,19 @@ pub fn solvable(gram: impl Fn(usize, usize) -> f64, mut kept: Vec<usize>) -> Vec
     kept
 }
 
+/// The combination of `many` columns that is nearest to a right-hand side, by their products. Each is held back as if so
+/// much of its squares more asked for nothing of it: what others say nearly as well stays small.
+pub fn least(
+    many: usize,
+    gram: impl Fn(usize, usize) -> f64,
+    right: impl Fn(usize) -> f64,
+    held: f64,
+) -> Option<Vec<f64>> {
+    let all: Vec<usize> = (0..many).collect();
+    let held = |i: usize, j: usize| gram(i, j) * if i == j { 1.0 + held } else { 1.0 };
+    Some(Normal::of(held, &all)?.solve(right))
+}
+
 /// The step in the columns `kept` that minimises the sum of squares to first order; zero in the others.
 pub fn least_squares(moments: &Moments, kept: &[usize]) -> Option<Vec<f64>> {
     let solution = Normal::of(|i, j| moments.gram(i, j), kept)?.solve(|i| moments.slope(kept[i]));
@@ -103,5 +116,11 @@ mod tests {
         let gram = |i: usize, j: usize| columns[i].iter().zip(&columns[j]).map(|(a, b)| a * b).sum::<f64>();
         assert_eq!(independent(gram, &[0, 1, 2, 3, 4]), vec![0, 1, 4]);
         assert_eq!(independent(gram, &[2, 4, 0, 1]), vec![2, 4, 0]);
+    }
+
+    #[test]
+    fn columns_that_say_the_same_share_what_they_are_held_back_by() {
+        let both = least(2, |_, _| 1.0, |_| 1.0, 0.5).unwrap();
+        assert!(both.iter().all(|x| (x - 0.4).abs() < 1e-12), "{both:?}");
     }
 }
