@@ -126,8 +126,7 @@ impl Asked<'_> {
                     return self.refuse(p, |p| -dry(p), "dry friction below 0 helps the hand");
                 }
                 if brakes(p) < -UNFELT {
-                    let why =
-                        format!("feeds the hand at {} rad/s beyond what friction takes", short(motion.omega));
+                    let why = format!("feeds the hand at {} rad/s beyond friction", short(motion.omega));
                     return self.refuse(p, |p| -brakes(p), &why);
                 }
             }

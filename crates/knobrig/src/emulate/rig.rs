@@ -136,6 +136,11 @@ impl Rig {
         self.motor
     }
 
+    /// Angle of what its motor or a hand turns at this instant, rad.
+    pub fn place(&self) -> f64 {
+        self.run.as_ref().map_or(self.place, |run| run.scene.place())
+    }
+
     /// Microseconds since it was switched on.
     pub fn now_us(&self) -> u64 {
         self.now_us
