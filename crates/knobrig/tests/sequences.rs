@@ -3,11 +3,8 @@
 //! A short part runs in the tests, each time from another seed, which is printed; `benches/study_safety.py` runs the
 //! whole. KNOBCAM_SEED and KNOBCAM_SEQUENCES choose what is run.
 
-use knobcore::effects::Id;
 use knobcore::model::Model;
 use knobcore::model_file;
-use knobcore::motion::Motion;
-use knobcore::param::Axis;
 use knobcore::random::Noise;
 use knobrender::TANK_J;
 use knobrig::emulate::{Fixture, Rig};
@@ -18,6 +15,7 @@ use knobrig::wire::{
 
 mod common;
 use common::RATE;
+use common::models::{random_model, stored};
 
 /// Speed beyond which the rig lets go, rad/s, and what a sample adds before it can.
 const FASTEST: f64 = 100.0;
@@ -325,54 +323,6 @@ impl Watched {
         assert!(self.given <= allowed, "{} J given out of {allowed}, forced: {forced}", self.given);
         self.seen.most_energy_share = self.seen.most_energy_share.max(self.given / allowed);
     }
-}
-
-/// Energy between the highest and the lowest place of a model within these angles, J.
-fn stored(model: &Model, [from, to]: [f64; 2]) -> f64 {
-    let (p, steps) = (model.values(), 2000);
-    let step = (to - from) / f64::from(steps);
-    let (mut sum, mut ends) = (0.0_f64, [0.0_f64; 2]);
-    for i in 0..steps {
-        let motion = Motion::exact(0.0, from + (f64::from(i) + 0.5) * step, 0.0, 0.0);
-        sum += step * model.load(&p, &mut vec![0.0; model.states()], &motion).drive;
-        ends = [ends[0].min(sum), ends[1].max(sum)];
-    }
-    ends[1] - ends[0]
-}
-
-/// A knob of some effects; a value has the wrong sign with the probability `wrong`.
-fn random_model(noise: &mut Noise, wrong: f64) -> Model {
-    let more = [Id::ReturnSpring, Id::Unbalance, Id::PositionPolynomial, Id::QuadraticDrag, Id::Stribeck];
-    let mut effects = vec![Id::Inertia, Id::Coulomb, Id::Viscous];
-    if noise.uniform() < 0.6 {
-        effects.push(Id::Detent);
-    }
-    effects.extend(more.into_iter().filter(|_| noise.uniform() < 0.25));
-    let mut model = Model::new(&effects, Axis::Rotary);
-    for (name, size) in [
-        ("inertia.M", 1e-4),
-        ("coulomb.neg", 0.02),
-        ("coulomb.pos", 0.02),
-        ("viscous.neg", 1e-3),
-        ("viscous.pos", 1e-3),
-        ("detent.A", 0.05),
-        ("return_spring.k", 0.3),
-        ("unbalance.a", 0.02),
-        ("position_polynomial.p1", 0.02),
-        ("position_polynomial.p3", 0.01),
-        ("quadratic_drag.d", 1e-4),
-    ] {
-        let sign = if noise.uniform() < wrong { -1.0 } else { 1.0 };
-        // The seldom size of a fit that went wrong.
-        let size = if sign < 0.0 { size * 10_f64.powf(2.0 * noise.uniform() - 0.5) } else { size };
-        if model.index(name).is_ok() {
-            model.set(name, sign * size * noise.uniform()).unwrap();
-        }
-    }
-    if model.has(Id::Detent) {
-        model.set("detent.P", 0.03 + 0.2 * noise.uniform()).unwrap();
-    }
-    model
 }
 
 /// One sequence, whatever it asserts.

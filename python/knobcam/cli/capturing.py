@@ -41,7 +41,9 @@ def register(commands: arguments.Commands) -> None:
     )
     parser.add_argument("--calibration", metavar="FILE", help="default: the one that is kept of this rig")
     parser.add_argument(
-        "--force", action="store_true", help="with --model: one that may feed a hand, as long as its tank lasts"
+        "--force",
+        action="store_true",
+        help="with --model: one that may feed a hand, as long as its tank lasts",
     )
     arguments.add_fault(parser)
     parser.add_argument("--overwrite", action="store_true", help="write over a capture (a log never is)")

@@ -166,8 +166,8 @@ def run_loop(
 ) -> LoopReport:
     """Run a loop to its end and return the report; options as in `start_loop`.
 
-    Ctrl-C takes the torque off and returns the report too, its `ending` then `interrupted`. SIGTERM and SIGHUP take
-    it off and raise `Ended`, a SystemExit.
+    Ctrl-C takes the torque off and returns the report too, its `ending` then `interrupted`. SIGTERM and
+    SIGHUP take it off and raise `Ended`, a SystemExit.
     """
     loop = start_loop(controller, device, seconds, **options)
     try:

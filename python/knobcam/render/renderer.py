@@ -73,9 +73,9 @@ class Renderer(_core.Renderer):
     the device can. Effects of the sensor (lag, drift, saturation) are not rendered: they are the measuring
     rig's.
 
-    A model that would feed a hand (within a turn to each side of zero, up to a turn a second), or that rings on
-    the `device`, is refused by the term that is to blame. With `force` it is rendered all the same, until it has
-    given out 0.1 J more than it took: then it has a `fault`.
+    A model that would feed a hand (within a turn to each side of zero, up to a turn a second), or that
+    rings on the `device`, is refused by the term that is to blame. With `force` it is rendered all the
+    same, until it has given out 0.1 J more than it took: then it has a `fault`.
 
     A quantity that is not finite, or a motion beyond `speed_limit` (rad/s), gives zero torque and a `fault`
     that stays until `reset()`. `state` and `set_state()` are all that it remembers.
@@ -185,8 +185,8 @@ class Stability(showing.Tabled):
         if self.stable or not self.passive:
             return self.objection
         return (
-            f"the model rings on it: the device allows {self.allowed_stiffness_Nm_rad:.3g} N m/rad, the model "
-            f"has {self.figures['stiffness_Nm_rad']:.3g}; soften the model, or --force it"
+            f"the model rings on it: the device allows {self.allowed_stiffness_Nm_rad:.3g} N m/rad, the "
+            f"model has {self.figures['stiffness_Nm_rad']:.3g}; soften the model, or --force it"
         )
 
     @property
@@ -258,10 +258,10 @@ def check_stability(
 ) -> Stability:
     """Say which stiffness the delay of a device allows, and how far `model` on it is from ringing.
 
-    Two questions: whether any hand at all could draw energy out of it (Colgate & Schenkel 1997, Equation 10:
-    `b > K T/2 + |B|`, with the delay added to T/2), and whether it rings by itself (phase margin of the loop
-    through the delay). Beside both, whether the model itself would feed a hand (`passive`, `objection`). Raises
-    InputError for a device or a rate that cannot be.
+    Two questions: whether any hand at all could draw energy out of it (Colgate & Schenkel 1997, Equation
+    10: `b > K T/2 + |B|`, with the delay added to T/2), and whether it rings by itself (phase margin of the
+    loop through the delay). Beside both, whether the model itself would feed a hand (`passive`,
+    `objection`). Raises InputError for a device or a rate that cannot be.
     """
     model = model if isinstance(model, Model) else Model.load(model)
     check_torque(model)
@@ -276,9 +276,9 @@ def check_stability(
 def check_passive(model: Model, *, rate_hz: float = 5000.0) -> None:
     """Raise InputError for a model that would feed a hand: the term that is to blame, and why.
 
-    Looked at are inertia, dry friction and what depends on the speed, within a turn to each side of zero and up to
-    a turn a second (1 m and 1 m/s on a linear axis), where the angle alone would take the handle, and the work
-    over closed cycles.
+    Looked at are inertia, dry friction and what depends on the speed, within a turn to each side of zero
+    and up to a turn a second (1 m and 1 m/s on a linear axis), where the angle alone would take the handle,
+    and the work over closed cycles.
     """
     objection = _core.check_passive(model.core, None, rate_hz)
     if objection is not None:

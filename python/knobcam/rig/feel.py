@@ -63,9 +63,9 @@ def feel(
 ) -> Felt:
     """Let the device behind `port` render `model` for some seconds while a person turns it, and record that.
 
-    The wire log is kept where `log` says, or not at all. Raises InputError for a model that would feed a hand, or
-    ring on this device, unless `force` is given; for a fault that the rig has latched, as `record` does; and for
-    all that is wrong with port or rig. Torque is ended on every way out.
+    The wire log is kept where `log` says, or not at all. Raises InputError for a model that would feed a
+    hand, or ring on this device, unless `force` is given; for a fault that the rig has latched, as `record`
+    does; and for all that is wrong with port or rig. Torque is ended on every way out.
     """
     if not (math.isfinite(seconds) and seconds > 0.0):
         raise InputError(f"seconds={seconds:g}: give a finite time above 0")

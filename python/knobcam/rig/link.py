@@ -193,7 +193,7 @@ class Link:
         )
 
     def upload_model(self, model: Model, *, force: bool = False) -> None:
-        """Send a model that the rig is to render; `force`: though it may feed a hand, as long as its tank lasts."""
+        """Send a model to render; `force`: though it may feed a hand, as long as its tank lasts."""
         if not force:
             check_passive(model, rate_hz=self.rate_hz)
         text, most = model.text(), self.device["model_capacity"]
@@ -329,17 +329,19 @@ def _check_motion(track: MotionTrack, rate_hz: float) -> None:
     if not len(track.t):
         raise InputError("motion: has no point; give one a sample")
     if not all(np.isfinite(column).all() for column in track[1:]):
-        raise InputError("motion: has points that are not finite; give finite angles, speeds and accelerations")
+        raise InputError(
+            "motion: has points that are not finite; give finite angles, speeds and accelerations"
+        )
     if track.theta[0] != 0.0 or track.omega[0] != 0.0:
         raise InputError(
-            f"motion: begins at {track.theta[0]:g} rad and {track.omega[0]:g} rad/s; it must begin at rest at angle "
-            "0, where the knob stands"
+            f"motion: begins at {track.theta[0]:g} rad and {track.omega[0]:g} rad/s; it must begin at rest "
+            "at angle 0, where the knob stands"
         )
     jumps = np.abs(np.diff(track.theta, prepend=0.0)) > _FASTEST_RAD_S / rate_hz
     jumps |= np.abs(track.omega) > _FASTEST_RAD_S
     if jumps.any():
         at = int(np.argmax(jumps))
         raise InputError(
-            f"motion: jumps at point {at} (to {track.theta[at]:.4g} rad, {track.omega[at]:.4g} rad/s); a knob is "
-            f"driven at up to {_FASTEST_RAD_S:g} rad/s"
+            f"motion: jumps at point {at} (to {track.theta[at]:.4g} rad, {track.omega[at]:.4g} rad/s); a "
+            f"knob is driven at up to {_FASTEST_RAD_S:g} rad/s"
         )

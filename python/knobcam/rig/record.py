@@ -95,13 +95,14 @@ def record(
     or a file of it; by default the one that is kept of this rig. `port` may be `serial:NUMBER`. `progress` is
     called some ten times a second and may raise `Enough`.
 
-    A fault that the rig has latched is cleared only where `clear_fault` says so: True, or a function that is told
-    the fault and answers. `force` lets the rig render a `model` that may feed a hand, as long as its energy tank
-    lasts. A capture that is there is written over with `overwrite` alone, a log never. `kept`: whether the log
-    outlives the call, so that it may be named.
+    A fault that the rig has latched is cleared only where `clear_fault` says so: True, or a function that
+    is told the fault and answers. `force` lets the rig render a `model` that may feed a hand, as long as
+    its energy tank lasts. A capture that is there is written over with `overwrite` alone, a log never.
+    `kept`: whether the log outlives the call, so that it may be named.
 
-    Raises InputError for everything that is wrong with call, port or rig, KeyboardInterrupt for Ctrl-C and `Ended`,
-    a SystemExit, for SIGTERM and SIGHUP: torque is off then, and the samples that had come are in the log.
+    Raises InputError for everything that is wrong with call, port or rig, KeyboardInterrupt for Ctrl-C and
+    `Ended`, a SystemExit, for SIGTERM and SIGHUP: torque is off then, and the samples that had come are in
+    the log.
     """
     log = log_path(output)
     if log.exists():
@@ -151,7 +152,7 @@ def make_plan(
 
 
 def _look_at_fault(link: Link, clear: ClearFault) -> None:
-    """Clear a fault that the rig has latched if whoever asks for the run says so; else InputError tells it."""
+    """Clear a latched fault if whoever asks for the run says so; else InputError tells it."""
     if link.fault is None:
         return
     code, text = link.fault

@@ -4,6 +4,8 @@
 use knobrig::emulate::{Fixture, Sensors, Setup, Track};
 use knobrig::wire::{Channel, Descriptor, Serial, Unit};
 
+pub mod models;
+
 pub const RATE: f64 = 5000.0;
 
 /// A motion from rest and back to it, of so many samples.

@@ -156,8 +156,8 @@ def checked_c_cal(c_cal: object, source: object) -> float:
     fits = isinstance(c_cal, int | float) and not isinstance(c_cal, bool) and least <= c_cal <= most
     if not fits:
         raise InputError(
-            f"{source}: c_cal={c_cal!r} (rad/s^2)/V is no sensitivity of an accelerometer, which is {least:g} to "
-            f"{most:g}; check its cable and its direction, and run `knobcam calibrate` again"
+            f"{source}: c_cal={c_cal!r} (rad/s^2)/V is no sensitivity of an accelerometer, which is "
+            f"{least:g} to {most:g}; check its cable and its direction, and run `knobcam calibrate` again"
         )
     return float(cast("float", c_cal))
 
@@ -191,11 +191,17 @@ def _losses(raw: Mapping[str, Any], planned: int | None) -> list[Finding]:
             message = f"t: {account[key]} samples {end} did not arrive; nothing is filled in"
             found.append(Finding("gap", "t", account[key], (), message, "warning"))
     if account["produced"] is None:
-        of = "" if planned is None else f" ({len(raw['index'])} of the {planned} samples that were planned came)"
+        of = (
+            ""
+            if planned is None
+            else f" ({len(raw['index'])} of the {planned} samples that were planned came)"
+        )
         message = f"t: the rig did not say how the run ended{of}; what is missing at its end is unknown"
         found.append(Finding("cut", "t", 1, (), message, "note"))
     elif planned is not None and account["produced"] < planned:
-        message = f"t: the run was ended after {account['produced']} of the {planned} samples that were planned"
+        message = (
+            f"t: the run was ended after {account['produced']} of the {planned} samples that were planned"
+        )
         found.append(Finding("cut", "t", planned - account["produced"], (), message, "note"))
     return found
 
@@ -205,14 +211,14 @@ def _damage(read: Mapping[str, Any], account: Mapping[str, Any]) -> list[Finding
     found = []
     if read["corrupt"]:
         message = (
-            f"{read['corrupt']} stretches of the log ({read['corrupt_bytes']} bytes) are no frames and were left "
-            "out; check the cable"
+            f"{read['corrupt']} stretches of the log ({read['corrupt_bytes']} bytes) are no frames and were "
+            "left out; check the cable"
         )
         found.append(Finding("corrupt", "t", read["corrupt"], (), message, "warning"))
     if account["contradicted"]:
         message = (
-            f"{account['contradicted']} samples came twice with different content; the first is kept, and nobody "
-            "knows which is right: correct the firmware"
+            f"{account['contradicted']} samples came twice with different content; the first is kept, and "
+            "nobody knows which is right: correct the firmware"
         )
         found.append(Finding("contradicted", "t", account["contradicted"], (), message, "warning"))
     return found
