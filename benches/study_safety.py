@@ -67,7 +67,8 @@ def report(result: dict[str, Any]) -> Iterator[str]:
     )
     yield (
         f"{s['models_refused']} models refused, {s['models_forced']} forced, {s['tanks_emptied']} ended by "
-        f"their tank; at most {s['most_energy_of_limit']:g} of the energy that a model may give out"
+        f"their tank; at most {s['most_energy_of_limit']:g} of the energy that one may give out (what its "
+        "places hold, and 0.1 J)"
     )
     yield f"{s['watchdog_faults']} times silence was noticed in time, {s['other_faults']} other faults"
     yield (

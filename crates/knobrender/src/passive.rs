@@ -21,7 +21,7 @@ use std::f64::consts::TAU;
 
 /// Where a model is asked to be passive, to both sides of zero: angle, rad (m), and speed, rad/s (m/s).
 ///
-/// A turn to each side and a turn in a second; a metre and a metre in a second on a linear axis. Dry friction may
+/// A turn to each side and 5 rad/s, as fast as hands turn knobs; 1 m and 1 m/s on a linear axis. Dry friction may
 /// outweigh a negative viscous term so far (knobs 1 to 3 of the paper); what is faster is cut by the step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Range {
@@ -34,8 +34,8 @@ pub struct Range {
 impl Range {
     /// The range that is declared for models of this axis.
     pub fn of(axis: Axis) -> Self {
-        let most = if axis == Axis::Linear { 1.0 } else { TAU };
-        Self { angle: most, speed: most }
+        let [angle, speed] = if axis == Axis::Linear { [1.0, 1.0] } else { [TAU, 5.0] };
+        Self { angle, speed }
     }
 }
 

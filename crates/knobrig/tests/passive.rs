@@ -74,8 +74,8 @@ fn a_term_that_feeds_the_hand_is_named() {
 
 #[test]
 fn what_dry_friction_outweighs_over_the_range_is_rendered() {
-    for (pos, passes) in [(-1e-4, true), (-1.7e-4, true), (-1.8e-4, false)] {
-        // 0.0011 N m of dry friction at a turn in a second.
+    for (pos, passes) in [(-1e-4, true), (-2.1e-4, true), (-2.3e-4, false)] {
+        // 0.0011 N m of dry friction at 5 rad/s.
         let model = with(Id::Viscous, &[("viscous.pos", pos)]);
         assert_eq!(check_passive(&model, None, RATE).is_ok(), passes, "{pos}");
     }

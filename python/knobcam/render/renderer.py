@@ -73,7 +73,7 @@ class Renderer(_core.Renderer):
     the device can. Effects of the sensor (lag, drift, saturation) are not rendered: they are the measuring
     rig's.
 
-    A model that would feed a hand (within a turn to each side of zero, up to a turn a second), or that
+    A model that would feed a hand (within a turn to each side of zero, up to 5 rad/s), or that
     rings on the `device`, is refused by the term that is to blame. With `force` it is rendered all the
     same, until it has given out 0.1 J more than it took: then it has a `fault`.
 
@@ -277,7 +277,7 @@ def check_passive(model: Model, *, rate_hz: float = 5000.0) -> None:
     """Raise InputError for a model that would feed a hand: the term that is to blame, and why.
 
     Looked at are inertia, dry friction and what depends on the speed, within a turn to each side of zero
-    and up to a turn a second (1 m and 1 m/s on a linear axis), where the angle alone would take the handle,
+    and up to 5 rad/s (1 m and 1 m/s on a linear axis), where the angle alone would take the handle,
     and the work over closed cycles.
     """
     objection = _core.check_passive(model.core, None, rate_hz)

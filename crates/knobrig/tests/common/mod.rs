@@ -5,6 +5,7 @@ use knobrig::emulate::{Fixture, Sensors, Setup, Track};
 use knobrig::wire::{Channel, Descriptor, Serial, Unit};
 
 pub mod models;
+pub mod seen;
 
 pub const RATE: f64 = 5000.0;
 
