@@ -4,7 +4,7 @@ use super::model::PyModel;
 use super::user::watched;
 use knobcore::error::Error;
 use knobrender::{
-    Contact, Device, Fault, Limits, Renderer, Sensed, State, TANK_J, check_passive as passive,
+    Contact, Device, Fault, Limits, Renderer, Sensed, State, check_passive as passive,
     check_stability as check,
 };
 use knobrig::emulate::Handle;
@@ -157,7 +157,7 @@ impl PyRenderer {
             },
             knob: pair("knob")?,
             memory: get("memory")?.extract()?,
-            tank: row.get_item("tank_J")?.map_or(Ok(TANK_J), |tank| tank.extract())?,
+            tank: row.get_item("tank_J")?.map_or(Ok(self.renderer.state().tank), |tank| tank.extract())?,
             fault: fault.map(named).transpose()?,
         };
         self.renderer.set_state(state).map_err(input_error)

@@ -32,7 +32,7 @@ pub enum Fault {
     Jump,
     /// The model's torque is not finite.
     Torque,
-    /// A model that was forced gave out more energy than it may.
+    /// It gave out more energy than it may: 0.1 J beyond what it took and, unless it was forced, its places hold.
     Energy,
 }
 
@@ -48,7 +48,7 @@ impl Fault {
             }
             Self::Torque => "the model's torque was not finite; check the model, then reset",
             Self::Energy => {
-                "the forced model gave out 0.1 J more than it took; correct the model, then reset"
+                "it gave out 0.1 J more than it took and its places hold; correct the model, then reset"
             }
         }
     }

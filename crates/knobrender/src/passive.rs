@@ -81,6 +81,24 @@ pub fn check_passive(model: &Model, device: Option<Device>, rate_hz: f64) -> Res
     }
 }
 
+/// Energy between the highest and the lowest place of a model within its declared range, J.
+pub(super) fn stored(model: &Model, p: &[f64]) -> f64 {
+    let own = model.effects().any(|id| matches!(id, Id::User(_)));
+    let (height, _) = Asked { model, own, range: Range::of(model.axis) }.heights(p);
+    if own {
+        let _ = model.watched(|| ());
+    }
+    highest(&height) - lowest(&height)
+}
+
+fn highest(heights: &[f64]) -> f64 {
+    heights.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+}
+
+fn lowest(heights: &[f64]) -> f64 {
+    heights.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
 impl Asked<'_> {
     fn load(&self, p: &[f64], motion: &Motion<f64>) -> Load<f64> {
         let (mut memory, mut sum) = (vec![0.0; self.model.states()], Load::none());
@@ -144,25 +162,31 @@ impl Asked<'_> {
         Ok(())
     }
 
-    /// The angle alone does not drive the handle out of its range, by more than dry friction takes.
-    fn stays(&self, p: &[f64]) -> Result<()> {
+    /// What each place holds, J, from one end of the range to the other, and the least dry friction between them.
+    fn heights(&self, p: &[f64]) -> (Vec<f64>, f64) {
         let places = GRID[usize::from(self.own)][2];
         let step = 2.0 * self.range.angle / places as f64;
-        let place = |i: usize| -self.range.angle + (i as f64 + 0.5) * step;
         let mut height = vec![0.0; places + 1];
         let mut dry = f64::INFINITY;
         for i in 0..places {
-            let load = self.load(p, &at_rest(&Motion::exact(0.0, place(i), 0.0, 0.0)));
+            let theta = -self.range.angle + (i as f64 + 0.5) * step;
+            let load = self.load(p, &at_rest(&Motion::exact(0.0, theta, 0.0, 0.0)));
             height[i + 1] = height[i] + load.drive * step;
             dry = dry.min(load.dry(0.0, 0.0)).min(load.dry(1.0, 0.0));
         }
-        let least = |part: &[f64]| part.iter().copied().fold(f64::INFINITY, f64::min);
-        let span = height.iter().copied().fold(f64::NEG_INFINITY, f64::max) - least(&height);
-        let inner = least(&height[places / 4..=places - places / 4]);
+        (height, dry)
+    }
+
+    /// The angle alone does not drive the handle out of its range, by more than dry friction takes.
+    fn stays(&self, p: &[f64]) -> Result<()> {
+        let (height, dry) = self.heights(p);
+        let (places, least) = (height.len() - 1, lowest(&height));
+        let span = highest(&height) - least;
+        let inner = lowest(&height[places / 4..=places - places / 4]);
         let rubbed = dry.max(0.0) * 0.5 * self.range.angle + CHANCE * span + UNFELT * self.range.angle;
         for (edge, theta) in [(height[0], -self.range.angle), (height[places], self.range.angle)] {
             let out = |p: &[f64]| -theta.signum() * self.still(p, theta, 0.0);
-            if inner - edge > rubbed && edge <= least(&height) + CHANCE * span && out(p) > 0.0 {
+            if inner - edge > rubbed && edge <= least + CHANCE * span && out(p) > 0.0 {
                 return self.refuse(p, out, "pushes the handle away, out of its range");
             }
         }
@@ -180,7 +204,7 @@ impl Asked<'_> {
             let amplitude = share * self.range.speed * CYCLE_S / TAU;
             let work = |p: &[f64]| self.work(p, rate_hz, [amplitude, w], samples);
             let [sum, scale] = work(p)?;
-            if !(sum >= -ROUNDED * scale - UNFELT * amplitude) {
+            if sum.is_nan() || sum < -ROUNDED * scale - UNFELT * amplitude {
                 let why =
                     format!("feeds the hand by {} J in a cycle of {} rad", short(-sum), short(amplitude));
                 return self.refuse(p, |p| work(p).map_or(f64::NAN, |[sum, _]| -sum), &why);

@@ -37,11 +37,11 @@ pub struct State {
     pub knob: [f64; 2],
     /// What the model's effects remember.
     pub memory: Vec<f64>,
-    /// Energy that a forced model may still give out, J.
+    /// Energy that it may still give out, J, where that is watched.
     pub tank: f64,
     /// Why it renders nothing any more.
     pub fault: Option<Fault>,
 }
 
-/// Energy that a model which is forced may give out beyond what it took, J: what 100 g have that fell by 10 cm.
+/// Energy that a model may give out beyond what it took and its places hold, J: what 100 g have that fell by 10 cm.
 pub const TANK_J: f64 = 0.1;

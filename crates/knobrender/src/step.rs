@@ -4,7 +4,7 @@ use super::contact::{Budget, Contact, Moved};
 use super::device::{Device, SLOWEST, Tuning};
 use super::limits::{Fault, Limits};
 use super::nature::Nature;
-use super::passive::check_passive;
+use super::passive::{check_passive, stored};
 use super::sliding::{Sliding, add_loads, at_rest, braked, sliding};
 use super::state::{Sensed, State, TANK_J};
 use knobcore::chain::{Beside, Hidden, SUBSTEPS};
@@ -25,8 +25,10 @@ pub struct Renderer {
     pub(super) limits: Limits,
     pub(super) guarded: bool,
     pub(super) own: bool,
-    /// Rendered although it may feed a hand: as long as its tank lasts.
+    /// Rendered although it may feed a hand: as long as its tank lasts, which nothing fills beyond its beginning.
     pub(super) forced: bool,
+    /// Energy that it may give out beyond what it took, J.
+    pub(super) tank: f64,
     pub(super) hidden: Option<Hidden<f64>>,
     pub(super) spare: Vec<f64>,
     pub(super) state: State,
@@ -43,8 +45,13 @@ impl Renderer {
     /// # Errors
     /// A rate that is none, a limit or a device that cannot be, a model that would feed a hand or ring.
     pub fn new(model: &Model, rate_hz: f64, device: Option<Device>, limits: Limits) -> Result<Self> {
-        let knob = Self::made(model, rate_hz, device, limits)?;
+        let mut knob = Self::made(model, rate_hz, device, limits)?;
         check_passive(model, device, rate_hz)?;
+        if knob.limits.torque_rate < f64::INFINITY {
+            // A torque that may not change quickly follows a dent late, and gives more than the dent holds.
+            knob.tank = stored(model, &knob.p) + TANK_J;
+            knob.state.tank = knob.tank;
+        }
         Ok(knob)
     }
 
@@ -53,7 +60,7 @@ impl Renderer {
     /// # Errors
     /// A rate that is none, a limit or a device that cannot be.
     pub fn forced(model: &Model, rate_hz: f64, device: Option<Device>, limits: Limits) -> Result<Self> {
-        Ok(Self { forced: true, ..Self::made(model, rate_hz, device, limits)? })
+        Ok(Self { forced: true, tank: TANK_J, ..Self::made(model, rate_hz, device, limits)? })
     }
 
     /// The model as it is, also where it feeds a hand, to look whether it does.
@@ -114,6 +121,7 @@ impl Renderer {
             own: model.effects().any(|id| matches!(id, Id::User(_))),
             guarded: !nature.dissipates,
             forced: false,
+            tank: f64::INFINITY,
             spare: state.memory.clone(),
             model: model.clone(),
             p,
@@ -133,7 +141,7 @@ impl Renderer {
         (state.before, state.between) = ([0.0; 2], 0.0);
         (state.alpha, state.tau) = (0.0, 0.0);
         (state.contact, state.knob, state.fault) = (Contact::default(), [0.0; 2], None);
-        state.tank = TANK_J;
+        state.tank = if self.tank < f64::INFINITY { self.tank } else { TANK_J };
     }
 
     /// All that it remembers.
@@ -240,9 +248,10 @@ impl Renderer {
         if jump.abs() > self.limits.speed * since || omega.abs() > self.limits.speed {
             return self.give_up(Fault::Jump);
         }
-        if self.forced {
-            // What the last torque took while the handle moved; a tank that is full takes no more.
-            self.state.tank = (self.state.tank + self.state.tau * jump).min(TANK_J);
+        if self.tank < f64::INFINITY {
+            // What the last torque took while the handle moved.
+            let tank = self.state.tank + self.state.tau * jump;
+            self.state.tank = if self.forced { tank.min(self.tank) } else { tank };
             if self.state.tank <= 0.0 {
                 return self.give_up(Fault::Energy);
             }

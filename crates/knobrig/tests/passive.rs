@@ -135,6 +135,27 @@ fn the_tank_of_a_passive_model_lasts() {
 }
 
 #[test]
+fn a_motor_that_follows_a_dent_late_is_ended_before_it_feeds_the_hand() {
+    let mut deep = with(Id::Detent, &[("detent.A", -0.84), ("detent.P", 0.104)]);
+    deep.set("detent.S", 0.0).unwrap();
+    let slow = Limits { torque: 0.68, torque_rate: 47.0, speed: 1000.0 };
+    let device = Device { torque_limit: 1.0, ..device(0) };
+    let mut knob = Renderer::new(&deep, RATE, Some(device), slow).unwrap();
+    let held = knob.state().tank;
+    // Twice the amplitude times P from the top of a dent to its ground, and 0.1 J.
+    assert!((held - TANK_J - 2.0 * 0.84 * 0.104).abs() < 1e-3, "{held}");
+    let mut handle = Handle::new(device, 1.0 / RATE, 0.01);
+    let (mut most, mut last) = (0.0_f64, 1.0);
+    for _ in 0..20_000 {
+        last = knob.step(handle.sensed(None));
+        handle.push(-last, [0.0; 2]);
+        most = most.max(handle.energy());
+    }
+    assert!(most <= held + 0.68 * 100.0 / RATE, "{most}");
+    assert_eq!((knob.fault(), last), (Some(Fault::Energy), 0.0));
+}
+
+#[test]
 fn the_torque_starts_from_zero_also_in_a_dent() {
     let slow = Limits { torque_rate: 5.0, ..LIMITS };
     let mut knob = Renderer::new(&knob(5), RATE, None, slow).unwrap();

@@ -13,6 +13,8 @@ use knobrig::wire::{
     motion_chunks,
 };
 
+use std::f64::consts::TAU;
+
 mod common;
 use common::RATE;
 use common::models::{random_model, stored};
@@ -37,9 +39,8 @@ struct Watched {
     most: [f64; 2],
     fed_us: u64,
     model: Option<(Model, bool)>,
-    /// Energy that the motor gave out in this run, J; the angles between which it went.
+    /// Energy that the motor gave out in this run, J.
     given: f64,
-    between: [f64; 2],
     last: Option<f64>,
     seen: Seen,
 }
@@ -64,7 +65,6 @@ impl Watched {
             fed_us: 0,
             model: None,
             given: 0.0,
-            between: [0.0; 2],
             last: None,
             seen: Seen::default(),
         }
@@ -287,9 +287,6 @@ impl Watched {
             // and the torque is what the model asks for, not what the motor gives.
             let gives = if mode == 2 { -before } else { now };
             self.given += gives * (theta - last);
-            self.between = [self.between[0].min(theta), self.between[1].max(theta)];
-        } else {
-            self.between = [theta; 2];
         }
         self.last = Some(theta);
         if mode == 1 || mode == 2 {
@@ -297,8 +294,7 @@ impl Watched {
         }
     }
 
-    /// A rendered model gives out no more than its places hold, and 0.1 J, for a motor whose torque may not change
-    /// quickly follows them late; one that is forced no more than that.
+    /// A rendered model gives out no more than its places hold, and 0.1 J; one that is forced no more than that.
     fn look_at_energy(&mut self, torque: f64) {
         // Looked at where it could be too much: the integral takes its time.
         let slack = 3.0 * torque * (FASTEST + torque / 5e-5 / RATE) / RATE;
@@ -306,10 +302,9 @@ impl Watched {
             return;
         }
         let Some((model, forced)) = &self.model else { panic!("rendered without a model") };
-        let places = if *forced { 0.0 } else { stored(model, self.between) };
+        let places = if *forced { 0.0 } else { stored(model, [-TAU, TAU]) };
         let allowed = places + TANK_J + slack;
-        let told =
-            || format!("forced: {forced}, {:?} {:?}\n{}", self.armed, self.between, model_file::write(model));
+        let told = || format!("forced: {forced}, {:?}\n{}", self.armed, model_file::write(model));
         assert!(self.given <= allowed, "{} J given out of {allowed}, {}", self.given, told());
         self.seen.most_energy_share = self.seen.most_energy_share.max(self.given / allowed);
         if !forced {

@@ -46,7 +46,7 @@ impl Servo {
 
     /// Whether it is too far from it.
     pub fn is_lost(&self) -> bool {
-        !(self.off[0].abs() <= TOO_FAR)
+        self.off[0].is_nan() || self.off[0].abs() > TOO_FAR
     }
 }
 

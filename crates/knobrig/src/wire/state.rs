@@ -100,7 +100,7 @@ pub mod fault {
     pub const DEADLINE: u16 = 6;
     /// The port was closed while torque was possible.
     pub const PORT: u16 = 7;
-    /// Of the emulated rig: a model that was forced gave out more energy than it may.
+    /// Of the emulated rig: a model gave out more energy than it may.
     pub const ENERGY: u16 = 256;
 }
 
