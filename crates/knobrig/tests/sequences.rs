@@ -140,7 +140,7 @@ impl Watched {
         }
         let was_idle = self.rig.state() == State::Idle;
         let chunks: Vec<Message> = model_chunks(text.as_bytes()).collect();
-        let taken = chunks.iter().fold(true, |taken, chunk| self.tell(chunk) && taken);
+        let taken = chunks.iter().all(|chunk| self.tell(chunk));
         if was_idle {
             self.seen.forced += u64::from(taken && forced);
             self.seen.refused_models += u64::from(!taken);
