@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
 import signal
 import subprocess
 import sys
@@ -85,6 +87,35 @@ def test_a_latched_fault_is_told_with_cause_and_time_and_cleared_by_its_option_a
         with Link(rig.port) as link:
             assert (link.state, link.fault) == ("idle", None)
     refused(knobcam("render", "knob4", "--clear-fault"), "--port")
+
+
+@pytest.mark.parametrize(("answer", "code"), [("y", 0), ("n", 2)])
+def test_at_a_terminal_a_person_is_asked_whether_a_fault_is_cleared(
+    answer: str, code: int, tmp_path: Path
+) -> None:
+    ours, theirs = os.openpty()
+    with EmulatedRig("knob4", speed=SLOW) as rig:
+        link = Link(rig.port)
+        link.arm("commanded", 0.01)
+        time.sleep(0.3 / SLOW)
+        link._busy = False
+        link.close()
+        words = ["capture", "--motion", "hand", "--duration", "0.2", "-o", str(tmp_path / "a.kcwire")]
+        program = [sys.executable, "-m", "knobcam", *words, "--port", rig.port]
+        with subprocess.Popen(program, stdin=theirs, stderr=theirs, stdout=subprocess.DEVNULL) as host:
+            os.close(theirs)
+            said = b""
+            while b"[y/N]" not in said:
+                said += os.read(ours, 1 << 12)
+            assert b"the host was silent" in said
+            os.write(ours, answer.encode() + b"\n")
+            with contextlib.suppress(OSError):  # that nobody has the terminal any more
+                while os.read(ours, 1 << 12):
+                    pass
+        os.close(ours)
+        assert host.returncode == code
+        with Link(rig.port) as link:
+            assert (link.state == "idle") == (answer == "y")
 
 
 @pytest.mark.parametrize("name", list(CODES))
