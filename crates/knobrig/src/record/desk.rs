@@ -94,7 +94,9 @@ impl Desk {
 
     /// Heartbeats are sent until then: a host that hangs does not hold a torque for longer.
     pub fn beat_until(&self, end: Option<Instant>) {
-        self.lock().beats_until = end;
+        let mut papers = self.lock();
+        // Nobody beats for a session that is over, whoever was first.
+        papers.beats_until = end.filter(|_| papers.figures.ended.is_none());
     }
 
     /// Asks whoever serves the session to stop.
