@@ -5,6 +5,7 @@ python3 dev.py demo [OPTION...]   build, then run `knobcam demo`
 python3 dev.py test [OPTION...]   build, then the Rust tests and pytest (OPTION: for pytest)
 python3 dev.py lint               formatting, clippy, ruff, types, the order of the packages
 python3 dev.py check              lint, then test
+python3 dev.py orders             every order in which recorder and host can meet (loom)
 python3 dev.py bench [OPTION...]  the benchmarks against their peers; --quick: each once, untimed
 python3 dev.py docs               the documentation site, in site/html
 python3 dev.py page [--check]     the workbench's page; --check: are the committed files what is built?
@@ -128,6 +129,16 @@ def test(options: list[str]) -> None:
     setup()
     run("cargo", "test", "--profile", "develop", "--locked", "--workspace", "--exclude", "knobpy")
     run(PYTHON, "-m", "pytest", *options)
+
+
+def orders(_: list[str]) -> None:
+    """The recorder's desk under loom, which compiles all of it in its own way, so in a place of its own."""
+    needs_cargo()
+    os.environ["RUSTFLAGS"] = f"{os.environ.get('RUSTFLAGS', '')} --cfg loom".strip()
+    target = os.environ.get("CARGO_TARGET_DIR", "target")
+    os.environ["CARGO_TARGET_DIR"] = f"{target}/loom"
+    words = ("cargo", "test", "--locked", "--package", "knobrig", "--test", "loom")
+    run(*words, "--profile", "develop")
 
 
 def lint(_: list[str]) -> None:
@@ -273,7 +284,7 @@ def main() -> None:
     """Dispatch on the first word."""
     commands = {"demo": demo, "test": test, "lint": lint, "check": check, "bench": bench}
     commands |= {"setup": lambda _: setup(), "wheel": wheel, "lock": lock, "page": page, "browser": browser}
-    commands["docs"] = docs
+    commands |= {"docs": docs, "orders": orders}
     if sys.version_info < (3, 11):  # noqa: UP036 - an older one can start this script
         sys.exit("dev.py: needs Python 3.11 or newer; this is " + sys.version.split()[0])
     if len(sys.argv) < 2 or sys.argv[1] not in commands:

@@ -36,6 +36,7 @@ AT_LENGTH = {
     "logs": "Logs with faults, not answered as they should be",
     "pairs": "Every effect in every knob",
     "roundtrip": "Round trips",
+    "safety": "Limits of the rig",
     "versions": "Speed before and after",
     "sets": "Speed by instruction set",
 }

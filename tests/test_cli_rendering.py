@@ -37,11 +37,57 @@ def test_render_draws_timing_torque_and_stability(tmp_path: Path) -> None:
     assert all((plots / name).read_bytes().startswith(b"\x89PNG") for name in names)
 
 
-def test_render_warns_of_a_model_that_rings(tmp_path: Path) -> None:
-    stiff = kc.Model.load("knob4").with_value("detent.A", 3.0).save(tmp_path / "stiff.toml")
-    ended = knobcam("render", stiff, *VIRTUAL, "--delay", "10", "--json")
+def test_render_refuses_a_model_that_rings_unless_it_is_forced(tmp_path: Path) -> None:
+    stiff = kc.Model.load("knob4").with_value("detent.A", 0.3).save(tmp_path / "stiff.toml")
+    words = ("render", stiff, *VIRTUAL, "--delay", "10", "--json")
+    refused(knobcam(*words), "stiff.toml", "rings", "--force")
+    ended = knobcam(*words, "--force")
     assert ended.document["stability"]["stable"] is False
     assert "warning: It rings" in ended.err
+
+
+@pytest.mark.parametrize(
+    ("term", "value"),
+    [("return_spring.k", -5.0), ("inertia.M", -5e-5), ("coulomb.pos", -0.003), ("viscous.neg", -0.002)],
+)
+def test_render_refuses_a_model_that_feeds_the_hand_by_its_term(
+    term: str, value: float, tmp_path: Path
+) -> None:
+    model = kc.Model.load("knob4")
+    if term.startswith("return_spring"):
+        model = model.with_effect("return_spring")
+    wrong = model.with_value(term, value)
+    path = wrong.save(tmp_path / "wrong.toml")
+    refused(knobcam("render", path, *VIRTUAL), "wrong.toml", f"{term}: is -", "correct it, or force it")
+    with pytest.raises(kc.InputError, match=term):
+        kc.Renderer(wrong)
+    found = kc.check_stability(wrong)
+    assert not found.passive and found.objection is not None and term in found.objection
+    assert term in repr(found) and "feeds the hand" in found._repr_html_()
+
+
+def test_a_forced_model_lets_go_when_it_has_given_out_what_its_tank_holds(tmp_path: Path) -> None:
+    model = kc.Model.load("knob4").with_effect("return_spring").with_value("return_spring.k", -5.0)
+    refused(
+        knobcam("render", model.save(tmp_path / "a.toml"), *VIRTUAL, "--force"), "let go after", "0.1 J more"
+    )
+    knob = kc.Renderer(model, force=True)
+    theta = 0.0
+    while knob.fault is None and theta < 1.0:
+        knob.step(theta, 1.0)
+        theta += 1.0 / 5000.0
+    assert knob.fault is not None and 0.15 < theta < 0.3  # 0.1 J = 5 N m/rad theta^2/2
+    state = knob.state
+    assert state["tank_J"] <= 0.0
+    knob.reset()
+    knob.set_state({name: value for name, value in knob.state.items() if name != "tank_J"})
+    assert knob.state["tank_J"] == 0.1
+
+
+def test_knobs_1_to_3_of_the_paper_are_rendered_in_spite_of_their_negative_viscous_terms() -> None:
+    for n in (1, 2, 3):
+        assert kc.check_stability(f"knob{n}").passive
+        assert knobcam("render", f"knob{n}", *VIRTUAL).code == 0
 
 
 def test_render_refuses_what_it_cannot_do_in_one_line(tmp_path: Path) -> None:

@@ -154,7 +154,7 @@ def test_what_the_line_loses_stays_a_gap(tmp_path: Path) -> None:
     assert (account["missing"], account["gaps"], account["lost_on_the_way"]) == (75, 2, 75)
     assert capture.samples == account["produced"] - 75
     assert np.count_nonzero(np.diff(capture.t) > 1.5 / 5000.0) == 2
-    assert [finding.kind for finding in capture.findings] == ["gap"]
+    assert {finding.kind for finding in capture.findings} == {"gap", "corrupt"}
 
 
 def test_the_command_writes_the_log_beside_the_capture_and_exports_it(
@@ -170,6 +170,12 @@ def test_the_command_writes_the_log_beside_the_capture_and_exports_it(
     assert exported.code == 0, exported
     np.testing.assert_array_equal(kc.load(tmp_path / "run.npz").tau, kc.load(output).tau)
     refused(knobcam("capture", "--port", rig.port, "-o", output), "run.kcwire", "not written over")
+    (tmp_path / "run.kcwire").unlink()
+    before = output.read_bytes()
+    words = ("capture", "--port", rig.port, "--duration", "1", "-o", output)
+    refused(knobcam(*words), "run.csv.gz", "is there already", "--overwrite")
+    assert output.read_bytes() == before and not (tmp_path / "run.kcwire").exists()
+    assert knobcam(*words, "--overwrite").code == 0 and output.read_bytes() != before
 
 
 def test_the_log_stands_beside_its_output() -> None:

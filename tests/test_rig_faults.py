@@ -195,7 +195,9 @@ def test_a_rig_that_falls_silent_in_a_run_leaves_the_samples(
     assert kept(line).samples == 500
 
 
-def test_a_fault_of_the_rig_ends_the_run_in_its_words_and_the_next_call_clears_it(tmp_path: Path) -> None:
+def test_a_fault_of_the_rig_ends_the_run_in_its_words_and_is_cleared_by_who_says_so_alone(
+    tmp_path: Path,
+) -> None:
     with Peer(hears=Nth("HEARTBEAT", set(range(8, 60)))) as peer:
         line = line_of(lambda: kc.record(peer.port, "turns", duration_s=50.0, output=tmp_path / "a.kcwire"))
         assert "ended the run after" in line and "heartbeat" in line and peer.state == "fault"
@@ -203,7 +205,20 @@ def test_a_fault_of_the_rig_ends_the_run_in_its_words_and_the_next_call_clears_i
         with kc.Link(peer.port) as link:
             assert link.fault is not None and link.fault[0] == 1
         assert peer.state == "fault"  # a reconnection neither clears nor arms
-        again = kc.record(peer.port, "micro", duration_s=0.5, output=tmp_path / "b.kcwire")
+        line = line_of(lambda: kc.record(peer.port, "micro", output=tmp_path / "b.kcwire"))
+        assert "fault 1" in line and "s ago: the host was silent" in line and "--clear-fault" in line
+        assert peer.state == "fault" and not (tmp_path / "b.kcwire").exists()
+        told: list[str] = []
+        line_of(
+            lambda: kc.record(
+                peer.port,
+                "micro",
+                output=tmp_path / "b.kcwire",
+                clear_fault=lambda fault: bool(told.append(fault)),
+            )
+        )
+        assert "the host was silent" in told[0] and peer.state == "fault"
+        again = kc.record(peer.port, "micro", duration_s=0.5, output=tmp_path / "b.kcwire", clear_fault=True)
         assert again.meta["account"]["missing"] == 0
 
 

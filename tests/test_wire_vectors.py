@@ -107,6 +107,7 @@ def test_a_log_gives_raw_columns_with_gaps_and_books() -> None:
         "late": 0,
         "duplicate": 25,
         "stray": 0,
+        "contradicted": 0,
         "missing": 50,
         "gaps": 2,
         "missing_head": 0,

@@ -167,6 +167,7 @@ class Renderer:
         torque_limit: float,
         torque_rate_limit: float,
         speed_limit: float,
+        forced: bool,
     ) -> Self: ...
     def step(
         self, theta: float, omega: float, alpha: float = 0.0, tau_other: float | None = None
@@ -218,6 +219,7 @@ class Rig:
     @property
     def state(self) -> str: ...
 
+def check_passive(model: Model, device_row: DeviceRow | None, rate_hz: float) -> str | None: ...
 def check_stability(model: Model, device_row: DeviceRow, rate_hz: float) -> dict[str, Any]: ...
 
 class Fit:

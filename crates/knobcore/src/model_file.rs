@@ -32,7 +32,10 @@ pub const SCHEMA: &str = "knobcam.model/1";
 /// Where a load acts that does not act on the knob.
 const SHAFT: &str = "shaft";
 
-const KEYS: [&str; 6] = ["schema", "name", "axis", "torque_unit", "fitted_to", "effects"];
+const KEYS: [&str; 7] = ["schema", FORCED, "name", "axis", "torque_unit", "fitted_to", "effects"];
+
+/// Says to a device that a person wants a model rendered that nobody vouches for.
+const FORCED: &str = "forced";
 
 /// Reads a model.
 ///
@@ -62,6 +65,9 @@ pub fn parse(text: &str) -> Result<Model> {
     if let Some(unknown) = file.keys().find(|key| !KEYS.contains(&key.as_str())) {
         let why = "is no key of a model file; it has schema, name, axis, torque_unit, fitted_to and effects";
         return Err(bad(&format!("'{unknown}'"), why));
+    }
+    if file.get(FORCED).is_some_and(|forced| forced.as_bool().is_none()) {
+        return Err(bad(FORCED, "must be true or false; leave it out of what you write by hand"));
     }
     let axis = match file.get("axis").map(Value::as_str) {
         None | Some(Some("rotary")) => Axis::Rotary,
@@ -136,6 +142,12 @@ pub fn parse(text: &str) -> Result<Model> {
         model.tie(&name, &target)?;
     }
     Ok(model)
+}
+
+/// Whether a model file is to be rendered though it may feed a hand; it is no part of the model.
+pub fn is_forced(text: &str) -> bool {
+    let file = text.parse::<Table>();
+    file.is_ok_and(|file| file.get(FORCED).and_then(Value::as_bool) == Some(true))
 }
 
 /// What stands for the torque, by its unit.

@@ -55,6 +55,7 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<render::PyHandle>()?;
     m.add_class::<handle::PyEmulatedHandle>()?;
     m.add_class::<emulate::PyRig>()?;
+    m.add_function(wrap_pyfunction!(render::check_passive, m)?)?;
     m.add_function(wrap_pyfunction!(render::check_stability, m)?)?;
     m.add_class::<fit::PyFit>()?;
     m.add_function(wrap_pyfunction!(fit::locate, m)?)?;

@@ -3,7 +3,10 @@ use super::convert::{Column, Floats, input_error};
 use super::model::PyModel;
 use super::user::watched;
 use knobcore::error::Error;
-use knobrender::{Contact, Device, Fault, Limits, Renderer, Sensed, State, check_stability as check};
+use knobrender::{
+    Contact, Device, Fault, Limits, Renderer, Sensed, State, check_passive as passive,
+    check_stability as check,
+};
 use knobrig::emulate::Handle;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
@@ -33,10 +36,12 @@ impl PyRenderer {
         torque_limit: f64,
         torque_rate_limit: f64,
         speed_limit: f64,
+        forced: bool,
     ) -> PyResult<Self> {
         let limits = Limits { torque: torque_limit, torque_rate: torque_rate_limit, speed: speed_limit };
         let device = device_row.map(device);
-        Ok(Self { renderer: Renderer::new(&model.0, rate_hz, device, limits).map_err(input_error)? })
+        let make = if forced { Renderer::forced } else { Renderer::new };
+        Ok(Self { renderer: make(&model.0, rate_hz, device, limits).map_err(input_error)? })
     }
 
     /// The torque by which the knob answers, N m (the motor applies its negative). Angle rad, velocity rad/s,
@@ -122,6 +127,7 @@ impl PyRenderer {
         row.set_item("rest", state.contact.rest)?;
         row.set_item("knob", (state.knob[0], state.knob[1]))?;
         row.set_item("memory", state.memory.clone())?;
+        row.set_item("tank_J", state.tank)?;
         row.set_item("fault", state.fault.map(Fault::name))?;
         Ok(row)
     }
@@ -151,6 +157,7 @@ impl PyRenderer {
             },
             knob: pair("knob")?,
             memory: get("memory")?.extract()?,
+            tank: row.get_item("tank_J")?.map_or(Ok(self.renderer.state().tank), |tank| tank.extract())?,
             fault: fault.map(named).transpose()?,
         };
         self.renderer.set_state(state).map_err(input_error)
@@ -192,6 +199,18 @@ impl PyHandle {
     fn kick(&mut self, omega: f64) {
         self.0.kick(omega);
     }
+}
+
+/// Why a model is not to be rendered, on a device or on any: the term that feeds a hand or makes it ring; None where
+/// there is none.
+#[pyfunction]
+pub fn check_passive(
+    model: &PyModel,
+    device_row: Option<DeviceRow>,
+    rate_hz: f64,
+) -> PyResult<Option<String>> {
+    let device = device_row.map(device).map(Device::checked).transpose().map_err(input_error)?;
+    Ok(passive(&model.0, device, rate_hz).err().map(|error| error.to_string()))
 }
 
 /// How stably a device renders a model: a dict of figures, SI.

@@ -168,6 +168,7 @@ fn run_dict<'py>(py: Python<'py>, run: &Recording) -> PyResult<Bound<'py, PyDict
         ("stray", Some(stray)),
         ("missing", Some(missing)),
         ("gaps", Some(gaps)),
+        ("contradicted", Some(run.account.contradicted)),
         ("missing_head", Some(run.account.missing_head)),
         ("missing_tail", Some(run.account.missing_tail)),
         ("produced", run.account.produced),

@@ -2,7 +2,8 @@
 #![expect(clippy::needless_range_loop, reason = "a count known to the compiler becomes vector instructions")]
 
 use super::sliding::{Sliding, braked};
-use super::step::{Renderer, Sensed};
+use super::state::Sensed;
+use super::step::Renderer;
 use knobcore::chain::Block;
 use knobcore::isa;
 use knobcore::motion::Motion;
@@ -66,7 +67,7 @@ impl Renderer {
         // has friction under the torque of an inertia whose acceleration is filtered.
         let remembers = self.hidden.is_some() || self.own || !self.state.memory.is_empty();
         let filtered = self.tuning.freshness != 1.0 && !self.model.is_plain();
-        let single = remembers || filtered || self.tuning.rush_s != 0.0;
+        let single = remembers || filtered || self.forced || self.tuning.rush_s != 0.0;
         let first = if single { rows } else { rows.min(usize::from(self.state.missed > 0)) };
         for i in 0..first {
             out[i] = self.step(columns.sensed(i));

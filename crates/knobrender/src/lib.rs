@@ -8,13 +8,17 @@ mod contact;
 mod device;
 mod limits;
 mod nature;
+mod passive;
 mod sliding;
 mod stability;
+mod state;
 mod step;
 
 pub use contact::Contact;
 pub use device::Device;
 pub use limits::{Fault, Limits};
 pub use nature::Nature;
+pub use passive::{Range, check_passive};
 pub use stability::{Stability, check_stability};
-pub use step::{Renderer, Sensed, State};
+pub use state::{Sensed, State, TANK_J};
+pub use step::Renderer;

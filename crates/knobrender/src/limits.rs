@@ -13,11 +13,12 @@ pub struct Limits {
 
 impl Limits {
     /// `tau` within the limits, where the torque one step of `dt` seconds before was `before`.
-    pub(super) fn cut(&self, tau: f64, before: f64, dt: f64) -> f64 {
+    #[inline]
+    pub fn cut(&self, tau: f64, before: f64, dt: f64) -> f64 {
         let most = self.torque_rate * dt;
         let slewed = (tau - before).max(-most).min(most) + before;
-        // An infinite rate must not touch the number: x - before + before is not x.
-        let tau = if most == f64::INFINITY { tau } else { slewed };
+        // What changes slowly enough must not be touched: x - before + before is not x.
+        let tau = if (tau - before).abs() <= most { tau } else { slewed };
         tau.max(-self.torque).min(self.torque)
     }
 }
@@ -31,6 +32,8 @@ pub enum Fault {
     Jump,
     /// The model's torque is not finite.
     Torque,
+    /// It gave out more energy than it may: 0.1 J beyond what it took and, unless it was forced, its places hold.
+    Energy,
 }
 
 impl Fault {
@@ -44,11 +47,14 @@ impl Fault {
                 "the angle jumped, or the speed is beyond the speed limit; check the encoder and the rate, then reset"
             }
             Self::Torque => "the model's torque was not finite; check the model, then reset",
+            Self::Energy => {
+                "it gave out 0.1 J more than it took and its places hold; correct the model, then reset"
+            }
         }
     }
 
     /// Every fault.
-    pub const ALL: [Self; 3] = [Self::NotFinite, Self::Jump, Self::Torque];
+    pub const ALL: [Self; 4] = [Self::NotFinite, Self::Jump, Self::Torque, Self::Energy];
 
     /// Short name.
     pub fn name(self) -> &'static str {
@@ -56,6 +62,7 @@ impl Fault {
             Self::NotFinite => "not finite",
             Self::Jump => "jump",
             Self::Torque => "torque",
+            Self::Energy => "energy",
         }
     }
 }

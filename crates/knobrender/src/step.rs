@@ -4,50 +4,14 @@ use super::contact::{Budget, Contact, Moved};
 use super::device::{Device, SLOWEST, Tuning};
 use super::limits::{Fault, Limits};
 use super::nature::Nature;
+use super::passive::{check_passive, stored};
 use super::sliding::{Sliding, add_loads, at_rest, braked, sliding};
+use super::state::{Sensed, State, TANK_J};
 use knobcore::chain::{Beside, Hidden, SUBSTEPS};
 use knobcore::effects::Id;
 use knobcore::error::{Error, Result};
 use knobcore::model::Model;
 use knobcore::motion::{Channel, Load, Motion};
-
-/// What a force-feedback device senses at one instant.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sensed {
-    /// Angle, rad.
-    pub theta: f64,
-    /// Angular velocity, rad/s.
-    pub omega: f64,
-    /// Angular acceleration, rad/s^2.
-    pub alpha: f64,
-    /// Torque that the hand applies, N m, where the device measures it.
-    pub hand: Option<f64>,
-}
-
-/// All that the step remembers; with the model it decides everything that comes.
-#[derive(Debug, Clone, PartialEq)]
-pub struct State {
-    /// Periods since the reset, also those that were missed.
-    pub samples: u64,
-    /// Periods that were missed since the last step.
-    pub missed: u64,
-    /// Angle and speed at the sample before.
-    pub before: [f64; 2],
-    /// Angle between the counts of the encoder at the sample before, rad.
-    pub between: f64,
-    /// Filtered acceleration, rad/s^2.
-    pub alpha: f64,
-    /// Torque of the sample before, N m.
-    pub tau: f64,
-    /// Between sticking and sliding.
-    pub contact: Contact,
-    /// Angle and speed of a knob behind a joint.
-    pub knob: [f64; 2],
-    /// What the model's effects remember.
-    pub memory: Vec<f64>,
-    /// Why it renders nothing any more.
-    pub fault: Option<Fault>,
-}
 
 /// A model that is rendered: the torque by which the knob answers, sample by sample.
 ///
@@ -61,6 +25,10 @@ pub struct Renderer {
     pub(super) limits: Limits,
     pub(super) guarded: bool,
     pub(super) own: bool,
+    /// Rendered although it may feed a hand: as long as its tank lasts, which nothing fills beyond its beginning.
+    pub(super) forced: bool,
+    /// Energy that it may give out beyond what it took, J.
+    pub(super) tank: f64,
     pub(super) hidden: Option<Hidden<f64>>,
     pub(super) spare: Vec<f64>,
     pub(super) state: State,
@@ -75,8 +43,32 @@ impl Renderer {
     /// Effects of the sensor are not rendered: they belong to the rig that measured, not to the knob.
     ///
     /// # Errors
-    /// A rate that is none, a limit or a device that cannot be.
+    /// A rate that is none, a limit or a device that cannot be, a model that would feed a hand or ring.
     pub fn new(model: &Model, rate_hz: f64, device: Option<Device>, limits: Limits) -> Result<Self> {
+        let mut knob = Self::made(model, rate_hz, device, limits)?;
+        check_passive(model, device, rate_hz)?;
+        if knob.limits.torque_rate < f64::INFINITY {
+            // A torque that may not change quickly follows a dent late, and gives more than the dent holds.
+            knob.tank = stored(model, &knob.p) + TANK_J;
+            knob.state.tank = knob.tank;
+        }
+        Ok(knob)
+    }
+
+    /// The same for a model that nobody vouches for: it may give out [`TANK_J`] beyond what it took, and then lets go.
+    ///
+    /// # Errors
+    /// A rate that is none, a limit or a device that cannot be.
+    pub fn forced(model: &Model, rate_hz: f64, device: Option<Device>, limits: Limits) -> Result<Self> {
+        Ok(Self { forced: true, tank: TANK_J, ..Self::made(model, rate_hz, device, limits)? })
+    }
+
+    /// The model as it is, also where it feeds a hand, to look whether it does.
+    pub(super) fn unguarded(model: &Model, rate_hz: f64, limits: Limits) -> Result<Self> {
+        Ok(Self { guarded: false, ..Self::made(model, rate_hz, None, limits)? })
+    }
+
+    fn made(model: &Model, rate_hz: f64, device: Option<Device>, limits: Limits) -> Result<Self> {
         if !(10.0..=1e6).contains(&rate_hz) {
             return Err(Error::invalid("rate", format!("is {rate_hz} Hz; choose 10 to 1e6, usually 5000")));
         }
@@ -122,11 +114,14 @@ impl Renderer {
             contact: Contact::default(),
             knob: [0.0; 2],
             memory,
+            tank: TANK_J,
             fault: None,
         };
         Ok(Self {
             own: model.effects().any(|id| matches!(id, Id::User(_))),
             guarded: !nature.dissipates,
+            forced: false,
+            tank: f64::INFINITY,
             spare: state.memory.clone(),
             model: model.clone(),
             p,
@@ -146,6 +141,7 @@ impl Renderer {
         (state.before, state.between) = ([0.0; 2], 0.0);
         (state.alpha, state.tau) = (0.0, 0.0);
         (state.contact, state.knob, state.fault) = (Contact::default(), [0.0; 2], None);
+        state.tank = if self.tank < f64::INFINITY { self.tank } else { TANK_J };
     }
 
     /// All that it remembers.
@@ -252,6 +248,14 @@ impl Renderer {
         if jump.abs() > self.limits.speed * since || omega.abs() > self.limits.speed {
             return self.give_up(Fault::Jump);
         }
+        if self.tank < f64::INFINITY {
+            // What the last torque took while the handle moved.
+            let tank = self.state.tank + self.state.tau * jump;
+            self.state.tank = if self.forced { tank.min(self.tank) } else { tank };
+            if self.state.tank <= 0.0 {
+                return self.give_up(Fault::Energy);
+            }
+        }
         // Between two counts the speed tells the angle better than the encoder does.
         let half = 0.5 * self.tuning.count;
         let between = (self.state.between + omega * since).max(theta - half).min(theta + half);
@@ -287,8 +291,8 @@ impl Renderer {
         if !tau.is_finite() {
             return self.give_up(Fault::Torque);
         }
-        let before = if first { tau } else { self.state.tau };
-        let tau = self.limits.cut(tau, before, self.dt);
+        // The torque of a reset is zero: so it starts from there.
+        let tau = self.limits.cut(tau, self.state.tau, self.dt);
         (self.state.before, self.state.tau) = ([theta, sensed.omega], tau);
         self.state.samples += 1;
         tau

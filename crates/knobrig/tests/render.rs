@@ -50,7 +50,10 @@ struct Rendered {
 
 impl Rendered {
     fn new(model: &Model, device: Device, rate: f64, measured: bool) -> Self {
-        let knob = Renderer::new(model, rate, Some(device), OPEN).unwrap();
+        Self::of(Renderer::new(model, rate, Some(device), OPEN).unwrap(), model, device, rate, measured)
+    }
+
+    fn of(knob: Renderer, model: &Model, device: Device, rate: f64, measured: bool) -> Self {
         let handle = Handle::new(device, 1.0 / rate, groove(model));
         Self { knob, handle, measured, hand: 0.0 }
     }
@@ -199,7 +202,8 @@ fn what_is_said_to_be_stable_comes_to_rest_and_what_is_said_to_ring_rings() {
             }
             let device = device(5e-5, delay);
             let said = check_stability(&model, device, RATE).unwrap();
-            let mut knob = Rendered::new(&model, device, RATE, false);
+            let forced = Renderer::forced(&model, RATE, Some(device), OPEN).unwrap();
+            let mut knob = Rendered::of(forced, &model, device, RATE, false);
             knob.handle.kick(0.1);
             let mut energy = 0.0;
             for _ in 0..25_000 {

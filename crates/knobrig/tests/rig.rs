@@ -4,13 +4,14 @@ use knobcore::effects::Id;
 use knobcore::model::Model;
 use knobcore::model_file;
 use knobcore::param::Axis;
-use knobrig::emulate::{Fixture, Rig, Sensors, Setup, Track};
+use knobrig::emulate::{Fixture, Rig, Setup, Track};
 use knobrig::wire::{
-    Channel, Decoder, Descriptor, Event, Frame, Header, Message, Mode, Point, Sample, Serial, State, Unit,
-    encode, fault, model_chunks, motion_chunks,
+    Decoder, Event, Frame, Header, Message, Mode, Point, Sample, State, encode, fault, model_chunks,
+    motion_chunks,
 };
 
-const RATE: f64 = 5000.0;
+mod common;
+use common::track;
 
 fn knob() -> Model {
     let mut model = Model::new(&[Id::Inertia, Id::Coulomb, Id::Viscous, Id::Detent], Axis::Rotary);
@@ -28,48 +29,8 @@ fn knob() -> Model {
     model
 }
 
-fn track(samples: usize) -> Track {
-    let mut track = Track::default();
-    for i in 0..samples {
-        let w = 2.0 * std::f64::consts::PI;
-        let (sin, cos) = (w * (i + 1) as f64 / RATE).sin_cos();
-        track.theta.push(sin);
-        track.omega.push(w * cos);
-        track.alpha.push(-w * w * sin);
-    }
-    track
-}
-
 fn setup() -> Setup {
-    let channel = |scale, unit, most: i16| Channel { scale, offset: 0.0, unit, lower: -most, upper: most };
-    Setup {
-        descriptor: Descriptor {
-            serial: Serial::from("EMU-1").unwrap(),
-            firmware_major: 1,
-            firmware_minor: 0,
-            rate_hz: RATE,
-            counts_per_rad: 1e5,
-            omega: channel(4e-4, Unit::RadPerSecond, 32767),
-            alpha: channel(3e-4, Unit::Volt, 32767),
-            tau: channel(1e-5, Unit::NewtonMetre, 20_000),
-            c_cal: 1148.0,
-            torque_limit: 0.5,
-            torque_rate_limit: 1e6,
-            inertia: 5e-5,
-            damping: 1e-4,
-            anchor_stiffness: 100.0,
-            delay_samples: 0,
-            heartbeat_ms: 100,
-            motion_capacity: 1_000_000,
-            model_capacity: 65_536,
-            window: 4,
-            capabilities: 15,
-        },
-        fixture: Fixture::Knob(Box::new(knob())),
-        sensors: Sensors { omega_sd: 0.0, alpha_sd: 0.0, tau_sd: 0.0, c_cal: 1148.0 },
-        hand: track(5000),
-        seed: 1,
-    }
+    Setup { fixture: Fixture::Knob(Box::new(knob())), ..common::setup(5000) }
 }
 
 /// A host that hears all that the rig says.

@@ -66,6 +66,7 @@ impl Books {
             duplicate: self.duplicate,
             stale: 0,
             stray: 0,
+            contradicted: 0,
             missing,
             gaps: gaps as u64,
             missing_head: run_of_missing(Box::new(self.came.iter())),
@@ -179,7 +180,10 @@ fn read(noise: &mut Noise, bytes: &[u8], decoder: &mut Decoder, ledger: &mut Led
         rest = after;
         decoder.push(piece, |event| {
             let Event::Frame(frame) = event else { return };
-            let Message::Data { run, .. } = frame.message else { return ledger.enter(&frame, |_| {}) };
+            let Message::Data { run, .. } = frame.message else {
+                ledger.enter(&frame, |_| {});
+                return;
+            };
             found.push(frame.header.sequence);
             ledger.enter(&frame, |piece| {
                 for (index, accepted) in (piece.index as u32..).zip(piece.samples) {

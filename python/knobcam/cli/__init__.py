@@ -11,6 +11,7 @@ import sys
 import warnings
 from typing import TYPE_CHECKING
 
+from ..base.ended import Ended, by_exception
 from ..base.strict_json import as_json
 from ..errors import InputError, KnobcamWarning
 from . import (
@@ -51,8 +52,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         _be_a_process()
     words = list(sys.argv[1:] if argv is None else argv)
     try:
-        code = _run(words)
-        sys.stdout.flush()
+        with by_exception():
+            code = _run(words)
+            sys.stdout.flush()
     except OSError as error:  # of standard output: a file that cannot be written is an InputError
         # What is still in the buffer would fail once more when Python flushes it at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -66,6 +68,8 @@ def _run(words: list[str]) -> int:
     try:
         args = command_parser().parse_args(words)
         answer = args.run(args)
+    except Ended as ended:
+        return _end(str(ended), int(ended.code or 0))
     except SystemExit:  # --help and --version
         return 0
     except Unfinished as interrupt:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -225,6 +226,25 @@ def add_output(parser: argparse.ArgumentParser, what: str, required: bool = Fals
 def add_plots(parser: argparse.ArgumentParser) -> None:
     """Add `--plots`, the folder for pictures."""
     parser.add_argument("--plots", type=Path, metavar="FOLDER", help="folder for pictures, made if need be")
+
+
+def add_fault(parser: argparse.ArgumentParser) -> None:
+    """Add `--clear-fault`, for a rig that has latched one."""
+    parser.add_argument(
+        "--clear-fault", action="store_true", help="clear what the rig has latched; default: say it, and ask"
+    )
+
+
+def clear_fault(args: argparse.Namespace) -> bool | Callable[[str], bool]:
+    """Return whether a fault is cleared: as the option says, or as a person at the terminal does."""
+    return bool(args.clear_fault) or (_asked if sys.stdin.isatty() and sys.stderr.isatty() else False)
+
+
+def _asked(fault: str) -> bool:
+    status(None)
+    sys.stderr.write(f"knobcam: {fault}\nClear it and go on? [y/N] ")
+    sys.stderr.flush()
+    return sys.stdin.readline().strip().lower() in ("y", "yes")
 
 
 def number(text: str) -> float:

@@ -29,6 +29,7 @@ def register(commands: arguments.Commands) -> None:
         "--runs", type=arguments.whole, default=3, metavar="N", help="default 3, as in the paper"
     )
     parser.add_argument("--logs", type=Path, metavar="FOLDER", help="keep the wire logs of the runs there")
+    arguments.add_fault(parser)
     arguments.add_plots(parser)
     arguments.add_output(parser, "file")
 
@@ -45,7 +46,13 @@ def run(args: Namespace) -> Answer:
         if folder is not None:
             check_folder(folder)
     found = calibrate(
-        args.port, args.test, runs=args.runs, logs=args.logs, baud=args.baud or BAUD, progress=status
+        args.port,
+        args.test,
+        runs=args.runs,
+        logs=args.logs,
+        baud=args.baud or BAUD,
+        clear_fault=arguments.clear_fault(args),
+        progress=status,
     )
     target = args.output or usual_path(found.serial)
     known = Calibration.load(target) if target.is_file() else None

@@ -40,6 +40,13 @@ def register(commands: arguments.Commands) -> None:
         "--model", metavar="MODEL", help="let the rig render this model while the motion turns it"
     )
     parser.add_argument("--calibration", metavar="FILE", help="default: the one that is kept of this rig")
+    parser.add_argument(
+        "--force",
+        action="store_true",
+        help="with --model: one that may feed a hand, as long as its tank lasts",
+    )
+    arguments.add_fault(parser)
+    parser.add_argument("--overwrite", action="store_true", help="write over a capture (a log never is)")
     arguments.add_output(parser, "capture", required=True)
 
     parser = arguments.add_command(
@@ -61,6 +68,8 @@ def run_capture(args: Namespace) -> Answer:
     from ..rig.port import BAUD
     from ..rig.record import log_path, record
 
+    if args.force and args.model is None:
+        raise InputError("--force: is about a model that is rendered; name one with --model, or leave it out")
     log = log_path(args.output)
     check_file(args.output)
     status("looking for the rig")
@@ -73,6 +82,9 @@ def run_capture(args: Namespace) -> Answer:
         calibration=args.calibration,
         progress=_Teller(),
         baud=BAUD if args.baud is None else args.baud,
+        force=args.force,
+        clear_fault=arguments.clear_fault(args),
+        overwrite=args.overwrite,
     )
     return _answer(recorded, args.output, log)
 
@@ -125,6 +137,7 @@ def _written(recorded: Capture, path: Path, schema: str, files: dict[str, str], 
             "samples": recorded.samples,
             "masked": int((~recorded.mask).sum()),
             "missing": account.get("missing"),
+            "planned": (recorded.meta.get("motion") or {}).get("samples"),
             "duration_s": recorded.duration_s,
             "sample_rate_hz": recorded.rate_hz,
             "columns": list(recorded.columns),

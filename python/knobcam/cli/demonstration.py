@@ -86,12 +86,21 @@ def run(knob: str, effect: str, folder: Path, status: Callable[[str], None]) -> 
     with EmulatedRig(model, speed=FASTER) as rig:
         status(f"recording {knob} over {rig.port}")
         seen = watch(f"recording {knob} over {rig.port}")
-        capture = record(rig.port, "sweep", output=folder / "capture.npz", progress=seen)
+        capture = record(rig.port, "sweep", output=folder / "capture.npz", progress=seen, overwrite=True)
         learned = learn(capture, progress=status)
         fitted = learned.model.renamed(f"{knob}, fitted").save(folder / "model.toml")
         felt = feelable(learned.model)
         seen = watch("recording the learned model, which the device renders")
-        again = record(rig.port, "sweep", output=folder / "rendered.npz", model=felt, progress=seen)
+        # No hand is on an emulated rig: what was learned is shown as it is.
+        again = record(
+            rig.port,
+            "sweep",
+            output=folder / "rendered.npz",
+            model=felt,
+            progress=seen,
+            force=True,
+            overwrite=True,
+        )
     rendered = fit(again, model=felt)
 
     status("drawing")

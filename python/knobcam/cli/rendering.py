@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from ..errors import InputError
 from . import arguments
 from .fitting import said
-from .output import Answer, check_folder, status, writing
+from .output import Answer, Unfinished, check_folder, findings, status, writing
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -48,17 +48,22 @@ def register(commands: arguments.Commands) -> None:
     parser.add_argument(
         "--log", type=Path, metavar="FILE", help="with --port: keep the wire log there, .kcwire"
     )
-    parser.add_argument("--force", action="store_true", help="with --port: render what would ring")
+    parser.add_argument(
+        "--force",
+        action="store_true",
+        help="render what would feed a hand or ring, until it has given out 0.1 J more than it took",
+    )
+    arguments.add_fault(parser)
     arguments.add_plots(parser)
 
 
 def run(args: Namespace) -> Answer:
-    """Check the stability, run the loop, say what it reached."""
+    """Check that the model feeds no hand and does not ring, run the loop, say what it reached."""
     check_folder(args.plots)
     if args.port is not None:
         return _on_a_rig(args)
-    if args.log is not None or args.force:
-        raise InputError("--log and --force: belong to a rig; name its port with --port")
+    if args.log is not None or args.clear_fault:
+        raise InputError("--log and --clear-fault: belong to a rig; name its port with --port")
     if args.time == "virtual" and args.rt == "enforce":
         raise InputError("--rt enforce: virtual time has no priority to enforce; leave one of them out")
 
@@ -70,7 +75,9 @@ def run(args: Namespace) -> Answer:
     model, device = Model.load(args.model), Device(delay_samples=args.delay)
     check_rotary(model)
     stability = check_stability(model, device, rate_hz=args.rate)
-    renderer = Renderer(model, args.rate, device=device)
+    if stability.refusal is not None and not args.force:
+        raise InputError(f"{args.model}: {stability.refusal}")
+    renderer = Renderer(model, args.rate, device=device, force=args.force)
     handle = EmulatedHandle(device, to_and_fro())
     status(f"rendering for {args.seconds:g} s")
     report = run_loop(renderer, handle, args.seconds, rate_hz=args.rate, rt=args.rt, time=args.time)
@@ -90,10 +97,13 @@ def run(args: Namespace) -> Answer:
         "work_J": handle.work_J,
         "files": files,
     }
-    messages = [] if stability.stable else [f"warning: {stability.verdict}"]
+    messages = [] if stability.refusal is None else [f"warning: {stability.verdict}"]
     if not report.well:
         messages.append(f"warning: the loop {report.remarks[0]}")
-    return Answer(text, document, tuple(messages))
+    answer = Answer(text, document, tuple(messages))
+    if report.ending == "interrupted":
+        raise Unfinished(answer)
+    return answer
 
 
 def _on_a_rig(args: Namespace) -> Answer:
@@ -111,7 +121,15 @@ def _on_a_rig(args: Namespace) -> Answer:
     def watch(figures: Figures) -> None:
         status(f"rendering: {figures.received} samples, {figures.missing} lost")
 
-    felt = feel(args.port, model, args.seconds, log=args.log, force=args.force, progress=watch)
+    felt = feel(
+        args.port,
+        model,
+        args.seconds,
+        log=args.log,
+        force=args.force,
+        clear_fault=arguments.clear_fault(args),
+        progress=watch,
+    )
     capture = felt.capture
     work = float(capture.tau[1:] @ (capture.theta[1:] - capture.theta[:-1]))
     text = (
@@ -127,11 +145,12 @@ def _on_a_rig(args: Namespace) -> Answer:
         "stability": felt.stability.document(),
         "samples": capture.samples,
         "samples_missing": felt.samples_missing,
+        "findings": [finding.document() for finding in capture.findings],
         "sample_rate_hz": capture.rate_hz,
         "work_J": work,
         "files": files,
     }
-    return Answer("\n".join([text, *said(files)]), document)
+    return Answer("\n".join([text, *said(files)]), document, findings(args.log or args.port, capture))
 
 
 def _draw(

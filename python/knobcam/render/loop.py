@@ -13,6 +13,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Protocol
 
 from .. import _core
+from ..base.ended import Ended, by_exception
 from ..errors import InputError, KnobcamError, KnobcamWarning
 from .loop_report import Durations, LastSecond, LoopReport
 
@@ -165,12 +166,17 @@ def run_loop(
 ) -> LoopReport:
     """Run a loop to its end and return the report; options as in `start_loop`.
 
-    Ctrl-C takes the torque off and returns the report too, its `ending` then `interrupted`.
+    Ctrl-C takes the torque off and returns the report too, its `ending` then `interrupted`. SIGTERM and
+    SIGHUP take it off and raise `Ended`, a SystemExit.
     """
     loop = start_loop(controller, device, seconds, **options)
     try:
-        while not loop.wait(_LISTENS_S):
-            pass
+        with by_exception():
+            while not loop.wait(_LISTENS_S):
+                pass
+    except Ended:
+        loop.stop()
+        raise
     except KeyboardInterrupt:
         report = loop.stop()
         return replace(report, ending="interrupted", why="it was interrupted (Ctrl-C)")

@@ -73,6 +73,10 @@ class Renderer(_core.Renderer):
     the device can. Effects of the sensor (lag, drift, saturation) are not rendered: they are the measuring
     rig's.
 
+    A model that would feed a hand (within a turn to each side of zero, up to 5 rad/s), or that
+    rings on the `device`, is refused by the term that is to blame. With `force` it is rendered all the
+    same, until it has given out 0.1 J more than it took: then it has a `fault`.
+
     A quantity that is not finite, or a motion beyond `speed_limit` (rad/s), gives zero torque and a `fault`
     that stays until `reset()`. `state` and `set_state()` are all that it remembers.
 
@@ -89,16 +93,18 @@ class Renderer(_core.Renderer):
         torque_limit: float = math.inf,
         torque_rate_limit: float = math.inf,
         speed_limit: float = 1000.0,
+        force: bool = False,
     ) -> Self:
         """Render `model` (or its file or name); limits in N m, N m/s, rad/s. `rate` is short for `rate_hz`.
 
-        Raises InputError for a rate, limit or device that cannot be.
+        Raises InputError for a rate, limit or device that cannot be, and for a model that is not passive.
         """
         model = model if isinstance(model, Model) else Model.load(model)
         check_torque(model)
         row = None if device is None else device.row
         rate_hz = rate_hz if rate is None else rate
-        return super().__new__(cls, model.core, rate_hz, row, torque_limit, torque_rate_limit, speed_limit)
+        limits = (torque_limit, torque_rate_limit, speed_limit)
+        return super().__new__(cls, model.core, rate_hz, row, *limits, force)
 
     def along(
         self,
@@ -163,6 +169,27 @@ class Stability(showing.Tabled):
         return bool(self.figures["stable"])
 
     @property
+    def passive(self) -> bool:
+        """Whether the model itself feeds no hand, whatever the device."""
+        return self.objection is None
+
+    @property
+    def objection(self) -> str | None:
+        """The term by which the model would feed a hand, and why; None where it does not."""
+        told = self.figures["objection"]
+        return None if told is None else str(told)
+
+    @property
+    def refusal(self) -> str | None:
+        """Why the model is rendered on this device only if that is forced; None where it simply is."""
+        if self.stable or not self.passive:
+            return self.objection
+        return (
+            f"the model rings on it: the device allows {self.allowed_stiffness_Nm_rad:.3g} N m/rad, the "
+            f"model has {self.figures['stiffness_Nm_rad']:.3g}; soften the model, or --force it"
+        )
+
+    @property
     def allowed_stiffness_Nm_rad(self) -> float:
         """Stiffness that the delay allows with a phase margin of 50 degrees."""
         return float(self.figures["allowed_stiffness_Nm_rad"])
@@ -202,6 +229,8 @@ class Stability(showing.Tabled):
     @property
     def verdict(self) -> str:
         """One sentence."""
+        if self.objection is not None:
+            return f"It feeds the hand by {self.objection}."
         if not self.stable:
             return (
                 f"It rings: at this delay the device allows {self.allowed_stiffness_Nm_rad:.3g} N m/rad and "
@@ -229,13 +258,28 @@ def check_stability(
 ) -> Stability:
     """Say which stiffness the delay of a device allows, and how far `model` on it is from ringing.
 
-    Two questions: whether any hand at all could draw energy out of it (Colgate & Schenkel 1997, Equation 10:
-    `b > K T/2 + |B|`, with the delay added to T/2), and whether it rings by itself (phase margin of the loop
-    through the delay). Raises InputError for a device or a rate that cannot be.
+    Two questions: whether any hand at all could draw energy out of it (Colgate & Schenkel 1997, Equation
+    10: `b > K T/2 + |B|`, with the delay added to T/2), and whether it rings by itself (phase margin of the
+    loop through the delay). Beside both, whether the model itself would feed a hand (`passive`,
+    `objection`). Raises InputError for a device or a rate that cannot be.
     """
     model = model if isinstance(model, Model) else Model.load(model)
     check_torque(model)
     rig = Device() if rig is None else rig
     if not 10.0 <= rate_hz <= 1e6:
         raise InputError(f"a rate of {rate_hz} Hz is none of a device; choose 10 to 1e6, usually 5000")
-    return Stability(model, rig, rate_hz, _core.check_stability(model.core, rig.row, rate_hz))
+    figures = _core.check_stability(model.core, rig.row, rate_hz)
+    objection = _core.check_passive(model.core, None, rate_hz)
+    return Stability(model, rig, rate_hz, figures | {"passive": objection is None, "objection": objection})
+
+
+def check_passive(model: Model, *, rate_hz: float = 5000.0) -> None:
+    """Raise InputError for a model that would feed a hand: the term that is to blame, and why.
+
+    Looked at are inertia, dry friction and what depends on the speed, within a turn to each side of zero
+    and up to 5 rad/s (1 m and 1 m/s on a linear axis), where the angle alone would take the handle,
+    and the work over closed cycles.
+    """
+    objection = _core.check_passive(model.core, None, rate_hz)
+    if objection is not None:
+        raise InputError(objection)

@@ -16,6 +16,8 @@ from .record import make_plan, record
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from .record import ClearFault
+
 TESTS = {"spatial": (spatial, 1.0), "torque": (anchored, 0.02)}
 """What each test works out, and the amplitude of its swept sine, rad (Table 3 of the paper)."""
 DURATION_S = 5.0
@@ -29,12 +31,13 @@ def calibrate(
     runs: int = 3,
     logs: Path | None = None,
     baud: int = BAUD,
+    clear_fault: ClearFault = False,
     progress: Callable[[str], object] | None = None,
 ) -> Calibration:
     """Run a sensor test and return what it says of the rig; it is not saved.
 
     `spatial` moves a gripper with nothing in it; `torque` pushes against an anchor that prevents any
-    movement. The wire logs are kept in the folder `logs`, if that is given.
+    movement. The wire logs are kept in the folder `logs`, if that is given. `clear_fault` as in `record`.
 
     Raises InputError for an unknown test, everything that is wrong with port or rig, and a gripper that is
     not as the test needs it.
@@ -63,6 +66,8 @@ def calibrate(
                 output=folder / f"{test}-{number}.kcwire",
                 duration_s=DURATION_S,
                 calibration=plain,
+                clear_fault=clear_fault,
+                kept=logs is not None,
                 c=amplitude,
             )
             done.append(Run(plan.track, recorded, nominal))

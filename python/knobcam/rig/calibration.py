@@ -16,6 +16,7 @@ import platformdirs
 from ..base import showing
 from ..base.atomic import write_atomically
 from ..base.tables import TextTable, text_table
+from ..capture.formats.wire import checked_c_cal
 from ..errors import InputError
 
 if TYPE_CHECKING:
@@ -87,7 +88,10 @@ class Calibration(showing.Tabled):
             fits = isinstance(value, str) if name in ("serial", "date") else _numbers(value)
             if not fits:
                 raise InputError(f"{path}: {name}={value!r} is no such value; run `knobcam calibrate` again")
-        values["c_cal_runs"] = tuple(values.get("c_cal_runs", ()))
+        runs = tuple(values.get("c_cal_runs", ()))
+        for c_cal in (*runs, *([values["c_cal"]] if "c_cal" in values else [])):
+            checked_c_cal(c_cal, path)
+        values["c_cal_runs"] = runs
         return cls(**values)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
@@ -190,7 +194,7 @@ def spatial(serial: str, runs: Sequence[Run]) -> Calibration:
         if wanted @ volts == 0.0:
             raise InputError(f"run {number}: the accelerometer says nothing; check its cable")
         # The noise is in the volts: regressed the other way round it would pull the factor towards zero.
-        factor = float(wanted @ wanted / (wanted @ volts))
+        factor = checked_c_cal(float(wanted @ wanted / (wanted @ volts)), f"run {number}")
         factors.append(factor)
         columns = run.recorded.columns
         start = columns["theta"][at][0] - run.commanded.theta[at][0]

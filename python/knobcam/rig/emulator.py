@@ -128,8 +128,9 @@ def _descriptor(emulation: Emulation) -> dict[str, Any]:
         "alpha": channel(20.0 / 65536.0, "volt", 32767),
         "tau": channel(seen.tau_step, "newton_metre", round(seen.tau_limit / seen.tau_step)),
         "c_cal": C_CAL,
-        "torque_limit": 0.5,
-        "torque_rate_limit": 2000.0,
+        # Enough to drive the knob along a motion, at least 0.5 N m.
+        "torque_limit": max(0.5, seen.tau_limit),
+        "torque_rate_limit": 4000.0 * max(0.5, seen.tau_limit),
         "inertia": 5e-5,
         "damping": 1e-4,
         "anchor_stiffness": 250.0,

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from ..capture import Capture
     from ..model import Model
     from .figures import Figures
+    from .record import ClearFault
 
 
 class Felt(NamedTuple):
@@ -33,8 +34,8 @@ class Felt(NamedTuple):
 
     @property
     def samples_missing(self) -> int:
-        """Samples of the run that did not come over the port."""
-        return round(self.capture.duration_s * self.capture.rate_hz) + 1 - self.capture.samples
+        """Samples of the run that did not come over the port, also before the first and after the last."""
+        return int(self.capture.meta["account"]["missing"])
 
 
 def device_of(descriptor: Any) -> Device:
@@ -56,13 +57,15 @@ def feel(
     *,
     log: str | os.PathLike[str] | None = None,
     force: bool = False,
+    clear_fault: ClearFault = False,
     baud: int = BAUD,
     progress: Callable[[Figures], object] | None = None,
 ) -> Felt:
     """Let the device behind `port` render `model` for some seconds while a person turns it, and record that.
 
-    The wire log is kept where `log` says. Raises InputError for a model that would ring on this device unless
-    `force` is given, and for all that is wrong with port or rig; torque is ended on every way out.
+    The wire log is kept where `log` says, or not at all. Raises InputError for a model that would feed a
+    hand, or ring on this device, unless `force` is given; for a fault that the rig has latched, as `record`
+    does; and for all that is wrong with port or rig. Torque is ended on every way out.
     """
     if not (math.isfinite(seconds) and seconds > 0.0):
         raise InputError(f"seconds={seconds:g}: give a finite time above 0")
@@ -71,12 +74,18 @@ def feel(
         link = port if isinstance(port, Link) else stack.enter_context(Link(port, baud=baud))
         device = device_of(link.device)
         stability = check_stability(model, device, rate_hz=link.rate_hz)
-        if not stability.stable and not force:
-            raise InputError(
-                f"{link.port}: the model rings on it: the device allows "
-                f"{stability.allowed_stiffness_Nm_rad:.3g} N m/rad, the model has "
-                f"{stability.figures['stiffness_Nm_rad']:.3g}; soften the model, or --force it"
-            )
+        if stability.refusal is not None and not force:
+            raise InputError(f"{link.port}: {stability.refusal}")
         output = log or Path(stack.enter_context(tempfile.TemporaryDirectory())) / "felt.kcwire"
-        capture = record(link, BY_HAND, output=output, duration_s=seconds, model=model, progress=progress)
+        capture = record(
+            link,
+            BY_HAND,
+            output=output,
+            duration_s=seconds,
+            model=model,
+            progress=progress,
+            force=force,
+            clear_fault=clear_fault,
+            kept=log is not None,
+        )
         return Felt(str(link.device["serial"]), device, stability, capture)

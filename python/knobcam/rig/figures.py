@@ -35,6 +35,8 @@ class Figures(NamedTuple):
 
     def __str__(self) -> str:
         parts = [f"{self.received} samples", f"{self.rate_hz:.0f} Hz", f"{self.missing} lost"]
+        if self.corrupt:
+            parts.append(f"{self.corrupt} corrupt")
         if self.peak_torque is not None:
             parts.append(f"peak {1e3 * self.peak_torque:.1f} mN m")
         parts += [

@@ -7,8 +7,11 @@ import time
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Self
 
+import numpy as np
+
 from .. import _core
 from ..errors import InputError
+from ..render import check_passive
 from .figures import Figures
 from .port import BAUD, Port, ports
 
@@ -31,6 +34,7 @@ _TAIL_S = 0.5  # for what a rig still has to say of a run
 _QUIET_S = 0.03  # nothing more comes of what was said before
 _ORDER, _STATE = 6, 2  # codes of NAK
 _RUNNING = ("recording", "armed", "rendering")
+_FASTEST_RAD_S = 100.0  # 16 turns in a second: no knob is driven faster, and what is faster is a jump
 
 
 class Link:
@@ -175,7 +179,8 @@ class Link:
             self.describe()
 
     def upload_motion(self, track: MotionTrack) -> None:
-        """Send a motion ahead; its first point must be at rest, at angle 0."""
+        """Send a motion ahead; its first point must be at rest, at angle 0, and none may jump."""
+        _check_motion(track, self.rate_hz)
         most = self.device["motion_capacity"]
         if len(track.t) > most:
             longest = most / self.rate_hz
@@ -187,9 +192,14 @@ class Link:
             "EXCITE", _core.wire_motion(track.theta, track.omega, track.alpha, first, self._recorder.now_us)
         )
 
-    def upload_model(self, model: Model) -> None:
-        """Send a model that the rig is to render."""
+    def upload_model(self, model: Model, *, force: bool = False) -> None:
+        """Send a model to render; `force`: though it may feed a hand, as long as its tank lasts."""
+        if not force:
+            check_passive(model, rate_hz=self.rate_hz)
         text, most = model.text(), self.device["model_capacity"]
+        if force:
+            schema, _, rest = text.partition("\n")
+            text = f"{schema}\nforced = true\n{rest}"
         if len(text.encode()) > most:
             raise InputError(f"model: {len(text.encode())} bytes, the rig keeps {most}; shorten its name")
         self._upload("MODEL", _core.wire_model(text, self._number + 1, self._recorder.now_us))
@@ -225,11 +235,21 @@ class Link:
                 return said
         return None
 
-    def arm(self, mode: str, hold_s: float) -> None:
-        """Allow torque from the next `start` on, within the limits of the rig, for at most `hold_s`."""
+    def arm(
+        self, mode: str, hold_s: float, *, torque_limit: float | None = None, rate_limit: float | None = None
+    ) -> None:
+        """Allow torque from the next `start` on, for at most `hold_s`, within limits (N m, N m/s).
+
+        By default those of the rig; higher ones are refused.
+        """
         if not self.device["capabilities"] & CAPABILITIES[mode]:
             raise InputError(f"{self.port}: the rig {self.device['serial']} cannot do {mode}")
-        limits = {name: self.device[name] for name in ("torque_limit", "torque_rate_limit")}
+        limits = {"torque_limit": torque_limit, "torque_rate_limit": rate_limit}
+        for name, asked in limits.items():
+            most = self.device[name]
+            if asked is not None and not 0.0 < asked <= most:
+                raise InputError(f"{self.port}: {name}={asked:g}: the rig allows above 0, up to {most:g}")
+            limits[name] = most if asked is None else asked
         self._busy = True
         self._recorder.beat(hold_s)
         self.command("ARM", mode=mode, **limits)
@@ -302,3 +322,26 @@ class Link:
         if said["code"] == _STATE and self.fault is not None:
             hint = f"; it has latched a fault: {self.fault[1]}"
         return InputError(f"{self.port}: the rig refuses {kind} ({why}{hint})")
+
+
+def _check_motion(track: MotionTrack, rate_hz: float) -> None:
+    """Refuse what no knob can follow from where it stands."""
+    if not len(track.t):
+        raise InputError("motion: has no point; give one a sample")
+    if not all(np.isfinite(column).all() for column in track[1:]):
+        raise InputError(
+            "motion: has points that are not finite; give finite angles, speeds and accelerations"
+        )
+    if track.theta[0] != 0.0 or track.omega[0] != 0.0:
+        raise InputError(
+            f"motion: begins at {track.theta[0]:g} rad and {track.omega[0]:g} rad/s; it must begin at rest "
+            "at angle 0, where the knob stands"
+        )
+    jumps = np.abs(np.diff(track.theta, prepend=0.0)) > _FASTEST_RAD_S / rate_hz
+    jumps |= np.abs(track.omega) > _FASTEST_RAD_S
+    if jumps.any():
+        at = int(np.argmax(jumps))
+        raise InputError(
+            f"motion: jumps at point {at} (to {track.theta[at]:.4g} rad, {track.omega[at]:.4g} rad/s); a "
+            f"knob is driven at up to {_FASTEST_RAD_S:g} rad/s"
+        )

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..base.ended import Ended, by_exception
 from ..capture.formats.wire import RATE_TOLERANCE
 from ..capture.motions import MotionTrack
 from ..capture.motions import motion as make_motion
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from .figures import Figures
 
     Watch = Callable[[Figures], object]
+    ClearFault = bool | Callable[[str], bool]
 
 BY_HAND = "hand"
 """The motion that no motor makes: a person turns the knob, and the rig records."""
@@ -78,6 +80,10 @@ def record(
     calibration: Any = None,
     progress: Watch | None = None,
     baud: int = BAUD,
+    force: bool = False,
+    clear_fault: ClearFault = False,
+    overwrite: bool = False,
+    kept: bool = True,
     **options: float,
 ) -> Capture:
     """Record a run of the rig behind `port` and return its capture.
@@ -89,31 +95,42 @@ def record(
     or a file of it; by default the one that is kept of this rig. `port` may be `serial:NUMBER`. `progress` is
     called some ten times a second and may raise `Enough`.
 
-    Raises InputError for everything that is wrong with call, port or rig, and KeyboardInterrupt for Ctrl-C:
-    the samples that had come are then in the log.
+    A fault that the rig has latched is cleared only where `clear_fault` says so: True, or a function that
+    is told the fault and answers. `force` lets the rig render a `model` that may feed a hand, as long as
+    its energy tank lasts. A capture that is there is written over with `overwrite` alone, a log never.
+    `kept`: whether the log outlives the call, so that it may be named.
+
+    Raises InputError for everything that is wrong with call, port or rig, KeyboardInterrupt for Ctrl-C and
+    `Ended`, a SystemExit, for SIGTERM and SIGHUP: torque is off then, and the samples that had come are in
+    the log.
     """
     log = log_path(output)
     if log.exists():
         raise InputError(f"{log}: is there already, and a recording is not written over; choose another name")
+    if Path(output).exists() and not overwrite:
+        raise InputError(f"{output}: is there already; choose another name, or --overwrite it")
     if model is not None and not isinstance(model, Model):
         model = Model.load(model)
     if isinstance(calibration, str | os.PathLike):
         calibration = Calibration.load(calibration)
-    with contextlib.ExitStack() as stack:
+    with by_exception(), contextlib.ExitStack() as stack:
         link = port if isinstance(port, Link) else stack.enter_context(Link.at(port, baud=baud))
         plan = make_plan(motion, duration_s, link.rate_hz, model, **options)
-        upload(link, plan)
-        kept = calibration if calibration is not None else usual(link.device["serial"])
+        _look_at_fault(link, clear_fault)
+        upload(link, plan, force=force)
+        known = calibration if calibration is not None else usual(link.device["serial"])
         name = motion if isinstance(motion, str) else "given"
-        begin(log, _header(link, plan, {"name": name, "duration_s": duration_s, **options}, kept))
+        begin(log, _header(link, plan, {"name": name, "duration_s": duration_s, **options}, known))
         try:
             run(link, plan, log, progress)
         except Enough:
             pass
         except InputError as error:
-            raise InputError(f"{error}; {_what_is_kept(log)}") from error
+            raise InputError(f"{error}; {_what_is_kept(log, kept)}") from error
         except KeyboardInterrupt:
-            raise KeyboardInterrupt(_what_is_kept(log)) from None
+            raise KeyboardInterrupt(_what_is_kept(log, kept)) from None
+        except Ended as ended:
+            raise Ended(ended.number, _what_is_kept(log, kept)) from None
     recorded = WireLog.load(log).capture()
     if Path(output) != log:
         recorded.save(output)
@@ -134,20 +151,26 @@ def make_plan(
     return Plan(len(led.t), led, model)
 
 
-def upload(link: Link, plan: Plan) -> None:
-    """Send ahead what the run needs; InputError for a motion or a model that is not for this rig.
+def _look_at_fault(link: Link, clear: ClearFault) -> None:
+    """Clear a latched fault if whoever asks for the run says so; else InputError tells it."""
+    if link.fault is None:
+        return
+    code, text = link.fault
+    told = f"the rig has latched fault {code}: {text}"
+    if not (clear(told) if callable(clear) else clear):
+        raise InputError(f"{link.port}: {told}; see to its cause, then clear it with --clear-fault")
+    link.clear()
 
-    A fault that the rig has latched is cleared first, because whoever calls asks for this run.
-    """
+
+def upload(link: Link, plan: Plan, *, force: bool = False) -> None:
+    """Send ahead what the run needs; InputError for a motion or a model that is not for this rig."""
     if plan.model is not None:
         check_rotary(plan.model)
-    if link.fault is not None:
-        link.clear()
     if plan.track is not None:
         _check_speed(link, plan.track)
         link.upload_motion(plan.track)
     if plan.model is not None:
-        link.upload_model(plan.model)
+        link.upload_model(plan.model, force=force)
 
 
 def run(link: Link, plan: Plan, log: Path, progress: Watch | None = None) -> None:
@@ -230,5 +253,7 @@ def _header(link: Link, plan: Plan, motion: dict[str, Any], calibration: Any) ->
     }
 
 
-def _what_is_kept(log: Path) -> str:
+def _what_is_kept(log: Path, kept: bool) -> str:
+    if not kept:
+        return "nothing is kept of it without --log"
     return f"{WireLog.load(log).samples} samples are kept in {log}"

@@ -10,6 +10,7 @@ mod obey;
 mod rig;
 mod scene;
 mod sensors;
+mod servo;
 mod stage;
 
 pub use handle::Handle;

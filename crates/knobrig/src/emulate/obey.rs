@@ -4,10 +4,10 @@ use super::rig::Rig;
 use crate::wire::{Frame, Message, Mode, Point, State, capability, refusal};
 use knobcore::effects::Id;
 use knobcore::model_file;
-use knobrender::Limits;
+use knobrender::{Limits, check_passive};
 
-/// Speed that the handle never reaches, rad/s.
-const FASTEST: f64 = 1000.0;
+/// Speed beyond which the rig lets go, rad/s: nobody turns a knob by 16 turns in a second.
+pub(super) const FASTEST: f64 = 100.0;
 
 impl Rig {
     /// Carries out a command, and answers it where it is one that is answered.
@@ -54,17 +54,19 @@ impl Rig {
         self.answered = Some((frame, answer));
     }
 
-    /// The host is alive, and may have said which torque it wants.
+    /// The host is alive, and may have said which torque it wants. What is not valid feeds nothing.
     fn feed(&mut self, message: &Message) {
         let commanded = matches!(self.armed, Some((Mode::Commanded, _))) && self.state == State::Rendering;
-        if commanded == matches!(message, Message::Torque { .. }) {
-            self.fed_us = self.now_us;
-        }
-        let limit = self.armed.map_or(0.0, |(_, limits)| limits.torque);
-        if let (Message::Torque { torque }, Some(run)) = (message, &mut self.run)
-            && torque.is_finite()
-        {
-            run.scene.command(f64::from(*torque).clamp(-limit, limit));
+        match message {
+            Message::Torque { torque } if commanded && torque.is_finite() => {
+                self.fed_us = self.now_us;
+                let limit = self.armed.map_or(0.0, |(_, limits)| limits.torque);
+                if let Some(run) = &mut self.run {
+                    run.scene.command(f64::from(*torque).clamp(-limit, limit));
+                }
+            }
+            Message::Heartbeat if !commanded => self.fed_us = self.now_us,
+            _ => {}
         }
     }
 
@@ -82,7 +84,7 @@ impl Rig {
                 self.begin(*samples, mode)?;
                 self.state = next;
             }
-            Message::Clear => (self.state, self.fault) = (next, None),
+            Message::Clear => (self.state, self.latched) = (next, None),
             Message::Arm { mode, torque_limit, torque_rate_limit } => {
                 let d = &self.setup.descriptor;
                 let able =
@@ -94,13 +96,15 @@ impl Rig {
                 if !fits(*torque_limit, d.torque_limit) || !fits(*torque_rate_limit, d.torque_rate_limit) {
                     return Err(refusal::VALUE);
                 }
+                if *mode == Mode::Render && !self.forced {
+                    self.check_model(true)?;
+                }
                 let [torque, torque_rate] = [*torque_limit, *torque_rate_limit].map(f64::from);
                 self.armed = Some((*mode, Limits { torque, torque_rate, speed: FASTEST }));
                 (self.state, self.fed_us) = (next, self.now_us);
             }
             Message::Excite { total, first, check, points } => {
-                let finite = |p: &Point| p.theta.is_finite() && p.omega.is_finite() && p.alpha.is_finite();
-                if !points.iter().all(finite) {
+                if !self.can_follow(*first as usize, points) {
                     return Err(refusal::VALUE);
                 }
                 self.motion.take(*total, *first, *check, points)?;
@@ -130,15 +134,48 @@ impl Rig {
             self.complaint = format!("effect '{}' is not in the firmware", own.info().id);
             return Err(refusal::MODEL);
         }
+        self.forced = model_file::is_forced(text);
         self.model = Some(model);
-        Ok(())
+        if self.forced {
+            return Ok(());
+        }
+        self.check_model(false).inspect_err(|_| self.model = None)
+    }
+
+    /// Refuses a model that would feed a hand or, in a hand, ring on this device.
+    fn check_model(&mut self, in_a_hand: bool) -> Result<(), u16> {
+        let device = in_a_hand.then(|| self.device(None));
+        let Some(model) = &self.model else { return Ok(()) };
+        check_passive(model, device, self.setup.descriptor.rate_hz).map_err(|error| {
+            self.complaint = error.to_string();
+            refusal::MODEL
+        })
+    }
+
+    /// Whether a motion may go on by these points: from rest where the knob stands, without a jump.
+    fn can_follow(&self, first: usize, points: &[Point]) -> bool {
+        let most = FASTEST / self.setup.descriptor.rate_hz;
+        let there = self.motion.so_far();
+        // A chunk that does not follow on what is there is refused or repeated, whatever is in it.
+        let before = if first == there.len() { there.last() } else { None };
+        let sane =
+            |p: &Point| p.theta.is_finite() && p.alpha.is_finite() && f64::from(p.omega).abs() <= FASTEST;
+        let rests = |p: &Point| first > 0 || (p.theta == 0.0 && p.omega == 0.0);
+        let near = |pair: [&Point; 2]| (pair[1].theta - pair[0].theta).abs() <= most;
+        let pairs = before.into_iter().chain(points).zip(points.iter().skip(usize::from(before.is_none())));
+        points.iter().all(sane)
+            && points.first().is_none_or(rests)
+            && pairs.into_iter().all(|(a, b)| near([a, b]))
     }
 
     fn why(&mut self, code: u16) -> String {
         match code {
             refusal::UNKNOWN => "unknown command".to_owned(),
             refusal::STATE => format!("not allowed while {:?}", self.state),
-            refusal::VALUE => "a value is not finite, not positive or above a limit".to_owned(),
+            refusal::VALUE => {
+                "a value is not finite, not positive or above a limit, or a motion jumps or starts off rest"
+                    .to_owned()
+            }
             refusal::UNABLE => "this device cannot do that".to_owned(),
             refusal::MISSING => "no whole motion or model is there; upload it first".to_owned(),
             refusal::ORDER => "the chunk does not follow on those before it".to_owned(),

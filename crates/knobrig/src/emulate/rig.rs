@@ -46,6 +46,7 @@ const STATUS_US: u64 = 1_000_000;
 const TEMPERATURE: f32 = 25.0;
 
 /// A run that goes on.
+#[derive(Clone)]
 pub(super) struct Run {
     pub scene: Scene,
     pub left: Option<u32>,
@@ -55,15 +56,26 @@ pub(super) struct Run {
     batch_us: u64,
 }
 
+/// A fault: its code, why, and since when, us.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Latched {
+    code: u16,
+    why: &'static str,
+    since_us: u64,
+}
+
 /// An emulated rig.
+#[derive(Clone)]
 pub struct Rig {
     pub(super) setup: Setup,
     pub(super) state: State,
     pub(super) motion: Upload<Point>,
     pub(super) file: Upload<u8>,
     pub(super) model: Option<Model>,
+    /// Whether it is to be rendered though it may feed a hand.
+    pub(super) forced: bool,
     pub(super) armed: Option<(Mode, Limits)>,
-    pub(super) fault: Option<(u16, &'static str)>,
+    pub(super) latched: Option<Latched>,
     /// What is wrong with the last model, in words.
     pub(super) complaint: String,
     pub(super) run: Option<Run>,
@@ -94,8 +106,9 @@ impl Rig {
             motion: Upload::new(setup.descriptor.motion_capacity as usize),
             file: Upload::new(setup.descriptor.model_capacity as usize),
             model: None,
+            forced: false,
             armed: None,
-            fault: None,
+            latched: None,
             complaint: String::new(),
             run: None,
             place: 0.0,
@@ -121,6 +134,11 @@ impl Rig {
     /// Torque of its motor at this instant, N m.
     pub fn motor_torque(&self) -> f64 {
         self.motor
+    }
+
+    /// Angle of what its motor or a hand turns at this instant, rad.
+    pub fn place(&self) -> f64 {
+        self.run.as_ref().map_or(self.place, |run| run.scene.place())
     }
 
     /// Microseconds since it was switched on.
@@ -230,8 +248,8 @@ impl Rig {
         if full {
             self.send_batch();
         }
-        if let Some(why) = broken {
-            self.break_off(fault::SENSOR, why);
+        if let Some((code, why)) = broken {
+            self.break_off(code, why);
         } else if over {
             self.end_run();
         }
@@ -272,14 +290,17 @@ impl Rig {
         self.end_run();
         self.state = State::Fault;
         self.armed = None;
-        self.fault = Some((code, why));
+        self.latched = Some(Latched { code, why, since_us: self.now_us });
         self.tell_fault();
         self.tell_status();
     }
 
+    /// Says what is latched, and how long ago it was: the cause alone says little of what there is to look at.
     pub(super) fn tell_fault(&mut self) {
-        if let Some((code, why)) = self.fault {
-            self.say(&Message::Fault { code, text: text(why) });
+        if let Some(Latched { code, why, since_us }) = self.latched {
+            let ago = (self.now_us - since_us) as f64 * 1e-6;
+            let since = if ago > 0.0 { format!("{ago:.1} s ago: ") } else { String::new() };
+            self.say(&Message::Fault { code, text: text(&format!("{since}{why}")) });
         }
     }
 

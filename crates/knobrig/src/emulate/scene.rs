@@ -1,13 +1,14 @@
 //! What goes on at the rig during a run, sample by sample.
 
 use super::handle::Handle;
+use super::servo::Servo;
+use crate::wire::fault;
 use knobcore::chain::SUBSTEPS;
-use knobcore::error::Result;
 use knobcore::model::Model;
 use knobcore::motion::Motion;
 use knobcore::predict;
 use knobcore::signals::Signals;
-use knobrender::{Device, Limits, Renderer, Sensed};
+use knobrender::{Device, Fault, Limits, Renderer, Sensed};
 
 /// A motion: one angle, speed and acceleration per sample, SI.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -70,15 +71,15 @@ pub(super) fn grip([goal, speed]: [f64; 2], [theta, omega]: [f64; 2]) -> f64 {
 pub(super) enum Source {
     /// The uploaded model.
     Model(Box<Renderer>),
-    /// The host's commands; the last one, N m.
-    Host(f64),
+    /// The host's commands: the last one and what the motor gives by now, N m, within limits.
+    Host { wanted: f64, given: f64, limits: Limits, dt: f64 },
 }
 
 /// A run.
 #[derive(Debug, Clone)]
 pub(super) enum Scene {
-    /// A motion moves a knob (or none), again and again: its torque is known ahead.
-    Moved { track: Track, tau: Vec<f64>, place: f64, again: bool, at: usize },
+    /// A motion moves a knob (or none), whose torque is known ahead: by the motor, or by a hand again and again.
+    Moved { track: Track, tau: Vec<f64>, place: f64, at: usize, motor: Option<Servo> },
     /// A motion moves the handle, on which a model is rendered.
     Driven { track: Track, place: f64, at: usize, knob: Box<Renderer>, device: Device },
     /// A hand holds the handle.
@@ -92,26 +93,19 @@ pub(super) struct Instant {
 }
 
 impl Scene {
-    /// A model on a handle that a rig holds.
-    pub fn driven(model: &Model, device: Device, track: Track, place: f64, rate_hz: f64) -> Result<Self> {
-        let device = Device { held: true, delay: 0, ..device };
-        let limits =
-            Limits { torque: device.torque_limit, torque_rate: device.torque_rate_limit, speed: 1000.0 };
-        let knob = Box::new(Renderer::new(model, rate_hz, Some(device), limits)?);
-        Ok(Self::Driven { track, place, at: 0, knob, device })
-    }
-
     /// The next sample, if there is one; none when the motion is over.
     pub fn next(&mut self) -> Option<Instant> {
         match self {
-            Self::Moved { track, tau, place, again, at } => {
-                if *at == track.len() && *again && !track.is_empty() {
+            Self::Moved { track, tau, place, at, motor } => {
+                if *at == track.len() && motor.is_none() && !track.is_empty() {
                     *at = 0;
                 }
-                let push = *tau.get(*at)?;
+                let asked = *tau.get(*at)?;
                 let [theta, omega, alpha] = track.at(*at);
                 *at += 1;
-                Some(Instant { sensed: [*place + theta, omega, alpha, push], motor: push })
+                let (push, off) = motor.as_mut().map_or((asked, [0.0; 3]), |motor| motor.give(asked));
+                let sensed = [*place + theta + off[0], omega + off[1], alpha + off[2], push];
+                Some(Instant { sensed, motor: push })
             }
             Self::Driven { track, place, at, knob, device } => {
                 if *at == track.len() {
@@ -132,7 +126,10 @@ impl Scene {
                 let sensed = handle.sensed(Some(*pushes));
                 let motor = match source {
                     Source::Model(knob) => -knob.step(sensed),
-                    Source::Host(tau) => *tau,
+                    Source::Host { wanted, given, limits, dt } => {
+                        *given = limits.cut(*wanted, *given, *dt);
+                        *given
+                    }
                 };
                 let before = *pushes;
                 *pushes = grip([*place + target[0], target[1]], [theta, omega]);
@@ -144,28 +141,45 @@ impl Scene {
 
     /// The host commands a torque of the motor, N m.
     pub fn command(&mut self, tau: f64) {
-        if let Self::Held { source: Source::Host(held), .. } = self {
-            *held = tau;
+        if let Self::Held { source: Source::Host { wanted, .. }, .. } = self {
+            *wanted = tau;
         }
     }
 
-    /// Why the step let go, if it did.
-    pub fn fault(&self) -> Option<&'static str> {
+    /// Why it cannot go on, if so: a code of FAULT, and the words.
+    pub fn fault(&self) -> Option<(u16, &'static str)> {
         match self {
             Self::Driven { knob, .. } | Self::Held { source: Source::Model(knob), .. } => {
-                knob.fault().map(|fault| fault.text())
+                knob.fault().map(|fault| (code(fault), fault.text()))
             }
-            _ => None,
+            Self::Held { source: Source::Host { limits, .. }, handle, .. } => {
+                let fault = Fault::Jump;
+                (handle.motion()[1].abs() > limits.speed).then(|| (code(fault), fault.text()))
+            }
+            Self::Moved { motor, .. } => motor.as_ref().filter(|motor| motor.is_lost()).map(|_| {
+                (fault::TRACKING, "the motion asks for more torque than ARM allows, and the knob fell behind")
+            }),
         }
     }
 
     /// Where the knob stands, rad.
     pub fn place(&self) -> f64 {
         match self {
-            Self::Moved { track, place, at, .. } | Self::Driven { track, place, at, .. } => {
-                place + track.at(at.saturating_sub(1))[0]
+            Self::Moved { track, place, at, motor, .. } => {
+                let off = motor.as_ref().map_or(0.0, Servo::off);
+                place + track.at(at.saturating_sub(1))[0] + off
             }
+            Self::Driven { track, place, at, .. } => place + track.at(at.saturating_sub(1))[0],
             Self::Held { handle, .. } => handle.motion()[0],
         }
+    }
+}
+
+/// The code by which a device says why the step let go.
+fn code(fault: Fault) -> u16 {
+    match fault {
+        Fault::NotFinite | Fault::Jump => fault::SENSOR,
+        Fault::Torque => fault::TORQUE,
+        Fault::Energy => fault::ENERGY,
     }
 }

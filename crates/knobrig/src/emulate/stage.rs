@@ -3,6 +3,7 @@
 use super::handle::Handle;
 use super::rig::{Fixture, Rig};
 use super::scene::{Scene, Source, Track, torque};
+use super::servo::Servo;
 use crate::wire::{Mode, Point, refusal};
 use knobrender::{Device, Limits, Renderer};
 
@@ -20,7 +21,11 @@ impl Rig {
                 alpha: column(|p| p.alpha.into()),
             })
         };
-        let model = || self.model.as_ref().ok_or(refusal::MISSING);
+        let rendered = |device: Device, limits: Limits| -> Result<Renderer, u16> {
+            let model = self.model.as_ref().ok_or(refusal::MISSING)?;
+            let make = if self.forced { Renderer::forced } else { Renderer::new };
+            make(model, rate, Some(device), limits).map_err(|_| refusal::MODEL)
+        };
         let held = |source| Scene::Held {
             source,
             handle: Handle::new(self.device(None), 1.0 / rate, place),
@@ -30,38 +35,45 @@ impl Rig {
             pushes: 0.0,
         };
         Ok(match mode {
-            None => self.moved(self.setup.hand.clone(), true),
-            Some((Mode::Drive, _)) => self.moved(uploaded()?, false),
+            None => self.moved(self.setup.hand.clone(), None),
+            Some((Mode::Drive, limits)) => self.moved(uploaded()?, Some(limits)),
             Some((Mode::RenderDriven, limits)) => {
-                let device = self.device(Some(limits));
-                Scene::driven(model()?, device, uploaded()?, place, rate).map_err(|_| refusal::MODEL)?
+                let device = Device { held: true, delay: 0, ..self.device(Some(limits)) };
+                let knob = rendered(device, limits)?;
+                Scene::Driven { track: uploaded()?, place, at: 0, knob: Box::new(knob), device }
             }
             Some((Mode::Render, limits)) => {
-                let device = self.device(Some(limits));
-                let knob = Renderer::new(model()?, rate, Some(device), limits).map_err(|_| refusal::MODEL)?;
-                held(Source::Model(Box::new(knob)))
+                held(Source::Model(Box::new(rendered(self.device(Some(limits)), limits)?)))
             }
-            Some((Mode::Commanded, _)) => held(Source::Host(0.0)),
+            Some((Mode::Commanded, limits)) => {
+                held(Source::Host { wanted: 0.0, given: 0.0, limits, dt: 1.0 / rate })
+            }
         })
     }
 
-    /// A motion that is imposed on what is in the gripper.
-    fn moved(&self, track: Track, again: bool) -> Scene {
+    /// A motion that moves what is in the gripper: by a hand, again and again, or by the motor within its limits.
+    fn moved(&self, track: Track, limits: Option<Limits>) -> Scene {
         let rate = self.setup.descriptor.rate_hz;
-        let (tau, track) = match &self.setup.fixture {
-            Fixture::Knob(knob) => (torque(knob, &track, self.place, rate), track),
-            Fixture::Free => (vec![0.0; track.len()], track),
+        let own = f64::from(self.setup.descriptor.inertia);
+        let (tau, track, inertia) = match &self.setup.fixture {
+            Fixture::Knob(knob) => {
+                let inertia = knob.inertia().map_or(0.0, |at| knob.values()[at].max(0.0));
+                (torque(knob, &track, self.place, rate), track, own + inertia)
+            }
+            Fixture::Free => (vec![0.0; track.len()], track, own),
             Fixture::Anchor(stiffness) => {
                 let still = vec![0.0; track.len()];
                 let tau = track.theta.iter().map(|theta| stiffness * theta).collect();
-                (tau, Track { theta: still.clone(), omega: still.clone(), alpha: still })
+                // What is anchored does not stay behind, however weak the motor.
+                (tau, Track { theta: still.clone(), omega: still.clone(), alpha: still }, f64::INFINITY)
             }
         };
-        Scene::Moved { track, tau, place: self.place, again, at: 0 }
+        let motor = limits.map(|limits| Servo::new(limits, inertia, 1.0 / rate));
+        Scene::Moved { track, tau, place: self.place, at: 0, motor }
     }
 
     /// The handle as a device to render on.
-    fn device(&self, limits: Option<Limits>) -> Device {
+    pub(super) fn device(&self, limits: Option<Limits>) -> Device {
         let d = &self.setup.descriptor;
         let [torque, rate] = [d.torque_limit, d.torque_rate_limit].map(f64::from);
         Device {

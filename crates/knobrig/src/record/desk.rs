@@ -2,13 +2,17 @@
 use super::figures::Figures;
 use crate::wire::Frame;
 use knobcore::error::{Error, Result};
+#[cfg(loom)]
+use loom::sync::{Condvar, Mutex, MutexGuard};
 use std::collections::VecDeque;
 use std::io::Write;
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::PoisonError;
+#[cfg(not(loom))]
+use std::sync::{Condvar, Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
-/// Messages that wait for the host; a rig says a few in a second.
-const MESSAGES: usize = 1024;
+/// Messages that wait for the host; a rig says a few in a second. A ring of two is looked through in every order.
+const MESSAGES: usize = if cfg!(loom) { 2 } else { 1024 };
 /// Bytes that wait to be sent: more than any window of an upload.
 const OUTGOING: usize = 1 << 20;
 
@@ -54,11 +58,16 @@ impl Desk {
 
     /// The next message other than DATA; none where no one comes within `patience` or can come any more.
     pub fn next_message(&self, patience: Duration) -> Option<Frame> {
-        let waiting = |papers: &mut Papers| papers.messages.is_empty() && papers.figures.ended.is_none();
-        let (mut papers, _) = self
-            .news
-            .wait_timeout_while(self.lock(), patience, waiting)
-            .unwrap_or_else(PoisonError::into_inner);
+        // A patience that no clock reaches is one without an end.
+        let end = Instant::now().checked_add(patience);
+        let mut papers = self.lock();
+        while papers.messages.is_empty() && papers.figures.ended.is_none() {
+            let left = end.map_or(patience, |end| end.saturating_duration_since(Instant::now()));
+            if left.is_zero() {
+                break;
+            }
+            papers = self.news.wait_timeout(papers, left).unwrap_or_else(PoisonError::into_inner).0;
+        }
         papers.messages.pop_front()
     }
 
@@ -85,7 +94,9 @@ impl Desk {
 
     /// Heartbeats are sent until then: a host that hangs does not hold a torque for longer.
     pub fn beat_until(&self, end: Option<Instant>) {
-        self.lock().beats_until = end;
+        let mut papers = self.lock();
+        // Nobody beats for a session that is over, whoever was first.
+        papers.beats_until = end.filter(|_| papers.figures.ended.is_none());
     }
 
     /// Asks whoever serves the session to stop.

@@ -53,6 +53,8 @@ impl Session {
         desk.write(|papers| {
             papers.figures.bytes += bytes.len() as u64;
             match written {
+                // Another log was asked for meanwhile, and these bytes are not in that one.
+                _ if papers.log.is_some() => {}
                 Some(Ok(())) => papers.figures.logged += bytes.len() as u64,
                 Some(Err(error)) => {
                     *log = None;

@@ -36,6 +36,8 @@ pub struct Account {
     pub stale: u64,
     /// Received but outside of what the device says that it produced, and dropped.
     pub stray: u64,
+    /// Received again with another content; the first is kept. Known where a log is read as a whole.
+    pub contradicted: u64,
     /// Not received, as far as the run's ends are known.
     pub missing: u64,
     /// How many gaps these form.
@@ -99,6 +101,7 @@ impl Run {
             duplicate,
             stale,
             stray: self.stray,
+            contradicted: 0,
             missing,
             gaps: self.coverage.gap_count(),
             missing_head,
@@ -176,10 +179,11 @@ impl Ledger {
         &self.runs
     }
 
-    /// Enters a frame; tells the samples that are new, in pieces of consecutive ones.
-    pub fn enter(&mut self, frame: &Frame, mut tell: impl FnMut(Piece<'_>)) {
+    /// Enters a frame; tells the samples that are new, in pieces of consecutive ones. Where some of them came before:
+    /// which of `Ledger::runs` that is, and the index of the frame's first sample.
+    pub fn enter(&mut self, frame: &Frame, mut tell: impl FnMut(Piece<'_>)) -> Option<(usize, i64)> {
         if frame.message.is_command() {
-            return;
+            return None;
         }
         let Header { sequence, time_us } = frame.header;
         if time_us.saturating_add(RESTART_US) < self.latest_us {
@@ -213,9 +217,11 @@ impl Ledger {
                     tell(Piece { run: at, index, frame_time_us: time_us, frame_index, samples });
                 });
                 run.offered += offer;
+                return (offer.duplicate > 0).then_some((at, frame_index));
             }
             _ => {}
         }
+        None
     }
 
     /// The latest run of this number since the last power-up.

@@ -33,6 +33,8 @@ pub struct Log {
     decoder: Decoder,
     ledger: Ledger,
     pieces: Vec<Vec<Kept>>,
+    /// Frames of which some samples had come before: the run, the index of the first sample, all samples.
+    again: Vec<(usize, i64, Vec<Sample>)>,
     /// Frames other than DATA, in the order in which they came.
     pub said: Vec<Frame>,
     /// Whole frames of this version, DATA included.
@@ -57,13 +59,18 @@ struct Kept {
 impl Log {
     /// Takes the next bytes of the log, in pieces of any length.
     pub fn push(&mut self, bytes: &[u8]) {
-        let Self { decoder, ledger, pieces, said, frames, corrupt, corrupt_bytes, unknown, foreign } = self;
+        let Self { decoder, ledger, pieces, again, said, frames, corrupt, corrupt_bytes, unknown, foreign } =
+            self;
         decoder.push(bytes, |event| match event {
             Event::Frame(frame) => {
                 *frames += 1;
-                ledger.enter(&frame, |piece| keep(pieces, piece));
-                if !matches!(frame.message, Message::Data { .. }) {
-                    said.push(frame);
+                let before = ledger.enter(&frame, |piece| keep(pieces, piece));
+                match (&frame.message, before) {
+                    (Message::Data { samples, .. }, Some((run, index))) => {
+                        again.push((run, index, samples.to_vec()));
+                    }
+                    (Message::Data { .. }, None) => {}
+                    _ => said.push(frame),
                 }
             }
             Event::Corrupt { bytes } => {
@@ -85,23 +92,33 @@ impl Log {
     /// The runs in the order in which they began.
     pub fn recordings(mut self) -> Vec<Recording> {
         self.pieces.resize_with(self.ledger.runs().len(), Vec::new);
-        let runs = self.ledger.runs().iter().zip(self.pieces);
-        runs.map(|(run, mut pieces)| {
+        let runs = self.ledger.runs().iter().zip(self.pieces).enumerate();
+        runs.map(|(number, (run, mut pieces))| {
             let start = run.whole().start;
             pieces.sort_by_key(|piece| piece.index);
             let mut stamps: Vec<_> =
                 pieces.iter().map(|piece| (piece.stamp.0 - start, piece.stamp.1)).collect();
             stamps.dedup();
             let places = |piece: &Kept| piece.index - start..piece.index - start + piece.samples.len() as i64;
+            let index: Vec<i64> = pieces.iter().flat_map(places).collect();
+            let samples: Vec<Sample> = pieces.into_iter().flat_map(|piece| piece.samples).collect();
+            let other = |at: i64, sample: &Sample| {
+                index.binary_search(&at).is_ok_and(|place| samples[place] != *sample)
+            };
+            let again = self.again.iter().filter(|(run, ..)| *run == number);
+            let differ = |(_, first, samples): &(usize, i64, Vec<Sample>)| {
+                (first - start..).zip(samples).filter(|(at, sample)| other(*at, sample)).count() as u64
+            };
+            let contradicted = again.map(differ).sum();
             Recording {
                 tag: run.tag,
                 first: start as u32,
-                index: pieces.iter().flat_map(places).collect(),
-                samples: pieces.into_iter().flat_map(|piece| piece.samples).collect(),
                 gaps: run.gaps().map(|gap| gap.start - start..gap.end - start).collect(),
                 stamps,
                 start_known: run.origin_known(),
-                account: run.account(),
+                account: Account { contradicted, ..run.account() },
+                index,
+                samples,
             }
         })
         .collect()
@@ -170,6 +187,18 @@ mod tests {
         assert_eq!((log.frames, log.corrupt, log.corrupt_bytes, log.pending()), (2, 1, 6, 3));
         assert_eq!(log.said.len(), 1);
         assert!(!log.recordings()[0].start_known);
+    }
+
+    #[test]
+    fn two_frames_of_one_index_with_different_content_are_counted_and_the_first_is_kept() {
+        let mut other = sample(110);
+        other.tau = 7;
+        let header = Header { sequence: 110, time_us: 22_000 };
+        let changed = encode(header, &Message::Data { run: 9, samples: [other].into_iter().collect() });
+        let log = read(&[data(100), data(100), changed.to_vec(), data(125)]);
+        let [run] = &log.recordings()[..] else { panic!("one run") };
+        assert_eq!((run.account.duplicate, run.account.contradicted), (26, 1));
+        assert_eq!(run.samples[10], sample(110));
     }
 
     #[test]

@@ -67,7 +67,8 @@ pub mod refusal {
     pub const UNKNOWN: u16 = 1;
     /// Not allowed in this state.
     pub const STATE: u16 = 2;
-    /// A value is not finite, negative or above a limit of the descriptor.
+    /// A value is not finite, negative or above a limit of the descriptor; a motion jumps or begins elsewhere than at
+    /// rest where the knob stands.
     pub const VALUE: u16 = 3;
     /// The device cannot do this.
     pub const UNABLE: u16 = 4;
@@ -99,6 +100,8 @@ pub mod fault {
     pub const DEADLINE: u16 = 6;
     /// The port was closed while torque was possible.
     pub const PORT: u16 = 7;
+    /// Of the emulated rig: a model gave out more energy than it may.
+    pub const ENERGY: u16 = 256;
 }
 
 #[cfg(test)]

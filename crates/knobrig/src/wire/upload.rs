@@ -66,6 +66,11 @@ impl<T: Field + Copy> Upload<T> {
         (self.total > 0 && self.items.len() == self.total as usize).then_some(&self.items)
     }
 
+    /// What is there so far, in order.
+    pub fn so_far(&self) -> &[T] {
+        &self.items
+    }
+
     /// Takes a chunk. The first chunk forgets what was there; a chunk that is already there changes nothing.
     ///
     /// # Errors

@@ -10,7 +10,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -28,6 +28,7 @@ RATE_TOLERANCE = 0.01
 _SPAN_S = 0.05  # of the device's clock, before its rate is judged
 _NO_READING = -32768
 _HEADER = 1 << 20
+_SENSITIVITIES = (1e-3, 1e7)  # of accelerometers, (rad/s^2)/V; that of the paper has 1148
 
 
 @dataclass(frozen=True)
@@ -108,7 +109,8 @@ def table(content: Content, run: int = -1, c_cal: float | None = None) -> Table:
         "account": dict(raw["account"]),
         "notes": "",
     }
-    return Table(source, "wire log", columns, meta=meta, limits=limits, notes=(*notes, *_losses(raw)))
+    notes += [*_losses(raw, _planned(content)), *_damage(content.read, raw["account"])]
+    return Table(source, "wire log", columns, meta=meta, limits=limits, notes=tuple(notes))
 
 
 def in_si(
@@ -140,11 +142,31 @@ def _clipped(raw: np.ndarray, channel: Mapping[str, Any]) -> BoolArray:
 def _calibration(content: Content, device: Mapping[str, Any], c_cal: float | None) -> dict[str, Any]:
     """Return the C_cal to use and where it comes from."""
     if c_cal is not None:
-        return {"c_cal": float(c_cal), "from": "given"}
+        return {"c_cal": checked_c_cal(c_cal, content.source), "from": "given"}
     kept = content.header.get("calibration") or {}
     if kept.get("c_cal") is not None:
+        checked_c_cal(kept["c_cal"], content.source)
         return {"c_cal": float(kept["c_cal"]), "from": f"calibration of {kept.get('date', 'an unknown day')}"}
     return {"c_cal": device["c_cal"], "from": "descriptor"}
+
+
+def checked_c_cal(c_cal: object, source: object) -> float:
+    """Return a sensitivity of an accelerometer, (rad/s^2)/V. Raises InputError for one that no sensor has."""
+    least, most = _SENSITIVITIES
+    fits = isinstance(c_cal, int | float) and not isinstance(c_cal, bool) and least <= c_cal <= most
+    if not fits:
+        raise InputError(
+            f"{source}: c_cal={c_cal!r} (rad/s^2)/V is no sensitivity of an accelerometer, which is "
+            f"{least:g} to {most:g}; check its cable and its direction, and run `knobcam calibrate` again"
+        )
+    return float(cast("float", c_cal))
+
+
+def _planned(content: Content) -> int | None:
+    """Samples that the run was to have, as the header says."""
+    motion = content.header.get("motion")
+    samples = motion.get("samples") if isinstance(motion, dict) else None
+    return samples if isinstance(samples, int) and samples > 0 else None
 
 
 def _rate(raw: Mapping[str, Any], claimed: float) -> tuple[float, list[Finding]]:
@@ -161,7 +183,7 @@ def _rate(raw: Mapping[str, Any], claimed: float) -> tuple[float, list[Finding]]
     return measured, [Finding("rate", "t", len(raw["index"]), (), message, "warning")]
 
 
-def _losses(raw: Mapping[str, Any]) -> list[Finding]:
+def _losses(raw: Mapping[str, Any], planned: int | None) -> list[Finding]:
     """What is missing at the ends, which no gap between two samples shows."""
     account, found = raw["account"], []
     for end, key in (("before the first", "missing_head"), ("after the last", "missing_tail")):
@@ -169,6 +191,34 @@ def _losses(raw: Mapping[str, Any]) -> list[Finding]:
             message = f"t: {account[key]} samples {end} did not arrive; nothing is filled in"
             found.append(Finding("gap", "t", account[key], (), message, "warning"))
     if account["produced"] is None:
-        message = "t: the rig did not say how the run ended; what is missing at its end is unknown"
+        of = (
+            ""
+            if planned is None
+            else f" ({len(raw['index'])} of the {planned} samples that were planned came)"
+        )
+        message = f"t: the rig did not say how the run ended{of}; what is missing at its end is unknown"
         found.append(Finding("cut", "t", 1, (), message, "note"))
+    elif planned is not None and account["produced"] < planned:
+        message = (
+            f"t: the run was ended after {account['produced']} of the {planned} samples that were planned"
+        )
+        found.append(Finding("cut", "t", planned - account["produced"], (), message, "note"))
+    return found
+
+
+def _damage(read: Mapping[str, Any], account: Mapping[str, Any]) -> list[Finding]:
+    """What came over the port and is no frame, or says of one sample what another frame says otherwise."""
+    found = []
+    if read["corrupt"]:
+        message = (
+            f"{read['corrupt']} stretches of the log ({read['corrupt_bytes']} bytes) are no frames and were "
+            "left out; check the cable"
+        )
+        found.append(Finding("corrupt", "t", read["corrupt"], (), message, "warning"))
+    if account["contradicted"]:
+        message = (
+            f"{account['contradicted']} samples came twice with different content; the first is kept, and "
+            "nobody knows which is right: correct the firmware"
+        )
+        found.append(Finding("contradicted", "t", account["contradicted"], (), message, "warning"))
     return found

@@ -1,0 +1,280 @@
+//! Whether a model may be trusted with a hand: what it is, over the range that is declared for it, never feeds one.
+//!
+//! A fit that went wrong has a spring that pushes, an inertia that hurries, friction that helps; each of them
+//! gives energy to whoever holds the handle, and the delay of a device has no part in it. So it is asked of the
+//! model itself, before anything moves: signs at a grid of places and speeds, where the angle alone would take
+//! the handle, and, where something is remembered, the work over closed cycles. The term that is most to blame is
+//! named: the one without which the offence would be the least.
+
+use super::device::Device;
+use super::limits::Limits;
+use super::sliding::{add_loads, at_rest};
+use super::stability::check_stability;
+use super::state::Sensed;
+use super::step::Renderer;
+use knobcore::effects::Id;
+use knobcore::error::{Error, Result};
+use knobcore::model::Model;
+use knobcore::motion::{Load, Motion};
+use knobcore::param::{Axis, Kind};
+use std::f64::consts::TAU;
+
+/// Where a model is asked to be passive, to both sides of zero: angle, rad (m), and speed, rad/s (m/s).
+///
+/// A turn to each side and 5 rad/s, as fast as hands turn knobs; 1 m and 1 m/s on a linear axis. Dry friction may
+/// outweigh a negative viscous term so far (knobs 1 to 3 of the paper); what is faster is cut by the step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Range {
+    /// rad (m).
+    pub angle: f64,
+    /// rad/s (m/s).
+    pub speed: f64,
+}
+
+impl Range {
+    /// The range that is declared for models of this axis.
+    pub fn of(axis: Axis) -> Self {
+        let [angle, speed] = if axis == Axis::Linear { [1.0, 1.0] } else { [TAU, 5.0] };
+        Self { angle, speed }
+    }
+}
+
+/// A torque that nobody feels, N m: a hundredth of what the finest sensor of the paper tells from none.
+const UNFELT: f64 = 1e-6;
+/// Share of the energy between the highest and the lowest place by which a lower one may be chance.
+const CHANCE: f64 = 0.05;
+/// Share of the energy that goes to and fro in a cycle by which its sum may miss zero.
+const ROUNDED: f64 = 2e-3;
+/// Angles and speeds that are looked at, and angles over which the torque is integrated; the second where a
+/// user's own function is called at each.
+const GRID: [[usize; 3]; 2] = [[128, 16, 4096], [24, 6, 512]];
+/// Instants at which the torque of a handle at rest has to be the same, s.
+const CLOCK: [f64; 3] = [0.0, 0.37, 5.3];
+/// Closed cycles: amplitude as a share of the declared speed over 2.5 Hz, and how many of them go into 0.4 s.
+const CYCLES: [[f64; 2]; 3] = [[1.0, 1.0], [0.05, 1.0], [0.25, 4.0]];
+const CYCLE_S: f64 = 0.4;
+
+/// A model that is looked at.
+struct Asked<'a> {
+    model: &'a Model,
+    own: bool,
+    range: Range,
+}
+
+/// Refuses a model that would feed a hand, or, on a device, ring: the term, and why.
+///
+/// # Errors
+/// The term that is most to blame, as the name of the error.
+pub fn check_passive(model: &Model, device: Option<Device>, rate_hz: f64) -> Result<()> {
+    let own = model.effects().any(|id| matches!(id, Id::User(_)));
+    let asked = Asked { model, own, range: Range::of(model.axis) };
+    let p = model.values();
+    let told = asked.signs(&p).and_then(|()| asked.stays(&p)).and_then(|()| asked.cycles(&p, rate_hz));
+    if own {
+        // Where a function of the user's own fails it is not rendered either.
+        let _ = model.watched(|| ());
+    }
+    told?;
+    match device.filter(|device| !device.held) {
+        Some(device) => rings(model, device, rate_hz),
+        None => Ok(()),
+    }
+}
+
+/// Energy between the highest and the lowest place of a model within its declared range, J.
+pub(super) fn stored(model: &Model, p: &[f64]) -> f64 {
+    let own = model.effects().any(|id| matches!(id, Id::User(_)));
+    let (height, _) = Asked { model, own, range: Range::of(model.axis) }.heights(p);
+    if own {
+        let _ = model.watched(|| ());
+    }
+    highest(&height) - lowest(&height)
+}
+
+fn highest(heights: &[f64]) -> f64 {
+    heights.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+}
+
+fn lowest(heights: &[f64]) -> f64 {
+    heights.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+impl Asked<'_> {
+    fn load(&self, p: &[f64], motion: &Motion<f64>) -> Load<f64> {
+        let (mut memory, mut sum) = (vec![0.0; self.model.states()], Load::none());
+        add_loads(self.model, p, self.own, &mut memory, motion, &mut sum);
+        sum
+    }
+
+    fn still(&self, p: &[f64], theta: f64, t: f64) -> f64 {
+        self.load(p, &at_rest(&Motion::exact(t, theta, 0.0, 0.0))).drive
+    }
+
+    /// Names the term that is to blame for an offence.
+    fn refuse(&self, p: &[f64], offence: impl Fn(&[f64]) -> f64, why: &str) -> Result<()> {
+        Err(blamed(self.model, p, offence, why))
+    }
+
+    /// Inertia, dry friction and what depends on the speed have the signs that they have in nature.
+    fn signs(&self, p: &[f64]) -> Result<()> {
+        let [angles, speeds, _] = GRID[usize::from(self.own)];
+        for i in 0..angles {
+            // Golden-ratio steps meet every phase of any detent.
+            let theta = self.range.angle * (2.0 * (0.618_033_988_75 * i as f64).fract() - 1.0);
+            for k in 0..2 * speeds {
+                let fast = self.range.speed * 0.5_f64.powf(0.75 * (k / 2) as f64);
+                let motion = Motion::exact(0.0, theta, if k % 2 == 0 { fast } else { -fast }, 0.0);
+                let dry = |p: &[f64]| self.load(p, &motion).dry(motion.forward, 0.0);
+                let inertia = |p: &[f64]| self.load(p, &motion).inertia;
+                let brakes = |p: &[f64]| {
+                    let (load, rest) = (self.load(p, &motion), self.load(p, &at_rest(&motion)));
+                    motion.direction() * (load.drive - rest.drive) + load.dry(motion.forward, 0.0)
+                };
+                for (finite, value) in [(inertia(p), "inertia"), (dry(p), "friction"), (brakes(p), "torque")]
+                {
+                    if !finite.is_finite() {
+                        let why = format!("gives {finite} as {value}");
+                        return self.refuse(p, |p| f64::from(u8::from(!brakes(p).is_finite())), &why);
+                    }
+                }
+                if inertia(p) < 0.0 {
+                    return self.refuse(p, |p| -inertia(p), "an inertia below 0 hurries the hand");
+                }
+                if dry(p) < -UNFELT {
+                    return self.refuse(p, |p| -dry(p), "dry friction below 0 helps the hand");
+                }
+                if brakes(p) < -UNFELT {
+                    let why = format!("feeds the hand at {} rad/s beyond friction", short(motion.omega));
+                    return self.refuse(p, |p| -brakes(p), &why);
+                }
+            }
+        }
+        for i in 0..8 {
+            let theta = self.range.angle * (0.25 * f64::from(i) - 0.9);
+            let moved = |p: &[f64]| {
+                let now = CLOCK.map(|t| self.still(p, theta, t));
+                (now[1] - now[0]).abs().max((now[2] - now[0]).abs())
+            };
+            if moved(p) > UNFELT {
+                return self.refuse(p, moved, "pushes by the clock, whatever the hand does");
+            }
+        }
+        Ok(())
+    }
+
+    /// What each place holds, J, from one end of the range to the other, and the least dry friction between them.
+    fn heights(&self, p: &[f64]) -> (Vec<f64>, f64) {
+        let places = GRID[usize::from(self.own)][2];
+        let step = 2.0 * self.range.angle / places as f64;
+        let mut height = vec![0.0; places + 1];
+        let mut dry = f64::INFINITY;
+        for i in 0..places {
+            let theta = -self.range.angle + (i as f64 + 0.5) * step;
+            let load = self.load(p, &at_rest(&Motion::exact(0.0, theta, 0.0, 0.0)));
+            height[i + 1] = height[i] + load.drive * step;
+            dry = dry.min(load.dry(0.0, 0.0)).min(load.dry(1.0, 0.0));
+        }
+        (height, dry)
+    }
+
+    /// The angle alone does not drive the handle out of its range, by more than dry friction takes.
+    fn stays(&self, p: &[f64]) -> Result<()> {
+        let (height, dry) = self.heights(p);
+        let (places, least) = (height.len() - 1, lowest(&height));
+        let span = highest(&height) - least;
+        let inner = lowest(&height[places / 4..=places - places / 4]);
+        let rubbed = dry.max(0.0) * 0.5 * self.range.angle + CHANCE * span + UNFELT * self.range.angle;
+        for (edge, theta) in [(height[0], -self.range.angle), (height[places], self.range.angle)] {
+            let out = |p: &[f64]| -theta.signum() * self.still(p, theta, 0.0);
+            if inner - edge > rubbed && edge <= least + CHANCE * span && out(p) > 0.0 {
+                return self.refuse(p, out, "pushes the handle away, out of its range");
+            }
+        }
+        Ok(())
+    }
+
+    /// What is remembered, and what hangs behind a joint, gives out no energy over a closed cycle.
+    fn cycles(&self, p: &[f64], rate_hz: f64) -> Result<()> {
+        if !self.model.remembers() && self.model.joint(p).is_none() {
+            return Ok(());
+        }
+        for [share, times] in CYCLES {
+            let samples = (CYCLE_S / times * rate_hz).round().max(8.0) as usize;
+            let w = TAU * rate_hz / samples as f64;
+            let amplitude = share * self.range.speed * CYCLE_S / TAU;
+            let work = |p: &[f64]| self.work(p, rate_hz, [amplitude, w], samples);
+            let [sum, scale] = work(p)?;
+            if sum.is_nan() || sum < -ROUNDED * scale - UNFELT * amplitude {
+                let why =
+                    format!("feeds the hand by {} J in a cycle of {} rad", short(-sum), short(amplitude));
+                return self.refuse(p, |p| work(p).map_or(f64::NAN, |[sum, _]| -sum), &why);
+            }
+        }
+        Ok(())
+    }
+
+    /// Work of the hand over the second of two cycles, J, and what goes to and fro in it.
+    fn work(&self, p: &[f64], rate_hz: f64, [amplitude, w]: [f64; 2], samples: usize) -> Result<[f64; 2]> {
+        let mut model = self.model.clone();
+        model.set_values(p);
+        let open = Limits { torque: f64::INFINITY, torque_rate: f64::INFINITY, speed: 1000.0 };
+        let mut knob = Renderer::unguarded(&model, rate_hz, open)?;
+        let mut work = [0.0; 2];
+        for i in 0..2 * samples {
+            let (sin, cos) = (w * i as f64 / rate_hz).sin_cos();
+            let omega = amplitude * w * cos;
+            let alpha = -amplitude * w * w * sin;
+            let power =
+                knob.step(Sensed { theta: amplitude * sin, omega, alpha, hand: None }) * omega / rate_hz;
+            if i >= samples {
+                work = [work[0] + power, work[1] + power.abs()];
+            }
+        }
+        Ok(work)
+    }
+}
+
+/// Refuses a model that the delay of a device makes ring.
+fn rings(model: &Model, device: Device, rate_hz: f64) -> Result<()> {
+    let margin = |p: &[f64]| {
+        let mut other = model.clone();
+        other.set_values(p);
+        check_stability(&other, device, rate_hz).map(|found| found.sliding_margin.min(found.sticking_margin))
+    };
+    let p = model.values();
+    if margin(&p)? > 0.0 {
+        return Ok(());
+    }
+    let late = 1e3 * device.late_s(1.0 / rate_hz);
+    let why = format!("rings on this device, whose torque acts {} ms late", short(late));
+    Err(blamed(model, &p, |p| margin(p).map_or(f64::INFINITY, |margin| -margin), &why))
+}
+
+/// The term without which `offence` would be the least, with its value, and `why`.
+fn blamed(model: &Model, p: &[f64], offence: impl Fn(&[f64]) -> f64, why: &str) -> Error {
+    let worst = offence(p);
+    let without = |at: usize| {
+        let mut other = p.to_vec();
+        other[at] = model.slots()[at].param.neutral;
+        (other[at] != p[at]).then(|| worst - offence(&other)).filter(|by| *by > 0.0)
+    };
+    let linear = |at: &usize| model.slots()[*at].param.kind == Kind::Linear;
+    let best = |these: Vec<usize>| {
+        let gains = these.into_iter().filter_map(|at| without(at).map(|by| (at, by)));
+        gains.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(at, _)| at)
+    };
+    let every = 0..model.slots().len();
+    let at = best(every.clone().filter(linear).collect()).or_else(|| best(every.collect()));
+    let Some(at) = at else {
+        return Error::invalid("model", format!("{why}; correct the model, or force it"));
+    };
+    let slot = &model.slots()[at];
+    let unit = model.unit(slot);
+    let value = short(slot.value);
+    Error::invalid(slot.name(), format!("is {value} {unit}: {why}; correct it, or force it"))
+}
+
+/// A number in four figures.
+fn short(x: f64) -> f64 {
+    format!("{x:.3e}").parse().unwrap_or(x)
+}

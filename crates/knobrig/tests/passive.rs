@@ -1,0 +1,175 @@
+//! What is rendered never feeds a hand, or says by which term it would.
+
+use knobcore::effects::Id;
+use knobcore::model::Model;
+use knobcore::model_file;
+use knobcore::param::Axis;
+use knobrender::{Device, Fault, Limits, Renderer, TANK_J, check_passive, check_stability};
+use knobrig::emulate::Handle;
+
+const RATE: f64 = 5000.0;
+const LIMITS: Limits = Limits { torque: 0.5, torque_rate: 2000.0, speed: 100.0 };
+
+fn device(delay: usize) -> Device {
+    Device {
+        inertia: 5e-5,
+        damping: 1e-4,
+        delay,
+        torque_limit: 0.5,
+        torque_rate_limit: 2000.0,
+        encoder_step: 9.8e-6,
+        held: false,
+    }
+}
+
+fn knob(n: usize) -> Model {
+    let path = format!("{}/../../python/knobcam/model/knobs/knob{n}.toml", env!("CARGO_MANIFEST_DIR"));
+    model_file::parse(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+/// Knob 4 with one more effect.
+fn with(id: Id, values: &[(&str, f64)]) -> Model {
+    let mut model = knob(4);
+    if !model.has(id) {
+        model = model.with(id).unwrap();
+    }
+    values.iter().for_each(|(name, value)| model.set(name, *value).unwrap());
+    model
+}
+
+fn refused(model: &Model, device: Option<Device>) -> String {
+    check_passive(model, device, RATE).unwrap_err().to_string()
+}
+
+#[test]
+fn the_knobs_of_the_paper_are_rendered_at_any_delay_that_they_were_measured_with() {
+    for n in 1..=5 {
+        assert_eq!(check_passive(&knob(n), None, RATE), Ok(()), "knob {n}");
+        for delay in 0..=10 {
+            assert_eq!(check_passive(&knob(n), Some(device(delay)), RATE), Ok(()), "knob {n}, {delay}");
+        }
+    }
+}
+
+#[test]
+fn a_term_that_feeds_the_hand_is_named() {
+    for (id, name, value) in [
+        (Id::ReturnSpring, "return_spring.k", -5.0),
+        (Id::ReturnSpring, "return_spring.k", -0.01),
+        (Id::Inertia, "inertia.M", -5e-5),
+        (Id::Coulomb, "coulomb.neg", -0.002),
+        (Id::Coulomb, "coulomb.pos", -0.002),
+        (Id::Viscous, "viscous.neg", -5e-4),
+        (Id::Viscous, "viscous.pos", -5e-4),
+        (Id::PositionPolynomial, "position_polynomial.p1", -1.0),
+        (Id::PositionPolynomial, "position_polynomial.p2", 0.1),
+        (Id::PositionPolynomial, "position_polynomial.p3", -0.1),
+        (Id::QuadraticDrag, "quadratic_drag.d", -1e-2),
+    ] {
+        let said = refused(&with(id, &[(name, value)]), None);
+        assert!(said.starts_with(&format!("{name}: is {value} ")), "{said}");
+        assert!(said.len() <= 120, "a NAK has room for it: {said}");
+    }
+}
+
+#[test]
+fn what_dry_friction_outweighs_over_the_range_is_rendered() {
+    for (pos, passes) in [(-1e-4, true), (-2.1e-4, true), (-2.3e-4, false)] {
+        // 0.0011 N m of dry friction at 5 rad/s.
+        let model = with(Id::Viscous, &[("viscous.pos", pos)]);
+        assert_eq!(check_passive(&model, None, RATE).is_ok(), passes, "{pos}");
+    }
+}
+
+#[test]
+fn a_spring_that_is_too_stiff_for_the_delay_is_named_on_that_device_alone() {
+    let stiff = with(Id::ReturnSpring, &[("return_spring.k", 200.0)]);
+    assert_eq!(check_passive(&stiff, None, RATE), Ok(()));
+    assert!(!check_stability(&stiff, device(10), RATE).unwrap().is_stable());
+    assert!(refused(&stiff, Some(device(10))).starts_with("return_spring.k: is 200 N m/rad: rings"));
+    assert!(Renderer::new(&stiff, RATE, Some(device(10)), LIMITS).is_err());
+    assert_eq!(check_passive(&stiff, Some(Device { held: true, ..device(10) }), RATE), Ok(()));
+}
+
+#[test]
+fn springs_stops_and_unbalance_that_come_back_are_rendered() {
+    for (id, values) in [
+        (Id::ReturnSpring, &[("return_spring.k", 0.05), ("return_spring.theta0", 1.0)][..]),
+        (Id::Unbalance, &[("unbalance.a", 0.02), ("unbalance.phi", 2.0)]),
+        (Id::PositionPolynomial, &[("position_polynomial.p1", -0.01), ("position_polynomial.p3", 0.01)]),
+    ] {
+        assert_eq!(check_passive(&with(id, values), None, RATE), Ok(()), "{values:?}");
+    }
+}
+
+#[test]
+fn a_model_that_is_forced_gives_out_what_its_tank_holds_and_then_lets_go() {
+    let pushing = with(Id::ReturnSpring, &[("return_spring.k", -5.0)]);
+    assert!(Renderer::new(&pushing, RATE, None, LIMITS).is_err());
+    let mut knob = Renderer::forced(&pushing, RATE, Some(device(0)), LIMITS).unwrap();
+    let mut handle = Handle::new(device(0), 1.0 / RATE, 0.01);
+    let (mut most, mut last) = (0.0_f64, 1.0);
+    for _ in 0..5000 {
+        last = knob.step(handle.sensed(None));
+        handle.push(-last, [0.0; 2]);
+        most = most.max(handle.energy());
+    }
+    assert_eq!((knob.fault(), last), (Some(Fault::Energy), 0.0));
+    // One sample's worth more at the most: the tank is looked at before a torque is given, not after.
+    assert!(most <= TANK_J + 0.5 * 100.0 / RATE, "{most}");
+    knob.reset();
+    assert!(knob.fault().is_none() && knob.state().tank == TANK_J);
+}
+
+#[test]
+fn the_tank_of_a_passive_model_lasts() {
+    let spring = with(Id::ReturnSpring, &[("return_spring.k", 0.05)]);
+    let mut knob = Renderer::forced(&spring, RATE, Some(device(0)), LIMITS).unwrap();
+    let mut handle = Handle::new(device(0), 1.0 / RATE, 0.0);
+    for i in 0..50_000 {
+        let tau = knob.step(handle.sensed(None));
+        let hand = 0.04 * (2e-3 * f64::from(i)).sin();
+        handle.push(-tau, [hand, hand]);
+    }
+    assert_eq!(knob.fault(), None);
+}
+
+#[test]
+fn a_motor_that_follows_a_dent_late_is_ended_before_it_feeds_the_hand() {
+    let mut deep = with(Id::Detent, &[("detent.A", -0.84), ("detent.P", 0.104)]);
+    deep.set("detent.S", 0.0).unwrap();
+    let slow = Limits { torque: 0.68, torque_rate: 47.0, speed: 1000.0 };
+    let device = Device { torque_limit: 1.0, ..device(0) };
+    let mut knob = Renderer::new(&deep, RATE, Some(device), slow).unwrap();
+    let held = knob.state().tank;
+    // Twice the amplitude times P from the top of a dent to its ground, and 0.1 J.
+    assert!((held - TANK_J - 2.0 * 0.84 * 0.104).abs() < 1e-3, "{held}");
+    let mut handle = Handle::new(device, 1.0 / RATE, 0.01);
+    let (mut most, mut last) = (0.0_f64, 1.0);
+    for _ in 0..20_000 {
+        last = knob.step(handle.sensed(None));
+        handle.push(-last, [0.0; 2]);
+        most = most.max(handle.energy());
+    }
+    assert!(most <= held + 0.68 * 100.0 / RATE, "{most}");
+    assert_eq!((knob.fault(), last), (Some(Fault::Energy), 0.0));
+}
+
+#[test]
+fn the_torque_starts_from_zero_also_in_a_dent() {
+    let slow = Limits { torque_rate: 5.0, ..LIMITS };
+    let mut knob = Renderer::new(&knob(5), RATE, None, slow).unwrap();
+    let still = knobrender::Sensed { theta: 0.1, omega: 0.0, alpha: 0.0, hand: None };
+    let first = knob.step(still).abs();
+    assert!(first > 0.0 && first <= 5.0 / RATE * (1.0 + 1e-12), "{first}");
+}
+
+#[test]
+fn a_linear_axis_has_a_range_of_its_own() {
+    let mut model = Model::equation_1(Axis::Linear, false);
+    model.set("coulomb.pos", 1.0).unwrap();
+    model.set("viscous.pos", -0.9).unwrap();
+    assert_eq!(check_passive(&model, None, RATE), Ok(()));
+    model.set("viscous.pos", -1.1).unwrap();
+    assert!(refused(&model, None).contains("N s/m"), "{}", refused(&model, None));
+}

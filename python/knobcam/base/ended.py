@@ -1,0 +1,54 @@
+"""SIGTERM and SIGHUP end a program as Ctrl-C does: torque goes first, and files are whole."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+_NAMES = [name for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+
+
+class Ended(SystemExit):
+    """The program was told to end by the signal `number`; its exit code is what a shell reports for that.
+
+    `kept` says, once the torque is off, what is kept of the work.
+    """
+
+    def __init__(self, number: int, kept: str = "") -> None:
+        super().__init__(128 + number)
+        self.number = number
+        self.kept = kept
+
+    def __str__(self) -> str:
+        name = signal.Signals(self.number).name
+        return f"ended by {name}; {self.kept}" if self.kept else f"ended by {name}"
+
+
+@contextmanager
+def by_exception() -> Iterator[None]:
+    """Make SIGTERM and SIGHUP raise `Ended` in the main thread, so that whatever is open is closed first.
+
+    Who handles or ignores a signal already keeps it so. A second one does not interrupt what the first began.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    numbers = [int(getattr(signal, name)) for name in _NAMES]
+    ours = [number for number in numbers if signal.getsignal(number) is signal.SIG_DFL]
+
+    def end(number: int, _: Any) -> None:
+        for one in ours:
+            signal.signal(one, signal.SIG_IGN)
+        raise Ended(number)
+
+    for number in ours:
+        signal.signal(number, end)
+    try:
+        yield
+    finally:
+        for number in ours:
+            if signal.getsignal(number) in (end, signal.SIG_IGN):
+                signal.signal(number, signal.SIG_DFL)
