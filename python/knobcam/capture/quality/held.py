@@ -53,11 +53,9 @@ def check_held(columns: dict[str, FloatArray], usable: BoolArray, rows: Rows) ->
             f"a new one comes every {every:.3g} rows"
         )
         if name == "tau":
-            message = (
-                f"{what}: it is late by half of that on average, which the effects of the sensor can tell"
-            )
-            findings.append(Finding("held", name, len(at), spans(at), message, "warning"))
+            remedy = "compared with the model where it was read, every other row tells of the motion alone"
         else:
-            message = f"{what}: it was sampled more slowly than logged; only new readings count as measured"
-            findings.append(Finding("held", name, len(at), spans(at), message, "mended"))
+            remedy = "only new readings count as measured"
+        message = f"{what}: it was sampled more slowly than logged; {remedy}"
+        findings.append(Finding("held", name, len(at), spans(at), message, "mended"))
     return findings
