@@ -72,3 +72,37 @@ impl Fresh {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Run;
+    use crate::param::Axis;
+
+    #[test]
+    fn a_torque_read_every_fifth_row_is_a_recording_at_a_fifth_of_the_rate() {
+        let t: Vec<f64> = (0..100).map(|row| f64::from(row) * 1e-3).collect();
+        let mut tau = vec![f64::NAN; 100];
+        (0..100).step_by(5).for_each(|row| tau[row] = row as f64);
+        let mut after_gap = vec![false; 100];
+        after_gap[42] = true;
+        let whole = Recording {
+            run: &Run::default(),
+            axis: Axis::Rotary,
+            rate_hz: 1000.0,
+            t: &t,
+            theta: &t,
+            omega: Some(&t),
+            alpha: None,
+            tau: &tau,
+            after_gap: &after_gap,
+            measured: &[true; 100],
+        };
+        let fresh = Fresh::of(&whole).unwrap();
+        let read = fresh.recording(&whole);
+        assert_eq!((read.rate_hz, read.tau[3], read.t[3]), (200.0, 15.0, t[15]));
+        // A gap between two readings is one before the second.
+        assert_eq!(read.after_gap.iter().position(|gap| *gap), Some(9));
+        assert!(Fresh::of(&Recording { tau: &t, ..whole }).is_none());
+    }
+}

@@ -177,13 +177,20 @@ fn off(
             continue;
         }
         let noise = spreads[i] * model.variance[i] / model.scale[i].powi(2);
-        let error = |row: usize| there[i].map_or(f64::NAN, |all| all[row] - motion.values[i][row]);
-        let apart = |row: &usize| error(*row).powi(2) > APART * APART * (noise + motion.sds[i][*row].powi(2));
-        let wild: Vec<usize> = here.clone().filter(apart).collect();
+        let errors: Vec<(usize, f64)> = here
+            .clone()
+            .map(|row| (row, there[i].map_or(f64::NAN, |all| all[row] - motion.values[i][row])))
+            .filter(|(_, error)| error.is_finite())
+            .collect();
+        let Some(times) = abrupt(&errors, FAR * (2.0 * noise).sqrt()) else { continue };
+        let apart = |(row, error): &&(usize, f64)| {
+            error.powi(2) > APART * APART * (noise + motion.sds[i][*row].powi(2))
+        };
+        let wild: Vec<(usize, f64)> = errors[times].iter().filter(apart).copied().collect();
         // Before and after it a sensor that is off is right.
         let within = here.start + WINDOW..here.end - WINDOW;
-        let whole = wild.iter().all(|row| within.contains(row));
-        if wild.is_empty() || !whole || !noticed(model, i, wild.iter().map(|&row| error(row))) {
+        let whole = wild.iter().all(|(row, _)| within.contains(row));
+        if wild.is_empty() || !whole || !noticed(model, i, wild.iter().map(|(_, error)| *error)) {
             continue;
         }
         if found.replace((i, wild)).is_some() {
@@ -191,7 +198,18 @@ fn off(
         }
     }
     let (i, wild) = found?;
-    Some(wild.into_iter().map(|row| (i, rows.start + row)).collect())
+    Some(wild.into_iter().map(|(row, _)| (i, rows.start + row)).collect())
+}
+
+/// From the first to the last leap, farther than `far`, of errors by row; None where the most of them came about little
+/// by little, as where it is the motion that is known too badly.
+fn abrupt(errors: &[(usize, f64)], far: f64) -> Option<Range<usize>> {
+    let leap = |k: &usize| (errors[*k].1 - errors[k - 1].1).abs();
+    let first = (1..errors.len()).find(|k| leap(k) > far)?;
+    let last = (1..errors.len()).rev().find(|k| leap(k) > far)?;
+    let most = errors[first..last].iter().fold(0.0_f64, |most, (_, error)| most.max(error.abs()));
+    let farthest = (first..=last).map(|k| leap(&k)).fold(0.0, f64::max);
+    (farthest > 0.5 * most && last > first).then_some(first..last)
 }
 
 /// Whether errors of a sensor in these rows, if they were none, would have shown in the others: an angle's in the
