@@ -11,6 +11,7 @@ from ...errors import InputError
 from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import Coordinate
 from .dead import check_dead
+from .garbage import check_garbage
 from .held import check_held, held
 from .late import check_late
 from .motion import check_stuck, check_wrapped
@@ -106,6 +107,9 @@ def _check(
     spikes, found = _spikes(present, mask, rows)
     findings += found
     mask &= ~spikes
+    garbage, found = check_garbage(present, mask, rows)
+    findings += found
+    mask &= ~garbage
     dead, found = check_dead(present, mask, rows)
     findings += found
     mask &= ~dead
