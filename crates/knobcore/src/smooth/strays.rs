@@ -47,6 +47,9 @@ const OFF: usize = 48;
 /// Standard deviations from what the others say, beyond which a reading of a sensor that was off is left out.
 const APART: f64 = 4.0;
 
+/// Readings of such a sensor at least: a lively motion rounds off fewer of an impact.
+const FEWEST: usize = 5;
+
 /// Places beyond which a motion is full of impacts.
 const PLACES: usize = 100;
 
@@ -190,7 +193,7 @@ fn off(
         // Before and after it a sensor that is off is right.
         let within = here.start + WINDOW..here.end - WINDOW;
         let whole = wild.iter().all(|(row, _)| within.contains(row));
-        if wild.is_empty() || !whole || !noticed(model, i, wild.iter().map(|(_, error)| *error)) {
+        if wild.len() < FEWEST || !whole || !noticed(model, i, wild.iter().map(|(_, error)| *error)) {
             continue;
         }
         if found.replace((i, wild)).is_some() {
@@ -209,7 +212,9 @@ fn abrupt(errors: &[(usize, f64)], far: f64) -> Option<Range<usize>> {
     let last = (1..errors.len()).rev().find(|k| leap(k) > far)?;
     let most = errors[first..last].iter().fold(0.0_f64, |most, (_, error)| most.max(error.abs()));
     let farthest = (first..=last).map(|k| leap(&k)).fold(0.0, f64::max);
-    (farthest > 0.5 * most && last > first).then_some(first..last)
+    // Beside a bend of the motion that was rounded off all readings are off, to either side.
+    let sound = [errors[first - 1].1, errors[last].1].iter().all(|error| error.abs() < 0.3 * most);
+    (farthest > 0.5 * most && last > first && sound).then_some(first..last)
 }
 
 /// Whether errors of a sensor in these rows, if they were none, would have shown in the others: an angle's in the

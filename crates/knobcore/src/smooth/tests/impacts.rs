@@ -180,7 +180,8 @@ fn a_wild_reading_of_one_sensor_is_named_and_an_impact_is_not() {
         assert_eq!(smoothed(&seen).strays, [vec![], vec![9_000], vec![5_000]]);
         for truth in [stick_slip().0, end_stop(), hand_release()] {
             let seen = truth.seen(seed, FINE);
-            assert!(smoothed(&seen).strays.iter().all(Vec::is_empty));
+            let strays = smoothed(&seen).strays;
+            assert!(strays.iter().all(Vec::is_empty), "seed {seed}: {strays:?}");
             let alone = seen.theta_alone();
             let motion = smooth(&alone, &noise_from_capture(&alone).unwrap()).unwrap();
             assert!(motion.strays.iter().all(Vec::is_empty));
