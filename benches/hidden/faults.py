@@ -79,9 +79,9 @@ def angle_spikes(rng: Rng, columns: Columns) -> Columns:
 
 
 def missed(rng: Rng, columns: Columns) -> Columns:
-    """An encoder of 16 384 counts a turn that misses 1 to 10 times 4 of them at 5 to 20 places, where it is fast.
+    """An encoder of 16 384 counts a turn that misses 4 to 40 of them at 5 to 20 places, where it is fast.
 
-    At some of them it stands until the knob has gone as far, at the others the angle is what comes after that.
+    At half of them it stands until the knob has gone as far, at the others they are gone at once.
     """
     step = 2.0 * np.pi / 16384
     theta = columns["theta_rad"]

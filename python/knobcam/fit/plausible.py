@@ -41,8 +41,8 @@ def reversed_torque(fit: Fit) -> bool:
     """Whether what no knob has below zero is so, all of it beyond doubt: the torque has the other sign.
 
     An offset or a drift may take friction from one direction to the other, and a spring inertia below zero;
-    but over a whole motion no friction gives power back. Beside a spring that is far stronger neither may show
-    in the model without it: there any torque of position is allowed for.
+    but over a whole motion no friction gives power back. Beside a spring that is far stronger neither may
+    show in the model without it: there any torque of position is allowed for.
     """
     told = [fit.params[name] for name in _never_negative(fit.model.coordinate) if name in fit.params]
     sure = [estimate for estimate in told if estimate.determined]

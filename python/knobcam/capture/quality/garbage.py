@@ -14,7 +14,10 @@ _FEWEST = 1000  # rows from which it can be told what is usual
 _THIRD = np.array([-1.0, 3.0, -3.0, 1.0])  # what is left of a torque after it is noise
 _GAIN = math.sqrt(20.0)
 _SPAN = 9  # rows over which the noise is read
-_LOUDER = (6.0, 18.0)  # times the usual noise, where a rate tells what was felt and where the angle alone does
+_LOUDER = (
+    6.0,
+    18.0,
+)  # times the usual noise, where a rate tells what was felt and where the angle alone does
 _LONG = 12  # rows, below which it may be an impact
 _LONGEST = 500
 _WITHIN = 12  # rows between two loud ones of the same run

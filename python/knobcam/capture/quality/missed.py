@@ -1,11 +1,9 @@
-"""Counts that an encoder missed: from a row on the angle is behind by some of them, and the motion goes on."""
+"""Counts that an encoder missed: from there on the angle is behind by them, and the motion goes on."""
 
 from __future__ import annotations
 
 import math
-import math
 from dataclasses import dataclass
-from typing import NamedTuple
 from typing import NamedTuple
 
 import numpy as np
@@ -66,8 +64,8 @@ def check_missed(
     The angle leaps, at once or while it stands for a few rows, and one cubic goes through what is before and
     after it but for that; a knob that did so would have taken far more acceleration than it ever has. Where a
     velocity is measured it is looked for in what the angle has beside that, and the velocity says how the
-    knob went on meanwhile. `least` is a count. What is wide, what is a bend of the motion, and a leap ahead by
-    a whole number of steps, as where rows are missing, are other things.
+    knob went on meanwhile. `least` is a count. What is wide, what is a bend of the motion, and a leap ahead
+    by a whole number of steps, as where rows are missing, are other things.
     """
     bad = np.zeros(len(theta), dtype=np.bool_)
     t, told = columns["t"][index], _told(columns, theta, index)
@@ -116,9 +114,7 @@ def _told(columns: dict[str, FloatArray], theta: FloatArray, index: IntArray) ->
     return told if goes(way - told) < _TOLD * goes(way) else nothing
 
 
-def _leaps(
-    t: FloatArray, rest: FloatArray, told: FloatArray, rate_hz: float, least: float
-) -> list[_Leap]:
+def _leaps(t: FloatArray, rest: FloatArray, told: FloatArray, rate_hz: float, least: float) -> list[_Leap]:
     """Return the leaps of `rest` that stand alone; none where it is full of what is like them.
 
     The angle is `rest` and `told`, the way that the velocity tells of.
@@ -159,7 +155,7 @@ def _leaps(
 
 
 class _Seen(NamedTuple):
-    """How far the angle leaps between each row and the next, by the cubic through `reach` rows on both sides."""
+    """How far the angle leaps from each row to the next, by a cubic through `reach` rows on both sides."""
 
     reach: int
     size: FloatArray
@@ -229,7 +225,9 @@ def _fitted(
         kept = np.abs(around - (before + 0.5 * hole)) <= reach + 0.5 * hole
         bends = (np.maximum(0.0, away - bend) for bend in np.linspace(-0.6, 0.6, 13))
         bent = min(left(kept, shape)[0] for shape in bends)
-        return _Leap(before, before + hole, size) if bent > variance * kept.sum() + _PLAIN * noise**2 else None
+        return (
+            _Leap(before, before + hole, size) if bent > variance * kept.sum() + _PLAIN * noise**2 else None
+        )
     return None
 
 
@@ -240,7 +238,10 @@ def _beside_the_way(theta: FloatArray, told: FloatArray, leap: _Leap, reach: int
     """
     before, after = leap.before, leap.after
     first, end = max(0, before - reach), min(len(told) - 1, after + reach)
-    speeds = (told[before] - told[first]) / max(1, before - first), (told[end] - told[after]) / max(1, end - after)
+    speeds = (
+        (told[before] - told[first]) / max(1, before - first),
+        (told[end] - told[after]) / max(1, end - after),
+    )
     return float(theta[after] - theta[before] - 0.5 * sum(speeds) * (after - before))
 
 

@@ -155,14 +155,17 @@ def _leapt_away(rows: Rows, off: BoolArray, stale: NDArray[np.intp]) -> list[Fin
 
 
 def _away(theta: FloatArray, leaps: NDArray[np.intp]) -> BoolArray:
-    """Which samples lie between leaps (from that sample to the next) after which the angle is where it was."""
+    """Which samples lie between leaps (each from that sample to the next) after which the angle is back."""
     away = np.zeros(len(theta), dtype=np.bool_)
     for group in np.split(leaps, np.flatnonzero(np.diff(leaps) > _AWAY) + 1):
         if len(group) < 2:
             continue
         first, last = int(group[0]), int(group[-1])
         before, after = max(0, first - REACH), min(len(theta) - 1, last + 1 + REACH)
-        speeds = (theta[first] - theta[before]) / max(1, first - before), (theta[after] - theta[last + 1]) / REACH
+        speeds = (
+            (theta[first] - theta[before]) / max(1, first - before),
+            (theta[after] - theta[last + 1]) / REACH,
+        )
         went = theta[last + 1] - theta[first] - 0.5 * sum(speeds) * (last + 1 - first)
         if abs(went) < _BACK * float(np.abs(theta[group + 1] - theta[group]).min()):
             away[first + 1 : last + 1] = True
