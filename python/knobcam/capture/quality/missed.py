@@ -19,6 +19,7 @@ _COUNTS = 2.5  # of an encoder, below which a leap is how it counts
 _ROUNDED = 0.3  # counts that an angle in counts is off by, a deviation
 _NOISE = 5.0  # deviations of the angle's noise that a leap is at least
 _AGREE = 1.6  # times the noise that the cubic through both sides may leave
+_NEARLY = 1.2  # times the least that any rows in which counts are missed leave
 _PLAIN = 30.0  # noise variances more that are left by a cubic with a bend in the leap's place
 _BESIDE = 3  # rows by which a leap may be elsewhere than where it seems largest
 _LONGEST = (64, 160)  # rows in which counts are missed: by the angle alone, and beside a velocity
@@ -128,25 +129,26 @@ def _leaps(t: FloatArray, rest: FloatArray, told: FloatArray, rate_hz: float, le
     seen = min((_seen(values, reach) for reach in _REACH), key=lambda seen: seen.spread)
     noise = max(_noise(values), _ROUNDED * least)
     surely = max(_SURE * seen.spread, _COUNTS * least, _NOISE * noise)
-    places = _peaks(np.abs(seen.size), surely, seen.reach)
+    peaks = _peaks(np.abs(seen.size), surely, seen.reach)
+    places = np.union1d(peaks, _stands(values, surely))
     if not places.size or len(places) > _PLACES:
         return []
     theta, longest = rest + told, _LONGEST[int(told.any())]
     widest = _SMALL * float(np.ptp(theta))
     found, unlike, last = [], 0, -1
-    for place in np.searchsorted(t, even[places]).tolist():
+    for place, peak in zip(np.searchsorted(t, even[places]).tolist(), np.isin(places, peaks), strict=True):
         leap = _fitted(t * rate_hz, rest, place, seen.reach, noise, longest)
         if leap is None:
-            unlike += 1
+            unlike += int(peak)
             continue
         if abs(leap.size) < surely or leap.before <= last:
             continue
         if told.any():
             own = abs(_beside_the_way(theta, told, leap, seen.reach) - leap.size) < _OWN * abs(leap.size)
         else:
-            own = 4.0 * abs(leap.size) > _IMPULSE * seen.swiftest * (leap.after - leap.before) ** 2
+            own = _impulse(theta, leap, surely) > _IMPULSE * seen.swiftest
         if abs(leap.size) > widest or not own or _rows_ahead(theta, leap, seen.reach, surely):
-            unlike += 1
+            unlike += int(peak)
             continue
         counts = round(leap.size / least) * least if least > noise else leap.size
         found.append(_Leap(leap.before, leap.after, counts))
@@ -189,6 +191,17 @@ def _peaks(size: FloatArray, least: float, reach: int) -> IntArray:
     return np.array([run[np.argmax(size[run])] for run in runs], dtype=np.intp)
 
 
+def _stands(values: FloatArray, least: float) -> IntArray:
+    """Return the middles of where the angle stands though it goes on, before and after it, by `least` meanwhile."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], np.diff(values) == 0.0, [False]))))
+    first, end = edges[::2], edges[1::2]
+    rows = np.maximum(1, end - first)
+    before = (values[first] - values[np.maximum(0, first - rows)]) / rows
+    after = (values[np.minimum(len(values) - 1, end + rows)] - values[end]) / rows
+    goes_on = (before * after > 0.0) & (np.minimum(np.abs(before), np.abs(after)) * rows > least)
+    return np.asarray((first + end)[goes_on & (rows <= _LONGEST[0])] // 2, dtype=np.intp)
+
+
 def _fitted(
     rows: FloatArray, theta: FloatArray, place: int, reach: int, noise: float, longest: int
 ) -> _Leap | None:
@@ -209,26 +222,39 @@ def _fitted(
         factors = np.linalg.lstsq(columns, level[kept], rcond=None)[0]
         return float(np.sum((level[kept] - columns @ factors) ** 2)), float(factors[-1])
 
-    hole = 1
-    while hole <= longest:
+    hole, enough = 1, longest
+    fits: list[tuple[float, int, int, float]] = []
+    while hole <= enough:
         tried, beside = [], max(_BESIDE, hole // 4)
         for before in range(place - hole // 2 - beside, place - hole // 2 + beside + 1, max(1, hole // 16)):
             kept = (np.abs(around - (before + 0.5 * hole)) <= reach + 0.5 * hole) & (
                 (around <= before) | (around >= before + hole)
             )
             squares, size = left(kept, (around > before).astype(np.float64))
-            tried.append((squares / max(1, kept.sum() - 5), before, size))
-        variance, before, size = min(tried)
-        if variance > (_AGREE * noise) ** 2:
-            hole += max(1, hole // 8)
-            continue
-        kept = np.abs(around - (before + 0.5 * hole)) <= reach + 0.5 * hole
-        bends = (np.maximum(0.0, away - bend) for bend in np.linspace(-0.6, 0.6, 13))
-        bent = min(left(kept, shape)[0] for shape in bends)
-        return (
-            _Leap(before, before + hole, size) if bent > variance * kept.sum() + _PLAIN * noise**2 else None
-        )
-    return None
+            tried.append((squares / max(1, kept.sum() - 5), hole, before, size))
+        variance = min(tried)[0]
+        if variance <= (_AGREE * noise) ** 2:
+            # Rows at its ends may pass for a part of the motion yet.
+            enough = enough if fits else min(longest, 2 * hole + _BESIDE)
+            fits.append(min(tried))
+        hole += max(1, hole // 8)
+    if not fits:
+        return None
+    variance, hole, before, size = next(fit for fit in fits if fit[0] <= _NEARLY * min(fits)[0])
+    kept = np.abs(around - (before + 0.5 * hole)) <= reach + 0.5 * hole
+    bends = (np.maximum(0.0, away - bend) for bend in np.linspace(-0.6, 0.6, 13))
+    bent = min(left(kept, shape)[0] for shape in bends)
+    return _Leap(before, before + hole, size) if bent > variance * kept.sum() + _PLAIN * noise**2 else None
+
+
+def _impulse(theta: FloatArray, leap: _Leap, unsure: float) -> float:
+    """The acceleration that a leap would have taken as a motion, rad a row squared.
+
+    To where it stands a motion stops, and goes on from there, in two rows.
+    """
+    rows = leap.after - leap.before
+    stands = rows > 2 and float(np.ptp(theta[leap.before + 1 : leap.after])) < unsure
+    return abs(leap.size) / rows / (2.0 if stands else 0.25 * rows)
 
 
 def _beside_the_way(theta: FloatArray, told: FloatArray, leap: _Leap, reach: int) -> float:

@@ -64,9 +64,9 @@ def check_steps(
         theta, found = _unwrap(theta, index, rows)
         findings += found
     missed = check_missed(columns, theta, index, rows, rate_hz, _count(np.diff(theta[index])))
-    theta, between = missed.theta, missed.bad
+    theta = missed.theta
     findings += missed.findings
-    index = index[~between[index]]
+    index = index[~missed.bad[index]]
     step = np.diff(theta[index])
     least = _count(step)
     expected, spread = _expected(step, np.diff(t[index]), least)
@@ -140,7 +140,7 @@ def check_steps(
             "several steps in one though the clock counted on; later times are moved, nothing is filled in"
         )
         findings.append(Finding("lost", "t", count, spans(at), message, "mended"))
-    return Steps(t, theta, bad, tuple(findings))
+    return Steps(t, theta, bad | missed.bad, tuple(findings))
 
 
 def _leapt_away(rows: Rows, off: BoolArray, stale: NDArray[np.intp]) -> list[Finding]:
