@@ -42,7 +42,7 @@ def off(fit: kc.Fit, motion: str = "chirp") -> float:
     return 0.0 if low <= true <= high else abs(estimate.value / true - 1.0)
 
 
-@pytest.mark.parametrize("motion", ["chirp", "turns", "hand"])
+@pytest.mark.parametrize("motion", ["chirp", "turns", "multisine"])
 def test_counts_that_were_missed_are_put_back_and_the_floor_stays(motion: str) -> None:
     log = spoiled("missed counts", motion)
     (missed,) = [finding for finding in log.findings if finding.kind == "missed"]

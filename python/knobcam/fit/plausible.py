@@ -46,12 +46,11 @@ def reversed_torque(fit: Fit) -> bool:
     """
     told = [fit.params[name] for name in _never_negative(fit.model.coordinate) if name in fit.params]
     sure = [estimate for estimate in told if estimate.determined]
-    if not any(e.ci95[1] < 0.0 for e in sure):
-        return False
-    if any(estimate.ci95[0] > 0.0 for estimate in sure):
-        return gives_back(fit.prepared)
-    power, error = _friction_power(fit)
-    return power + RULE.surely * error < 0.0 or gives_back(fit.prepared)
+    beyond = any(e.ci95[1] < 0.0 for e in sure) and not any(e.ci95[0] > 0.0 for e in sure)
+    power, error = _friction_power(fit) if beyond else (0.0, 0.0)
+    if power + RULE.surely * error < 0.0:
+        return True
+    return any(estimate.value < 0.0 for estimate in told) and gives_back(fit.prepared)
 
 
 def impossible(fit: Fit) -> str | None:
