@@ -27,7 +27,7 @@ _SPAN = 10  # rows, over which the way that the velocity tells of is compared wi
 _TOLD = 0.3  # of the angle's way, that may be left beside it
 _IMPULSE = 10.0  # times the acceleration of the rest that the leap would have taken as a motion
 _OWN = 0.3  # of a leap, by which a velocity that goes on as before may be off meanwhile
-_SMALL = 0.03  # of the way from end to end: two logs that were joined are farther apart
+_SMALL = 0.02  # of the way from end to end: two logs that were joined are farther apart
 _PLACES = 100  # beyond which the motion is like that
 _STEPS = 0.25  # of one: a leap ahead that is nearer to a whole number of steps may be rows that are missing
 _ROWS = 20  # of those, at most
@@ -145,6 +145,9 @@ def _leaps(t: FloatArray, rest: FloatArray, told: FloatArray, rate_hz: float, le
             continue
         if told.any():
             own = abs(_beside_the_way(theta, told, leap, seen.reach) - leap.size) < _OWN * abs(leap.size)
+            # Of logs that were joined the velocity leaps too.
+            if own and leap.after - leap.before <= _BESIDE:
+                own = _fitted(t * rate_hz, theta, leap.after, _REACH[1], noise, _BESIDE) is not None
         else:
             own = _impulse(theta, leap, surely) > _IMPULSE * seen.swiftest
         if abs(leap.size) > widest or not own or _rows_ahead(theta, leap, seen.reach, surely):
