@@ -77,7 +77,8 @@ def _loud(columns: dict[str, FloatArray], index: IntArray, noise: float) -> Bool
     tau, louder = columns["tau"][index], _LOUDER[int(columns.keys().isdisjoint(("omega", "alpha")))]
     # Few rows are loud at all in nearly every log; only around them is it looked at closely.
     far = np.flatnonzero(np.abs(np.convolve(tau, _THIRD, "valid")) > louder * _GAIN * noise)
-    if len(far) < _LONG // 2 or len(far) > _MOST * len(tau):
+    few = _LONG // 2
+    if len(far) < few or len(far) > _MOST * len(tau) or np.min(far[few - 1 :] - far[: 1 - few]) > 2 * _LONG:
         return loud
     level = _loudness(tau)
     at = np.flatnonzero(level > louder * noise)

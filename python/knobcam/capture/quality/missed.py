@@ -14,6 +14,7 @@ from .order import quantile
 
 _REACH = (8, 16, 32)  # rows to either side through which one cubic goes; those that tell a leap best
 _FEWEST = 400  # rows
+_EVERY = 4  # of them, of which one tells what is usual
 _SURE = 8.0  # deviations of the leaps that are seen where there are none
 _COUNTS = 2.5  # of an encoder, below which a leap is how it counts
 _ROUNDED = 0.3  # counts that an angle in counts is off by, a deviation
@@ -134,6 +135,7 @@ def _leaps(t: FloatArray, rest: FloatArray, told: FloatArray, rate_hz: float, le
     if not places.size or len(places) > _PLACES:
         return []
     theta, longest = rest + told, _LONGEST[int(told.any())]
+    swiftest = _swiftest(values, seen.reach)
     widest = _SMALL * float(np.ptp(theta))
     found, unlike, last = [], 0, -1
     for place, peak in zip(np.searchsorted(t, even[places]).tolist(), np.isin(places, peaks), strict=True):
@@ -149,7 +151,7 @@ def _leaps(t: FloatArray, rest: FloatArray, told: FloatArray, rate_hz: float, le
             if own and leap.after - leap.before <= _BESIDE:
                 own = _fitted(t * rate_hz, theta, leap.after, _REACH[1], noise, _BESIDE) is not None
         else:
-            own = _impulse(theta, leap, surely) > _IMPULSE * seen.swiftest
+            own = _impulse(theta, leap, surely) > _IMPULSE * swiftest
         if abs(leap.size) > widest or not own or _rows_ahead(theta, leap, seen.reach, surely):
             unlike += int(peak)
             continue
@@ -162,23 +164,30 @@ def _leaps(t: FloatArray, rest: FloatArray, told: FloatArray, rate_hz: float, le
 class _Seen(NamedTuple):
     """How far the angle leaps from each row to the next, by a cubic through `reach` rows on both sides."""
 
+    spread: float
     reach: int
     size: FloatArray
-    spread: float
-    swiftest: float
+
+
+def _cubic(reach: int) -> FloatArray:
+    """What the values of `reach` rows on both sides make of the factors of a cubic and of a leap between."""
+    at = np.arange(-reach, reach) + 0.5
+    columns = np.column_stack([np.vander(at / reach, 4, increasing=True), at > 0.0])
+    return np.asarray(np.linalg.pinv(columns), dtype=np.float64)
 
 
 def _seen(values: FloatArray, reach: int) -> _Seen:
-    at = np.arange(-reach, reach) + 0.5
-    columns = np.column_stack([np.vander(at / reach, 4, increasing=True), at > 0.0])
-    wanted = np.asarray(np.linalg.pinv(columns), dtype=np.float64)
     size = np.zeros(len(values))
-    inside = slice(reach - 1, len(values) - reach)
-    size[inside] = np.convolve(values, wanted[4, ::-1], "valid")
-    bend = np.convolve(values, wanted[2, ::-1], "valid") * 2.0 / reach**2
+    size[reach - 1 : len(values) - reach] = np.convolve(values, _cubic(reach)[4, ::-1], "valid")
     # Half of normal values lie within 0.6745 deviations; a few leaps among them do not matter.
-    spread = max(quantile(np.abs(size), 0.5) / 0.6745, quantile(np.abs(size), 0.9) / 1.6449)
-    return _Seen(reach, size, spread, quantile(np.abs(bend), 0.99))
+    some = np.abs(size[::_EVERY])
+    return _Seen(max(quantile(some, 0.5) / 0.6745, quantile(some, 0.9) / 1.6449), reach, size)
+
+
+def _swiftest(values: FloatArray, reach: int) -> float:
+    """The most acceleration but for one row in a hundred, rad a row squared."""
+    bend = np.convolve(values, _cubic(reach)[2, ::-1], "valid") * 2.0 / reach**2
+    return quantile(np.abs(bend), 0.99)
 
 
 def _noise(values: FloatArray) -> float:
@@ -195,7 +204,7 @@ def _peaks(size: FloatArray, least: float, reach: int) -> IntArray:
 
 
 def _stands(values: FloatArray, least: float) -> IntArray:
-    """Return the middles of where the angle stands though it goes on, before and after it, by `least` meanwhile."""
+    """Return the middles of where the angle stands while before and after it it goes on by `least`."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], np.diff(values) == 0.0, [False]))))
     first, end = edges[::2], edges[1::2]
     rows = np.maximum(1, end - first)
