@@ -53,7 +53,8 @@ def main() -> None:
     odd = list(failures(rows))
     print(*text, "", *odd, sep="\n")
     if not options.only:
-        document = {"report": text, "at_length": odd, "result": rows}
+        learned = len(text) - text[::-1].index("")  # a long table, that has a page of its own
+        document = {"report": text[: learned - 1], "at_length": [*text[learned:], "", *odd], "result": rows}
         RESULTS.write_text(json.dumps(document) + "\n", "utf-8")
 
 

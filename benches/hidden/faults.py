@@ -78,6 +78,31 @@ def angle_spikes(rng: Rng, columns: Columns) -> Columns:
     return _leaping(rng, columns, "theta_rad", 6, 0.02, 0.2)
 
 
+def missed(rng: Rng, columns: Columns) -> Columns:
+    """An encoder of 16 384 counts a turn that misses 4 to 40 of them at 5 to 20 places, where it is fast.
+
+    At half of them it stands until the knob has gone as far, at the others they are gone at once.
+    """
+    step = 2.0 * np.pi / 16384
+    theta = columns["theta_rad"]
+    speed = np.abs(np.gradient(theta))
+    fast = np.flatnonzero(speed[200:-400] > np.quantile(speed, 0.6)) + 200
+    left = theta.copy()
+    for row in np.sort(rng.choice(fast, int(rng.integers(5, 21)), replace=False)):
+        size = 4.0 * step * float(rng.integers(1, 11))
+        ahead = 1.0 if theta[row + 1] > theta[row - 1] else -1.0
+        gone = np.minimum(ahead * (theta[row:] - theta[row]), size) if rng.random() < 0.5 else size
+        gone = np.maximum.accumulate(gone) if np.ndim(gone) else gone
+        left[row:] -= ahead * gone
+    return angle_only(rng, columns) | {"theta_rad": step * np.floor(left / step)}
+
+
+def torque_held(rng: Rng, columns: Columns) -> Columns:
+    """A torque that is new every tenth row."""
+    tau = columns["tau_Nm"]
+    return columns | {"tau_Nm": tau[np.arange(len(tau)) // 10 * 10]}
+
+
 def outliers(rng: Rng, columns: Columns) -> Columns:
     """5 % of the torques are anything."""
     return _leaping(rng, columns, "tau_Nm", len(columns["t_s"]) // 20, 0.03, 0.1)
@@ -94,6 +119,23 @@ def wild_velocities(rng: Rng, columns: Columns) -> Columns:
         many = int(rng.integers(2, 7))
         omega[row : row + many] += rng.choice([-1.0, 1.0], many) * rng.uniform(3.0, 20.0, many)
     return columns | {"omega_rad_s": omega}
+
+
+def wild_accelerations(rng: Rng, columns: Columns) -> Columns:
+    """3 times for 20 to 60 rows an acceleration that is anything."""
+    alpha = columns["alpha_rad_s2"].copy()
+    for row in 500 * (1 + rng.choice(len(alpha) // 500 - 2, 3, replace=False)):
+        many = int(rng.integers(20, 61))
+        alpha[row : row + many] += rng.choice([-1.0, 1.0]) * rng.uniform(100.0, 1000.0, many)
+    return columns | {"alpha_rad_s2": alpha}
+
+
+def angle_away(rng: Rng, columns: Columns) -> Columns:
+    """3 times for 5 to 60 rows an angle that is elsewhere."""
+    theta = columns["theta_rad"].copy()
+    for row in 500 * (1 + rng.choice(len(theta) // 500 - 2, 3, replace=False)):
+        theta[row : row + int(rng.integers(5, 61))] += rng.choice([-1.0, 1.0]) * rng.uniform(0.2, 1.0)
+    return columns | {"theta_rad": theta}
 
 
 def wrap(rng: Rng, columns: Columns) -> Columns:
@@ -237,7 +279,10 @@ _SINGLE = {
     "torque spikes": Fault(torque_spikes, _SPIKES),
     "angle spikes": Fault(angle_spikes, _OFF),
     "alpha spikes": Fault(acceleration_spikes, frozenset({"spike alpha"})),
+    "angle away for ms": Fault(angle_away, frozenset({"spike theta"})),
     "wild runs of omega": Fault(wild_velocities, frozenset({"spike omega"})),
+    "wild runs of alpha": Fault(wild_accelerations, frozenset({"spike alpha"})),
+    "missed counts": Fault(missed, frozenset({"missed theta"})),
     "wrap": Fault(wrap, frozenset({"wrap"})),
     "1 % NaN": Fault(missing, frozenset({"non-finite"})),
     "2 % repeated stamps": Fault(repeated_stamps, frozenset({"duplicate"})),
@@ -245,6 +290,7 @@ _SINGLE = {
     "clock restarts": Fault(restart, frozenset({"backward", "restart"})),
     "torque off, first half": Fault(dead_torque, frozenset({"dead tau"})),
     "angle held 10 rows": Fault(held, frozenset({"held theta"})),
+    "torque held 10 rows": Fault(torque_held, frozenset({"held tau"})),
     "torque's sign": Fault(torque_sign, frozenset({"sign"}), bars=True),
     "torque in mN m": Fault(thousandths, frozenset({"unit tau"}), bars=True),
     "angle in degrees": Fault(degrees, frozenset({"unit theta"}), bars=True),

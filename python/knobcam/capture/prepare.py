@@ -28,6 +28,7 @@ _OPTIONS = {
     "none": set[str](),
     "differences": {"cutoff_hz", "decimate"},
 }
+_READ = ("theta", "omega", "alpha", "tau")
 _BRIDGE = 3  # rows
 _NAMED = 6  # times in a sentence
 _PAPER_RATE_HZ = 5000.0
@@ -37,8 +38,9 @@ _PAPER_RATE_HZ = 5000.0
 class Prepared:
     """Prepared signals of a capture; arrays of shape (samples kept,), SI units.
 
-    `rows` are the indices of the kept samples in the capture: masked ones are left out. `used` is True where
-    a sample counts in a fit (not trimmed, not decimated away).
+    `rows` are the indices of the kept samples in the capture: masked ones are left out, and so are those in
+    which a torque that is read more slowly than the motion only repeats a reading. `used` is True where a
+    sample counts in a fit (not trimmed, not decimated away).
     """
 
     capture: Capture
@@ -138,17 +140,17 @@ def prepare(capture: Capture, method: str = "smooth", **options: float) -> Prepa
     rows = np.arange(capture.samples) if whole else np.flatnonzero(capture.mask | _bridges(capture))
     measured = capture.mask if whole else capture.mask[rows]
     kept = {name: values if whole else values[rows] for name, values in capture.columns.items()}
+    # A reading that stands until the next one is none anew.
+    stands = {name: held(kept[name]) for name in _READ if method == "smooth" and name in kept}
     if not (whole or measured.all()):
         known = np.flatnonzero(measured)
         lacking = np.flatnonzero(~measured)
         for name, values in kept.items():
             kept[name] = values.copy()
             kept[name][lacking] = np.interp(lacking, known, values[known])
-    if method == "smooth":
-        for name in ("theta", "omega", "alpha"):
-            repeated = held(kept[name]) if name in kept else np.zeros(0, dtype=np.bool_)
-            if repeated.any():
-                kept[name] = np.where(repeated, np.nan, kept[name])
+    for name, repeated in stands.items():
+        if repeated.any():
+            kept[name] = np.where(repeated, np.nan, kept[name])
     gap = _gaps(capture, rows, kept["t"])
     try:
         core = _core.prepare(
@@ -168,6 +170,8 @@ def prepare(capture: Capture, method: str = "smooth", **options: float) -> Prepa
     except InputError as error:
         source = capture.meta.get("source")  # of several captures somebody wants to know which
         raise InputError(f"{source}: {error}" if source else str(error)) from None
+    if stands and stands["tau"].any():
+        rows = rows[~stands["tau"]]
     notes = _notes(capture, method, options, core)
     found = (
         *capture.findings,
@@ -226,7 +230,7 @@ def _notes(
     capture: Capture, method: str, options: Mapping[str, float], core: _core.Signals
 ) -> tuple[str, ...]:
     notes = []
-    slower = min(capture.rate_hz / _PAPER_RATE_HZ, 1.0)
+    slower = min(core.rate_hz / _PAPER_RATE_HZ, 1.0)
     edge_hz = core.edge_hz or 0.0
     # Where a band is left out a finding says why the edge is where it is.
     if method in ("smooth", "paper") and "torque_edge_hz" not in options and core.incoherent is None:
@@ -237,7 +241,7 @@ def _notes(
             )
         elif slower < 1.0:
             notes.append(
-                f"sampled at {capture.rate_hz:.6g} Hz: the paper's torque filter edge of 500 Hz is for "
+                f"sampled at {core.rate_hz:.6g} Hz: the paper's torque filter edge of 500 Hz is for "
                 f"5000 Hz and is lowered to {500.0 * slower:.6g} Hz (torque_edge_hz= sets another)"
             )
     if method != "none":

@@ -11,6 +11,7 @@ from .. import _core
 from ..base.arrays import FloatArray
 from ..model.effects import base_effects, effects
 from ..model.effects import effect as catalogued
+from .power import gives_back
 from .refit import cores
 from .rule import RULE
 
@@ -40,14 +41,16 @@ def reversed_torque(fit: Fit) -> bool:
     """Whether what no knob has below zero is so, all of it beyond doubt: the torque has the other sign.
 
     An offset or a drift may take friction from one direction to the other, and a spring inertia below zero;
-    but over a whole motion no friction gives power back.
+    but over a whole motion no friction gives power back. Beside a spring that is far stronger neither may
+    show in the model without it: there any torque of position is allowed for.
     """
     told = [fit.params[name] for name in _never_negative(fit.model.coordinate) if name in fit.params]
     sure = [estimate for estimate in told if estimate.determined]
-    if any(estimate.ci95[0] > 0.0 for estimate in sure) or not any(e.ci95[1] < 0.0 for e in sure):
-        return False
-    power, error = _friction_power(fit)
-    return power + RULE.surely * error < 0.0
+    beyond = any(e.ci95[1] < 0.0 for e in sure) and not any(e.ci95[0] > 0.0 for e in sure)
+    power, error = _friction_power(fit) if beyond else (0.0, 0.0)
+    if power + RULE.surely * error < 0.0:
+        return True
+    return any(estimate.value < 0.0 for estimate in told) and gives_back(fit.prepared)
 
 
 def impossible(fit: Fit) -> str | None:

@@ -2,6 +2,7 @@
 
 mod direction;
 mod edge;
+mod fresh;
 mod incoherent;
 mod motion;
 
@@ -17,6 +18,7 @@ pub use edge::{Edge, Ripple, taken_off};
 pub use incoherent::Incoherent;
 
 use direction::{standing_still, without_unsure};
+use fresh::Fresh;
 use motion::{Moving, columns, forward, smoothed};
 use std::ops::Range;
 
@@ -104,6 +106,11 @@ impl Preparation {
         }
     }
 
+    /// The same for a torque at this rate: where the edge is not given it keeps its share of it.
+    fn at(self, rate_hz: f64) -> Self {
+        Self { torque: if self.follows { Self::smooth(rate_hz).torque } else { self.torque }, ..self }
+    }
+
     /// The paper's own: a filter per channel, the edges of Table 6.
     pub fn paper(rate_hz: f64) -> Self {
         let [fast, slow] = [1000.0, 500.0].map(|edge| LowPass::Paper(edge * slower(rate_hz)));
@@ -148,7 +155,7 @@ pub struct Recording<'a> {
     pub omega: Option<&'a [f64]>,
     /// Angular acceleration, rad/s^2, if it was recorded.
     pub alpha: Option<&'a [f64]>,
-    /// Torque, N m.
+    /// Torque, N m; NaN where its sensor says nothing new, and the motion alone is measured.
     pub tau: &'a [f64],
     /// Whether rows were left out just before this one.
     pub after_gap: &'a [bool],
@@ -176,10 +183,8 @@ pub struct Prepared {
 /// # Errors
 /// A filter edge that the rate does not allow, times that do not increase, no stretch that is long enough.
 pub fn prepare(recording: &Recording<'_>, how: &Preparation) -> Result<Prepared> {
-    let mut filter = how.torque.map(|design| design.design(recording.rate_hz)).transpose()?;
     let stretches = stretches(recording);
-    let mut usable = Usable::of(&stretches, how, filter.as_ref())?;
-    let mut moving = match how.source {
+    let moving = match how.source {
         Source::Smoother => smoothed(recording, &stretches)?,
         Source::Filtered { theta, omega, alpha } => {
             let design = |low_pass: LowPass| low_pass.design(recording.rate_hz).map(Some);
@@ -187,12 +192,30 @@ pub fn prepare(recording: &Recording<'_>, how: &Preparation) -> Result<Prepared>
         }
         Source::AsGiven => columns(recording, &stretches, [None, None, None])?,
     };
+    match Fresh::of(recording) {
+        None => with_motion(recording, how, moving, &stretches),
+        Some(fresh) => {
+            let told = fresh.recording(recording);
+            with_motion(&told, &how.at(told.rate_hz), fresh.moving(&moving), &self::stretches(&told))
+        }
+    }
+}
+
+/// Prepares a recording whose motion is known.
+fn with_motion(
+    recording: &Recording<'_>,
+    how: &Preparation,
+    mut moving: Moving,
+    stretches: &[Range<usize>],
+) -> Result<Prepared> {
+    let mut filter = how.torque.map(|design| design.design(recording.rate_hz)).transpose()?;
+    let mut usable = Usable::of(stretches, how, filter.as_ref())?;
     let mut edge = None;
     if let (Some(LowPass::Paper(hz)), Some(given)) = (how.torque, &filter) {
-        let found = Edge::of(recording, &moving, &stretches, given, hz, how.follows);
+        let found = Edge::of(recording, &moving, stretches, given, hz, how.follows);
         if found.hz > hz {
             filter = Some(LowPass::Paper(found.hz).design(recording.rate_hz)?);
-            usable = Usable::of(&stretches, how, filter.as_ref())?;
+            usable = Usable::of(stretches, how, filter.as_ref())?;
         }
         edge = Some(found);
         if how.follows

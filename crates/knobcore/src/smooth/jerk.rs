@@ -25,6 +25,11 @@ const SHORTEST_MEMORY: f64 = 0.05;
 /// are, it is [`Reading::Stairs`].
 const COUNTS: f64 = 10.0;
 
+/// The same of stairs, in samples, and the fewest of them. A stair of few samples is read little better than a count,
+/// and the errors of those beside it are as much alike; one of many is read to a small part of a count.
+const STAIRS: f64 = 30.0;
+const FEWEST_STAIRS: f64 = 2.0;
+
 /// Longest memory that is tried.
 const LONGEST_MEMORY: f64 = 1e4;
 
@@ -75,7 +80,7 @@ pub fn jerk_by_cross_validation(sensors: &Sensors<'_>, noise: Noise, reading: Re
         _ if !alone => SHORTEST_MEMORY,
         Reading::Free => SHORTEST_MEMORY * spacing,
         Reading::Counted => COUNTS * spacing,
-        Reading::Stairs => spacing,
+        Reading::Stairs => (STAIRS / spacing).clamp(FEWEST_STAIRS, COUNTS) * spacing,
     };
     let mut length = ((LENGTH as f64 * spacing) as usize).min(sensors.len());
     loop {

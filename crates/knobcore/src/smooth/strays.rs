@@ -4,6 +4,9 @@
 //! whatever reading of it is left out, the others still tell of it. Where the usual jerk explains all the others of
 //! the surroundings, the motion was smooth and the reading wrong. A brief pulse of acceleration may leave next to
 //! nothing in the other sensors; so they must be good enough to have noticed.
+//!
+//! Of a sensor that is off for some time no reading alone is too many: there all that it says is left out at once,
+//! and those are none that what the others then say is far from.
 
 use super::impacts::{beyond_chance, spread, sums};
 use super::lifts::{Lifts, WINDOW};
@@ -38,6 +41,15 @@ const AROUND: usize = 16 * WINDOW;
 /// Windows between those of one place.
 const BETWEEN: usize = 4;
 
+/// Windows between two places that may be the ends of one time for which a sensor was off.
+const OFF: usize = 48;
+
+/// Standard deviations from what the others say, beyond which a reading of a sensor that was off is left out.
+const APART: f64 = 4.0;
+
+/// Readings of such a sensor at least: a lively motion rounds off fewer of an impact.
+const FEWEST: usize = 5;
+
 /// Places beyond which a motion is full of impacts.
 const PLACES: usize = 100;
 
@@ -51,9 +63,19 @@ pub fn strays(sensors: &Sensors<'_>, model: &Model, motion: &Motion) -> Option<[
         return None;
     }
     let mut found: [Vec<usize>; 3] = Default::default();
-    for place in places.iter().filter(|_| places.len() <= PLACES) {
-        for (sensor, row) in at(sensors, model, &spreads, place).unwrap_or_default() {
-            found[sensor].push(row);
+    let mut known = 0;
+    for (k, place) in places.iter().enumerate().filter(|_| places.len() <= PLACES) {
+        if place.start < known {
+            continue;
+        }
+        let next = places.get(k + 1).filter(|next| next.start <= place.end + OFF);
+        let both = next.map(|next| place.start..next.end);
+        let one = || at(sensors, model, &spreads, place).or_else(|| off(sensors, model, &spreads, place));
+        let wild = one().map(|wild| (wild, place.end));
+        let two = || both.and_then(|both| Some((off(sensors, model, &spreads, &both)?, both.end)));
+        if let Some((wild, end)) = wild.or_else(two) {
+            wild.into_iter().for_each(|(sensor, row)| found[sensor].push(row));
+            known = end;
         }
     }
     Some(found)
@@ -126,6 +148,91 @@ fn at(
         left_out.push((sensor, rows.start + row));
     }
     None
+}
+
+/// The readings of the one sensor without which a place, some windows, is in line, and that would not have escaped the
+/// others if they were right; None where it is no sensor's fault, or may be that of either of two.
+fn off(
+    sensors: &Sensors<'_>,
+    model: &Model,
+    spreads: &[f64; 3],
+    place: &Range<usize>,
+) -> Option<Vec<(usize, usize)>> {
+    let around = place.start.saturating_sub(2) * WINDOW..((place.end + 2) * WINDOW).min(sensors.len());
+    let rows = around.start.saturating_sub(AROUND)..(around.end + AROUND).min(sensors.len());
+    let here = around.start - rows.start..around.end - rows.start;
+    let local = sensors.rows(rows.clone());
+    let there = [Some(local.theta), local.omega, local.alpha];
+    let speaks = |i: usize| there[i].is_some() && model.variance[i].is_finite();
+    let mut found = None;
+    for i in (0..3).filter(|&i| speaks(i) && (0..3).any(|other| other != i && speaks(other))) {
+        let mut without = there[i]?.to_vec();
+        without[here.clone()].fill(f64::NAN);
+        let mut seen = local;
+        match i {
+            0 => seen.theta = &without,
+            1 => seen.omega = Some(&without),
+            _ => seen.alpha = Some(&without),
+        }
+        let motion = smooth_rows(&seen, model, &Lifts::default());
+        let windows = here.start / WINDOW..here.end.div_ceil(WINDOW);
+        if beyond_chance(&sums(&seen, model, &motion), spreads)[windows].contains(&true) {
+            continue;
+        }
+        let noise = spreads[i] * model.variance[i] / model.scale[i].powi(2);
+        let errors: Vec<(usize, f64)> = here
+            .clone()
+            .map(|row| (row, there[i].map_or(f64::NAN, |all| all[row] - motion.values[i][row])))
+            .filter(|(_, error)| error.is_finite())
+            .collect();
+        let Some(times) = abrupt(&errors, FAR * (2.0 * noise).sqrt()) else { continue };
+        let apart = |(row, error): &&(usize, f64)| {
+            error.powi(2) > APART * APART * (noise + motion.sds[i][*row].powi(2))
+        };
+        let wild: Vec<(usize, f64)> = errors[times].iter().filter(apart).copied().collect();
+        // Before and after it a sensor that is off is right.
+        let within = here.start + WINDOW..here.end - WINDOW;
+        let whole = wild.iter().all(|(row, _)| within.contains(row));
+        if wild.len() < FEWEST || !whole || !noticed(model, i, wild.iter().map(|(_, error)| *error)) {
+            continue;
+        }
+        if found.replace((i, wild)).is_some() {
+            return None;
+        }
+    }
+    let (i, wild) = found?;
+    Some(wild.into_iter().map(|(row, _)| (i, rows.start + row)).collect())
+}
+
+/// From the first to the last leap, farther than `far`, of errors by row; None where the most of them came about little
+/// by little, as where it is the motion that is known too badly.
+fn abrupt(errors: &[(usize, f64)], far: f64) -> Option<Range<usize>> {
+    let leap = |k: &usize| (errors[*k].1 - errors[k - 1].1).abs();
+    let first = (1..errors.len()).find(|k| leap(k) > far)?;
+    let last = (1..errors.len()).rev().find(|k| leap(k) > far)?;
+    let most = errors[first..last].iter().fold(0.0_f64, |most, (_, error)| most.max(error.abs()));
+    let farthest = (first..=last).map(|k| leap(&k)).fold(0.0, f64::max);
+    // Beside a bend of the motion that was rounded off all readings are off, to either side.
+    let sound = [errors[first - 1].1, errors[last].1].iter().all(|error| error.abs() < 0.3 * most);
+    (farthest > 0.5 * most && last > first && sound).then_some(first..last)
+}
+
+/// Whether errors of a sensor in these rows, if they were none, would have shown in the others: an angle's in the
+/// velocity that it takes, a rate's in what it adds up to.
+fn noticed(model: &Model, sensor: usize, errors: impl Iterator<Item = f64>) -> bool {
+    let sd = |i: usize| model.variance[i].sqrt() / model.scale[i];
+    let (mut most, mut sum, mut rows) = (0.0_f64, 0.0_f64, 0.0_f64);
+    for error in errors {
+        sum += error * model.scale[1];
+        rows += 1.0;
+        most = most.max(if sensor == 0 { error.abs() } else { sum.abs() });
+    }
+    let (speed, turned) = (sd(1) * model.scale[1], sd(2) * model.scale[1].powi(2));
+    match sensor {
+        0 => most > NOTICED * (speed * rows.sqrt()).min(turned * rows.powf(1.5)),
+        1 => most > NOTICED * sd(0),
+        _ => most > NOTICED * sd(1).min(sd(0) / (model.scale[1] * rows)),
+    }
 }
 
 /// Whether a reading is beyond all those of its sensor beside it that are left, by `far` and by more than they differ:

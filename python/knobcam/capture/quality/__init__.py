@@ -11,7 +11,8 @@ from ...errors import InputError
 from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import Coordinate
 from .dead import check_dead
-from .held import check_held
+from .garbage import check_garbage
+from .held import check_held, held
 from .late import check_late
 from .motion import check_stuck, check_wrapped
 from .scales import check_scales
@@ -103,9 +104,12 @@ def _check(
     present |= {"t": steps.t, "theta": steps.theta}
     findings += steps.findings
     mask &= ~steps.bad
-    spikes, found = check_spikes(present, mask, rows)
+    spikes, found = _spikes(present, mask, rows)
     findings += found
     mask &= ~spikes
+    garbage, found = check_garbage(present, mask, rows)
+    findings += found
+    mask &= ~garbage
     dead, found = check_dead(present, mask, rows)
     findings += found
     mask &= ~dead
@@ -122,6 +126,16 @@ def _check(
     findings += found
     mask &= _measured(present["theta"])
     return Checked(mask & ~clipped, tuple(findings), rate, present)
+
+
+def _spikes(columns: dict[str, FloatArray], usable: BoolArray, rows: Rows) -> tuple[BoolArray, list[Finding]]:
+    """Return the rows of wild torques; of one that stands between readings these alone are looked at."""
+    read = np.ones(len(rows), dtype=np.bool_)
+    read[usable] = ~held(columns["tau"][usable])
+    spikes = np.zeros(len(rows), dtype=np.bool_)
+    there = {name: values[read] for name, values in columns.items()} if not read.all() else columns
+    spikes[read], found = check_spikes(there, usable[read], rows[read])
+    return spikes, found
 
 
 def _measured(values: FloatArray) -> BoolArray:

@@ -12,6 +12,7 @@ _LEAST = 0.3  # of the rows that repeat, below which nothing is held
 _ALONE = 0.8  # of the steps that stand alone between repeats: a knob that moves and rests has them in a row
 _COARSE = 3.0  # smallest steps in the usual one, below which it is the counts of an encoder that are seen
 _FEWEST = 20  # steps
+_REGULAR = 0.8  # of the holds that are the usual one, above which all are
 _REST = 3  # times the usual hold: longer is a rest, read once per hold
 
 
@@ -32,7 +33,9 @@ def held(values: FloatArray) -> BoolArray:
     lengths = np.diff(np.append(fresh, len(values)))
     usual = max(1, round(quantile(lengths.astype(np.float64), 0.5)))
     since = np.arange(len(values)) - np.repeat(fresh, lengths)
-    rest = np.repeat(lengths > _REST * usual, lengths)
+    # Where it is as many rows every time, longer ones are several readings of the same.
+    most = 2 * usual - 1 if np.mean(lengths == usual) > _REGULAR else _REST * usual
+    rest = np.repeat(lengths > most, lengths)
     once: BoolArray = repeats & ~(rest & (since % usual == 0))
     return once
 
@@ -53,11 +56,9 @@ def check_held(columns: dict[str, FloatArray], usable: BoolArray, rows: Rows) ->
             f"a new one comes every {every:.3g} rows"
         )
         if name == "tau":
-            message = (
-                f"{what}: it is late by half of that on average, which the effects of the sensor can tell"
-            )
-            findings.append(Finding("held", name, len(at), spans(at), message, "warning"))
+            remedy = "compared with the model where it was read, every other row tells of the motion alone"
         else:
-            message = f"{what}: it was sampled more slowly than logged; only new readings count as measured"
-            findings.append(Finding("held", name, len(at), spans(at), message, "mended"))
+            remedy = "only new readings count as measured"
+        message = f"{what}: it was sampled more slowly than logged; {remedy}"
+        findings.append(Finding("held", name, len(at), spans(at), message, "mended"))
     return findings

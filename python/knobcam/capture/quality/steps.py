@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...base.arrays import BoolArray, FloatArray
 from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import Coordinate
+from .missed import check_missed
 from .order import medians, quantile
 from .wild import wild
 
@@ -23,6 +24,8 @@ CLEAR = 8.0
 MOST_LOST = 20
 """Rows lost at one place, beyond which the speed before says too little about where the angle would be."""
 
+_AWAY = 100  # rows for which an angle can be away
+_BACK = 0.2  # of the leaps, within which it is back where it went on to
 _LEAP = 5.0  # times the longest steps but for one in a thousand
 _RARE = 0.1  # of the rows that repeat, those that chance would make
 _COUNTS = 1.5  # of an encoder, beyond which a step is not what its neighbours let expect
@@ -60,6 +63,10 @@ def check_steps(
     if coordinate == "rotary":
         theta, found = _unwrap(theta, index, rows)
         findings += found
+    missed = check_missed(columns, theta, index, rows, rate_hz, _count(np.diff(theta[index])))
+    theta = missed.theta
+    findings += missed.findings
+    index = index[~missed.bad[index]]
     step = np.diff(theta[index])
     least = _count(step)
     expected, spread = _expected(step, np.diff(t[index]), least)
@@ -81,14 +88,6 @@ def check_steps(
 
     spike = _there_and_back(step - expected, CLEAR * noise) & ~stale[:-1] & ~stale[1:]
     bad[index[1:-1][spike]] = True
-    anything = bad & usable
-    anything[index[1:][stale]] = False
-    if anything.any():
-        at = rows[anything]
-        lasting = "a row" if (np.diff(at) > 1).all() else "a row or a few"
-        message = f"theta: leaps away and back within {lasting} at {rows_in_words(at)}; masked"
-        findings.append(Finding("spike", "theta", len(at), spans(at), message, "masked"))
-
     # A leap that stays is beyond all steps of the motion; so wide a gap is not bridged.
     leap = ~stale & (off > CLEAR * noise) & (off > _LEAP * quantile(np.abs(step), 0.999))
     leap &= (np.diff(t[index]) < 1.5 / rate_hz) & (np.diff(index) == 1)  # else time passed
@@ -96,6 +95,10 @@ def check_steps(
         part = np.abs(step - math.tau * np.rint(step / math.tau))
         leap &= (np.abs(step) <= math.pi) | (part > _LEAP * quantile(np.abs(step), 0.999))
     leap &= ~(np.append(spike, False) | np.append(False, spike))
+    away = _away(theta[index], np.flatnonzero(leap))
+    bad[index[away]] = True
+    leap &= ~(away[1:] | away[:-1])
+    findings += _leapt_away(rows, bad & usable, index[1:][stale])
     if leap.any() and leap.sum() <= len(step) // 1000 + 1:
         at = np.flatnonzero(leap)
         for row in (-2, -1, 0, 1):
@@ -137,7 +140,36 @@ def check_steps(
             "several steps in one though the clock counted on; later times are moved, nothing is filled in"
         )
         findings.append(Finding("lost", "t", count, spans(at), message, "mended"))
-    return Steps(t, theta, bad, tuple(findings))
+    return Steps(t, theta, bad | missed.bad, tuple(findings))
+
+
+def _leapt_away(rows: Rows, off: BoolArray, stale: NDArray[np.intp]) -> list[Finding]:
+    """Say at which of the rows that are `off`, but for the `stale` ones, the angle is away for a while."""
+    off[stale] = False
+    if not off.any():
+        return []
+    at = rows[off]
+    lasting = "a row" if (np.diff(at) > 1).all() else "a row or a few"
+    message = f"theta: leaps away and back within {lasting} at {rows_in_words(at)}; masked"
+    return [Finding("spike", "theta", len(at), spans(at), message, "masked")]
+
+
+def _away(theta: FloatArray, leaps: NDArray[np.intp]) -> BoolArray:
+    """Which samples lie between leaps (each from that sample to the next) after which the angle is back."""
+    away = np.zeros(len(theta), dtype=np.bool_)
+    for group in np.split(leaps, np.flatnonzero(np.diff(leaps) > _AWAY) + 1):
+        if len(group) < 2:
+            continue
+        first, last = int(group[0]), int(group[-1])
+        before, after = max(0, first - REACH), min(len(theta) - 1, last + 1 + REACH)
+        speeds = (
+            (theta[first] - theta[before]) / max(1, first - before),
+            (theta[after] - theta[last + 1]) / REACH,
+        )
+        went = theta[last + 1] - theta[first] - 0.5 * sum(speeds) * (last + 1 - first)
+        if abs(went) < _BACK * float(np.abs(theta[group + 1] - theta[group]).min()):
+            away[first + 1 : last + 1] = True
+    return away
 
 
 def _unwrap(theta: FloatArray, index: NDArray[np.intp], rows: Rows) -> tuple[FloatArray, list[Finding]]:

@@ -180,10 +180,36 @@ fn a_wild_reading_of_one_sensor_is_named_and_an_impact_is_not() {
         assert_eq!(smoothed(&seen).strays, [vec![], vec![9_000], vec![5_000]]);
         for truth in [stick_slip().0, end_stop(), hand_release()] {
             let seen = truth.seen(seed, FINE);
-            assert!(smoothed(&seen).strays.iter().all(Vec::is_empty));
+            let strays = smoothed(&seen).strays;
+            assert!(strays.iter().all(Vec::is_empty), "seed {seed}: {strays:?}");
             let alone = seen.theta_alone();
             let motion = smooth(&alone, &noise_from_capture(&alone).unwrap()).unwrap();
             assert!(motion.strays.iter().all(Vec::is_empty));
         }
+    }
+}
+
+#[test]
+fn a_sensor_that_is_off_for_some_ms_is_left_out_and_the_motion_stays_what_it_was() {
+    let truth = Motion::of(even(SAMPLES), motion::multisine);
+    for (sensor, off) in [(0, 0.1), (1, 2.0), (2, 300.0)] {
+        let mut seen = truth.seen(4, FINE);
+        let sound = smoothed(&seen);
+        let rows: Vec<usize> = (9_000..9_040).collect();
+        let column = [&mut seen.theta, &mut seen.omega, &mut seen.alpha];
+        column.into_iter().nth(sensor).unwrap()[9_000..9_040].iter_mut().for_each(|value| *value += off);
+        let motion = smoothed(&seen);
+        assert_eq!(motion.strays[sensor], rows);
+        // What is left out is up to the caller: he smooths without it.
+        for row in rows {
+            match sensor {
+                0 => seen.theta[row] = f64::NAN,
+                1 => seen.omega[row] = f64::NAN,
+                _ => seen.alpha[row] = f64::NAN,
+            }
+        }
+        let without = smoothed(&seen);
+        let moved = rms(&without.alpha[8_800..9_300], &sound.alpha[8_800..9_300], |_| 1.0);
+        assert!(without.strays.iter().all(Vec::is_empty) && moved < 0.2, "{moved}");
     }
 }

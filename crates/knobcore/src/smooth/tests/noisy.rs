@@ -109,3 +109,20 @@ fn counts_of_a_slow_encoder_do_not_become_jolts() {
         assert!(worth < 1.25, "dither {dither}: {worth}");
     }
 }
+
+#[test]
+fn counts_that_stay_for_a_few_samples_are_not_followed() {
+    // At two to eight samples a count neighbours are off alike, and would be believed to predict one another.
+    for counts in [2048.0, 4096.0, 16_384.0] {
+        for seed in [1006, 1007, 1008] {
+            let truth = motion::slow_hand(20_000, seed);
+            let count = std::f64::consts::TAU / counts;
+            let theta = truth.theta.iter().map(|theta| (theta / count).floor() * count).collect();
+            let seen = Motion { theta, ..truth.seen(seed, count) };
+            let motion = smoothed(&seen.theta_alone());
+            let error =
+                rms(&motion.alpha, &truth.alpha, |_| 1.0) / rms(&truth.alpha, &[0.0; 20_000], |_| 1.0);
+            assert!(error < 0.3, "{counts} counts, seed {seed}: {error}");
+        }
+    }
+}

@@ -1,0 +1,124 @@
+"""Torque that is no reading for tens of rows: anything at all, or one and the same."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...base.arrays import BoolArray, FloatArray, IntArray
+from ..finding import Finding, Rows, rows_in_words, spans
+from .order import medians, quantile
+
+_FEWEST = 1000  # rows from which it can be told what is usual
+_THIRD = np.array([-1.0, 3.0, -3.0, 1.0])  # what is left of a torque after it is noise
+_GAIN = math.sqrt(20.0)
+_SPAN = 9  # rows over which the noise is read
+_LOUDER = (
+    6.0,
+    18.0,
+)  # times the usual noise, where a rate tells what was felt and where the angle alone does
+_LONG = 12  # rows, below which it may be an impact
+_LONGEST = 500
+_WITHIN = 12  # rows between two loud ones of the same run
+_MOST = 0.05  # of the rows: beyond that it is the torque that is like that
+_RUNS = 20
+_FELT = 2.0  # times its usual noise that a motion sensor has meanwhile, which then felt it
+_CHANCE = 1e-9  # that a torque repeats itself that often somewhere in the log
+_LEAP = 8.0  # deviations of noise by which it leaps to where it stands, and away
+
+
+def check_garbage(
+    columns: dict[str, FloatArray], usable: BoolArray, rows: Rows
+) -> tuple[BoolArray, list[Finding]]:
+    """Return the rows whose torque is garbage for a while, and the findings.
+
+    Louder than its noise by far from row to row, with a motion that feels nothing of it; or the same reading
+    again and again, far from those before and after, of a sensor that else never repeats itself so often.
+    """
+    bad = np.zeros(len(rows), dtype=np.bool_)
+    index = np.flatnonzero(usable)
+    if len(index) < _FEWEST:
+        return bad, []
+    tau = columns["tau"][index]
+    noise = _noise(tau)
+    findings = []
+    for at, kind, what in (
+        (_loud(columns, index, noise), "spike", "is anything"),
+        (_standing(tau, noise), "dead", "repeats one reading that has nothing to do with those beside it"),
+    ):
+        if not at.any():
+            continue
+        bad[index[at]] = True
+        found = rows[index[at]]
+        message = f"tau: {what} for {len(found)} rows ({rows_in_words(found)}), which no knob makes; masked"
+        findings.append(Finding(kind, "tau", len(found), spans(found), message, "masked"))
+    return bad, findings
+
+
+def _noise(values: FloatArray) -> float:
+    """Deviation of white noise with such third differences; the wider of two where its tails are heavier."""
+    third = np.abs(np.convolve(values, _THIRD, "valid"))
+    return max(quantile(third, 0.5) / 0.6745, quantile(third, 0.9) / 1.6449) / _GAIN
+
+
+def _loudness(values: FloatArray) -> FloatArray:
+    """Deviation of white noise with the third differences around each row, by their median."""
+    third = np.abs(np.convolve(values, _THIRD, "valid"))
+    around = np.lib.stride_tricks.sliding_window_view(np.pad(third, (_SPAN // 2 + 1, _SPAN // 2 + 2)), _SPAN)
+    found: FloatArray = np.partition(around, _SPAN // 2, axis=1)[:, _SPAN // 2] / 0.6745 / _GAIN
+    return found
+
+
+def _loud(columns: dict[str, FloatArray], index: IntArray, noise: float) -> BoolArray:
+    loud = np.zeros(len(index), dtype=np.bool_)
+    if not noise > 0.0:
+        return loud
+    tau, louder = columns["tau"][index], _LOUDER[int(columns.keys().isdisjoint(("omega", "alpha")))]
+    # Few rows are loud at all in nearly every log; only around them is it looked at closely.
+    far = np.flatnonzero(np.abs(np.convolve(tau, _THIRD, "valid")) > louder * _GAIN * noise)
+    few = _LONG // 2
+    if len(far) < few or len(far) > _MOST * len(tau) or np.min(far[few - 1 :] - far[: 1 - few]) > 2 * _LONG:
+        return loud
+    level = _loudness(tau)
+    at = np.flatnonzero(level > louder * noise)
+    runs = np.split(at, np.flatnonzero(np.diff(at) > _WITHIN) + 1) if at.size else []
+    runs = [run for run in runs if _LONG <= run[-1] - run[0] < _LONGEST]
+    if len(runs) > _RUNS:
+        return loud
+    for run in runs:
+        first, end = max(0, int(run[0]) - _SPAN // 2 - 1), min(len(tau), int(run[-1]) + _SPAN // 2 + 2)
+        if not _felt(columns, index, first, end):
+            loud[first:end] = True
+    return loud
+
+
+def _felt(columns: dict[str, FloatArray], index: IntArray, first: int, end: int) -> bool:
+    """Whether a motion sensor is louder than usual in these rows."""
+    for name in ("theta", "omega", "alpha"):
+        if name in columns:
+            usual, here = _noise(columns[name][index]), _noise(columns[name][index[first:end]])
+            if here > _FELT * usual:
+                return True
+    return False
+
+
+def _standing(tau: FloatArray, noise: float) -> BoolArray:
+    stands = np.zeros(len(tau), dtype=np.bool_)
+    same = np.diff(tau) == 0.0
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], same, [False]))))
+    firsts, ends = edges[::2], edges[1::2] + 1
+    lengths = ends - firsts
+    long = lengths >= _LONG
+    chance = (same.sum() - (lengths[long] - 1).sum() + 1.0) / (len(same) - lengths[long].sum() + 1.0)
+    if not long.any() or long.sum() > _RUNS or lengths[long].sum() > _MOST * len(tau) or not noise > 0.0:
+        return stands
+    for first, end in zip(firsts[long].tolist(), ends[long].tolist(), strict=True):
+        # At zero a motor is off; a limit is not left by a leap.
+        beside = [tau[max(0, first - 5) : first], tau[end : end + 5]]
+        if tau[first] == 0.0 or min(map(len, beside)) < 5 or end - first >= _LONGEST:
+            continue
+        leaps = np.abs(medians(np.array(beside)) - tau[first])
+        if leaps.min() > _LEAP * noise and len(tau) * chance ** (end - first - 1) < _CHANCE:
+            stands[first:end] = True
+    return stands

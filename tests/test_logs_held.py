@@ -1,0 +1,101 @@
+"""Encoders that miss counts, sensors that are off for a time, torque that stands or has the other sign.
+
+Knobs, motions and logs are of the simulator that shares nothing with the core.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import hidden
+import numpy as np
+import pytest
+from hidden.faults import FAULTS, Columns
+
+import knobcam as kc
+
+SEED = 4711
+COLUMNS = {"t_s": "t", "theta_rad": "theta", "omega_rad_s": "omega", "alpha_rad_s2": "alpha", "tau_Nm": "tau"}
+
+
+@cache
+def knob(
+    motion: str = "chirp", effects: tuple[str, ...] = (), strength: float | None = None
+) -> hidden.Hidden:
+    return hidden.make(SEED, effects, motion, strength)
+
+
+def spoiled(fault: str, motion: str = "chirp") -> kc.Capture:
+    (one,) = FAULTS[fault]
+    columns = {name: values.copy() for name, values in knob(motion).capture.items()}
+    return capture(one.put(np.random.default_rng(SEED), columns))
+
+
+def capture(columns: Columns) -> kc.Capture:
+    return kc.Capture.from_arrays(**{COLUMNS[name]: values for name, values in columns.items()})
+
+
+def off(fit: kc.Fit, motion: str = "chirp") -> float:
+    """How far the inertia is from the truth, as a share, or 0 where its interval holds."""
+    estimate, true = fit.params["inertia.M"], knob(motion).knob["inertia.M"]
+    low, high = estimate.ci95
+    return 0.0 if low <= true <= high else abs(estimate.value / true - 1.0)
+
+
+@pytest.mark.parametrize("motion", ["chirp", "turns", "multisine"])
+def test_counts_that_were_missed_are_put_back_and_the_floor_stays(motion: str) -> None:
+    log = spoiled("missed counts", motion)
+    (missed,) = [finding for finding in log.findings if finding.kind == "missed"]
+    assert missed.severity == "mended" and missed.rows
+    whole = knob(motion).capture["theta_rad"]
+    written = FAULTS["missed counts"][0].put(np.random.default_rng(SEED), knob(motion).capture)["theta_rad"]
+    before, after = (np.ptp((theta - whole)[log.mask]) for theta in (written, log.theta))
+    assert after < 0.5 * before
+    fit = kc.fit(log)
+    assert fit.noise_floor == pytest.approx(knob(motion).noise_floor, rel=0.1)
+    assert off(fit, motion) < 0.02
+
+
+def test_a_slip_of_the_knob_itself_is_no_count_that_was_missed() -> None:
+    for effects in (("backlash",), ("compliance",)):
+        log = capture(knob("hand", effects, 10.0).capture)
+        assert not [finding for finding in log.findings if finding.kind in ("missed", "dead", "jump")]
+
+
+@pytest.mark.parametrize("every", [4, 10])
+def test_a_torque_that_stands_is_compared_where_it_was_read(every: int) -> None:
+    columns = dict(knob().capture)
+    columns["tau_Nm"] = columns["tau_Nm"][np.arange(len(columns["t_s"])) // every * every]
+    log = capture(columns)
+    assert [(one.kind, one.column, one.severity) for one in log.findings] == [("held", "tau", "mended")]
+    prepared = kc.prepare(log)
+    assert prepared.core.rate_hz == pytest.approx(5000.0 / every)
+    assert (prepared.rows % every == 0).all()
+    story = kc.learn(log)
+    assert (story.verdict, story.found) == ("complete", ())
+    assert off(story.fit) < 0.02
+
+
+@pytest.mark.parametrize("fault", ["wild runs of alpha", "angle away for ms"])
+def test_a_sensor_that_is_off_for_a_time_does_not_pull_the_motion(fault: str) -> None:
+    fit, clean = kc.fit(spoiled(fault)), kc.fit(capture(knob().capture))
+    assert any(one.kind == "spike" for one in fit.prepared[0].findings)
+    assert fit.params["inertia.M"].value == pytest.approx(clean.params["inertia.M"].value, rel=0.01)
+
+
+@pytest.mark.parametrize("stuck", [False, True])
+def test_torque_that_is_garbage_for_tens_of_rows_is_masked(stuck: bool) -> None:
+    columns = {name: values.copy() for name, values in knob().capture.items()}
+    rng = np.random.default_rng(3)
+    columns["tau_Nm"][9000:9080] = 0.15 if stuck else rng.uniform(-0.15, 0.15, 80)
+    log = capture(columns)
+    assert [(one.kind, one.column) for one in log.findings] == [("dead" if stuck else "spike", "tau")]
+    assert not log.mask[9002:9078].any() and log.mask[:8980].all() and log.mask[9100:].all()
+
+
+@pytest.mark.parametrize("motion", ["multisine", "hand"])
+def test_a_reversed_torque_is_told_beside_a_spring(motion: str) -> None:
+    columns = dict(knob(motion, ("return_spring",), 30.0).capture)
+    upright, reversed_ = kc.fit(capture(columns)), kc.fit(capture(columns | {"tau_Nm": -columns["tau_Nm"]}))
+    assert upright.log_fault is None
+    assert reversed_.log_fault is not None and "other sign" in reversed_.log_fault
