@@ -24,6 +24,7 @@ from . import (
     learning,
     recording,
     rendering,
+    signals,
     workbench,
 )
 from .arguments import Parser, VersionAction
@@ -38,7 +39,6 @@ _GROUPS = (
     *(capturing, calibrating, recording, fitting, learning, rendering),
     *(converting, workbench, catalogue, demonstrate, emulating),
 )
-_INTERRUPTED = 130  # what a shell reports for a program that Ctrl-C ended
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -48,6 +48,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     and nothing is written. 1: the program failed.
     """
     if argv is None:
+        if sys.stderr is None:
+            sys.stderr = io.StringIO()  # what nobody hears
+        if sys.stdout is None:  # closed by who started the program, as `>&-` does
+            return _end("standard output: is closed; open it, or send it to a file", 2)
         _be_a_process()
     words = list(sys.argv[1:] if argv is None else argv)
     try:
@@ -70,10 +74,10 @@ def _run(words: list[str]) -> int:
         return 0
     except Unfinished as interrupt:
         _say(interrupt.answer, as_document=args.json)
-        return _end(f"interrupted; {interrupt}", _INTERRUPTED)
+        return _end(f"interrupted; {interrupt}", signals.interrupted())
     except KeyboardInterrupt as interrupt:
         kept = str(interrupt)  # what a recording says that it has saved
-        return _end(f"interrupted; {kept}" if kept else "interrupted", _INTERRUPTED)
+        return _end(f"interrupted; {kept}" if kept else "interrupted", signals.interrupted())
     except BaseException as error:  # a panic of the core is no Exception
         if "--traceback" in words:
             import traceback
@@ -119,7 +123,8 @@ def _end(message: str, code: int) -> int:
 
 
 def _be_a_process() -> None:
-    """Print what the terminal cannot show as escapes, and warnings of libraries only when asked for."""
+    """End as others ask for it; print as escapes what the terminal cannot show, no warnings of libraries."""
+    signals.listen()
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
     if not sys.warnoptions:

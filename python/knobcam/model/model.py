@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .. import _core
 from ..base import showing
-from ..base.atomic import write_atomically
+from ..base.reading import open_file, read_text
 from ..base.renamed import renamed
 from ..base.tables import TextTable, text_table
+from ..base.writing import write
 from ..capture.formats.units import torque_unit_of
 from ..capture.motor import torque_per_unit
 from ..errors import InputError
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 
 KNOBS = ("knob1", "knob2", "knob3", "knob4", "knob5")
 _HEAD_BYTES = 4096  # in which a model file has its schema, below whatever its author remarks
+_MOST_BYTES = 1_000_000  # of a file that takes a few thousand
 
 
 class Parameter(NamedTuple):
@@ -70,12 +72,9 @@ class Model(showing.Tabled):
             shipped = resources.files("knobcam.model.knobs").joinpath(f"{name}.toml")
             return cls.parse(shipped.read_text("utf-8"))
         try:
-            text = Path(path).read_text("utf-8")
-        except UnicodeDecodeError:
-            raise InputError(f"{path}: is no text, so no model file; a model is TOML") from None
-        except OSError as error:
-            why = error.strerror or error
-            raise InputError(f"{path}: {why}; give a model file or one of {', '.join(KNOBS)}") from None
+            text = read_text(path, "model file", _MOST_BYTES)
+        except InputError as error:
+            raise InputError(f"{error}: a model file, or one of {', '.join(KNOBS)}") from None
         try:
             return cls.parse(text)
         except InputError as error:
@@ -87,9 +86,9 @@ class Model(showing.Tabled):
         if path in KNOBS or path.lower().endswith(".toml"):
             return True
         try:
-            with Path(path).open("rb") as file:
+            with open_file(path) as file:
                 return b"knobcam.model/" in file.read(_HEAD_BYTES)
-        except OSError:
+        except (InputError, OSError):
             return False
 
     def __eq__(self, other: object) -> bool:
@@ -113,12 +112,7 @@ class Model(showing.Tabled):
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the model file; it appears whole or not at all."""
-        target = Path(path)
-        write_atomically(target, self._write)
-        return target
-
-    def _write(self, path: Path) -> None:
-        path.write_text(self.text(), "utf-8")
+        return write(path, self.text())
 
     @property
     def name(self) -> str:
