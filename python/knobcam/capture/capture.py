@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from ..base import showing
 from ..base.arrays import BoolArray, FloatArray, vector
+from ..base.door import checked, described
 from ..base.renamed import renamed
 from ..base.tables import TextTable
 from ..errors import InputError
@@ -65,13 +66,17 @@ class Capture(showing.Tabled):
         object.__setattr__(self, "torque_unit", torque_unit_of(self.torque_unit, self.coordinate))
         for name in ("t", "theta", "omega", "alpha", "tau"):
             if getattr(self, name) is not None:
-                self._freeze(name, np.float64)
-        self._freeze("mask", np.bool_)
+                self._freeze(name, vector(name, getattr(self, name)))
+        if not isinstance(self.mask, np.ndarray) or self.mask.dtype != np.bool_:
+            raise InputError(f"mask: is {described(self.mask)}; give an array of truths, one a sample")
+        self._freeze("mask", self.mask)
+        if not isinstance(self.meta, Mapping):
+            raise InputError(f"meta: is {described(self.meta)}; give a dict")
         object.__setattr__(self, "meta", MappingProxyType(dict(self.meta)))
         object.__setattr__(self, "findings", tuple(self.findings))
 
-    def _freeze(self, name: str, dtype: type[np.generic]) -> None:
-        values = np.array(getattr(self, name), dtype=dtype)  # a copy: the caller's array stays writable
+    def _freeze(self, name: str, given: FloatArray | BoolArray) -> None:
+        values = given.copy()  # the caller's array stays writable
         if values.shape != (np.size(self.t),):
             raise InputError(
                 f"columns of different length: t has {np.size(self.t)} samples, "
@@ -87,6 +92,7 @@ class Capture(showing.Tabled):
 
     @classmethod
     @renamed(axis="coordinate", rate="rate_hz")
+    @checked
     def from_arrays(
         cls,
         *,
@@ -190,6 +196,7 @@ class Capture(showing.Tabled):
         """Return a figure of motion and torque over time."""
         return showing.plot(self)
 
+    @checked
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the capture and return the path: .csv(.gz), .parquet, .mat, .h5, .hdf5, else the native .npz.
 
@@ -230,6 +237,7 @@ class Capture(showing.Tabled):
 
 
 @renamed(axis="coordinate", rate="rate_hz")
+@checked
 def load(
     path: str | os.PathLike[str],
     *,

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ..base.door import checked
 from ..errors import InputError
 
 if TYPE_CHECKING:
@@ -99,6 +100,7 @@ MOTIONS: dict[str, Callable[..., MotionTrack]] = {
 }
 
 
+@checked
 def motion(name: str, duration_s: float = 6.0, rate_hz: float = 5000.0, **options: float) -> MotionTrack:
     """Return a motion by name, sampled at n / rate for n = 1, 2, ...; options as its function takes them.
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .. import _core
 from ..base import showing
+from ..base.door import checked
 from ..base.reading import open_file, read_text
 from ..base.renamed import renamed
 from ..base.tables import TextTable, text_table
@@ -65,6 +66,7 @@ class Model(showing.Tabled):
         return model
 
     @classmethod
+    @checked
     def load(cls, path: str | os.PathLike[str]) -> Model:
         """Read a model file, or one of the shipped models by name (knob1 to knob5)."""
         name = str(path)
@@ -101,6 +103,7 @@ class Model(showing.Tabled):
         return Model.parse, (self.text(),)
 
     @classmethod
+    @checked
     def parse(cls, text: str) -> Model:
         """Read a model from the text of its file."""
         load_plugins()
@@ -110,6 +113,7 @@ class Model(showing.Tabled):
         """The text of the model file; `parse` gives the same model back, to the last bit."""
         return self.core.text()
 
+    @checked
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the model file; it appears whole or not at all."""
         return write(path, self.text())
@@ -155,10 +159,12 @@ class Model(showing.Tabled):
         """Period of its detents over 2 pi, rad or m; None without detents."""
         return self.core.period
 
+    @checked
     def with_value(self, name: str, value: float) -> Model:
         """Return the model with one parameter set."""
         return Model(self.core.with_value(name, value))
 
+    @checked
     def with_fixed(self, name: str, fixed: bool = True) -> Model:
         """Return the model with one parameter kept from being fitted, or freed."""
         return Model(self.core.with_fixed(name, fixed))
@@ -170,6 +176,7 @@ class Model(showing.Tabled):
             model = model.with_fixed(name)
         return model
 
+    @checked
     def with_tie(self, name: str, to: str) -> Model:
         """Return the model with one parameter always equal to another."""
         return Model(self.core.with_tie(name, to))
@@ -186,10 +193,12 @@ class Model(showing.Tabled):
         load = "loads" if len(self.at_shaft) == 1 else "load"
         return (f"{names} {load} the shaft, before the joint to the knob.",) if names else ()
 
+    @checked
     def with_effect(self, effect: str) -> Model:
         """Return the model with one effect more, at its neutral values."""
         return Model(self.core.with_effect(effect))
 
+    @checked
     def with_at_shaft(self, effect: str) -> Model:
         """Return the model with a load of it at the shaft, before the backlash or compliance of the model.
 
@@ -198,6 +207,7 @@ class Model(showing.Tabled):
         """
         return Model(self.core.with_at_shaft(effect))
 
+    @checked
     def as_torque(self, *, kt: float | None, resistance_ohm: float | None = None) -> Model:
         """Return the model of a motor in A or V with its torques in N m, by its torque constant, N m/A.
 
@@ -209,6 +219,7 @@ class Model(showing.Tabled):
         except InputError as error:
             raise InputError(f"model '{self.name}': {error}" if self.name else str(error)) from None
 
+    @checked
     def renamed(self, name: str) -> Model:
         """Return the model under another name."""
         return Model(self.core.renamed(name))

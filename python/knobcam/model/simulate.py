@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .. import _core
+from ..base.door import checked
 from ..capture import Capture
 from ..capture.motions import MotionTrack
 from ..capture.motions import motion as make_motion
@@ -58,6 +59,7 @@ PAPER = SensorNoise(tau_uniform=4.0)
 NOISES = {"ranged": RIG, "rig": RIG, "paper": PAPER, "none": SensorNoise()}
 
 
+@checked
 def simulate(
     model: Model | str | os.PathLike[str],
     motion: str | MotionTrack = "sweep",
@@ -76,6 +78,8 @@ def simulate(
     slips (`karnopp`).
     """
     _known(noise)
+    if seed < 0:
+        raise InputError(f"seed={seed}: give a whole number from 0")
     if not isinstance(model, Model):
         model = Model.load(model)
     if motion == "push":

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..base.door import checked
 from ..base.optional import require
 from ..base.writing import write
 from ..errors import InputError
@@ -91,6 +92,7 @@ class Look:
         """Return a page of the plots alone."""
         return html(self.steps)
 
+    @checked
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write that page and return its path; it appears whole or not at all."""
         return write(path, self.html())

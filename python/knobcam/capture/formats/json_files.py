@@ -17,6 +17,7 @@ from .table import MOST_COLUMNS, Table, add_array, check_joint, choose
 
 _STARTS = re.compile(rb"\s*(\{|\[\s*[\[{])")
 _DEEPEST = 16
+_BLOCK = 2**18  # bytes that are parsed at once
 _LARGEST = 2**25  # bytes of one document or line, whose objects can take thirty times that
 _TVIEW = {"controller", "timestamp", "channel", "data"}
 _SERVO = "servo_stats"  # the channel of tview that has the motion
@@ -55,24 +56,35 @@ def read_json(stream: IO[bytes], budget: Budget, joint: str | None = None) -> Ta
 
 
 def _lines(source: str, raw: bytes) -> Iterator[Mapping[str, Any]]:
-    """Parse the lines one by one."""
+    """Parse the lines, many at a time where each of them is whole."""
     row, start = 0, 0
     while start < len(raw):
-        end = raw.find(b"\n", start)
+        end = raw.find(b"\n", start + _BLOCK)
         end = len(raw) if end < 0 else end
-        line, start = raw[start:end].strip(), end + 1
-        if not line:
-            continue
-        row += 1
-        if len(line) > _LARGEST:
-            raise InputError(f"{source}: row {row} has {len(line)} bytes; write one sample an object")
+        lines = [line for line in raw[start:end].split(b"\n") if line.strip()]
+        start = end + 1
         try:
-            found = json.loads(line)
-        except (ValueError, RecursionError) as error:
-            raise InputError(
-                f"{source}: row {row} is damaged JSON ({error}); complete or delete the line"
-            ) from error
-        yield _object(source, row, found)
+            found = (
+                json.loads(b"[%s]" % b",".join(lines)) if max(map(len, lines), default=0) < _LARGEST else []
+            )
+        except (ValueError, RecursionError):
+            found = []
+        if len(found) != len(lines):
+            found = (_line(source, index, line) for index, line in enumerate(lines, start=row + 1))
+        for one in found:
+            row += 1
+            yield _object(source, row, one)
+
+
+def _line(source: str, row: int, line: bytes) -> Any:
+    if len(line) > _LARGEST:
+        raise InputError(f"{source}: row {row} has {len(line)} bytes; write one sample an object")
+    try:
+        return json.loads(line)
+    except (ValueError, RecursionError) as error:
+        raise InputError(
+            f"{source}: row {row} is damaged JSON ({error}); complete or delete the line"
+        ) from error
 
 
 def _object(source: str, row: int, found: Any) -> Mapping[str, Any]:
@@ -93,7 +105,12 @@ class _Columns:
     def add(self, row: Mapping[str, Any]) -> None:
         """Add a row."""
         self.rows += 1
-        self._put("", row, 0)
+        for name, value in row.items():
+            column = self.values.get(name) if type(value) is float else None
+            if column is not None and len(column) == self.rows - 1:
+                column.append(value)
+            else:
+                self._put(name, value, 1)
 
     def _put(self, name: str, value: Any, depth: int) -> None:
         if depth > _DEEPEST:

@@ -7,6 +7,7 @@ import io
 import json
 from array import array
 from collections.abc import Callable, Iterable, Mapping
+from itertools import islice
 from typing import IO, Any, TextIO
 
 import numpy as np
@@ -19,6 +20,7 @@ from .table import Table, check_width
 
 _DOCUMENT = "# knobcam:"
 _LONGEST = 2**22  # bytes of a row
+_CHUNK = 2000  # lines
 _MOST_COMMENTS = 10_000  # above the first row
 _HEAD = 4096
 _UTF16 = (b"\xff\xfe", b"\xfe\xff")
@@ -160,25 +162,43 @@ def _cell_by_cell(
     last = [0] * len(names)
     broken: dict[str, str] = {}
     row = whole = 0
-    for line in lines:
-        if _skipped(line):
-            continue
-        row += 1
-        cells = _cells(line, delimiter) if '"' in line else line.split(delimiter)
-        if len(cells) != len(names):
-            raise _wrong_width(source, row, len(cells), len(names))
-        numbers = _all_numbers(line, cells)
-        if numbers is None:
-            numbers = _patiently(row, names, cells, last, broken)
-        else:
+    rest = iter(lines)
+    while some := list(islice(rest, _CHUNK)):
+        fast = _whole(some, delimiter)
+        if fast is not None and fast.shape[1] == len(names):
+            values.frombytes(fast.tobytes())
+            row += len(fast)
             whole = row
-        values.extend(numbers)
+            continue
+        for line in some:
+            if _skipped(line):
+                continue
+            row += 1
+            cells = _cells(line, delimiter) if '"' in line else line.split(delimiter)
+            if len(cells) != len(names):
+                raise _wrong_width(source, row, len(cells), len(names))
+            numbers = _all_numbers(line, cells)
+            if numbers is None:
+                numbers = _patiently(row, names, cells, last, broken)
+            else:
+                whole = row
+            values.extend(numbers)
     matrix = np.frombuffer(values, dtype=np.float64).reshape(row, len(names))
     columns = {}
     for index, name in enumerate(names):
         if name not in broken:
             columns[name] = matrix[: max(last[index], whole) or row, index]
     return columns, broken
+
+
+def _whole(lines: list[str], delimiter: str | None) -> FloatArray | None:
+    """Return the numbers of lines that hold nothing else, as most do; None where one does."""
+    if not any(map(str.strip, lines)):
+        return None
+    try:
+        return np.loadtxt(lines, delimiter=delimiter, comments=None, ndmin=2)
+    except ValueError:
+        return None
 
 
 def _all_numbers(line: str, cells: list[str]) -> list[float] | None:
