@@ -12,7 +12,7 @@ import os
 import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import wraps
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 
@@ -51,6 +51,11 @@ def checked(function: Callable[_P, _R]) -> Callable[_P, _R]:
         return function(*args, **kwargs)
 
     return inside
+
+
+def check(name: str, value: object, kind: str) -> None:
+    """Refuse a value of another kind than an annotation says."""
+    _check(name, value, _alternatives(kind))
 
 
 def described(value: object) -> str:
@@ -116,7 +121,11 @@ def _fits(name: str, value: object, kind: str) -> bool:
     if outer in _EVERY:
         if isinstance(value, str):
             return outer == "Collection"  # which the function refuses by itself
-        if not isinstance(value, Collection) or not isinstance(value, _EVERY[outer]) or np.ndim(value) == 0:
+        if (
+            not isinstance(value, Collection)
+            or not isinstance(value, _EVERY[outer])
+            or getattr(value, "ndim", 1) == 0
+        ):
             return False
         for each in value:
             _check(name, each, _alternatives(inner))
@@ -128,7 +137,8 @@ def _fits(name: str, value: object, kind: str) -> bool:
     return any(one.__name__ == outer.rpartition(".")[2] for one in type(value).__mro__)
 
 
-def _is_number(value: object) -> bool:
+def is_number(value: object) -> bool:
+    """Whether it is a real number that a float can hold; NaN is none."""
     if isinstance(value, bool | np.bool_) or not isinstance(value, numbers.Real):
         return False
     try:
@@ -145,7 +155,7 @@ _TESTS: Mapping[str, Callable[[object], bool]] = {
     "None": lambda value: value is None,
     "str": lambda value: isinstance(value, str),
     "bool": lambda value: isinstance(value, bool | np.bool_),
-    "float": _is_number,
+    "float": is_number,
     "int": _is_whole,
     "os.PathLike[str]": lambda value: isinstance(value, os.PathLike),
     "ArrayLike": lambda value: value is not None,  # its content is asked for by name
@@ -170,7 +180,7 @@ _WORDS = {
     "Iterable": "a list",
     "Callable": "a function",
 }
-_EVERY: Mapping[str, type] = {"Sequence": Sequence, "Collection": Collection}
+_EVERY: Mapping[str, Any] = {"Sequence": Sequence, "Collection": Collection}
 _OPEN: Mapping[str, Any] = {"Mapping": Mapping, "Iterable": Iterable, "Callable": Callable}
 _ANY = {"Any", "Controller", "Handle", "Watch", "Law"}
 """What only has to have a method, which is asked for when it is called."""

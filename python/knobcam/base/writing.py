@@ -65,11 +65,12 @@ def place(path: str | os.PathLike[str]) -> Place:
         _check_folder(given, file.parent)
         if old is None:
             return Place(given, file, None, through=False)
-        there = _stat(file)
-        if there is None or not os.path.samestat(there, old):  # standard output that goes to a deleted file
+        there = _stat(file)  # which others may have replaced just now
+        if there is None and _stat(given) is not None:  # standard output that goes to a deleted file
             return Place(given, given, old, through=True)
-        _check_file(given, file, old)
-        return Place(given, file, old, through=False)
+        if there is not None:
+            _check_file(given, file, there)
+        return Place(given, file, there, through=False)
     except (OSError, ValueError) as error:
         if isinstance(error, InputError):
             raise

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from ..base import showing
 from ..base.arrays import BoolArray, FloatArray, vector
+from ..base.door import check as check_kind
 from ..base.door import checked, described
 from ..base.renamed import renamed
 from ..base.tables import TextTable
@@ -34,6 +35,13 @@ if TYPE_CHECKING:
     from ..base.showing import Figure
     from .prepare import Prepared
 
+_KINDS = {
+    "coordinate": "str",
+    "rate_hz": "float",
+    "meta": "Mapping",
+    "findings": "Sequence[Finding]",
+    "torque_unit": "str",
+}
 _RATE_AGREEMENT = 0.01  # a given rate that differs more from the time stamps (relative) contradicts them
 
 
@@ -61,6 +69,8 @@ class Capture(showing.Tabled):
     torque_unit: str = ""
 
     def __post_init__(self) -> None:
+        for name, kind in _KINDS.items():
+            check_kind(name, getattr(self, name), kind)
         if self.coordinate not in SI:
             raise InputError(f"coordinate={self.coordinate!r} is unknown; choose rotary or linear")
         object.__setattr__(self, "torque_unit", torque_unit_of(self.torque_unit, self.coordinate))
@@ -70,8 +80,6 @@ class Capture(showing.Tabled):
         if not isinstance(self.mask, np.ndarray) or self.mask.dtype != np.bool_:
             raise InputError(f"mask: is {described(self.mask)}; give an array of truths, one a sample")
         self._freeze("mask", self.mask)
-        if not isinstance(self.meta, Mapping):
-            raise InputError(f"meta: is {described(self.meta)}; give a dict")
         object.__setattr__(self, "meta", MappingProxyType(dict(self.meta)))
         object.__setattr__(self, "findings", tuple(self.findings))
 

@@ -17,8 +17,9 @@ from .table import MOST_COLUMNS, Table, add_array, check_joint, choose
 
 _STARTS = re.compile(rb"\s*(\{|\[\s*[\[{])")
 _DEEPEST = 16
+_PLAIN, _SAFE = (float, int), 2**53
 _BLOCK = 2**18  # bytes that are parsed at once
-_LARGEST = 2**25  # bytes of one document or line, whose objects can take thirty times that
+_LARGEST = 24_000_000  # bytes of one document or line, whose objects can take forty times that
 _TVIEW = {"controller", "timestamp", "channel", "data"}
 _SERVO = "servo_stats"  # the channel of tview that has the motion
 _XL330_PWM = 885.0  # counts at a duty of 1: ROBOTIS e-Manual of the XL330-M288, PWM Limit
@@ -106,8 +107,8 @@ class _Columns:
         """Add a row."""
         self.rows += 1
         for name, value in row.items():
-            column = self.values.get(name) if type(value) is float else None
-            if column is not None and len(column) == self.rows - 1:
+            column = self.values.get(name) if type(value) in _PLAIN else None
+            if column is not None and len(column) == self.rows - 1 and abs(value) < _SAFE:
                 column.append(value)
             else:
                 self._put(name, value, 1)
