@@ -38,6 +38,7 @@ AT_LENGTH = {
     "roundtrip": "Round trips",
     "versions": "Speed before and after",
     "sets": "Speed by instruction set",
+    "faults": "Files and calls, and what is done to them",
 }
 
 

@@ -1,10 +1,10 @@
 """What is done to files and calls, what must hold, and how often it did: one table.
 
-    python benches/study_faults.py [--moments 50] [--seed N] [--only NAME] [--page]
+    python benches/study_faults.py [--moments 50] [--seed N] [--only NAME]
 
 Writers killed at random moments, disks that fill at random sizes, commands that are ended, inputs of up to
 100 MB that are as bad as can be, wrong values for every parameter. Writes benches/results/faults.json, which
-has the seed; what was counted before is kept where `--only` leaves it out. `--page` prints the table alone.
+has the seeds; what was counted before is kept where `--only` leaves it out.
 """
 
 from __future__ import annotations
@@ -246,14 +246,15 @@ def studied(moments: int, seed: int, only: str | None) -> dict[str, Any]:
     return rows
 
 
-def table(found: dict[str, Any]) -> str:
-    """Return the results as the page has them."""
-    head = ["| what is done | what must hold | cases | did not hold |", "|---|---|---|---|"]
-    rows = [
-        f"| {name} | {one['must']} | {one['cases']} | {one['failed']} |"
-        for name, one in found["rows"].items()
-    ]
-    return "\n".join([*head, *rows])
+def report(rows: dict[str, Any]) -> list[str]:
+    """Return the results as the page of figures has them."""
+    lines = [f"{'what is done':<18}{'what must hold':<54}{'cases':>6}{'did not':>9}"]
+    lines += [f"{name:<18}{one['must']:<54}{one['cases']:>6}{one['failed']:>9}" for name, one in rows.items()]
+    if "inputs of 100 MB" in rows:
+        seen = rows["inputs of 100 MB"]["seen"].values()
+        most, longest = (max(one[key] for one in seen) for key in ("peak_mb", "seconds"))
+        lines.append(f"inputs of up to 100 MB took at most {most} MB of memory and {longest:.0f} s")
+    return lines
 
 
 def main() -> None:
@@ -261,18 +262,13 @@ def main() -> None:
     parser.add_argument("--moments", type=int, default=50, help="for each writer")
     parser.add_argument("--seed", type=int, default=time.time_ns() % 2**32, help="default a new one")
     parser.add_argument("--only", metavar="NAME", help="rows with this word alone")
-    parser.add_argument("--page", action="store_true", help="print the table of the results there are")
     args = parser.parse_args()
-    known = json.loads(RESULTS.read_text()) if RESULTS.exists() else {"rows": {}}
-    if not args.page:
-        print(f"seed {args.seed}")
-        rows = {
-            name: {**one, "seed": args.seed}
-            for name, one in studied(args.moments, args.seed, args.only).items()
-        }
-        known = {"rows": known["rows"] | rows}
-        RESULTS.write_text(json.dumps(known, indent=1) + "\n")
-    print(table(known))
+    known = json.loads(RESULTS.read_text())["rows"] if RESULTS.exists() else {}
+    print(f"seed {args.seed}")
+    found = studied(args.moments, args.seed, args.only)
+    rows = known | {name: {**one, "seed": args.seed} for name, one in found.items()}
+    RESULTS.write_text(json.dumps({"report": report(rows), "rows": rows}, indent=1) + "\n")
+    print(*report(rows), sep="\n")
 
 
 if __name__ == "__main__":

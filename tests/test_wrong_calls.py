@@ -57,7 +57,7 @@ def test_no_value_at_all_does(data: st.DataObject, value: object, public: dict[s
         (lambda: kc.fit(5), r"captures: is 5 \(int\); give"),
         (lambda: kc.load("a.csv", rate_hz="x"), "rate_hz: is the text 'x'; give a number or None"),
         (lambda: kc.simulate("knob3", rate_hz=0), "a rate of 0 Hz"),
-        (lambda: kc.simulate("knob3", rate_hz=float("nan")), "rate_hz: is nan"),
+        (lambda: kc.simulate("knob3", rate_hz=float("nan")), "rate_hz: is NaN; give a number"),
         (lambda: kc.simulate("knob3", seed=-1), "seed=-1"),
         (lambda: kc.simulate("knob3", noise=kc.SensorNoise(tau_sd=-1.0)), "noise.tau_sd"),
     ],

@@ -29,3 +29,14 @@ def vector(name: str, values: ArrayLike) -> FloatArray:
     if array.ndim != 1:
         raise InputError(f"{name}: has shape {array.shape}; give one value a sample")
     return array
+
+
+def truths(name: str, values: ArrayLike) -> BoolArray:
+    """Return which samples are meant, shape (samples,); InputError for what holds anything else."""
+    try:
+        array = np.asarray(values)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name}: not an array of truths ({error})") from error
+    if array.dtype.kind != "b":
+        raise InputError(f"{name}: holds no truths; give True or False for each sample")
+    return array

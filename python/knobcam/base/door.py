@@ -66,6 +66,8 @@ def described(value: object) -> str:
         return "None"
     if isinstance(value, str):
         return f"the text {_short(value)}"
+    if isinstance(value, float) and math.isnan(value):
+        return "NaN"
     plain = isinstance(value, bool | numbers.Number)
     return f"{_short(value)} ({type(value).__name__})" if plain else _article(type(value).__name__)
 

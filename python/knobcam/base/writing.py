@@ -133,7 +133,11 @@ def together() -> Iterator[Outputs]:
         outputs.commit()
     finally:
         _open.outputs = None
-        outputs.discard()
+        try:
+            outputs.discard()
+        except BaseException:  # Ctrl-C while it tidies up
+            outputs.discard()
+            raise
 
 
 def remove_parts() -> None:

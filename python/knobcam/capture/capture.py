@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base import showing
-from ..base.arrays import BoolArray, FloatArray, vector
+from ..base.arrays import BoolArray, FloatArray, truths, vector
 from ..base.door import check as check_kind
-from ..base.door import checked, described
+from ..base.door import checked
 from ..base.renamed import renamed
 from ..base.tables import TextTable
 from ..errors import InputError
@@ -77,9 +77,7 @@ class Capture(showing.Tabled):
         for name in ("t", "theta", "omega", "alpha", "tau"):
             if getattr(self, name) is not None:
                 self._freeze(name, vector(name, getattr(self, name)))
-        if not isinstance(self.mask, np.ndarray) or self.mask.dtype != np.bool_:
-            raise InputError(f"mask: is {described(self.mask)}; give an array of truths, one a sample")
-        self._freeze("mask", self.mask)
+        self._freeze("mask", truths("mask", self.mask))
         object.__setattr__(self, "meta", MappingProxyType(dict(self.meta)))
         object.__setattr__(self, "findings", tuple(self.findings))
 
