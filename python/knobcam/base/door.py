@@ -27,7 +27,7 @@ def checked(function: Callable[_P, _R]) -> Callable[_P, _R]:
     """Refuse arguments of another kind than their annotations say: InputError with name, value and wish.
 
     >>> @checked
-    ... def half(rate_hz: "float") -> "float":
+    ... def half(rate_hz: float) -> float:
     ...     return rate_hz / 2.0
     >>> half("fast")
     Traceback (most recent call last):
