@@ -138,10 +138,10 @@ def test_equal_captures_are_equal_files(tmp_path: Path) -> None:
 def test_a_capture_that_cannot_be_saved_leaves_nothing_behind(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="meta"):
         swing(meta={"notes": object()}).save(tmp_path / "capture.csv")
-    with pytest.raises(InputError, match="cannot be written"):
+    with pytest.raises(InputError, match="there is no folder"):
         swing().save(tmp_path / "nowhere" / "capture.csv")
     (tmp_path / "taken").mkdir()
-    with pytest.raises(InputError, match="cannot be written"):
+    with pytest.raises(InputError, match="is a folder"):
         swing().save(tmp_path / "taken")
     assert [path.name for path in tmp_path.iterdir()] == ["taken"]
 

@@ -36,6 +36,7 @@ def pictures(monkeypatch: pytest.MonkeyPatch) -> None:
         fit: kc.Fit, folder: Path, comparison: kc.Comparison | None = None, forward: object = None
     ) -> list[Path]:
         name = "fit.png" if comparison is None else "comparison.png"
+        folder.mkdir(exist_ok=True)
         (folder / name).write_bytes(b"picture")
         return [folder / name]
 
@@ -43,6 +44,7 @@ def pictures(monkeypatch: pytest.MonkeyPatch) -> None:
         return SimpleNamespace(savefig=lambda path: Path(path).write_text(effect.id))
 
     def save_learning(story: kc.LearningResult, folder: Path, rendered: kc.Fit | None = None) -> list[Path]:
+        folder.mkdir(exist_ok=True)
         (folder / "story.png").write_bytes(b"picture")
         return [folder / "story.png"]
 

@@ -118,7 +118,7 @@ def test_a_table_that_is_wider_than_any_log_is_refused_in_seconds(tmp_path: Path
     header = ",".join(f"name{index}" for index in range(50_000))
     path.write_text("\n".join([header, *[",".join(["1.5"] * 50_000)] * 3]))
     start = time.monotonic()
-    with pytest.raises(InputError, match=r"name0, name1, .* and 49980 more; say which is which"):
+    with pytest.raises(InputError, match=r"has 50000 columns or more, the most is 4096"):
         load(path)
     assert time.monotonic() - start < 15.0
 

@@ -207,7 +207,7 @@ def test_a_voltage_is_converted_without_its_back_emf(torque: kc.Capture) -> None
     [
         ("N m", {"kt": KT}, "in N m already"),
         ("A", {"kt": -1.0}, "kt = -1.0 must be a positive number"),
-        ("A", {"kt": math.nan}, "kt = nan must be"),
+        ("A", {"kt": math.nan}, "kt: is NaN"),
         ("A", {"kt": KT, "resistance_ohm": 1.0}, "leave the resistance out"),
         ("V", {"kt": KT}, "needs the resistance"),
         ("V", {"kt": None, "resistance_ohm": 1.0}, "needs kt"),

@@ -329,8 +329,10 @@ SHAPE = kc.OwnParameter("rad", -1.0, 1.0)
     ],
 )
 def test_what_cannot_be_registered_is_refused_by_name(name: str, more: dict[str, Any], said: str):
-    register = kc.own_effect(name, law="a", **more)
-    assert said in refusal(lambda: register(lambda motion, a: a * motion.theta))
+    def register() -> object:
+        return kc.own_effect(name, law="a", **more)(lambda motion, a: a * motion.theta)
+
+    assert said in refusal(register)
     assert name not in kc.effects() or name == "viscous"
 
 

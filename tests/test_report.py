@@ -136,5 +136,5 @@ def test_a_report_appears_whole_at_its_path(story: kc.LearningResult, page: str,
     path = story.report(tmp_path / "knob.html")
     assert path.read_text("utf-8") == page
     assert [one.name for one in tmp_path.iterdir()] == ["knob.html"]
-    with pytest.raises(kc.InputError, match="cannot be written"):
+    with pytest.raises(kc.InputError, match="there is no folder"):
         story.report(tmp_path / "no" / "such" / "knob.html")

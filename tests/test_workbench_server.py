@@ -177,6 +177,8 @@ def test_what_can_be_saved_can_be_fetched(opened: httpx.Client, tmp_path: Path):
     assert saved["path"] == str(target)
     assert kc.Model.load(target).effects
     wrong(opened.post("/api/save", json={"what": "model", "path": str(target)}), 400, "exists already")
+    long = str(tmp_path / ("x" * 300))
+    wrong(opened.post("/api/save", json={"what": "model", "path": long}), 400, "name too long")
     wrong(opened.get("/api/download", params={"what": "../../x"}), 400, "cannot be saved")
 
 

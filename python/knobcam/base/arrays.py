@@ -11,13 +11,32 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.intp]
 
+_KINDS = {"b": "truths", "c": "complex numbers", "U": "text", "S": "text", "M": "dates", "m": "time spans"}
+
 
 def vector(name: str, values: ArrayLike) -> FloatArray:
     """Return one value a sample, shape (samples,); InputError names what is no such array."""
     try:
-        array = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+        given = np.ma.asanyarray(values) if isinstance(values, np.ma.MaskedArray) else np.asarray(values)
+    except (TypeError, ValueError, OverflowError, RecursionError) as error:
         raise InputError(f"{name}: not an array of numbers ({error})") from error
+    if given.dtype.kind not in "iuf":
+        raise InputError(
+            f"{name}: holds {_KINDS.get(given.dtype.kind, 'objects')}; give an array of real numbers"
+        )
+    # What a mask hides is no reading.
+    array = np.ma.filled(given.astype(np.float64), np.nan)
     if array.ndim != 1:
         raise InputError(f"{name}: has shape {array.shape}; give one value a sample")
+    return array
+
+
+def truths(name: str, values: ArrayLike) -> BoolArray:
+    """Return which samples are meant, shape (samples,); InputError for what holds anything else."""
+    try:
+        array = np.asarray(values)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name}: not an array of truths ({error})") from error
+    if array.dtype.kind != "b":
+        raise InputError(f"{name}: holds no truths; give True or False for each sample")
     return array

@@ -14,7 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base import showing
-from ..base.arrays import BoolArray, FloatArray, vector
+from ..base.arrays import BoolArray, FloatArray, truths, vector
+from ..base.door import check as check_kind
+from ..base.door import checked
 from ..base.renamed import renamed
 from ..base.tables import TextTable
 from ..errors import InputError
@@ -33,6 +35,13 @@ if TYPE_CHECKING:
     from ..base.showing import Figure
     from .prepare import Prepared
 
+_KINDS = {
+    "coordinate": "str",
+    "rate_hz": "float",
+    "meta": "Mapping",
+    "findings": "Sequence[Finding]",
+    "torque_unit": "str",
+}
 _RATE_AGREEMENT = 0.01  # a given rate that differs more from the time stamps (relative) contradicts them
 
 
@@ -60,18 +69,20 @@ class Capture(showing.Tabled):
     torque_unit: str = ""
 
     def __post_init__(self) -> None:
+        for name, kind in _KINDS.items():
+            check_kind(name, getattr(self, name), kind)
         if self.coordinate not in SI:
             raise InputError(f"coordinate={self.coordinate!r} is unknown; choose rotary or linear")
         object.__setattr__(self, "torque_unit", torque_unit_of(self.torque_unit, self.coordinate))
         for name in ("t", "theta", "omega", "alpha", "tau"):
             if getattr(self, name) is not None:
-                self._freeze(name, np.float64)
-        self._freeze("mask", np.bool_)
+                self._freeze(name, vector(name, getattr(self, name)))
+        self._freeze("mask", truths("mask", self.mask))
         object.__setattr__(self, "meta", MappingProxyType(dict(self.meta)))
         object.__setattr__(self, "findings", tuple(self.findings))
 
-    def _freeze(self, name: str, dtype: type[np.generic]) -> None:
-        values = np.array(getattr(self, name), dtype=dtype)  # a copy: the caller's array stays writable
+    def _freeze(self, name: str, given: FloatArray | BoolArray) -> None:
+        values = given.copy()  # the caller's array stays writable
         if values.shape != (np.size(self.t),):
             raise InputError(
                 f"columns of different length: t has {np.size(self.t)} samples, "
@@ -87,6 +98,7 @@ class Capture(showing.Tabled):
 
     @classmethod
     @renamed(axis="coordinate", rate="rate_hz")
+    @checked
     def from_arrays(
         cls,
         *,
@@ -190,6 +202,7 @@ class Capture(showing.Tabled):
         """Return a figure of motion and torque over time."""
         return showing.plot(self)
 
+    @checked
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the capture and return the path: .csv(.gz), .parquet, .mat, .h5, .hdf5, else the native .npz.
 
@@ -230,6 +243,7 @@ class Capture(showing.Tabled):
 
 
 @renamed(axis="coordinate", rate="rate_hz")
+@checked
 def load(
     path: str | os.PathLike[str],
     *,

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ..base.arrays import vector
+from ..base.door import checked
 from ..errors import InputError
 
 if TYPE_CHECKING:
@@ -21,6 +23,19 @@ class MotionTrack(NamedTuple):
     theta: FloatArray
     omega: FloatArray
     alpha: FloatArray
+
+
+def checked_track(track: MotionTrack) -> MotionTrack:
+    """Return a track of float64 columns of one length, whose times advance. InputError says what is not."""
+    columns = [vector(f"motion.{name}", values) for name, values in zip(track._fields, track, strict=True)]
+    for name, values in zip(track._fields, columns, strict=True):
+        if len(values) != len(columns[0]):
+            raise InputError(f"motion.{name}: is not as long as t, {len(columns[0])} samples; cut them")
+        if not np.isfinite(values).all():
+            raise InputError(f"motion.{name}: holds what is no number; a motion to be made has no gaps")
+    if len(columns[0]) < 2 or not (np.diff(columns[0]) > 0.0).all():
+        raise InputError("motion.t: does not advance from sample to sample; give two or more, in their order")
+    return MotionTrack(*columns)
 
 
 def sweep(t: FloatArray, a: float = 0.0, b: float = 1.5, c: float = 1.0, d: float = 3.0) -> MotionTrack:
@@ -99,6 +114,7 @@ MOTIONS: dict[str, Callable[..., MotionTrack]] = {
 }
 
 
+@checked
 def motion(name: str, duration_s: float = 6.0, rate_hz: float = 5000.0, **options: float) -> MotionTrack:
     """Return a motion by name, sampled at n / rate for n = 1, 2, ...; options as its function takes them.
 

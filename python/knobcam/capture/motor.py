@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ..base.door import checked
 from ..errors import InputError
 from .formats.units import GIVEN
 
@@ -54,6 +55,7 @@ def torque_per_unit(unit: str, kt: float | None, resistance_ohm: float | None) -
     return PerUnit(kt / resistance_ohm, kt**2 / resistance_ohm)
 
 
+@checked
 def as_torque(capture: Capture, kt: float | None, resistance_ohm: float | None) -> Capture:
     """Return the capture with its torque in N m (N); see `Capture.as_torque`."""
     source = capture.meta.get("source")

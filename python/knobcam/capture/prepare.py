@@ -9,6 +9,7 @@ import numpy as np
 
 from .. import _core
 from ..base import showing
+from ..base.door import checked
 from ..errors import InputError
 from . import run
 from .finding import Finding
@@ -121,6 +122,7 @@ def travel(prepared: Sequence[Prepared]) -> float:
     return float(np.ptp(np.concatenate([one.theta[one.used] for one in prepared])))
 
 
+@checked
 def prepare(capture: Capture, method: str = "smooth", **options: float) -> Prepared:
     """Return the prepared signals of a capture.
 

@@ -35,11 +35,11 @@ if TYPE_CHECKING:
 
     from .output import Answer
 
+_INTERRUPTED = 130  # what a shell reports for Ctrl-C
 _GROUPS = (
     *(capturing, calibrating, recording, fitting, learning, rendering),
     *(converting, workbench, catalogue, demonstrate, emulating),
 )
-_INTERRUPTED = 130  # what a shell reports for a program that Ctrl-C ended
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -49,6 +49,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     and nothing is written. 1: the program failed.
     """
     if argv is None:
+        if sys.stderr is None:
+            sys.stderr = io.StringIO()  # what nobody hears
+        if sys.stdout is None:  # closed by who started the program, as `>&-` does
+            return _end("standard output: is closed; open it, or send it to a file", 2)
         _be_a_process()
     words = list(sys.argv[1:] if argv is None else argv)
     try:
@@ -123,7 +127,7 @@ def _end(message: str, code: int) -> int:
 
 
 def _be_a_process() -> None:
-    """Print what the terminal cannot show as escapes, and warnings of libraries only when asked for."""
+    """End as others ask for it; print as escapes what the terminal cannot show, no warnings of libraries."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
     if not sys.warnoptions:

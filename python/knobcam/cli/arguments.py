@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
+from ..base.reading import is_folder
 from ..errors import InputError
 from .output import status
 
@@ -63,7 +64,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def _runs(path: str) -> list[str]:
-    if not Path(path).is_dir():
+    if not is_folder(path):
         return [path]
     from ..capture.formats import runs_in
 

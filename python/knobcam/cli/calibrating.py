@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..base.writing import make_folder, together
 from . import arguments
-from .output import Answer, check_file, check_folder, status, writing
+from .output import Answer, check_file, check_folder, status
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -58,10 +59,10 @@ def run(args: Namespace) -> Answer:
     known = Calibration.load(target) if target.is_file() else None
     if known is not None and known.serial == found.serial:
         found = known.merged(found)
-    files = {"calibration": str(found.save(target))}
-    if args.plots is not None:
-        with writing(args.plots):
-            args.plots.mkdir(exist_ok=True)
+    with together():
+        files = {"calibration": str(found.save(target))}
+        if args.plots is not None:
+            make_folder(args.plots)
             found.plot().savefig(args.plots / "calibration.png", dpi=130)
-        files["picture"] = str(args.plots / "calibration.png")
+            files["picture"] = str(args.plots / "calibration.png")
     return Answer(f"{found!r}\nkept in {target}", found.document() | {"files": files})

@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..base.writing import make_folder, together
 from ..errors import InputError
 from . import arguments
-from .output import Answer, check_file, check_folder, status, writing
+from .output import Answer, check_file, check_folder, status
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -44,7 +45,8 @@ def run(args: Namespace) -> Answer:
     else:
         shown = [effect(args.id, args.coordinate)]
         text = repr(shown[0])
-    files = [_draw(one, path) for one in shown for path in pictures(one)]
+    with together():
+        files = [_draw(one, path) for one in shown for path in pictures(one)]
     text = "\n".join([text, *(f"picture: {path}" for path in files)])
     document = {
         "schema": "knobcam.effects/1",
@@ -72,9 +74,8 @@ def _targets(picture: Path | None, folder: Path | None, name: str | None) -> Cal
 
 def _draw(effect: Effect, path: Path) -> str:
     status(f"drawing {effect.id}")
-    with writing(path):
-        path.parent.mkdir(exist_ok=True)
-        effect.plot().savefig(path)
+    make_folder(path.parent)
+    effect.plot().savefig(path)
     return str(path)
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from . import arguments
-from .output import Answer, check_folder, findings, status, writing
+from .output import Answer, check_folder, findings, status
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -36,8 +36,7 @@ def run(args: Namespace) -> Answer:
     hiding(knob, effect)  # refuses before anything is written
     folder = args.output or Path(f"knobcam-demo-{knob}")
     check_folder(folder)
-    with writing(folder):
-        shown = demonstration.run(knob, effect, folder, status)
+    shown = demonstration.run(knob, effect, folder, status)
     fitted = shown.learned.fit
     text = f"{shown!r}\nreport: {shown.files['report']}\nfiles in {folder.absolute()}"
     rendered = {"rmse": shown.rendered.rmse, "params": shown.rendered.document()["params"]}

@@ -7,13 +7,16 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ..base.tables import text_table
+from ..base.writing import make_folder, together
+from ..errors import InputError
 from ..fit import fit
 from ..learn import learn
 from ..model import Model
 from ..model.effects import effects
 from ..model.hiding import hiding
-from ..rig.emulator import EmulatedRig
+from ..rig.emulator import EMULATED, EmulatedRig
 from ..rig.record import record
+from ..rig.wirelog import WireLog
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -75,10 +78,10 @@ def run(knob: str, effect: str, folder: Path, status: Callable[[str], None]) -> 
     Everything is written to `folder`, made if need be; `status` is told each step.
     """
     model = hiding(knob, effect)
-    folder.mkdir(exist_ok=True)
-    for name in ("capture", "rendered"):
-        # Of a demonstration before this one.
-        (folder / f"{name}.kcwire").unlink(missing_ok=True)
+    make_folder(folder)
+    for log in (folder / "capture.kcwire", folder / "rendered.kcwire"):
+        if log.exists():
+            _remove(log)
 
     def watch(doing: str) -> Callable[[Figures], None]:
         return lambda figures: status(f"{doing}: {figures.received} samples, {figures.missing} lost")
@@ -88,7 +91,6 @@ def run(knob: str, effect: str, folder: Path, status: Callable[[str], None]) -> 
         seen = watch(f"recording {knob} over {rig.port}")
         capture = record(rig.port, "sweep", output=folder / "capture.npz", progress=seen, overwrite=True)
         learned = learn(capture, progress=status)
-        fitted = learned.model.renamed(f"{knob}, fitted").save(folder / "model.toml")
         felt = feelable(learned.model)
         seen = watch("recording the learned model, which the device renders")
         # No hand is on an emulated rig: what was learned is shown as it is.
@@ -106,18 +108,29 @@ def run(knob: str, effect: str, folder: Path, status: Callable[[str], None]) -> 
     status("drawing")
     from ..show import plot
 
-    pictures = plot.save_learning(learned, folder, rendered)
-    status("writing the report")
+    with together():
+        fitted = learned.model.renamed(f"{knob}, fitted").save(folder / "model.toml")
+        pictures = plot.save_learning(learned, folder, rendered)
+        status("writing the report")
+        report = learned.report(folder / "report.html")
     files = {
         "folder": str(folder.absolute()),
         "log": str(folder / "capture.kcwire"),
         "capture": str(folder / "capture.npz"),
         "model": str(fitted),
         "rendered": str(folder / "rendered.npz"),
-        "report": str(learned.report(folder / "report.html")),
+        "report": str(report),
         "pictures": [str(path) for path in pictures],
     }
     return Demo(model, (effect,), learned, rendered, files)
+
+
+def _remove(log: Path) -> None:
+    """Remove the recording of a demonstration before this one, and nobody else's."""
+    device = WireLog.load(log).device
+    if device is None or not device["serial"].startswith(EMULATED):
+        raise InputError(f"{log}: is a recording of another rig, which is kept; choose another folder")
+    log.unlink()
 
 
 def feelable(model: Model) -> Model:

@@ -5,14 +5,17 @@ from __future__ import annotations
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
+from ..base.writing import make_folder, together
 from ..errors import InputError
 from . import arguments
-from .output import Answer, about, check_file, check_folder, findings, status, writing
+from .output import Answer, about, check_file, check_folder, findings, status
 
 if TYPE_CHECKING:
     from argparse import Namespace
+    from collections.abc import Callable, Mapping
     from pathlib import Path
 
+    from ..base.showing import Figure
     from ..fit import Fit
     from ..fit.compare import Comparison
     from ..fit.forward import Forward
@@ -69,10 +72,11 @@ def run_fit(args: Namespace) -> Answer:
         fitted = fit(captures, model, prepare=args.prepare, detents=args.detents, **options)
 
     files: dict[str, object] = {}
-    if args.output is not None:
-        files["model"] = str(fitted.model.save(args.output))
-    if args.plots is not None:
-        files["pictures"] = draw(fitted, args.plots)
+    with together():
+        if args.output is not None:
+            files["model"] = str(fitted.model.save(args.output))
+        if args.plots is not None:
+            files["pictures"] = draw(fitted, args.plots)
     stuck = fitted.stiction()
     shown = [repr(stuck)] if any(stuck.breakaways) else []
     text = "\n".join([repr(fitted), *shown, *said(files)])
@@ -127,10 +131,18 @@ def draw(
     status("drawing")
     from ..show import plot
 
-    with writing(folder):
-        folder.mkdir(exist_ok=True)
-        drawn = plot.save_all(fitted, folder, comparison=comparison, forward=forward)
-        return [str(path) for path in drawn]
+    drawn = plot.save_all(fitted, folder, comparison=comparison, forward=forward)
+    return [str(path) for path in drawn]
+
+
+def put(pictures: Mapping[str, Callable[[], Figure]], folder: Path) -> list[str]:
+    """Write pictures by name as PNG into a folder, all or none, and return the paths."""
+    paths = [folder / f"{name}.png" for name in pictures]
+    with together():
+        make_folder(folder)
+        for path, picture in zip(paths, pictures.values(), strict=True):
+            picture().savefig(path)
+    return [str(path) for path in paths]
 
 
 def said(files: dict[str, object]) -> list[str]:

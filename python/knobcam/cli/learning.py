@@ -5,10 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..base.writing import together
 from ..errors import InputError
 from . import arguments
-from .fitting import answer, draw, said
-from .output import Unfinished, about, check_file, check_folder, status, writing
+from .fitting import answer, draw, put, said
+from .output import Unfinished, about, check_file, check_folder, status
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -82,11 +83,7 @@ def run_diagnose(args: Namespace) -> Answer:
     files: dict[str, object] = {}
     if args.plots is not None:
         pictures = {"diagnosis": diagnosis.plot, "comparison": diagnosis.comparison.plot}
-        with writing(args.plots):
-            args.plots.mkdir(exist_ok=True)
-            for name, picture in pictures.items():
-                picture().savefig(args.plots / f"{name}.png")
-        files["pictures"] = [str(args.plots / f"{name}.png") for name in pictures]
+        files["pictures"] = put(pictures, args.plots)
     text = "\n".join([repr(diagnosis), *said(files)])
     return answer(args, text, diagnosis.document() | {"files": files}, fitted)
 
@@ -104,10 +101,11 @@ def run_add(args: Namespace) -> Answer:
     refit.check(args.effect, model)
     fitted = _fitted(args, model, options).add(args.effect)
     files: dict[str, object] = {}
-    if args.output is not None:
-        files["model"] = str(fitted.model.save(args.output))
-    if args.plots is not None:
-        files["pictures"] = draw(fitted, args.plots)
+    with together():
+        if args.output is not None:
+            files["model"] = str(fitted.model.save(args.output))
+        if args.plots is not None:
+            files["pictures"] = draw(fitted, args.plots)
     text = "\n".join([repr(fitted), *said(files)])
     return answer(args, text, refit.document(fitted) | {"files": files}, fitted)
 
@@ -151,20 +149,19 @@ def run_learn(args: Namespace) -> Answer:
 def write(
     learned: LearningResult, report: Path | None, model: Path | None, folder: Path | None
 ) -> dict[str, object]:
-    """Write what was asked for of what was learned and return the paths."""
+    """Write what was asked for of what was learned, all or nothing, and return the paths."""
     files: dict[str, object] = {}
-    if model is not None:
-        files["model"] = str(learned.model.save(model))
-    if folder is not None:
-        from ..show import plot
+    with together():
+        if model is not None:
+            files["model"] = str(learned.model.save(model))
+        if folder is not None:
+            from ..show import plot
 
-        status("drawing")
-        with writing(folder):
-            folder.mkdir(exist_ok=True)
+            status("drawing")
             files["pictures"] = [str(path) for path in plot.save_learning(learned, folder)]
-    if report is not None:
-        status("writing the report")
-        files["report"] = str(learned.report(report))
+        if report is not None:
+            status("writing the report")
+            files["report"] = str(learned.report(report))
     return files
 
 

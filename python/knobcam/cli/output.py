@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from ..base.reading import is_folder
+from ..base.writing import place
 from ..errors import InputError
 
 if TYPE_CHECKING:
@@ -52,10 +54,10 @@ def check_file(output: Path | None, inputs: Iterable[str | Path] = ()) -> None:
     """Refuse a file that cannot be written, or is one of the inputs, before any work is done."""
     if output is None:
         return
-    _check_parent(output)
-    if output.is_dir():
-        raise InputError(f"{output}: is a folder; name a file in it")
-    if any(Path(path).exists() and output.exists() and output.samefile(path) for path in inputs):
+    there = place(output)
+    if there.through or there.old is None:
+        return
+    if any(_is_same(path, there.file) for path in inputs):
         raise InputError(f"{output}: is also read by this command; write to another file")
 
 
@@ -63,30 +65,20 @@ def check_folder(folder: Path | None, file: Path | None = None) -> None:
     """Refuse a folder that cannot be made; `file` is what the same command writes beside it."""
     if folder is None:
         return
-    _check_parent(folder)
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"{folder}: is a file, a folder for pictures is needed; choose another name")
+    if not is_folder(folder):
+        if place(folder).old is not None:
+            raise InputError(f"{folder}: is a file, a folder for pictures is needed; choose another name")
+    elif not os.access(folder, os.W_OK):
+        raise InputError(f"{folder}: the folder cannot be written to; choose another place")
     if file is not None and folder.absolute() == file.absolute():
         raise InputError(f"{folder}: cannot be a file and a folder; choose two names")
 
 
-def _check_parent(path: Path) -> None:
-    parent = path.absolute().parent
-    if not parent.is_dir():
-        raise InputError(f"{path}: there is no folder {parent}; make it first, or choose another place")
-    target = path if path.is_dir() else parent
-    if not os.access(target, os.W_OK):
-        raise InputError(f"{path}: the folder {target} cannot be written to; choose another place")
-
-
-@contextmanager
-def writing(path: Path) -> Iterator[None]:
-    """Turn a refusal of the file system (full, read-only) into one line that names `path`."""
+def _is_same(path: str | Path, file: Path) -> bool:
     try:
-        yield
-    except OSError as error:
-        why = error.strerror or error
-        raise InputError(f"{path}: cannot be written ({why}); choose another place") from error
+        return file.samefile(path)
+    except (OSError, ValueError):
+        return False
 
 
 @contextmanager

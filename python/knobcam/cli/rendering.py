@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from ..errors import InputError
 from . import arguments
-from .fitting import said
-from .output import Answer, Unfinished, check_folder, findings, status, writing
+from .fitting import put, said
+from .output import Answer, Unfinished, check_folder, findings, status
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -159,13 +159,9 @@ def _draw(
     from ..show import plot
 
     status("drawing")
-    figures = {
-        "timing": plot.timing(report),
-        "felt": plot.felt(report, model, device),
-        "stability": plot.stability(stability),
+    pictures = {
+        "timing": lambda: plot.timing(report),
+        "felt": lambda: plot.felt(report, model, device),
+        "stability": lambda: plot.stability(stability),
     }
-    with writing(args.plots):
-        args.plots.mkdir(exist_ok=True)
-        for name, figure in figures.items():
-            figure.savefig(args.plots / f"{name}.png")
-    return [str(args.plots / f"{name}.png") for name in figures]
+    return put(pictures, args.plots)

@@ -42,6 +42,7 @@ def run(args: Namespace) -> Answer:
     for package in ("starlette", "uvicorn"):
         require(package, "the workbench", "all")
 
+    from ..base.writing import remove_parts
     from ..workbench.bench import Bench
     from ..workbench.serving import serve
 
@@ -59,6 +60,7 @@ def run(args: Namespace) -> Answer:
     status(None)
     bench.recorder.close()
     if bench.busy:  # nobody wants to wait for what is given up, and the core cannot be interrupted
+        remove_parts()
         sys.stdout.flush()
         os._exit(0)
     bench.close()

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .. import _core
 from ..base import showing
+from ..base.door import checked
 from ..base.tables import TextTable, text_table
 from . import origin
 from .described import names
@@ -281,6 +282,7 @@ class Comparison(showing.Tabled):
         return (whole, each) if len(self.by_capture) > 1 else (whole,)
 
 
+@checked
 def compare(fit: Fit) -> Comparison:
     """Return where a fit fails: the error split over position, velocity, acceleration, time, load and history
     (distance since the last reversal) and over frequency.

@@ -10,9 +10,18 @@ from ..capture.finding import Finding
 from .plausible import REVERSED
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from ..capture.prepare import Prepared
+    from .fitting import Estimate
+
+
+def documented(params: Mapping[str, Estimate]) -> dict[str, Any]:
+    """Return parameters as every document has them."""
+    return {
+        name: {"value": e.value, "ci95": list(e.ci95) if e.determined else None, "unit": e.unit}
+        for name, e in params.items()
+    }
 
 
 def described(signals: Prepared) -> dict[str, Any]:

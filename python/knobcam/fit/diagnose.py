@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from .. import _core
 from ..base import pages, showing
+from ..base.door import checked
 from ..base.tables import TextTable, text_table
 from ..errors import InputError
 from ..model.effects import clipping, descriptions, effects
@@ -270,6 +271,7 @@ class Diagnosis(showing.Tabled):
         )
 
 
+@checked
 def diagnose(
     fit: Fit,
     *,

@@ -14,6 +14,7 @@ import numpy as np
 
 from .. import _core
 from ..base import showing
+from ..base.door import checked
 from ..base.tables import TextTable, text_table
 from ..capture import Capture, load
 from ..capture.prepare import Prepared
@@ -24,10 +25,10 @@ from ..model.effects import base_effects, base_effects_shown
 from . import refit, runs
 from .alike import check_captures, check_unit
 from .beyond import Beyond, beyond
-from .described import described, said, sign
+from .described import described, documented, said, sign
 from .doubts import doubts
 from .origin import with_origin
-from .plausible import REVERSED, columns_at_fault, impossible, log_fault
+from .plausible import REVERSED, columns_at_fault, impossible, log_fault, one_velocity
 from .zeros import aligned
 
 if TYPE_CHECKING:
@@ -152,6 +153,7 @@ class Fit(showing.Tabled):
         """The prepared signals of the first capture."""
         return self.prepared[0]
 
+    @checked
     def predict(self, capture: Capture) -> FloatArray:
         """Return the model's torque on the motion of a capture, through the measurement filter, N m.
 
@@ -172,10 +174,11 @@ class Fit(showing.Tabled):
         """
         return self.core.band((signals or self.signals).core)
 
+    @checked
     def bootstrap(self, draws: int = 1000, seed: int = 0) -> Mapping[str, FloatArray]:
         """Return block-bootstrap refits (Kuensch 1989) of each determined parameter, shape (draws,)."""
-        if draws < 1:
-            raise InputError(f"draws={draws} must be at least 1")
+        if draws < 1 or seed < 0:
+            raise InputError(f"draws={draws}, seed={seed}: give whole numbers, draws from 1, seed from 0")
         return dict(zip(self.core.free, self.core.bootstrap(draws, seed), strict=True))
 
     def compare(
@@ -347,14 +350,7 @@ class Fit(showing.Tabled):
         return (TextTable("Fit: " + self._summary, self.HEAD, self.rows()),)
 
 
-def documented(params: Mapping[str, Estimate]) -> dict[str, Any]:
-    """Return parameters as every document has them."""
-    return {
-        name: {"value": e.value, "ci95": list(e.ci95) if e.determined else None, "unit": e.unit}
-        for name, e in params.items()
-    }
-
-
+@checked
 def fit(
     captures: Capture | str | os.PathLike[str] | Sequence[Capture | str | os.PathLike[str]],
     model: Model | str | os.PathLike[str] | None = None,
@@ -395,6 +391,7 @@ def fit(
     try:
         core = _core.fit([s.core for s in signals], start.core, model is None and detents == "auto")
     except InputError as error:
-        why = (str(error), columns_at_fault(signals))  # what is wrong may be why there is too little
+        # What is wrong may be why there is too little.
+        why = (str(error), columns_at_fault(signals) or one_velocity(signals))
         raise InputError("; ".join(filter(None, why))) from None
     return Fit(signals, core)

@@ -11,6 +11,7 @@ import numpy as np
 
 from .. import _core
 from ..base import showing
+from ..base.door import checked
 from ..base.tables import TextTable, text_table
 from ..capture.formats.units import SI
 from ..model.effects import effects
@@ -194,6 +195,7 @@ class Forward(showing.Tabled):
         return (TextTable(whole, self._HEAD, self._rows()),)
 
 
+@checked
 def forward(fit: Fit, horizon_s: float | None = None) -> Forward:
     """Return the motion that the measured torque makes of a fitted model; see `Fit.forward`."""
     runs = []

@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 _FAULTS = ("unit", "sign", "contradiction", "swapped")
 """Findings with which, unless they were mended, no model of a log is one of the knob."""
 
+_STRAIGHT = 1e-3
+"""A position this near to a straight line over time, of its range, has one velocity."""
+
 
 def implausible(candidate: Candidate, before: Fit) -> tuple[str, ...]:
     """Return what is implausible about the values of a candidate, a sentence each."""
@@ -104,6 +107,20 @@ def columns_at_fault(prepared: Sequence[Prepared]) -> str | None:
     """Return what is wrong with the columns of a log, whatever the model; None where nothing is."""
     found = (finding for one in prepared for finding in one.capture.findings)
     return next((one.message for one in found if one.kind in _FAULTS and one.severity == "warning"), None)
+
+
+def one_velocity(prepared: Sequence[Prepared]) -> str | None:
+    """Return that a motion goes at one velocity, which tells nothing; None where it does not."""
+    for one in prepared:
+        capture = one.capture
+        t, theta = capture.t[capture.mask], capture.theta[capture.mask]
+        if len(t) < 3:
+            return None
+        slope, start = np.polyfit(t - t[0], theta, 1)
+        if np.ptp(theta - slope * (t - t[0]) - start) <= _STRAIGHT * np.ptp(theta):
+            unit = capture.units["omega"]
+            return f"theta moves at one velocity, {slope:.3g} {unit}; record a motion that changes its speed"
+    return None
 
 
 def _out_of_range(effect: str, fit: Fit) -> list[str]:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .. import _core
+from ..base.door import checked
 from ..base.tables import text_table
 from ..capture.prepare import prepare
 from ..errors import InputError
@@ -32,6 +33,7 @@ class Moved(NamedTuple):
     by_percent: float
 
 
+@checked
 def add(fit: Fit, effect: str, progress: Callable[[float], object] | None = None) -> Fit:
     """Return the fit of the same captures with one effect more, every free parameter fitted anew.
 
@@ -59,6 +61,7 @@ def converged(fit: Fit) -> Fit:
     return replace(fit, core=core if better else fit.core)
 
 
+@checked
 def drop(fit: Fit, effect: str) -> Fit:
     """Return the fit without an effect, and without those that change it; the rest fitted anew from there.
 

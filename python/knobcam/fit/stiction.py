@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from .. import _core
 from ..base import showing
+from ..base.door import checked
 from ..base.tables import TextTable, text_table
 from ..errors import InputError
 from ..model import Model
@@ -122,6 +123,7 @@ class Stiction(showing.Tabled):
         return (TextTable(f"Stiction from {sum(self.breakaways)} breakaways", self._HEAD, self._rows()),)
 
 
+@checked
 def stiction(fit: Fit) -> Stiction:
     """Return the static friction that the captures of a fit show.
 

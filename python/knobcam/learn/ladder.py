@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..fit.fitting import Z95, documented
+from ..fit.described import documented
+from ..fit.fitting import Z95
 from ..fit.refit import describe
 from .rivals import weights
 

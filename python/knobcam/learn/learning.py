@@ -11,6 +11,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 from ..base import showing
+from ..base.door import checked
 from ..base.tables import TextTable, text_table
 from ..capture import Capture
 from ..fit import Fit, fit
@@ -181,6 +182,7 @@ class LearningResult(showing.Tabled):
         """Return linked plots to brush in, for every step of the ladder and what was weighed on it."""
         return showing.look(self)
 
+    @checked
     def report(self, path: str | os.PathLike[str]) -> Path:
         """Write all of it as one HTML file that needs nothing else, and return its path."""
         return showing.report(self, path)
@@ -264,6 +266,7 @@ class LearningResult(showing.Tabled):
         return (TextTable(self.headline, self.head, self.rows()),)
 
 
+@checked
 def learn(
     captures: Capture | str | os.PathLike[str] | Sequence[Capture | str | os.PathLike[str]],
     model: Model | str | os.PathLike[str] | None = None,

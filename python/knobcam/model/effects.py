@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from .. import _core
 from ..base import showing
+from ..base.door import checked
 from ..base.renamed import renamed
 from ..base.tables import TextTable, text_table
 from ..errors import InputError
@@ -121,6 +122,7 @@ class Effect(showing.Tabled):
 
 
 @renamed(axis="coordinate")
+@checked
 def effects(coordinate: str = "rotary") -> dict[str, Effect]:
     """Return the catalogue by id, units for a rotary or a linear axis; with effects of one's own."""
     load_plugins()
@@ -159,6 +161,7 @@ def clipping(coordinate: str) -> set[str]:
     return {name for name, one in effects(coordinate).items() if one.clips}
 
 
+@checked
 def effect(name: str, coordinate: str = "rotary") -> Effect:
     """Return one effect by id, units for a rotary or a linear axis.
 

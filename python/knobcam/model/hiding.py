@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
+from ..base.door import checked
 from ..errors import InputError
 from .effects import effect as catalogued
 from .effects import effects
@@ -37,6 +38,7 @@ def knob_name(text: str) -> str:
     return name
 
 
+@checked
 def hiding(
     knob: str,
     *hidden: str,

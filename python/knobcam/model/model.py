@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .. import _core
 from ..base import showing
-from ..base.atomic import write_atomically
+from ..base.door import checked
+from ..base.reading import open_file, read_text
 from ..base.renamed import renamed
 from ..base.tables import TextTable, text_table
+from ..base.writing import write
 from ..capture.formats.units import torque_unit_of
 from ..capture.motor import torque_per_unit
 from ..errors import InputError
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
 
 KNOBS = ("knob1", "knob2", "knob3", "knob4", "knob5")
 _HEAD_BYTES = 4096  # in which a model file has its schema, below whatever its author remarks
+_MOST_BYTES = 1_000_000  # of a file that takes a few thousand
 
 
 class Parameter(NamedTuple):
@@ -63,6 +66,7 @@ class Model(showing.Tabled):
         return model
 
     @classmethod
+    @checked
     def load(cls, path: str | os.PathLike[str]) -> Model:
         """Read a model file, or one of the shipped models by name (knob1 to knob5)."""
         name = str(path)
@@ -70,12 +74,9 @@ class Model(showing.Tabled):
             shipped = resources.files("knobcam.model.knobs").joinpath(f"{name}.toml")
             return cls.parse(shipped.read_text("utf-8"))
         try:
-            text = Path(path).read_text("utf-8")
-        except UnicodeDecodeError:
-            raise InputError(f"{path}: is no text, so no model file; a model is TOML") from None
-        except OSError as error:
-            why = error.strerror or error
-            raise InputError(f"{path}: {why}; give a model file or one of {', '.join(KNOBS)}") from None
+            text = read_text(path, "model file", _MOST_BYTES)
+        except InputError as error:
+            raise InputError(f"{error}: a model file, or one of {', '.join(KNOBS)}") from None
         try:
             return cls.parse(text)
         except InputError as error:
@@ -87,9 +88,9 @@ class Model(showing.Tabled):
         if path in KNOBS or path.lower().endswith(".toml"):
             return True
         try:
-            with Path(path).open("rb") as file:
+            with open_file(path) as file:
                 return b"knobcam.model/" in file.read(_HEAD_BYTES)
-        except OSError:
+        except (InputError, OSError):
             return False
 
     def __eq__(self, other: object) -> bool:
@@ -102,6 +103,7 @@ class Model(showing.Tabled):
         return Model.parse, (self.text(),)
 
     @classmethod
+    @checked
     def parse(cls, text: str) -> Model:
         """Read a model from the text of its file."""
         load_plugins()
@@ -111,14 +113,10 @@ class Model(showing.Tabled):
         """The text of the model file; `parse` gives the same model back, to the last bit."""
         return self.core.text()
 
+    @checked
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the model file; it appears whole or not at all."""
-        target = Path(path)
-        write_atomically(target, self._write)
-        return target
-
-    def _write(self, path: Path) -> None:
-        path.write_text(self.text(), "utf-8")
+        return write(path, self.text())
 
     @property
     def name(self) -> str:
@@ -161,10 +159,12 @@ class Model(showing.Tabled):
         """Period of its detents over 2 pi, rad or m; None without detents."""
         return self.core.period
 
+    @checked
     def with_value(self, name: str, value: float) -> Model:
         """Return the model with one parameter set."""
         return Model(self.core.with_value(name, value))
 
+    @checked
     def with_fixed(self, name: str, fixed: bool = True) -> Model:
         """Return the model with one parameter kept from being fitted, or freed."""
         return Model(self.core.with_fixed(name, fixed))
@@ -176,6 +176,7 @@ class Model(showing.Tabled):
             model = model.with_fixed(name)
         return model
 
+    @checked
     def with_tie(self, name: str, to: str) -> Model:
         """Return the model with one parameter always equal to another."""
         return Model(self.core.with_tie(name, to))
@@ -192,10 +193,12 @@ class Model(showing.Tabled):
         load = "loads" if len(self.at_shaft) == 1 else "load"
         return (f"{names} {load} the shaft, before the joint to the knob.",) if names else ()
 
+    @checked
     def with_effect(self, effect: str) -> Model:
         """Return the model with one effect more, at its neutral values."""
         return Model(self.core.with_effect(effect))
 
+    @checked
     def with_at_shaft(self, effect: str) -> Model:
         """Return the model with a load of it at the shaft, before the backlash or compliance of the model.
 
@@ -204,6 +207,7 @@ class Model(showing.Tabled):
         """
         return Model(self.core.with_at_shaft(effect))
 
+    @checked
     def as_torque(self, *, kt: float | None, resistance_ohm: float | None = None) -> Model:
         """Return the model of a motor in A or V with its torques in N m, by its torque constant, N m/A.
 
@@ -215,6 +219,7 @@ class Model(showing.Tabled):
         except InputError as error:
             raise InputError(f"model '{self.name}': {error}" if self.name else str(error)) from None
 
+    @checked
     def renamed(self, name: str) -> Model:
         """Return the model under another name."""
         return Model(self.core.renamed(name))

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 import numpy as np
 
 from .. import _core
+from ..base.door import checked
 from ..errors import InputError
 
 if TYPE_CHECKING:
@@ -86,6 +87,7 @@ class OwnJoint(NamedTuple):
     pulls: bool = True
 
 
+@checked
 def own_effect(
     name: str,
     /,
@@ -142,6 +144,7 @@ def own_effect(
     return register
 
 
+@checked
 def forget_effect(name: str) -> None:
     """Take an effect of one's own out of the catalogue; models that have it keep it.
 

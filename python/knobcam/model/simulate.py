@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .. import _core
+from ..base.door import checked, described, is_number
 from ..capture import Capture
-from ..capture.motions import MotionTrack
+from ..capture.motions import MotionTrack, checked_track
 from ..capture.motions import motion as make_motion
 from ..errors import InputError
 from .model import Model
@@ -58,6 +59,7 @@ PAPER = SensorNoise(tau_uniform=4.0)
 NOISES = {"ranged": RIG, "rig": RIG, "paper": PAPER, "none": SensorNoise()}
 
 
+@checked
 def simulate(
     model: Model | str | os.PathLike[str],
     motion: str | MotionTrack = "sweep",
@@ -76,12 +78,14 @@ def simulate(
     slips (`karnopp`).
     """
     _known(noise)
+    if seed < 0:
+        raise InputError(f"seed={seed}: give a whole number from 0")
     if not isinstance(model, Model):
         model = Model.load(model)
     if motion == "push":
         track, tau = _pushed(model, duration_s, rate_hz)
     else:
-        track = make_motion(motion, duration_s, rate_hz) if isinstance(motion, str) else motion
+        track = make_motion(motion, duration_s, rate_hz) if isinstance(motion, str) else checked_track(motion)
         tau = _torque(model, track)
     n = len(track.t)
     rig = sensors(noise, float(np.max(np.abs(tau))))
@@ -125,6 +129,10 @@ def sensors(noise: str | SensorNoise, torque: float) -> SensorNoise:
 def _known(noise: str | SensorNoise) -> None:
     if isinstance(noise, str) and noise not in NOISES:
         raise InputError(f"noise={noise!r} is unknown; choose {', '.join(NOISES)}")
+    if isinstance(noise, SensorNoise):
+        for name, value in noise._asdict().items():
+            if not is_number(value) or value < 0.0:
+                raise InputError(f"noise.{name}: is {described(value)}; give a number from 0")
 
 
 def exact(coordinate: str, track: MotionTrack, options: dict[str, float] | None = None) -> _core.Signals:

@@ -13,6 +13,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Protocol
 
 from .. import _core
+from ..base.door import checked
 from ..base.ended import Ended, by_exception
 from ..errors import InputError, KnobcamError, KnobcamWarning
 from .loop_report import Durations, LastSecond, LoopReport
@@ -101,6 +102,7 @@ def _halt(core: _core.Loop) -> bool:
     return core.wait(_ANSWERS_S)
 
 
+@checked
 def start_loop(
     controller: Controller,
     device: Handle | _core.EmulatedHandle,

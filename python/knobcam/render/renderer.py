@@ -11,6 +11,7 @@ import numpy as np
 
 from .. import _core
 from ..base import showing
+from ..base.door import checked
 from ..base.renamed import renamed
 from ..base.tables import TextTable, text_table
 from ..capture.formats.units import GIVEN
@@ -83,6 +84,7 @@ class Renderer(_core.Renderer):
     Sources: Karnopp 1985; Hayward & Armstrong 2000; Kikuuwe et al. 2006 (the anchored friction).
     """
 
+    @checked
     def __new__(
         cls,
         model: Model | str | os.PathLike[str],
@@ -253,6 +255,7 @@ class Stability(showing.Tabled):
 
 
 @renamed(rate="rate_hz")
+@checked
 def check_stability(
     model: Model | str | os.PathLike[str], rig: Device | None = None, *, rate_hz: float = 5000.0
 ) -> Stability:

@@ -14,8 +14,9 @@ import numpy as np
 import platformdirs
 
 from ..base import showing
-from ..base.atomic import write_atomically
+from ..base.reading import read_text
 from ..base.tables import TextTable, text_table
+from ..base.writing import make_folder, together, write
 from ..capture.formats.wire import checked_c_cal
 from ..errors import InputError
 
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from ..capture.motions import MotionTrack
 
 SCHEMA = "knobcam.calibration/1"
+_MOST_BYTES = 100_000  # of a file that takes one
 _FEWEST = 1000
 _FOLLOWS = 0.02  # of the commanded motion may be left between it and the recorded one
 _WHITE = 1.5  # times what neighbouring samples differ by: more is no noise
@@ -71,12 +73,12 @@ class Calibration(showing.Tabled):
     def load(cls, path: str | os.PathLike[str]) -> Calibration:
         """Read a calibration file. Raises InputError, one line, for what is none."""
         try:
-            values = tomllib.loads(Path(path).read_text("utf-8"))
-        except OSError as error:
-            raise InputError(
-                f"{path}: {error.strerror or error}; run `knobcam calibrate` to make one"
-            ) from None
-        except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+            text = read_text(path, "calibration", _MOST_BYTES)
+        except InputError as error:
+            raise InputError(f"{error}, or run `knobcam calibrate` to make one") from None
+        try:
+            values = tomllib.loads(text)
+        except (tomllib.TOMLDecodeError, RecursionError) as error:
             raise InputError(f"{path}: is no calibration ({error}); run `knobcam calibrate` again") from None
         if values.pop("schema", None) != SCHEMA:
             raise InputError(f"{path}: is no {SCHEMA}; run `knobcam calibrate` again")
@@ -103,14 +105,9 @@ class Calibration(showing.Tabled):
                 lines.append(f"{name} = {_quoted(value)}")
             elif value is not None:
                 lines.append(f"{name} = {list(value) if isinstance(value, tuple) else value!r}")
-        target = Path(path)
-        target.parent.mkdir(parents=True, exist_ok=True)
-
-        def write(place: Path) -> None:
-            place.write_text("\n".join(lines) + "\n", "utf-8")
-
-        write_atomically(target, write)
-        return target
+        with together():
+            make_folder(Path(path).parent)
+            return write(path, "\n".join(lines) + "\n")
 
     def merged(self, other: Calibration) -> Calibration:
         """Return this calibration with what the other one tested; the other's date."""

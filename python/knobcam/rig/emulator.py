@@ -39,6 +39,8 @@ C_CAL = 1148.0
 """Sensitivity of the paper's accelerometer, (rad/s^2)/V (its Equation 7)."""
 ANCHOR_NM_RAD = 5.0
 """Stiffness with which an anchored gripper holds against the position control."""
+EMULATED = "EMU-"
+"""How the serial number of an emulated rig begins."""
 HEARTBEAT_MS = 100
 _HAND_S = 30.0
 _READ = 1 << 16
@@ -68,7 +70,7 @@ class Emulation(NamedTuple):
     @property
     def serial_number(self) -> str:
         """As in its DESCRIPTOR."""
-        return f"EMU-{self.seed % 10**8:04d}"
+        return f"{EMULATED}{self.seed % 10**8:04d}"
 
     def model(self) -> Model:
         """Return the knob with what it hides."""

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..base.door import checked
 from ..base.ended import Ended, by_exception
 from ..capture.formats.wire import RATE_TOLERANCE
 from ..capture.motions import MotionTrack
@@ -70,6 +71,7 @@ def log_path(output: str | os.PathLike[str]) -> Path:
     return path.with_name(Path(name).stem + SUFFIX)
 
 
+@checked
 def record(
     port: str | Link,
     motion: str | MotionTrack = "sweep",

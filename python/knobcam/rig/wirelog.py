@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .. import _core
+from ..base.reading import open_file
+from ..base.writing import RECORDING_SUFFIX, is_recording
 from ..capture.capture import of_table
 from ..capture.formats import wire
 from ..errors import InputError
@@ -16,7 +18,7 @@ if TYPE_CHECKING:
 
     from ..capture import Capture
 
-SUFFIX = ".kcwire"
+SUFFIX = RECORDING_SUFFIX
 
 
 class WireLog:
@@ -33,10 +35,8 @@ class WireLog:
     def load(cls, path: str | os.PathLike[str]) -> WireLog:
         """Read a log. Raises InputError for a file that cannot be read or is no log."""
         file = Path(path)
-        try:
-            raw = file.read_bytes()
-        except OSError as error:
-            raise InputError(f"{file}: cannot be read ({error.strerror or error}); check the name") from None
+        with open_file(file) as stream:
+            raw = stream.read()
         return cls(file, wire.parse(str(file), raw))
 
     @property
@@ -85,11 +85,7 @@ class WireLog:
 
 def is_log(path: str | os.PathLike[str]) -> bool:
     """Whether the file begins as a wire log does."""
-    try:
-        with Path(path).open("rb") as file:
-            return file.read(len(wire.MAGIC)) == wire.MAGIC
-    except OSError:
-        return False
+    return is_recording(path)
 
 
 def begin(path: Path, header: Mapping[str, Any]) -> None:

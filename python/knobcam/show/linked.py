@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base.atomic import write_text_atomically
+from ..base.door import checked
 from ..base.optional import require
+from ..base.writing import write
 from ..errors import InputError
 from .look_page import html
 
@@ -91,11 +92,10 @@ class Look:
         """Return a page of the plots alone."""
         return html(self.steps)
 
+    @checked
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write that page and return its path; it appears whole or not at all."""
-        target = Path(path)
-        write_text_atomically(target, self.html())
-        return target
+        return write(path, self.html())
 
     def __repr__(self) -> str:
         labels = ", ".join(step.label for step in self.steps)

@@ -13,7 +13,7 @@ from string import Template
 from typing import TYPE_CHECKING
 
 from .._core import __version__
-from ..base.atomic import write_atomically
+from ..base.writing import write as write_file
 from ..fit.refit import percent
 from ..model.effects import effect as catalogued
 from .look_page import section
@@ -32,14 +32,8 @@ if TYPE_CHECKING:
 
 def write(learned: LearningResult, path: str | os.PathLike[str]) -> Path:
     """Write the report; it appears whole or not at all."""
-    target = Path(path)
-    page = html(learned)
-    write_atomically(target, lambda part: _write_text(part, page))
-    return target
-
-
-def _write_text(path: Path, text: str) -> None:
-    path.write_text(text, "utf-8", errors="replace")  # a path of the system may hold what no text can
+    # A path of the system may hold what no text can.
+    return write_file(path, html(learned).encode("utf-8", "replace"))
 
 
 def html(learned: LearningResult) -> str:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import io
+import os
 import zipfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from tempfile import TemporaryDirectory
+from typing import IO, TYPE_CHECKING
 
-from ..base.atomic import write_atomically, write_text_atomically
+from ..base.writing import make_folder, place, together, write
 from ..errors import InputError
 from ..show import plot
 from .learned import learned
@@ -36,10 +38,8 @@ def save(session: Session, what: str, path: Path, tell: Tell) -> Path:
     if what not in FILES:
         raise InputError(f"what={what!r} cannot be saved; there are {', '.join(FILES)}")
     target = path.absolute()
-    if target.exists():
+    if os.path.lexists(target) or place(target).old is not None:
         raise InputError(f"{path}: exists already; choose another name")
-    if not target.parent.is_dir():
-        raise InputError(f"{path}: there is no folder {target.parent}; make it first")
     _WRITE[what](session, target, tell)
     return target
 
@@ -69,32 +69,32 @@ def _report(session: Session, target: Path, tell: Tell) -> None:
 
 def _script(session: Session, target: Path, tell: Tell) -> None:
     tell("writing the script")
-    write_text_atomically(target, script(session.branch.done, session.captures, session.start))
+    write(target, script(session.branch.done, session.captures, session.start))
 
 
 def _figures(session: Session, target: Path, tell: Tell) -> None:
-    if target.suffix == ".zip":
-        write_atomically(target, lambda part: _zipped(session, part, tell))
+    if target.suffix != ".zip":
+        _draw_all(session, target, tell)
         return
-    whole = told(session, tell)
-    tell("drawing the figures")
-    try:
-        plot.save_all(whole.fit, target / "fit", whole.after)
-        plot.save_learning(whole, target / "story")
-    except OSError as error:
-        why = error.strerror or error
-        raise InputError(f"{target}: cannot be written ({why}); choose another place") from error
-
-
-def _zipped(session: Session, part: Path, tell: Tell) -> None:
-    from tempfile import TemporaryDirectory
-
     with TemporaryDirectory() as scratch:
         folder = Path(scratch) / "figures"
-        _figures(session, folder, tell)
-        with zipfile.ZipFile(part, "w") as archive:
-            for picture in sorted(folder.rglob("*.png")):
-                archive.write(picture, picture.relative_to(folder).as_posix())
+        _draw_all(session, folder, tell)
+        write(target, lambda file: _zipped(folder, file))
+
+
+def _draw_all(session: Session, folder: Path, tell: Tell) -> None:
+    whole = told(session, tell)
+    tell("drawing the figures")
+    with together():
+        make_folder(folder)
+        plot.save_all(whole.fit, folder / "fit", whole.after)
+        plot.save_learning(whole, folder / "story")
+
+
+def _zipped(folder: Path, file: IO[bytes]) -> None:
+    with zipfile.ZipFile(file, "w") as archive:
+        for picture in sorted(folder.rglob("*.png")):
+            archive.write(picture, picture.relative_to(folder).as_posix())
 
 
 _WRITE: Mapping[str, Callable[[Session, Path, Tell], None]] = {

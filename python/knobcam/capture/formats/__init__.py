@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import gzip
+import stat
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import IO, Any, cast
 
 from ...base.arrays import BoolArray, FloatArray
-from ...base.atomic import write_atomically
+from ...base.reading import look, open_file
+from ...base.writing import write
 from ...errors import InputError
 from . import inflate, rosbag
 from .table import DEFAULT_MAX_BYTES, Table, check_joint
 from .text import read_text, write_text
+
+_HEAD_BYTES = 1024
 
 __all__ = ["DEFAULT_MAX_BYTES", "Table", "read_table", "runs_in", "write_table"]
 
@@ -21,12 +26,9 @@ def read_table(path: Path, max_bytes: int = DEFAULT_MAX_BYTES, joint: str | None
 
     InputError says what is wrong with it.
     """
-    try:
-        is_folder, size = path.is_dir(), path.stat().st_size
-        head = b"" if is_folder or size > max_bytes else _head(path)
-    except (OSError, ValueError) as error:
-        why = getattr(error, "strerror", None) or error
-        raise InputError(f"{path}: cannot be read ({why}); check the name") from error
+    found = look(path)
+    is_folder, size = stat.S_ISDIR(found.st_mode), found.st_size
+    head = b"" if is_folder or size > max_bytes else _head(path)
     if is_folder and rosbag.is_bag(path):
         return _guarded(path, lambda: rosbag.read_bag(str(path), rosbag.files_in(path), max_bytes, joint))
     if is_folder:
@@ -64,45 +66,42 @@ def write_table(
     """
     name = path.name.lower()
     if name.endswith(".csv"):
-        write_atomically(path, lambda part: _put(part, write_text(columns, document).encode()))
+        write(path, lambda file: file.write(write_text(columns, document).encode()))
     elif name.endswith(".csv.gz"):
-        content = write_text(columns, document).encode()
-        write_atomically(path, lambda part: _put(part, inflate.deflate(content)))
+        write(path, lambda file: file.write(inflate.deflate(write_text(columns, document).encode())))
     elif name.endswith(".parquet"):
         from .parquet import write_parquet
 
-        write_atomically(path, lambda part: write_parquet(part, columns, document))
+        write(path, lambda file: write_parquet(file, columns, document))
     elif name.endswith(".mat"):
         from .matlab import write_mat5
 
-        write_atomically(path, lambda part: write_mat5(part, columns, document))
+        write(path, lambda file: write_mat5(file, columns, document))
     elif name.endswith((".h5", ".hdf5")):
         from .hdf5 import write_hdf5
 
-        write_atomically(path, lambda part: write_hdf5(part, columns, document))
+        write(path, lambda file: write_hdf5(file, columns, document))
     else:
         from .numpy_files import write_native
 
-        write_atomically(path, lambda part: write_native(part, columns, mask, document))
-
-
-def _put(path: Path, content: bytes) -> None:
-    path.write_bytes(content)
+        write(path, lambda file: write_native(file, columns, mask, document))
 
 
 def _head(path: Path) -> bytes:
-    with path.open("rb") as file:
-        return file.read(1024)
+    with open_file(path) as file:
+        return file.read(_HEAD_BYTES)
 
 
 def _read(path: Path, head: bytes, max_bytes: int, joint: str | None) -> Table:
     from . import hdf5, json_files, matlab, numpy_files, parquet, wire
 
+    budget = inflate.Budget(str(path), path.stat().st_size, max_bytes)
     if head.startswith(inflate.MAGIC):
-        raw = inflate.inflate(str(path), path.read_bytes(), max_bytes)
-        return _read_text(path, "CSV gzip", raw, joint)
+        with open_file(path) as file, gzip.GzipFile(fileobj=file) as stream:
+            return _read_text("CSV gzip", cast("IO[bytes]", stream), budget, joint)
     if json_files.is_json(head):
-        return _read_text(path, "CSV", path.read_bytes(), joint)
+        with open_file(path) as file:
+            return _read_text("CSV", file, budget, joint)
     if head.startswith((rosbag.MCAP_MAGIC, rosbag.SQLITE_MAGIC)):
         return rosbag.read_bag(str(path), [path], max_bytes, joint)
     if head.startswith(rosbag.ROS1_MAGIC):
@@ -120,16 +119,18 @@ def _read(path: Path, head: bytes, max_bytes: int, joint: str | None) -> Table:
         return parquet.read_parquet(path, max_bytes)
     if head.startswith(wire.MAGIC):
         return wire.read_wire(path)
-    return read_text(str(path), "CSV", path.read_bytes())
+    with open_file(path) as file:
+        return read_text("CSV", file, budget)
 
 
-def _read_text(path: Path, kind: str, raw: bytes, joint: str | None) -> Table:
+def _read_text(kind: str, stream: IO[bytes], budget: inflate.Budget, joint: str | None) -> Table:
     from . import json_files
 
-    if json_files.is_json(raw[:1024]):
-        return json_files.read_json(str(path), raw, joint)
-    check_joint(str(path), joint)
-    return read_text(str(path), kind, raw)
+    head = inflate.peek(stream, _HEAD_BYTES, budget)
+    if json_files.is_json(head):
+        return json_files.read_json(stream, budget, joint)
+    check_joint(budget.source, joint)
+    return read_text(kind, stream, budget)
 
 
 def runs_in(folder: Path) -> list[Path]:

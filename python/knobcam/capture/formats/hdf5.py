@@ -6,7 +6,7 @@ import io
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from ...base.arrays import FloatArray
 from ...base.optional import require
 from ...errors import InputError
 from .inflate import Budget
-from .table import Table, add_array
+from .table import Table, add_array, check_width
 
 MAGIC = b"\x89HDF\r\n\x1a\n"
 USER_BLOCK = 512
@@ -36,12 +36,20 @@ def read_hdf5(path: Path, max_bytes: int) -> Table:
         if not isinstance(item, h5py.Dataset) or name.startswith("#"):
             return
         label = name.replace("/", ".")
+        check_width(str(path), len(columns) + len(broken))
+        if item.external or item.is_virtual:
+            broken[label] = f"column {label} stands in another file; copy it into this one"
+            return
+        if item.dtype.hasobject:  # of any length, and the same one as often as it likes
+            broken[label] = f"column {label} holds objects, not numbers; map another column"
+            return
         held = item.id.get_storage_size()
         if item.nbytes > held * (_MAX_DEFLATE if item.chunks else 1) and item.nbytes > 1 << 16:
             raise InputError(
                 f"{path}: {label} claims {item.nbytes} bytes and holds {held}; it is cut short, copy it again"
             )
         budget.take(item.nbytes)
+        budget.numbers(item.size, item.dtype.itemsize)
         if item.attrs.get("MATLAB_class", b"double") in (b"char", b"cell"):
             broken[label] = f"column {label} holds text or cells, not numbers; map another column"
         else:
@@ -55,15 +63,15 @@ def read_hdf5(path: Path, max_bytes: int) -> Table:
     return Table(str(path), kind, columns, broken, document if isinstance(document, dict) else None)
 
 
-def write_hdf5(path: Path, columns: Mapping[str, FloatArray], document: Mapping[str, Any]) -> None:
+def write_hdf5(file: IO[bytes], columns: Mapping[str, FloatArray], document: Mapping[str, Any]) -> None:
     """Write `columns` as datasets at the root, the document as an attribute of the root; no time stamps.
 
     The file is made in memory: the library does not survive a disk that is full.
     """
     h5py = require("h5py", "an HDF5 file")
     whole = io.BytesIO()
-    with h5py.File(whole, "w", track_order=True) as file:
-        file.attrs[_DOCUMENT] = json.dumps(document)
+    with h5py.File(whole, "w", track_order=True) as held:
+        held.attrs[_DOCUMENT] = json.dumps(document)
         for name, values in columns.items():
-            file.create_dataset(name, data=values, track_times=False)
-    path.write_bytes(whole.getvalue())
+            held.create_dataset(name, data=values, track_times=False)
+    file.write(whole.getvalue())

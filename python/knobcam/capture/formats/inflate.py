@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
-import re
+import codecs
+import gzip
 import zlib
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import IO
+
+import numpy as np
 
 from ...errors import InputError
+from .table import DEFAULT_MAX_BYTES
 
 MAGIC = b"\x1f\x8b"
 
@@ -14,7 +20,11 @@ _ALWAYS = 2**26  # bytes that may come out of anything
 _MOST_TIMES = 100  # that logs shrink beyond that; theirs is 3 to 20, of noise and digits
 _FED = 2**13
 _PIECE = 2**24
-_PADDING = re.compile(rb"\0*")
+_HELD, _HELD_TIMES = 2**28, 3  # bytes, or times the file's, that are held
+_READ = 2**20
+_LINE_FEED = 10
+_NUMBERS = 2**25  # that may come out of anything; with what is made of them they take most of a gigabyte
+_BYTES_A_NUMBER = 3  # in files whose numbers are more: text has ten, what is packed at least four
 
 
 @dataclass
@@ -25,9 +35,10 @@ class Budget:
     size: int
     max_bytes: int
     taken: int = 0
+    counted: int = 0
 
     def take(self, count: int) -> None:
-        """Count what comes out, or is claimed to; InputError where it is too much."""
+        """Count bytes that come out, or are claimed to; InputError where they are too many."""
         self.taken += count
         if self.taken > self.max_bytes:
             raise InputError(
@@ -39,24 +50,67 @@ class Budget:
                 f"unpack it by hand"
             )
 
+    def numbers(self, count: int, itemsize: int = 1) -> None:
+        """Count numbers before they are read; InputError where they would fill the memory, 8 bytes each."""
+        self.counted += max(count, count * itemsize // 8)
+        most = max(_NUMBERS, self.size // _BYTES_A_NUMBER) * max(1, self.max_bytes // DEFAULT_MAX_BYTES)
+        if self.counted > most:
+            raise InputError(
+                f"{self.source}: {self.counted} numbers in {self.size} bytes, the limit is {most}; leave "
+                f"columns out, cut it in parts, or double max_bytes"
+            )
 
-def inflate(source: str, raw: bytes, max_bytes: int) -> bytes:
-    """Return the content of the gzip members in `raw`; InputError when damaged or above `max_bytes`."""
-    budget = Budget(source, len(raw), max_bytes)
-    parts: list[bytes] = []
-    at = 0
-    while raw.startswith(MAGIC, at):
-        member = zlib.decompressobj(wbits=31)
+    def held(self) -> Budget:
+        """Return the budget of a format whose content is held in memory as a whole."""
+        most = max(_HELD, _HELD_TIMES * self.size) * max(1, self.max_bytes // DEFAULT_MAX_BYTES)
+        return replace(self, max_bytes=min(self.max_bytes, most))
+
+
+@dataclass(frozen=True)
+class Survey:
+    """What was seen of a text that was read once: whether it is UTF-8, its lines, and the longest (bytes)."""
+
+    utf8: bool
+    lines: int
+    longest: int
+
+
+def survey(stream: IO[bytes], budget: Budget) -> Survey:
+    """Read a text to its end, a piece at a time, and go back; InputError where it is damaged or too long."""
+    decoder = codecs.getincrementaldecoder("utf-8-sig")()
+    utf8, lines, longest, since = True, 1, 0, 0
+    for piece in _pieces(stream, budget):
+        marks = np.flatnonzero(np.frombuffer(piece, np.uint8) == _LINE_FEED)
+        lines += max(len(marks), piece.count(b"\r"))
+        if len(marks):
+            longest = max(longest, since + int(marks[0]), int(np.diff(marks).max(initial=0)))
+            since = len(piece) - 1 - int(marks[-1])
+        else:
+            since += len(piece)
         try:
-            part, at = unpack(member, raw, at, budget)
-        except zlib.error as error:
-            raise InputError(f"{source}: damaged gzip ({error}); copy the file again") from error
-        if not member.eof:
-            raise InputError(f"{source}: the gzip file ends in the middle; copy the file again")
-        parts.append(part)
-        padding = _PADDING.match(raw, at)
-        at = padding.end() if padding else at
-    return parts[0] if len(parts) == 1 else b"".join(parts)
+            utf8 and decoder.decode(piece)
+        except UnicodeDecodeError:
+            utf8 = False
+    stream.seek(0)
+    return Survey(utf8, lines, max(longest, since))
+
+
+def peek(stream: IO[bytes], count: int, budget: Budget) -> bytes:
+    """Return the first bytes of a text, and go back."""
+    head = next(_pieces(stream, replace(budget), count), b"")
+    stream.seek(0)
+    return head
+
+
+def _pieces(stream: IO[bytes], budget: Budget, size: int = _READ) -> Iterator[bytes]:
+    try:
+        while piece := stream.read(size):
+            budget.take(len(piece))
+            yield piece
+    except (zlib.error, gzip.BadGzipFile) as error:
+        raise InputError(f"{budget.source}: damaged gzip ({error}); copy the file again") from error
+    except EOFError:
+        raise InputError(f"{budget.source}: the gzip file ends in the middle; copy the file again") from None
 
 
 def unpack(packer: zlib._Decompress, raw: bytes | memoryview, at: int, budget: Budget) -> tuple[bytes, int]:

@@ -6,18 +6,20 @@ import json
 import re
 from array import array
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 
 from ...base.arrays import FloatArray
 from ...errors import InputError
-from .table import Table, add_array, check_joint, choose
+from .inflate import Budget, survey
+from .table import MOST_COLUMNS, Table, add_array, check_joint, choose
 
 _STARTS = re.compile(rb"\s*(\{|\[\s*[\[{])")
-_MOST_COLUMNS = 1000  # which a damaged or hostile file could make of every row
 _DEEPEST = 16
-_LARGEST = 2**25  # bytes of one document or line, whose objects can take thirty times that
+_PLAIN, _SAFE = (float, int), 2**53
+_BLOCK = 2**18  # bytes that are parsed at once
+_LARGEST = 24_000_000  # bytes of one document or line, whose objects can take forty times that
 _TVIEW = {"controller", "timestamp", "channel", "data"}
 _SERVO = "servo_stats"  # the channel of tview that has the motion
 _XL330_PWM = 885.0  # counts at a duty of 1: ROBOTIS e-Manual of the XL330-M288, PWM Limit
@@ -28,13 +30,15 @@ def is_json(head: bytes) -> bool:
     return _STARTS.match(head.removeprefix(b"\xef\xbb\xbf")) is not None
 
 
-def read_json(source: str, raw: bytes, joint: str | None = None) -> Table:
-    """Return the table in `raw`; `joint` chooses one of several controllers in a log of tview.
+def read_json(stream: IO[bytes], budget: Budget, joint: str | None = None) -> Table:
+    """Return the table in a text; `joint` chooses one of several controllers in a log of tview.
 
     Nested objects become dotted names, lists `name.c0`, `name.c1`; true is 1, null NaN, and a number beside
     the rows a scalar. Raises InputError for what is no JSON or has no rows.
     """
-    raw = raw.removeprefix(b"\xef\xbb\xbf")
+    source = budget.source
+    survey(stream, budget.held())
+    raw = stream.read().removeprefix(b"\xef\xbb\xbf")
     first_line, _, others = raw.lstrip().partition(b"\n")
     if re.fullmatch(rb"\{.*\}\s*", first_line) and others[:4096].strip():
         rows = _lines(source, raw)
@@ -47,30 +51,41 @@ def read_json(source: str, raw: bytes, joint: str | None = None) -> Table:
         raise InputError(f"{source}: {len(raw)} bytes in one JSON document; write it as lines, or as CSV")
     try:
         document = json.loads(raw)
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise InputError(f"{source}: damaged JSON ({error}); export it again") from error
     return _whole(source, document)
 
 
 def _lines(source: str, raw: bytes) -> Iterator[Mapping[str, Any]]:
-    """Parse the lines one by one."""
+    """Parse the lines, many at a time where each of them is whole."""
     row, start = 0, 0
     while start < len(raw):
-        end = raw.find(b"\n", start)
+        end = raw.find(b"\n", start + _BLOCK)
         end = len(raw) if end < 0 else end
-        line, start = raw[start:end].strip(), end + 1
-        if not line:
-            continue
-        row += 1
-        if len(line) > _LARGEST:
-            raise InputError(f"{source}: row {row} has {len(line)} bytes; write one sample an object")
+        lines = [line for line in raw[start:end].split(b"\n") if line.strip()]
+        start = end + 1
         try:
-            found = json.loads(line)
-        except ValueError as error:
-            raise InputError(
-                f"{source}: row {row} is damaged JSON ({error}); complete or delete the line"
-            ) from error
-        yield _object(source, row, found)
+            found = (
+                json.loads(b"[%s]" % b",".join(lines)) if max(map(len, lines), default=0) < _LARGEST else []
+            )
+        except (ValueError, RecursionError):
+            found = []
+        if len(found) != len(lines):
+            found = (_line(source, index, line) for index, line in enumerate(lines, start=row + 1))
+        for one in found:
+            row += 1
+            yield _object(source, row, one)
+
+
+def _line(source: str, row: int, line: bytes) -> Any:
+    if len(line) > _LARGEST:
+        raise InputError(f"{source}: row {row} has {len(line)} bytes; write one sample an object")
+    try:
+        return json.loads(line)
+    except (ValueError, RecursionError) as error:
+        raise InputError(
+            f"{source}: row {row} is damaged JSON ({error}); complete or delete the line"
+        ) from error
 
 
 def _object(source: str, row: int, found: Any) -> Mapping[str, Any]:
@@ -91,7 +106,12 @@ class _Columns:
     def add(self, row: Mapping[str, Any]) -> None:
         """Add a row."""
         self.rows += 1
-        self._put("", row, 0)
+        for name, value in row.items():
+            column = self.values.get(name) if type(value) in _PLAIN else None
+            if column is not None and len(column) == self.rows - 1 and abs(value) < _SAFE:
+                column.append(value)
+            else:
+                self._put(name, value, 1)
 
     def _put(self, name: str, value: Any, depth: int) -> None:
         if depth > _DEEPEST:
@@ -111,8 +131,8 @@ class _Columns:
     def _number(self, name: str, value: float) -> None:
         column = self.values.get(name)
         if column is None:
-            if len(self.values) == _MOST_COLUMNS:
-                raise InputError(f"{self.source}: more than {_MOST_COLUMNS} names; give one row an object")
+            if len(self.values) == MOST_COLUMNS:
+                raise InputError(f"{self.source}: more than {MOST_COLUMNS} names; give one row an object")
             column = self.values[name] = array("d")
         if len(column) < self.rows - 1:
             column.extend([float("nan")] * (self.rows - 1 - len(column)))
@@ -199,7 +219,7 @@ def _arrays(source: str, document: Mapping[str, Any]) -> Table:
         if isinstance(value, dict) and depth < _DEEPEST:
             for key, part in value.items():
                 visit(f"{name}.{key}" if name else str(key), part, depth + 1)
-        elif isinstance(value, list | int | float) and len(columns) < _MOST_COLUMNS:
+        elif isinstance(value, list | int | float) and len(columns) < MOST_COLUMNS:
             try:
                 add_array(columns, broken, name, np.array(value, dtype=np.float64))
             except (TypeError, ValueError, OverflowError):

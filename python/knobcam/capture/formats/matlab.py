@@ -12,7 +12,7 @@ import struct
 import zlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import IO, Any, NamedTuple
 
 import numpy as np
 
@@ -105,6 +105,7 @@ class _Reader:
             self.document = self.description(next(parts))
         elif kind > _SPARSE and kind < 16 and not is_complex:
             values = self.numbers(next(parts))
+            self.budget.numbers(count)
             add_array(self.columns, self.broken, label, values.reshape(shape, order="F"))
         elif kind == _STRUCT:
             self.refuse(label, f"an array of {count} structs")
@@ -131,17 +132,16 @@ def read_mat5(path: Path, max_bytes: int) -> Table:
     order = {b"IM": "<", b"MI": ">"}.get(bytes(raw[126:128]))
     if order is None:
         raise InputError(f"{path}: the MATLAB header is cut short; copy the file again")
-    reader = _Reader(str(path), order, Budget(str(path), len(raw), max_bytes))
+    reader = _Reader(str(path), order, Budget(str(path), len(raw), max_bytes).held())
     reader.read(raw[128:])
     return Table(str(path), "MATLAB 5 .mat", reader.columns, reader.broken, reader.document)
 
 
-def write_mat5(path: Path, columns: Mapping[str, FloatArray], document: Mapping[str, Any]) -> None:
+def write_mat5(file: IO[bytes], columns: Mapping[str, FloatArray], document: Mapping[str, Any]) -> None:
     """Write `columns` as column vectors of a version 5 .mat, the document beside them as text."""
     content: dict[str, Any] = {name: values[:, np.newaxis] for name, values in columns.items()}
     content[_DOCUMENT] = json.dumps(document)
-    with path.open("wb") as file:
-        require("scipy.io", "writing a MATLAB file").savemat(file, content)
-        # In place of the hour and the computer: equal captures are equal files.
-        file.seek(len(MAGIC))
-        file.write(b", written by knobcam".ljust(_TEXT - len(MAGIC)))
+    require("scipy.io", "writing a MATLAB file").savemat(file, content)
+    # In place of the hour and the computer: equal captures are equal files.
+    file.seek(len(MAGIC))
+    file.write(b", written by knobcam".ljust(_TEXT - len(MAGIC)))

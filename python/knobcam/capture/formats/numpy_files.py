@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ...base.arrays import BoolArray, FloatArray
 from ...errors import InputError
 from .inflate import Budget
-from .table import Table, add_array
+from .table import Table, add_array, check_width
 
 NPY_MAGIC = b"\x93NUMPY"
 ZIP_MAGIC = b"PK\x03\x04"
@@ -28,7 +28,8 @@ def read_npy(path: Path, max_bytes: int) -> Table:
     columns: dict[str, FloatArray] = {}
     broken: dict[str, str] = {}
     with path.open("rb") as file:
-        add_array(columns, broken, "", _read_array(str(path), file, path.stat().st_size, max_bytes))
+        size = path.stat().st_size
+        add_array(columns, broken, "", _read_array(file, size, Budget(str(path), size, max_bytes)))
     return Table(str(path), "NumPy .npy", columns, broken)
 
 
@@ -46,10 +47,11 @@ def read_npz(path: Path, max_bytes: int) -> Table:
             raise InputError(f"{path}: a zip file without arrays; unpack it and give the file inside")
         budget = Budget(str(path), path.stat().st_size, max_bytes)
         budget.take(sum(info.file_size for info in members))
+        check_width(str(path), len(members))
         for info in members:
             name = info.filename.removesuffix(".npy")
             with archive.open(info) as file:
-                array = _read_array(f"{path}: {name}", file, info.file_size, max_bytes)
+                array = _read_array(file, info.file_size, budget, f"{path}: {name}")
             if name == _DOCUMENT and array.dtype.kind == "U" and array.ndim == 0:
                 loaded = json.loads(str(array))
                 document = loaded if isinstance(loaded, dict) else None
@@ -61,15 +63,15 @@ def read_npz(path: Path, max_bytes: int) -> Table:
 
 
 def write_native(
-    path: Path, columns: Mapping[str, FloatArray], mask: BoolArray, document: Mapping[str, Any]
+    file: IO[bytes], columns: Mapping[str, FloatArray], mask: BoolArray, document: Mapping[str, Any]
 ) -> None:
     """Write the native capture: an .npz with the columns, the mask and the document as JSON text."""
-    with path.open("wb") as file:
-        np.savez(file, allow_pickle=False, **columns, mask=mask, knobcam=np.array(json.dumps(document)))
+    np.savez(file, allow_pickle=False, **columns, mask=mask, knobcam=np.array(json.dumps(document)))
 
 
-def _read_array(source: str, file: IO[bytes], size: int, max_bytes: int) -> NDArray[Any]:
+def _read_array(file: IO[bytes], size: int, budget: Budget, name: str = "") -> NDArray[Any]:
     """Return the array in `file` of `size` bytes, after checking that its header does not claim more."""
+    source = name or budget.source
     head = file.read(min(size, 1 << 16))
     header = io.BytesIO(head)
     version = np.lib.format.read_magic(header)
@@ -86,7 +88,6 @@ def _read_array(source: str, file: IO[bytes], size: int, max_bytes: int) -> NDAr
             f"{source}: the header claims {claimed} bytes ({shape} {dtype}), the file holds {held}; "
             f"it is cut short, copy it again"
         )
-    if claimed > max_bytes:
-        raise InputError(f"{source}: holds {claimed} bytes, the limit is {max_bytes}; raise max_bytes")
-    rest = io.BytesIO(head + file.read(held))
+    budget.numbers(math.prod(shape), dtype.itemsize)
+    rest = io.BytesIO(head + file.read(max(0, header.tell() + claimed - len(head))))
     return np.asarray(np.lib.format.read_array(rest, allow_pickle=False))

@@ -5,17 +5,18 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 
 from ...base.arrays import FloatArray
 from ...base.optional import require
 from .inflate import Budget
-from .table import Table
+from .table import Table, check_width
 
 MAGIC = b"PAR1"
 _DOCUMENT = b"knobcam"
+_MOST_PARTS = 100_000  # of a list in the file's description, such as columns times row groups
 
 
 def read_parquet(path: Path, max_bytes: int) -> Table:
@@ -24,8 +25,9 @@ def read_parquet(path: Path, max_bytes: int) -> Table:
     types = require("pyarrow.types", "a Parquet file")
     columns: dict[str, FloatArray] = {}
     broken: dict[str, str] = {}
-    with parquet.ParquetFile(path) as file:
-        wanted = []
+    with parquet.ParquetFile(path, thrift_container_size_limit=_MOST_PARTS) as file:
+        wanted: list[str] = []
+        check_width(str(path), len(file.schema_arrow))
         for field in file.schema_arrow:
             if types.is_integer(field.type) or types.is_floating(field.type):
                 wanted.append(field.name)
@@ -34,7 +36,9 @@ def read_parquet(path: Path, max_bytes: int) -> Table:
                     f"column {field.name} holds {field.type}, not numbers; map another column"
                 )
         # Runs of one value take no room in the file.
-        Budget(str(path), path.stat().st_size, max_bytes).take(8 * file.metadata.num_rows * len(wanted))
+        budget = Budget(str(path), path.stat().st_size, max_bytes)
+        budget.take(8 * file.metadata.num_rows * len(wanted))
+        budget.numbers(file.metadata.num_rows * len(wanted))
         table = file.read(columns=wanted)
     for name in wanted:
         columns[name] = table.column(name).cast("float64").to_numpy().astype(np.float64, copy=False)
@@ -42,9 +46,9 @@ def read_parquet(path: Path, max_bytes: int) -> Table:
     return Table(str(path), "Parquet", columns, broken, None if text is None else json.loads(text))
 
 
-def write_parquet(path: Path, columns: Mapping[str, FloatArray], document: Mapping[str, Any]) -> None:
+def write_parquet(file: IO[bytes], columns: Mapping[str, FloatArray], document: Mapping[str, Any]) -> None:
     """Write `columns` with the document in the schema's metadata."""
     arrow = require("pyarrow", "a Parquet file")
     table = arrow.table({name: arrow.array(values) for name, values in columns.items()})
     table = table.replace_schema_metadata({_DOCUMENT: json.dumps(document).encode()})
-    require("pyarrow.parquet", "a Parquet file").write_table(table, path)
+    require("pyarrow.parquet", "a Parquet file").write_table(table, file)

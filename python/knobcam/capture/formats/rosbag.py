@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from ...base.optional import require
+from ...base.reading import open_file
 from ...errors import InputError
 from ..finding import Finding
 from .inflate import Budget
@@ -21,7 +22,7 @@ MCAP_MAGIC = b"\x89MCAP0\r\n"
 SQLITE_MAGIC = b"SQLite format 3\0"
 ROS1_MAGIC = b"#ROSBAG V"
 
-_LARGEST_CHUNK = 2**29  # bytes when inflated; recorders write a megabyte or a few
+_LARGEST_CHUNK = 2**26  # bytes when inflated; recorders write a megabyte or a few
 _CUT = "the bag ends in the middle, as where a recorder was killed; what came before is used"
 
 
@@ -45,7 +46,7 @@ def read_bag(source: str, paths: list[Path], max_bytes: int, joint: str | None) 
     topics: dict[str, str] = {}
     whole = True
     for path in paths:
-        with path.open("rb") as file:
+        with open_file(path) as file:
             is_sqlite = file.read(len(SQLITE_MAGIC)) == SQLITE_MAGIC
         if is_sqlite:
             _read_sqlite(path, states, topics)
@@ -90,7 +91,7 @@ def _read_mcap(path: Path, states: JointStates, topics: dict[str, str], max_byte
 def _records(path: Path, max_bytes: int) -> Iterator[Any]:
     reader = require("mcap.stream_reader", "an MCAP file")
     chunk = require("mcap.records", "an MCAP file").Chunk
-    with path.open("rb") as file:
+    with open_file(path) as file:
         size = path.stat().st_size
         budget, held = Budget(str(path), size, max_bytes), _Bounded(file, size)
         for record in reader.StreamReader(held, emit_chunks=True, record_size_limit=size).records:
@@ -137,6 +138,7 @@ def _read_sqlite(path: Path, states: JointStates, topics: dict[str, str]) -> Non
     base = sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro&immutable=1", uri=True)
     try:
         base.execute("PRAGMA trusted_schema = OFF")
+        base.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _LARGEST_CHUNK)  # a table may compute what is in it
         tables = {name for (name,) in base.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
         if not {"topics", "messages"} <= tables:
             raise InputError(f"{path}: an SQLite file that is no bag of ROS 2; export it as CSV")

@@ -16,6 +16,9 @@ from ..finding import Finding
 DEFAULT_MAX_BYTES = 4 * 2**30
 """Largest file, and largest inflated content, that is read without being asked to (bytes)."""
 
+MOST_COLUMNS = 4096
+"""Columns of a file; a robot logs some hundred, a matrix that is no log has any number."""
+
 _SHOWN = 20  # names, in a message
 
 
@@ -39,6 +42,9 @@ class Table:
     limits: Mapping[str, BoolArray] = field(default_factory=dict)
     notes: tuple[Finding, ...] = ()
 
+    def __post_init__(self) -> None:
+        check_width(self.source, len(self.columns) + len(self.broken))
+
     def column(self, name: str) -> FloatArray:
         """Return the column called `name`; InputError lists what there is when it is absent or unusable."""
         if name in self.columns:
@@ -54,6 +60,12 @@ class Table:
         if len(names) > _SHOWN:
             shown += f" and {len(names) - _SHOWN} more"
         return shown or "no columns"
+
+
+def check_width(source: str, count: int) -> None:
+    """Refuse more columns than a log has."""
+    if count > MOST_COLUMNS:
+        raise InputError(f"{source}: has {count} columns or more, the most is {MOST_COLUMNS}; leave some out")
 
 
 def add_array(columns: dict[str, FloatArray], broken: dict[str, str], name: str, array: NDArray[Any]) -> None:

@@ -6,50 +6,74 @@ import csv
 import io
 import json
 from array import array
-from collections.abc import Mapping
-from typing import Any, TextIO
+from collections.abc import Callable, Iterable, Mapping
+from itertools import islice
+from typing import IO, Any, TextIO
 
 import numpy as np
 
 from ...base.arrays import FloatArray
 from ...errors import InputError
+from .inflate import Budget, peek, survey
 from .loggers import TABS
-from .table import Table
+from .table import Table, check_width
 
 _DOCUMENT = "# knobcam:"
-_LONGEST = 2**22  # characters of a row
+_LONGEST = 2**22  # bytes of a row
+_CHUNK = 2000  # lines
+_MOST_COMMENTS = 10_000  # above the first row
+_HEAD = 4096
+_UTF16 = (b"\xff\xfe", b"\xfe\xff")
 
 
-def read_text(source: str, kind: str, raw: bytes) -> Table:
-    """Return the table in `raw`: delimiter , ; tab or blanks, with or without a header, # comment lines.
+def read_text(kind: str, stream: IO[bytes], budget: Budget) -> Table:
+    """Return the table in a text: delimiter , ; tab or blanks, with or without a header, # comment lines.
 
     A blank cell is NaN; blank cells down to the last row end the column early. Row numbers in messages count
-    the rows of data, from 1.
+    the rows of data, from 1. The text is read twice, and never held.
     """
-    lines: TextIO = io.TextIOWrapper(io.BytesIO(raw), encoding=_encoding(source, raw))
+    source = budget.source
+    head = peek(stream, _HEAD, budget)
+    if b"\0" in head and head[:2] not in _UTF16:
+        raise InputError(
+            f"{source}: neither text nor a format knobcam knows; give CSV (.gz), .mat, .npy, .npz or Parquet"
+        )
+    seen = survey(stream, budget)
+    if seen.longest > _LONGEST:
+        raise InputError(f"{source}: a line of {seen.longest} characters is no row of samples")
+    # Loggers write a header with a micro sign in it; digits are safe.
+    encoding = "utf-16" if head[:2] in _UTF16 else "utf-8-sig" if seen.utf8 else "latin-1"
+    lines = io.TextIOWrapper(stream, encoding=encoding)
+    try:
+        return _read_lines(kind, lines, seen.lines, budget)
+    finally:
+        lines.detach()  # whoever opened the stream closes it
+
+
+def _read_lines(kind: str, lines: TextIO, count: int, budget: Budget) -> Table:
+    source = budget.source
     comments: list[str] = []
-    start, first = _next_line(lines, comments)
+    start, first = _next_line(source, lines, comments)
     if not first:
         raise InputError(f"{source}: the file is empty; a capture has columns of samples")
-    second_start, second = _next_line(lines, [])
+    second_start, second = _next_line(source, lines, [])
     sample = second or first
-    if max(len(first), len(second)) > _LONGEST:
-        raise InputError(
-            f"{source}: a line of {max(len(first), len(second))} characters is no row of samples"
-        )
     delimiter = _delimiter(sample)
     decimal_comma = delimiter != "," and "," in sample
     cells = _cells(first, delimiter)
+    check_width(source, len(cells))
     has_header = not any(_is_number(cell.replace(",", ".") if decimal_comma else cell) for cell in cells)
     if has_header and not second:
         raise InputError(f"{source}: a header and no rows; a capture has columns of samples")
     names = cells if has_header else _names_in_comment(comments, delimiter, len(cells))
     names = _names(source, names or [""] * len(cells))
+    budget.numbers(count * len(names))
 
-    lines.seek(second_start if has_header else start)
-    if decimal_comma:
-        lines = io.StringIO(lines.read().replace(",", "."))
-    columns, broken = _numbers(source, names, lines, delimiter)
+    def rows() -> Iterable[str]:
+        lines.seek(second_start if has_header else start)
+        return (line.replace(",", ".") for line in lines) if decimal_comma else lines
+
+    columns, broken = _numbers(source, names, rows, delimiter)
     kind = TABS if kind == "CSV" and delimiter == "\t" and not has_header else kind
     return Table(source, kind, columns, broken, _document(source, comments))
 
@@ -62,26 +86,14 @@ def write_text(columns: Mapping[str, FloatArray], document: Mapping[str, Any]) -
     return "\n".join(lines) + "\n"
 
 
-def _encoding(source: str, raw: bytes) -> str:
-    if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        return "utf-16"
-    if b"\0" in raw[:4096]:
-        raise InputError(
-            f"{source}: neither text nor a format knobcam knows; give CSV (.gz), .mat, .npy, .npz or Parquet"
-        )
-    try:
-        raw.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return "latin-1"  # loggers write a header with a micro sign in it; digits are safe
-    return "utf-8-sig"
-
-
-def _next_line(lines: TextIO, comments: list[str]) -> tuple[int, str]:
+def _next_line(source: str, lines: TextIO, comments: list[str]) -> tuple[int, str]:
     """Return where the next line of the table starts, and the line; comments passed over are collected."""
     start = lines.tell()
     while line := lines.readline():
         if not _skipped(line):
             return start, line
+        if len(comments) == _MOST_COMMENTS:
+            raise InputError(f"{source}: {_MOST_COMMENTS} lines and no row of samples; delete the comments")
         comments.append(line)
         start = lines.tell()
     return start, ""
@@ -132,45 +144,61 @@ def _names(source: str, cells: list[str]) -> list[str]:
 
 
 def _numbers(
-    source: str, names: list[str], lines: TextIO, delimiter: str | None
+    source: str, names: list[str], rows: Callable[[], Iterable[str]], delimiter: str | None
 ) -> tuple[dict[str, FloatArray], dict[str, str]]:
-    start = lines.tell()
     try:
-        matrix = np.loadtxt(lines, delimiter=delimiter, comments=None, ndmin=2)
+        matrix = np.loadtxt(rows(), delimiter=delimiter, comments=None, ndmin=2)
     except ValueError:
-        lines.seek(start)
-        return _cell_by_cell(source, names, lines, delimiter)
+        return _cell_by_cell(source, names, rows(), delimiter)
     if matrix.shape[1] != len(names):
         raise _wrong_width(source, 1, matrix.shape[1], len(names))
     return {name: matrix[:, index] for index, name in enumerate(names)}, {}
 
 
 def _cell_by_cell(
-    source: str, names: list[str], lines: TextIO, delimiter: str | None
+    source: str, names: list[str], lines: Iterable[str], delimiter: str | None
 ) -> tuple[dict[str, FloatArray], dict[str, str]]:
     values = array("d")
     last = [0] * len(names)
     broken: dict[str, str] = {}
     row = whole = 0
-    for line in lines:
-        if _skipped(line):
-            continue
-        row += 1
-        cells = _cells(line, delimiter) if '"' in line else line.split(delimiter)
-        if len(cells) != len(names):
-            raise _wrong_width(source, row, len(cells), len(names))
-        numbers = _all_numbers(line, cells)
-        if numbers is None:
-            numbers = _patiently(row, names, cells, last, broken)
-        else:
+    rest = iter(lines)
+    while some := list(islice(rest, _CHUNK)):
+        fast = _whole(some, delimiter)
+        if fast is not None and fast.shape[1] == len(names):
+            values.frombytes(fast.tobytes())
+            row += len(fast)
             whole = row
-        values.extend(numbers)
-    matrix = np.array(values, dtype=np.float64).reshape(row, len(names))
+            continue
+        for line in some:
+            if _skipped(line):
+                continue
+            row += 1
+            cells = _cells(line, delimiter) if '"' in line else line.split(delimiter)
+            if len(cells) != len(names):
+                raise _wrong_width(source, row, len(cells), len(names))
+            numbers = _all_numbers(line, cells)
+            if numbers is None:
+                numbers = _patiently(row, names, cells, last, broken)
+            else:
+                whole = row
+            values.extend(numbers)
+    matrix = np.frombuffer(values, dtype=np.float64).reshape(row, len(names))
     columns = {}
     for index, name in enumerate(names):
         if name not in broken:
             columns[name] = matrix[: max(last[index], whole) or row, index]
     return columns, broken
+
+
+def _whole(lines: list[str], delimiter: str | None) -> FloatArray | None:
+    """Return the numbers of lines that hold nothing else, as most do; None where one does."""
+    if not any(map(str.strip, lines)):
+        return None
+    try:
+        return np.loadtxt(lines, delimiter=delimiter, comments=None, ndmin=2)
+    except ValueError:
+        return None
 
 
 def _all_numbers(line: str, cells: list[str]) -> list[float] | None:
@@ -215,7 +243,7 @@ def _document(source: str, comments: list[str]) -> Mapping[str, Any] | None:
         return None
     try:
         document = json.loads(line.removeprefix(_DOCUMENT))
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise InputError(
             f"{source}: the line '{_DOCUMENT} ...' is damaged ({error}); repair or delete it"
         ) from error

@@ -16,11 +16,12 @@ import numpy as np
 
 from ... import _core
 from ...base.arrays import BoolArray, FloatArray
+from ...base.writing import RECORDING
 from ...errors import InputError
 from ..finding import Finding
 from .table import Table
 
-MAGIC = b"knobcam wire log\n"
+MAGIC = RECORDING
 SCHEMA = "knobcam.wirelog/1"
 RATE_TOLERANCE = 0.01
 """A device whose clock and index differ by more from the rate that it claims (relative) lies."""
@@ -57,7 +58,7 @@ def parse(source: str, raw: bytes) -> Content:
         raise InputError(f"{source}: is no whole wire log: its header is missing; capture again")
     try:
         header = json.loads(raw[len(MAGIC) : end])
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise InputError(f"{source}: the header of the wire log is damaged ({error})") from error
     if not isinstance(header, dict) or header.get("schema") != SCHEMA:
         raise InputError(f"{source}: is no {SCHEMA}, which this version reads; update knobcam")

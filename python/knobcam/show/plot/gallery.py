@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ...base.writing import make_folder, together
 from .candidates import diagnosis
 from .change import before_after
 from .failures import comparison as draw_comparison
@@ -90,10 +91,9 @@ def save_learning(
 
 
 def _save(pictures: Mapping[str, Callable[[], Picture]], folder: Path) -> list[Path]:
-    folder.mkdir(parents=True, exist_ok=True)
-    paths = []
-    for number, (name, draw) in enumerate(pictures.items(), start=1):
-        path = folder / f"{number:02d}-{name}.png"
-        draw().savefig(path, dpi=_DPI)
-        paths.append(path)
+    paths = [folder / f"{number:02d}-{name}.png" for number, name in enumerate(pictures, start=1)]
+    with together():
+        make_folder(folder)
+        for path, draw in zip(paths, pictures.values(), strict=True):
+            draw().savefig(path, dpi=_DPI)
     return paths

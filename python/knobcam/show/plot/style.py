@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import io
+import os
 from collections.abc import Callable, Sequence
 from functools import cache, wraps
 from pathlib import Path
 from textwrap import fill
 from typing import TYPE_CHECKING, Any, NamedTuple, ParamSpec, TypeVar
 
+from matplotlib import rcParams
 from matplotlib.figure import Figure
 from matplotlib.font_manager import findfont, get_font
 from matplotlib.lines import Line2D
 from matplotlib.style import context
 
+from ...base.writing import write
 from ...capture.formats.units import GIVEN
 
 if TYPE_CHECKING:
@@ -108,8 +111,16 @@ class Picture(Figure):
 
     @styled
     def savefig(self, fname: Any, **kwargs: Any) -> None:
-        """Write the picture; arguments as matplotlib takes them."""
-        super().savefig(fname, **kwargs)
+        """Write the picture; arguments as matplotlib takes them. A file appears whole or not at all."""
+        if not isinstance(fname, str | os.PathLike):
+            super().savefig(fname, **kwargs)
+            return
+        path = Path(fname)
+        kind = kwargs.pop("format", None) or path.suffix[1:]
+        if not kind:  # as matplotlib has it
+            kind = rcParams["savefig.format"]
+            path = path.with_name(f"{path.name}.{kind}")
+        write(path, lambda file: super(Picture, self).savefig(file, format=kind, **kwargs))
 
     def _repr_png_(self) -> bytes:
         stream = io.BytesIO()
