@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from ..capture import Capture
     from ..model import Model
     from .figures import Figures
-    from .record import ClearFault
 
 
 class Felt(NamedTuple):
@@ -57,7 +56,7 @@ def feel(
     *,
     log: str | os.PathLike[str] | None = None,
     force: bool = False,
-    clear_fault: ClearFault = False,
+    clear_fault: bool | Callable[[str], bool] = False,
     baud: int = BAUD,
     progress: Callable[[Figures], object] | None = None,
 ) -> Felt:

@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from .figures import Figures
 
     Watch = Callable[[Figures], object]
-    ClearFault = bool | Callable[[str], bool]
 
 BY_HAND = "hand"
 """The motion that no motor makes: a person turns the knob, and the rig records."""
@@ -83,7 +82,7 @@ def record(
     progress: Watch | None = None,
     baud: int = BAUD,
     force: bool = False,
-    clear_fault: ClearFault = False,
+    clear_fault: bool | Callable[[str], bool] = False,
     overwrite: bool = False,
     kept: bool = True,
     **options: float,
@@ -153,7 +152,7 @@ def make_plan(
     return Plan(len(led.t), led, model)
 
 
-def _look_at_fault(link: Link, clear: ClearFault) -> None:
+def _look_at_fault(link: Link, clear: bool | Callable[[str], bool]) -> None:
     """Clear a latched fault if whoever asks for the run says so; else InputError tells it."""
     if link.fault is None:
         return
