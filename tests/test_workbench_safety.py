@@ -6,7 +6,8 @@ import contextlib
 import os
 import pickle
 import tempfile
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -14,6 +15,7 @@ from urllib.parse import quote
 import httpx
 import numpy as np
 import pytest
+from command import knobcam
 from workbench_server import HOSTILE, TOKEN, UPLOAD_BYTES, wrong
 
 import knobcam as kc
@@ -30,6 +32,35 @@ def test_the_page_is_for_those_who_have_the_token(client: httpx.Client):
         wrong(client.post("/api/undo", headers=headers), 403, "token")
     assert client.get(f"/?token={TOKEN}", headers={HEADER: ""}).status_code == 200
     wrong(client.get("/?token=wrong&token=" + TOKEN, headers={HEADER: ""}), 403, "token")
+
+
+def test_a_browser_is_led_to_the_page_by_a_file_and_no_command_line_has_the_token(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+):
+    opened: list[str] = []
+    folders: list[Path] = []
+
+    def look(address: str) -> bool:
+        opened.append(address)
+        page = Path(address.removeprefix("file://"))
+        assert f"url=http://127.0.0.1:1/?token={TOKEN}" in page.read_text()
+        assert page.parent.stat().st_mode & 0o077 == 0
+        folders.append(page.parent)
+        return True
+
+    def serve(bench: Bench, port: int, tell: Callable[[str], None]) -> None:
+        tell(f"http://127.0.0.1:1/?token={TOKEN}")
+        for _ in range(200):
+            if folders:
+                break
+            time.sleep(0.05)
+
+    monkeypatch.setattr("webbrowser.open", look)
+    monkeypatch.setattr("knobcam.workbench.serving.serve", serve)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    assert knobcam("workbench").code == 0
+    assert len(opened) == 1 and opened[0].startswith("file://") and TOKEN not in opened[0]
+    assert folders and not folders[0].exists()
 
 
 def test_two_servers_have_two_tokens():

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import html
 import os
 import sys
+import tempfile
 import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +17,14 @@ if TYPE_CHECKING:
     from argparse import Namespace
 
     from ..workbench.tree import Start
+
+_LEADS = """<!doctype html>
+<meta charset="utf-8">
+<meta name="referrer" content="no-referrer">
+<meta http-equiv="refresh" content="0; url={address}">
+<title>knobcam</title>
+<p>To <a href="{address}">the workbench</a>.</p>
+"""
 
 
 def register(commands: arguments.Commands) -> None:
@@ -50,13 +60,15 @@ def run(args: Namespace) -> Answer:
     if args.captures:
         bench.session.open(*args.captures, map=args.map, **arguments.reading(args))
 
-    def tell(address: str) -> None:
-        print(address, flush=True)
-        status("Ctrl-C ends the workbench")
-        if not args.no_browser:
-            threading.Thread(target=_show, args=(address,), daemon=True).start()
+    with tempfile.TemporaryDirectory(prefix="knobcam-") as folder:
 
-    serve(bench, args.port, tell)
+        def tell(address: str) -> None:
+            print(address, flush=True)
+            status("Ctrl-C ends the workbench")
+            if not args.no_browser:
+                threading.Thread(target=_show, args=(address, Path(folder)), daemon=True).start()
+
+        serve(bench, args.port, tell)
     status(None)
     bench.recorder.close()
     if bench.busy:  # nobody wants to wait for what is given up, and the core cannot be interrupted
@@ -82,7 +94,14 @@ def _start(args: Namespace) -> Start:
     return Start(model, str(path.absolute()) if path.exists() else args.model, options)
 
 
-def _show(address: str) -> None:
+def _show(address: str, folder: Path) -> None:
+    """Lead the browser to an address by a file in a folder that no other user may enter.
+
+    The address has the token in it, and every user of a machine can read every command line.
+    """
     import webbrowser
 
-    webbrowser.open(address)
+    from ..base.writing import write
+
+    page = write(folder / "workbench.html", _LEADS.format(address=html.escape(address)))
+    webbrowser.open(page.as_uri())
