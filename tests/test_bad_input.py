@@ -256,6 +256,7 @@ few = settings(max_examples=100, deadline=None, suppress_health_check=[HealthChe
 @example(
     pattern=[("0.0", "0.0"), ("1.0", "0.0"), ("1e-320", "0.0")], rows=140, method="smooth", command="fit"
 )
+@example(pattern=[("0.0", "0.0"), ("inf", "0.0"), ("inf", "0.0")], rows=140, method="smooth", command="fit")
 def test_no_table_of_numbers_makes_the_program_fail(
     pattern: list[tuple[str, str]], rows: int, method: str, command: str, tmp_path: Path
 ) -> None:

@@ -21,7 +21,8 @@ def held(values: FloatArray) -> BoolArray:
 
     An encoder that counts less than once a row repeats its angle too: there the usual step is a single count.
     """
-    step = np.abs(np.diff(values))
+    with np.errstate(invalid="ignore"):  # masked readings may be infinite; from one to the next is no step
+        step = np.abs(np.diff(values))
     repeats = np.concatenate(([False], step == 0.0))
     fresh = np.flatnonzero(~repeats)
     if repeats.mean() < _LEAST or len(fresh) < _FEWEST:
