@@ -62,6 +62,15 @@ def test_a_forced_model_is_ended_by_the_tank_of_the_rig() -> None:
         assert "nothing is kept of it without --log" in str(told.value) and "tmp" not in str(told.value)
 
 
+def leave_silent(rig: EmulatedRig) -> None:
+    """Leave a rig armed by a host that says nothing more, until its watchdog has latched a fault."""
+    link = Link(rig.port)
+    link.arm("commanded", 0.01)
+    time.sleep(0.3 / SLOW)
+    link._busy = False
+    link.close()
+
+
 @pytest.mark.parametrize("command", ["capture", "render"])
 def test_a_latched_fault_is_told_with_cause_and_time_and_cleared_by_its_option_alone(
     command: str, tmp_path: Path
@@ -71,11 +80,7 @@ def test_a_latched_fault_is_told_with_cause_and_time_and_cleared_by_its_option_a
         "render": ("render", "knob4", "--seconds", "0.2"),
     }[command]
     with EmulatedRig("knob4", speed=SLOW) as rig:
-        link = Link(rig.port)
-        link.arm("commanded", 0.01)
-        time.sleep(0.3 / SLOW)
-        link._busy = False
-        link.close()
+        leave_silent(rig)
         for _ in range(2):
             refused(
                 knobcam(*words, "--port", rig.port),
@@ -95,11 +100,7 @@ def test_at_a_terminal_a_person_is_asked_whether_a_fault_is_cleared(
 ) -> None:
     ours, theirs = os.openpty()
     with EmulatedRig("knob4", speed=SLOW) as rig:
-        link = Link(rig.port)
-        link.arm("commanded", 0.01)
-        time.sleep(0.3 / SLOW)
-        link._busy = False
-        link.close()
+        leave_silent(rig)
         words = ["capture", "--motion", "hand", "--duration", "0.2", "-o", str(tmp_path / "a.kcwire")]
         program = [sys.executable, "-m", "knobcam", *words, "--port", rig.port]
         with subprocess.Popen(program, stdin=theirs, stderr=theirs, stdout=subprocess.DEVNULL) as host:
