@@ -71,12 +71,7 @@ def run_fit(args: Namespace) -> Answer:
     with about(*args.captures):
         fitted = fit(captures, model, prepare=args.prepare, detents=args.detents, **options)
 
-    files: dict[str, object] = {}
-    with together():
-        if args.output is not None:
-            files["model"] = str(fitted.model.save(args.output))
-        if args.plots is not None:
-            files["pictures"] = draw(fitted, args.plots)
+    files = kept(args, fitted)
     stuck = fitted.stiction()
     shown = [repr(stuck)] if any(stuck.breakaways) else []
     text = "\n".join([repr(fitted), *shown, *said(files)])
@@ -133,6 +128,17 @@ def draw(
 
     drawn = plot.save_all(fitted, folder, comparison=comparison, forward=forward)
     return [str(path) for path in drawn]
+
+
+def kept(args: Namespace, fitted: Fit) -> dict[str, object]:
+    """Write the model and the pictures that were asked for, all or none, and return the paths."""
+    files: dict[str, object] = {}
+    with together():
+        if args.output is not None:
+            files["model"] = str(fitted.model.save(args.output))
+        if args.plots is not None:
+            files["pictures"] = draw(fitted, args.plots)
+    return files
 
 
 def put(pictures: Mapping[str, Callable[[], Figure]], folder: Path) -> list[str]:

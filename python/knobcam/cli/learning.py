@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from ..base.writing import together
 from ..errors import InputError
 from . import arguments
-from .fitting import answer, draw, put, said
+from .fitting import answer, kept, put, said
 from .output import Unfinished, about, check_file, check_folder, status
 
 if TYPE_CHECKING:
@@ -100,12 +100,7 @@ def run_add(args: Namespace) -> Answer:
     model = Model.load(args.model)
     refit.check(args.effect, model)
     fitted = _fitted(args, model, options).add(args.effect)
-    files: dict[str, object] = {}
-    with together():
-        if args.output is not None:
-            files["model"] = str(fitted.model.save(args.output))
-        if args.plots is not None:
-            files["pictures"] = draw(fitted, args.plots)
+    files = kept(args, fitted)
     text = "\n".join([repr(fitted), *said(files)])
     return answer(args, text, refit.document(fitted) | {"files": files}, fitted)
 
