@@ -4,26 +4,23 @@
 //! error knows no way back once they no longer overlap. Through a slower filter they are broad and do.
 
 use super::screen::{Screen, Start};
+use super::slower::{COARSE_HZ, MIDDLE_HZ, beginnings, floor, slowed};
 use super::strides::strides;
 use super::watch::Watch;
-use crate::effects::Id;
+use crate::effects::{Id, Place};
 use crate::error::Result;
-use crate::filter::{ZeroPhase, cheby2};
 use crate::fit::{Fit, Found, glance, refine, settled, sketch};
-use crate::floor::Floor;
-use crate::model::Model;
-use crate::prepare::slower;
+use crate::model::{Model, Slot};
 use crate::rule::rule;
 use crate::signals::Signals;
 
-/// Stopband edges at 5 kHz of the filter that the search goes through and of the one in between, Hz.
-pub(super) const COARSE_HZ: f64 = 60.0;
-pub(super) const MIDDLE_HZ: f64 = 150.0;
 /// Starts that are looked at by a few steps through the coarse filter, and those of them that are followed.
 const LOOKED: usize = 8;
 const FOLLOWED: usize = 3;
 /// Samples of captures that the coarse search looks at.
 const ENOUGH: usize = 30_000;
+/// Sums of squares through the filter in between of what is followed to its end, in times of the best.
+const RIVAL: f64 = 1.15;
 /// Ends whose sums of squares differ by less than this share are one.
 const SAME: f64 = 1e-3;
 
@@ -41,7 +38,9 @@ pub struct Ways {
 /// filter than another does is not followed further.
 pub fn coupled(whole: &Screen<'_>, couplings: &[Id]) -> Vec<Ways> {
     let (data, base, watch) = (whole.data, whole.model, whole.watch);
-    let coarse = beginnings(data, ENOUGH);
+    let first = beginnings(data, ENOUGH);
+    let first: Vec<&Signals> = first.iter().collect();
+    let coarse = slowed(&first, COARSE_HZ);
     let coarse: Vec<&Signals> = coarse.iter().collect();
     let screen = Screen::new(&coarse, base, watch);
     // What is in the model beside the base may load the shaft as well as the knob.
@@ -62,7 +61,7 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id]) -> Vec<Ways> {
     let few: Vec<&(usize, (Model, Found))> = (0..ways.len()).flat_map(few).collect();
     let mut ends = watch.each(&few, |(of, (model, _))| (*of, on(model, |m| sketch(&coarse, m))));
     ends.sort_by(|(_, (_, a)), (_, (_, b))| a.cost.total_cmp(&b.cost));
-    let floor = Floor::of(&coarse, base).squares;
+    let floor = floor(&first, COARSE_HZ, &coarse, base);
     // Without a floor nothing can be said to be too little.
     let (floor, excess) = if floor.is_nan() { (0.0, 0.0) } else { (floor, screen.squares - floor) };
     let least = ends.first().map_or(0.0, |(_, (_, found))| (found.cost - floor).max(0.0));
@@ -70,22 +69,66 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id]) -> Vec<Ways> {
     ends.retain(|(_, (_, found))| {
         found.cost <= enough.min(floor + rule().rival_coarse * least + rule().close_coarse * excess)
     });
-    // Two starts mostly lead to one end.
-    let mut kept: Vec<(usize, f64)> = Vec::new();
-    ends.retain(|(of, (_, found))| {
-        let known = kept.iter().any(|(own, cost)| own == of && found.cost <= (1.0 + SAME) * cost);
-        kept.push((*of, found.cost));
-        !known
-    });
+    others(&mut ends, f64::INFINITY);
     let middle = slowed(data, MIDDLE_HZ);
     let middle: Vec<&Signals> = middle.iter().collect();
-    let mut fine = watch.each(&ends, |(of, (model, _))| {
-        let (model, _) = on(model, |m| sketch(&middle, m));
-        (*of, on(&model, |m| sketch(data, m)))
-    });
+    let mut between = watch.each(&ends, |(of, (model, _))| (*of, on(model, |m| sketch(&middle, m))));
+    between.sort_by(|(_, (_, a)), (_, (_, b))| a.cost.total_cmp(&b.cost));
+    others(&mut between, RIVAL);
+    let mut fine = watch.each(&between, |(of, (model, _))| (*of, on(model, |m| sketch(data, m))));
     fine.retain(|(_, (_, found))| found.cost.is_finite());
+    fine.extend(crossed(&fine, watch, |model| sketch(data, model)));
     led(&mut ways, fine);
     ways
+}
+
+/// Where each coupling but the best leads to from the best one's end: a gap that closes is compliance, and a soft shaft with
+/// play is what both have nearly the same error for.
+fn crossed(
+    ends: &[(usize, (Model, Found))],
+    watch: &Watch<'_>,
+    to: impl Fn(&Model) -> Found + Sync,
+) -> Vec<(usize, (Model, Found))> {
+    let by_cost =
+        |a: &&(usize, (Model, Found)), b: &&(usize, (Model, Found))| a.1.1.cost.total_cmp(&b.1.1.cost);
+    let Some((best, (from, lowest))) = ends.iter().min_by(by_cost) else { return Vec::new() };
+    let own = |of: usize| ends.iter().filter(move |(own, _)| *own == of).min_by(by_cost);
+    let worse: Vec<(usize, Model)> = (0..=ends.iter().map(|(of, _)| *of).max().unwrap_or(0))
+        .filter(|of| of != best)
+        .filter_map(own)
+        .filter(|(_, (_, found))| found.cost > (1.0 + SAME) * lowest.cost)
+        .map(|(of, (model, _))| (*of, joined_as(model, from)))
+        .collect();
+    watch.each(&worse, |(of, model)| (*of, on(model, &to)))
+}
+
+/// A model with the values of another, and its coupling's with those that go by the same names in the other's.
+fn joined_as(model: &Model, other: &Model) -> Model {
+    let mut joined = model.clone();
+    let joins = |slot: &&Slot| slot.effect.info().place == Place::Coupling;
+    for slot in model.slots() {
+        let same = other.slots().iter().find(|from| from.name() == slot.name());
+        let like = || other.slots().iter().filter(joins).find(|from| from.param.name == slot.param.name);
+        let from = same.or_else(|| if joins(&slot) { like() } else { None });
+        // The other's bounds may be wider.
+        let _ =
+            from.map(|from| joined.set(&slot.name(), from.value.clamp(slot.param.lower, slot.param.upper)));
+    }
+    joined
+}
+
+/// Keeps of each way's ends, best first, those within so many times the best; two starts mostly lead to one end.
+fn others(ends: &mut Vec<(usize, (Model, Found))>, within: f64) {
+    let mut kept: Vec<(usize, f64)> = Vec::new();
+    ends.retain(|(of, (_, found))| {
+        let own: Vec<f64> = kept.iter().filter(|(own, _)| own == of).map(|(_, cost)| *cost).collect();
+        let rivals = own.first().is_none_or(|best| found.cost <= within * best);
+        let other = own.last().is_none_or(|last| found.cost > (1.0 + SAME) * last);
+        if rivals && other {
+            kept.push((*of, found.cost));
+        }
+        rivals && other
+    });
 }
 
 /// Gives each of the ways the best of the ends that are its own, by its place among them.
@@ -119,43 +162,39 @@ pub fn converge(data: &[&Signals], model: &Model) -> Result<Fit> {
     settled(data, best, |model| refine(data, model))
 }
 
-/// The beginnings of captures, of so many samples at most, through the coarse filter.
-pub(super) fn beginnings(data: &[&Signals], most: usize) -> Vec<Signals> {
-    let beginnings: Vec<Signals> = data.iter().map(|signals| beginning(signals, most)).collect();
-    slowed(&beginnings.iter().collect::<Vec<_>>(), COARSE_HZ)
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::param::Axis;
 
-/// The first samples of a capture: enough to find what is then followed through all of it.
-fn beginning(signals: &Signals, most: usize) -> Signals {
-    let mut left = most;
-    let mut segments = Vec::new();
-    for segment in &signals.segments {
-        let taken = segment.len().min(left);
-        left -= taken;
-        if taken >= most / 10 {
-            segments.push(segment.start..segment.start + taken);
-        }
+    fn joined(id: Id, values: &[(&str, f64)]) -> Model {
+        let mut model = Model::equation_1(Axis::Rotary, false).with(id).unwrap();
+        values.iter().for_each(|(name, value)| model.set(name, *value).unwrap());
+        model
     }
-    if segments.is_empty() {
-        return signals.clone();
-    }
-    let mut weight = vec![0.0; signals.len()];
-    for segment in &segments {
-        weight[segment.clone()].copy_from_slice(&signals.weight[segment.clone()]);
-    }
-    Signals { weight, segments, ..signals.clone() }
-}
 
-/// The same captures through a slower measurement filter; without those that are sampled too slowly for it.
-pub(super) fn slowed(data: &[&Signals], edge_hz: f64) -> Vec<Signals> {
-    let slow = |signals: &&Signals| {
-        let edge = edge_hz * slower(signals.rate_hz);
-        let filter = ZeroPhase::new(cheby2(3, 20.0, edge, signals.rate_hz).ok()?);
-        // What a slower filter lets through needs no finer steps.
-        let substeps = if edge_hz > COARSE_HZ { 2 } else { 1 };
-        let mut slow = Signals { filter: Some(filter), substeps, ..Signals::clone(signals) };
-        slow.filter_torque();
-        Some(slow)
-    };
-    data.iter().filter_map(slow).collect()
+    #[test]
+    fn a_gap_that_closed_is_a_start_of_compliance_with_its_stiffness_and_share() {
+        let closed =
+            [("backlash.gap", 0.0), ("backlash.k", 45.0), ("backlash.d", 1e-3), ("backlash.share", 0.6)];
+        let gap = joined(Id::Backlash, &[&closed[..], &[("inertia.M", 5e-5)]].concat());
+        let soft = joined_as(&joined(Id::Compliance, &[("compliance.k", 7.0), ("inertia.M", 1e-4)]), &gap);
+        let value = |name: &str| soft.slots()[soft.index(name).unwrap()].value;
+        let names = ["compliance.k", "compliance.d", "compliance.share", "inertia.M"];
+        assert_eq!(names.map(value), [45.0, 1e-3, 0.6, 5e-5]);
+    }
+
+    #[test]
+    fn of_each_coupling_the_ends_that_differ_and_are_nearly_as_good_are_followed() {
+        let model = joined(Id::Compliance, &[]);
+        let end = |(of, cost): (usize, f64)| {
+            let found = glance(&[], &model);
+            (of, (model.clone(), Found { cost, ..found }))
+        };
+        let mut ends: Vec<_> =
+            [(0, 1.0), (0, 1.0001), (1, 1.05), (0, 1.1), (0, 1.2), (1, 1.3)].into_iter().map(end).collect();
+        others(&mut ends, RIVAL);
+        let kept: Vec<(usize, f64)> = ends.iter().map(|(of, (_, found))| (*of, found.cost)).collect();
+        assert_eq!(kept, [(0, 1.0), (1, 1.05), (0, 1.1)]);
+    }
 }

@@ -3,6 +3,7 @@
 mod beside;
 mod bins;
 mod candidates;
+mod chosen;
 mod coupled;
 mod implausible;
 mod locate;
@@ -10,6 +11,7 @@ mod null;
 mod pairs;
 mod screen;
 mod sets;
+mod slower;
 mod spectrum;
 mod strides;
 mod thinned;

@@ -5,6 +5,7 @@
 //! sample by sample: the products of the signatures with filtered noise are normal, with the covariance of the
 //! filtered signatures.
 
+use super::chosen;
 use super::screen::{Screen, Start};
 use super::thinned::{Thinned, orthonormal, project, whole};
 use crate::effects::{Id, Place};
@@ -42,14 +43,17 @@ impl Null {
     ) -> Self {
         let chance = Chance::of(screen, noises);
         // Start by start the signatures that it spans. The hidden motion of a coupling has none at its neutral values.
+        let (scanned, effects): (Vec<_>, Vec<_>) = effects
+            .filter(|(id, starts)| id.info().place != Place::Coupling && !starts.is_empty())
+            .partition(|(id, _)| chosen::scanned(*id));
         let starts: Vec<(Id, &Start)> = effects
-            .filter(|(id, _)| id.info().place != Place::Coupling)
+            .into_iter()
             .flat_map(|(id, starts)| evenly(starts, MOST).map(move |start| (id, start)))
             .collect();
         let at: Vec<usize> = (0..starts.len()).collect();
         let mut signed = screen.watch.each(&at, |at| {
             let (id, start) = starts[*at];
-            (*at, id, chance.signature(id, start))
+            (*at, id, chance.signature(id, &start.model))
         });
         signed.sort_by_key(|(at, ..)| *at);
         let mut groups: Vec<(Id, std::ops::Range<usize>)> = Vec::new();
@@ -76,6 +80,9 @@ impl Null {
             }
             best.into_iter().for_each(|(id, gain)| gains.entry(id).or_default().push(gain));
         }
+        let waves =
+            screen.watch.each(&scanned, |(id, _)| (*id, chosen::gains(screen, &chance, white, *id, DRAWS)));
+        gains.extend(waves.into_iter().filter(|(_, gains)| !gains.is_empty()));
         let scale: BTreeMap<Id, (f64, f64)> = gains.iter().map(|(id, g)| (*id, spread(g))).collect();
         let mut largest: Vec<f64> = (0..DRAWS)
             .map(|draw| {
@@ -115,7 +122,7 @@ fn evenly(starts: &[Start], most: usize) -> impl Iterator<Item = &Start> {
 
 /// Signatures, and what they become on the way back through the measurement filter and the noise's colour: the products
 /// of a signature with noise behind the filter are those of the latter with white noise.
-struct Chance<'a> {
+pub(super) struct Chance<'a> {
     screen: &'a Screen<'a>,
     noises: &'a [Noise],
     thinned: Thinned,
@@ -155,11 +162,11 @@ impl<'a> Chance<'a> {
     }
 
     /// What the orthonormal derivative columns of a start, off those of the model, become.
-    fn signature(&self, id: Id, start: &Start) -> Vec<Vec<f64>> {
-        let slots = start.model.slots();
+    pub(super) fn signature(&self, id: Id, model: &Model) -> Vec<Vec<f64>> {
+        let slots = model.slots();
         let own = |&i: &usize| slots[i].role == Role::Free && slots[i].effect == id;
-        let (shown, own) = self.screen.shown(&start.model, (0..slots.len()).filter(own).collect());
-        let mut columns = self.both(&self.screen.seen_by(id, &start.model), &shown, &own);
+        let (shown, own) = self.screen.shown(model, (0..slots.len()).filter(own).collect());
+        let mut columns = self.both(&self.screen.seen_by(id, model), &shown, &own);
         columns.iter_mut().for_each(|column| project(column, &self.base, self.rows));
         orthonormal(&columns, self.rows).into_iter().map(|mut both| both.split_off(self.rows)).collect()
     }

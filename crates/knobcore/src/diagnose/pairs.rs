@@ -4,8 +4,9 @@
 //! neither is found. So each joint is tried with each of the others, from coarse to fine: the starts of the joint beside
 //! the rigid model that has the other effect, a few steps from the most promising, descents from the best of these.
 
-use super::coupled::{MIDDLE_HZ, beginnings, on, slowed};
+use super::coupled::on;
 use super::screen::{Screen, Start};
+use super::slower::{COARSE_HZ, MIDDLE_HZ, beginnings, slowed};
 use super::watch::{Tell, Watch};
 use crate::effects::{Id, Place};
 use crate::fit::{Fit, Found, glance, report, sketch};
@@ -64,7 +65,8 @@ pub fn pairs(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_>) 
     let (couplings, others): (Vec<Id>, Vec<Id>) =
         effects.iter().partition(|id| id.info().place == Place::Coupling);
     let watch = Watch::new(tell, others.len() + LOOKED + 2 * COARSE + FINE);
-    let coarse = beginnings(data, ENOUGH);
+    let first = beginnings(data, ENOUGH);
+    let coarse = slowed(&first.iter().collect::<Vec<_>>(), COARSE_HZ);
     let coarse: Vec<&Signals> = coarse.iter().collect();
     let rigid = Screen::new(&coarse, model, &watch);
     let starts = watch.each(&others, |companion| {

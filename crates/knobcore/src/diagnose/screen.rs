@@ -11,6 +11,7 @@ use crate::effects::{Id, Place, Survey, Wave};
 use crate::fit::{beside_orders, dot, glance, runs, waves};
 use crate::model::{Model, Role};
 use crate::param::{Axis, Usual};
+use crate::predict;
 use crate::signals::Signals;
 
 /// What resists one way is at least so much of what does the other way.
@@ -72,7 +73,8 @@ impl<'a> Screen<'a> {
             coupled,
             shaft: Vec::new(),
             behind: if coupled {
-                data.iter().map(|signals| behind(signals, model)).collect()
+                let loads = loads(model);
+                data.iter().map(|signals| behind(signals, model, &loads)).collect()
             } else {
                 Vec::new()
             },
@@ -87,10 +89,12 @@ impl<'a> Screen<'a> {
 
     /// All starts of an effect that the model may be given, most promising first; some, if no longer wanted.
     pub fn starts(&self, id: Id) -> Vec<Start> {
-        // Behind a coupling the knob has a direction of its own, by which a friction cannot be scanned for.
-        let wave = id.info().scan.filter(|wave| !self.coupled || *wave != Wave::Friction);
+        let wave = id.info().scan;
         let beside = match wave {
-            Some(Wave::Orders) => beside_orders(self.data, self.model),
+            Some(Wave::Orders) => {
+                let (data, model) = self.along(self.model);
+                beside_orders(&data, &model).iter().map(|other| moved(self.model, other)).collect()
+            }
             _ => vec![self.model.clone()],
         };
         let starts = |models: &[&Model]| {
@@ -121,12 +125,21 @@ impl<'a> Screen<'a> {
         let Ok(with) = with else { return Vec::new() };
         let values = match wave {
             Some(wave) => {
-                let waves = Some(waves(self.data, beside, wave));
+                let (data, model) = self.along(beside);
+                let waves = Some(waves(&data, &model, wave));
                 id.law().starts(&Survey { waves, ..self.survey.clone() })
             }
             None => id.law().starts(&self.survey),
         };
         values.iter().flat_map(|values| self.placed(&with, id, values)).collect()
+    }
+
+    /// The model with an effect as it starts from a wave: amplitude, period over 2 pi and phase. None where such a wave is no
+    /// start of it.
+    pub fn at_wave(&self, id: Id, wave: [f64; 3]) -> Option<Model> {
+        let with = self.model.with(id).ok()?;
+        let values = id.law().starts(&Survey { waves: Some(vec![wave]), ..self.survey.clone() });
+        self.placed(&with, id, values.first()?).into_iter().next()
     }
 
     /// The same starts with what belongs to a run apart; none where there is nothing of the kind, or one run.
@@ -151,6 +164,14 @@ impl<'a> Screen<'a> {
             return self.data.to_vec();
         }
         self.behind.iter().collect()
+    }
+
+    /// The captures along the motion of what loads the knob, and a model as it is looked at along it.
+    fn along(&self, model: &Model) -> (Vec<&Signals>, Model) {
+        if self.behind.is_empty() {
+            return (self.data.to_vec(), model.clone());
+        }
+        (self.behind.iter().collect(), self.shown(model, Vec::new()).0)
     }
 
     /// Models with an effect as starts, most promising first.
@@ -246,8 +267,7 @@ impl<'a> Screen<'a> {
     pub fn shown(&self, model: &Model, mut params: Vec<usize>) -> (Model, Vec<usize>) {
         let mut shown = model.clone();
         if self.coupled {
-            let loads: Vec<Id> = model.effects().filter(|id| id.info().place != Place::Coupling).collect();
-            shown = model.only(&loads).unwrap_or(shown);
+            shown = loads(model);
             params.retain_mut(|i| {
                 let at = shown.index(&model.slots()[*i].name());
                 at.map(|at| *i = at).is_ok()
@@ -257,8 +277,25 @@ impl<'a> Screen<'a> {
     }
 }
 
-/// A capture with the motion of the hidden knob of a model, whose forward is that of its speed alone.
-fn behind(signals: &Signals, model: &Model) -> Signals {
+/// A model without its coupling.
+fn loads(model: &Model) -> Model {
+    let loads: Vec<Id> = model.effects().filter(|id| id.info().place != Place::Coupling).collect();
+    model.only(&loads).unwrap_or_else(|_| model.clone())
+}
+
+/// A model with the values and roles that another has by the same names.
+fn moved(model: &Model, other: &Model) -> Model {
+    let mut moved = model.clone();
+    for slot in other.slots() {
+        // What only the other has does not count.
+        let _ = moved.set(&slot.name(), slot.value).and_then(|()| moved.set_role(&slot.name(), slot.role));
+    }
+    moved
+}
+
+/// A capture with the motion of the hidden knob of a model, whose forward is that of its speed alone; its torque is what
+/// leaves the same error beside the same loads on a rigid shaft that moves so.
+fn behind(signals: &Signals, model: &Model, loads: &Model) -> Signals {
     let mut hidden = signals.clone();
     let values = model.values();
     let (p, _) = model.in_run(&signals.run, &values, &[]);
@@ -274,6 +311,12 @@ fn behind(signals: &Signals, model: &Model) -> Signals {
         hidden.theta[segment.clone()].copy_from_slice(&theta);
         hidden.omega[segment.clone()].copy_from_slice(&omega);
         hidden.alpha[segment.clone()].copy_from_slice(&alpha);
+    }
+    let (joined, rigid) = (predict::torque(model, signals), predict::torque(loads, &hidden));
+    for segment in &signals.segments {
+        for at in segment.clone() {
+            hidden.tau[at] += rigid[at] - joined[at];
+        }
     }
     hidden
 }

@@ -17,6 +17,7 @@ pub(crate) use moments::{add_products, dot, evaluate};
 pub use orders::beside as beside_orders;
 pub(crate) use runs::{differ, runs, settled};
 pub use scan::Scan;
+pub(crate) use scan::band;
 pub use separable::{Found, Status};
 pub(crate) use solve::least;
 pub use undetermined::Undetermined;

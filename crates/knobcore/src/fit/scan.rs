@@ -122,6 +122,14 @@ pub fn range(data: &[&Signals]) -> f64 {
     high - low
 }
 
+/// Lowest and highest spatial angular frequency that a scan looks at, 1/rad, and how many independent ones lie between them
+/// (one cycle over the range apart); None where there is no motion.
+pub fn band(data: &[&Signals]) -> Option<([f64; 2], f64)> {
+    let grid = Grid::over(data)?;
+    let between = (grid.last - grid.first) as f64 / OVERSAMPLING as f64;
+    Some(([grid.frequency(grid.first), grid.frequency(grid.last)], between))
+}
+
 /// Grid of positions shared by all captures.
 struct Grid {
     /// The first cell, one before the lowest position.
