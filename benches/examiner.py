@@ -184,8 +184,14 @@ def judged(knob: hidden.Hidden, document: dict[str, Any], left_out: bool) -> dic
 
 
 def covered(knob: hidden.Hidden, params: dict[str, Any]) -> dict[str, bool]:
-    """Which 95 % intervals of the base parameters hold the truth."""
+    """Which 95 % intervals of the base parameters hold the truth; either of two detents may be the first."""
     hold = {}
+    if (second := params.get("second_detent.P")) and (first := params.get("detent.P")):
+        off = {at: abs(one["value"] - knob.knob["detent.P"]) for at, one in enumerate((first, second))}
+        if off[1] < off[0]:
+            params = {
+                name.replace("second_", ""): one for name, one in params.items() if name[:6] != "detent"
+            }
     for name, true in knob.knob.items():
         effect = name.split(".")[0]
         if effect == "coulomb" and WITH_A_CONSTANT & set(knob.effects):
