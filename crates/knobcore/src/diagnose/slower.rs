@@ -11,7 +11,7 @@ use crate::signals::Signals;
 pub const COARSE_HZ: f64 = 60.0;
 pub const MIDDLE_HZ: f64 = 150.0;
 /// Samples that are kept per period of the edge, at least. A joint is simulated in steps from one of them to the next.
-const KEPT: f64 = 24.0;
+const KEPT: f64 = 36.0;
 /// The edge before samples are left out, in times of the one after.
 const BEFORE: f64 = 2.5;
 
@@ -142,11 +142,11 @@ mod tests {
     }
 
     #[test]
-    fn a_slowed_capture_is_a_third_as_long_and_says_of_a_slow_torque_what_the_whole_does() {
+    fn a_slowed_capture_is_half_as_long_and_says_of_a_slow_torque_what_the_whole_does() {
         let (signals, model) = measured(0.0);
         let slow = &slowed(&[&signals], COARSE_HZ)[0];
-        assert_eq!(slow.segments, [0..2997, 2997..6631]);
-        assert_eq!((slow.t[0], slow.t[2997]), (10.0 / RATE_HZ, 9_100.0 / RATE_HZ));
+        assert_eq!(slow.segments, [0..4495, 4495..9945]);
+        assert_eq!((slow.t[0], slow.t[4495]), (10.0 / RATE_HZ, 9_100.0 / RATE_HZ));
         let there = predict::torque(&model, slow);
         let inner = |at: &usize| slow.segments.iter().any(|s| s.start + 200 < *at && *at < s.end - 200);
         let off =
