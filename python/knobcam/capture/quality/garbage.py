@@ -57,8 +57,14 @@ def check_garbage(
 
 
 def _noise(values: FloatArray) -> float:
-    """Deviation of white noise with such third differences; the wider of two where its tails are heavier."""
+    """Deviation of white noise with such third differences; the wider of two where its tails are heavier.
+
+    Where nothing changes, as of a motor that is off, there is no noise to be read.
+    """
     third = np.abs(np.convolve(values, _THIRD, "valid"))
+    third = third[third > 0.0]
+    if not third.size:
+        return 0.0
     return max(quantile(third, 0.5) / 0.6745, quantile(third, 0.9) / 1.6449) / _GAIN
 
 
