@@ -24,9 +24,9 @@ const BAND: [f64; 2] = [0.5, 0.95];
 /// The band below, which noise that is not white fills more.
 const BELOW: [f64; 2] = [0.25, 0.5];
 /// Samples of a periodogram down to the slowest frequencies, as many as leave [`MANY`].
-const LONG: [usize; 3] = [1024, 512, 256];
+const LONG: [usize; 4] = [2048, 1024, 512, 256];
 /// See [`LONG`].
-const MANY: usize = 40;
+const MANY: usize = 25;
 /// The quantile of the stretches that counts as noise alone.
 const QUIET: f64 = 0.35;
 /// Of many exponential variables that quantile, as an estimate of their mean, has so many times the variance of their
@@ -127,10 +127,10 @@ fn line(n: u32, share: f64) -> f64 {
 /// always there: at each frequency the level is that of the quieter stretches. And of the quieter column: fast, the
 /// model has noise of the motion in it, which hides how the torque's own falls.
 fn coloured(signals: &Signals, rest: &[f64]) -> Option<Noise> {
-    let window = LONG.into_iter().find(|window| windows(&signals.segments, *window).len() >= MANY)?;
+    let window = LONG.into_iter().find(|window| heard(signals, *window).len() >= MANY)?;
     let spectra = |column: &[f64], window: usize| {
         let periodogram = Periodogram::of(window);
-        periodogram.powers(column, &windows(&signals.segments, window), periodogram.bins())
+        periodogram.powers(column, &heard(signals, window), periodogram.bins())
     };
     let raw = steady(&spectra(&signals.tau_raw, window));
     let mut level = quieter(steady(&spectra(rest, window)), &raw);
@@ -192,13 +192,12 @@ fn quiet(powers: &Powers, quantile: f64) -> Vec<f64> {
 /// Variance of white noise with the power of `rest` in the band; the median over frequencies keeps a line (mains,
 /// a resonance) out.
 fn variance_above(signals: &Signals, rest: &[f64]) -> f64 {
-    let Some(window) = WINDOWS.into_iter().find(|window| windows(&signals.segments, *window).len() >= ENOUGH)
-    else {
+    let Some(window) = WINDOWS.into_iter().find(|window| heard(signals, *window).len() >= ENOUGH) else {
         return f64::NAN;
     };
     let bin = |share: f64| (share * (window / 2) as f64) as usize;
     let band = bin(BAND[0])..bin(BAND[1]);
-    let starts = windows(&signals.segments, window);
+    let starts = heard(signals, window);
     let powers = Periodogram::of(window).powers(rest, &starts, band);
     let totals: Vec<f64> = powers.windows().map(|window| window.iter().sum()).collect();
     // An impact is heard at all frequencies, but only while it lasts. A sensor at its limit is quiet: beside that the
@@ -213,6 +212,16 @@ fn variance_above(signals: &Signals, rest: &[f64]) -> f64 {
     // windows count as about 0.95 each under a Hann taper (Welch 1967), no matter at this accuracy.
     let bias = (1.0 - 1.0 / (9.0 * windows)).powi(3);
     median(powers.mean(weights)) / bias
+}
+
+/// Where windows begin in which the sensor says anything: a motor that is off has a torque of nought, and no noise.
+fn heard(signals: &Signals, window: usize) -> Vec<usize> {
+    let mut starts = windows(&signals.segments, window);
+    starts.retain(|start| {
+        let torque = &signals.tau_raw[*start..start + window];
+        torque.iter().any(|x| *x != torque[0])
+    });
+    starts
 }
 
 /// Whether readings in each of the windows, by their starts, are hardly ever the largest of all.
