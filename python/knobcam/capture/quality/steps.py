@@ -265,8 +265,8 @@ def _there_and_back(off: FloatArray, clear: float) -> BoolArray:
     first, second = off[:-1], off[1:]
     leap = np.minimum(np.abs(first), np.abs(second))
     beside = np.maximum(np.abs(np.append(0.0, off[:-2])), np.abs(np.append(off[2:], 0.0)))
-    alone = beside < _ALONE * leap
-    return (leap > clear) & alone & (np.abs(first + second) < 0.2 * np.abs(first - second))
+    found: BoolArray = (leap > clear) & (beside < _ALONE * leap)
+    return found & (np.abs(first + second) < 0.2 * np.abs(first - second))
 
 
 def _lost(step: FloatArray, expected: FloatArray, noise: float, clear: BoolArray) -> NDArray[np.int64]:
