@@ -186,3 +186,23 @@ def test_a_fault_of_a_few_rows_costs_those_rows_alone() -> None:
     low, high = before.params["inertia.M"].ci95
     assert low < after.params["inertia.M"].value < high
     assert abs(after.noise_floor / before.noise_floor - 1.0) < 0.03
+
+
+def test_a_blow_on_a_knob_is_no_leap_of_its_angle() -> None:
+    """At 200 Hz a push forth and back takes a few rows: the steps beside the largest are off too."""
+    rate, rows = 200.0, 2000
+    t = np.arange(rows) / rate
+    rng = np.random.default_rng(4)
+    push = np.zeros(rows)
+    push[1000:1008] = [3.0, 3.0, 3.0, 3.0, -2.6, -5.6, -5.7, 2.0]
+    omega = np.sin(t) + push
+    theta = np.cumsum(omega) / rate + 1e-5 * rng.standard_normal(rows)
+    columns = {"theta": theta, "tau": 0.01 * np.sin(t) + 1e-3 * rng.standard_normal(rows)}
+    capture = Capture.from_arrays(**columns, rate_hz=rate)
+    assert not [one for one in capture.findings if one.kind == "spike"] and capture.mask.all()
+    leapt = theta.copy()
+    leapt[500] += 0.02
+    spoiled = Capture.from_arrays(**columns | {"theta": leapt}, rate_hz=rate)
+    assert [(one.kind, one.spans) for one in spoiled.findings if one.kind == "spike"] == [
+        ("spike", ((501, 501),))
+    ]

@@ -32,3 +32,27 @@ def test_an_effect_is_found_in_coloured_noise() -> None:
     learned = kc.learn(with_noise(stronger, 0.9, 6))
     assert learned.verdict == "missing"
     assert {"return_spring", "position_polynomial", "unbalance"} & set(learned.found)
+
+
+@pytest.mark.parametrize("seed", [10, 18, 26])
+def test_a_slow_hand_does_not_hide_how_the_torques_noise_falls(seed: int) -> None:
+    """Near a standstill its direction is uncertain: the model is loud where the noise is quiet."""
+    rng = np.random.default_rng(seed)
+    rows, rate = 30_000, 5000.0
+    force = np.exp(-0.5 * (np.arange(-1500, 1501) / 400.0) ** 2)
+    omega = np.convolve(rng.standard_normal(rows + 3000), force, "valid")
+    omega *= 5.0 / omega.std()
+    theta, alpha = np.cumsum(omega) / rate, np.gradient(omega, 1.0 / rate)
+    noise = rng.standard_normal(rows + 2000)
+    for at in range(1, len(noise)):
+        noise[at] = 0.97 * noise[at - 1] + np.sqrt(1.0 - 0.97**2) * noise[at]
+    noise = 1.8e-3 * noise[2000:]
+    columns = {
+        "theta": np.round(theta / 9.8e-6) * 9.8e-6,
+        "omega": omega + 5e-3 * rng.standard_normal(rows),
+        "alpha": alpha + 0.41 * rng.standard_normal(rows),
+    }
+    torque = 1e-4 * alpha + 0.02 * np.sign(omega) + 1e-3 * omega
+    fitted = kc.fit(kc.Capture.from_arrays(**columns, tau=torque + noise, rate_hz=rate))
+    alone = kc.Capture.from_arrays(**columns, tau=noise, rate_hz=rate).prepare()
+    assert fitted.noise_floor == pytest.approx(np.sqrt(np.mean(alone.tau[alone.used] ** 2)), rel=0.05)

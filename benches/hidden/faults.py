@@ -108,6 +108,15 @@ def outliers(rng: Rng, columns: Columns) -> Columns:
     return _leaping(rng, columns, "tau_Nm", len(columns["t_s"]) // 20, 0.03, 0.1)
 
 
+def garbage(rng: Rng, columns: Columns) -> Columns:
+    """3 times for 12 to 60 rows a torque that is anything."""
+    tau = columns["tau_Nm"].copy()
+    for row in 500 * (1 + rng.choice(len(tau) // 500 - 2, 3, replace=False)):
+        many = int(rng.integers(12, 61))
+        tau[row : row + many] = rng.uniform(-1.0, 1.0, many) * rng.uniform(0.03, 0.3)
+    return columns | {"tau_Nm": tau}
+
+
 def acceleration_spikes(rng: Rng, columns: Columns) -> Columns:
     return _leaping(rng, columns, "alpha_rad_s2", 6, 300.0, 2000.0)
 
@@ -189,6 +198,13 @@ def held(rng: Rng, columns: Columns) -> Columns:
 
 def torque_sign(rng: Rng, columns: Columns) -> Columns:
     return columns | {"tau_Nm": -columns["tau_Nm"]}
+
+
+def sprung_sign(rng: Rng, columns: Columns) -> Columns:
+    """The torque of the knob with a return spring as strong as all else, counted the other way."""
+    theta, tau = columns["theta_rad"], columns["tau_Nm"]
+    spring = rng.uniform(0.5, 2.0) * np.std(tau) / np.std(theta)
+    return columns | {"tau_Nm": -(tau + spring * (theta - np.median(theta)))}
 
 
 def alpha_sign(rng: Rng, columns: Columns) -> Columns:
@@ -294,6 +310,7 @@ _SINGLE = {
     "torque's sign": Fault(torque_sign, frozenset({"sign"}), bars=True),
     "torque in mN m": Fault(thousandths, frozenset({"unit tau"}), bars=True),
     "angle in degrees": Fault(degrees, frozenset({"unit theta"}), bars=True),
+    "torque's sign, a spring": Fault(sprung_sign, frozenset({"sign"}), bars=True),
     "alpha's sign": Fault(alpha_sign, frozenset({"scale alpha", "sign alpha"}), bars=True),
     "t in ms": Fault(milliseconds, frozenset({"unit t", "rate"}), bars=True),
     "omega in rpm": Fault(turns_a_minute, frozenset({"unit omega"})),
@@ -308,6 +325,7 @@ _SINGLE = {
     "AR(1) noise 0.97": Fault(_nothing, keep=0.97),
     "two joined, step": Fault(joined, frozenset({"jump"}), bars=True),
     "5 % torque outliers": Fault(outliers, _SPIKES),
+    "garbage torque": Fault(garbage, _SPIKES),
 }
 _PAIRS = [
     ("angle only", "stale rows"),

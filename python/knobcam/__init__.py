@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from .errors import InputError, KnobcamError, KnobcamWarning
     from .fit import Estimate, Fit, fit
     from .fit.compare import Comparison, compare
+    from .fit.constants import fit_constants
     from .fit.diagnose import Candidate, Diagnosis, diagnose
     from .fit.forward import Forward
     from .fit.refit import Moved
@@ -109,6 +110,7 @@ __all__ = [
     "diagnose",
     "effects",
     "fit",
+    "fit_constants",
     "forget_effect",
     "hiding",
     "learn",
@@ -170,6 +172,7 @@ _HOME = {
     "diagnose": "fit.diagnose",
     "effects": "model.effects",
     "fit": "fit",
+    "fit_constants": "fit.constants",
     "forget_effect": "model.own",
     "hiding": "model.hiding",
     "learn": "learn",

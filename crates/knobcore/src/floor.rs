@@ -24,11 +24,14 @@ const BAND: [f64; 2] = [0.5, 0.95];
 /// The band below, which noise that is not white fills more.
 const BELOW: [f64; 2] = [0.25, 0.5];
 /// Samples of a periodogram down to the slowest frequencies, as many as leave [`MANY`].
-const LONG: [usize; 3] = [1024, 512, 256];
+const LONG: [usize; 4] = [2048, 1024, 512, 256];
 /// See [`LONG`].
-const MANY: usize = 40;
+const MANY: usize = 25;
 /// The quantile of the stretches that counts as noise alone.
 const QUIET: f64 = 0.35;
+/// Of many exponential variables that quantile, as an estimate of their mean, has so many times the variance of their
+/// mean: p / (1 - p) / ln(1 - p)^2.
+const QUANTILES_ERROR: f64 = 2.9;
 /// Samples of stretches so short that something that comes again and again leaves some of them out, and the quantile
 /// of these that does not have it.
 const SHORT: usize = 128;
@@ -37,6 +40,8 @@ const QUIETEST: f64 = 0.1;
 const LINES: usize = 8;
 /// Frequencies at which the noise of lines is summed.
 const SHARES: u32 = 256;
+/// Times the other column's noise by which one has noise of its own.
+const LOUDER: f64 = 1.1;
 /// Times what a model leaves that noise of any colour is taken for at most: quiet stretches tell it to a factor of two.
 const LEFT: f64 = 4.0;
 /// Slowest frequencies of a periodogram, which its taper and its mean take off.
@@ -58,7 +63,27 @@ fn noise_below(raw: f64, signals: &Signals, model: &Model) -> Option<Noise> {
     if white.is_nan() {
         return None;
     }
-    Some(coloured(signals, &rest).unwrap_or(Noise::white(white * bridged(signals))))
+    let coloured = coloured(signals, &rest).map(|noise| as_left(noise, signals, rest));
+    Some(coloured.unwrap_or(Noise::white(white * bridged(signals))))
+}
+
+/// Coloured noise as loud as what is left, where that is no more than its level in the quieter stretches lets expect.
+///
+/// Slow noise has few independent samples, and its level by a spectrum is known to some percent; nor is there more of
+/// it than what is left.
+fn as_left(noise: Noise, signals: &Signals, mut rest: Vec<f64>) -> Noise {
+    for segment in &signals.segments {
+        signals.measure(&mut [&mut rest[segment.clone()]]);
+    }
+    let squares: f64 = rest.iter().zip(&signals.weight).map(|(rest, weight)| weight * rest * rest).sum();
+    let rows = signals.used().max(1) as f64;
+    let filter = signals.filter.as_ref();
+    let louder = squares / rows / noise.behind(filter);
+    let error = ((1.0 + QUANTILES_ERROR) * 2.0 * noise.alike(filter) / rows).sqrt();
+    if louder.is_finite() && louder <= 1.0 + rule().steady * error {
+        return Noise { innovation: noise.innovation * louder, ..noise };
+    }
+    noise
 }
 
 /// Variance behind the filter of white noise with straight lines in it, over what its power in the band above lets
@@ -99,26 +124,24 @@ fn line(n: u32, share: f64) -> f64 {
 /// Noise that is louder the slower it is, if the spectrum above the motion falls; None where it is level.
 ///
 /// Below, motion and model share the band with it. What the model gets wrong comes and goes with the motion, noise is
-/// always there: at each frequency the level is that of the quieter stretches.
+/// always there: at each frequency the level is that of the quieter stretches. And of the quieter column: fast, the
+/// model has noise of the motion in it, which hides how the torque's own falls.
 fn coloured(signals: &Signals, rest: &[f64]) -> Option<Noise> {
-    let window = LONG.into_iter().find(|window| windows(&signals.segments, *window).len() >= MANY)?;
+    let window = LONG.into_iter().find(|window| heard(signals, *window).len() >= MANY)?;
     let spectra = |column: &[f64], window: usize| {
         let periodogram = Periodogram::of(window);
-        periodogram.powers(column, &windows(&signals.segments, window), periodogram.bins())
+        periodogram.powers(column, &heard(signals, window), periodogram.bins())
     };
-    let mut level = steady(&spectra(rest, window));
-    let mean = |level: &[f64], [from, to]: [f64; 2]| {
-        let half = (level.len() - 1) as f64;
-        let bins = (from * half) as usize..(to * half) as usize;
-        level[bins.clone()].iter().sum::<f64>() / bins.len() as f64
-    };
+    let raw = steady(&spectra(&signals.tau_raw, window));
+    let mut level = quieter(steady(&spectra(rest, window)), &raw);
     let falls = |level: &[f64]| mean(level, BELOW) > rule().falls * mean(level, BAND);
-    if !falls(&level) || !falls(&steady(&spectra(&signals.tau_raw, window))) {
+    if !falls(&level) || !falls(&raw) {
         return None;
     }
     // What rings after each of many contacts fills all long stretches, and falls too; but no noise ever pauses.
-    let pauses = |column: &[f64]| !falls(&quiet(&spectra(column, SHORT), QUIETEST));
-    if pauses(rest) || pauses(&signals.tau_raw) {
+    let paused = |column: &[f64]| quiet(&spectra(column, SHORT), QUIETEST);
+    let raw = paused(&signals.tau_raw);
+    if !falls(&raw) || !falls(&quieter(paused(rest), &raw)) {
         return None;
     }
     // A window's mean is taken off it, and with it its slowest frequencies.
@@ -134,6 +157,21 @@ fn coloured(signals: &Signals, rest: &[f64]) -> Option<Noise> {
     Some(Noise::autoregressive(&covariance, signals.used() as f64))
 }
 
+/// The mean level of a band.
+fn mean(level: &[f64], [from, to]: [f64; 2]) -> f64 {
+    let half = (level.len() - 1) as f64;
+    let bins = (from * half) as usize..(to * half) as usize;
+    level[bins.clone()].iter().sum::<f64>() / bins.len() as f64
+}
+
+/// The lesser at each frequency, of a level that is louder than the other one where noise is alone.
+fn quieter(mut level: Vec<f64>, other: &[f64]) -> Vec<f64> {
+    if mean(&level, BAND) > LOUDER * mean(other, BAND) {
+        level.iter_mut().zip(other).for_each(|(level, other)| *level = level.min(*other));
+    }
+    level
+}
+
 /// The level of noise at each frequency, of its powers in all stretches: their mean where that is what the quiet
 /// ones let expect, which it estimates three times as well; else what the quiet ones say.
 fn steady(powers: &Powers) -> Vec<f64> {
@@ -141,9 +179,8 @@ fn steady(powers: &Powers) -> Vec<f64> {
     let means = powers.mean(repeat(1.0));
     let windows = powers.windows().count() as f64;
     let total = quiet.iter().sum::<f64>();
-    // Of K exponential variables the quantile p, as an estimate of their mean, has this variance beside theirs.
-    let more = QUIET / (1.0 - QUIET) / (1.0 - QUIET).ln().powi(2) - 1.0;
-    let error = (more * quiet.iter().map(|level| level * level).sum::<f64>() / windows).sqrt();
+    let error =
+        ((QUANTILES_ERROR - 1.0) * quiet.iter().map(|level| level * level).sum::<f64>() / windows).sqrt();
     if (means.iter().sum::<f64>() - total).abs() <= rule().steady * error { means } else { quiet }
 }
 
@@ -155,13 +192,12 @@ fn quiet(powers: &Powers, quantile: f64) -> Vec<f64> {
 /// Variance of white noise with the power of `rest` in the band; the median over frequencies keeps a line (mains,
 /// a resonance) out.
 fn variance_above(signals: &Signals, rest: &[f64]) -> f64 {
-    let Some(window) = WINDOWS.into_iter().find(|window| windows(&signals.segments, *window).len() >= ENOUGH)
-    else {
+    let Some(window) = WINDOWS.into_iter().find(|window| heard(signals, *window).len() >= ENOUGH) else {
         return f64::NAN;
     };
     let bin = |share: f64| (share * (window / 2) as f64) as usize;
     let band = bin(BAND[0])..bin(BAND[1]);
-    let starts = windows(&signals.segments, window);
+    let starts = heard(signals, window);
     let powers = Periodogram::of(window).powers(rest, &starts, band);
     let totals: Vec<f64> = powers.windows().map(|window| window.iter().sum()).collect();
     // An impact is heard at all frequencies, but only while it lasts. A sensor at its limit is quiet: beside that the
@@ -176,6 +212,16 @@ fn variance_above(signals: &Signals, rest: &[f64]) -> f64 {
     // windows count as about 0.95 each under a Hann taper (Welch 1967), no matter at this accuracy.
     let bias = (1.0 - 1.0 / (9.0 * windows)).powi(3);
     median(powers.mean(weights)) / bias
+}
+
+/// Where windows begin in which the sensor says anything: a motor that is off has a torque of nought, and no noise.
+fn heard(signals: &Signals, window: usize) -> Vec<usize> {
+    let mut starts = windows(&signals.segments, window);
+    starts.retain(|start| {
+        let torque = &signals.tau_raw[*start..start + window];
+        torque.iter().any(|x| *x != torque[0])
+    });
+    starts
 }
 
 /// Whether readings in each of the windows, by their starts, are hardly ever the largest of all.

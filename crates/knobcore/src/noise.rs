@@ -75,6 +75,17 @@ impl Noise {
         shares.map(|share| gain(share) * self.power(share)).sum::<f64>() / FREQUENCIES as f64
     }
 
+    /// Samples behind a measurement filter that tell of its variance what an independent one would.
+    pub fn alike(&self, filter: Option<&ZeroPhase>) -> f64 {
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for share in (0..FREQUENCIES).map(|k| (k as f64 + 0.5) / (2 * FREQUENCIES) as f64) {
+            let gain = filter.map_or(1.0, |f| f.sos().power_gain(share * f.sos().rate_hz()).powi(2));
+            let power = gain * self.power(share);
+            (sum, squares) = (sum + power, squares + power * power);
+        }
+        squares * FREQUENCIES as f64 / (sum * sum)
+    }
+
     /// Samples that have to go through it before its noise is steady.
     pub fn warm(&self) -> usize {
         if self.coefficients.is_empty() { 0 } else { WARM }
@@ -124,6 +135,8 @@ mod tests {
         assert!((found.innovation - 0.19).abs() < 1e-12 && (found.coefficients[0] + 0.9).abs() < 1e-12);
         assert_eq!(found.coefficients.len(), 1);
         assert!((slow().behind(None) - 1.0).abs() < 1e-6);
+        let alike = (1.0 + 0.81) / (1.0 - 0.81); // Bartlett 1946
+        assert!((slow().alike(None) / alike - 1.0).abs() < 1e-6 && Noise::white(2.0).alike(None) == 1.0);
     }
 
     #[test]

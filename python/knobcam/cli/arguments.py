@@ -207,10 +207,7 @@ def preparation(args: argparse.Namespace) -> dict[str, Any]:
         name, value = (part.strip() for part in text.split("=", 1))
         if name in options:
             raise InputError(f"--option {name} is given twice; leave one out")
-        try:
-            options[name] = float(value)
-        except ValueError:
-            raise InputError(f"--option {name}: {value!r} is no number; give one in SI") from None
+        options[name] = sized(f"--option {name}", value)
     from ..capture.prepare import check_options
 
     check_options(args.prepare, options)
@@ -246,6 +243,14 @@ def _asked(fault: str) -> bool:
     sys.stderr.write(f"knobcam: {fault}\nClear it and go on? [y/N] ")
     sys.stderr.flush()
     return sys.stdin.readline().strip().lower() in ("y", "yes")
+
+
+def sized(what: str, text: str) -> float:
+    """Return the number that is given for one of several names."""
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(f"{what}: {text!r} is no number; give one in SI") from None
 
 
 def number(text: str) -> float:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from ..fit import Fit
     from ..fit.compare import Comparison
     from ..fit.forward import Forward
+    from ..model import Model
 
 
 def register(commands: arguments.Commands) -> None:
@@ -30,6 +31,21 @@ def register(commands: arguments.Commands) -> None:
     parser.add_argument("--model", metavar="MODEL", help="model file or knob1 to knob5; default the base")
     parser.add_argument(
         "--detents", choices=("auto", "yes", "no"), default="auto", help="of the base model; default auto"
+    )
+    parser.add_argument(
+        "--free",
+        nargs="+",
+        action="extend",
+        metavar="NAME",
+        help="constants in tau of the map, to be fitted: tau='kt/R*(duty*U-ke*omega*on)' --free kt R ke",
+    )
+    parser.add_argument(
+        "--known",
+        nargs="+",
+        action="extend",
+        type=arguments.assignment,
+        metavar="PARAMETER=VALUE",
+        help="with --free: parameters that are known in N m, of which the first gives what scales the torque",
     )
     arguments.add_output(parser, "model")
     arguments.add_plots(parser)
@@ -66,10 +82,18 @@ def run_fit(args: Namespace) -> Answer:
     from ..model import Model
 
     model = Model.load(args.model) if args.model else None
-    captures = arguments.read_all(args)
-    status("fitting")
-    with about(*args.captures):
-        fitted = fit(captures, model, prepare=args.prepare, detents=args.detents, **options)
+    how: dict[str, Any] = {"prepare": args.prepare, "detents": args.detents}
+    if args.free:
+        fitted = with_constants(args, model, options, **how)
+    else:
+        if args.known:
+            raise InputError(
+                "--known: is of --free, which is not given; in a model file such values are fixed"
+            )
+        captures = arguments.read_all(args)
+        status("fitting")
+        with about(*args.captures):
+            fitted = fit(captures, model, **how, **options)
 
     files = kept(args, fitted)
     stuck = fitted.stiction()
@@ -77,6 +101,30 @@ def run_fit(args: Namespace) -> Answer:
     text = "\n".join([repr(fitted), *shown, *said(files)])
     document = fitted.document() | {"stiction": stuck.document() if shown else None, "files": files}
     return answer(args, text, document, fitted)
+
+
+def with_constants(args: Namespace, model: Model | None, options: dict[str, float], **how: Any) -> Fit:
+    """Fit constants of the map's torque beside the model."""
+    from ..fit.constants import fit_constants
+
+    if args.map is None:
+        raise InputError("--free: names constants in a formula of tau, and there is no --map; add it")
+    known = {}
+    for text in args.known or ():
+        name, value = (part.strip() for part in text.split("=", 1))
+        if name in known:
+            raise InputError(f"--known {name} is given twice; leave one out")
+        known[name] = arguments.sized(f"--known {name}", value)
+    status("fitting")
+    own: dict[str, Any] = {"map": args.map, "free": args.free, "known": known, "options": options}
+    with about(*args.captures):
+        fitted = fit_constants(args.captures, model, **own, **how, **arguments.reading(args))
+    if fitted.constants and fitted.constants.unscaled and args.output is not None:
+        raise InputError(
+            f"{args.output}: what scales the torque is not determined, so there is no model in N m to write; "
+            "say what is known, as --known inertia.M=VALUE, or fit in V or A"
+        )
+    return fitted
 
 
 def run_compare(args: Namespace) -> Answer:

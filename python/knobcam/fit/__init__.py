@@ -1,5 +1,6 @@
 """Fits: parameters from captures, where they fail, and what each effect that is missing would change."""
 
-from .fitting import Estimate, Fit, fit
+from .estimate import Estimate
+from .fitting import Fit, fit
 
 __all__ = ["Estimate", "Fit", "fit"]

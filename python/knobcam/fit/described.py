@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from ..capture.prepare import Prepared
-    from .fitting import Estimate
+    from .estimate import Estimate
 
 
 def documented(params: Mapping[str, Estimate]) -> dict[str, Any]:

@@ -26,7 +26,8 @@ if TYPE_CHECKING:
 
     from ..base.showing import Figure, Look
     from .compare import Comparison
-    from .fitting import Estimate, Fit
+    from .estimate import Estimate
+    from .fitting import Fit
     from .refit import Moved
 
 COULD_BE_IN_WORDS = "Could be missing"

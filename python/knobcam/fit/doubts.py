@@ -13,7 +13,8 @@ from .rule import RULE
 
 if TYPE_CHECKING:
     from ..capture.prepare import Prepared
-    from .fitting import Estimate, Fit
+    from .estimate import Estimate
+    from .fitting import Fit
 
 
 def at_floor(fit: Fit) -> bool:
@@ -57,7 +58,7 @@ def _back_emf(fit: Fit) -> list[str]:
     own = _of_base(fit)
     per_speed = f"{fit.torque_unit} s/{'rad' if fit.model.coordinate == 'rotary' else 'm'}"
     names = [name for name, e in own.items() if e.unit == per_speed]
-    if fit.torque_unit not in ("V", "duty") or not names:
+    if fit.torque_unit not in ("V", "duty") or not names or fit.constants:
         return []
     what = f"hold the motor's back-EMF beside its friction, unless the {fit.torque_unit} command a current"
     way = (

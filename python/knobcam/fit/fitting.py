@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from .alike import check_captures, check_unit
 from .beyond import Beyond, beyond
 from .described import described, documented, said, sign
 from .doubts import doubts
+from .estimate import Z95, Constants, Estimate
 from .origin import with_origin
 from .plausible import REVERSED, columns_at_fault, impossible, log_fault, one_velocity
 from .zeros import aligned
@@ -41,41 +42,18 @@ if TYPE_CHECKING:
     from .forward import Forward
     from .stiction import Stiction
 
-Z95 = 1.959963984540054
-"""Two-sided 95 % quantile of the normal distribution."""
-
-
-class Estimate(NamedTuple):
-    """A fitted parameter in SI with its 95 % interval; NaN limits where the capture does not determine it."""
-
-    value: float
-    ci95: tuple[float, float]
-    unit: str
-    se: float
-
-    @property
-    def determined(self) -> bool:
-        """Whether the capture says anything about it."""
-        return math.isfinite(self.se)
-
-    @property
-    def interval(self) -> str:
-        """The interval in words."""
-        if self.se == 0.0:
-            return "fixed"
-        return f"{self.ci95[0]:.5g} to {self.ci95[1]:.5g}" if self.determined else "not determined"
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Fit(showing.Tabled):
     """A model fitted to one or several captures of a knob; immutable.
 
-    `before` is the fit that it came from by `add`.
+    `before` is the fit that it came from by `add`, `constants` those of its torque that were fitted with it.
     """
 
     prepared: tuple[Prepared, ...]
     core: _core.Fit
     before: Fit | None = None
+    constants: Constants | None = None
 
     @cached_property
     def model(self) -> Model:
@@ -86,6 +64,7 @@ class Fit(showing.Tabled):
     def params(self) -> Mapping[str, Estimate]:
         """All parameters of the model by `effect.parameter`."""
         se = dict(zip(self.core.free, self.core.standard_errors.tolist(), strict=True))
+        se |= self.constants.errors if self.constants else {}
         estimates = {}
         for name, value, unit, role in self.core.model.rows():
             error = 0.0 if role == "fixed" else se.get(name if role == "free" else role, math.nan)
@@ -289,6 +268,7 @@ class Fit(showing.Tabled):
             "effects": list(self.model.effects),
             "at_shaft": list(self.model.at_shaft),
             "params": documented(self.params),
+            **({"constants": self.constants.document()} if self.constants else {}),
             "per_capture": runs.document(self.per_capture),
             "undetermined": dict(self.undetermined),
             "correlation": {a: dict(row) for a, row in self.correlation.items()},
@@ -337,6 +317,7 @@ class Fit(showing.Tabled):
         lines = ["Fit: " + self._summary, text_table(self.HEAD, self.rows()), self.core.message]
         lines += [f"{name}: {why}" for name, why in self.undetermined.items()]
         lines += [*self.model.sides, *runs.in_words(self.per_capture)]
+        lines += self.constants.in_words() if self.constants else []
         lines += self.warnings
         return "\n".join(lines + ([refit.in_words(self)] if self.before else []))
 
@@ -347,7 +328,8 @@ class Fit(showing.Tabled):
 
     def tables(self) -> tuple[TextTable, ...]:
         """What it says of itself, as text."""
-        return (TextTable("Fit: " + self._summary, self.HEAD, self.rows()),)
+        own = (TextTable("Fit: " + self._summary, self.HEAD, self.rows()),)
+        return (*own, self.constants.table()) if self.constants else own
 
 
 @checked

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
     from ..capture.prepare import Prepared
     from .diagnose import Candidate
-    from .fitting import Estimate, Fit
+    from .estimate import Estimate
+    from .fitting import Fit
 
 _FAULTS = ("unit", "sign", "contradiction", "swapped")
 """Findings with which, unless they were mended, no model of a log is one of the knob."""

@@ -9,7 +9,8 @@ from .described import names
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from .fitting import Estimate, Fit
+    from .estimate import Estimate
+    from .fitting import Fit
 
 
 class OfRun(NamedTuple):

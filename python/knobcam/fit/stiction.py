@@ -11,7 +11,7 @@ from ..base.door import checked
 from ..base.tables import TextTable, text_table
 from ..errors import InputError
 from ..model import Model
-from .fitting import Z95, Estimate
+from .estimate import Z95, Estimate
 
 if TYPE_CHECKING:
     from ..base.showing import Figure

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..fit.described import documented
-from ..fit.fitting import Z95
+from ..fit.estimate import Z95
 from ..fit.refit import describe
 from .rivals import weights
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from ..fit.fitting import Z95
+from ..fit.estimate import Z95
 from ..fit.rule import RULE
 
 if TYPE_CHECKING:

@@ -110,7 +110,7 @@ def _check(
     garbage, found = check_garbage(present, mask, rows)
     findings += found
     mask &= ~garbage
-    dead, found = check_dead(present, mask, rows)
+    dead, found = check_dead(present, mask, rows, limit)
     findings += found
     mask &= ~dead
     clipped, found = check_clipping(present["tau"], present["theta"], mask, rows, limit)

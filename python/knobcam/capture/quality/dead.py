@@ -8,6 +8,7 @@ import numpy as np
 
 from ...base.arrays import BoolArray, FloatArray, IntArray
 from ..finding import Finding, Rows, rows_in_words, spans
+from .torque import Limit
 
 _FEWEST = 100  # rows in a row, below which a value that stands is no fault
 _TIMES = 10  # as long as the longest stand but for the dead ones
@@ -21,12 +22,13 @@ _MEANT = 0.15  # of what a torque that was lost would leave: a stand that leaves
 
 
 def check_dead(
-    columns: dict[str, FloatArray], usable: BoolArray, rows: Rows
+    columns: dict[str, FloatArray], usable: BoolArray, rows: Rows, limit: Limit
 ) -> tuple[BoolArray, list[Finding]]:
     """Return the rows at which torque or angle stand still while the knob moves, and the findings.
 
     What moves the knob changes from row to row, if only by noise; and where a velocity is measured the angle
-    follows it. A motor's torque may stand, as at zero when it is switched off; the motion then agrees.
+    follows it. A motor's torque may stand, as at zero when it is switched off: the motion then agrees, or, of
+    what a motor was given (whose `limit` is the actuator's), does not say anything else.
     """
     dead = np.zeros(len(rows), dtype=np.bool_)
     findings = []
@@ -38,8 +40,12 @@ def check_dead(
     for name, way in moved.items():
         at = np.zeros(len(index), dtype=np.bool_)
         stands = _stands(columns[name][index])
-        if not 1 <= len(stands) <= _OFTEN or (name == "tau" and _acted(columns, index, stands)):
+        if not 1 <= len(stands) <= _OFTEN:
             continue
+        if name == "tau":
+            off = limit == "actuator" and not any(columns[name][index[first]] for first, _ in stands)
+            if _acted(columns, index, stands, unless_told=off):
+                continue
         for first, end in stands:
             part = way[first + 1 : end]
             if part.sum() >= _PART * way.sum() and np.ptp(part) > _EVEN * part.max():
@@ -56,17 +62,20 @@ def check_dead(
     return dead, findings
 
 
-def _acted(columns: dict[str, FloatArray], index: IntArray, stands: list[tuple[int, int]]) -> bool:
+def _acted(
+    columns: dict[str, FloatArray], index: IntArray, stands: list[tuple[int, int]], unless_told: bool
+) -> bool:
     """Return whether one rigid knob moves under the torque as it is, where it stands and elsewhere.
 
     A torque that was lost pulls the parameters of that knob towards zero: per row it costs p (1 - p) of the
-    torque's mean square, p being the share of the rows in which it stands.
+    torque's mean square, p being the share of the rows in which it stands. `unless_told` is the answer where
+    the motion cannot tell.
     """
     edges = [0, *(edge for stand in stands for edge in stand), len(index)]
     pieces = [index[first:end] for first, end in pairwise(edges)]
     window = min(_WINDOW[1], sum(map(len, pieces[::2])) // _JUDGES)
     if window < _WINDOW[0]:
-        return False
+        return unless_told
     standing = np.concatenate([np.full(len(p) // window, n % 2 == 1) for n, p in enumerate(pieces)])
     span = np.linspace(-0.5, 0.5, window) * window * np.median(np.diff(columns["t"][index]))
     parabola = np.asarray(np.linalg.pinv(np.vander(span, 3, increasing=True)), dtype=np.float64)
@@ -75,7 +84,9 @@ def _acted(columns: dict[str, FloatArray], index: IntArray, stands: list[tuple[i
     signatures /= np.sqrt(np.mean(signatures**2, axis=0)) + np.finfo(float).tiny
     size = np.sum(torque[~standing] ** 2)
     beside, whole = _left(signatures[~standing], torque[~standing]), _left(signatures, torque)
-    return bool(beside <= _TOLD * size and whole - beside <= _MEANT * size * standing.mean())
+    if beside > _TOLD * size:
+        return unless_told
+    return bool(whole - beside <= _MEANT * size * standing.mean())
 
 
 def _rigid(

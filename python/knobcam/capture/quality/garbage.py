@@ -14,16 +14,18 @@ _FEWEST = 1000  # rows from which it can be told what is usual
 _THIRD = np.array([-1.0, 3.0, -3.0, 1.0])  # what is left of a torque after it is noise
 _GAIN = math.sqrt(20.0)
 _SPAN = 9  # rows over which the noise is read
-_LOUDER = (
-    6.0,
-    18.0,
-)  # times the usual noise, where a rate tells what was felt and where the angle alone does
+_LOUDER = {
+    "alpha": 3.5,
+    "omega": 6.0,
+    "theta": 18.0,
+}  # times the usual noise, by the best sensor there is
 _LONG = 12  # rows, below which it may be an impact
 _LONGEST = 500
 _WITHIN = 12  # rows between two loud ones of the same run
 _MOST = 0.05  # of the rows: beyond that it is the torque that is like that
 _RUNS = 20
-_FELT = 2.0  # times its usual noise that a motion sensor has meanwhile, which then felt it
+_FELT = (2.0, 24.0)  # times its usual noise that a motion sensor has meanwhile, which then felt it,
+# and as many more over the rows: of few the noise is not well known
 _CHANCE = 1e-9  # that a torque repeats itself that often somewhere in the log
 _LEAP = 8.0  # deviations of noise by which it leaps to where it stands, and away
 
@@ -57,8 +59,14 @@ def check_garbage(
 
 
 def _noise(values: FloatArray) -> float:
-    """Deviation of white noise with such third differences; the wider of two where its tails are heavier."""
+    """Deviation of white noise with such third differences; the wider of two where its tails are heavier.
+
+    Where nothing changes, as of a motor that is off, there is no noise to be read.
+    """
     third = np.abs(np.convolve(values, _THIRD, "valid"))
+    third = third[third > 0.0]
+    if not third.size:
+        return 0.0
     return max(quantile(third, 0.5) / 0.6745, quantile(third, 0.9) / 1.6449) / _GAIN
 
 
@@ -74,7 +82,8 @@ def _loud(columns: dict[str, FloatArray], index: IntArray, noise: float) -> Bool
     loud = np.zeros(len(index), dtype=np.bool_)
     if not noise > 0.0:
         return loud
-    tau, louder = columns["tau"][index], _LOUDER[int(columns.keys().isdisjoint(("omega", "alpha")))]
+    tau = columns["tau"][index]
+    louder = next(times for name, times in _LOUDER.items() if name in columns)
     # Few rows are loud at all in nearly every log; only around them is it looked at closely.
     far = np.flatnonzero(np.abs(np.convolve(tau, _THIRD, "valid")) > louder * _GAIN * noise)
     few = _LONG // 2
@@ -98,7 +107,7 @@ def _felt(columns: dict[str, FloatArray], index: IntArray, first: int, end: int)
     for name in ("theta", "omega", "alpha"):
         if name in columns:
             usual, here = _noise(columns[name][index]), _noise(columns[name][index[first:end]])
-            if here > _FELT * usual:
+            if here > (_FELT[0] + _FELT[1] / (end - first)) * usual:
                 return True
     return False
 

@@ -28,6 +28,7 @@ _AWAY = 100  # rows for which an angle can be away
 _BACK = 0.2  # of the leaps, within which it is back where it went on to
 _LEAP = 5.0  # times the longest steps but for one in a thousand
 _RARE = 0.1  # of the rows that repeat, those that chance would make
+_ALONE = 0.5  # of the leap there and back, that the steps beside it may be off
 _COUNTS = 1.5  # of an encoder, beyond which a step is not what its neighbours let expect
 _FEW = 3  # rows that repeat, fewer than which tell nothing unless the angle itself does
 _WHOLE = 0.15  # a step of lost rows is a whole number of steps, to this share of one
@@ -257,10 +258,15 @@ def _stale(
 
 
 def _there_and_back(off: FloatArray, clear: float) -> BoolArray:
-    """Which rows the angle leaps to and away from again: two steps off by as much the other way."""
+    """Which rows the angle leaps to and away from again: two steps off by as much the other way.
+
+    A blow that a knob is dealt makes steps that are off as well; others on either side are off with them.
+    """
     first, second = off[:-1], off[1:]
-    far = (np.abs(first) > clear) & (np.abs(second) > clear)
-    return far & (np.abs(first + second) < 0.2 * np.abs(first - second))
+    leap = np.minimum(np.abs(first), np.abs(second))
+    beside = np.maximum(np.abs(np.append(0.0, off[:-2])), np.abs(np.append(off[2:], 0.0)))
+    found: BoolArray = (leap > clear) & (beside < _ALONE * leap)
+    return found & (np.abs(first + second) < 0.2 * np.abs(first - second))
 
 
 def _lost(step: FloatArray, expected: FloatArray, noise: float, clear: BoolArray) -> NDArray[np.int64]:

@@ -113,7 +113,9 @@ def _alone(columns: dict[str, FloatArray], index: NDArray[np.intp]) -> NDArray[n
     if len(tau) < _FEWEST:
         return np.empty(0, dtype=np.intp)
     step = np.diff(tau)
-    noise = _noise(step)
+    if not np.any(step):
+        return np.empty(0, dtype=np.intp)
+    noise = _noise(step[step != 0.0])  # of a motor that is off there is none to be read
     # Away from both neighbours to the same side: no step, as of friction at a reversal.
     both = np.minimum(np.abs(step[:-1]), np.abs(step[1:])) > 0.5 * SPIKE * noise
     at = 1 + np.flatnonzero(both & (step[:-1] * step[1:] < 0.0))

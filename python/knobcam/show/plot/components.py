@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from ...capture.motions import MotionTrack
-from ...fit.fitting import Z95
+from ...fit.estimate import Z95
 from ...model.effects import effects
 from ...model.simulate import exact
 

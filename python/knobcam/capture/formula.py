@@ -1,0 +1,134 @@
+"""A torque that its map computes with constants which nobody knows: `tau=kt/R*(duty*supply - ke*omega)`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import InputError
+from .capture import of_table
+from .formats import DEFAULT_MAX_BYTES, read_table
+from .formats.clock import between
+from .formats.columnmap import ColumnMap, parse_map
+from .formats.expression import evaluate
+from .formats.resolve import resolve
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Mapping, Sequence
+
+    from ..base.arrays import FloatArray
+    from .capture import Capture
+    from .formats import Table
+
+SPEED = "omega"
+"""The smoothed velocity in a formula, of a file that has no column of that name."""
+
+_STRAIGHT = 1e-9  # how far from proportional rounding takes what is so
+_PROBED = 64  # values of a column that a formula is tried with
+
+
+class Formula:
+    """The torque of one file as its constants make it.
+
+    `scales` are the constants that the whole torque grows with (1) or, as the R of `kt/R`, falls with (-1),
+    `terms` those in proportion to which something is added to it. `capture` has the torque with each of the
+    first 1 and of the others 0. InputError says of a constant that it is neither.
+    """
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        column_map: ColumnMap,
+        free: Sequence[str],
+        *,
+        rate_hz: float | None = None,
+        start: float | None = None,
+        end: float | None = None,
+        joint: str | None = None,
+        kt: float | None = None,
+        resistance_ohm: float | None = None,
+        max_bytes: int = DEFAULT_MAX_BYTES,
+        **reading: Any,
+    ) -> None:
+        file = Path(path)
+        if kt is not None or resistance_ohm is not None:
+            raise InputError(
+                f"{file}: kt and resistance are for a torque without free constants; leave them out"
+            )
+        self._map, self._coordinate = column_map, reading.get("coordinate")
+        self._expression = parse_map(column_map)["tau"].expression
+        self._table = read_table(file, max_bytes, joint)
+        for at, name in enumerate(free):
+            if name in self._table.columns or name in free[:at]:
+                what = "is named twice" if name in free[:at] else "is a column of the file"
+                raise InputError(f"{file}: free constant '{name}' {what}; call it by another name")
+        unknown_speed = SPEED not in self._table.columns
+        ones = dict.fromkeys([*free, *([SPEED] if unknown_speed else [])], np.asarray(1.0))
+        self.scales, self.terms = self._roles(free, ones)
+        self._constants = ones | dict.fromkeys(self.terms, np.asarray(0.0))
+        part: dict[str, Any] = {"rate_hz": rate_hz, "start": start, "end": end}
+        self.capture = of_table(file, self._with(self._constants), map=column_map, **part, **reading)
+        columns = resolve(self._with(self._constants), column_map, self._coordinate).columns
+        self._keep = between(str(file), columns, rate_hz, start, end)
+        if unknown_speed:
+            signals = self.capture.prepare()
+            speed = np.full(len(columns["theta"]), np.nan)
+            speed[self._keep] = signals.on_capture(signals.omega)
+            self._constants[SPEED] = speed
+
+    def at(self, values: Mapping[str, float]) -> Capture:
+        """Return the capture with the torque that such values of the terms make."""
+        if not any(values.values()):
+            return self.capture
+        constants = self._constants | {name: np.asarray(value) for name, value in values.items()}
+        tau = resolve(self._with(constants), self._map, self._coordinate).columns["tau"][self._keep]
+        return replace(self.capture, tau=np.where(self.capture.mask, tau, self.capture.tau))
+
+    def _with(self, constants: Mapping[str, FloatArray]) -> Table:
+        return replace(self._table, columns={**self._table.columns, **constants})
+
+    def _roles(
+        self, free: Sequence[str], ones: Mapping[str, FloatArray]
+    ) -> tuple[dict[str, int], tuple[str, ...]]:
+        """Return the constants that scale the torque, with the sign of their power, and those that add to it.
+
+        That is the formula's, whatever the columns hold: a motor may have been off throughout.
+        """
+        rng = np.random.default_rng(0)
+        drawn = dict(ones)
+
+        def torque(**values: float) -> FloatArray:
+            def look_up(name: str) -> FloatArray:
+                if name in values:
+                    return np.asarray(values[name])
+                if name not in drawn:
+                    shape = () if self._table.column(name).ndim == 0 else (_PROBED,)
+                    drawn[name] = rng.uniform(0.5, 2.0, shape)
+                return drawn[name]
+
+            return np.atleast_1d(evaluate(self._expression, look_up))
+
+        def same(a: FloatArray, b: FloatArray) -> bool:
+            return bool(np.allclose(a, b, rtol=_STRAIGHT, atol=_STRAIGHT))
+
+        base = torque()
+        scales: dict[str, int] = {}
+        terms = []
+        for name in free:
+            halved, doubled, trebled = (torque(**{name: value}) for value in (0.5, 2.0, 3.0))
+            if same(base, halved) and same(base, doubled):
+                raise InputError(f"free constant '{name}' is not in tau={self._expression}; leave it out")
+            if same(doubled, 2.0 * base) or same(doubled, 0.5 * base):
+                scales[name] = 1 if same(doubled, 2.0 * base) else -1
+            elif same(doubled - base, 2.0 * (base - halved)) and same(trebled - doubled, doubled - base):
+                terms.append(name)
+            else:
+                raise InputError(
+                    f"free constant '{name}': tau={self._expression} neither is in proportion to it nor has "
+                    "a term that is; write it like tau=kt/R*(duty*supply-ke*omega), each name once"
+                )
+        return scales, tuple(terms)

@@ -1,0 +1,64 @@
+"""What a fit found of a parameter, or of a constant that its torque was computed with."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from ..base.tables import TextTable, text_table
+
+Z95 = 1.959963984540054
+"""Two-sided 95 % quantile of the normal distribution."""
+
+
+class Estimate(NamedTuple):
+    """A fitted parameter in SI with its 95 % interval; NaN limits where the capture does not determine it."""
+
+    value: float
+    ci95: tuple[float, float]
+    unit: str
+    se: float
+
+    @property
+    def determined(self) -> bool:
+        """Whether the capture says anything about it."""
+        return math.isfinite(self.se)
+
+    @property
+    def interval(self) -> str:
+        """The interval in words."""
+        if self.se == 0.0:
+            return "fixed"
+        return f"{self.ci95[0]:.5g} to {self.ci95[1]:.5g}" if self.determined else "not determined"
+
+
+class Constants(NamedTuple):
+    """The constants that a torque was computed with, by name, or why one is not determined (`fit_constants`).
+
+    `errors` are standard errors of the parameters that hold what the constants leave open. `unscaled`: what
+    the whole torque is in proportion to is not determined, and the fit has 1 for it.
+    """
+
+    found: Mapping[str, Estimate]
+    undetermined: Mapping[str, str]
+    errors: Mapping[str, float]
+    unscaled: bool
+
+    def document(self) -> dict[str, Any]:
+        """Return what a document has of them."""
+        found = {name: {"value": e.value, "ci95": list(e.ci95)} for name, e in self.found.items()}
+        without = {name: {"value": None, "ci95": None, "why": why} for name, why in self.undetermined.items()}
+        return found | without
+
+    def table(self) -> TextTable:
+        """Return them as a table of text."""
+        rows = [(name, f"{e.value:.6g}", e.interval) for name, e in self.found.items()]
+        rows += [(name, "-", "not determined") for name in self.undetermined]
+        return TextTable("Constants of the torque", ("constant", "value", "95 % interval"), rows)
+
+    def in_words(self) -> list[str]:
+        """Return them in words: the table, and why one is not determined."""
+        table = self.table()
+        why = [f"{name} is not determined: {why}" for name, why in self.undetermined.items()]
+        return [text_table(table.head, table.rows), *why]
