@@ -73,6 +73,11 @@ class Simulated:
     duration_s: float
     seed: int
 
+    @classmethod
+    def again(cls, told: Mapping[str, Any]) -> Simulated:
+        """Return what `asdict` told of one."""
+        return cls(**{**told, "hidden": tuple(told["hidden"])})
+
     def capture(self) -> Capture:
         """Simulate it."""
         knob = hiding(self.name, *self.hidden, motion=self.motion, duration_s=self.duration_s)
