@@ -86,8 +86,9 @@ def run(args: Namespace) -> Answer:
     finally:
         status(None)
         bench.end()
-    if bench.busy:  # nobody wants to wait for what is given up, and the core cannot be interrupted
-        remove_parts()
+        if bench.busy:  # nobody wants to wait for what is given up, and the core cannot be interrupted
+            remove_parts()
+    if bench.busy:
         sys.stdout.flush()
         os._exit(0)
     bench.close()

@@ -28,9 +28,9 @@ class Patient(H11Protocol):
         super().connection_made(transport)
         self._began()
         self._unread, self._unread_since = 0, self.loop.time()
-        if len(self.connections) > MOST:
-            others = [cast("Patient", one) for one in self.connections]
-            waiting = [one for one in others if one.waits and one is not self]
+        there = [cast("Patient", one) for one in self.connections if not one.transport.is_closing()]
+        if len(there) > MOST:
+            waiting = [one for one in there if one.waits and one is not self]
             min(waiting, key=lambda one: one.since, default=self).transport.abort()
         self.loop.call_later(_LOOKS_S, self._look)
 
