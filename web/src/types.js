@@ -154,8 +154,18 @@
  */
 
 /**
- * What is wrong with a request; `columns` of a file that could not be taken for a capture.
- * @typedef {{error: string, columns?: FileColumn[]}} Refused
+ * What a rig has latched, in words: its cause, and how long ago; `code` is by which it is cleared.
+ * @typedef {{code: number, told: string}} Fault
+ */
+
+/**
+ * What more there may be to say: `columns` of a file that could not be taken for a capture, a `fault`.
+ * @typedef {{columns?: FileColumn[], fault?: Fault}} Why
+ */
+
+/**
+ * What is wrong with a request.
+ * @typedef {{columns?: FileColumn[], fault?: Fault, error: string}} Refused
  */
 
 /**

@@ -281,11 +281,24 @@ class FileColumn(TypedDict):
     outline: list[tuple[float, float]]
 
 
-class Refused(TypedDict):
-    """What is wrong with a request; `columns` of a file that could not be taken for a capture."""
+class Fault(TypedDict):
+    """What a rig has latched, in words: its cause, and how long ago; `code` is by which it is cleared."""
+
+    code: int
+    told: str
+
+
+class Why(TypedDict, total=False):
+    """What more there may be to say: `columns` of a file that could not be taken for a capture, a `fault`."""
+
+    columns: list[FileColumn]
+    fault: Fault
+
+
+class Refused(Why):
+    """What is wrong with a request."""
 
     error: str
-    columns: NotRequired[list[FileColumn]]
 
 
 class ShownStep(TypedDict):

@@ -63,6 +63,15 @@ class Plan(NamedTuple):
         return "drive" if self.model is None else "render_driven"
 
 
+class Latched(InputError):
+    """The rig has latched a fault, which nobody has cleared: `told` in words, `code` its number."""
+
+    def __init__(self, port: str, code: int, told: str) -> None:
+        super().__init__(f"{port}: {told}; see to its cause, then clear it with --clear-fault")
+        self.code = code
+        self.told = told
+
+
 def log_path(output: str | os.PathLike[str]) -> Path:
     """Return where the wire log of this output is: itself, or its neighbour."""
     path = Path(output)
@@ -159,7 +168,7 @@ def _look_at_fault(link: Link, clear: bool | Callable[[str], bool]) -> None:
     code, text = link.fault
     told = f"the rig has latched fault {code}: {text}"
     if not (clear(told) if callable(clear) else clear):
-        raise InputError(f"{link.port}: {told}; see to its cause, then clear it with --clear-fault")
+        raise Latched(link.port, code, told)
     link.clear()
 
 

@@ -26,6 +26,7 @@ from ..capture import load
 from ..capture.formats import DEFAULT_MAX_BYTES
 from ..errors import InputError
 from ..model.effects import effect as catalogued
+from ..rig.record import Latched
 from . import arrays, saving
 from .answers import answered, bytes_answer, finished, json_answer, refusal
 from .bench import Bench
@@ -91,8 +92,12 @@ def new_token() -> str:
 
 
 async def _wrong(_: Request, error: Exception) -> Response:
-    columns = error.columns if isinstance(error, Unmapped) else None
-    return refusal(str(error), error.status if isinstance(error, Unread) else 400, columns)
+    more: pages.Why = {}
+    if isinstance(error, Unmapped):
+        more["columns"] = error.columns
+    if isinstance(error, Latched):
+        more["fault"] = {"code": error.code, "told": error.told}
+    return refusal(str(error), error.status if isinstance(error, Unread) else 400, **more)
 
 
 async def _unheard(_: Request, __: Exception) -> Response:
