@@ -24,7 +24,7 @@ from .calibration import Calibration, usual
 from .leadin import led_in
 from .link import Link
 from .port import BAUD
-from .wirelog import SUFFIX, WireLog, begin
+from .wirelog import SUFFIX, WireLog, begin, check_new
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -115,8 +115,7 @@ def record(
     the log.
     """
     log = log_path(output)
-    if log.exists():
-        raise InputError(f"{log}: is there already, and a recording is not written over; choose another name")
+    check_new(log)
     if Path(output).exists() and not overwrite:
         raise InputError(f"{output}: is there already; choose another name, or --overwrite it")
     if model is not None and not isinstance(model, Model):

@@ -11,7 +11,9 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...base.optional import require
+from ...base.reading import open_file
 from .inflate import Budget
+from .parquet_pages import check_pages
 from .table import Table, check_width
 
 MAGIC = b"PAR1"
@@ -37,8 +39,13 @@ def read_parquet(path: Path, max_bytes: int) -> Table:
                 )
         # Runs of one value take no room in the file.
         budget = Budget(str(path), path.stat().st_size, max_bytes)
-        budget.take(8 * file.metadata.num_rows * len(wanted))
-        budget.numbers(file.metadata.num_rows * len(wanted))
+        known = file.metadata
+        rows = sum(known.row_group(at).num_rows for at in range(known.num_row_groups))
+        budget.take(8 * max(rows, known.num_rows) * len(wanted))
+        budget.numbers(max(rows, known.num_rows) * len(wanted))
+        names = [known.schema.column(at).path for at in range(known.num_columns)]
+        with open_file(path) as pages:
+            check_pages(str(path), pages, known, [names.index(name) for name in wanted])
         table = file.read(columns=wanted)
     for name in wanted:
         columns[name] = table.column(name).cast("float64").to_numpy().astype(np.float64, copy=False)
