@@ -66,9 +66,12 @@ def digest(path: str | os.PathLike[str]) -> str:
     """Return the SHA-256 of a file, or of a folder's files with their names. InputError for anything else."""
     total = hashlib.sha256()
     if is_folder(path):
-        for one in sorted(Path(path).rglob("*")):
-            if not one.is_dir():
-                total.update(f"{one.relative_to(path).as_posix()}\0{digest(one)}\n".encode())
+        try:
+            inside = sorted(one for one in Path(path).rglob("*") if not one.is_dir())
+        except OSError as error:
+            raise InputError(f"{path}: cannot be read ({error.strerror or error}); check the name") from error
+        for one in inside:
+            total.update(f"{one.relative_to(path).as_posix()}\0{digest(one)}\n".encode())
         return total.hexdigest()
     with open_file(path) as file:
         while part := file.read(_AT_ONCE):

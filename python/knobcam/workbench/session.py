@@ -12,7 +12,6 @@ import numpy as np
 
 from ..base.reading import digest, look
 from ..capture import load
-from ..capture.formats import DEFAULT_MAX_BYTES
 from ..errors import InputError
 from ..fit import Fit, fit, refit
 from ..fit.diagnose import Diagnosis, diagnose
@@ -121,10 +120,12 @@ class Session:
         for path in paths:
             tell(f"reading {Path(path).name}")
             whole = str(Path(path).absolute())
-            # Before it is read: what changes between is noticed when the session is made again.
-            known = digest(path) if look(path).st_size <= DEFAULT_MAX_BYTES else ""
+            before = look(path)
             capture = load(path, **given)
-            opened.append(Opened(self._new("c"), Path(path).name, capture, whole, given, sha256=known))
+            # Of what changed while it was read no hash is known, so that it is not taken for the same later.
+            sha256 = digest(path)
+            sha256 = sha256 if look(path).st_mtime_ns == before.st_mtime_ns else ""
+            opened.append(Opened(self._new("c"), Path(path).name, capture, whole, given, sha256=sha256))
         self._take(opened, tell, together)
         return tuple(one.id for one in opened)
 

@@ -48,7 +48,8 @@ class View:
     @cached_property
     def _moved_rmse(self) -> float:
         squares = np.concatenate([np.square(self.residual(at)) for at in range(len(self.fit.prepared))])
-        return math.sqrt(float(np.nanmean(squares)))
+        counted = squares[np.isfinite(squares)]
+        return math.sqrt(float(np.mean(counted))) if len(counted) else math.nan
 
     def torque(self, at: int) -> FloatArray:
         """The model's torque on a capture through the measurement filter, N m, NaN at masked samples."""
