@@ -3,10 +3,11 @@
     python benches/study_faults.py [--moments 50] [--sequences 200] [--stalls 5000] [--seed N] [--only NAME]
 
 Writers killed at random moments, disks that fill at random sizes, commands that are ended, inputs of up to
-100 MB that are as bad as can be, wrong values for every parameter, random commands to the page, sessions that
-are cut, connections that stall, clocks that jump. Writes benches/results/faults.json, which has the seeds; what
-was counted before is kept where `--only` leaves it out, and `study_mutated.py` and `study_safety.py` count the
-spoiled files and the limits of the rig, which stand in the same table.
+100 MB that are as bad as can be, wrong values for every parameter, random commands to the page, sessions
+that are cut, connections that stall, clocks that jump. Writes benches/results/faults.json, which has the
+seeds; what was counted before is kept where `--only` leaves it out (`page`: all that is done to the page).
+`study_mutated.py` and `study_safety.py` count the spoiled files and the limits of the rig, which stand in the
+same table.
 """
 
 from __future__ import annotations
@@ -216,7 +217,7 @@ def studied(moments: int, sequences: int, stalls: int, seed: int, only: str | No
     rows: dict[str, Any] = {}
 
     def row(name: str, must: str, count: Callable[[], tuple[int, int, Any]]) -> None:
-        if only is None or only in name:
+        if only is None or only in name or (only == "page" and name in _PAGE):
             cases, failed, seen = count()
             rows[name] = {"must": must, "cases": cases, "failed": failed, "seen": seen}
             print(f"{name}: {cases} cases, {failed} failed", flush=True)
@@ -255,7 +256,7 @@ def studied(moments: int, sequences: int, stalls: int, seed: int, only: str | No
     row("inputs of 100 MB", f"an answer or one line, at most {_MOST_MB} MB of memory", inputs)
     row("wrong values", "taken, or one line", wrong)
     page = dict.fromkeys(_PAGE, (0, 0, None))
-    if only is None or any(only in name for name in page):
+    if only in (None, "page") or any(only in name for name in page):
         found, failures = faults_page.played(seed, sequences, _COMMANDS, stalls)
         page = {name: (counts.total(), counts["failed"], []) for name, counts in found.items()}
         page["commands to the page"][2].extend(failures)
