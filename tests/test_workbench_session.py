@@ -387,3 +387,11 @@ def test_a_job_that_fails_tells_why_and_the_thread_lives_on():
         worker.start("broken", broken).result.result(10.0)
     assert worker.start("next", lambda _: 1).result.result(10.0) == 1
     worker.close()
+
+
+def test_a_parameter_that_is_dragged_beyond_all_measure_has_an_error_without_measure(session: Session):
+    session.drag({"viscous.pos": 1e200})
+    assert session.view.rmse == np.inf
+    assert told(session)["rmse"] is None
+    capture = session.node.captures[0]
+    assert session.share(capture, [0]) == 0.0
