@@ -2,11 +2,13 @@
 
     python benches/study_mutated.py [--count 10000] [--seed 0] [--minutes M] [--processes 2]
     python benches/study_mutated.py [--count 10000] [--seed 0] --one CASE [--keep FOLDER]
+    python benches/study_mutated.py [--count 10000] --again
 
 Anything else fails: another exception, a warning, a message that is no line or names no file, 30 s, 2 GB of
 address space, the end of the process. What took too long is tried once more, alone: a busy machine is no
 hang. `--minutes` goes on with the next seeds for so long. `--one` runs a single case here and shows what it
-says. Writes benches/results/mutated.json.
+says, `--again` tries what failed in the last run, and says how much of that was mended. Writes
+benches/results/mutated.json.
 """
 
 from __future__ import annotations
@@ -215,12 +217,34 @@ def summary(endings: dict[Case, Ending], files: dict[str, Source]) -> dict[str, 
     }
 
 
+def again(found: dict[str, Any], count: int, files: dict[str, Source], folder: Path) -> dict[str, Any]:
+    """Return the figures of a run after its failures were tried anew with the program as it is."""
+    failed = {(one["seed"], one["case"]): one for one in found["failures"]}
+    every = [cases(count, seed, files)[index] for seed, index in failed]
+    endings = run(every, files, 1, folder)
+    left = [failed[case.seed, case.index] for case in every if endings[case].kind == "failed"]
+    for case in every:
+        kind = endings[case].kind
+        if kind != "failed":
+            for counts in (found, found["by_source"][case.source]):
+                counts["failed"] -= 1
+                counts[kind] = counts.get(kind, 0) + 1
+    first, *others = found["report"]
+    told = ", ".join(f"{found[kind]} {words}" for kind, words in _WORDS.items())
+    mended = f"{len(every) - len(left)} of them had failed, and were mended and tried again"
+    others = [line for line in others if not line.startswith("failed")]
+    report = [f"{first.partition(': ')[0]}: {told}", *others, mended]
+    report += [f"failed: {one['source']} {one['seed']}, {one['case']}, {one['done']}" for one in left]
+    return found | {"report": report, "failures": left}
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--count", type=int, default=10_000, help="of spoiled files; the bombs come on top")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--minutes", type=float, default=0.0, help="go on with the next seeds for so long")
     parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--again", action="store_true", help="what failed in the last run")
     parser.add_argument("--one", type=int, metavar="CASE", help="its number in the results")
     parser.add_argument("--keep", type=Path, metavar="FOLDER", help="where to write the file of --one")
     args = parser.parse_args()
@@ -228,6 +252,11 @@ def main() -> None:
     every = cases(args.count, args.seed, files)
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
+        if args.again:
+            found = again(json.loads(RESULTS.read_text()), args.count, files, folder)
+            RESULTS.write_text(json.dumps(found, indent=1) + "\n")
+            print(*found["report"], sep="\n")
+            return
         if args.one is not None:
             raw, options, done = every[args.one].content(files)
             path = (args.keep or folder) / "spoiled.log"
