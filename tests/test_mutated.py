@@ -7,12 +7,17 @@ import time
 from functools import cache
 from pathlib import Path
 
+import pytest
 from command import knobcam, refused
 from every_format import Source, sources
 from mutations import bombs
 from study_mutated import MOST_BYTES, Case, cases, run, summary, tried
 
 COUNT = 300
+PAST = [
+    (1003, 1227, "rows.json"),  # a name of 50 000 blanks
+    (1006, 3296, "native.parquet"),  # a description at which pyarrow ends the process
+]
 
 
 @cache
@@ -35,6 +40,12 @@ def test_spoiled_files_are_captures_or_refused_in_one_line_within_time_and_memor
     assert found["failures"] == []
     assert found["capture"] > COUNT // 20 and found["refused"] > COUNT // 2
     assert found["peak_mb"] < MOST_BYTES / 2**20
+
+
+@pytest.mark.parametrize(("seed", "index", "source"), PAST)
+def test_what_failed_once_does_not_again(tmp_path: Path, seed: int, index: int, source: str) -> None:
+    found = summary(run([Case(seed, index, source)], files(), 1, tmp_path), files())
+    assert found["failures"] == []
 
 
 def test_the_command_refuses_them_in_one_line_too(tmp_path: Path) -> None:

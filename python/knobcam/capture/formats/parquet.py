@@ -39,13 +39,10 @@ def read_parquet(path: Path, max_bytes: int) -> Table:
                 )
         # Runs of one value take no room in the file.
         budget = Budget(str(path), path.stat().st_size, max_bytes)
-        known = file.metadata
-        rows = sum(known.row_group(at).num_rows for at in range(known.num_row_groups))
-        budget.take(8 * max(rows, known.num_rows) * len(wanted))
-        budget.numbers(max(rows, known.num_rows) * len(wanted))
-        names = [known.schema.column(at).path for at in range(known.num_columns)]
+        budget.take(8 * file.metadata.num_rows * len(wanted))
+        budget.numbers(file.metadata.num_rows * len(wanted))
         with open_file(path) as pages:
-            check_pages(str(path), pages, known, [names.index(name) for name in wanted])
+            check_pages(str(path), pages, wanted, file.metadata.num_rows)
         table = file.read(columns=wanted)
     for name in wanted:
         columns[name] = table.column(name).cast("float64").to_numpy().astype(np.float64, copy=False)

@@ -1,52 +1,73 @@
 """What the pages of a Parquet file claim to unpack to, looked at before anybody reserves memory for it.
 
-In front of each page stands a PageHeader, a struct of Thrift's compact protocol: parquet-format,
-`src/main/thrift/parquet.thrift`, and Thrift's `doc/specs/thrift-compact-protocol.md`.
+At the end of the file stands its FileMetaData, in front of each page a PageHeader, structs of Thrift's
+compact protocol: parquet-format, `src/main/thrift/parquet.thrift`, and Thrift's
+`doc/specs/thrift-compact-protocol.md`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import os
+from collections.abc import Collection, Mapping
 from typing import IO, Any
 
 from ...errors import InputError
 
-_UNCOMPRESSED, _COMPRESSED, _DICTIONARY, _VALUES = (
-    2,
-    3,
-    7,
-    1,
-)  # fields of a PageHeader, and of its dictionary's
+_ROW_GROUPS = 4  # of FileMetaData
+_CHUNKS, _ROWS = 1, 3  # of RowGroup
+_META = 3  # of ColumnChunk
+_PATH, _SIZE, _DATA_AT, _WORDS_AT = 3, 7, 9, 11  # of ColumnMetaData
+_UNCOMPRESSED, _COMPRESSED, _DICTIONARY = 2, 3, 7  # of PageHeader
+_VALUES = 1  # of DictionaryPageHeader
 _VALUE_BYTES = 16  # of a number with its levels, at the most
 _AIR_BYTES = 2**16  # of a page beyond its numbers
 _HEADER_BYTES = 2**16
+_FOOTER_BYTES = 2**24
+_TAIL_BYTES = 8  # the footer's length, and the magic number
 _MOST_PAGES = 100_000  # of a file
-_DEEPEST = 8
+_DEEPEST = 12
 
 
-def check_pages(source: str, file: IO[bytes], metadata: Any, columns: Sequence[int]) -> None:
-    """Refuse a file whose pages claim more than the rows of these columns could ever take."""
+def check_pages(source: str, file: IO[bytes], columns: Collection[str], most_rows: int) -> None:
+    """Refuse a file whose pages claim more than the rows of these columns could ever take.
+
+    Its footer is read here too: pyarrow ends the whole process where some of its descriptions are damaged and
+    asked for.
+    """
+    end = file.seek(-_TAIL_BYTES, os.SEEK_END)
+    length = int.from_bytes(file.read(4), "little")
+    if length > _FOOTER_BYTES:
+        raise InputError(f"{source}: a description of {length} bytes; write it with fewer row groups")
+    file.seek(max(0, end - length))
     pages = 0
-    for group in (metadata.row_group(at) for at in range(metadata.num_row_groups)):
-        most = _VALUE_BYTES * group.num_rows + _AIR_BYTES
-        for chunk in map(group.column, columns):
-            starts = [chunk.data_page_offset, chunk.dictionary_page_offset or chunk.data_page_offset]
-            at = min(starts)
-            end = at + chunk.total_compressed_size
-            while at < end:
-                file.seek(at)
-                header, size = _struct(file.read(_HEADER_BYTES), 0, 0)
-                packed, claimed = header.get(_COMPRESSED, -1), header.get(_UNCOMPRESSED, -1)
-                words = header.get(_DICTIONARY, {}).get(_VALUES, 0)
-                pages += 1
-                if packed < 0 or not 0 <= claimed <= most or not 0 <= 4 * words <= most:
-                    raise InputError(
-                        f"{source}: column {chunk.path_in_schema} has a page that claims {claimed} bytes and "
-                        f"{words} words for {group.num_rows} rows; the file is damaged, export it again"
-                    )
-                if pages > _MOST_PAGES:
-                    raise InputError(f"{source}: more than {_MOST_PAGES} pages; write it with larger ones")
-                at += size + packed
+    for group in _struct(file.read(length), 0, 0)[0].get(_ROW_GROUPS, []):
+        rows = min(group.get(_ROWS, 0), most_rows)
+        for chunk in (one[_META] for one in group[_CHUNKS]):
+            name = ".".join(part.decode() for part in chunk[_PATH])
+            if name in columns:
+                pages += _check_chunk(f"{source}: column {name}", file, chunk, rows)
+        if pages > _MOST_PAGES:
+            raise InputError(f"{source}: more than {_MOST_PAGES} pages; write it with larger ones")
+
+
+def _check_chunk(what: str, file: IO[bytes], chunk: Mapping[int, Any], rows: int) -> int:
+    """Check the pages of a column's part and return how many there are."""
+    most, pages = _VALUE_BYTES * rows + _AIR_BYTES, 0
+    at = min(chunk[_DATA_AT], chunk.get(_WORDS_AT, chunk[_DATA_AT]) or chunk[_DATA_AT])
+    end = at + chunk[_SIZE]
+    while at < end and pages <= _MOST_PAGES:
+        file.seek(at)
+        header, size = _struct(file.read(_HEADER_BYTES), 0, 0)
+        packed, claimed = header.get(_COMPRESSED, -1), header.get(_UNCOMPRESSED, -1)
+        words = header.get(_DICTIONARY, {}).get(_VALUES, 0)
+        if packed < 0 or not 0 <= claimed <= most or not 0 <= 4 * words <= most:
+            raise InputError(
+                f"{what} has a page that claims {claimed} bytes and {words} words for {rows} rows; the file "
+                f"is damaged, export it again"
+            )
+        pages += 1
+        at += size + packed
+    return pages
 
 
 def _struct(raw: bytes, at: int, deep: int) -> tuple[dict[int, Any], int]:
@@ -65,7 +86,7 @@ def _struct(raw: bytes, at: int, deep: int) -> tuple[dict[int, Any], int]:
 
 def _value(raw: bytes, at: int, kind: int, deep: int) -> tuple[Any, int]:
     if deep > _DEEPEST:
-        raise ValueError("a page header is nested too deep")
+        raise ValueError("a description is nested too deep")
     if kind in (1, 2):  # true and false, which are in the kind itself
         return kind == 1, at
     if kind == 3:
@@ -73,25 +94,34 @@ def _value(raw: bytes, at: int, kind: int, deep: int) -> tuple[Any, int]:
     if kind in (4, 5, 6):
         return _number(raw, at)
     if kind == 7:
-        return None, at + 8
+        return None, _within(raw, at + 8)
     if kind == 8:
         size, at = _varint(raw, at)
-        return None, at + size
+        return raw[at : at + size], _within(raw, at + size)
     if kind in (9, 10):
-        return None, _after_list(raw, at, deep)
+        return _list(raw, at, deep)
     if kind == 12:
         return _struct(raw, at, deep + 1)
-    raise ValueError(f"a page header has a field of kind {kind}")
+    raise ValueError(f"a description has a field of kind {kind}")
 
 
-def _after_list(raw: bytes, at: int, deep: int) -> int:
+def _list(raw: bytes, at: int, deep: int) -> tuple[list[Any], int]:
     count, kind = raw[at] >> 4, raw[at] & 15
     at += 1
     if count == 15:
         count, at = _varint(raw, at)
+    _within(raw, at + count)  # each takes a byte at least
+    found = []
     for _ in range(count):
         # In a list a truth takes a byte.
-        at = at + 1 if kind in (1, 2) else _value(raw, at, kind, deep + 1)[1]
+        value, at = (None, _within(raw, at + 1)) if kind in (1, 2) else _value(raw, at, kind, deep + 1)
+        found.append(value)
+    return found, at
+
+
+def _within(raw: bytes, at: int) -> int:
+    if at > len(raw):
+        raise ValueError("a description ends in the middle")
     return at
 
 
@@ -110,4 +140,4 @@ def _varint(raw: bytes, at: int) -> tuple[int, int]:
             return value, at
         shift += 7
         if shift > 63:
-            raise ValueError("a page header has a number of more than 64 bits")
+            raise ValueError("a description has a number of more than 64 bits")
