@@ -33,7 +33,7 @@ class Bench:
         self.session = Session(self._changed, start)
         self.work = Worker("knobcam-work", self._moved)
         self.weighing = Worker("knobcam-weighing", self._moved, humble=True)
-        self.drawing = Worker("knobcam-drawing", lambda _: None, humble=True)
+        self.drawing = Worker("knobcam-drawing", lambda _: None)
         self.recorder = Recorder(self.session, self._moved)
         self.listeners: set[Hear] = set()
         self.keeper = None if kept_in is None else Keeper(self.session, kept_in, self._say_state)
