@@ -16,6 +16,7 @@ from study_mutated import MOST_BYTES, Case, cases, run, summary, tried
 COUNT = 300
 PAST = [
     (1003, 1227, "rows.json"),  # a name of 50 000 blanks
+    (1007, 2458, "native.h5"),  # a heap in which the library would go round for ever
     (1006, 3296, "native.parquet"),  # a description at which pyarrow ends the process
 ]
 
