@@ -25,7 +25,6 @@ STUDIES = {
     "logs": "Logs with faults",
     "capture": "Recording",
     "render": "Rendering",
-    "mutated": "Spoiled files",
     "faults": "Faults, and what came of them",
     "page": "The workbench in a browser",
     "build": "Building",
