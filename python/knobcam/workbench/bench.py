@@ -53,6 +53,11 @@ class Bench:
             "notes": [] if keeper is None else [*keeper.notes, *([keeper.unkept] if keeper.unkept else [])],
         }
 
+    def flush(self) -> None:
+        """See to it that what was done is kept."""
+        if self.keeper is not None:
+            self.keeper.flush()
+
     def go_on(self, name: str, tell: Tell) -> None:
         """Go on with a session that was left. Raises InputError where that cannot be."""
         if self.keeper is None:

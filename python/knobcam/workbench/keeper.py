@@ -39,6 +39,7 @@ class Keeper:
         self._told = told
         self._journal: Journal | None = None
         self._written: set[str] = set()  # captures and fits that the journal has
+        self._place: object = None  # the last that the journal has
         self._lock = threading.RLock()
         self._woken = threading.Event()
         self._closing = False
@@ -48,6 +49,11 @@ class Keeper:
     def wake(self) -> None:
         """Say that the session has changed."""
         self._woken.set()
+
+    def flush(self) -> None:
+        """Write what is not written yet, before anybody is told that it is done."""
+        with self._lock:
+            self._safely(self._keep)
 
     def close(self) -> None:
         """Write what is not written yet, and that the session was ended by its user."""
@@ -124,8 +130,12 @@ class Keeper:
                 return
             self.left = []
             records = self._records(self._written)
+        place = records[-1]["place"]
+        if len(records) == 1 and place == self._place:
+            return
         self._held().append(records)
         self._written |= {_id_of(one) for one in records}
+        self._place = place
         if self._held().long:
             with self._session.lock:
                 every = self._records(set())

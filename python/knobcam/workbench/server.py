@@ -207,7 +207,8 @@ class _Server:
 
     async def params(self, request: Request) -> Response:
         """Move parameters by hand."""
-        return await self._short(self.session.drag, await read_json(request))
+        await run_in_threadpool(self.session.drag, await read_json(request))
+        return self._now()
 
     async def snap(self, _: Request) -> Response:
         """Put them back to the fit."""
@@ -339,10 +340,12 @@ class _Server:
 
     async def _short(self, change: Callable[..., Any], *given: Any) -> Response:
         await run_in_threadpool(change, *given)
+        await run_in_threadpool(self.bench.flush)
         return self._now()
 
     async def _long(self, what: str, work: Callable[[Job], Any]) -> Response:
         await self._done(what, work)
+        await run_in_threadpool(self.bench.flush)
         return self._now()
 
     async def _done(self, what: str, work: Callable[[Job], Any]) -> Any:
