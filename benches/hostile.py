@@ -101,6 +101,26 @@ def _hdf5_of_many(path: Path) -> None:
             file.create_dataset(f"d{index}", data=1.0)
 
 
+def lying(raw: bytes, claimed: int = 2**31 - 1) -> bytes:
+    """Return a Parquet file whose last column has a page that claims to unpack to as many bytes."""
+    group = pq.ParquetFile(io.BytesIO(raw)).metadata.row_group(0)
+    chunk = group.column(group.num_columns - 1)
+    start = end = (chunk.dictionary_page_offset or chunk.data_page_offset) + 3  # behind the kind of page
+    while raw[end] & 128:
+        end += 1
+    rest, number = 2 * claimed, bytearray()
+    while rest > 127:
+        number.append(rest & 127 | 128)
+        rest >>= 7
+    return raw[:start] + bytes(number) + bytes([rest]) + raw[end + 1 :]
+
+
+def _lying_page(path: Path) -> None:
+    with io.BytesIO() as file:
+        pq.write_table(pa.table(_columns(100_000)), file, use_dictionary=False, compression="gzip")
+        path.write_bytes(lying(file.getvalue()))
+
+
 def _bag_that_computes(path: Path) -> None:
     base = sqlite3.connect(path)
     base.execute("CREATE TABLE topics(id, name, type, serialization_format)")
@@ -150,6 +170,7 @@ INPUTS: dict[str, Callable[[Path], object]] = {
     "many columns.parquet": lambda path: pq.write_table(
         pa.table({f"c{index}": [1.0] for index in range(20_000)}), path
     ),
+    "a page that claims two gigabytes.parquet": _lying_page,
     "a table that computes.db3": _bag_that_computes,
     "zeros.kcwire": _repeated(_LOG, b"\0"),
     "a nested header.kcwire": lambda path: path.write_bytes(b"knobcam wire log\n" + b"[" * 100_000 + b"\n"),

@@ -25,7 +25,7 @@ STUDIES = {
     "logs": "Logs with faults",
     "capture": "Recording",
     "render": "Rendering",
-    "mutated": "Spoiled files",
+    "faults": "Faults, and what came of them",
     "page": "The workbench in a browser",
     "build": "Building",
     "mutants": "Faults planted by a machine",
@@ -39,7 +39,6 @@ AT_LENGTH = {
     "safety": "Limits of the rig",
     "versions": "Speed before and after",
     "sets": "Speed by instruction set",
-    "faults": "Files and calls, and what is done to them",
 }
 
 

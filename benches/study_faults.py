@@ -1,10 +1,13 @@
 """What is done to files and calls, what must hold, and how often it did: one table.
 
-    python benches/study_faults.py [--moments 50] [--seed N] [--only NAME]
+    python benches/study_faults.py [--moments 50] [--sequences 200] [--stalls 5000] [--seed N] [--only NAME]
 
 Writers killed at random moments, disks that fill at random sizes, commands that are ended, inputs of up to
-100 MB that are as bad as can be, wrong values for every parameter. Writes benches/results/faults.json, which
-has the seeds; what was counted before is kept where `--only` leaves it out.
+100 MB that are as bad as can be, wrong values for every parameter, random commands to the page, sessions
+that are cut, connections that stall, clocks that jump. Writes benches/results/faults.json, which has the
+seeds; what was counted before is kept where `--only` leaves it out (`page`: all that is done to the page).
+`study_mutated.py` and `study_safety.py` count the spoiled files and the limits of the rig, which stand in the
+same table.
 """
 
 from __future__ import annotations
@@ -25,6 +28,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import faults_page
 import hostile
 import wrong_calls
 
@@ -35,6 +39,13 @@ RESULTS = Path(__file__).parent / "results" / "faults.json"
 CAPTURES = ("a.npz", "a.csv", "a.csv.gz", "a.parquet", "a.mat", "a.h5")
 WRITERS = (*CAPTURES, "model.toml", "picture.png", "page.html", "pair")
 _LONGEST_S, _MOST_MB = 30.0, 1000
+_COMMANDS = 100
+_PAGE = {
+    "commands to the page": "a document, or one line, within 30 s; never 500",
+    "clocks that jump": "the same, by up to ten years either way",
+    "sessions that go on": "the same to the last bit, or without the last action",
+    "connections that stall": "gone within 30 s, others answered meanwhile",
+}
 _SIGNALS = {signal.SIGINT: 130, signal.SIGTERM: 143, signal.SIGHUP: 129}
 
 
@@ -201,12 +212,12 @@ def read(name: str, folder: Path) -> dict[str, Any]:
     return figures | {"said": said.strip().replace(str(folder), "")[:120]}
 
 
-def studied(moments: int, seed: int, only: str | None) -> dict[str, Any]:
+def studied(moments: int, sequences: int, stalls: int, seed: int, only: str | None) -> dict[str, Any]:
     """Return the rows of the table: what was done, cases, and those in which it did not hold."""
     rows: dict[str, Any] = {}
 
     def row(name: str, must: str, count: Callable[[], tuple[int, int, Any]]) -> None:
-        if only is None or only in name:
+        if only is None or only in name or (only == "page" and name in _PAGE):
             cases, failed, seen = count()
             rows[name] = {"must": must, "cases": cases, "failed": failed, "seen": seen}
             print(f"{name}: {cases} cases, {failed} failed", flush=True)
@@ -244,29 +255,67 @@ def studied(moments: int, seed: int, only: str | None) -> dict[str, Any]:
     row("commands ended", "no temporary, exit code 130, 143, 129", signals)
     row("inputs of 100 MB", f"an answer or one line, at most {_MOST_MB} MB of memory", inputs)
     row("wrong values", "taken, or one line", wrong)
+    page = dict.fromkeys(_PAGE, (0, 0, None))
+    if only in (None, "page") or any(only in name for name in page):
+        found, failures = faults_page.played(seed, sequences, _COMMANDS, stalls)
+        page = {name: (counts.total(), counts["failed"], []) for name, counts in found.items()}
+        page["commands to the page"][2].extend(failures)
+        print(*failures, sep="\n")
+    for name, must in _PAGE.items():
+        row(name, must, lambda: page[name])  # noqa: B023 - it is called at once
+    return rows
+
+
+def elsewhere() -> dict[str, dict[str, Any]]:
+    """Return the rows that other studies count."""
+    rows = {}
+    files, limits = (RESULTS.with_name(f"{name}.json") for name in ("mutated", "safety"))
+    if files.exists():
+        found = json.loads(files.read_text())
+        must = "a capture, or one line; 30 s, 2 GB"
+        rows["spoiled files"] = {"must": must, "cases": found["files"], "failed": found["failed"]}
+    if limits.exists():
+        found = json.loads(limits.read_text())["sequences"]
+        must = "torque, speed and energy within their limits"
+        rows["commands to a rig"] = {
+            "must": must,
+            "cases": found["sequences"],
+            "failed": found["limits_exceeded"],
+        }
     return rows
 
 
 def report(rows: dict[str, Any]) -> list[str]:
     """Return the results as the page of figures has them."""
-    lines = [f"{'what is done':<18}{'what must hold':<54}{'cases':>6}{'did not':>9}"]
-    lines += [f"{name:<18}{one['must']:<54}{one['cases']:>6}{one['failed']:>9}" for name, one in rows.items()]
+    every = rows | elsewhere()
+    lines = [f"{'what is done':<24}{'what must hold':<52}{'cases':>8}{'did not':>9}"]
+    lines += [
+        f"{name:<24}{one['must']:<52}{one['cases']:>8}{one['failed']:>9}" for name, one in every.items()
+    ]
+    whole = {key: sum(one[key] for one in every.values()) for key in ("cases", "failed")}
+    lines.append(f"{'all of them':<76}{whole['cases']:>8}{whole['failed']:>9}")
     if "inputs of 100 MB" in rows:
         seen = rows["inputs of 100 MB"]["seen"].values()
         most, longest = (max(one[key] for one in seen) for key in ("peak_mb", "seconds"))
         lines.append(f"inputs of up to 100 MB took at most {most} MB of memory and {longest:.0f} s")
+    spoiled = RESULTS.with_name("mutated.json")
+    if spoiled.exists():
+        first, _, *others = json.loads(spoiled.read_text())["report"]
+        lines += [first, *others]
     return lines
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--moments", type=int, default=50, help="for each writer")
+    parser.add_argument("--sequences", type=int, default=200, help=f"of {_COMMANDS} commands to the page")
+    parser.add_argument("--stalls", type=int, default=5000, help="connections")
     parser.add_argument("--seed", type=int, default=time.time_ns() % 2**32, help="default a new one")
     parser.add_argument("--only", metavar="NAME", help="rows with this word alone")
     args = parser.parse_args()
     known = json.loads(RESULTS.read_text())["rows"] if RESULTS.exists() else {}
     print(f"seed {args.seed}")
-    found = studied(args.moments, args.seed, args.only)
+    found = studied(args.moments, args.sequences, args.stalls, args.seed, args.only)
     rows = known | {name: {**one, "seed": args.seed} for name, one in found.items()}
     RESULTS.write_text(json.dumps({"report": report(rows), "rows": rows}, indent=1) + "\n")
     print(*report(rows), sep="\n")

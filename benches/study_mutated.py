@@ -1,15 +1,20 @@
 """Spoiled files of every format through `knobcam.load`: a capture, or one line that refuses it.
 
-    python benches/study_mutated.py [--count 10000] [--seed 0] [--processes 2] [--one CASE] [--keep FOLDER]
+    python benches/study_mutated.py [--count 10000] [--seed 0] [--minutes M] [--processes 2]
+    python benches/study_mutated.py [--count 10000] [--seed 0] --one CASE [--keep FOLDER]
+    python benches/study_mutated.py [--count 10000] --again
 
 Anything else fails: another exception, a warning, a message that is no line or names no file, 30 s, 2 GB of
 address space, the end of the process. What took too long is tried once more, alone: a busy machine is no
-hang. `--one` runs a single case here and shows what it says. Writes benches/results/mutated.json.
+hang. `--minutes` goes on with the next seeds for so long. `--one` runs a single case here and shows what it
+says, `--again` tries what failed in the last run, and says how much of that was mended. Writes
+benches/results/mutated.json.
 """
 
 from __future__ import annotations
 
 import argparse
+import itertools
 import json
 import multiprocessing
 import random
@@ -171,7 +176,7 @@ def run_once(every: list[Case], files: dict[str, Source], processes: int, folder
     return endings
 
 
-def summary(endings: dict[Case, Ending], files: dict[str, Source], seed: int) -> dict[str, Any]:
+def summary(endings: dict[Case, Ending], files: dict[str, Source]) -> dict[str, Any]:
     """Return the figures, and every failure with what makes it again."""
     by_source = {
         name: Counter(ending.kind for case, ending in endings.items() if case.source == name)
@@ -179,6 +184,7 @@ def summary(endings: dict[Case, Ending], files: dict[str, Source], seed: int) ->
     }
     failures = [
         {
+            "seed": case.seed,
             "case": case.index,
             "source": case.source,
             "done": case.content(files)[2],
@@ -187,18 +193,20 @@ def summary(endings: dict[Case, Ending], files: dict[str, Source], seed: int) ->
         for case, ending in endings.items()
         if ending.kind == "failed"
     ]
+    seeds = sorted({case.seed for case in endings})
+    shown = str(seeds[0]) if len(seeds) == 1 else f"{seeds[0]} to {seeds[-1]}"
     total = Counter(ending.kind for ending in endings.values())
     slowest = max(endings.items(), key=lambda item: item[1].seconds)
     peak_mb = round(max(ending.peak_mb for ending in endings.values()))
     report = [
-        f"{len(endings)} files of {len(by_source)} kinds, spoiled (seed {seed}): "
+        f"{len(endings)} files of {len(by_source)} kinds, spoiled (seed {shown}): "
         + ", ".join(f"{total[kind]} {words}" for kind, words in _WORDS.items()),
         f"slowest {slowest[1].seconds:.1f} s; most memory of a process {peak_mb} MB",
-        *(f"failed: {one['source']} {one['case']}, {one['done']}" for one in failures),
+        *(f"failed: {one['source']} {one['seed']}, {one['case']}, {one['done']}" for one in failures),
     ]
     return {
         "report": report,
-        "seed": seed,
+        "seeds": seeds,
         "files": len(endings),
         **{kind: total[kind] for kind in ("capture", "refused", "failed")},
         "slowest_s": round(slowest[1].seconds, 2),
@@ -209,11 +217,34 @@ def summary(endings: dict[Case, Ending], files: dict[str, Source], seed: int) ->
     }
 
 
+def again(found: dict[str, Any], count: int, files: dict[str, Source], folder: Path) -> dict[str, Any]:
+    """Return the figures of a run after its failures were tried anew with the program as it is."""
+    failed = {(one["seed"], one["case"]): one for one in found["failures"]}
+    every = [cases(count, seed, files)[index] for seed, index in failed]
+    endings = run(every, files, 1, folder)
+    left = [failed[case.seed, case.index] for case in every if endings[case].kind == "failed"]
+    for case in every:
+        kind = endings[case].kind
+        if kind != "failed":
+            for counts in (found, found["by_source"][case.source]):
+                counts["failed"] -= 1
+                counts[kind] = counts.get(kind, 0) + 1
+    first, *others = found["report"]
+    told = ", ".join(f"{found[kind]} {words}" for kind, words in _WORDS.items())
+    mended = f"{len(every) - len(left)} of them had failed, and were mended and tried again"
+    others = [line for line in others if not line.startswith("failed")]
+    report = [f"{first.partition(': ')[0]}: {told}", *others, mended]
+    report += [f"failed: {one['source']} {one['seed']}, {one['case']}, {one['done']}" for one in left]
+    return found | {"report": report, "failures": left}
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--count", type=int, default=10_000, help="of spoiled files; the bombs come on top")
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--minutes", type=float, default=0.0, help="go on with the next seeds for so long")
     parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--again", action="store_true", help="what failed in the last run")
     parser.add_argument("--one", type=int, metavar="CASE", help="its number in the results")
     parser.add_argument("--keep", type=Path, metavar="FOLDER", help="where to write the file of --one")
     args = parser.parse_args()
@@ -221,6 +252,11 @@ def main() -> None:
     every = cases(args.count, args.seed, files)
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
+        if args.again:
+            found = again(json.loads(RESULTS.read_text()), args.count, files, folder)
+            RESULTS.write_text(json.dumps(found, indent=1) + "\n")
+            print(*found["report"], sep="\n")
+            return
         if args.one is not None:
             raw, options, done = every[args.one].content(files)
             path = (args.keep or folder) / "spoiled.log"
@@ -230,8 +266,14 @@ def main() -> None:
             return
         large = bombs()
         every = [*(Case(args.seed, -1, name) for name in large), *every]
-        found = summary(run(every, files | large, args.processes, folder), files | large, args.seed)
-    RESULTS.write_text(json.dumps(found, indent=1) + "\n")
+        ends, endings = time.monotonic() + 60.0 * args.minutes, {}
+        for seed in itertools.count(args.seed + 1):
+            endings |= run(every, files | large, args.processes, folder)
+            found = summary(endings, files | large)
+            RESULTS.write_text(json.dumps(found, indent=1) + "\n")
+            if time.monotonic() > ends:
+                break
+            every = cases(args.count, seed, files)
     shown = {name: found[name] for name in found if name not in ("by_source", "failures")}
     print(json.dumps(shown), *(json.dumps(one) for one in found["failures"]), sep="\n")
 

@@ -2,6 +2,7 @@
 
 import signal
 from collections.abc import Iterator
+from pathlib import Path
 
 import httpx
 import pytest
@@ -68,8 +69,12 @@ def _catalogue_as_it_was() -> Iterator[None]:
 
 
 @pytest.fixture(autouse=True)
-def _no_calibration_of_somebody_elses(
-    tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch
+def _nothing_of_somebody_elses(
+    tmp_path_factory: pytest.TempPathFactory, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Captures look for the calibration of their rig where the user keeps it: here nobody keeps one."""
+    """Captures look for the calibration of their rig where the user keeps it: here nobody keeps one.
+
+    Each test has the sessions of its own workbenches alone.
+    """
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path_factory.getbasetemp() / "data"))

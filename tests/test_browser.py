@@ -114,6 +114,15 @@ def test_a_brush_in_a_notebook_is_heard_in_python_and_nothing_stays_behind(
     assert figures["brush"]["script"] < 30.0
 
 
+def test_a_session_that_was_left_goes_on_in_the_page_as_it_looked(tmp_path: Path, pictures: Path) -> None:
+    with workbench(capture_with_stribeck(tmp_path, 10_000)) as address:
+        before = script("going.js", address, pictures, "leave")
+    assert before["isolated"] and "samples chosen" in before["chosen"]
+    with workbench() as address:
+        after = script("going.js", address, pictures, "continue")
+    assert after == before
+
+
 def test_a_capture_is_made_in_the_page_and_grows_before_the_eyes(tmp_path: Path, pictures: Path) -> None:
     logs = tmp_path / "logs"
     logs.mkdir()

@@ -125,6 +125,14 @@ CALLS: dict[str, tuple[list[str], list[str]]] = {
         ["good.csv", "no folder"],
     ),
     "simulate an unknown knob": (["simulate", "knob9", "-o", "c.npz"], ["knob9", "knob1"]),
+    "capture into a missing folder": (
+        ["capture", "--port", "/dev/no-rig", "-o", "no/such/x.kcwire"],
+        ["no/such", "no folder"],
+    ),
+    "render into a missing folder": (
+        ["render", "knob3", "--port", "/dev/no-rig", "--log", "no/such/x.kcwire"],
+        ["no/such", "no folder"],
+    ),
     "unknown motion": (["simulate", "knob3", "--motion", "waltz", "-o", "c.npz"], ["'waltz'", "sweep"]),
     "unknown noise": (["simulate", "knob3", "--noise", "loud", "-o", "c.npz"], ["'loud'", "rig"]),
     "negative seed": (["simulate", "knob3", "--seed", "-1", "-o", "c.npz"], ["--seed", "'-1'"]),

@@ -17,6 +17,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 import scipy.io
+from hostile import lying
 
 from knobcam.capture import load
 from knobcam.capture.formats import read_table
@@ -253,3 +254,28 @@ def test_an_unknown_binary_is_refused(tmp_path: Path) -> None:
     (tmp_path / "run.bin").write_bytes(bytes(range(256)) * 4)
     with pytest.raises(InputError, match="neither text nor a format"):
         read_table(tmp_path / "run.bin")
+
+
+@pytest.mark.parametrize("dictionary", [False, True])
+@pytest.mark.parametrize("version", ["1.0", "2.0"])
+@pytest.mark.parametrize("compression", ["none", "snappy", "gzip", "zstd"])
+def test_a_parquet_page_that_claims_more_than_its_rows_can_take_is_refused_before_it_is_read(
+    tmp_path: Path, compression: str, version: str, dictionary: bool
+) -> None:
+    rng = np.random.default_rng(0)
+    columns = {name: pa.array(rng.normal(size=3000)) for name in ("theta_rad", "tau_Nm")}
+    table = pa.table({"t_s": pa.array(np.arange(3000) / 1000.0), **columns})
+    file = io.BytesIO()
+    pq.write_table(
+        table,
+        file,
+        compression=compression,
+        use_dictionary=dictionary,
+        data_page_version=version,
+    )
+    path = tmp_path / "a.parquet"
+    path.write_bytes(file.getvalue())
+    assert load(path).samples == 3000
+    path.write_bytes(lying(file.getvalue()))
+    with pytest.raises(InputError, match=r"a\.parquet: column tau_Nm has a page that claims \d+ bytes"):
+        load(path)

@@ -243,3 +243,10 @@ def test_what_was_taken_is_printed_and_kept(tmp_path: Path) -> None:
     again = kc.load(tmp_path / "run.npz")
     assert [one.kind for one in again.findings] == ["columns"]
     assert again.meta["calibration"]["theta"] == "`pos_deg` [deg]"
+
+
+@pytest.mark.parametrize(
+    "name", [" " * 50_000, "tau" + " " * 50_000 + "[", "a_" * 50_000, "/ " * 50_000, "A" * 50_000]
+)
+def test_a_name_of_a_damaged_file_is_not_read_for_minutes(name: str) -> None:
+    assert read_label(name).quantity is None

@@ -23,7 +23,7 @@ from knobcam.workbench.session import Session
 from knobcam.workbench.tree import Start
 
 
-def quiet(_: str, __: float | None = None) -> None:
+def quiet(_: str, __: float | None = None, *, last: bool = False) -> None:
     return
 
 
@@ -203,7 +203,7 @@ def test_captures_of_one_knob_are_fitted_together_and_one_can_be_left_out(
 def test_work_that_is_given_up_between_rounds_changes_nothing(session: Session):
     before, revision = session.node, session.revision
 
-    def stop(what: str) -> None:
+    def stop(what: str, *, last: bool = False) -> None:
         if what.startswith("putting"):
             raise Cancelled
 
@@ -220,7 +220,7 @@ def test_work_that_is_given_up_between_rounds_changes_nothing(session: Session):
 def test_a_fit_that_comes_after_the_session_moved_on_is_not_put_in_place(session: Session):
     session.add("return_spring")
 
-    def meanwhile(what: str) -> None:
+    def meanwhile(what: str, *, last: bool = False) -> None:
         if what.startswith("putting"):
             session.undo()
 
@@ -387,3 +387,11 @@ def test_a_job_that_fails_tells_why_and_the_thread_lives_on():
         worker.start("broken", broken).result.result(10.0)
     assert worker.start("next", lambda _: 1).result.result(10.0) == 1
     worker.close()
+
+
+def test_a_parameter_that_is_dragged_beyond_all_measure_has_an_error_without_measure(session: Session):
+    session.drag({"viscous.pos": 1e200})
+    assert session.view.rmse == np.inf
+    assert told(session)["rmse"] is None
+    capture = session.node.captures[0]
+    assert session.share(capture, [0]) == 0.0

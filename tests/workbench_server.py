@@ -35,10 +35,12 @@ def served(bench: Bench) -> Iterator[httpx.Client]:
             timeout=60.0,
             event_hooks={"response": [as_the_schema_says]},
         ) as client:
-            yield client
-        serving.should_exit = True
-        thread.join()
-    bench.close()
+            try:
+                yield client
+            finally:
+                serving.should_exit = True
+                thread.join()
+                bench.close()
 
 
 def as_the_schema_says(answer: httpx.Response) -> None:

@@ -2,12 +2,13 @@
 
 /** @typedef {import("./types.js").State} State */
 
-/** What the server says is wrong; `columns` of a file that it could not take for a capture. */
+/** What the server says is wrong; `columns` of a file that it could not take for a capture, `fault` of a rig. */
 export class Refusal extends Error {
-  /** @param {string} words @param {import("./types.js").FileColumn[] | null} columns */
-  constructor(words, columns) {
+  /** @param {string} words @param {import("./types.js").Why} [more] */
+  constructor(words, { columns, fault } = {}) {
     super(words);
-    this.columns = columns;
+    this.columns = columns ?? null;
+    this.fault = fault ?? null;
   }
 }
 
@@ -38,7 +39,7 @@ async function request(path, options = {}) {
   if (answer.ok) return answer;
   /** @type {Partial<import("./types.js").Refused>} */
   const said = await answer.json().catch(() => ({}));
-  throw new Refusal(said.error ?? `the workbench answered ${answer.status}`, said.columns ?? null);
+  throw new Refusal(said.error ?? `the workbench answered ${answer.status}`, said);
 }
 
 /**

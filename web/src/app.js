@@ -11,6 +11,7 @@ import { showHidden, unhiding } from "./hidden.js";
 import { showLadder } from "./ladder.js";
 import { latest } from "./latest.js";
 import { columnsOf } from "./contents.js";
+import { Looking, showLeft } from "./going.js";
 import { Linked } from "./linked.js";
 import { Live } from "./live.js";
 import { Params } from "./params.js";
@@ -37,10 +38,18 @@ class App {
     this.beside = null;
     /** @type {{what: string, start: number} | null} what the person did that is not painted yet */
     this.deed = { what: "first picture", start: 0 };
-    this.linked = new Linked((words) => (byId("chosen").textContent = words ?? BRUSH_HINT));
+    this.looks = new Looking(() => ({ view: this.view, beside: this.beside, brush: this.linked.brushed }));
+    /** @type {import("./types.js").Brush | null} what was brushed when the session was left */
+    this.brushedThen = null;
+    this.linked = new Linked((words) => {
+      byId("chosen").textContent = words ?? BRUSH_HINT;
+      this.looks.changed();
+    });
     byId("plots").append(this.linked.element);
     this.refresh = latest((/** @type {number} */ revision) => this.load(revision));
-    this.drag = latest((/** @type {Record<string, number>} */ values) => this.ask("params", values, "drag"));
+    this.drag = latest(async (/** @type {Record<string, number>} */ values) => {
+      await this.ask("params", values, "drag");
+    });
     this.params = new Params(byId("params"), {
       drag: (values) => this.drag(values),
       drop: (effect) => this.ask("drop", { effect }, "drop"),
@@ -86,9 +95,13 @@ class App {
   }
 
   buttons() {
-    for (const verb of ["undo", "redo", "snap", "cancel"]) {
+    for (const verb of ["undo", "redo", "snap"]) {
       byId(verb).addEventListener("click", () => this.ask(verb, {}, verb));
     }
+    byId("cancel").addEventListener("click", async () => {
+      const answer = await this.ask("cancel");
+      if (answer?.cancelled === false) this.say("too late to cancel: it is done");
+    });
     byId("new-branch").addEventListener("click", () => this.ask("branch"));
     byId("clear").addEventListener("click", () => this.linked.clear());
     byId("closer").addEventListener("click", () => this.linked.lookCloser());
@@ -96,6 +109,7 @@ class App {
       const box = /** @type {HTMLInputElement} */ (byId(option));
       box.addEventListener("change", () => {
         this.view = { ...this.view, [option]: box.checked };
+        this.looks.changed();
         this.refresh(Infinity);
       });
     }
@@ -113,8 +127,10 @@ class App {
       const answer = await post(verb, body);
       if (byId("said").classList.contains("wrong")) this.say("");
       if (answer.revision !== undefined) this.refresh(answer.revision);
+      return answer;
     } catch (reason) {
       this.failed(reason);
+      return null;
     }
   }
 
@@ -136,11 +152,20 @@ class App {
   /** @param {State} state */
   show(state) {
     if (this.state?.node !== state.node) this.look(null); // what was weighed there is not weighed here
+    if (!this.state?.node && state.node !== null && state.looked) this.lookAgain(state.looked);
     this.state = state;
     byId("welcome").toggleAttribute("hidden", state.node !== null);
     byId("verdict").textContent = state.verdict_text;
     if (state.recording) this.live?.follow();
     showHidden(state);
+    showLeft(state.left, {
+      go: (session) => this.ask("continue", { session }, "data"),
+      anew: async () => {
+        await this.ask("anew");
+        this.state = null; // at the same revision there is less to offer
+        this.refresh(0);
+      },
+    });
     showCaptures(byId("captures"), state, (captures) => this.ask("use", { captures }, "captures"));
     showFindings(byId("findings"), state);
     byId("open-together").hidden = state.captures.length === 0;
@@ -156,6 +181,16 @@ class App {
     enable("redo", branch !== undefined && branch.at < branch.steps.length - 1);
     enable("snap", state.params.some(({ dragged }) => dragged));
     enable("new-branch", state.node !== null);
+  }
+
+  /** Look at a session as it was looked at. @param {import("./types.js").Looked} looked */
+  lookAgain({ view, beside, brush }) {
+    this.view = view;
+    for (const [option, value] of Object.entries(view)) {
+      /** @type {HTMLInputElement} */ (byId(option)).checked = value;
+    }
+    this.beside = beside;
+    this.brushedThen = brush;
   }
 
   /** @param {State} state */
@@ -179,7 +214,12 @@ class App {
     const beside = other && rest ? { name: other.name, residual: rest.residual } : null;
     this.legend(beside?.name ?? null);
     const data = { columns, unit, coordinate, noise: state.noise_floor, fitted, name, beside };
-    timed(what, () => this.linked.show(data, view), start);
+    const brush = this.brushedThen;
+    this.brushedThen = null;
+    timed(what, () => {
+      this.linked.show(data, view);
+      if (brush) this.linked.brushAgain(brush);
+    }, start);
   }
 
   /** @param {State} state */
@@ -188,6 +228,7 @@ class App {
       choose: (branch) => this.ask("switch", { branch }, "switch"),
       beside: (branch) => {
         this.beside = branch;
+        this.looks.changed();
         this.deed = { what: "beside", start: performance.now() };
         this.showBranches(state);
         this.refresh(Infinity);

@@ -45,11 +45,12 @@ function words({ name, samples, rate_hz, findings }) {
  * @param {HTMLElement} place
  * @param {State} state
  */
-export function showFindings(place, { captures, active, limitations }) {
+export function showFindings(place, { captures, active, limitations, notes }) {
   const fitted = captures.filter(({ id }) => active.includes(id));
   const found = fitted.flatMap(({ name, findings }) =>
     findings.map((text) => make("li", { class: "doubt", text: `⚠ ${fitted.length > 1 ? `${name}: ` : ""}${text}` })),
   );
   const missing = limitations.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
-  place.replaceChildren(...found, ...missing);
+  const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
+  place.replaceChildren(...noted, ...found, ...missing);
 }

@@ -149,6 +149,18 @@ export class Linked {
     });
   }
 
+  /** The rectangle that is brushed, by the number of its plot. @returns {import("./types.js").Brush | null} */
+  get brushed() {
+    const plot = this.plots.findIndex(({ region }) => region);
+    const region = this.plots[plot]?.region;
+    return region ? { plot, ...region } : null;
+  }
+
+  /** @param {import("./types.js").Brush} brush */
+  brushAgain({ plot, x, y }) {
+    if (this.plots[plot]) this.brush(this.plots[plot], { x, y });
+  }
+
   /**
    * Draw in the next frame; what comes meanwhile is drawn with it.
    * @param {string} what

@@ -1,6 +1,6 @@
 /** The dialog for a capture without a file: a simulated knob, an emulated rig, a rig on a port. */
 
-import { ask, post, wordsOf } from "./api.js";
+import { Refusal, ask, post, wordsOf } from "./api.js";
 import { byId, make } from "./dom.js";
 
 /** @typedef {import("./types.js").Sources} Sources */
@@ -37,6 +37,7 @@ export function sources(heard) {
   const opened = async () => {
     dialog.showModal();
     told.textContent = "";
+    byId("new-fault").hidden = true;
     try {
       known = /** @type {Sources} */ (await ask("sources"));
     } catch (reason) {
@@ -72,10 +73,16 @@ export function sources(heard) {
     // Whoever closes it while the rig is looked for does not want the recording.
     if (busy) post("stop", { keep: false }).catch(() => {});
   });
-  form.addEventListener("submit", async (event) => {
+  /** @type {number | null} the fault that the rig has told */
+  let fault = null;
+  byId("new-clear").addEventListener("click", () => begin({ ...wanted(form), clear_fault: fault }));
+  form.addEventListener("submit", (event) => {
     event.preventDefault();
-    const asked = wanted(form);
+    return begin(wanted(form));
+  });
+  const begin = async (/** @type {Record<string, any>} */ asked) => {
     told.textContent = "";
+    byId("new-fault").hidden = true;
     wait(true);
     try {
       if (asked.source === "simulated") {
@@ -89,9 +96,11 @@ export function sources(heard) {
       (asked.source === "simulated" ? heard.made : heard.recording)();
     } catch (reason) {
       wait(false);
-      told.textContent = wordsOf(reason);
+      fault = reason instanceof Refusal && reason.fault ? reason.fault.code : null;
+      told.textContent = reason instanceof Refusal && reason.fault ? reason.fault.told : wordsOf(reason);
+      byId("new-fault").hidden = fault === null;
     }
-  });
+  };
 }
 
 /** Say in the dialog what goes on before the first sample. @param {string} what */

@@ -77,12 +77,33 @@
  */
 
 /**
- * The answer of `GET /api/state`: a session, and what is being done to it.
+ * What is drawn: isolated parts, the 95 % band, residuals held at one scale.
+ * @typedef {{isolated: boolean, band: boolean, held: boolean}} Seen
+ */
+
+/**
+ * A rectangle in one of the plots, by its number, in units of the data.
+ * @typedef {{plot: number, x: [number, number], y: [number, number]}} Brush
+ */
+
+/**
+ * How a page looks at a session: what is drawn, the branch beside, the brush.
+ * @typedef {{view: Seen, beside: string | null, brush: Brush | null}} Looked
+ */
+
+/**
+ * A session that was left and can go on; `when`: its last change, s since 1970; else what is `wrong`.
+ * @typedef {{id: string, when: number | null, ended: boolean, captures: string[], steps: number,
+ *   wrong: string | null}} Left
+ */
+
+/**
+ * The answer of `GET /api/state`: a session, what is being done to it, and what can go on.
  * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, params: Param[],
  *   rmse: number | null, rmse_heldout: number | null, verdict_text: string, ladder: LadderStep[],
  *   candidates: Candidates, warnings: string[], limitations: string[], absent: Effect[], job: Job | null,
- *   recording: boolean}} State
+ *   recording: boolean, looked: Looked | null, left: Left[], notes: string[]}} State
  */
 
 /**
@@ -116,13 +137,14 @@
 
 /**
  * What an answer may say besides the revision.
- * @typedef {{job?: string, path?: string, log?: string, share?: number, hidden?: string[]}} More
+ * @typedef {{job?: string, path?: string, log?: string, share?: number, hidden?: string[], cancelled?: boolean}}
+ *   More
  */
 
 /**
  * What a request is answered that changes or asks something.
- * @typedef {{job?: string, path?: string, log?: string, share?: number, hidden?: string[], revision: number}}
- *   Answer
+ * @typedef {{job?: string, path?: string, log?: string, share?: number, hidden?: string[], cancelled?: boolean,
+ *   revision: number}} Answer
  */
 
 /**
@@ -132,8 +154,18 @@
  */
 
 /**
- * What is wrong with a request; `columns` of a file that could not be taken for a capture.
- * @typedef {{error: string, columns?: FileColumn[]}} Refused
+ * What a rig has latched, in words: its cause, and how long ago; `code` is by which it is cleared.
+ * @typedef {{code: number, told: string}} Fault
+ */
+
+/**
+ * What more there may be to say: `columns` of a file that could not be taken for a capture, a `fault`.
+ * @typedef {{columns?: FileColumn[], fault?: Fault}} Why
+ */
+
+/**
+ * What is wrong with a request.
+ * @typedef {{columns?: FileColumn[], fault?: Fault, error: string}} Refused
  */
 
 /**

@@ -153,11 +153,49 @@ class Session(TypedDict):
     absent: list[Effect]
 
 
+class Seen(TypedDict):
+    """What is drawn: isolated parts, the 95 % band, residuals held at one scale."""
+
+    isolated: bool
+    band: bool
+    held: bool
+
+
+class Brush(TypedDict):
+    """A rectangle in one of the plots, by its number, in units of the data."""
+
+    plot: int
+    x: tuple[float, float]
+    y: tuple[float, float]
+
+
+class Looked(TypedDict):
+    """How a page looks at a session: what is drawn, the branch beside, the brush."""
+
+    view: Seen
+    beside: str | None
+    brush: Brush | None
+
+
+class Left(TypedDict):
+    """A session that was left and can go on; `when`: its last change, s since 1970; else what is `wrong`."""
+
+    id: str
+    when: float | None
+    ended: bool
+    captures: list[str]
+    steps: int
+    wrong: str | None
+
+
 class State(Session):
-    """The answer of `GET /api/state`: a session, and what is being done to it."""
+    """The answer of `GET /api/state`: a session, what is being done to it, and what can go on."""
 
     job: Job | None
     recording: bool
+    looked: Looked | None
+    left: list[Left]
+    notes: list[str]
 
 
 class Knob(TypedDict):
@@ -224,6 +262,7 @@ class More(TypedDict, total=False):
     log: str
     share: float
     hidden: list[str]
+    cancelled: bool
 
 
 class Answer(More):
@@ -242,11 +281,24 @@ class FileColumn(TypedDict):
     outline: list[tuple[float, float]]
 
 
-class Refused(TypedDict):
-    """What is wrong with a request; `columns` of a file that could not be taken for a capture."""
+class Fault(TypedDict):
+    """What a rig has latched, in words: its cause, and how long ago; `code` is by which it is cleared."""
+
+    code: int
+    told: str
+
+
+class Why(TypedDict, total=False):
+    """What more there may be to say: `columns` of a file that could not be taken for a capture, a `fault`."""
+
+    columns: list[FileColumn]
+    fault: Fault
+
+
+class Refused(Why):
+    """What is wrong with a request."""
 
     error: str
-    columns: NotRequired[list[FileColumn]]
 
 
 class ShownStep(TypedDict):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import stat
 from pathlib import Path
@@ -11,6 +12,7 @@ from ..errors import InputError
 
 UNHURRIED = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_CLOEXEC", 0)
 """Flags with which no file lets whoever opens it wait."""
+_AT_ONCE = 2**20  # bytes
 
 
 def look(path: str | os.PathLike[str]) -> os.stat_result:
@@ -58,6 +60,23 @@ def read_text(path: str | os.PathLike[str], what: str, most_bytes: int) -> str:
         return raw.decode("utf-8")
     except UnicodeDecodeError:
         raise InputError(f"{path}: is no text, so no {what}; check the name") from None
+
+
+def digest(path: str | os.PathLike[str]) -> str:
+    """Return the SHA-256 of a file, or of a folder's files with their names. InputError for anything else."""
+    total = hashlib.sha256()
+    if is_folder(path):
+        try:
+            inside = sorted(one for one in Path(path).rglob("*") if not one.is_dir())
+        except OSError as error:
+            raise InputError(f"{path}: cannot be read ({error.strerror or error}); check the name") from error
+        for one in inside:
+            total.update(f"{one.relative_to(path).as_posix()}\0{digest(one)}\n".encode())
+        return total.hexdigest()
+    with open_file(path) as file:
+        while part := file.read(_AT_ONCE):
+            total.update(part)
+    return total.hexdigest()
 
 
 def _check_kind(path: str | os.PathLike[str], found: os.stat_result) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
 from . import arguments
-from .output import Answer, check_file, check_folder, findings, status
+from .output import Answer, check_file, findings, status
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -71,9 +71,7 @@ def run_capture(args: Namespace) -> Answer:
     if args.force and args.model is None:
         raise InputError("--force: is about a model that is rendered; name one with --model, or leave it out")
     log = log_path(args.output)
-    if args.output == log:  # which the recorder begins, and never over another
-        check_folder(args.output.parent)
-    else:
+    if args.output != log:  # which the recorder begins, and never over another
         check_file(args.output)
     status("looking for the rig")
     recorded = record(

@@ -10,12 +10,14 @@ import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..errors import InputError
 from . import arguments
 from .output import Answer, status
 
 if TYPE_CHECKING:
     from argparse import Namespace
 
+    from ..workbench.bench import Bench
     from ..workbench.tree import Start
 
 _LEADS = """<!doctype html>
@@ -40,6 +42,12 @@ def register(commands: arguments.Commands) -> None:
         "--port", type=arguments.whole, default=0, metavar="N", help="on this machine; default any free one"
     )
     parser.add_argument("--no-browser", action="store_true", help="only print the address")
+    parser.add_argument(
+        "--continue",
+        dest="go_on",
+        action="store_true",
+        help="go on where the last session was left",
+    )
     parser.add_argument("--model", metavar="MODEL", help="to start from; default the base")
     arguments.add_reading(parser)
     arguments.add_preparation(parser)
@@ -54,29 +62,58 @@ def run(args: Namespace) -> Answer:
 
     from ..base.writing import remove_parts
     from ..workbench.bench import Bench
+    from ..workbench.journal import usual_folder
     from ..workbench.serving import serve
 
-    bench = Bench(_start(args))
-    if args.captures:
-        bench.session.open(*args.captures, map=args.map, **arguments.reading(args))
+    if args.go_on and (args.captures or args.model):
+        raise InputError("--continue goes on with the captures and the model of then; leave others out")
+    bench = Bench(_start(args), usual_folder())
+    try:
+        if args.captures:
+            bench.session.open(*args.captures, map=args.map, **arguments.reading(args))
+        elif args.go_on:
+            _go_on(bench)
+        _tell_what_was_left(bench)
+        with tempfile.TemporaryDirectory(prefix="knobcam-") as folder:
 
-    with tempfile.TemporaryDirectory(prefix="knobcam-") as folder:
+            def tell(address: str) -> None:
+                print(address, flush=True)
+                status("Ctrl-C ends the workbench")
+                if not args.no_browser:
+                    threading.Thread(target=_show, args=(address, Path(folder)), daemon=True).start()
 
-        def tell(address: str) -> None:
-            print(address, flush=True)
-            status("Ctrl-C ends the workbench")
-            if not args.no_browser:
-                threading.Thread(target=_show, args=(address, Path(folder)), daemon=True).start()
-
-        serve(bench, args.port, tell)
-    status(None)
-    bench.recorder.close()
-    if bench.busy:  # nobody wants to wait for what is given up, and the core cannot be interrupted
-        remove_parts()
+            serve(bench, args.port, tell)
+    finally:
+        status(None)
+        bench.end()
+        if bench.busy:  # nobody wants to wait for what is given up, and the core cannot be interrupted
+            remove_parts()
+    if bench.busy:
         sys.stdout.flush()
         os._exit(0)
     bench.close()
     return Answer("", {"schema": "knobcam.workbench/1"})
+
+
+def _go_on(bench: Bench) -> None:
+    newest = bench.keeper and bench.keeper.newest
+    if not newest:
+        raise InputError("--continue: there is no session that was left; start one without it")
+    bench.go_on(newest, lambda what, *_, **__: status(what))
+    for note in bench.document()["notes"]:
+        print(f"knobcam: {note}", file=sys.stderr)
+
+
+def _tell_what_was_left(bench: Bench) -> None:
+    """Say of the last session that it can go on, where nobody ended it, or why it cannot."""
+    left = bench.keeper.left[:1] if bench.keeper is not None else []
+    for one in left:
+        if one["wrong"] is not None:
+            print(f"knobcam: {one['wrong']}", file=sys.stderr)
+        elif not one["ended"] and not bench.session.captures:
+            what = f"{', '.join(one['captures'])}; fits: {one['steps']}"
+            said = f"a session broke off ({what}); the page offers it, and so does --continue"
+            print(f"knobcam: {said}", file=sys.stderr)
 
 
 def _start(args: Namespace) -> Start:

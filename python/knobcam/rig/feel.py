@@ -13,6 +13,7 @@ from ..render import Device, Stability, check_rotary, check_stability
 from .link import Link
 from .port import BAUD
 from .record import BY_HAND, record
+from .wirelog import check_new
 
 if TYPE_CHECKING:
     import os
@@ -69,6 +70,8 @@ def feel(
     if not (math.isfinite(seconds) and seconds > 0.0):
         raise InputError(f"seconds={seconds:g}: give a finite time above 0")
     check_rotary(model)
+    if log is not None:
+        check_new(Path(log))
     with contextlib.ExitStack() as stack:
         link = port if isinstance(port, Link) else stack.enter_context(Link(port, baud=baud))
         device = device_of(link.device)

@@ -24,7 +24,7 @@ from .calibration import Calibration, usual
 from .leadin import led_in
 from .link import Link
 from .port import BAUD
-from .wirelog import SUFFIX, WireLog, begin
+from .wirelog import SUFFIX, WireLog, begin, check_new
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -61,6 +61,15 @@ class Plan(NamedTuple):
         if self.track is None:
             return None if self.model is None else "render"
         return "drive" if self.model is None else "render_driven"
+
+
+class Latched(InputError):
+    """The rig has latched a fault, which nobody has cleared: `told` in words, `code` its number."""
+
+    def __init__(self, port: str, code: int, told: str) -> None:
+        super().__init__(f"{port}: {told}; see to its cause, then clear it with --clear-fault")
+        self.code = code
+        self.told = told
 
 
 def log_path(output: str | os.PathLike[str]) -> Path:
@@ -106,8 +115,7 @@ def record(
     the log.
     """
     log = log_path(output)
-    if log.exists():
-        raise InputError(f"{log}: is there already, and a recording is not written over; choose another name")
+    check_new(log)
     if Path(output).exists() and not overwrite:
         raise InputError(f"{output}: is there already; choose another name, or --overwrite it")
     if model is not None and not isinstance(model, Model):
@@ -159,7 +167,7 @@ def _look_at_fault(link: Link, clear: bool | Callable[[str], bool]) -> None:
     code, text = link.fault
     told = f"the rig has latched fault {code}: {text}"
     if not (clear(told) if callable(clear) else clear):
-        raise InputError(f"{link.port}: {told}; see to its cause, then clear it with --clear-fault")
+        raise Latched(link.port, code, told)
     link.clear()
 
 

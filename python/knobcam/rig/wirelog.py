@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .. import _core
-from ..base.reading import open_file
+from ..base.reading import is_folder, open_file
 from ..base.writing import RECORDING_SUFFIX, is_recording
 from ..capture.capture import of_table
 from ..capture.formats import wire
@@ -88,12 +88,21 @@ def is_log(path: str | os.PathLike[str]) -> bool:
     return is_recording(path)
 
 
-def begin(path: Path, header: Mapping[str, Any]) -> None:
-    """Make a log that holds its header alone. It appears whole; a log that is there is never written over."""
-    if path.exists():
+def check_new(path: Path) -> None:
+    """Refuse a log that cannot be begun: one that is there, or that has no folder to stand in."""
+    if os.path.lexists(path):
         raise InputError(
             f"{path}: is there already, and a recording is not written over; choose another name"
         )
+    if not is_folder(path.parent):
+        raise InputError(f"{path}: there is no folder {path.parent}; make it first, or choose another place")
+    if not os.access(path.parent, os.W_OK):
+        raise InputError(f"{path}: the folder {path.parent} cannot be written to; choose another place")
+
+
+def begin(path: Path, header: Mapping[str, Any]) -> None:
+    """Make a log that holds its header alone. It appears whole; a log that is there is never written over."""
+    check_new(path)
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         part.write_bytes(wire.header_line({"knobcam": _core.__version__, **header}))

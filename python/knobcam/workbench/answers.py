@@ -28,11 +28,9 @@ def answered(session: Session, **more: Unpack[pages.More]) -> Response:
     return json_answer(answer)
 
 
-def refusal(said: str, status: int, columns: list[pages.FileColumn] | None = None) -> Response:
-    """Return what is wrong; `columns` of a file that could not be taken for a capture."""
-    refused: pages.Refused = {"error": said}
-    if columns is not None:
-        refused["columns"] = columns
+def refusal(said: str, status: int, **more: Unpack[pages.Why]) -> Response:
+    """Return what is wrong, and what else there is to say of it."""
+    refused: pages.Refused = {"error": said, **more}
     return json_answer(refused, status)
 
 

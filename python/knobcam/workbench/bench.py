@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
 
 from ..base import pages
+from ..errors import InputError
 from . import state
 from .jobs import Job, Worker
+from .keeper import Keeper
 from .recorder import Recorder
 from .session import Session
 from .tree import Start
+
+if TYPE_CHECKING:
+    from .session import Tell
 
 _PAUSE_S = 0.02
 _AFTER_S = 1.0  # so that a page that has just been told of a fit can draw it first
@@ -22,31 +28,49 @@ Hear = Callable[[str, Mapping[str, Any]], None]
 class Bench:
     """One session, a thread for what a person waits for, one that weighs meanwhile, and one that records."""
 
-    def __init__(self, start: Start | None = None) -> None:
+    def __init__(self, start: Start | None = None, kept_in: Path | None = None) -> None:
+        """`kept_in` is the folder in which the session is kept while it goes on; None: nowhere."""
         self.session = Session(self._changed, start)
         self.work = Worker("knobcam-work", self._moved)
         self.weighing = Worker("knobcam-weighing", self._moved, humble=True)
+        self.drawing = Worker("knobcam-drawing", lambda _: None)
         self.recorder = Recorder(self.session, self._moved)
         self.listeners: set[Hear] = set()
+        self.keeper = None if kept_in is None else Keeper(self.session, kept_in, self._say_state)
         self._weighed = ""
         self._lock = threading.Lock()
 
     def document(self) -> pages.State:
         """Return the state of the session, and what is being done."""
-        job = self.work.current or self.weighing.current
+        job, keeper = self.work.current or self.weighing.current, self.keeper
+        known = state.document(self.session)
         return {
-            **state.document(self.session),
+            **known,
             "job": None if job is None else self._described(job),
             "recording": self.recorder.busy,
+            "looked": cast("pages.Looked | None", self.session.looked),
+            "left": [] if keeper is None or known["captures"] else keeper.left,
+            "notes": [] if keeper is None else [*keeper.notes, *([keeper.unkept] if keeper.unkept else [])],
         }
+
+    def flush(self) -> None:
+        """See to it that what was done is kept."""
+        if self.keeper is not None:
+            self.keeper.flush()
+
+    def go_on(self, name: str, tell: Tell) -> None:
+        """Go on with a session that was left. Raises InputError where that cannot be."""
+        if self.keeper is None:
+            raise InputError("sessions are not kept here; start anew")
+        self.keeper.go_on(name, tell)
 
     def weigh(self, after_s: float = 0.0) -> Job:
         """Weigh what could be missing where the session is; what was weighed elsewhere is given up."""
         node = self.session.node
 
         def work(job: Job) -> None:
-            def tell(what: str, done: float | None = None) -> None:
-                job.tell(what, done)
+            def tell(what: str, done: float | None = None, *, last: bool = False) -> None:
+                job.tell(what, done, last=last)
                 # Whatever a person waits for goes first, and so does a rig that records.
                 while self.work.current is not None or self.recorder.busy:
                     job.rest(_PAUSE_S)
@@ -59,20 +83,28 @@ class Bench:
         self.weighing.cancel()
         return self.weighing.start("weighing what could be missing", work)
 
-    def cancel(self) -> None:
-        """Give up what is being done: what a person waits for, else the weighing."""
-        (self.work if self.work.current else self.weighing).cancel()
+    def cancel(self) -> bool:
+        """Give up what is being done: what a person waits for, else the weighing. False: too late."""
+        return (self.work if self.work.current else self.weighing).cancel()
 
     @property
     def busy(self) -> bool:
         """Whether anything is still computed, be it something that was given up."""
-        return self.work.busy or self.weighing.busy
+        return self.work.busy or self.weighing.busy or self.drawing.busy
 
     def close(self) -> None:
         """Give everything up, and wait for the threads to end; a rig that records is disarmed first."""
-        self.recorder.close()
+        self.end()
         self.work.close()
         self.weighing.close()
+        self.drawing.close()
+
+    def end(self) -> None:
+        """Disarm a rig that records, and write the last of the session: what cannot be left to itself."""
+        self.recorder.close()
+        if self.keeper is not None:
+            self.keeper.close()
+            self.keeper = None
 
     def _changed(self) -> None:
         with self._lock:
@@ -83,13 +115,18 @@ class Bench:
                 self.weighing.cancel()
                 if session.diagnosis_of(at) is None:
                     self.weigh(_AFTER_S)
-        self._say("state", {"revision": session.revision})
+        if self.keeper is not None:
+            self.keeper.wake()
+        self._say_state()
+
+    def _say_state(self) -> None:
+        self._say("state", {"revision": self.session.revision})
 
     def _moved(self, job: Job) -> None:
         if job.active:
             self._say("progress", self._described(job))
         else:
-            self._say("state", {"revision": self.session.revision})
+            self._say_state()
 
     def _say(self, event: str, content: Mapping[str, Any]) -> None:
         for hear in list(self.listeners):

@@ -20,28 +20,56 @@ if TYPE_CHECKING:
     from starlette.requests import Request
 
 _JSON_BYTES = 16_000_000  # the indices of a million samples, and room to spare
+_ALL_BYTES = 64_000_000  # of all bodies that come at once
 _NAME = 100  # characters of a file's name
 _OPTIONS = ("map", "coordinate", "joint", "rate_hz", "start", "end")
 
 
-class TooLarge(InputError):
-    """A body is longer than it may be; it is not read to its end."""
+class Unread(InputError):
+    """A body that is not read to its end; `status` is what HTTP has for the reason."""
+
+    status = 400
+
+
+class TooLarge(Unread):
+    """A body is longer than it may be."""
+
+    status = 413
 
     def __init__(self, limit: int) -> None:
         super().__init__(f"more than {limit // 1_000_000} MB; leave samples or columns out")
 
 
+class Busy(Unread):
+    """There is no room for another body now."""
+
+    status = 503
+
+
+class _Room:
+    """The memory that the bodies under way have together, bytes."""
+
+    taken = 0
+
+
 async def read_json(request: Request) -> dict[str, Any]:
-    """Return the JSON object in a body. Raises InputError for anything else."""
+    """Return the JSON object in a body. Raises InputError for anything else, Busy where there is no room."""
     parts = bytearray()
-    async for part in request.stream():
-        parts += part
-        if len(parts) > _JSON_BYTES:
-            raise TooLarge(_JSON_BYTES)
     try:
+        async for part in request.stream():
+            parts += part
+            _Room.taken += len(part)
+            if len(parts) > _JSON_BYTES:
+                raise TooLarge(_JSON_BYTES)
+            if _Room.taken > _ALL_BYTES:
+                raise Busy("too much is being handed over at once; try again in a moment")
         body = json.loads(parts or b"{}")
-    except (ValueError, RecursionError):
+    except (ValueError, RecursionError) as error:
+        if isinstance(error, InputError):
+            raise
         raise InputError("the body is no JSON") from None
+    finally:
+        _Room.taken -= len(parts)
     if not isinstance(body, dict):
         raise InputError("the body is no JSON object")
     return body

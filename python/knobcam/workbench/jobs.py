@@ -17,6 +17,8 @@ from ..errors import InputError
 _numbers = itertools.count(1)
 _FINE = 0.01  # of a job; smaller steps are not worth telling
 _HUMBLE = 15  # niceness: others have about thirty times its share
+_NOTICES_S = 0.5  # within which most work notices that it was given up
+_LEFT = 3  # threads that go on with what nobody wants
 
 
 class Cancelled(InputError):
@@ -36,13 +38,21 @@ class Job:
     done: float | None = None
     result: Future[Any] = field(default_factory=Future)
     told: Callable[[Job], None] = lambda _: None
+    ended: threading.Event = field(default_factory=threading.Event)
+    """Set when nothing of it is computed any more, be it long after it was given up."""
     _given_up: threading.Event = field(default_factory=threading.Event)
     _ending: threading.Lock = field(default_factory=threading.Lock)
+    _settled: bool = False
 
-    def tell(self, what: str, done: float | None = None) -> None:
-        """Say what is being done, and how much of it is. Raises Cancelled if the work is no longer wanted."""
-        if self._given_up.is_set():
-            raise Cancelled
+    def tell(self, what: str, done: float | None = None, *, last: bool = False) -> None:
+        """Say what is being done, and how much of it is. Raises Cancelled if the work is no longer wanted.
+
+        `last`: what comes now can no longer be given up, so that nobody is told that it was.
+        """
+        with self._ending:
+            if self._given_up.is_set():
+                raise Cancelled
+            self._settled = self._settled or last
         if what == self.what and done is not None and self.done is not None and done < self.done + _FINE:
             return
         self.what, self.done = what, done
@@ -53,10 +63,18 @@ class Job:
         if self._given_up.wait(seconds):
             raise Cancelled
 
-    def cancel(self) -> None:
-        """Give the work up: it ends before its next round, and who waits for it is told at once."""
-        self._given_up.set()
-        self._end(None, Cancelled())
+    def cancel(self) -> bool:
+        """Give the work up: it changes nothing any more, and who waits for it is told at once.
+
+        False where it is too late for that, or where it was done already.
+        """
+        with self._ending:
+            if self._settled or self.result.done():
+                return False
+            self._given_up.set()
+            self.result.set_exception(Cancelled())
+        self.told(self)
+        return True
 
     @property
     def active(self) -> bool:
@@ -70,6 +88,8 @@ class Job:
             self._end(self.work(self))
         except BaseException as error:  # a panic of the core is no Exception, and the thread must live on
             self._end(None, error)
+        finally:
+            self.ended.set()
 
     def _end(self, outcome: Any, error: BaseException | None = None) -> None:
         with self._ending:
@@ -83,24 +103,31 @@ class Job:
 
 
 class Worker:
-    """One thread that does one job after the other. `told` is called whenever a job begins, moves or ends.
+    """A thread that does one job after the other. `told` is called whenever a job begins, moves or ends.
+
+    Work that was given up and does not notice is left to itself: another thread takes the next job. What is
+    left computes to its end, with its share of the processors and its memory, and what comes of it is
+    dropped; of such threads there are at most `_LEFT`, then the next job waits for one of them.
 
     A `humble` one, and the threads of the core that it starts, leave the processors to whoever needs them.
     """
 
     def __init__(self, name: str, told: Callable[[Job], None], humble: bool = False) -> None:
+        self._name = name
         self._told = told
         self._humble = humble
         self._waiting: queue.SimpleQueue[Job | None] = queue.SimpleQueue()
         self._jobs: list[Job] = []
-        self._thread = threading.Thread(target=self._serve, name=name, daemon=True)
-        self._running = threading.Event()
-        self._thread.start()
+        self._under_way: list[Job] = []  # by the thread that serves last, and by those that were left
+        self._lock = threading.Lock()
+        self._threads: list[threading.Thread] = []
+        self._serve_anew(None)
 
     def start(self, what: str, work: Callable[[Job], Any]) -> Job:
         """Put work in line and return at once."""
         job = Job(what, work, told=self._told)
-        self._jobs = [*(one for one in self._jobs if one.active), job]
+        with self._lock:
+            self._jobs = [*(one for one in self._jobs if one.active), job]
         self._waiting.put(job)
         self._told(job)
         return job
@@ -112,24 +139,45 @@ class Worker:
 
     @property
     def busy(self) -> bool:
-        """Whether the thread computes, be it something that was given up."""
-        return self._running.is_set()
+        """Whether anything computes, be it something that was given up."""
+        return bool(self._under_way)
 
-    def cancel(self) -> None:
-        """Give up everything that is under way or in line."""
-        for job in self._jobs:
-            job.cancel()
+    def cancel(self) -> bool:
+        """Give up everything that is under way or in line; return whether there was anything to give up."""
+        given_up = [job for job in list(self._jobs) if job.cancel()]
+        with self._lock:
+            if self._under_way and self._under_way[-1] in given_up:
+                self._serve_anew(self._under_way[-1])
+        return bool(given_up)
 
     def close(self) -> None:
-        """Give up everything, and wait for the thread to end: the core cannot be interrupted."""
+        """Give up everything, and wait for the threads to end: the core cannot be interrupted."""
         self.cancel()
         self._waiting.put(None)
-        self._thread.join()
+        for thread in list(self._threads):
+            thread.join()
 
-    def _serve(self) -> None:
+    def _serve_anew(self, after: Job | None) -> None:
+        """Let another thread serve, once `after` has had the time to notice that it was given up."""
+        left = self._under_way[:]
+        thread = threading.Thread(target=self._serve, args=(after, left), name=self._name, daemon=True)
+        self._threads = [*(one for one in self._threads if one.is_alive()), thread]
+        thread.start()
+
+    def _serve(self, after: Job | None, left: list[Job]) -> None:
         if self._humble and sys.platform == "linux":  # where a thread has a niceness of its own
             os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _HUMBLE)
+        if after is not None:
+            after.ended.wait(_NOTICES_S)
+        while sum(not one.ended.is_set() for one in left) > _LEFT:
+            left[0].ended.wait(_NOTICES_S)
+            left = [one for one in left if not one.ended.is_set()]
+        mine = threading.current_thread()
         while (job := self._waiting.get()) is not None:
-            self._running.set()
+            with self._lock:
+                self._under_way.append(job)
             job.run()
-            self._running.clear()
+            with self._lock:
+                self._under_way.remove(job)
+                if self._threads[-1] is not mine:
+                    return  # another one serves by now

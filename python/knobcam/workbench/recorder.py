@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from ..base.reading import digest
 from ..errors import InputError
 from ..rig.record import Enough
 from .jobs import Job
@@ -85,10 +86,14 @@ class Recorder:
 
         try:
             capture = source.record(live.log, job.tell, watch)
-            made, hidden = f"kc.load({str(live.log)!r})", source.hidden
+            origin: dict[str, Any] = {
+                "path": str(live.log),
+                "hidden": source.hidden,
+                "sha256": digest(live.log),
+            }
             try:
                 live.capture = self._session.take(
-                    capture, live.log.name, None, job.tell, made=made, hidden=hidden, together=together
+                    capture, live.log.name, None, job.tell, together=together, **origin
                 )
             except InputError as error:
                 raise InputError(f"{error}; the recording is kept in {live.log}") from error

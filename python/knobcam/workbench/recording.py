@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Unpack
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any, Unpack
 
 from starlette.concurrency import run_in_threadpool
 
@@ -42,10 +43,9 @@ class Recording:
 
         def work(job: Job) -> str:
             capture = source.capture()
-            made, hidden = source.made, source.hidden
-            return self.bench.session.take(
-                capture, name, None, job.tell, made=made, hidden=hidden, together=together
-            )
+            origin: dict[str, Any] = {"made": source.made, "hidden": source.hidden}
+            origin["simulated"] = asdict(source)
+            return self.bench.session.take(capture, name, None, job.tell, together=together, **origin)
 
         await finished(self.bench.work.start(f"simulating {source.name}", work))
         return self._now()

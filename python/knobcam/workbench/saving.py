@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import io
 import os
+import threading
 import zipfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import IO, TYPE_CHECKING
@@ -28,6 +30,8 @@ FILES = {
     "script": "knobcam-session.py",
 }
 """What can be saved, and the name that it has when a browser keeps it."""
+_ASKS_S = 0.1
+_drawing = threading.Lock()
 
 
 def save(session: Session, what: str, path: Path, tell: Tell) -> Path:
@@ -49,43 +53,59 @@ def told(session: Session, tell: Tell) -> LearningResult:
     return learned(session.branch.done, session.weigh(tell))
 
 
-def drawn(effect: Effect) -> bytes:
+def drawn(effect: Effect, tell: Tell) -> bytes:
     """Return the picture of where an effect shows, as PNG."""
-    with io.BytesIO() as stream:
+    with _pen(tell), io.BytesIO() as stream:
         effect.plot().savefig(stream, format="png", dpi=90)
         return stream.getvalue()
 
 
+@contextmanager
+def _pen(tell: Tell) -> Iterator[None]:
+    """Wait for what somebody else draws: the style of a picture is a setting of all."""
+    while not _drawing.acquire(timeout=_ASKS_S):
+        tell("waiting for a picture")
+    try:
+        yield
+    finally:
+        _drawing.release()
+
+
 def _model(session: Session, target: Path, tell: Tell) -> None:
-    tell("writing the model")
+    tell("writing the model", last=True)
     session.view.model.save(target)
 
 
 def _report(session: Session, target: Path, tell: Tell) -> None:
     whole = told(session, tell)
     tell("drawing the report")
-    whole.report(target)
+    with _pen(tell), together():
+        whole.report(target)
+        tell("putting the report in its place", last=True)
 
 
 def _script(session: Session, target: Path, tell: Tell) -> None:
-    tell("writing the script")
+    tell("writing the script", last=True)
     write(target, script(session.branch.done, session.captures, session.start))
 
 
 def _figures(session: Session, target: Path, tell: Tell) -> None:
     if target.suffix != ".zip":
-        _draw_all(session, target, tell)
+        with together():
+            _draw_all(session, target, tell)
+            tell("putting the figures in their place", last=True)
         return
     with TemporaryDirectory() as scratch:
         folder = Path(scratch) / "figures"
         _draw_all(session, folder, tell)
+        tell("putting the figures in their place", last=True)
         write(target, lambda file: _zipped(folder, file))
 
 
 def _draw_all(session: Session, folder: Path, tell: Tell) -> None:
     whole = told(session, tell)
     tell("drawing the figures")
-    with together():
+    with _pen(tell), together():
         make_folder(folder)
         plot.save_all(whole.fit, folder / "fit", whole.after)
         plot.save_learning(whole, folder / "story")

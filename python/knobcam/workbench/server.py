@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import asyncio
 import secrets
-from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
-from contextlib import suppress
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Unpack, cast
+from typing import Any, Unpack
 
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
 from starlette.exceptions import HTTPException
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 from starlette.responses import Response, StreamingResponse
 from starlette.routing import Route
 from starlette.types import ASGIApp
@@ -26,14 +26,17 @@ from ..capture import load
 from ..capture.formats import DEFAULT_MAX_BYTES
 from ..errors import InputError
 from ..model.effects import effect as catalogued
+from ..rig.record import Latched
 from . import arrays, saving
 from .answers import answered, bytes_answer, finished, json_answer, refusal
 from .bench import Bench
-from .bodies import TooLarge, file_name, flag, indices, read_json, reading, receive, text
+from .bodies import Busy, Unread, file_name, flag, indices, read_json, reading, receive, text
+from .continuing import Continuing
 from .guard import Guard
 from .jobs import Cancelled, Job
 from .preview import Unmapped, explained
 from .recording import Recording
+from .shared import Shared
 
 UPLOAD_BYTES = 200_000_000
 _TYPES = {
@@ -44,6 +47,7 @@ _TYPES = {
     ".txt": "text/plain; charset=utf-8",
 }
 _KEPT_ALIVE_S = 15.0
+_UPLOADS = 4  # at once
 Answers = Callable[[Request], Awaitable[Response]]
 
 
@@ -63,6 +67,7 @@ def application(bench: Bench, token: str, port: int, upload_bytes: int = UPLOAD_
         **{"branch": server.branch, "switch": server.switch, "params": server.params, "snap": server.snap},
         **{"diagnose": server.diagnose, "cancel": server.cancel, "share": server.share, "use": server.use},
         **{"open": server.open, "upload": server.upload, "save": server.save, **recording.posts},
+        **Continuing(bench).posts,
     }
     gets: dict[str, Answers] = {
         **{"state": server.state, "arrays": server.arrays, "signature": server.signature},
@@ -76,6 +81,7 @@ def application(bench: Bench, token: str, port: int, upload_bytes: int = UPLOAD_
         *(Route(f"/api/{name}", answer, methods=["POST"]) for name, answer in posts.items()),
     ]
     handlers: dict[Any, Any] = {InputError: _wrong, HTTPException: _unknown, Exception: _failed}
+    handlers[ClientDisconnect] = _unheard
     free = [f"/{name}" for name in files if name != "index.html"]
     return Guard(Starlette(routes=routes, exception_handlers=handlers), token, port, free)
 
@@ -86,8 +92,16 @@ def new_token() -> str:
 
 
 async def _wrong(_: Request, error: Exception) -> Response:
-    columns = error.columns if isinstance(error, Unmapped) else None
-    return refusal(str(error), 413 if isinstance(error, TooLarge) else 400, columns)
+    more: pages.Why = {}
+    if isinstance(error, Unmapped):
+        more["columns"] = error.columns
+    if isinstance(error, Latched):
+        more["fault"] = {"code": error.code, "told": error.told}
+    return refusal(str(error), error.status if isinstance(error, Unread) else 400, **more)
+
+
+async def _unheard(_: Request, __: Exception) -> Response:
+    return Response(status_code=408)  # to nobody: who asked has left
 
 
 async def _unknown(_: Request, error: Exception) -> Response:
@@ -109,6 +123,8 @@ class _Server:
         self.files = files
         self.upload_bytes = upload_bytes
         self.pictures: dict[str, bytes] = {}
+        self.shared = Shared()
+        self.uploads = 0
 
     async def page(self, request: Request) -> Response:
         """A file of the page, which is in memory: no name leads to any other file."""
@@ -145,9 +161,13 @@ class _Server:
         """Where an effect of the catalogue shows."""
         effect = catalogued(request.query_params.get("effect", ""))
         if effect.id not in self.pictures:
-            # On the one thread that draws: the style of a picture is a setting of all.
-            self.pictures[effect.id] = await self._done(
-                f"drawing {effect.id}", lambda _: saving.drawn(effect)
+            # On a thread of its own: nobody who works waits for all the pictures of a catalogue.
+            self.pictures[effect.id] = await self.shared.done(
+                request,
+                self.bench.drawing,
+                ("picture", effect.id),
+                f"drawing {effect.id}",
+                lambda job: saving.drawn(effect, job.tell),
             )
         return Response(self.pictures[effect.id], media_type="image/png")
 
@@ -187,7 +207,8 @@ class _Server:
 
     async def params(self, request: Request) -> Response:
         """Move parameters by hand."""
-        return await self._short(self.session.drag, await read_json(request))
+        await run_in_threadpool(self.session.drag, await read_json(request))
+        return self._now()
 
     async def snap(self, _: Request) -> Response:
         """Put them back to the fit."""
@@ -199,8 +220,7 @@ class _Server:
 
     async def cancel(self, _: Request) -> Response:
         """Give up what is being done."""
-        self.bench.cancel()
-        return self._now()
+        return self._now(cancelled=self.bench.cancel())
 
     async def share(self, request: Request) -> Response:
         """The share of the squared error that some samples hold."""
@@ -229,7 +249,7 @@ class _Server:
         name = file_name(request.headers.get("x-filename", ""))
         options = reading(request.query_params)
         together = request.query_params.get("together") == "true"
-        with TemporaryDirectory(prefix="knobcam-") as folder:
+        with self._room(), TemporaryDirectory(prefix="knobcam-") as folder:
             target = Path(folder) / "capture"
             await receive(request, target, self.upload_bytes)
 
@@ -241,7 +261,9 @@ class _Server:
                     raise explained(said, target, options, self.upload_bytes) from error
                 if capture.meta.get("source") == str(target):
                     capture = replace(capture, meta={**capture.meta, "source": name})
-                return self.session.take(capture, name, options, job.tell, together=together)
+                keeper = self.bench.keeper
+                sha256 = "" if keeper is None else keeper.hand(target)
+                return self.session.take(capture, name, options, job.tell, together=together, sha256=sha256)
 
             return await self._long(f"reading {name}", work)
 
@@ -249,56 +271,81 @@ class _Server:
         """Write the model, report, figures or script to a path on this machine."""
         body = await read_json(request)
         what, path = text(body, "what"), Path(text(body, "path"))
-        return self._now(path=str(await self._saved(what, path)))
+        saved = await self._done(
+            f"making the {what}", lambda job: saving.save(self.session, what, path, job.tell)
+        )
+        return self._now(path=str(saved))
 
     async def download(self, request: Request) -> Response:
         """The same as a file for the browser."""
         what = request.query_params.get("what", "")
-        with TemporaryDirectory(prefix="knobcam-") as folder:
-            path = Path(folder) / saving.FILES.get(what, "none")
-            await self._saved(what, path)
-            content = path.read_bytes()
-        named = {"content-disposition": f'attachment; filename="{path.name}"'}
+        name = saving.FILES.get(what, "none")
+
+        def work(job: Job) -> bytes:
+            with TemporaryDirectory(prefix="knobcam-") as folder:
+                return saving.save(self.session, what, Path(folder) / name, job.tell).read_bytes()
+
+        asked = (what, self.session.revision)
+        content = await self.shared.done(request, self.bench.work, asked, f"making the {what}", work)
+        named = {"content-disposition": f'attachment; filename="{name}"'}
         return Response(content, media_type="application/octet-stream", headers=named)
-
-    async def _saved(self, what: str, path: Path) -> Path:
-        def work(job: Job) -> Path:
-            return saving.save(self.session, what, path, job.tell)
-
-        return cast(Path, await self._done(f"making the {what}", work))
 
     async def events(self, _: Request) -> Response:
         """What happens, as it happens."""
         return StreamingResponse(self._events(), media_type="text/event-stream")
 
     async def _events(self) -> AsyncIterator[str]:
-        loop, heard = asyncio.get_running_loop(), asyncio.Queue[str]()
+        loop, came = asyncio.get_running_loop(), asyncio.Event()
+        news: dict[
+            str, str
+        ] = {}  # of each kind the last: who listens slowly, or not at all, misses the others
+
+        def note(event: str, line: str) -> None:
+            news.pop(event, None)
+            news[event] = line
+            came.set()
 
         def hear(event: str, content: Mapping[str, Any]) -> None:
             line = f"event: {event}\ndata: {as_json(content, indent=None)}\n\n"
             with suppress(RuntimeError):  # the server has ended
-                loop.call_soon_threadsafe(heard.put_nowait, line)
+                loop.call_soon_threadsafe(note, event, line)
 
         self.bench.listeners.add(hear)
         try:
             hear("state", {"revision": self.session.revision})
             while True:
                 try:
-                    yield await asyncio.wait_for(heard.get(), _KEPT_ALIVE_S)
+                    await asyncio.wait_for(came.wait(), _KEPT_ALIVE_S)
                 except TimeoutError:
                     yield ": still here\n\n"
+                came.clear()
+                while news:
+                    yield news.pop(next(iter(news)))
         finally:
             self.bench.listeners.discard(hear)
+
+    @contextmanager
+    def _room(self) -> Iterator[None]:
+        """Room for one file more on the disk."""
+        if self.uploads == _UPLOADS:
+            raise Busy(f"{_UPLOADS} files are being handed over; try again when one of them is done")
+        self.uploads += 1
+        try:
+            yield
+        finally:
+            self.uploads -= 1
 
     def _now(self, **more: Unpack[pages.More]) -> Response:
         return answered(self.session, **more)
 
     async def _short(self, change: Callable[..., Any], *given: Any) -> Response:
         await run_in_threadpool(change, *given)
+        await run_in_threadpool(self.bench.flush)
         return self._now()
 
     async def _long(self, what: str, work: Callable[[Job], Any]) -> Response:
         await self._done(what, work)
+        await run_in_threadpool(self.bench.flush)
         return self._now()
 
     async def _done(self, what: str, work: Callable[[Job], Any]) -> Any:

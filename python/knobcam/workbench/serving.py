@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import signal
 import socket
 from collections.abc import Callable
 from typing import TYPE_CHECKING
@@ -13,6 +12,7 @@ import uvicorn
 
 from ..errors import InputError
 from .bench import Bench
+from .patience import Patient
 from .server import application, new_token
 
 if TYPE_CHECKING:
@@ -24,12 +24,12 @@ HOST = "127.0.0.1"
 def serve(bench: Bench, port: int, tell: Callable[[str], None]) -> None:
     """Serve a bench on a port of this machine (0: any that is free) and tell its address; ends by Ctrl-C.
 
+    SIGTERM and SIGHUP end it as they end every command (see `base.ended`), when the port is closed.
+
     Raises InputError where the port cannot be had.
     """
     token = new_token()
     with listen(port) as listening, contextlib.suppress(KeyboardInterrupt):
-        # Whoever ends it, it ends the same way.
-        signal.signal(signal.SIGTERM, signal.default_int_handler)
         at = listening.getsockname()[1]
         server = web_server(application(bench, token, at))
         tell(f"http://{HOST}:{at}/?token={token}")
@@ -53,9 +53,10 @@ def listen(port: int) -> socket.socket:
 
 
 def web_server(app: ASGIApp) -> uvicorn.Server:
-    """Return what serves the application: plain HTTP, and silent."""
+    """Return what serves the application: plain HTTP, silent, and not for ever."""
     config = uvicorn.Config(
         app,
+        http=Patient,
         log_level="critical",
         access_log=False,
         server_header=False,

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from ..base.reading import digest, look
 from ..capture import load
 from ..errors import InputError
 from ..fit import Fit, fit, refit
@@ -20,20 +21,21 @@ from .view import View
 if TYPE_CHECKING:
     from ..capture import Capture
     from ..capture.formats.columnmap import ColumnMap
+    from .kept import Again
 
 
 class Tell(Protocol):
     """Told what long work does and how much of that is done; raises where it is no longer wanted."""
 
-    def __call__(self, what: str, done: float | None = None, /) -> None:
-        """`done` is from 0 to 1, or None where nobody can tell."""
+    def __call__(self, what: str, done: float | None = None, /, *, last: bool = False) -> None:
+        """`done` is from 0 to 1, or None where nobody can tell; after the `last` there is no way back."""
 
 
 _VIEWS = 32  # of a dragged parameter that can still be looked at
 _NAME = 80  # characters of a branch's name
 
 
-def _quiet(_: str, __: float | None = None) -> None:
+def _quiet(_: str, __: float | None = None, *, last: bool = False) -> None:
     """Tell nobody."""
 
 
@@ -56,7 +58,8 @@ class Session:
         self._nodes: dict[str, Node] = {}
         self._views: dict[str, View] = {}
         self._diagnoses: dict[str, Diagnosis] = {}
-        self._made = 0
+        self.made = 0
+        self.looked: Mapping[str, Any] | None = None
 
     # What there is
 
@@ -117,7 +120,12 @@ class Session:
         for path in paths:
             tell(f"reading {Path(path).name}")
             whole = str(Path(path).absolute())
-            opened.append(Opened(self._new("c"), Path(path).name, load(path, **given), whole, given))
+            before = look(path)
+            capture = load(path, **given)
+            # Of what changed while it was read no hash is known, so that it is not taken for the same later.
+            sha256 = digest(path)
+            sha256 = sha256 if look(path).st_mtime_ns == before.st_mtime_ns else ""
+            opened.append(Opened(self._new("c"), Path(path).name, capture, whole, given, sha256=sha256))
         self._take(opened, tell, together)
         return tuple(one.id for one in opened)
 
@@ -128,17 +136,16 @@ class Session:
         options: Mapping[str, Any] | None = None,
         tell: Tell = _quiet,
         *,
-        made: str = "",
-        hidden: tuple[str, ...] = (),
+        path: str = "",
         together: bool = True,
+        **origin: Any,
     ) -> str:
         """Take a capture in together with those that are active, or for itself, and return its id.
 
-        `name` and `options` are by which it can be read again, or `made` is the Python that makes it;
-        `hidden` are the effects in it that somebody is to find. Raises InputError for one that cannot be
-        fitted.
+        `path`, by default its name, and `options` are by which it can be read again; `origin` is what else
+        `Opened` knows of where it comes from. Raises InputError for one that cannot be fitted.
         """
-        opened = Opened(self._new("c"), name, capture, name, dict(options or {}), made, hidden)
+        opened = Opened(self._new("c"), name, capture, path or name, dict(options or {}), **origin)
         self._take([opened], tell, together)
         return opened.id
 
@@ -146,7 +153,7 @@ class Session:
         new = {one.id: one for one in opened}
         active = self.node.captures if self.branches and together else ()
         node, branch = self._fitted([*active, *new], {**self.captures, **new}, tell, together)
-        tell("putting the fit in place")
+        tell("putting the fit in place", last=True)
         with self.lock:
             self.captures |= new
             self._put(node, branch)
@@ -157,6 +164,7 @@ class Session:
         if unknown:
             raise InputError(f"capture {unknown[0]!r} is not in this session")
         node, branch = self._fitted(captures, self.captures, tell)
+        tell("putting the fit in place", last=True)
         self._put(node, branch)
 
     def _fitted(
@@ -191,7 +199,7 @@ class Session:
             richer = refit.converged(weighed[0].fit)
         else:
             richer = refit.add(node.fit, effect, lambda _: tell(doing))
-        tell(f"putting {effect} in place")
+        tell(f"putting {effect} in place", last=True)
         self._put(self._node(richer, node.captures, "added", effect, **evidence), branch, node)
 
     def drop(self, effect: str, tell: Tell = _quiet) -> None:
@@ -199,7 +207,7 @@ class Session:
         branch, node = self.branch, self.node
         tell(f"dropping {effect}")
         barer = node.fit.drop(effect)
-        tell(f"putting the model without {effect} in place")
+        tell(f"putting the model without {effect} in place", last=True)
         self._put(self._node(barer, node.captures, "dropped", effect), branch, node)
 
     def weigh(self, tell: Tell = _quiet, node: Node | None = None) -> Diagnosis:
@@ -275,25 +283,47 @@ class Session:
             self.branch.dragged = None
             self._touch()
 
+    # What is looked at, and a session that goes on
+
+    def look(self, looked: Mapping[str, Any]) -> None:
+        """Remember how a page looks at it: the brush, what is drawn."""
+        with self.lock:
+            self.looked = looked
+            self.changed()
+
+    def put_back(self, found: Again) -> None:
+        """Go on where another session was. Raises InputError where this one has begun already."""
+        with self.lock:
+            if self.captures:
+                raise InputError(
+                    "captures are open here already; start another workbench to continue that session"
+                )
+            self.start, self.captures, self.branches = found.start, found.captures, found.branches
+            self.branch_id, self.looked = found.branch_id, found.looked
+            self.made = max(self.made, found.made)
+            self._nodes = dict(found.nodes)
+            self._views = {one.dragged.id: one.dragged for one in found.branches.values() if one.dragged}
+            self._touch()
+
     # What a region holds
 
     def share(self, capture: str, samples: Collection[int] | np.ndarray[Any, np.dtype[np.uint32]]) -> float:
         """Return the share of the squared error of all captures that these samples of one of them hold."""
         view = self.view
         at = self.place(view, capture)
-        squares = [np.nan_to_num(np.square(view.residual(one))) for one in range(len(view.fit.prepared))]
+        squares = [np.nan_to_num(view.squares(one), posinf=math.inf) for one in range(len(view.fit.prepared))]
         index = np.unique(np.asarray(samples, dtype=np.int64))
         if len(index) and not 0 <= index[0] <= index[-1] < len(squares[at]):
             raise InputError(f"indices must be from 0 to {len(squares[at]) - 1}")
         whole = float(sum(np.sum(one) for one in squares))
-        return float(np.sum(squares[at][index])) / whole if whole > 0.0 else 0.0
+        return float(np.sum(squares[at][index])) / whole if 0.0 < whole < math.inf else 0.0
 
     # How it is done
 
     def _new(self, kind: str) -> str:
         with self.lock:
-            self._made += 1
-            return f"{kind}{self._made}"
+            self.made += 1
+            return f"{kind}{self.made}"
 
     def _node(self, fitted: Fit, captures: tuple[str, ...], how: How, *told: Any, **evidence: Any) -> Node:
         return Node(self._new("n"), fitted, captures, how, *told, **evidence)

@@ -73,6 +73,11 @@ class Simulated:
     duration_s: float
     seed: int
 
+    @classmethod
+    def again(cls, told: Mapping[str, Any]) -> Simulated:
+        """Return what `asdict` told of one."""
+        return cls(**{**told, "hidden": tuple(told["hidden"])})
+
     def capture(self) -> Capture:
         """Simulate it."""
         knob = hiding(self.name, *self.hidden, motion=self.motion, duration_s=self.duration_s)
@@ -109,7 +114,10 @@ class Emulated:
 
 @dataclass(frozen=True)
 class OnPort:
-    """A rig on a serial port, or `serial:NUMBER`; options as `knobcam capture` has them."""
+    """A rig on a serial port, or `serial:NUMBER`; options as `knobcam capture` has them.
+
+    `clears` is the number of the fault that a person has been told of and wants to be cleared; no other is.
+    """
 
     port: str
     motion: str
@@ -117,6 +125,7 @@ class OnPort:
     model: str | None
     calibration: str | None
     baud: int
+    clears: int | None = None
     name: str = "rig"
     hidden: tuple[str, ...] = ()
 
@@ -132,6 +141,7 @@ class OnPort:
             calibration=self.calibration,
             progress=progress,
             baud=self.baud,
+            clear_fault=lambda told: self.clears is not None and f" fault {self.clears}: " in told,
         )
 
 
@@ -172,7 +182,8 @@ def recorded(body: Mapping[str, Any]) -> Source:
         raise InputError("port is empty; choose one of the list, or type its path")
     model, calibration = (text(body, name, "").strip() or None for name in ("model", "calibration"))
     baud = whole(body, "baud", BAUD, 1, _FASTEST_BAUD)
-    return OnPort(port, _motion(body, MOVES), _seconds(body), model, calibration, baud)
+    clears = None if body.get("clear_fault") is None else whole(body, "clear_fault", 0, 0, 255)
+    return OnPort(port, _motion(body, MOVES), _seconds(body), model, calibration, baud, clears)
 
 
 def new_log(folder: str, source: Source) -> Path:

@@ -24,8 +24,9 @@ How = Literal["fitted", "added", "dropped"]
 class Opened:
     """A capture of a session; `path` and `options` are those by which `knobcam.load` reads it again.
 
-    One that is no file has the Python that makes it again as `made`. `hidden` are the effects that were put
-    into its knob for somebody to find.
+    `sha256` is that of the file. One that is no file has what it was simulated by as `simulated`, and the
+    Python that makes it again as `made`. `hidden` are the effects that were put into its knob for somebody to
+    find.
     """
 
     id: str
@@ -35,6 +36,8 @@ class Opened:
     options: Mapping[str, Any] = field(default_factory=dict)
     made: str = ""
     hidden: tuple[str, ...] = ()
+    sha256: str = ""
+    simulated: Mapping[str, Any] | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -47,8 +47,14 @@ class View:
 
     @cached_property
     def _moved_rmse(self) -> float:
-        squares = np.concatenate([np.square(self.residual(at)) for at in range(len(self.fit.prepared))])
-        return math.sqrt(float(np.nanmean(squares)))
+        squares = np.concatenate([self.squares(at) for at in range(len(self.fit.prepared))])
+        counted = squares[~np.isnan(squares)]
+        return math.sqrt(float(np.mean(counted))) if len(counted) else math.nan
+
+    def squares(self, at: int) -> FloatArray:
+        """Squared residual on a capture, (N m)^2; a hand may move a parameter to where that is infinite."""
+        with np.errstate(over="ignore"):
+            return np.square(self.residual(at))
 
     def torque(self, at: int) -> FloatArray:
         """The model's torque on a capture through the measurement filter, N m, NaN at masked samples."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import mmap
 from collections.abc import Mapping
 from pathlib import Path
 from typing import IO, Any
@@ -12,6 +13,7 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...base.optional import require
+from ...base.reading import open_file
 from ...errors import InputError
 from .inflate import Budget
 from .table import Table, add_array, check_width
@@ -23,6 +25,11 @@ USER_BLOCK = 512
 _DOCUMENT = "knobcam"
 
 _MAX_DEFLATE = 1032  # zlib cannot shrink by more, so a larger claim is false (Deutsch & Gailly, RFC 1951)
+
+
+_HEAP = b"GCOL\1\0\0\0"
+"""How a global heap begins, which holds texts (HDF5 File Format Specification 3.0, III.E)."""
+_HEAP_HEAD = _OBJECT_HEAD = 16
 
 
 def read_hdf5(path: Path, max_bytes: int) -> Table:
@@ -55,12 +62,32 @@ def read_hdf5(path: Path, max_bytes: int) -> Table:
         else:
             add_array(columns, broken, label, np.asarray(item[()]))
 
+    _check_heaps(path)
     with h5py.File(path, "r") as file:
         file.visititems(visit)
         text = file.attrs.get(_DOCUMENT)
     document = json.loads(text) if isinstance(text, str) else None
     kind = "HDF5" if document else "MATLAB 7.3 .mat"
     return Table(str(path), kind, columns, broken, document if isinstance(document, dict) else None)
+
+
+def _check_heaps(path: Path) -> None:
+    """Refuse heaps whose objects do not fit: the library may go round in one for ever."""
+    with open_file(path) as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as raw:
+        start = raw.find(_HEAP)
+        while start >= 0:
+            at = start + _HEAP_HEAD
+            end = start + int.from_bytes(raw[start + 8 : at], "little")
+            while at + _OBJECT_HEAD <= end:
+                is_free = raw[at : at + 2] == b"\0\0"
+                size = int.from_bytes(raw[at + 8 : at + _OBJECT_HEAD], "little")
+                needed = size if is_free else _OBJECT_HEAD + -(-size // 8) * 8
+                if needed == 0 or at + needed > min(end, len(raw)):
+                    raise InputError(
+                        f"{path}: a heap of texts in it is damaged; copy or export the file again"
+                    )
+                at += needed
+            start = raw.find(_HEAP, start + 1)
 
 
 def write_hdf5(file: IO[bytes], columns: Mapping[str, FloatArray], document: Mapping[str, Any]) -> None:

@@ -66,6 +66,9 @@ _UNIT_OF = {
 _QUANTITY = {unit: quantity for quantity, units in _UNIT_OF.items() for unit in units}
 
 
+_LONGEST = 200  # letters of a name; what damaged a file makes names of 10^5, which patterns take minutes for
+
+
 @dataclass(frozen=True)
 class Label:
     """What a name says: a column of a capture, `current` or `voltage`; None when it says nothing.
@@ -81,6 +84,8 @@ class Label:
 
 def read_label(name: str) -> Label:
     """Return what a column's name says; of a dotted one the last part, the others only what was asked for."""
+    if len(name) > _LONGEST:
+        return Label(None)
     parents, _, last = name.rpartition(".") if name.replace(".", "").isidentifier() else ("", "", name)
     asked = bool(_ASKED_FOR & {word.lower() for word in _words(parents)})
     text, unit = _bracketed(last)

@@ -11,7 +11,9 @@ import numpy as np
 
 from ...base.arrays import FloatArray
 from ...base.optional import require
+from ...base.reading import open_file
 from .inflate import Budget
+from .parquet_pages import check_pages
 from .table import Table, check_width
 
 MAGIC = b"PAR1"
@@ -39,6 +41,8 @@ def read_parquet(path: Path, max_bytes: int) -> Table:
         budget = Budget(str(path), path.stat().st_size, max_bytes)
         budget.take(8 * file.metadata.num_rows * len(wanted))
         budget.numbers(file.metadata.num_rows * len(wanted))
+        with open_file(path) as pages:
+            check_pages(str(path), pages, wanted, file.metadata.num_rows)
         table = file.read(columns=wanted)
     for name in wanted:
         columns[name] = table.column(name).cast("float64").to_numpy().astype(np.float64, copy=False)

@@ -1,9 +1,10 @@
 // src/api.js
 var Refusal = class extends Error {
-  /** @param {string} words @param {import("./types.js").FileColumn[] | null} columns */
-  constructor(words2, columns) {
-    super(words2);
-    this.columns = columns;
+  /** @param {string} words @param {import("./types.js").Why} [more] */
+  constructor(words3, { columns, fault } = {}) {
+    super(words3);
+    this.columns = columns ?? null;
+    this.fault = fault ?? null;
   }
 };
 function wordsOf(reason) {
@@ -21,7 +22,7 @@ async function request(path, options = {}) {
   }
   if (answer.ok) return answer;
   const said = await answer.json().catch(() => ({}));
-  throw new Refusal(said.error ?? `the workbench answered ${answer.status}`, said.columns ?? null);
+  throw new Refusal(said.error ?? `the workbench answered ${answer.status}`, said);
 }
 async function ask(what, query = {}) {
   return (await request(`/api/${what}?${new URLSearchParams(query)}`)).json();
@@ -103,8 +104,8 @@ function torqueScale(unit, peak) {
   return unit === "N m" && peak <= 2 ? { factor: 1e3, unit: "mNm" } : { factor: 1, unit };
 }
 function torqueWord(unit) {
-  const words2 = { N: "force", A: "current", V: "voltage", duty: "duty cycle" };
-  return words2[unit] ?? "torque";
+  const words3 = { N: "force", A: "current", V: "voltage", duty: "duty cycle" };
+  return words3[unit] ?? "torque";
 }
 function ticks(low, high, count) {
   const span3 = high - low;
@@ -125,7 +126,7 @@ function showBranches(place3, state, beside, deeds) {
     const scale = torqueScale(state.unit, step?.rmse ?? 0);
     const changed = steps.slice(1, at + 1).filter(({ added, dropped }) => added || dropped);
     const changes = changed.map(({ added, dropped }) => added ? `+ ${added}` : `− ${dropped}`);
-    const words2 = changes.join(" ") || "nothing added";
+    const words3 = changes.join(" ") || "nothing added";
     const card = make(
       "button",
       {
@@ -133,7 +134,7 @@ function showBranches(place3, state, beside, deeds) {
         on: { click: () => deeds.choose(id) }
       },
       make("strong", { text: name }),
-      make("span", { class: "soft", text: words2 }),
+      make("span", { class: "soft", text: words3 }),
       make("span", { class: "figure", text: step ? `${number(step.rmse * scale.factor)} ${scale.unit}` : "–" })
     );
     if (id === state.branch) return make("div", { class: "card" }, card);
@@ -176,13 +177,14 @@ function words({ name, samples, rate_hz, findings }) {
   const doubt = make("span", { class: "doubt", text: "⚠ ", title: findings.join("\n") });
   return [...findings.length > 0 ? [doubt] : [], make("strong", { text: name }), facts];
 }
-function showFindings(place3, { captures, active, limitations }) {
+function showFindings(place3, { captures, active, limitations, notes }) {
   const fitted = captures.filter(({ id }) => active.includes(id));
   const found2 = fitted.flatMap(
     ({ name, findings }) => findings.map((text) => make("li", { class: "doubt", text: `⚠ ${fitted.length > 1 ? `${name}: ` : ""}${text}` }))
   );
   const missing = limitations.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
-  place3.replaceChildren(...found2, ...missing);
+  const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
+  place3.replaceChildren(...noted, ...found2, ...missing);
 }
 
 // src/candidates.js
@@ -303,8 +305,8 @@ function remarks({ equivalent, confused, note }) {
 function remainder(unexplained) {
   if (!unexplained) return [];
   const { axis, share, hint } = unexplained;
-  const words2 = `Unexplained over ${axis}: ${percent(share)} of what remains${hint ? ` (${hint})` : ""}.`;
-  return [make("p", { class: "soft", text: words2 })];
+  const words3 = `Unexplained over ${axis}: ${percent(share)} of what remains${hint ? ` (${hint})` : ""}.`;
+  return [make("p", { class: "soft", text: words3 })];
 }
 
 // src/effects.js
@@ -823,6 +825,40 @@ function band(modelled, half) {
     strength: 0.6
   }));
 }
+
+// src/going.js
+var REST_MS = 300;
+function showLeft(left, { go, anew }) {
+  byId("left-behind").hidden = left.length === 0;
+  const rows = left.map(
+    (one) => one.wrong === null ? make("li", {}, make("button", { type: "button", class: "main", on: { click: () => go(one.id) } }, "Continue"), ` ${words2(one)}`) : make("li", { class: "wrong", text: one.wrong })
+  );
+  const other = make("button", { type: "button", on: { click: anew } }, "Start anew");
+  byId("left-rows").replaceChildren(...rows, make("li", {}, other));
+}
+function words2({ captures, steps, ended, when }) {
+  const at = when === null ? "" : new Date(1e3 * when).toLocaleString();
+  const fits = steps === 1 ? "one fit" : `${steps} fits`;
+  return `${captures.join(", ")}: ${fits}, ${ended ? "ended" : "broken off"} ${at}`;
+}
+var Looking = class {
+  /** @param {() => Looked} now */
+  constructor(now) {
+    this.now = now;
+    this.kept = "";
+    this.timer = void 0;
+  }
+  changed() {
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => {
+      const now = this.now();
+      if (JSON.stringify(now) === this.kept) return;
+      this.kept = JSON.stringify(now);
+      post("look", now).catch(() => {
+      });
+    }, REST_MS);
+  }
+};
 
 // src/brush.js
 var SMALLEST = 4;
@@ -1379,6 +1415,16 @@ var Linked = class {
       this.tell();
     });
   }
+  /** The rectangle that is brushed, by the number of its plot. @returns {import("./types.js").Brush | null} */
+  get brushed() {
+    const plot = this.plots.findIndex(({ region: region2 }) => region2);
+    const region = this.plots[plot]?.region;
+    return region ? { plot, ...region } : null;
+  }
+  /** @param {import("./types.js").Brush} brush */
+  brushAgain({ plot, x, y }) {
+    if (this.plots[plot]) this.brush(this.plots[plot], { x, y });
+  }
   /**
    * Draw in the next frame; what comes meanwhile is drawn with it.
    * @param {string} what
@@ -1437,12 +1483,12 @@ var Linked = class {
     };
     const own = chosen.length > 0 ? ` (${rms(share.rms)})` : "";
     const count = chosen.length.toLocaleString("en");
-    let words2 = `${count} samples chosen, ${part} of all: they have ${percent(share.ofError)} of the squared error${own}`;
+    let words3 = `${count} samples chosen, ${part} of all: they have ${percent(share.ofError)} of the squared error${own}`;
     if (data.beside && chosen.length > 0) {
       const { sum, count: counted } = chosenSquares(data.beside.residual, chosen);
-      words2 += `; in ${data.beside.name}: ${rms(Math.sqrt(sum / Math.max(1, counted)))}`;
+      words3 += `; in ${data.beside.name}: ${rms(Math.sqrt(sum / Math.max(1, counted)))}`;
     }
-    return this.told(words2);
+    return this.told(words3);
   }
 };
 function within2(axis, seen) {
@@ -1860,7 +1906,7 @@ function sources(heard) {
     }
     byId("new-together").hidden = heard.open() === 0;
     go.textContent = source === "simulated" ? "Simulate" : "Record";
-    fill(form, "motion", Object.entries(known.motions[source]).map(([name, words2]) => [name, `${name}: ${words2}`]));
+    fill(form, "motion", Object.entries(known.motions[source]).map(([name, words3]) => [name, `${name}: ${words3}`]));
     byId("new-warning").hidden ||= valueOf(form, "motion") === "hand" && !valueOf(form, "model").trim();
     byId("new-effects").hidden = valueOf(form, "hides") !== "chosen";
     const hideable = known.knobs.find(({ name }) => name === valueOf(form, "knob"))?.hideable ?? [];
@@ -1869,6 +1915,7 @@ function sources(heard) {
   const opened = async () => {
     dialog2.showModal();
     told.textContent = "";
+    byId("new-fault").hidden = true;
     try {
       known = /** @type {Sources} */
       await ask("sources");
@@ -1876,11 +1923,11 @@ function sources(heard) {
       told.textContent = wordsOf(reason);
       return;
     }
-    fill(form, "knob", known.knobs.map(({ name, words: words2 }) => [name, words2]), "knob3");
+    fill(form, "knob", known.knobs.map(({ name, words: words3 }) => [name, words3]), "knob3");
     const { hideable } = known.knobs[0];
     const every = [.../* @__PURE__ */ new Set([...hideable, ...known.knobs.flatMap((knob) => knob.hideable)])];
     if (!byId("new-effects").querySelector("input")) byId("new-effects").append(...every.map(effectBox(known.effects)));
-    byId("new-ports").replaceChildren(...known.ports.map(({ port: port2, words: words2 }) => make("option", { value: port2, text: words2 })));
+    byId("new-ports").replaceChildren(...known.ports.map(({ port: port2, words: words3 }) => make("option", { value: port2, text: words3 })));
     byId("new-found").textContent = found(known.ports);
     const port = field(form, "port");
     if (!port.value && known.ports.length === 1) port.value = known.ports[0].port;
@@ -1907,10 +1954,15 @@ function sources(heard) {
     if (busy) post("stop", { keep: false }).catch(() => {
     });
   });
-  form.addEventListener("submit", async (event) => {
+  let fault = null;
+  byId("new-clear").addEventListener("click", () => begin({ ...wanted(form), clear_fault: fault }));
+  form.addEventListener("submit", (event) => {
     event.preventDefault();
-    const asked = wanted(form);
+    return begin(wanted(form));
+  });
+  const begin = async (asked) => {
     told.textContent = "";
+    byId("new-fault").hidden = true;
     wait(true);
     try {
       if (asked.source === "simulated") {
@@ -1924,9 +1976,11 @@ function sources(heard) {
       (asked.source === "simulated" ? heard.made : heard.recording)();
     } catch (reason) {
       wait(false);
-      told.textContent = wordsOf(reason);
+      fault = reason instanceof Refusal && reason.fault ? reason.fault.code : null;
+      told.textContent = reason instanceof Refusal && reason.fault ? reason.fault.told : wordsOf(reason);
+      byId("new-fault").hidden = fault === null;
     }
-  });
+  };
 }
 function preparing(what) {
   const { open } = (
@@ -1963,7 +2017,7 @@ function effectBox(shows) {
 }
 function found(ports) {
   if (ports.length === 0) return "This computer has no serial port now; a path can be typed all the same.";
-  return ports.map(({ port, words: words2 }) => words2 && words2 !== "n/a" ? `${port} (${words2})` : port).join(", ");
+  return ports.map(({ port, words: words3 }) => words3 && words3 !== "n/a" ? `${port} (${words3})` : port).join(", ");
 }
 function fill(form, name, choices, first) {
   const list = (
@@ -2011,10 +2065,17 @@ var App = class {
     this.drawn = "";
     this.beside = null;
     this.deed = { what: "first picture", start: 0 };
-    this.linked = new Linked((words2) => byId("chosen").textContent = words2 ?? BRUSH_HINT);
+    this.looks = new Looking(() => ({ view: this.view, beside: this.beside, brush: this.linked.brushed }));
+    this.brushedThen = null;
+    this.linked = new Linked((words3) => {
+      byId("chosen").textContent = words3 ?? BRUSH_HINT;
+      this.looks.changed();
+    });
     byId("plots").append(this.linked.element);
     this.refresh = latest((revision) => this.load(revision));
-    this.drag = latest((values) => this.ask("params", values, "drag"));
+    this.drag = latest(async (values) => {
+      await this.ask("params", values, "drag");
+    });
     this.params = new Params(byId("params"), {
       drag: (values) => this.drag(values),
       drop: (effect) => this.ask("drop", { effect }, "drop")
@@ -2035,7 +2096,7 @@ var App = class {
     const heard = {
       done: () => this.refresh(Infinity),
       failed: (reason) => this.failed(reason),
-      say: (words2) => this.say(words2)
+      say: (words3) => this.say(words3)
     };
     opening(heard);
     saving(heard);
@@ -2056,9 +2117,13 @@ var App = class {
     this.refresh(0);
   }
   buttons() {
-    for (const verb of ["undo", "redo", "snap", "cancel"]) {
+    for (const verb of ["undo", "redo", "snap"]) {
       byId(verb).addEventListener("click", () => this.ask(verb, {}, verb));
     }
+    byId("cancel").addEventListener("click", async () => {
+      const answer = await this.ask("cancel");
+      if (answer?.cancelled === false) this.say("too late to cancel: it is done");
+    });
     byId("new-branch").addEventListener("click", () => this.ask("branch"));
     byId("clear").addEventListener("click", () => this.linked.clear());
     byId("closer").addEventListener("click", () => this.linked.lookCloser());
@@ -2073,6 +2138,7 @@ var App = class {
       );
       box.addEventListener("change", () => {
         this.view = { ...this.view, [option]: box.checked };
+        this.looks.changed();
         this.refresh(Infinity);
       });
     }
@@ -2089,8 +2155,10 @@ var App = class {
       const answer = await post(verb, body);
       if (byId("said").classList.contains("wrong")) this.say("");
       if (answer.revision !== void 0) this.refresh(answer.revision);
+      return answer;
     } catch (reason) {
       this.failed(reason);
+      return null;
     }
   }
   /**
@@ -2110,11 +2178,20 @@ var App = class {
   /** @param {State} state */
   show(state) {
     if (this.state?.node !== state.node) this.look(null);
+    if (!this.state?.node && state.node !== null && state.looked) this.lookAgain(state.looked);
     this.state = state;
     byId("welcome").toggleAttribute("hidden", state.node !== null);
     byId("verdict").textContent = state.verdict_text;
     if (state.recording) this.live?.follow();
     showHidden(state);
+    showLeft(state.left, {
+      go: (session) => this.ask("continue", { session }, "data"),
+      anew: async () => {
+        await this.ask("anew");
+        this.state = null;
+        this.refresh(0);
+      }
+    });
     showCaptures(byId("captures"), state, (captures) => this.ask("use", { captures }, "captures"));
     showFindings(byId("findings"), state);
     byId("open-together").hidden = state.captures.length === 0;
@@ -2130,6 +2207,15 @@ var App = class {
     enable("redo", branch !== void 0 && branch.at < branch.steps.length - 1);
     enable("snap", state.params.some(({ dragged }) => dragged));
     enable("new-branch", state.node !== null);
+  }
+  /** Look at a session as it was looked at. @param {import("./types.js").Looked} looked */
+  lookAgain({ view, beside, brush }) {
+    this.view = view;
+    for (const [option, value] of Object.entries(view)) {
+      byId(option).checked = value;
+    }
+    this.beside = beside;
+    this.brushedThen = brush;
   }
   /** @param {State} state */
   async draw(state) {
@@ -2152,7 +2238,12 @@ var App = class {
     const beside = other && rest ? { name: other.name, residual: rest.residual } : null;
     this.legend(beside?.name ?? null);
     const data = { columns, unit, coordinate, noise: state.noise_floor, fitted, name, beside };
-    timed(what, () => this.linked.show(data, view), start);
+    const brush = this.brushedThen;
+    this.brushedThen = null;
+    timed(what, () => {
+      this.linked.show(data, view);
+      if (brush) this.linked.brushAgain(brush);
+    }, start);
   }
   /** @param {State} state */
   showBranches(state) {
@@ -2160,6 +2251,7 @@ var App = class {
       choose: (branch) => this.ask("switch", { branch }, "switch"),
       beside: (branch) => {
         this.beside = branch;
+        this.looks.changed();
         this.deed = { what: "beside", start: performance.now() };
         this.showBranches(state);
         this.refresh(Infinity);
@@ -2234,8 +2326,8 @@ var App = class {
     }
   }
   /** @param {string} words */
-  say(words2) {
-    byId("said").textContent = words2;
+  say(words3) {
+    byId("said").textContent = words3;
     byId("said").classList.remove("wrong");
   }
   /** @param {unknown} reason */

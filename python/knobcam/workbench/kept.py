@@ -1,0 +1,264 @@
+"""A session as the lines of its journal, and a session made again from them.
+
+A line holds what a session was begun with, a capture and where it comes from, a fit and how it came to be,
+or where the session is. Fits are made again as they were made: by the same captures, in the same order.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..base.reading import digest
+from ..base.writing import write
+from ..capture import load
+from ..errors import InputError
+from ..fit import fit
+from ..model import Model
+from . import sources
+from .journal import SCHEMA, read
+from .tree import Branch, Node, Opened, Start
+from .view import View
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from ..capture import Capture
+    from ..fit import Fit
+    from .journal import Journal, Record
+    from .session import Session, Tell
+
+_ALIKE = 1e-6  # of the error of a fit that is made again
+
+
+def begun(start: Start) -> Record:
+    """Return the first line: what a session starts from."""
+    model = None if start.model is None else start.model.text()
+    told = {"model": model, "name": start.name, "options": dict(start.options)}
+    return {"schema": SCHEMA, "start": told, "time": time.time()}
+
+
+def of_capture(opened: Opened) -> Record:
+    """Return the line of a capture."""
+    told: dict[str, Any] = {"id": opened.id, "name": opened.name, "path": opened.path, "made": opened.made}
+    told |= {"options": dict(opened.options), "sha256": opened.sha256, "hidden": list(opened.hidden)}
+    return {"capture": told | {"simulated": opened.simulated}}
+
+
+def of_node(node: Node, after: Node | None) -> Record:
+    """Return the line of a fit; the model stands in it for the day on which its captures are gone."""
+    told: dict[str, Any] = {"id": node.id, "after": None if after is None else after.id, "how": node.how}
+    told |= {"effect": node.effect, "captures": list(node.captures), "onward": node.onward}
+    told |= {"p_value": node.p_value, "equivalent": list(node.equivalent)}
+    return {"node": told | {"rmse": node.fit.rmse, "model": node.fit.model.text()}}
+
+
+def of_place(session: Session) -> Record:
+    """Return the line that says where a session is."""
+    branches = [
+        {
+            "id": one.id,
+            "name": one.name,
+            "steps": [node.id for node in one.steps],
+            "at": one.at,
+            "dragged": dict(one.dragged.dragged) if one.dragged else {},
+        }
+        for one in session.branches.values()
+    ]
+    told = {"branches": branches, "branch": session.branch_id, "made": session.made, "looked": session.looked}
+    return {"place": told, "time": time.time()}
+
+
+def nodes(session: Session) -> dict[str, tuple[Node, Node | None]]:
+    """Return the fits that a session can still come to, by id, each with the one before it."""
+    found: dict[str, tuple[Node, Node | None]] = {}
+    for branch in session.branches.values():
+        for before, node in zip([None, *branch.steps], branch.steps, strict=False):
+            found.setdefault(node.id, (node, before))
+    return found
+
+
+@dataclass
+class Told:
+    """What a journal tells of its session: the last word on each thing."""
+
+    start: Record
+    captures: dict[str, Record] = field(default_factory=dict)
+    nodes: dict[str, Record] = field(default_factory=dict)
+    place: Record = field(default_factory=dict)
+    when: float = math.nan
+    ended: bool = False
+
+    @classmethod
+    def of(cls, folder: Path) -> Told:
+        """Return what the journal in a folder tells. InputError for one that is damaged or foreign."""
+        records = read(folder)
+        with _as_written(folder):
+            told = cls._by(records)
+            _ = told.names, told.steps
+            return told
+
+    @classmethod
+    def _by(cls, records: list[dict[str, Any]]) -> Told:
+        told = cls(records[0]["start"], when=records[0].get("time", math.nan))
+        for one in records[1:]:
+            told.ended = "ended" in one
+            told.when = one.get("time", told.when)
+            if "capture" in one:
+                told.captures[one["capture"]["id"]] = one["capture"]
+            elif "node" in one:
+                told.nodes[one["node"]["id"]] = one["node"]
+            elif "place" in one:
+                told.place = one["place"]
+        return told
+
+    @property
+    def names(self) -> list[str]:
+        """The captures' names."""
+        return [one["name"] for one in self.captures.values()]
+
+    @property
+    def steps(self) -> int:
+        """How many fits the branches hold."""
+        return len({step for one in self.place.get("branches", []) for step in one["steps"]})
+
+
+@dataclass
+class Again:
+    """A session made again: what there is of it, and in words what there is not."""
+
+    start: Start
+    captures: dict[str, Opened] = field(default_factory=dict)
+    branches: dict[str, Branch] = field(default_factory=dict)
+    nodes: dict[str, Node] = field(default_factory=dict)
+    branch_id: str = ""
+    made: int = 0
+    looked: Mapping[str, Any] | None = None
+    notes: list[str] = field(default_factory=list)
+    whole: bool = True
+
+
+@contextmanager
+def _as_written(folder: Path) -> Iterator[None]:
+    """Refuse lines that are whole and yet not what is written here."""
+    try:
+        yield
+    except (KeyError, TypeError, AttributeError, IndexError):
+        raise InputError(
+            f"{folder / 'journal'}: is not what this version writes; its session cannot go on. "
+            f"Remove the folder {folder}"
+        ) from None
+
+
+def again(told: Told, journal: Journal, tell: Tell) -> Again:
+    """Make a session again from what its journal tells.
+
+    A file that is gone, or is another than it was, is said in `notes` and left out with what was fitted to
+    it; the model of such a branch is written beside the journal.
+    """
+    with _as_written(journal.folder):
+        return _again(told, journal, tell)
+
+
+def _again(told: Told, journal: Journal, tell: Tell) -> Again:
+    model = told.start["model"]
+    start = Start(None if model is None else Model.parse(model), told.start["name"], told.start["options"])
+    found = Again(start, made=told.place.get("made", 0), looked=told.place.get("looked"))
+    for one in told.captures.values():
+        tell(f"reading {one['name']}")
+        try:
+            found.captures[one["id"]] = _capture(one, journal)
+        except InputError as error:
+            found.notes.append(f"{error}; what was fitted to it is left out")
+            found.whole = False
+    wanted = {step for one in told.place.get("branches", []) for step in one["steps"]}
+    for one in told.nodes.values():
+        if one["id"] in wanted:
+            tell(f"fitting {one['effect'] or 'the first model'} again")
+            _fit_again(one, found, start)
+    for one in told.place.get("branches", []):
+        _branch_again(one, found, told, journal)
+    found.branch_id = told.place.get("branch", "")
+    if found.branch_id not in found.branches:
+        found.branch_id = next(iter(found.branches), "")
+    return found
+
+
+def _capture(told: Record, journal: Journal) -> Opened:
+    def as_it_was(capture: Capture) -> Opened:
+        hidden, made = tuple(told["hidden"]), told["made"]
+        origin = (told["path"], told["options"], made, hidden, told["sha256"], told["simulated"])
+        return Opened(told["id"], told["name"], capture, *origin)
+
+    if told["simulated"] is not None:
+        return as_it_was(sources.Simulated.again(told["simulated"]).capture())
+    name, path = told["path"], Path(told["path"])
+    if not path.is_absolute():  # handed over by a browser
+        path = journal.handed(told["sha256"])
+    try:
+        now = digest(path)
+    except InputError:
+        raise InputError(f"{name}: is not there any more; put it back and continue that session") from None
+    if now != told["sha256"]:
+        raise InputError(f"{name}: has changed since; put back what it was and continue that session")
+    return as_it_was(load(path, **told["options"]))
+
+
+def _fit_again(told: Record, found: Again, start: Start) -> None:
+    before = None if told["after"] is None else found.nodes.get(told["after"])
+    if any(one not in found.captures for one in told["captures"]):
+        return
+    if told["after"] is not None and before is None and (told["how"] != "fitted" or told["onward"]):
+        return
+    try:
+        fitted = _fitted(told, before, found, start)
+    except InputError as error:
+        found.notes.append(f"a fit cannot be made again: {error}")
+        found.whole = False
+        return
+    if not math.isclose(fitted.rmse, told["rmse"], rel_tol=_ALIKE):
+        found.notes.append(
+            f"a fit came out otherwise than it was, error {fitted.rmse:.6g} and not {told['rmse']:.6g}: "
+            f"the program or the computer is another"
+        )
+    p_value = math.nan if told["p_value"] is None else told["p_value"]
+    evidence: dict[str, Any] = {"p_value": p_value, "equivalent": tuple(told["equivalent"])}
+    captures = tuple(told["captures"])
+    found.nodes[told["id"]] = Node(
+        told["id"], fitted, captures, told["how"], told["effect"], told["onward"], **evidence
+    )
+
+
+def _fitted(told: Record, before: Node | None, found: Again, start: Start) -> Fit:
+    if told["how"] == "added" and before is not None:
+        return before.fit.add(told["effect"])
+    if told["how"] == "dropped" and before is not None:
+        return before.fit.drop(told["effect"])
+    model = before.fit.model if before is not None and told["onward"] else start.model
+    return fit([found.captures[one].capture for one in told["captures"]], model, **start.options)
+
+
+def _branch_again(told: Record, found: Again, was: Told, journal: Journal) -> None:
+    """Put a branch together as far as its fits could be made again."""
+    there = [step for step in told["steps"] if step in found.nodes]
+    steps = [found.nodes[step] for step in there]
+    at = told["steps"][told["at"]]
+    if at not in there:
+        found.whole = False
+        lost = was.nodes[at]
+        kept = write(journal.folder / f"model-{told['id']}.toml", lost["model"])
+        found.notes.append(f"{told['name']}: its model is kept in {kept}")
+    if not steps:
+        return
+    branch = Branch(told["id"], told["name"], steps, there.index(at) if at in there else len(steps) - 1)
+    if told["dragged"] and at in there:
+        node = branch.node
+        model = node.fit.model
+        for name, value in told["dragged"].items():
+            model = model.with_value(name, value)
+        branch.dragged = View(f"{node.id}~{branch.id}", node, model, told["dragged"])
+    found.branches[branch.id] = branch

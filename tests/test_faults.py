@@ -1,0 +1,16 @@
+"""A short part of the table of faults, with a new seed each time; `benches/study_faults.py` has all of it."""
+
+from __future__ import annotations
+
+import time
+
+from faults_page import played
+
+
+def test_random_commands_stalls_cuts_and_clocks_harm_no_session() -> None:
+    seed = time.time_ns() % 2**32
+    print(f"seed {seed}")
+    found, failures = played(seed, 4, 40, 100)
+    assert failures == [], f"seed {seed}"
+    assert {name: counts["failed"] for name, counts in found.items()} == dict.fromkeys(found, 0)
+    assert all(counts["well"] > 10 for counts in found.values())

@@ -1,0 +1,375 @@
+"""A session survives its workbench: journalled as it changes, offered again, never with another file."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import signal
+import stat
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import httpx
+import pytest
+from command import knobcam, refused
+from workbench_server import served, wrong
+
+import knobcam as kc
+from knobcam.errors import InputError
+from knobcam.workbench import journal, kept, saving
+from knobcam.workbench.bench import Bench
+from knobcam.workbench.guard import HEADER
+from knobcam.workbench.journal import Journal
+from knobcam.workbench.tree import Start
+
+
+def quiet(_: str, __: float | None = None, *, last: bool = False) -> None:
+    return
+
+
+@pytest.fixture
+def root(tmp_path: Path) -> Path:
+    return tmp_path / "sessions"
+
+
+@pytest.fixture
+def small(tmp_path: Path) -> Path:
+    return kc.simulate("knob4", "sweep", duration_s=1.0).save(tmp_path / "small.npz")
+
+
+def deeds(bench: Bench, path: Path) -> None:
+    """A little of everything that a session can hold."""
+    session = bench.session
+    session.open(str(path), end=0.9)
+    session.add("quadratic_drag")
+    session.fork("aside")
+    session.drop("quadratic_drag")
+    session.undo()
+    session.drag({"viscous.pos": 0.01})
+    session.look({"view": {"isolated": True, "band": False, "held": True}, "beside": None, "brush": None})
+
+
+def shown(bench: Bench) -> dict:
+    """What a person sees of a session, without what goes on in it."""
+    document = dict(bench.document())
+    for name in ("revision", "job", "candidates", "verdict_text", "node", "left"):
+        document.pop(name)
+    return document
+
+
+def crashed(bench: Bench) -> None:
+    """Let go of a session as a process does that is killed: nothing more is written."""
+    keeper = bench.keeper
+    assert keeper is not None
+    bench.keeper = None
+    keeper._closing = True
+    keeper.wake()
+    keeper._thread.join()
+    assert keeper._journal is not None
+    keeper._journal.close()
+    bench.close()
+
+
+def test_a_session_goes_on_as_it_was_left_to_the_last_bit(root: Path, small: Path) -> None:
+    first = Bench(Start(options={"prepare": "paper"}), root)
+    deeds(first, small)
+    before, model = shown(first), first.session.view.model.text()
+    crashed(first)
+    second = Bench(kept_in=root)
+    (left,) = second.document()["left"]
+    assert (left["captures"], left["steps"], left["ended"]) == (["small.npz"], 3, False)
+    second.go_on(left["id"], quiet)
+    assert shown(second) == before
+    assert second.session.view.model.text() == model
+    assert second.document()["left"] == []
+    second.session.redo()
+    second.session.snap()
+    second.session.add("stribeck")
+    assert len({*second.session._nodes}) == len(second.session._nodes) == 4
+    crashed(second)
+    third = Bench(kept_in=root)
+    third.go_on(third.document()["left"][0]["id"], quiet)
+    assert third.session.node.fit.model.effects == second.session.node.fit.model.effects
+    third.close()
+
+
+def test_what_was_simulated_or_handed_over_goes_on_without_a_file(root: Path, small: Path) -> None:
+    first = Bench(kept_in=root)
+    with served(first) as client:
+        client.post("/api/upload", content=small.read_bytes(), headers={"x-filename": "mine.npz"})
+        body = {
+            "knob": "knob4",
+            "duration_s": 4.0,
+            "seed": 3,
+            "surprise": False,
+            "effects": ["return_spring"],
+        }
+        assert client.post("/api/simulate", json=body).status_code == 200
+        before = shown(first)
+    small.unlink()
+    second = Bench(kept_in=root)
+    assert second.document()["left"][0]["ended"]
+    second.go_on(second.document()["left"][0]["id"], quiet)
+    assert shown(second) == before
+    assert [one.hidden for one in second.session.captures.values()] == [(), ("return_spring",)]
+    second.close()
+
+
+@pytest.mark.parametrize("change", ["gone", "another"])
+def test_a_file_that_is_gone_or_another_is_said_and_its_model_is_kept(
+    root: Path, small: Path, change: str
+) -> None:
+    other = kc.simulate("knob3", "sweep", duration_s=1.0).save(small.with_name("other.npz"))
+    first = Bench(kept_in=root)
+    first.session.open(str(small))
+    first.session.add("quadratic_drag")
+    first.session.fork("aside")
+    first.session.open(str(other), together=False)
+    lost = first.session.node.fit.model.text()
+    first.close()
+    there = other.read_bytes()
+    other.unlink() if change == "gone" else other.write_bytes(small.read_bytes())
+    second = Bench(kept_in=root)
+    second.go_on("000001", quiet)
+    assert [one.name for one in second.session.captures.values()] == ["small.npz"]
+    said = second.document()["notes"]
+    assert "other.npz" in said[0] and ("not there" if change == "gone" else "has changed") in said[0]
+    assert (root / "000001" / "model-b5.toml").read_text() == lost
+    assert all("model-b5.toml" in one for one in said[1:]) and len(said) == 2
+    second.close()
+    other.write_bytes(there)
+    third = Bench(kept_in=root)
+    third.go_on("000001", quiet)
+    assert len(third.session.captures) == 2 and third.document()["notes"] == []
+    third.close()
+
+
+def test_of_a_session_whose_only_file_is_gone_nothing_goes_on(root: Path, small: Path) -> None:
+    first = Bench(kept_in=root)
+    first.session.open(str(small))
+    first.close()
+    small.unlink()
+    second = Bench(kept_in=root)
+    with pytest.raises(InputError, match=r"small\.npz: is not there any more; put it back"):
+        second.go_on("000001", quiet)
+    assert [one["id"] for one in second.document()["left"]] == ["000001"]
+    second.close()
+
+
+def test_wherever_a_journal_is_cut_its_session_goes_on_without_the_last_action_at_most(
+    root: Path, small: Path
+) -> None:
+    bench = Bench(kept_in=root)
+    bench.session.open(str(small))
+    for name in ("one", "two", "three"):
+        bench.session.fork(name)
+        assert bench.keeper is not None
+        while bench.keeper._woken.is_set():
+            time.sleep(0.001)
+    bench.close()
+    path = root / "000001" / "journal"
+    whole = path.read_bytes()
+    lines = whole.splitlines(keepends=True)
+    rng = random.Random(time.time_ns())
+    for _ in range(30):
+        cut = rng.randrange(len(lines[0]) + 1, len(whole))
+        path.write_bytes(whole[:cut])
+        there = len(whole[:cut].splitlines(keepends=True)) - (whole[cut - 1 : cut] != b"\n")
+        assert journal.read(path.parent) == [json.loads(line[9:]) for line in lines[:there]]
+        with Journal.taken(path.parent) as again:
+            again.append([{"ended": True}])
+        assert journal.read(path.parent)[-1] == {"ended": True}
+        assert len(journal.read(path.parent)) == there + 1
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"\n",
+        b"not a journal at all",
+        b"\x00" * 5000,
+        journal.line({"schema": "knobcam.session/99"}),
+        journal.line({"schema": journal.SCHEMA}),
+        journal.line({"schema": journal.SCHEMA, "start": 3}) + journal.line({"place": {"branches": [3]}}),
+        journal.line({"schema": journal.SCHEMA, "start": {}})
+        + b"00000000 {}\n"
+        + journal.line({"ended": True}),
+    ],
+)
+def test_a_journal_that_is_damaged_or_foreign_is_one_line(root: Path, small: Path, content: bytes) -> None:
+    folder = root / "000007"
+    folder.mkdir(parents=True)
+    (folder / "journal").write_bytes(content)
+    bench = Bench(kept_in=root)
+    (left,) = bench.document()["left"]
+    assert left["wrong"] is not None and "\n" not in left["wrong"] and str(folder) in left["wrong"]
+    with pytest.raises(InputError, match="000007"):
+        bench.go_on("000007", quiet)
+    for name in ("000008", "../000007", "", "\0"):
+        with pytest.raises(InputError, match="there is none"):
+            bench.go_on(name, quiet)
+    bench.session.open(str(small))
+    bench.close()
+    assert (root / "000008" / "journal").exists()
+
+
+def test_two_workbenches_never_share_a_journal(root: Path, small: Path) -> None:
+    one, other = Bench(kept_in=root), Bench(kept_in=root)
+    for bench in (one, other):
+        bench.session.open(str(small))
+    while len(journal.sessions(root)) < 2:
+        time.sleep(0.01)
+    third = Bench(kept_in=root)
+    assert third.document()["left"] == []
+    with pytest.raises(InputError, match="goes on in another workbench"):
+        third.go_on("000001", quiet)
+    one.close()
+    third.go_on("000001", quiet)
+    other.close()
+    third.close()
+
+
+def test_a_session_that_has_begun_is_not_replaced_by_another(root: Path, small: Path) -> None:
+    first = Bench(kept_in=root)
+    first.session.open(str(small))
+    first.close()
+    second = Bench(kept_in=root)
+    second.session.open(str(small))
+    node = second.session.node
+    with pytest.raises(InputError, match="open here already"):
+        second.go_on("000001", quiet)
+    assert second.session.node is node
+    second.close()
+
+
+def test_what_is_kept_is_for_its_user_alone_and_old_sessions_go(root: Path, small: Path) -> None:
+    os.umask(os.umask(0o022))
+    for _ in range(12):
+        bench = Bench(kept_in=root)
+        bench.session.open(str(small))
+        bench.close()
+    kept_there = journal.sessions(root)
+    assert [one.name for one in kept_there] == [f"{number:06d}" for number in range(12, 3, -1)]
+    for path in (root, *root.rglob("*")):
+        private = 0o700 if path.is_dir() else 0o600
+        assert stat.S_IMODE(path.stat().st_mode) == private, path
+
+
+def test_a_long_session_has_no_long_journal(root: Path, small: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(journal, "_COMPACT_BYTES", 20_000)
+    bench = Bench(kept_in=root)
+    bench.session.open(str(small))
+    for turn in range(400):
+        bench.session.drag({"viscous.pos": 0.001 * (turn + 1)})
+        assert bench.keeper is not None
+        while bench.keeper._woken.is_set():
+            time.sleep(0.0005)
+    bench.close()
+    path = root / "000001" / "journal"
+    assert path.stat().st_size < 60_000
+    assert stat.S_IMODE(path.stat().st_mode) == 0o600
+    told = kept.Told.of(path.parent)
+    assert told.place["branches"][0]["dragged"] == {"viscous.pos": 0.4} and told.ended
+
+
+def test_where_nothing_can_be_written_the_session_goes_on_and_says_so(tmp_path: Path, small: Path) -> None:
+    (tmp_path / "taken").write_text("a file")
+    bench = Bench(kept_in=tmp_path / "taken" / "sessions")
+    bench.session.open(str(small))
+    deadline = time.monotonic() + 10.0
+    while not bench.document()["notes"] and time.monotonic() < deadline:
+        time.sleep(0.01)
+    (said,) = bench.document()["notes"]
+    assert "so the session is not kept" in said
+    bench.session.add("quadratic_drag")
+    bench.close()
+
+
+def test_whoever_starts_anew_is_not_asked_again(root: Path, small: Path) -> None:
+    first = Bench(kept_in=root)
+    first.session.open(str(small))
+    first.close()
+    second = Bench(kept_in=root)
+    with served(second) as client:
+        (left,) = client.get("/api/state").json()["left"]
+        assert client.post("/api/anew").status_code == 200
+        assert client.get("/api/state").json()["left"] == []
+        wrong(client.post("/api/continue", json={"session": "../x"}), 400, "there is none")
+    third = Bench(kept_in=root)
+    assert third.document()["left"] == []
+    third.go_on(left["id"], quiet)  # it is there all the same
+    third.close()
+    assert len(Bench(kept_in=root).document()["left"]) == 1
+
+
+def test_the_page_is_told_how_it_looked(client: httpx.Client) -> None:
+    looked = {"view": {"isolated": True, "band": True, "held": False}, "beside": "b2"}
+    looked["brush"] = {"plot": 3, "x": [0.0, 1.5], "y": [-1.0, 1.0]}
+    assert client.post("/api/look", json=looked).status_code == 200
+    assert client.get("/api/state").json()["looked"] == looked
+    for spoiled in (
+        {"view": 3},
+        {"brush": {"plot": -1}},
+        {"brush": {"plot": 0, "x": [1], "y": [0, 1]}},
+        {"beside": 3},
+    ):
+        wrong(client.post("/api/look", json=looked | spoiled), 400, "")
+    assert client.get("/api/state").json()["looked"] == looked
+
+
+@contextmanager
+def workbench(*words: object) -> Iterator[tuple[httpx.Client, subprocess.Popen[str]]]:
+    command = [sys.executable, "-m", "knobcam", "workbench", "--no-browser", *map(str, words)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout is not None
+            base, token = process.stdout.readline().strip().split("/?token=")
+            with httpx.Client(base_url=base, headers={HEADER: token}, timeout=60.0) as client:
+                yield client, process
+        finally:
+            process.kill()
+
+
+def test_a_session_survives_kill_9(small: Path) -> None:
+    with workbench(small) as (client, process):
+        client.post("/api/add", json={"effect": "quadratic_drag"})
+        client.post("/api/branch", json={"name": "last"})
+        before = client.get("/api/state").json()
+        process.send_signal(signal.SIGKILL)
+    with workbench() as (client, process):
+        (left,) = client.get("/api/state").json()["left"]
+        assert (left["ended"], left["captures"]) == (False, ["small.npz"])
+        process.send_signal(signal.SIGINT)
+        assert process.wait(20.0) == 0
+        assert (
+            process.stderr is not None and "a session broke off (small.npz; fits: 2)" in process.stderr.read()
+        )
+    with workbench("--continue") as (client, process):
+        after = client.get("/api/state").json()
+        assert after["params"] == before["params"]
+        assert after["branches"] == before["branches"]
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(20.0) == 143
+        assert process.stderr is not None and process.stderr.read() == "knobcam: ended by SIGTERM\n"
+
+
+def test_the_command_says_what_cannot_be_continued(small: Path) -> None:
+    refused(knobcam("workbench", "--no-browser", "--continue"), "no session that was left")
+    refused(knobcam("workbench", "--no-browser", "--continue", small), "leave others out")
+
+
+def test_the_script_of_a_session_that_goes_on_is_what_it_was(root: Path, small: Path, tmp_path: Path) -> None:
+    first = Bench(kept_in=root)
+    deeds(first, small)
+    before = saving.save(first.session, "script", tmp_path / "before.py", quiet).read_text()
+    first.close()
+    second = Bench(kept_in=root)
+    second.go_on("000001", quiet)
+    assert saving.save(second.session, "script", tmp_path / "after.py", quiet).read_text() == before
+    second.close()
