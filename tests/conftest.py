@@ -11,8 +11,8 @@ from workbench_server import served
 import knobcam as kc
 from knobcam.workbench.bench import Bench
 
-# A shell starts what runs in the background with Ctrl-C ignored, nohup with the terminal's end ignored, and their
-# children with them: whoever waits for the end of one would wait forever.
+# A shell starts what runs in the background with Ctrl-C ignored, nohup with the terminal's end ignored, and
+# their children with them: whoever waits for the end of one would wait forever.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
