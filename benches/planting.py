@@ -13,19 +13,36 @@ import tree_sitter
 import tree_sitter_rust
 
 VARIABLE = "PLANTED"
+EVERY = 2**32 - 2  # none lives, but what comes past one notes it
 LIB = "crates/knobcore/src/lib.rs"
 HOLE = "\0"  # in the text of an edit: what stood there before
 MODULE = f"""//! Which planted fault lives in this process.
 
+use std::io::Write;
 use std::sync::LazyLock;
+use std::sync::atomic::{{AtomicBool, Ordering}};
 
 static LIVING: LazyLock<u32> =
     LazyLock::new(|| std::env::var("{VARIABLE}").ok().and_then(|name| name.parse().ok()).unwrap_or(u32::MAX));
+static PASSED: [AtomicBool; 10000] = [const {{ AtomicBool::new(false) }}; 10000];
 
 /// Whether this one lives.
 #[inline]
 pub fn is(number: u32) -> bool {{
-    *LIVING == number
+    let living = *LIVING;
+    if living == {EVERY} {{
+        note(number);
+    }}
+    living == number
+}}
+
+#[cold]
+fn note(number: u32) {{
+    if !PASSED[number as usize].swap(true, Ordering::Relaxed) {{
+        let notes = std::env::var("{VARIABLE}_NOTES").unwrap();
+        let mut file = std::fs::OpenOptions::new().create(true).append(true).open(notes).unwrap();
+        file.write_all(format!("{{number}}\\n").as_bytes()).unwrap();
+    }}
 }}
 """
 _WORK_OF_COMPILER = {"const_item", "static_item", "array_type", "type_arguments", "const_block"}

@@ -5,7 +5,7 @@
 Draws mutants from the list of [cargo-mutants](https://mutants.rs), from each folder as many as its share of
 all, plants them all in a copy of the sources (`planting.py`), builds once, and runs the Rust tests with one
 fault after the other: first those of the changed file, then all, until one fails. Also caught is a fault with
-which a test takes more than five times as long; what the compiler refuses is none. Goes on where it was
+which a test takes more than four times as long; what the compiler refuses is none. Goes on where it was
 stopped: FOLDER/results.jsonl has what is known. Needs `cargo install cargo-mutants` and
 `pip install tree-sitter tree-sitter-rust`. Writes its part of benches/results/mutants.json; the survivors
 that were looked at stand in benches/survivors.toml, each with the reason.
@@ -14,61 +14,58 @@ that were looked at stand in benches/survivors.toml, each with the reason.
 from __future__ import annotations
 
 import argparse
-import hashlib
 import json
+import math
 import os
+import random
 import re
+import resource
+import signal
 import subprocess
 import threading
 import time
-import tomllib
-from collections import Counter
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple
 
-ROOT = Path(__file__).resolve().parents[1]
-RESULTS = ROOT / "benches" / "results" / "mutants.json"
-REASONS = ROOT / "benches" / "survivors.toml"
+from mutants import ROOT, report, rows_of, sample, stratum
+from planting import EVERY, VARIABLE, Mutant, planted
+
 CRATES = ("knobcore", "knobrender", "knobrig")
 TESTS = ("--lib", "--test=golden_filter", "--test=laws_filter", "--test=laws", "--test=render")
-BUILD = ("--locked", *(f"--package={name}" for name in CRATES), *TESTS)
-PATIENCE = 5.0  # times the unmutated time
-LEAST_S = 10.0  # added to it
+BUILD = ("--profile=dev", "--locked", *(f"--package={name}" for name in CRATES), *TESTS)
+PATIENCE = 4.0  # times the unmutated time, of the processor
+LEAST_S = 5.0  # added to it
+STEPS_S = (0.1, 1.0)  # quicker tests, by these, run before slower ones
 
 
-def stratum(file: str) -> str:
-    """The folder or the file whose share a mutant counts for."""
-    crate, part = re.fullmatch(r"(?:crates|python)/(\w+)/(?:src/)?([^/]+?)(?:\.rs|/.*)", file).groups()  # type: ignore[union-attr]
-    return "render" if crate == "knobrender" else "chain" if part == "motion" else part
-
-
-def sample(entries: list[dict[str, Any]], count: int, seed: int) -> list[dict[str, Any]]:
-    """As many from each stratum as its share of all, by a hash: a change elsewhere keeps them."""
-    strata: dict[str, list[dict[str, Any]]] = {}
-    for entry in entries:
-        strata.setdefault(stratum(entry["file"]), []).append(entry)
-    drawn = []
-    for members in strata.values():
-        members.sort(key=lambda entry: hashlib.sha256(f"{seed} {entry['name']}".encode()).hexdigest())
-        drawn += members[: round(count * len(members) / len(entries))]
-    return sorted(drawn, key=lambda entry: entry["name"])
-
-
-class Suite(NamedTuple):
-    """A test program and how long it takes."""
+class Test(NamedTuple):
+    """A test, what it costs the processor, and the mutants that it comes past."""
 
     crate: str
     program: Path
     folder: Path
+    name: str
     seconds: float = 0.0
+    passed: frozenset[int] = frozenset()
 
 
-def cargo(tree: Path, *words: str) -> list[dict[str, Any]]:
-    """Run cargo at low priority and return its messages."""
+def cargo(tree: Path) -> list[dict[str, Any]]:
+    """Compile the tests at low priority and return the compiler's messages."""
     environment = {"CARGO_TARGET_DIR": str(tree.parent / "target")} | os.environ
-    command = ("nice", "-n10", "cargo", *words, "--quiet", "--message-format=json", "--profile=dev", *BUILD)
+    command = (
+        "nice",
+        "-n10",
+        "cargo",
+        "test",
+        "--no-run",
+        "--keep-going",
+        "--quiet",
+        "--message-format=json",
+        *BUILD,
+    )
     ended = subprocess.run(command, cwd=tree, env=environment, stdout=subprocess.PIPE, text=True, check=False)
     return [json.loads(line) for line in ended.stdout.splitlines() if line.startswith("{")]
 
@@ -108,21 +105,19 @@ def _around(tree: Path, span: dict[str, Any]) -> Iterator[int]:
 
 def build(
     work: Path, entries: list[dict[str, Any]], refused_before: set[str]
-) -> tuple[list[Any], list[tuple[Any, str]], list[Suite]]:
+) -> tuple[list[Mutant], list[tuple[Mutant, str]], list[Test]]:
     """Plant all, leave out what the compiler refuses, and compile the tests."""
-    from planting import Mutant, planted
-
     tree = work / "tree"
     every = [Mutant.listed(number, entry) for number, entry in enumerate(entries)]
     unviable = {mutant.number: "" for mutant in every if mutant.name in refused_before}
     tracked = subprocess.run(("git", "ls-files", "-z"), cwd=ROOT, capture_output=True, text=True, check=True)
-    names = [name for name in tracked.stdout.split("\0") if name.startswith(("crates/", "Cargo"))]
+    names = tracked.stdout.rstrip("\0").split("\0")  # tests read models from the Python package
     while True:
         living = [mutant for mutant in every if mutant.number not in unviable]
         unviable |= (now := planted(ROOT, tree, names, living))
         if now:
             continue
-        messages = cargo(tree, "check", "--keep-going")
+        messages = cargo(tree)
         now = refused(tree, messages)
         if not now:
             break
@@ -130,36 +125,55 @@ def build(
             *(f"refused: {every[number].name}: {said}" for number, said in now.items()), sep="\n", flush=True
         )
         unviable |= now
-    messages = cargo(tree, "test", "--no-run")
-    suites = [
-        Suite(
+    programs = [
+        Test(
             message["target"]["name"] if message["target"]["kind"] == ["lib"] else "",
             Path(message["executable"]),
             Path(message["manifest_path"]).parent,
+            "",
         )
         for message in messages
         if message["reason"] == "compiler-artifact" and message.get("executable")
     ]
-    if not suites:
+    if not programs:
         raise SystemExit("the tests do not compile")
-    return living, [(every[number], reason) for number, reason in unviable.items()], suites
+    return living, [(every[number], reason) for number, reason in unviable.items()], programs
 
 
-def noticed(suite: Suite, number: int | None, words: tuple[str, ...], seconds: float) -> str:
-    """Run tests until one fails and say which, or "" if all pass."""
-    environment = {key: value for key, value in os.environ.items() if key != "PLANTED"}
-    environment |= {} if number is None else {"PLANTED": str(number)}
+def noted(program: Test, notes: Path) -> Iterator[Test]:
+    """Every test of a program, run alone without any fault to see what it comes past."""
+    listing = subprocess.run(
+        (program.program, "--list", "--format=terse"), capture_output=True, text=True, check=True
+    )
+    for name in re.findall(r"^(\S+): test$", listing.stdout, re.MULTILINE):
+        notes.unlink(missing_ok=True)
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        if failed := noticed([program._replace(name=name)], EVERY, 3600.0, notes):
+            raise SystemExit(f"without any fault: {failed}")
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        spent = after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
+        passed = frozenset(map(int, notes.read_text("utf-8").split())) if notes.is_file() else frozenset()
+        yield program._replace(name=name, seconds=spent, passed=passed)
+
+
+def noticed(tests: list[Test], number: int, seconds: float, notes: Path | None = None) -> str:
+    """Run tests of one program until one fails, and say which, or "" if all pass."""
     running = subprocess.Popen(
-        ("nice", "-n10", suite.program, "--test-threads=1", *words),
-        cwd=suite.folder,
-        env=environment,
+        (
+            *("nice", "-n10", "prlimit", f"--cpu={math.ceil(seconds)}", tests[0].program, "--test-threads=1"),
+            "--exact",
+            *(test.name for test in tests),
+        ),
+        cwd=tests[0].folder,
+        env=os.environ | {VARIABLE: str(number), f"{VARIABLE}_NOTES": str(notes)},
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
         errors="replace",
         bufsize=1,
     )
-    late = threading.Timer(seconds, running.kill)
+    # By the processor's time, since others may use the machine; by the clock too, should it wait forever.
+    late = threading.Timer(20.0 * seconds, running.kill)
     late.start()
     last = ""
     try:
@@ -168,9 +182,9 @@ def noticed(suite: Suite, number: int | None, words: tuple[str, ...], seconds: f
             if match := re.match(r"test (\S+)( - should panic)? \.\.\.", line):
                 last = match[1]
             if line.rstrip().endswith("FAILED"):
-                return f"{suite.program.name.rsplit('-', 1)[0]} {last}"
+                return f"{tests[0].program.name.rsplit('-', 1)[0]} {last}"
         code = running.wait()
-        if not late.is_alive():
+        if not late.is_alive() or code == -signal.SIGXCPU:
             return f"{last} takes too long"
         return f"{last} ends the process ({code})" if code else ""
     finally:
@@ -179,30 +193,21 @@ def noticed(suite: Suite, number: int | None, words: tuple[str, ...], seconds: f
         running.wait()
 
 
-def tried(mutant: Any, suites: list[Suite]) -> str:
-    """Which test notices a mutant, or "" if none does."""
-    own = next(suite for suite in suites if suite.crate == mutant.package)
+def tried(mutant: Mutant, tests: list[Test]) -> str:
+    """Which test notices a mutant, or "" if none does: those of its file first, then the quick ones."""
     path = re.sub(r"^crates/\w+/src/|(/mod)?\.rs$", "", mutant.file).replace("/", "::")
-    if caught := noticed(own, mutant.number, (f"{path}::",), PATIENCE * own.seconds + LEAST_S):
-        return caught
-    for suite in sorted(suites, key=lambda one: (one is not own, one.seconds)):
-        if caught := noticed(suite, mutant.number, (), PATIENCE * suite.seconds + LEAST_S):
-            return caught
+
+    def order(test: Test) -> tuple[bool, int, float]:
+        is_own = test.crate == mutant.package and test.name.startswith(f"{path}::")
+        return not is_own, sum(test.seconds > limit for limit in STEPS_S), test.seconds
+
+    some = sorted((test for test in tests if mutant.number in test.passed), key=order)
+    for _, batch in groupby(some, key=lambda test: order(test)[:2]):
+        for _, same in groupby(sorted(batch, key=lambda test: test.program), key=lambda test: test.program):
+            now = list(same)
+            if caught := noticed(now, mutant.number, PATIENCE * sum(test.seconds for test in now) + LEAST_S):
+                return caught
     return ""
-
-
-def timed(suite: Suite) -> Suite:
-    """With the time that it takes where nothing is planted."""
-    start = time.monotonic()
-    if failed := noticed(suite, None, (), 3600.0):
-        raise SystemExit(f"without any fault: {failed}")
-    return suite._replace(seconds=time.monotonic() - start)
-
-
-def rows_of(log: Path) -> list[dict[str, Any]]:
-    """What a log has, of every mutant the last."""
-    lines = log.read_text("utf-8").splitlines() if log.is_file() else []
-    return list({row["name"]: row for row in map(json.loads, lines)}.values())
 
 
 def run(work: Path, count: int, seed: int, processes: int, again: bool) -> None:
@@ -215,18 +220,18 @@ def run(work: Path, count: int, seed: int, processes: int, again: bool) -> None:
     )
     entries = json.loads(listing.stdout)
     refused_before = {row["name"] for row in rows if row["end"] == "refused"}
-    living, unviable, suites = build(work, sample(entries, count, seed), refused_before)
-    suites = [timed(suite) for suite in suites]
-    print(*(f"{suite.program.name}: {suite.seconds:.1f} s" for suite in suites), sep="\n", flush=True)
+    living, unviable, programs = build(work, sample(entries, count, seed), refused_before)
+    tests = [test for program in programs for test in noted(program, work / "notes")]
+    print(f"{len(tests)} tests, {sum(test.seconds for test in tests):.1f} s", flush=True)
     with log.open("a", encoding="utf-8") as out, ThreadPoolExecutor(processes) as pool:
         for mutant, reason in unviable:
             if mutant.name not in known:
                 row = {"name": mutant.name, "stratum": stratum(mutant.file), "end": "refused", "by": reason}
                 out.write(json.dumps(row) + "\n")
 
-        def one(mutant: Any) -> None:
+        def one(mutant: Mutant) -> None:
             start = time.monotonic()
-            by = tried(mutant, suites)
+            by = tried(mutant, tests)
             row = {
                 "name": mutant.name,
                 "stratum": stratum(mutant.file),
@@ -238,38 +243,9 @@ def run(work: Path, count: int, seed: int, processes: int, again: bool) -> None:
             out.flush()
             print(row, flush=True)
 
-        list(pool.map(one, [mutant for mutant in living if mutant.name not in known]))
-
-
-def report(part: str, rows: list[dict[str, Any]]) -> None:
-    """Write what is known of a part, "rust" or "python", beside the other: the table and the survivors."""
-    document = json.loads(RESULTS.read_text("utf-8")) if RESULTS.is_file() else {"parts": {}}
-    document["parts"][part] = sorted(rows, key=lambda row: str(row["name"]))
-    reasons = tomllib.loads(REASONS.read_text("utf-8")) if REASONS.is_file() else {}
-    table, survivors = (
-        [f"{'':24} {'drawn':>6} {'refused':>8} {'caught':>7} {'survived':>9} {'caught, %':>10}"],
-        [],
-    )
-    for name, every in document["parts"].items():
-        strata = sorted({row["stratum"] for row in every})
-        for label, members in [
-            *((f"{name}, {one}", [row for row in every if row["stratum"] == one]) for one in strata),
-            (f"{name}, all", every),
-        ]:
-            ends = Counter(row["end"] for row in members)
-            tried = ends["caught"] + ends["survived"]
-            table.append(
-                f"{label:24} {len(members):6} {ends['refused']:8} {ends['caught']:7} {ends['survived']:9} "
-                f"{100.0 * ends['caught'] / max(tried, 1):10.1f}"
-            )
-        survivors += [
-            f"{row['name']}\n    {reasons.get(row['name'], 'not looked at')}"
-            for row in every
-            if row["end"] == "survived"
-        ]
-    document |= {"report": table, "at_length": survivors}
-    RESULTS.write_text(json.dumps(document, indent=1) + "\n", "utf-8")
-    print(*table, sep="\n")
+        jobs = [mutant for mutant in living if mutant.name not in known]
+        random.Random(seed).shuffle(jobs)  # what was tried when it is stopped is a sample too
+        list(pool.map(one, jobs))
 
 
 def main() -> None:

@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import random
 import shutil
 import subprocess
 import sys
@@ -23,8 +24,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from mutants import ROOT, report, rows_of, sample, stratum
 from planting_python import MODULE, VARIABLE, Fault, faults, planted
-from study_mutants import ROOT, report, rows_of, sample, stratum
 
 PACKAGES = Path("python", "knobcam")
 PLACES = ("learn", "fit")
@@ -213,7 +214,9 @@ def run(work: Path, count: int, seed: int, processes: int, again: bool) -> None:
             out.flush()
             print(row, flush=True)
 
-        list(pool.map(one, [(at, fault) for at, fault in enumerate(living) if fault.name not in known]))
+        jobs = [(at, fault) for at, fault in enumerate(living) if fault.name not in known]
+        random.Random(seed).shuffle(jobs)  # what was tried when it is stopped is a sample too
+        list(pool.map(one, jobs))
 
 
 def main() -> None:
