@@ -61,7 +61,6 @@ def cargo(tree: Path) -> list[dict[str, Any]]:
         "cargo",
         "test",
         "--no-run",
-        "--keep-going",
         "--quiet",
         "--message-format=json",
         *BUILD,
