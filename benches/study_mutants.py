@@ -14,6 +14,7 @@ that were looked at stand in benches/survivors.toml, each with the reason.
 from __future__ import annotations
 
 import argparse
+import hashlib
 import json
 import math
 import os
@@ -34,7 +35,10 @@ from mutants import ROOT, report, rows_of, sample, stratum
 from planting import EVERY, VARIABLE, Mutant, planted
 
 CRATES = ("knobcore", "knobrender", "knobrig")
-TESTS = ("--lib", "--test=golden_filter", "--test=laws_filter", "--test=laws", "--test=render")
+TESTS = (
+    "--lib",
+    *(f"--test={name}" for name in ("golden_filter", "laws_filter", "laws", "render", "passive")),
+)
 BUILD = ("--profile=dev", "--locked", *(f"--package={name}" for name in CRATES), *TESTS)
 PATIENCE = 4.0  # times the unmutated time, of the processor
 LEAST_S = 5.0  # added to it
@@ -155,6 +159,19 @@ def noted(program: Test, notes: Path) -> Iterator[Test]:
         yield program._replace(name=name, seconds=spent, passed=passed)
 
 
+def known_tests(program: Test, work: Path) -> list[Test]:
+    """The same, as it was noted before if the program is the same."""
+    digest = hashlib.sha256(program.program.read_bytes()).hexdigest()
+    path = work / f"tests-{digest[:16]}.json"
+    if not path.is_file():
+        tests = [[test.name, test.seconds, sorted(test.passed)] for test in noted(program, work / "notes")]
+        path.write_text(json.dumps(tests), "utf-8")
+    rows = json.loads(path.read_text("utf-8"))
+    return [
+        program._replace(name=name, seconds=spent, passed=frozenset(passed)) for name, spent, passed in rows
+    ]
+
+
 def noticed(tests: list[Test], number: int, seconds: float, notes: Path | None = None) -> str:
     """Run tests of one program until one fails, and say which, or "" if all pass."""
     running = subprocess.Popen(
@@ -209,7 +226,7 @@ def tried(mutant: Mutant, tests: list[Test]) -> str:
     return ""
 
 
-def run(work: Path, count: int, seed: int, processes: int, again: bool) -> None:
+def run(work: Path, count: int, seed: int, processes: int, again: bool, longest_s: float) -> None:
     """Try what was not tried yet, or survived."""
     log = work / "results.jsonl"
     rows = rows_of(log)
@@ -220,8 +237,9 @@ def run(work: Path, count: int, seed: int, processes: int, again: bool) -> None:
     entries = json.loads(listing.stdout)
     refused_before = {row["name"] for row in rows if row["end"] == "refused"}
     living, unviable, programs = build(work, sample(entries, count, seed), refused_before)
-    tests = [test for program in programs for test in noted(program, work / "notes")]
+    tests = [test for program in programs for test in known_tests(program, work)]
     print(f"{len(tests)} tests, {sum(test.seconds for test in tests):.1f} s", flush=True)
+    tests = [test for test in tests if test.seconds <= longest_s]
     with log.open("a", encoding="utf-8") as out, ThreadPoolExecutor(processes) as pool:
         for mutant, reason in unviable:
             if mutant.name not in known:
@@ -256,11 +274,12 @@ def main() -> None:
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--work", type=Path, default=Path("/tmp/knobcam-mutants"))
     parser.add_argument("--again", action="store_true", help="what survived before is tried again")
+    parser.add_argument("--longest", type=float, default=math.inf, help="tests that take longer wait, s")
     parser.add_argument("--report", action="store_true", help="no more than the report")
     told = parser.parse_args()
     told.work.mkdir(parents=True, exist_ok=True)
     if not told.report:
-        run(told.work, told.count, told.seed, told.processes, told.again)
+        run(told.work, told.count, told.seed, told.processes, told.again, told.longest)
     report("rust", rows_of(told.work / "results.jsonl"))
 
 
