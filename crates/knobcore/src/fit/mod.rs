@@ -10,6 +10,8 @@ mod scan;
 mod separable;
 mod serial;
 mod solve;
+#[cfg(test)]
+mod tests;
 mod undetermined;
 
 pub use moments::Moments;

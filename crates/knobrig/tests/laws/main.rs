@@ -6,6 +6,7 @@ mod derivatives;
 mod driven;
 mod implausible;
 mod limits;
+mod located;
 mod recovery;
 mod rendering;
 mod runs;
