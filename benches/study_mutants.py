@@ -152,7 +152,8 @@ def noted(program: Test, notes: Path) -> Iterator[Test]:
         notes.unlink(missing_ok=True)
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         if failed := noticed([program._replace(name=name)], EVERY, 3600.0, notes):
-            raise SystemExit(f"without any fault: {failed}")
+            print(f"left out, for it fails without any fault: {failed}", flush=True)
+            continue
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         spent = after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
         passed = frozenset(map(int, notes.read_text("utf-8").split())) if notes.is_file() else frozenset()

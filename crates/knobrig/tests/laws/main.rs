@@ -7,6 +7,7 @@ mod driven;
 mod implausible;
 mod limits;
 mod located;
+mod missing;
 mod recovery;
 mod rendering;
 mod runs;
