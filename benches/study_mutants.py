@@ -201,7 +201,7 @@ def noticed(tests: list[Test], number: int, seconds: float, notes: Path | None =
             if line.rstrip().endswith("FAILED"):
                 return f"{tests[0].program.name.rsplit('-', 1)[0]} {last}"
         code = running.wait()
-        if not late.is_alive() or code == -signal.SIGXCPU:
+        if not late.is_alive() or code in (-signal.SIGXCPU, -signal.SIGKILL):
             return f"{last} takes too long"
         return f"{last} ends the process ({code})" if code else ""
     finally:
@@ -237,7 +237,9 @@ def run(work: Path, count: int, seed: int, processes: int, again: bool, longest_
     )
     entries = json.loads(listing.stdout)
     refused_before = {row["name"] for row in rows if row["end"] == "refused"}
-    living, unviable, programs = build(work, sample(entries, count, seed), refused_before)
+    drawn = sample(entries, count, seed)
+    (work / "sample.json").write_text(json.dumps([entry["name"] for entry in drawn]), "utf-8")
+    living, unviable, programs = build(work, drawn, refused_before)
     tests = [test for program in programs for test in known_tests(program, work)]
     print(f"{len(tests)} tests, {sum(test.seconds for test in tests):.1f} s", flush=True)
     tests = [test for test in tests if test.seconds <= longest_s]
@@ -281,7 +283,8 @@ def main() -> None:
     told.work.mkdir(parents=True, exist_ok=True)
     if not told.report:
         run(told.work, told.count, told.seed, told.processes, told.again, told.longest)
-    report("rust", rows_of(told.work / "results.jsonl"))
+    drawn = set(json.loads((told.work / "sample.json").read_text("utf-8")))
+    report("rust", [row for row in rows_of(told.work / "results.jsonl") if row["name"] in drawn])
 
 
 if __name__ == "__main__":

@@ -10,8 +10,6 @@ mod scan;
 mod separable;
 mod serial;
 mod solve;
-#[cfg(test)]
-mod tests;
 mod undetermined;
 
 pub use moments::Moments;
@@ -373,3 +371,6 @@ impl Fit {
         band
     }
 }
+
+#[cfg(test)]
+mod tests;
