@@ -169,4 +169,15 @@ mod tests {
         }
         assert!(pushed.tau[1500] > 1.5 * pushed.tau[4999], "it wears off");
     }
+
+    #[test]
+    fn a_hand_is_refused_just_where_a_step_could_not_follow_it() {
+        let (dt, inertia) = (2e-4, 7e-5);
+        let h = dt / steps(dt) as f64;
+        let refused =
+            |stiffness: f64, damping: f64| push(&knob(), &[0.0; 3], dt, Hand { stiffness, damping }).is_err();
+        let (stiff, damped) = (0.5 * inertia / (h * h), 0.5 * inertia / h);
+        assert!(!refused(0.999 * stiff, 0.0) && refused(1.001 * stiff, 0.0));
+        assert!(!refused(0.5, 0.999 * damped) && refused(0.5, 1.001 * damped));
+    }
 }
