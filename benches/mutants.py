@@ -44,8 +44,9 @@ def report(part: str, rows: list[dict[str, Any]]) -> None:
     document = json.loads(RESULTS.read_text("utf-8")) if RESULTS.is_file() else {"parts": {}}
     document["parts"][part] = sorted(rows, key=lambda row: str(row["name"]))
     reasons = tomllib.loads(REASONS.read_text("utf-8")) if REASONS.is_file() else {}
+    head = f"{'python benches/study_mutants.py':32}"
     table, survivors = (
-        [f"{'':24} {'drawn':>6} {'refused':>8} {'caught':>7} {'survived':>9} {'caught, %':>10}"],
+        [f"{head} {'drawn':>6} {'refused':>8} {'caught':>7} {'survived':>9} {'caught, %':>10}"],
         [],
     )
     for name, every in document["parts"].items():
@@ -57,7 +58,7 @@ def report(part: str, rows: list[dict[str, Any]]) -> None:
             ends = Counter(row["end"] for row in members)
             tried = ends["caught"] + ends["survived"]
             table.append(
-                f"{label:24} {len(members):6} {ends['refused']:8} {ends['caught']:7} {ends['survived']:9} "
+                f"{label:32} {len(members):6} {ends['refused']:8} {ends['caught']:7} {ends['survived']:9} "
                 f"{100.0 * ends['caught'] / max(tried, 1):10.1f}"
             )
         survivors += [

@@ -40,6 +40,7 @@ AT_LENGTH = {
     "versions": "Speed before and after",
     "sets": "Speed by instruction set",
     "faults": "Files and calls, and what is done to them",
+    "mutants": "Faults planted by a machine that no test noticed",
 }
 
 

@@ -124,13 +124,13 @@ def pytest_words(work: Path) -> tuple[list[str], dict[str, str]]:
     return ["nice", "-n10", sys.executable], environment
 
 
-def passed(work: Path) -> dict[int, list[tuple[float, str]]]:
+def passed(work: Path, files: list[str]) -> dict[int, list[tuple[float, str]]]:
     """For each fault the tests that come past it, the quickest first, with their seconds."""
     notes = work / "notes"
     if not (notes / "tests.txt").is_file():
         notes.mkdir(exist_ok=True)
         python, environment = pytest_words(work)
-        command = [*python, str(Path(__file__).resolve()), "--work", str(work), "--note"]
+        command = [*python, str(Path(__file__).resolve()), "--work", str(work), "--note", "--tests", *files]
         subprocess.run(command, cwd=work / "tree", env=environment | {VARIABLE: "all"}, check=True)
     fixtures, seconds = json.loads((notes / "tests.txt").read_text("utf-8"))
     by_place: dict[str, set[int]] = defaultdict(set)
@@ -146,19 +146,13 @@ def passed(work: Path) -> dict[int, list[tuple[float, str]]]:
     return {number: sorted(found) for number, found in tests.items()}
 
 
-def noted(tree: Path) -> None:
-    """Run the tests that there are, with the plugin."""
-    files = [
-        path for path in sorted((tree / "tests").glob("test_*.py")) if not path.stem[5:].startswith(APART)
-    ]
-    words = [
-        "-q",
-        "-p",
-        "no:cacheprovider",
-        *map(str, files),
-        *(str(tree / PACKAGES / place) for place in PLACES),
-    ]
-    pytest.main(words, plugins=[Told()])
+def noted(tree: Path, files: list[str]) -> None:
+    """Run these tests, or all that may tell, with the plugin."""
+    if not files:
+        every = sorted((tree / "tests").glob("test_*.py"))
+        files = [str(path) for path in every if not path.stem[5:].startswith(APART)]
+        files += [str(tree / PACKAGES / place) for place in PLACES]
+    pytest.main(["-q", "-p", "no:cacheprovider", *files], plugins=[Told()])
 
 
 def tried(work: Path, number: int, tests: list[tuple[float, str]]) -> str:
@@ -190,12 +184,12 @@ def tried(work: Path, number: int, tests: list[tuple[float, str]]) -> str:
     return ""
 
 
-def run(work: Path, count: int, seed: int, processes: int, again: bool) -> None:
+def run(work: Path, count: int, seed: int, processes: int, again: bool, files: list[str]) -> None:
     """Try what was not tried yet, or survived."""
     log = work / "results.jsonl"
     known = {row["name"] for row in rows_of(log) if not (again and row["end"] == "survived")}
     living = prepared(work, count, seed)
-    tests = passed(work)
+    tests = passed(work, files)
     with log.open("a", encoding="utf-8") as out, ThreadPoolExecutor(processes) as pool:
 
         def one(job: tuple[int, Fault]) -> None:
@@ -229,13 +223,14 @@ def main() -> None:
     parser.add_argument("--work", type=Path, default=Path("/tmp/knobcam-mutants-python"))
     parser.add_argument("--again", action="store_true", help="what survived before is tried again")
     parser.add_argument("--report", action="store_true", help="no more than the report")
+    parser.add_argument("--tests", nargs="*", default=[], help="files of tests; without, all that may tell")
     parser.add_argument("--note", action="store_true", help=argparse.SUPPRESS)
     told = parser.parse_args()
     if told.note:
-        return noted(told.work / "tree")
+        return noted(told.work / "tree", told.tests)
     told.work.mkdir(parents=True, exist_ok=True)
     if not told.report:
-        run(told.work, told.count, told.seed, told.processes, told.again)
+        run(told.work, told.count, told.seed, told.processes, told.again, told.tests)
     report("python", rows_of(told.work / "results.jsonl"))
     return None
 
