@@ -39,10 +39,11 @@ def rows_of(log: Path) -> list[dict[str, Any]]:
     return list({row["name"]: row for row in map(json.loads, lines)}.values())
 
 
-def report(part: str, rows: list[dict[str, Any]]) -> None:
-    """Write what is known of a part, "rust" or "python", beside the other: the table and the survivors."""
+def report(part: str, rows: list[dict[str, Any]], note: str = "") -> None:
+    """Write what is known of a part, "rust" or "python", beside the other: table, note, survivors."""
     document = json.loads(RESULTS.read_text("utf-8")) if RESULTS.is_file() else {"parts": {}}
     document["parts"][part] = sorted(rows, key=lambda row: str(row["name"]))
+    document["notes"] = document.get("notes", {}) | {part: note}
     reasons = tomllib.loads(REASONS.read_text("utf-8")) if REASONS.is_file() else {}
     head = f"{'python benches/study_mutants.py':32}"
     table, survivors = (
@@ -62,10 +63,11 @@ def report(part: str, rows: list[dict[str, Any]]) -> None:
                 f"{100.0 * ends['caught'] / max(tried, 1):10.1f}"
             )
         survivors += [
-            f"{row['name']}\n    {reasons.get(row['name'], 'not looked at')}"
+            f"{row['name'].removeprefix('crates/')}: {reasons.get(row['name'], 'not looked at')}"
             for row in every
             if row["end"] == "survived"
         ]
+    table += [f"{name}: {note}" for name, note in document["notes"].items() if note]
     document |= {"report": table, "at_length": survivors}
-    RESULTS.write_text(json.dumps(document, indent=1) + "\n", "utf-8")
+    RESULTS.write_text(json.dumps(document) + "\n", "utf-8")
     print(*table, sep="\n")
