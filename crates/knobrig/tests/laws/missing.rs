@@ -104,11 +104,12 @@ fn how_many_detents_were_crossed_is_counted() {
     let signals = noisy(&truth, 52);
     let fit = refine(&[&signals], &truth).unwrap();
     let said = implausible(&[&signals], &fit, Id::DetentHarmonics, false, true);
-    let ends = signals
-        .theta
-        .iter()
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], theta| [low.min(*theta), high.max(*theta)]);
-    let crossed = (ends[1] - ends[0]) / (TAU * 0.5);
+    let counted = signals.theta.iter().zip(&signals.weight).filter(|(_, weight)| **weight > 0.0);
+    let ends = counted.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], (theta, _)| {
+        [low.min(*theta), high.max(*theta)]
+    });
+    let period = fit.model.values()[fit.model.period().unwrap()];
+    let crossed = (ends[1] - ends[0]) / (TAU * period);
     assert!(crossed < 1.0);
     assert_eq!(said[0], format!("only {crossed:.1} detents were crossed"));
 }
