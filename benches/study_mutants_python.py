@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import os
 import random
 import shutil
@@ -52,7 +53,7 @@ APART += (
     "formats",
     "strangers",
 )
-PATIENCE = 5.0  # times the unmutated time
+PATIENCE = 5.0  # times the unmutated time, of the processor
 LEAST_S = 20.0  # added to it
 
 
@@ -164,19 +165,22 @@ def tried(work: Path, number: int, tests: list[tuple[float, str]]) -> str:
             : 1 + sum(1 for at in range(1, len(tests)) if sum(cost for cost, _ in tests[: at + 1]) < LEAST_S)
         ]
         tests = tests[len(some) :]
-        limit = PATIENCE * sum(cost for cost, _ in some) + LEAST_S
+        limit = math.ceil(PATIENCE * sum(cost for cost, _ in some) + LEAST_S)
         words = ["-m", "pytest", "-x", "-q", "--tb=no", "-p", "no:cacheprovider", *(test for _, test in some)]
+        # By the processor's time, since others may use the machine; by the clock too, should it wait forever.
         try:
             ended = subprocess.run(
-                [*python, *words],
+                ["prlimit", f"--cpu={limit}", *python, *words],
                 cwd=work / "tree",
                 env=environment | {VARIABLE: str(number)},
                 capture_output=True,
                 text=True,
-                timeout=limit,
+                timeout=20.0 * limit,
                 check=False,
             )
         except subprocess.TimeoutExpired:
+            return "waits too long"
+        if ended.returncode < 0:
             return "takes too long"
         if ended.returncode:
             failed = [line for line in ended.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
