@@ -259,4 +259,13 @@ mod tests {
         model.set("detent.P", 1.0 / 12.4).unwrap();
         assert_eq!(beside(&[&data], &model).len(), 1);
     }
+
+    #[test]
+    fn along_an_axis_the_strongest_wave_may_be_one_of_six_per_pitch() {
+        let wave = |x: f64| 4e-3 * (60.0 * x).sin() + 2e-3 * (10.0 * x + 0.5).sin();
+        let data = turned(0.9, 1e-4, |x, _| wave(x));
+        let found = waves(&[&data], &Model::equation_1(Axis::Linear, false));
+        let periods: Vec<f64> = found.iter().map(|[_, period, _]| (1.0 / period).round()).collect();
+        assert_eq!(periods, [60.0, 10.0], "{found:?}");
+    }
 }

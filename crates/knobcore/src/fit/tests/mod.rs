@@ -187,3 +187,11 @@ fn detents_are_found_where_they_are_and_nowhere_else() {
         assert!(found.scan.is_some());
     }
 }
+
+#[test]
+fn weighted_squares_are_those_of_every_sample() {
+    let x: Vec<f64> = (0..37).map(f64::from).collect();
+    let weight: Vec<f64> = (0..37).map(|i| f64::from(u8::from(i % 3 > 0))).collect();
+    let sum: f64 = (0..37).filter(|i| i % 3 > 0).map(|i| f64::from(i * i)).sum();
+    assert_eq!(moments::squares(&x, &weight), sum);
+}
