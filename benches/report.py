@@ -39,6 +39,7 @@ AT_LENGTH = {
     "safety": "Limits of the rig",
     "versions": "Speed before and after",
     "sets": "Speed by instruction set",
+    "mutants": "Faults planted by a machine that no test noticed",
 }
 
 

@@ -177,3 +177,49 @@ fn firm(nature: &Nature, count: f64) -> [f64; 2] {
     let hold = nature.hold.max(f64::MIN_POSITIVE);
     [hold / count.max(USUAL_COUNT), hold / DIRECTED]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn nature(inertia: f64) -> Nature {
+        Nature { inertia, surge: inertia, hold: 0.02, stiffness: 0.0, damping: 0.0, dissipates: true }
+    }
+
+    fn device(held: bool) -> Device {
+        Device {
+            inertia: 5e-5,
+            damping: 1e-3,
+            delay: 1,
+            torque_limit: 1.0,
+            torque_rate_limit: 1e4,
+            encoder_step: 1e-5,
+            held,
+        }
+    }
+
+    #[test]
+    fn inertia_is_filtered_where_a_hand_could_make_it_ring_and_nowhere_else() {
+        let freshness =
+            |inertia: f64, held: bool| Tuning::of(&device(held), &nature(inertia), 2e-4).freshness;
+        // Beside the device's own.
+        assert_eq!(freshness(6e-5, false), 1.0);
+        assert!(freshness(2e-4, false) < 1.0 && freshness(4e-4, false) < freshness(2e-4, false));
+        assert_eq!(freshness(4e-4, true), 1.0);
+    }
+
+    #[test]
+    fn a_spring_that_holds_is_damped_as_far_as_the_delay_allows() {
+        let late = device(false).late_s(2e-4);
+        let damping = |damping: f64, stiffness: f64| {
+            spring(5e-5, late, &Nature { damping, stiffness, ..nature(0.0) }, 0.0)[1]
+        };
+        let free = damping(0.0, 0.0);
+        let most = SPRING[1] * 5e-5 / late;
+        assert!(free <= most && free > 0.0);
+        // What the knob itself damps, and what its stiffness takes off by being late, is no longer there.
+        assert!((damping(0.9 * most, 0.0) - 0.1 * most).abs() < 1e-12);
+        assert!((damping(0.0, 0.9 * most / late) - 0.1 * most).abs() < 1e-12);
+        assert_eq!(damping(2.0 * most, 0.0), 0.0);
+    }
+}

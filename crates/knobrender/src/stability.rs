@@ -183,4 +183,65 @@ mod tests {
             assert!(!check_stability(&spring(30.0 * allowed), device(delay), 5000.0).unwrap().is_stable());
         }
     }
+
+    /// A knob with every number of its own.
+    fn rubbed() -> Model {
+        let mut model = Model::new(&[Id::Inertia, Id::Coulomb, Id::Viscous, Id::ReturnSpring], Axis::Rotary);
+        for (name, value) in [
+            ("inertia.M", 2e-5),
+            ("coulomb.neg", 0.03),
+            ("coulomb.pos", 0.02),
+            ("viscous.neg", 1e-3),
+            ("viscous.pos", 2e-3),
+            ("return_spring.k", 0.4),
+        ] {
+            model.set(name, value).unwrap();
+        }
+        model
+    }
+
+    #[test]
+    fn what_is_asked_of_a_device_is_what_the_model_has() {
+        let device = device(1);
+        let found = check_stability(&rubbed(), device, 5000.0).unwrap();
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-6 * b.abs();
+        // One sample of delay and half a sample of the hold.
+        let late = 1.5 * 2e-4;
+        assert!(near(found.delay_s, late) && near(found.inertia_ratio, 0.4));
+        assert!(near(found.stiffness, 0.4) && near(found.damping, 2e-3), "{found:?}");
+        assert!(near(found.passivity_margin, device.damping - 0.4 * late - 2e-3), "{found:?}");
+    }
+
+    #[test]
+    fn a_stuck_knob_is_tied_as_finely_as_its_friction_and_the_encoder_ask() {
+        let tied = |encoder_step: f64, held: bool, times: f64| {
+            let mut model = rubbed();
+            model.set("coulomb.neg", times * 0.03).unwrap();
+            model.set("coulomb.pos", times * 0.02).unwrap();
+            let device = Device { encoder_step, held, ..device(1) };
+            check_stability(&model, device, 5000.0).unwrap().anchor_stiffness
+        };
+        // A count changes the torque by a tenth of what holds the knob where it is held least; imposed, by all of it.
+        assert!((tied(1e-2, false, 1.0) / (0.1 * 0.02 / 1e-2) - 1.0).abs() < 1e-9);
+        assert!((tied(1e-3, true, 1.0) / (0.02 / 1e-3) - 1.0).abs() < 1e-9);
+        assert!((tied(1e-2, false, 3.0) / tied(1e-2, false, 1.0) - 3.0).abs() < 1e-9);
+        // Where counts are fine, delay and inertia are what limits it.
+        assert!(
+            tied(1e-9, false, 1.0) < 0.1 * 0.02 / 1e-9 && tied(1e-9, false, 3.0) == tied(1e-9, false, 1.0)
+        );
+    }
+
+    #[test]
+    fn the_margin_of_a_spring_and_a_mass_is_that_of_its_loop() {
+        // A plain spring on a mass with nothing but delay: at the frequency where k / (J w^2) is one.
+        let (k, late) = (0.02, 1.5 * 2e-4);
+        let bare = Device { damping: 0.0, ..device(1) };
+        let mut weightless = spring(k);
+        weightless.set("inertia.M", 0.0).unwrap();
+        let found = check_stability(&weightless, bare, 5000.0).unwrap();
+        let w = (k / bare.inertia).sqrt();
+        // The model is looked up where the knob will be when the torque acts: that takes back the delay, to first order.
+        let taken_back = (w * late).atan();
+        assert!((found.sliding_margin - (taken_back - w * late)).abs() < 0.02, "{found:?}");
+    }
 }

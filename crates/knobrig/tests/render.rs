@@ -257,6 +257,20 @@ fn torque_never_exceeds_its_limit_nor_changes_faster_than_it_may() {
         (before, most) = (Some(tau), most.max(tau.abs()));
     }
     assert_eq!(most, 0.03);
+
+    // A device that can do no more is a limit too.
+    let device = Device { torque_limit: 0.02, torque_rate_limit: 3.0, held: true, ..device(5e-5, 0) };
+    let mut knob = Renderer::new(&self::knob(5), RATE, Some(device), limits).unwrap();
+    let mut before = 0.0_f64;
+    for i in 0..5000 {
+        let (sin, cos) = (7.0 * f64::from(i) / RATE).sin_cos();
+        let tau = knob.step(Sensed { theta: sin, omega: 7.0 * cos, alpha: -49.0 * sin, hand: None });
+        assert!(
+            tau.abs() <= 0.02 && (i == 0 || (tau - before).abs() <= 3.0 / RATE * (1.0 + 1e-12)),
+            "{tau} {before}"
+        );
+        before = tau;
+    }
 }
 
 #[test]

@@ -147,4 +147,37 @@ mod tests {
         assert!(pushed.omega[6000..].iter().all(|omega| *omega == 0.0));
         assert!(pushed.theta[9999] > 0.5);
     }
+
+    #[test]
+    fn the_sensor_reads_what_the_hand_gives_also_while_friction_wears_off() {
+        let dt = 2e-4;
+        let mut knob = knob().with(Id::FrictionDrift).unwrap();
+        for (name, value) in [("friction_drift.rise", 2.0), ("friction_drift.tau", 0.3)] {
+            knob.set(name, value).unwrap();
+        }
+        let speed = 2.0;
+        let reference: Vec<f64> = (0..5000).map(|i| f64::from(i) * speed * dt).collect();
+        let pushed = push(&knob, &reference, dt, HAND).unwrap();
+        let hand = |i: usize| {
+            HAND.stiffness * (reference[i] - pushed.theta[i]) + HAND.damping * (speed - pushed.omega[i])
+        };
+        let slides = |i: &usize| pushed.omega[*i] > 0.1;
+        let moving: Vec<usize> = (0..5000).filter(slides).collect();
+        assert!(moving.len() > 3000 && moving[0] < 1500);
+        for i in moving {
+            assert!((pushed.tau[i] - hand(i)).abs() < 2e-3, "{i}: {} {}", pushed.tau[i], hand(i));
+        }
+        assert!(pushed.tau[1500] > 1.5 * pushed.tau[4999], "it wears off");
+    }
+
+    #[test]
+    fn a_hand_is_refused_just_where_a_step_could_not_follow_it() {
+        let (dt, inertia) = (2e-4, 7e-5);
+        let h = dt / steps(dt) as f64;
+        let refused =
+            |stiffness: f64, damping: f64| push(&knob(), &[0.0; 3], dt, Hand { stiffness, damping }).is_err();
+        let (stiff, damped) = (0.5 * inertia / (h * h), 0.5 * inertia / h);
+        assert!(!refused(0.999 * stiff, 0.0) && refused(1.001 * stiff, 0.0));
+        assert!(!refused(0.5, 0.999 * damped) && refused(0.5, 1.001 * damped));
+    }
 }

@@ -184,3 +184,18 @@ fn covariance_root(columns: &[Vec<f64>], white: f64) -> DMatrix<f64> {
     gram += DMatrix::from_diagonal_element(k, k, ridge);
     Cholesky::new(gram).map_or_else(|| DMatrix::zeros(k, k), Cholesky::unpack)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gains_by_chance_have_a_mean_and_a_spread() {
+        assert_eq!(spread(&[1.0, 2.0, 3.0, 4.0]), (2.5, 1.25_f64.sqrt()));
+        let null =
+            Null { scale: BTreeMap::from([(Id::Stribeck, (10.0, 2.0))]), largest: vec![-1.0, 0.0, 1.0, 2.0] };
+        let p = |gain: f64| null.p_value(Id::Stribeck, gain);
+        // One of four is above 1.5 standard deviations; no gain below the mean is rare.
+        assert_eq!((p(13.0), p(16.0), p(9.0)), (0.4, 0.2, 1.0));
+    }
+}

@@ -119,3 +119,52 @@ impl Carrier<'_> {
         params.iter().map(value).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FLOOR: f64 = 1e-3;
+    const SIZES: [f64; 2] = [1e-6, 0.1];
+
+    fn carrier(costs: impl Fn(f64) -> Option<[f64; 2]> + 'static) -> Carrier<'static> {
+        let survey = Survey {
+            theta: vec![-1.0, 1.0],
+            speed: vec![5.0],
+            torque: vec![0.05],
+            duration_s: 2.0,
+            rate_hz: 1000.0,
+            inertia: 1e-4,
+            revolution: Some(1.0),
+            waves: None,
+        };
+        let costs: Costs<'_> = Box::new(move |_, p| costs(p[0]));
+        Carrier { survey, dry: 0.01, pushes: 0.0, detent: None, floor: FLOOR, limit: 1.0, costs }
+    }
+
+    fn sized(carrier: &Carrier<'_>) -> f64 {
+        carrier.sized(Id::QuadraticDrag, SIZES, |size| [size])[0]
+    }
+
+    #[test]
+    fn a_size_costs_a_clear_multiple_of_the_noise_however_costs_grow_with_it() {
+        for (power, right) in [(0.5, 3e-5), (1.0, 2e-3), (2.0, 2e-3), (3.0, 0.04)] {
+            let cost = move |size: f64| TIMES * FLOOR * (size / right).powf(power);
+            let found = sized(&carrier(move |size| Some([cost(size), 0.1])));
+            assert!((cost(found) / (TIMES * FLOOR) - 1.0).abs() < NEAR, "{power}: {found}");
+        }
+    }
+
+    #[test]
+    fn a_size_stays_within_the_sensors_range_and_one_that_is_still_too_weak_is_the_largest() {
+        let found = sized(&carrier(|size| Some([0.1 * size, 100.0 * size])));
+        assert!(100.0 * found <= WITHIN && 100.0 * found > 0.5 * WITHIN, "{found}");
+        assert_eq!(sized(&carrier(|size| Some([0.9 * TIMES * FLOOR * size / SIZES[1], 0.1]))), SIZES[1]);
+    }
+
+    #[test]
+    fn where_nothing_tells_what_it_costs_a_size_is_in_the_middle() {
+        let found = sized(&carrier(|_| None));
+        assert!((found / (SIZES[0] * SIZES[1]).sqrt() - 1.0).abs() < 1e-12);
+    }
+}

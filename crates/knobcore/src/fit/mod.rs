@@ -372,3 +372,6 @@ impl Fit {
         band
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -214,3 +214,58 @@ impl Products {
         (gain > scale * (gains.len() as f64 / CHANCE).ln()).then_some((order, wave))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::tests::turned;
+
+    #[test]
+    fn the_waves_of_a_ripple_are_found_strongest_first_and_no_others() {
+        let put = [(40, 3e-3, 2.0), (3, 2e-3, -1.0), (7, 1e-3, 0.4)];
+        let ripple = |theta: f64| -> f64 {
+            put.iter().map(|(order, size, phase)| size * (f64::from(*order) * theta + phase).sin()).sum()
+        };
+        let data = turned(4.0, 5e-4, |theta, _| ripple(theta));
+        let found = waves(&[&data], &Model::equation_1(Axis::Rotary, false));
+        assert_eq!(found.len(), put.len(), "{found:?}");
+        for ([size, period, phase], (order, own, at)) in found.iter().zip(put) {
+            assert!((period * f64::from(order) - 1.0).abs() < 1e-9, "{found:?}");
+            assert!((size / own - 1.0).abs() < 0.1 && (phase - at).abs() < 0.1, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn within_less_than_a_turn_no_orders_are_told_apart() {
+        let data = turned(1.0, 1e-4, |theta, _| 3e-3 * (7.0 * theta).sin());
+        assert!(waves(&[&data], &Model::equation_1(Axis::Rotary, false)).is_empty());
+    }
+
+    #[test]
+    fn beside_detents_that_are_an_order_stand_those_that_are_none() {
+        let data =
+            turned(4.0, 1e-4, |theta, _| 4e-3 * (12.0 * theta).sin() + 2e-3 * (17.4 * theta + 0.3).sin());
+        let mut model = Model::equation_1(Axis::Rotary, true);
+        for (name, value) in [("detent.A", 4e-3), ("detent.P", 1.0 / 12.0), ("detent.S", 0.0)] {
+            model.set(name, value).unwrap();
+        }
+        let value = |model: &Model, name: &str| model.values()[model.index(name).unwrap()];
+        let [same, bare, moved] = &beside(&[&data], &model)[..] else { panic!("three") };
+        assert_eq!(same.values(), model.values());
+        assert_eq!(value(bare, "detent.A"), 0.0);
+        assert!(bare.slots().iter().all(|slot| slot.effect != Id::Detent || slot.role == Role::Fixed));
+        assert!((value(moved, "detent.P") * 17.4 - 1.0).abs() < 2e-3, "{}", value(moved, "detent.P"));
+        assert!((value(moved, "detent.A") / 2e-3 - 1.0).abs() < 0.1);
+        model.set("detent.P", 1.0 / 12.4).unwrap();
+        assert_eq!(beside(&[&data], &model).len(), 1);
+    }
+
+    #[test]
+    fn along_an_axis_the_strongest_wave_may_be_one_of_six_per_pitch() {
+        let wave = |x: f64| 4e-3 * (60.0 * x).sin() + 2e-3 * (10.0 * x + 0.5).sin();
+        let data = turned(0.9, 1e-4, |x, _| wave(x));
+        let found = waves(&[&data], &Model::equation_1(Axis::Linear, false));
+        let periods: Vec<f64> = found.iter().map(|[_, period, _]| (1.0 / period).round()).collect();
+        assert_eq!(periods, [60.0, 10.0], "{found:?}");
+    }
+}

@@ -321,3 +321,65 @@ pub fn scan(
     kept.iter().zip(&solved).for_each(|(&i, value)| step[i] = *value);
     Some((scan, step))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::separable::Layout;
+    use crate::fit::tests::{gain, turned};
+
+    fn scanned(data: &Signals, wave: Wave) -> Scan {
+        let model = Model::equation_1(Axis::Rotary, false);
+        let linear = Layout::of(&model).linear();
+        scan(&[data], &model, &model.values(), &linear, wave).unwrap().0
+    }
+
+    #[test]
+    fn at_every_frequency_the_scan_is_the_fit_of_a_wave_there() {
+        let data = turned(0.9, 1e-3, |theta, _| 0.02 * (theta / 0.11 + 0.4).sin());
+        for wave in [Wave::Torque, Wave::Friction] {
+            let scan = scanned(&data, wave);
+            let most = scan.gain.iter().copied().fold(0.0, f64::max);
+            for (at, k) in scan.inverse_period.iter().enumerate().step_by(23) {
+                let exact = gain(&data, *k, wave == Wave::Friction);
+                assert!(
+                    (scan.gain[at] - exact).abs() < 2e-4 * most,
+                    "{wave:?} {k}: {} {exact}",
+                    scan.gain[at]
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_highest_peak_is_the_detent_that_is_there() {
+        let data = turned(0.9, 1e-4, |theta, _| 0.02 * (theta / 0.11 + 0.4).sin());
+        let scan = scanned(&data, Wave::Torque);
+        let peaks = scan.peaks();
+        let best = peaks[0];
+        assert!((best.period / 0.11 - 1.0).abs() < 1e-3, "{best:?}");
+        assert!((best.amplitude / 0.02 - 1.0).abs() < 0.03 && (best.phase - 0.4).abs() < 0.15, "{best:?}");
+        assert!(peaks.windows(2).all(|pair| pair[0].gain >= pair[1].gain));
+        assert!(best.gain > 0.9 * scan.without && scan.background() < 0.05 * best.gain);
+    }
+
+    #[test]
+    fn periods_from_half_the_motion_to_a_three_hundredth_of_a_turn_are_looked_at() {
+        let data = turned(0.9, 1e-3, |_, _| 0.0);
+        let scan = scanned(&data, Wave::Torque);
+        let range = super::range(&[&data]);
+        let (first, last) = (scan.inverse_period[0], scan.inverse_period[scan.inverse_period.len() - 1]);
+        let step = scan.inverse_period[1] - first;
+        assert!(LEAST_PHASE / range <= first && first < LEAST_PHASE / range + step);
+        assert!(last <= MOST && MOST < last + step);
+        // At least so fine that no peak, a cycle over the range wide, falls between two.
+        assert!(step <= TAU / range / OVERSAMPLING as f64 * 1.001, "{step}");
+    }
+
+    #[test]
+    fn a_knob_that_does_not_move_is_not_scanned() {
+        let mut data = turned(0.9, 1e-3, |_, _| 0.0);
+        data.theta.fill(0.3);
+        assert!(Grid::over(&[&data]).is_none());
+    }
+}

@@ -175,3 +175,32 @@ fn spent(sensors: &Sensors<'_>, model: &Model, motion: &Motion, i: usize) -> f64
     let steps = (sensors.t[last] - sensors.t[first]) / model.scale[1];
     (MARGIN * 4.0 * jumps / steps).sqrt() / model.jerk
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_window_counts_with_those_beside_it() {
+        let raised = [1.0, 1.0, 1.0, 5.0, 1.0, 1.0];
+        let highest: Vec<f64> = (0..6).map(|i| highest_around(&raised, i)).collect();
+        assert_eq!(highest, [1.0, 1.0, 5.0, 5.0, 5.0, 1.0]);
+    }
+
+    #[test]
+    fn noise_is_as_much_larger_as_its_squares_for_each_degree_of_freedom() {
+        for freedom in [2.0, 10.0] {
+            assert!((spread(&vec![(4.0 * freedom, freedom); 50]) * UPPER_TENTH - 4.0).abs() < 1e-12);
+        }
+        assert_eq!(spread(&[(0.1, 5.0); 9]), 1.0);
+    }
+
+    #[test]
+    fn of_many_degrees_of_freedom_chance_is_that_of_a_normal_number() {
+        // exp(-z^2 / 2) bounds how often a normal number exceeds z.
+        let (freedom, least) = (1e8_f64, (2.0 * UNLIKELY).sqrt());
+        let z = (chance(freedom) - freedom) / (2.0 * freedom).sqrt();
+        assert!((least..1.01 * least).contains(&z), "{z} {least}");
+        assert!(chance(0.0) >= 2.0 * UNLIKELY);
+    }
+}

@@ -151,3 +151,16 @@ fn golden_section(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     }
     0.5 * (low + high)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_memory_of_least_cost_is_found_wherever_it_lies() {
+        for right in [1.0, 3.0, 17.0, 90.0, 100.0] {
+            let found = best_memory(1.0, 100.0, |memory: f64| 1.0 + (memory / right).ln().powi(2));
+            assert!((found / right).ln().abs() < 2.0 * ENOUGH, "{found} {right}");
+        }
+    }
+}

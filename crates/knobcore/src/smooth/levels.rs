@@ -96,4 +96,11 @@ mod tests {
         let theta: Vec<f64> = t.iter().map(|t| (12.0 * t).sin() + 1e-5 * normal.normal()).collect();
         assert!((level(&t, &theta) / 1e-5 - 1.0).abs() < 0.05);
     }
+
+    #[test]
+    fn readings_repeat_where_they_are_the_same_as_the_one_before() {
+        assert_eq!(repeats(&[1.0, 1.0, f64::NAN, 1.0, 2.0]), 0.5);
+        assert_eq!(repeats(&[1.0, 2.0, 1.0, 2.0]), 0.0);
+        assert_eq!(repeats(&[]), 0.0);
+    }
 }

@@ -48,6 +48,7 @@ mod tests {
         let theta: Vec<f64> = (0..5000).map(|k| (f64::from(k) * 0.002).sin()).collect();
         let counted: Vec<f64> = theta.iter().map(|theta| (theta / count).round() * count).collect();
         assert!((quantum(&counted) / count - 1.0).abs() < 1e-9);
+        assert!((least_noise(&counted).powi(2) / (count * count / 12.0) - 1.0).abs() < 1e-9);
     }
 
     #[test]

@@ -6,6 +6,8 @@ mod derivatives;
 mod driven;
 mod implausible;
 mod limits;
+mod located;
+mod missing;
 mod recovery;
 mod rendering;
 mod runs;

@@ -86,9 +86,16 @@ fn faults_are_named_with_their_row() {
     assert!(smooth(&short, &noise).unwrap_err().to_string().contains("omega: has 3 samples where t has 4"));
 
     let seen = Sensors { t: &t, ..seen };
-    assert!(
-        smooth(&seen, &Noise { jerk: f64::NAN, ..noise }).unwrap_err().to_string().contains("noise.jerk")
-    );
+    for (wrong, name) in [
+        (Noise { jerk: f64::NAN, ..noise }, "noise.jerk"),
+        (Noise { jerk: f64::INFINITY, ..noise }, "noise.jerk"),
+        (Noise { theta: -1e-5, ..noise }, "noise.theta"),
+        (Noise { theta: f64::INFINITY, ..noise }, "noise.theta"),
+        (Noise { omega: -1.0, ..noise }, "noise.omega"),
+        (Noise { alpha: f64::NAN, ..noise }, "noise.alpha"),
+    ] {
+        assert!(smooth(&seen, &wrong).unwrap_err().to_string().contains(name), "{wrong:?}");
+    }
 }
 
 #[test]

@@ -1,0 +1,197 @@
+//! A fit against least squares over the samples themselves; and what tests of its parts start from.
+
+use super::*;
+use crate::param::Axis;
+use crate::random::Noise;
+use crate::signals::Signals;
+use nalgebra::DVector;
+
+const RATE_HZ: f64 = 1000.0;
+
+/// A knob with inertia and friction, turned to and fro as far as `reach` (rad) and a bit more, with noise (N m) and a
+/// torque more of position and direction.
+pub fn turned(reach: f64, noise: f64, more: impl Fn(f64, f64) -> f64) -> Signals {
+    let parts = [(reach, 3.1), (0.2 * reach, 7.3), (0.03 * reach, 31.0)];
+    let over = |of: &dyn Fn(f64) -> f64| (0..4000).map(|i| of(f64::from(i) / RATE_HZ)).collect::<Vec<f64>>();
+    let sum =
+        |t: f64, of: &dyn Fn(f64, f64, f64) -> f64| parts.iter().map(|(a, w)| of(*a, *w, t)).sum::<f64>();
+    let theta = over(&|t| sum(t, &|a, w, t| a * (w * t).sin()));
+    let omega = over(&|t| sum(t, &|a, w, t| a * w * (w * t).cos()));
+    let alpha = over(&|t| sum(t, &|a, w, t| -a * w * w * (w * t).sin()));
+    let mut random = Noise::new(11);
+    let tau: Vec<f64> = (0..theta.len())
+        .map(|i| {
+            let forth = omega[i].signum();
+            let knob = 1e-4 * alpha[i] + 4e-3 * forth + 1e-3 * omega[i];
+            knob + more(theta[i], forth) + noise * random.normal()
+        })
+        .collect();
+    Signals {
+        rate_hz: RATE_HZ,
+        substeps: 1,
+        t: over(&|t| t),
+        forward: omega.iter().map(|omega| f64::from(u8::from(*omega > 0.0))).collect(),
+        omega_sd: vec![0.0; theta.len()],
+        weight: vec![1.0; theta.len()],
+        segments: vec![0..theta.len(); 1],
+        tau_raw: tau.clone(),
+        theta,
+        omega,
+        alpha,
+        tau,
+        ..Signals::default()
+    }
+}
+
+/// What a wave of this spatial frequency (1/rad) beside inertia and friction takes off the sum of squares, by least
+/// squares over the samples themselves; with the sign of the motion if it is one of friction.
+pub fn gain(data: &Signals, k: f64, of_friction: bool) -> f64 {
+    let rows = data.len();
+    let left = |columns: usize| {
+        let x = DMatrix::from_fn(rows, columns, |i, j| {
+            let (theta, omega, forth) = (data.theta[i], data.omega[i], data.omega[i] > 0.0);
+            let sign = if of_friction && !forth { -1.0 } else { 1.0 };
+            match j {
+                0 => data.alpha[i],
+                1 => f64::from(u8::from(forth)),
+                2 => f64::from(u8::from(!forth)),
+                3 => omega.max(0.0),
+                4 => omega.min(0.0),
+                5 => sign * (k * theta).sin(),
+                _ => sign * (k * theta).cos(),
+            }
+        });
+        let y = DVector::from_column_slice(&data.tau);
+        let slope = x.transpose() * &y;
+        let solved = (x.transpose() * &x).cholesky().unwrap().solve(&slope);
+        (y - x * solved).norm_squared()
+    };
+    left(5) - left(7)
+}
+
+/// Derivatives of the torque by the parameters of a knob without detents, in their order: inertia, then Coulomb's and
+/// viscous friction, each backward and forward.
+fn design(data: &Signals) -> DMatrix<f64> {
+    DMatrix::from_fn(data.len(), 5, |i, j| {
+        let (omega, forth) = (data.omega[i], data.omega[i] > 0.0);
+        match j {
+            0 => data.alpha[i],
+            1 => -f64::from(u8::from(!forth)),
+            2 => f64::from(u8::from(forth)),
+            3 => omega.min(0.0),
+            _ => omega.max(0.0),
+        }
+    })
+}
+
+const SD: f64 = 1e-3;
+
+fn fitted(data: &Signals) -> Fit {
+    fit(&[data], &Model::equation_1(Axis::Rotary, false), Detents::AsModel).unwrap()
+}
+
+#[test]
+fn of_white_noise_the_uncertainty_is_that_of_the_textbook() {
+    let data = turned(0.9, SD, |_, _| 0.0);
+    let found = fitted(&data);
+    let x = design(&data);
+    let exact = (x.transpose() * &x).try_inverse().unwrap() * (SD * SD);
+    let (errors, correlation, band) = (found.standard_errors(), found.correlation(), found.band(&data));
+    assert_eq!(found.free.len(), 5);
+    for (i, error) in errors.iter().enumerate() {
+        assert!((error / exact[(i, i)].sqrt() - 1.0).abs() < 0.06, "{i}: {error}");
+        for j in 0..5 {
+            let right = exact[(i, j)] / (exact[(i, i)] * exact[(j, j)]).sqrt();
+            assert!((correlation[(i, j)] - right).abs() < 0.05, "{i} {j}: {}", correlation[(i, j)]);
+        }
+    }
+    for at in (0..data.len()).step_by(97) {
+        let row = x.row(at);
+        let right = Z95 * (row * &exact * row.transpose())[(0, 0)].sqrt();
+        assert!((band[at] / right - 1.0).abs() < 0.06, "{at}: {} {right}", band[at]);
+    }
+}
+
+#[test]
+fn refits_of_blocks_scatter_as_the_uncertainty_says_about_what_was_found() {
+    let data = turned(0.9, SD, |_, _| 0.0);
+    let found = fitted(&data);
+    let refits = found.bootstrap(1000, 3);
+    for ((refits, error), at) in refits.iter().zip(found.standard_errors()).zip(&found.free) {
+        let n = refits.len() as f64;
+        let mean = refits.iter().sum::<f64>() / n;
+        let sd = (refits.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / n).sqrt();
+        assert_eq!(refits.len(), 1000);
+        assert!((mean - found.model.values()[*at]).abs() < 0.15 * error, "{at}: {mean}");
+        assert!((sd / error - 1.0).abs() < 0.2, "{at}: {sd} {error}");
+    }
+    assert_ne!(refits, found.bootstrap(1000, 4));
+}
+
+#[test]
+fn what_a_fit_did_not_see_it_explains_almost_as_well() {
+    let data = turned(0.9, SD, |_, _| 0.0);
+    let found = fitted(&data);
+    // Of p parameters and n samples the error unseen is larger by p / n, about.
+    let more = found.rmse_heldout / found.rmse - 1.0;
+    assert!((0.0..4.0 * 5.0 / data.len() as f64).contains(&more), "{more}");
+    assert!((found.rmse / SD - 1.0).abs() < 0.05 && (found.noise_floor / SD - 1.0).abs() < 0.05);
+    assert!((found.white_squares / data.len() as f64 - 1.0).abs() < 0.02, "{}", found.white_squares);
+}
+
+#[test]
+fn what_a_motion_says_nothing_about_is_named_with_the_reason() {
+    let mut data = turned(0.9, SD, |_, _| 0.0);
+    for (at, weight) in data.weight.iter_mut().enumerate() {
+        *weight = f64::from(u8::from(data.omega[at] > 0.0));
+    }
+    let names = |found: &Fit| found.undetermined.iter().map(|one| one.name.clone()).collect::<Vec<_>>();
+    let forth = fitted(&data);
+    assert_eq!(names(&forth), ["coulomb.neg", "viscous.neg"]);
+    assert!(
+        forth.undetermined.iter().all(|one| one.why.starts_with("nothing in this capture depends on it"))
+    );
+    // At one speed friction is friction.
+    data.omega.fill(2.0);
+    data.forward.fill(1.0);
+    let steady = fitted(&data);
+    let one =
+        steady.undetermined.iter().find(|one| one.why.starts_with("this capture cannot tell it")).unwrap();
+    let pair = ["coulomb.pos", "viscous.pos"];
+    let other = pair.iter().find(|name| **name != one.name).unwrap();
+    assert!(pair.contains(&one.name.as_str()) && one.why.contains(other), "{one:?}");
+    assert!(!one.why.contains("inertia"), "{one:?}");
+}
+
+#[test]
+fn detents_are_found_where_they_are_and_nowhere_else() {
+    let bare = Model::equation_1(Axis::Rotary, false);
+    let search = |more: &dyn Fn(f64) -> f64| {
+        let data = turned(0.9, SD, |theta, _| more(theta));
+        fit(&[&data], &bare, Detents::Find).unwrap()
+    };
+    let found = search(&|theta| 5e-3 * (theta / 0.11 + 0.4).sin());
+    let value = |name: &str| found.model.values()[found.model.index(name).unwrap()];
+    assert!((value("detent.P") / 0.11 - 1.0).abs() < 1e-3 && (value("detent.A") / 5e-3 - 1.0).abs() < 0.05);
+    assert!((found.rmse / SD - 1.0).abs() < 0.05);
+    let none: [(&str, &dyn Fn(f64) -> f64); 5] = [
+        ("nothing", &|_| 0.0),
+        ("detents that chance explains", &|theta| 5e-5 * (theta / 0.11).sin()),
+        ("a spring", &|theta| 5e-3 * theta),
+        ("a cubic", &|theta| 5e-3 * (theta - 1.2 * theta.powi(3))),
+        ("less than a wave", &|theta| 5e-3 * (theta / 1.1).cos()),
+    ];
+    for (what, more) in none {
+        let found = search(more);
+        assert!(!found.model.has(Id::Detent), "{what}");
+        assert!(found.scan.is_some());
+    }
+}
+
+#[test]
+fn weighted_squares_are_those_of_every_sample() {
+    let x: Vec<f64> = (0..37).map(f64::from).collect();
+    let weight: Vec<f64> = (0..37).map(|i| f64::from(u8::from(i % 3 > 0))).collect();
+    let sum: f64 = (0..37).filter(|i| i % 3 > 0).map(|i| f64::from(i * i)).sum();
+    assert_eq!(moments::squares(&x, &weight), sum);
+}
