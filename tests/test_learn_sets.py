@@ -60,3 +60,9 @@ def test_what_was_looked_for_in_the_error_of_another_is_looked_for_anew_beside_i
 
 def test_a_torque_that_is_late_is_not_ahead_too() -> None:
     assert set(learnt("pair/torque_lag+second_detent:3105").found) == {"torque_lag", "second_detent"}
+
+
+def test_what_only_led_to_a_joint_is_not_named_with_it() -> None:
+    story = learnt("one/compliance:6000")
+    assert story.found == ("compliance",)
+    assert story.verdict == "missing"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from .. import _core
 from ..fit.diagnose import absent
-from ..fit.refit import converged, cores, gain
+from ..fit.refit import converged, cores, gain, needless
 from ..fit.rule import RULE
 from .ladder import LearningStep
 
@@ -24,7 +24,8 @@ def joined(
     """Return the steps of a coupling and another effect that explain what a search one by one left.
 
     `diagnosis` is what was weighed beside the first model, `last` where the search ended; what `progress`
-    raises ends the work. None where no pair takes off half of what that left.
+    raises ends the work. Of a pair whose other effect is not needed the coupling alone. None where no pair
+    takes off half of what that left.
     """
     fit = diagnosis.fit
     weighed = absent(fit, without)[0]
@@ -34,6 +35,14 @@ def joined(
         if alone is None or pair.rmse >= last.rmse or pair.excess > RULE.pair_leaves * last.excess:
             continue
         pair = converged(pair)
+        bare = pair.drop(companion)
+        if needless(pair, bare):
+            # It only led to the joint.
+            bare = replace(converged(bare), before=fit)
+            chance = chance_of(bare, fit, diagnosis)
+            if chance <= RULE.chance:
+                return [LearningStep(bare, coupling, chance, (), (), diagnosis)]
+            continue
         chance = chance_of(pair, alone.fit, diagnosis)
         if chance <= RULE.chance:
             before = replace(converged(alone.fit), before=fit)
