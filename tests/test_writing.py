@@ -378,8 +378,8 @@ def test_a_writer_that_is_killed_leaves_the_old_file_or_the_new(tmp_path: Path) 
 
 
 def test_only_one_module_writes() -> None:
-    """Everything else goes through it, but a recorder and an upload into a folder of its own."""
-    own = {"base/writing.py", "rig/wirelog.py", "workbench/bodies.py"}
+    """Everything else goes through it, but a recorder, a session's journal and what a browser hands over."""
+    own = {"base/writing.py", "rig/wirelog.py", "workbench/bodies.py", "workbench/journal.py"}
     words = re.compile(r"\.write_(text|bytes)\(|\.open\(\"[wxa]|NamedTemporaryFile\(|os\.fdopen\(.*\"[wxa]")
     package = Path(cli.__file__).parents[1]
     files = {path.relative_to(package).as_posix(): path.read_text() for path in package.rglob("*.py")}
