@@ -304,11 +304,12 @@ def stalled(seed: str, count: int, failures: list[str]) -> Counter[str]:
                 failures.append(f"connections that stall, seed {seed}: {why}")
                 found["failed"] += 1
         for one in waiting:
-            found["well" if _is_over(one) else "failed"] += 1
+            found["well" if is_over(one) else "failed"] += 1
     return found
 
 
-def _is_over(one: socket.socket) -> bool:
+def is_over(one: socket.socket) -> bool:
+    """Whether the server has let go of a connection, within the socket's own time."""
     try:
         while one.recv(4096):
             pass

@@ -5,10 +5,11 @@ from __future__ import annotations
 import hashlib
 import json
 import re
+import time
 import tomllib
 from collections import Counter
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "benches" / "results" / "mutants.json"
@@ -31,6 +32,16 @@ def sample(entries: list[dict[str, Any]], count: int, seed: int) -> list[dict[st
         members.sort(key=lambda entry: hashlib.sha256(f"{seed} {entry['name']}".encode()).hexdigest())
         drawn += members[: round(count * len(members) / len(entries))]
     return sorted(drawn, key=lambda entry: entry["name"])
+
+
+def keep(out: TextIO, name: str, file: str, by: str, start: float, **more: int) -> None:
+    """Keep what became of one that was tried from `start` on, at once, and say it."""
+    end = "caught" if by else "survived"
+    row = {"name": name, "stratum": stratum(file), "end": end, "by": by, **more}
+    row["seconds"] = round(time.monotonic() - start, 1)
+    out.write(json.dumps(row) + "\n")
+    out.flush()
+    print(row, flush=True)
 
 
 def rows_of(log: Path) -> list[dict[str, Any]]:

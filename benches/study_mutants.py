@@ -31,7 +31,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from mutants import ROOT, report, rows_of, sample, stratum
+from mutants import ROOT, keep, report, rows_of, sample, stratum
 from planting import EVERY, VARIABLE, Mutant, planted
 
 CRATES = ("knobcore", "knobrender", "knobrig")
@@ -251,17 +251,7 @@ def run(work: Path, count: int, seed: int, processes: int, again: bool, longest_
 
         def one(mutant: Mutant) -> None:
             start = time.monotonic()
-            by = tried(mutant, tests)
-            row = {
-                "name": mutant.name,
-                "stratum": stratum(mutant.file),
-                "end": "caught" if by else "survived",
-                "by": by,
-            }
-            row["seconds"] = round(time.monotonic() - start, 1)
-            out.write(json.dumps(row) + "\n")
-            out.flush()
-            print(row, flush=True)
+            keep(out, mutant.name, mutant.file, tried(mutant, tests), start)
 
         jobs = [mutant for mutant in living if mutant.name not in known]
         random.Random(seed).shuffle(jobs)  # what was tried when it is stopped is a sample too

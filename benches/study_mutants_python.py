@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from mutants import ROOT, report, rows_of, sample, stratum
+from mutants import ROOT, keep, report, rows_of, sample
 from planting_python import MODULE, VARIABLE, Fault, faults, planted
 
 PACKAGES = Path("python", "knobcam")
@@ -199,18 +199,8 @@ def run(work: Path, count: int, seed: int, processes: int, again: bool, files: l
         def one(job: tuple[int, Fault]) -> None:
             number, fault = job
             start = time.monotonic()
-            by = tried(work, number, tests.get(number, []))
-            row = {
-                "name": fault.name,
-                "stratum": stratum(fault.file),
-                "end": "caught" if by else "survived",
-                "by": by,
-            }
-            row["tests"] = len(tests.get(number, []))
-            row["seconds"] = round(time.monotonic() - start, 1)
-            out.write(json.dumps(row) + "\n")
-            out.flush()
-            print(row, flush=True)
+            own = tests.get(number, [])
+            keep(out, fault.name, fault.file, tried(work, number, own), start, tests=len(own))
 
         jobs = [(at, fault) for at, fault in enumerate(living) if fault.name not in known]
         random.Random(seed).shuffle(jobs)  # what was tried when it is stopped is a sample too

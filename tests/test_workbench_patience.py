@@ -15,6 +15,7 @@ from typing import Any
 
 import httpx
 import pytest
+from faults_page import is_over
 from workbench_server import TOKEN, UPLOAD_BYTES, wrong
 
 from knobcam.workbench import bodies, patience, saving, server
@@ -35,22 +36,10 @@ STALLS = [
 
 def stalled(port: int, kind: int) -> socket.socket:
     one = socket.create_connection(("127.0.0.1", port))
+    one.settimeout(20.0)  # longer than any test should need
     raw = STALLS[kind % len(STALLS)].replace(b"{port}", str(port).encode())
     one.sendall(raw.replace(b"{token}", f"{HEADER}: {TOKEN}".encode()))
     return one
-
-
-def is_over(one: socket.socket) -> bool:
-    """Whether the server has let go of a connection, within a time that no test should need."""
-    one.settimeout(20.0)
-    try:
-        while one.recv(4096):
-            pass
-    except TimeoutError:
-        return False
-    except OSError:
-        pass
-    return True
 
 
 def eventually(holds: Callable[[], bool]) -> bool:

@@ -110,9 +110,10 @@ fn joined_as(model: &Model, other: &Model) -> Model {
         let same = other.slots().iter().find(|from| from.name() == slot.name());
         let like = || other.slots().iter().filter(joins).find(|from| from.param.name == slot.param.name);
         let from = same.or_else(|| if joins(&slot) { like() } else { None });
-        // The other's bounds may be wider.
-        let _ =
-            from.map(|from| joined.set(&slot.name(), from.value.clamp(slot.param.lower, slot.param.upper)));
+        if let Some(from) = from {
+            // The other's bounds may be wider; the name is its own.
+            let _ = joined.set(&slot.name(), from.value.clamp(slot.param.lower, slot.param.upper));
+        }
     }
     joined
 }
