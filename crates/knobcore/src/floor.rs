@@ -9,6 +9,7 @@ use crate::noise::{self, Noise};
 use crate::periodogram::{Periodogram, Powers, windows};
 use crate::predict::torque_raw;
 use crate::rule::rule;
+use crate::scalar::LANES;
 use crate::signals::Signals;
 use std::f64::consts::PI;
 use std::iter::repeat;
@@ -132,12 +133,11 @@ fn coloured(signals: &Signals, rest: &[f64]) -> Option<Noise> {
         let periodogram = Periodogram::of(window);
         periodogram.powers(column, &heard(signals, window), periodogram.bins())
     };
-    let raw = steady(&spectra(&signals.tau_raw, window));
-    let mut level = quieter(steady(&spectra(rest, window)), &raw);
     let falls = |level: &[f64]| mean(level, BELOW) > rule().falls * mean(level, BAND);
-    if !falls(&level) || !falls(&raw) {
-        return None;
-    }
+    // Most noise is white, which the raw torque alone tells.
+    let raw = Some(steady(&spectra(&signals.tau_raw, window))).filter(|raw| falls(raw))?;
+    let level = quieter(steady(&spectra(rest, window)), &raw);
+    let mut level = Some(level).filter(|level| falls(level))?;
     // What rings after each of many contacts fills all long stretches, and falls too; but no noise ever pauses.
     let paused = |column: &[f64]| quiet(&spectra(column, SHORT), QUIETEST);
     let raw = paused(&signals.tau_raw);
@@ -227,9 +227,15 @@ fn heard(signals: &Signals, window: usize) -> Vec<usize> {
 /// Whether readings in each of the windows, by their starts, are hardly ever the largest of all.
 fn unlimited(torque: &[f64], starts: &[usize], window: usize) -> Vec<bool> {
     let of = |start: &usize| &torque[*start..start + window];
-    let limit = starts.iter().flat_map(of).fold(0.0, |most: f64, x| most.max(x.abs()));
+    let limit = starts.iter().map(|start| largest(of(start))).fold(0.0, f64::max);
     let at_limit = |start: &usize| of(start).iter().filter(|x| x.abs() >= limit).count() as f64;
     starts.iter().map(|start| at_limit(start) <= LIMITED * window as f64).collect()
+}
+
+/// The largest size among the readings of a window, several side by side: they need not wait for each other.
+fn largest(torque: &[f64]) -> f64 {
+    let most = |most: [f64; LANES], few: &[f64; LANES]| std::array::from_fn(|i| most[i].max(few[i].abs()));
+    torque.as_chunks().0.iter().fold([0.0; LANES], most).into_iter().fold(0.0, f64::max)
 }
 
 /// The middle one.

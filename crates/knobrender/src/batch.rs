@@ -7,7 +7,7 @@ use super::step::Renderer;
 use knobcore::chain::Block;
 use knobcore::isa;
 use knobcore::motion::Motion;
-use knobcore::scalar::{LANES, Pack, Scalar};
+use knobcore::scalar::{Known, Scalar, WIDE, Wide};
 
 /// Columns of a motion: angle, speed, acceleration, and the torque of the hand where it is measured.
 #[derive(Clone, Copy)]
@@ -25,11 +25,11 @@ impl Columns<'_> {
 }
 
 /// What a block of samples asks for if the knob slides in all of them.
+// Vectors of eight that lie across two lines of the cache take twice as long.
+#[repr(align(64))]
 struct Ahead {
     /// Time, angle when the torque acts, direction: beside the speed what an effect looks at.
     motion: [[f64; Block::SAMPLES]; 3],
-    /// Angle of the sample before.
-    before: [f64; Block::SAMPLES],
     moving: Block,
     /// The same at rest, for a model that has to be guarded.
     resting: Block,
@@ -45,14 +45,15 @@ const HALVES: [f64; Block::SAMPLES] = [0.5; Block::SAMPLES];
 impl Ahead {
     fn new() -> Self {
         let (moving, resting) = (Block::default(), Block::default());
-        Self { motion: [ZEROS; 3], before: ZEROS, moving, resting, asked: [ZEROS; 2], ways: ZEROS }
+        Self { motion: [ZEROS; 3], moving, resting, asked: [ZEROS; 2], ways: ZEROS }
     }
 
-    /// Whether the knob can slide that way through the pack of samples from `at` on.
+    /// How many of the samples from `at` on, up to `end`, the knob can slide that way through: whole packs.
     #[inline(always)]
-    fn all(&self, at: usize, way: f64) -> bool {
+    fn slides(&self, at: usize, end: usize, way: f64) -> usize {
         let differ = |other: u64, one: &f64| other | (one.to_bits() ^ way.to_bits());
-        self.ways.as_chunks::<LANES>().0[at / LANES].iter().fold(0, differ) == 0
+        let packs = self.ways.as_chunks::<WIDE>().0[at / WIDE..end / WIDE].iter();
+        packs.take_while(|pack| pack.iter().fold(0, differ) == 0).count() * WIDE
     }
 }
 
@@ -63,12 +64,13 @@ impl Renderer {
         let rows = motion.into_iter().chain(hand).map(<[f64]>::len).fold(out.len(), usize::min);
         let columns = Columns { motion: motion.map(|column| &column[..rows]), hand };
         let out = &mut out[..rows];
-        // The first step after missed periods stands for a longer time; who remembers has to take every step, and so
-        // has friction under the torque of an inertia whose acceleration is filtered.
+        // Who remembers has to take every step, and so has friction under the torque of an inertia whose acceleration is
+        // filtered.
         let remembers = self.hidden.is_some() || self.own || !self.state.memory.is_empty();
         let filtered = self.tuning.freshness != 1.0 && !self.model.is_plain();
         let single = remembers || filtered || self.forced || self.tuning.rush_s != 0.0;
-        let first = if single { rows } else { rows.min(usize::from(self.state.missed > 0)) };
+        // The others look at the sample before theirs.
+        let first = if single { rows } else { rows.min(1) };
         for i in 0..first {
             out[i] = self.step(columns.sensed(i));
         }
@@ -96,8 +98,6 @@ impl Renderer {
     #[inline(always)]
     fn look_ahead(&self, columns: &Columns<'_>, at: usize, count: usize, ahead: &mut Ahead) {
         let [theta, omega, _] = columns.motion.map(|column| &column[at..at + count]);
-        ahead.before[0] = if at > 0 { columns.motion[0][at - 1] } else { self.state.before[0] };
-        ahead.before[1..count].copy_from_slice(&theta[..count - 1]);
         let [clock, there, forward] = &mut ahead.motion;
         for i in 0..count {
             clock[i] = self.clock(self.state.samples + i as u64);
@@ -113,50 +113,53 @@ impl Renderer {
         }
     }
 
-    /// The torque of the block wherever the knob slides, and for each sample the way in which it can.
+    /// The torque of the block wherever the knob slides, and for each sample the way in which it can; the first `C`
+    /// channels of the load differ from no load.
     #[inline(always)]
-    fn slide_through(&self, columns: &Columns<'_>, at: usize, ahead: &mut Ahead, out: &mut [f64]) {
-        let n = out.len().min(Block::SAMPLES);
-        let [theta, omega, alpha] = columns.motion.map(|column| &column[at..at + n]);
-        let Ahead { motion: [_, _, forward], before, moving, resting, asked: [asked, inertias], ways } =
-            ahead;
-        for at in (0..n).step_by(LANES) {
-            let load = moving.load(at);
-            let zero = Pack::of(0.0);
-            // Written out: mapped over an array it is a call.
-            let (omega, alpha) = (Pack::load(omega, at), Pack::load(alpha, at));
-            let motion = Motion { t: zero, theta: zero, omega, alpha, forward: Pack::of_packs(forward, at) };
+    fn slide_through<const C: usize>(
+        &self,
+        columns: &Columns<'_>,
+        start: usize,
+        ahead: &mut Ahead,
+        out: &mut [f64],
+    ) {
+        let n = out.len();
+        let [theta, omega, alpha] = columns.motion.map(|column| &column[start..start + n]);
+        let before = &columns.motion[0][start - 1..start - 1 + n];
+        let Ahead { motion: [_, _, forward], moving, resting, asked: [asked, inertias], ways } = ahead;
+        let [inertia, damping] = self.tuning.own.map(Wide::of);
+        let (fastest, limit) = (Wide::of(self.limits.speed), Wide::of(self.limits.torque));
+        let (most, beyond) = (fastest * Wide::of(self.dt), Wide::of(f64::INFINITY));
+        let (one, zero) = (Wide::of(1.0), Wide::of(0.0));
+        for at in (0..n).step_by(WIDE) {
+            let load = moving.load::<C>(at);
+            let (omega, alpha) = (Wide::load(omega, at), Wide::load(alpha, at));
+            let known = Known::any;
+            let motion = Motion {
+                t: Known::ZERO,
+                theta: Known::ZERO,
+                omega: known(omega),
+                alpha: known(alpha),
+                forward: known(Wide::of_packs(forward, at)),
+            };
             let drive =
-                if self.guarded { braked(&load, &motion, resting.load(at).drive) } else { load.drive };
-            (drive + load.friction(motion.forward, alpha)).into_packs(asked, at);
-            load.inertia.into_packs(inertias, at);
-        }
-        // No branch within: every sample goes through this.
-        let [inertia, damping] = self.tuning.own;
-        let limit = self.limits.torque;
-        let (asked, inertias, before, ways) = (&asked[..n], &inertias[..n], &before[..n], &mut ways[..n]);
-        for i in 0..n {
-            out[i] = asked[i] + (inertias[i] + inertia) * alpha[i] + damping * omega[i];
-        }
-        let fastest = self.limits.speed;
-        let most = fastest * self.dt;
-        for i in 0..n {
-            let by = theta[i] - before[i];
-            // What is not finite fails.
-            let sane = (by.abs() <= most) & (omega[i].abs() <= fastest);
-            let sane = sane & (alpha[i].abs() < f64::INFINITY) & (out[i].abs() < f64::INFINITY);
-            let forth = (by >= 0.0) & (omega[i] > 0.0) & sane;
-            let back = (by <= 0.0) & (omega[i] < 0.0) & sane;
-            let way = if forth { 1.0 } else { 0.0 };
-            ways[i] = if back { -1.0 } else { way };
-        }
-        for tau in out.iter_mut() {
-            let cut = if *tau < -limit { -limit } else { *tau };
-            *tau = if cut > limit { limit } else { cut };
+                if self.guarded { braked(&load, &motion, resting.load::<C>(at).drive) } else { load.drive };
+            let torque = (drive + load.friction(motion.forward, motion.alpha)).x;
+            torque.into_packs(asked, at);
+            load.inertia.x.into_packs(inertias, at);
+            let tau = torque + (load.inertia.x + inertia) * alpha + damping * omega;
+            tau.max(-limit).min(limit).store(out, at);
+            let by = Wide::load(theta, at) - Wide::load(before, at);
+            // What is not a number is below nothing, and fails.
+            let within = |x: Wide, most: Wide, way: Wide| most.where_above(x.abs(), way, zero);
+            let forth = omega.where_positive((-by).where_positive(zero, one), zero);
+            let way = (-omega).where_positive(by.where_positive(zero, -one), forth);
+            let way = within(by, most, within(omega, fastest, way));
+            within(alpha, beyond, within(tau, beyond, way)).into_packs(ways, at);
         }
         if let Some(hand) = columns.hand {
             // A hand that is NaN is not known.
-            for (way, hand) in ways.iter_mut().zip(&hand[at..at + n]) {
+            for (way, hand) in ways.iter_mut().zip(&hand[start..start + n]) {
                 *way = if hand.is_infinite() { 0.0 } else { *way };
             }
         }
@@ -188,29 +191,31 @@ impl pulp::NullaryFnOnce for Rendering<'_> {
     fn call(self) {
         let Self { renderer, columns, first, out } = self;
         let plain = renderer.is_plain();
+        let few = renderer.model.is_plain();
         let mut way = renderer.way();
         let mut ahead = Ahead::new();
         let mut start = first;
         while start < out.len() {
             let end = (start + Block::SAMPLES).min(out.len());
             renderer.look_ahead(&columns, start, end - start, &mut ahead);
-            renderer.slide_through(&columns, start, &mut ahead, &mut out[start..end]);
-            let mut slid = 0;
-            for at in (start..end).step_by(LANES) {
-                let whole = at + LANES <= end;
-                if plain && whole && way != 0.0 && ahead.all(at - start, way) {
-                    slid += LANES;
-                    continue;
-                }
+            let block = &mut out[start..end];
+            if few {
+                renderer.slide_through::<{ Block::CHANNELS[0] }>(&columns, start, &mut ahead, block);
+            } else {
+                renderer.slide_through::<{ Block::CHANNELS[1] }>(&columns, start, &mut ahead, block);
+            }
+            let mut at = start;
+            while at < end {
+                let slid = if plain && way != 0.0 { ahead.slides(at - start, end - start, way) } else { 0 };
+                at += slid;
                 renderer.remember(&columns, out, slid, at);
-                slid = 0;
-                for i in at..(at + LANES).min(end) {
+                for i in at..(at + WIDE).min(end) {
                     let [torque, inertia] = [0, 1].map(|j: usize| ahead.asked[j][i - start]);
                     out[i] = renderer.advance(columns.sensed(i), Some(Sliding { torque, inertia }));
                 }
+                at += WIDE;
                 way = renderer.way();
             }
-            renderer.remember(&columns, out, slid, end);
             start = end;
         }
     }

@@ -130,6 +130,12 @@ pub fn band(data: &[&Signals]) -> Option<([f64; 2], f64)> {
     Some(([grid.frequency(grid.first), grid.frequency(grid.last)], between))
 }
 
+/// What samples leave in a cell of the grid, of a pack of columns.
+// Vectors of eight that lie across two lines of the cache take several times as long to be written and read again.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+struct Cell(Wide);
+
 /// Grid of positions shared by all captures.
 struct Grid {
     /// The first cell, one before the lowest position.
@@ -169,17 +175,17 @@ impl Grid {
     }
 
     /// Spreads rows of up to a pack of columns over the four cells around each position.
-    fn spread(&self, theta: &[f64], columns: &[&[f64]], cells: &mut [Wide]) {
+    fn spread(&self, theta: &[f64], columns: &[&[f64]], cells: &mut [Cell]) {
         isa::dispatch_wide(Spread { grid: self, theta, columns, cells });
     }
 
     /// Sum over the samples of value * exp(-i k theta), up to a common phase, for every frequency k up to the `last` of a
     /// pack of columns, side by side: real and imaginary parts.
-    fn spectra(&self, cells: &[Wide], last: usize) -> [Vec<f64>; 2] {
+    fn spectra(&self, cells: &[Cell], last: usize) -> [Vec<f64>; 2] {
         let transform = Transform::of(self.transform);
         let mut rows = transform.rows(WIDE);
         for (at, cell) in cells.iter().enumerate() {
-            cell.into_packs(&mut rows[at % 2], at / 2 * WIDE);
+            cell.0.into_packs(&mut rows[at % 2], at / 2 * WIDE);
         }
         let mut spectra = transform.forward(WIDE, &mut rows, 0..last + 1);
         for index in 0..=last {
@@ -199,7 +205,7 @@ struct Spread<'a> {
     grid: &'a Grid,
     theta: &'a [f64],
     columns: &'a [&'a [f64]],
-    cells: &'a mut [Wide],
+    cells: &'a mut [Cell],
 }
 
 impl pulp::NullaryFnOnce for Spread<'_> {
@@ -226,7 +232,7 @@ impl pulp::NullaryFnOnce for Spread<'_> {
             // The four pieces of the spline; they add up to one.
             let weights = [near, short + far - 2.0 * near, beyond + near - 2.0 * far, far];
             for (cell, weight) in around.iter_mut().zip(weights) {
-                *cell = *cell + values * Wide::of(weight);
+                cell.0 = cell.0 + values * Wide::of(weight);
             }
         }
     }
@@ -245,7 +251,7 @@ pub fn scan(
     let seeds = Seeds::of(model, linear);
     let k = linear.len();
     // The k columns, the residual, and the count of samples, packed.
-    let mut spread = vec![vec![Wide::of(0.0); grid.cells + 4]; (k + 2).div_ceil(WIDE)];
+    let mut spread = vec![vec![Cell(Wide::of(0.0)); grid.cells + 4]; (k + 2).div_ceil(WIDE)];
     let mut sum = super::moments::Moments::empty(k);
     evaluate(data, model, p, &seeds, |evaluated| {
         sum.add_columns(evaluated.columns);

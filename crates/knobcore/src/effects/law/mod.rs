@@ -12,7 +12,7 @@ mod place;
 mod response;
 
 pub use block::Totals;
-pub(crate) use block::{BLOCK, CHANNELS, Channels, Motions, Scratch, load_of};
+pub(crate) use block::{BLOCK, CHANNELS, Channels, Motions, PLAIN, SCALE, Scratch, load_of};
 pub(crate) use gradient::Gradient;
 pub(crate) use place::{Couples, Delays, Loads, Remembers, Senses};
 pub use response::Response;
