@@ -112,6 +112,24 @@ impl PyFit {
         let band = watched(py, &self.0.model, || self.0.band(&signals.prepared.signals))?;
         Ok(array(py, &band))
     }
+
+    /// What a refit would leave of signals whose torque is another model's, in variances of white noise (`white`, (N m)^2), and
+    /// the standard errors after it, in the order of `free`.
+    fn expected<'py>(
+        &self,
+        py: Python<'py>,
+        signals: &PySignals,
+        white: f64,
+    ) -> PyResult<(f64, Floats<'py>)> {
+        let work = || self.0.expected(&signals.prepared.signals, white);
+        let expected = watched(py, &self.0.model, work)?.map_err(input_error)?;
+        Ok((expected.left, array(py, &expected.standard_errors)))
+    }
+
+    /// The model with other parameters that the data allow, by numbers of a normal distribution, one for each of `free`.
+    fn drawn(&self, normals: Vec<f64>) -> PyModel {
+        PyModel(self.0.drawn(&normals))
+    }
 }
 
 /// An estimate as it goes out: (value, low, high).

@@ -2,6 +2,7 @@
 
 mod bootstrap;
 mod detents;
+mod expected;
 mod moments;
 mod orders;
 mod parts;
@@ -12,6 +13,7 @@ mod serial;
 mod solve;
 mod undetermined;
 
+pub use expected::Expected;
 pub use moments::Moments;
 pub(crate) use moments::{add_products, dot, evaluate};
 pub use orders::beside as beside_orders;
