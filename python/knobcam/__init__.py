@@ -50,8 +50,10 @@ if TYPE_CHECKING:
     from .learn import LearningResult, learn
     from .learn.agreement import Disagreement
     from .learn.cut import Cut, Interrupted
+    from .learn.experiment import Experiment, next_experiment
     from .learn.ladder import LearningStep, Unexplained
     from .learn.limitations import Limitation
+    from .learn.limits import Limits
     from .model import KNOBS, Model, Parameter
     from .model.effects import Effect, effects
     from .model.hiding import hiding
@@ -79,6 +81,7 @@ __all__ = [
     "Effect",
     "EmulatedHandle",
     "Estimate",
+    "Experiment",
     "Fit",
     "Forward",
     "InputError",
@@ -88,6 +91,7 @@ __all__ = [
     "LearningResult",
     "LearningStep",
     "Limitation",
+    "Limits",
     "Link",
     "LoopReport",
     "Model",
@@ -116,6 +120,7 @@ __all__ = [
     "learn",
     "load",
     "motion",
+    "next_experiment",
     "own_effect",
     "plot",
     "prepare",
@@ -141,6 +146,7 @@ _HOME = {
     "Interrupted": "learn.cut",
     "Effect": "model.effects",
     "EmulatedHandle": "render.emulated",
+    "Experiment": "learn.experiment",
     "Estimate": "fit",
     "Fit": "fit",
     "Forward": "fit.forward",
@@ -149,6 +155,7 @@ _HOME = {
     "KnobcamWarning": "errors",
     "LearningResult": "learn",
     "LearningStep": "learn.ladder",
+    "Limits": "learn.limits",
     "Limitation": "learn.limitations",
     "Link": "rig.link",
     "LoopReport": "render.loop_report",
@@ -178,6 +185,7 @@ _HOME = {
     "learn": "learn",
     "load": "capture",
     "motion": "capture.motions",
+    "next_experiment": "learn.experiment",
     "own_effect": "model.own",
     "plot": "show.plot",
     "prepare": "capture.prepare",

@@ -118,12 +118,24 @@ MOTIONS: dict[str, Callable[..., MotionTrack]] = {
 def motion(name: str, duration_s: float = 6.0, rate_hz: float = 5000.0, **options: float) -> MotionTrack:
     """Return a motion by name, sampled at n / rate for n = 1, 2, ...; options as its function takes them.
 
-    Raises InputError for an unknown name or option and for a length that is no whole number of samples.
+    A name that ends in `.toml` is that of a motion file, which takes as long as it says, and no options.
+
+    Raises InputError for an unknown name or option, for a length that is no whole number of samples, and for
+    a file that is none or jumps.
     """
-    if name not in MOTIONS:
-        raise InputError(f"motion={name!r} is unknown; choose {', '.join(MOTIONS)} (or push, to simulate)")
     if not 1.0 <= rate_hz <= 1e7:
         raise InputError(f"a rate of {rate_hz} Hz is no sampling rate of a rig; choose 1 to 1e7")
+    if name.lower().endswith(".toml"):
+        from .motion_plan import load_track
+
+        if options:
+            raise InputError(f"motion={name!r}: a file takes no {', '.join(options)}; change it in the file")
+        return load_track(name, rate_hz)
+    if name not in MOTIONS:
+        raise InputError(
+            f"motion={name!r} is unknown; choose {', '.join(MOTIONS)}, a motion file (.toml) "
+            "(or push, to simulate)"
+        )
     samples = duration_s * rate_hz
     if not 3.0 <= samples <= 1e8:
         raise InputError(f"duration={duration_s} s at {rate_hz} Hz is {samples:g} samples; choose 3 to 1e8")

@@ -20,6 +20,7 @@ from . import (
     catalogue,
     converting,
     demonstrate,
+    designing,
     emulating,
     fitting,
     learning,
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
 
 _INTERRUPTED = 130  # what a shell reports for Ctrl-C
 _GROUPS = (
-    *(capturing, calibrating, recording, fitting, learning, rendering),
+    *(capturing, calibrating, recording, fitting, learning, designing, rendering),
     *(converting, workbench, catalogue, demonstrate, emulating),
 )
 

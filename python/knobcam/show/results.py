@@ -12,6 +12,7 @@ from ..fit.diagnose import Diagnosis
 from ..fit.forward import Forward
 from ..fit.stiction import Stiction
 from ..learn import LearningResult
+from ..learn.experiment import Experiment
 from ..model import Model
 from ..model.effects import Effect
 from ..render import Stability
@@ -53,6 +54,8 @@ def plot(result: object) -> Figure:
             return pictures.diagnosis(result)
         case LearningResult():
             return pictures.learned(result)
+        case Experiment():
+            return pictures.experiment(result)
         case Stability():
             return pictures.stability(result)
         case LoopReport():

@@ -1,0 +1,79 @@
+"""`knobcam next`: the motion that would tell apart what captures cannot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..base.writing import together
+from ..errors import InputError
+from . import arguments
+from .fitting import answer, put, said
+from .output import about, check_file, check_folder, status
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
+    from .output import Answer
+
+
+def register(commands: arguments.Commands) -> None:
+    """Add the command of this file."""
+    parser = arguments.add_command(
+        commands, "next", run_next, "Design the motion that tells apart what captures cannot, within limits."
+    )
+    arguments.add_captures(parser, "several are of one knob")
+    parser.add_argument(
+        "--rivals",
+        metavar="A,B",
+        help="effects, or sets as A+B, to be told apart (base: none); default what cannot be told now",
+    )
+    parser.add_argument(
+        "--sharpen", metavar="PARAMETER", help="in place of rivals: to be known best, as inertia.M"
+    )
+    parser.add_argument(
+        "--limits", metavar="FILE", help="TOML with torque_Nm, omega_rad_s ...; default what was reached"
+    )
+    arguments.add_output(parser, "motion")
+    arguments.add_plots(parser)
+    arguments.add_preparation(parser)
+    arguments.add_reading(parser)
+
+
+def run_next(args: Namespace) -> Answer:
+    """Learn what captures tell, and design the motion for the rest."""
+    inputs = [*args.captures, *([args.limits] if args.limits else [])]
+    check_file(args.output, inputs)
+    check_folder(args.plots, args.output)
+    _check(args)
+    options = arguments.preparation(args)
+    rivals = [] if args.rivals is None else [one.strip() for one in args.rivals.split(",")]
+
+    from ..learn import learn
+    from ..learn.experiment import next_experiment
+    from ..learn.limits import Limits
+
+    captures = arguments.read_all(args)
+    with about(*args.captures):
+        story = learn(captures, prepare=args.prepare, progress=status, **options)
+    limits = Limits.reached(story.fit.prepared)
+    if args.limits is not None:
+        limits = Limits.load(args.limits, limits)
+    designed = next_experiment(story, rivals=rivals, sharpen=args.sharpen, limits=limits, progress=status)
+    files: dict[str, object] = {}
+    with together():
+        if args.output is not None:
+            files["motion"] = str(designed.save(args.output))
+        if args.plots is not None:
+            files["pictures"] = put({"experiment": designed.plot}, args.plots)
+    lines = [repr(designed), *([f"motion: {files['motion']}"] if "motion" in files else []), *said(files)]
+    return answer(args, "\n".join(lines), designed.document() | {"files": files}, story.fit)
+
+
+def _check(args: Namespace) -> None:
+    if args.output is not None and Path(args.output).suffix.lower() != ".toml":
+        raise InputError(f"{args.output}: a motion file ends in .toml; choose another name")
+    if args.rivals is not None and args.sharpen is not None:
+        raise InputError("--sharpen: is in place of --rivals; leave one out")
+    if args.rivals is not None and not all(one.strip() for one in args.rivals.split(",")):
+        raise InputError(f"--rivals {args.rivals!r}: names nothing between commas; write A,B")

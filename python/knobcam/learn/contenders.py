@@ -1,0 +1,94 @@
+"""Which sets of effects captures could not tell from what was found, and the fits of them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..errors import InputError
+from ..fit.diagnose import check_effects
+from ..fit.refit import converged
+from .telling import Rival
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ..fit import Fit
+    from .learning import LearningResult
+
+BASE = "base"
+"""The name of the rival with nothing beyond the base model."""
+_MOST = 4
+_LIKELY = 0.01  # weight from which on an effect is a rival
+
+
+def contenders(story: LearningResult, asked: Sequence[str]) -> tuple[Rival, ...]:
+    """Return the rivals: those that are asked for, or what was found and what could have come in instead.
+
+    Nothing where the captures told all of it. Raises InputError for what cannot be fitted, and for fewer than
+    two.
+    """
+    if asked:
+        sets = [_parsed(one, story) for one in asked]
+        if len({frozenset(one) for one in sets}) < 2:
+            raise InputError(f"rivals: {', '.join(asked)}: are not two; name two or more that differ")
+        return tuple(Rival(one, _fit(story, one)) for one in sets)
+    found = story.found
+    others = [_instead(found, added, other) for added, other in _untold(story)]
+    if not others:
+        return ()
+    sets = list(dict.fromkeys((found, *others)))[:_MOST]
+    rivals = []
+    for one in sets:
+        try:
+            rivals.append(Rival(one, _fit(story, one)))
+        except InputError:
+            continue  # what cannot be fitted beside the others is none
+    return tuple(rivals) if len(rivals) > 1 else ()
+
+
+def _untold(story: LearningResult) -> list[tuple[str, str]]:
+    """Return what came in at a step and what could have come in instead, the likeliest first."""
+    rows = []
+    for step in story.ladder:
+        if step.added is None:
+            continue
+        weights = step.weights
+        likely = [one for one, weight in weights.items() if weight >= _LIKELY]
+        for other in dict.fromkeys((*step.equivalent, *likely)):
+            if other not in story.found:
+                rows.append((-weights.get(other, 0.0), step.added, other))
+    return [(added, other) for _, added, other in sorted(rows)]
+
+
+def _instead(found: Sequence[str], added: str, other: str) -> tuple[str, ...]:
+    return tuple(other if one == added else one for one in found)
+
+
+def _parsed(text: str, story: LearningResult) -> tuple[str, ...]:
+    names = tuple(one.strip() for one in text.split("+"))
+    if names == (BASE,):
+        return ()
+    check_effects("rivals", names, story.model.coordinate)
+    base = story.ladder[0].fit.model.effects
+    if there := [one for one in names if one in base]:
+        raise InputError(f"rivals: {', '.join(there)}: is part of the base model; name what is beyond it")
+    return names
+
+
+def _fit(story: LearningResult, wanted: Sequence[str]) -> Fit:
+    """Return the fit with a set of effects beyond the first model, from what was fitted on the way to it."""
+    base = story.ladder[0].fit
+    target = {*base.model.effects, *wanted}
+    for step in story.ladder:
+        if set(step.effects) == target:
+            return step.fit
+    for step in (one for one in story.ladder if one.diagnosis is not None):
+        assert step.diagnosis is not None
+        before = set(step.diagnosis.fit.model.effects)
+        for one in step.diagnosis.candidates:
+            if before | {one.effect} == target and set(one.fit.model.effects) == target:
+                return converged(one.fit)
+    fit = base
+    for effect in wanted:
+        fit = fit.add(effect)
+    return fit

@@ -1,0 +1,116 @@
+"""What a motion may ask of a knob and a rig: the limits within which an experiment is designed."""
+
+from __future__ import annotations
+
+import math
+import os
+import tomllib
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..base.reading import read_text
+from ..errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ..capture.motions import MotionTrack
+    from ..capture.prepare import Prepared
+
+LONGEST_S = 10.0
+_MOST_S = 600.0
+_MOST_BYTES = 100_000
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Largest torque, speed and acceleration either way, the angles to stay between, and how long, how often.
+
+    SI; of a linear axis in N and m. A motion that is designed exceeds none of them for any rival.
+    """
+
+    torque_Nm: float
+    omega_rad_s: float
+    alpha_rad_s2: float
+    theta_min_rad: float
+    theta_max_rad: float
+    duration_s: float = LONGEST_S
+    sample_rate_hz: float = 5000.0
+
+    def __post_init__(self) -> None:
+        for name in (one.name for one in fields(self)):
+            value = getattr(self, name)
+            if not math.isfinite(value) or (value <= 0.0 and not name.startswith("theta")):
+                wanted = "a number" if name.startswith("theta") else "a number above 0"
+                raise InputError(f"limits, {name}: is {value}; give {wanted}")
+        if not self.theta_min_rad < self.theta_max_rad:
+            raise InputError(
+                f"limits, theta_min_rad: is {self.theta_min_rad:.6g}, not below theta_max_rad, "
+                f"{self.theta_max_rad:.6g}; nothing could move"
+            )
+        if not self.duration_s <= _MOST_S:
+            raise InputError(f"limits, duration_s: is {self.duration_s:.6g} s; give at most {_MOST_S:.0f}")
+        if not 10.0 <= self.sample_rate_hz <= 1e6:
+            raise InputError(f"limits, sample_rate_hz: is {self.sample_rate_hz:.6g}; give 10 to 1e6")
+
+    @classmethod
+    def reached(cls, prepared: Sequence[Prepared]) -> Limits:
+        """Return what captures themselves reached, 10 s long, at the rate of the first."""
+
+        def most(name: str) -> float:
+            every = [getattr(one, name)[one.used] for one in prepared]
+            return float(np.max(np.abs(np.concatenate(every))))
+
+        theta = np.concatenate([one.theta[one.used] for one in prepared])
+        torque = max(float(np.max(np.abs(one.capture.tau[one.capture.mask]))) for one in prepared)
+        return cls(
+            torque,
+            most("omega"),
+            most("alpha"),
+            float(np.min(theta)),
+            float(np.max(theta)),
+            sample_rate_hz=prepared[0].core.rate_hz,
+        )
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str], usual: Limits) -> Limits:
+        """Read a file of limits; what it does not name is as usual. Raises InputError for what is none."""
+        try:
+            values = tomllib.loads(read_text(path, "file of limits", _MOST_BYTES))
+        except (tomllib.TOMLDecodeError, RecursionError) as error:
+            raise InputError(f"{path}: is no TOML ({error}); write lines such as torque_Nm = 0.1") from None
+        known = [one.name for one in fields(cls)]
+        for name, value in values.items():
+            if name not in known:
+                raise InputError(f"{path}: {name}: is no limit; known are {', '.join(known)}")
+            if isinstance(value, bool) or not isinstance(value, int | float):
+                raise InputError(f"{path}: {name}: is {value!r}; give a number")
+        try:
+            return replace(usual, **{name: float(value) for name, value in values.items()})
+        except InputError as error:
+            raise InputError(f"{path}: {error}") from None
+
+    @property
+    def middle(self) -> float:
+        """The angle between both ends."""
+        return 0.5 * (self.theta_min_rad + self.theta_max_rad)
+
+    @property
+    def half(self) -> float:
+        """Half of the range of angles."""
+        return 0.5 * (self.theta_max_rad - self.theta_min_rad)
+
+    def hold(self, track: MotionTrack) -> bool:
+        """Whether a motion stays within them; the torque, which depends on a knob, apart."""
+        more = 1.0 + _ROUNDING
+        slack = _ROUNDING * self.half
+        return (
+            float(np.max(np.abs(track.omega))) <= self.omega_rad_s * more
+            and float(np.max(np.abs(track.alpha))) <= self.alpha_rad_s2 * more
+            and float(np.min(track.theta)) >= self.theta_min_rad - slack
+            and float(np.max(track.theta)) <= self.theta_max_rad + slack
+            and len(track.t) <= self.duration_s * self.sample_rate_hz * more
+        )

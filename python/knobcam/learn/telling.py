@@ -1,0 +1,153 @@
+"""How well a motion would tell rivals apart, before it is made: D of each of them beside each other.
+
+D is what a refit of one rival, with what the data so far say of its parameters, would leave of the torque
+that another predicts, in variances of the noise: r' (Sigma + J V J')^-1 r (Atkinson & Fedorov 1975;
+Buzzi-Ferraris & Forzatti 1983), behind the measurement filter. The expected logarithm of the Bayes factor is D/2, and the
+choice is wrong with the probability Phi(-sqrt(D)/2).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .. import _core
+from ..model import Model
+from ..model.effects import effects as catalogue
+
+if TYPE_CHECKING:
+    from ..base.arrays import FloatArray
+    from ..capture.motions import MotionTrack
+    from ..fit import Fit
+
+TOLD = 10.8
+"""From this D on the choice is wrong in at most 5 of 100."""
+_MARGIN = 1.05  # of a peak torque: what the parameters, drawn a few times, may not have shown
+_DRAWS = 6
+_EDGE = 0.1  # of the rate: the edge of the torque's filter where the captures have none
+
+
+@dataclass(frozen=True, eq=False)
+class Rival:
+    """A set of effects beyond the base model, and the fit of the model with it."""
+
+    effects: tuple[str, ...]
+    fit: Fit
+
+    @property
+    def name(self) -> str:
+        """Return it for people."""
+        return " + ".join(self.effects) or "the base model alone"
+
+
+@dataclass(frozen=True, eq=False)
+class Telling:
+    """Rivals with what their captures say of them; asks what a motion would say."""
+
+    rivals: tuple[Rival, ...]
+    seed: int = 0
+
+    @cached_property
+    def jointed(self) -> bool:
+        """Whether one of them has a joint, behind which a hidden motion is simulated."""
+        rows = catalogue(self.rivals[0].fit.model.coordinate)
+        every = [one for rival in self.rivals for one in rival.fit.model.effects if one in rows]
+        return any(rows[one].place == "coupling" for one in every)
+
+    @cached_property
+    def white(self) -> float:
+        """Variance of white noise of the raw torque, (N m)^2, as the best of the rivals leaves it."""
+        best = min((rival.fit for rival in self.rivals), key=lambda fit: fit.rmse)
+        used = sum(one.core.used for one in best.prepared)
+        floor = best.noise_floor
+        if not floor > 0.0:
+            floor = best.rmse
+        return floor**2 * used / best.white_squares if best.white_squares > 0.0 else floor**2
+
+    @cached_property
+    def edge_hz(self) -> float | None:
+        """Edge of the filter of the torque, Hz, as the captures have it."""
+        return self.rivals[0].fit.prepared[0].core.edge_hz
+
+    @cached_property
+    def mechanics(self) -> tuple[tuple[Model, ...], ...]:
+        """Of each rival the models that the data allow, without what only the sensor does."""
+        return tuple(
+            tuple(Model(model.core.only(_of_the_knob(model))) for model in models) for models in self.drawn
+        )
+
+    @cached_property
+    def drawn(self) -> tuple[tuple[Model, ...], ...]:
+        """Of each rival its model as fitted, and some that the data allow."""
+        rng = np.random.default_rng(self.seed)
+        every = []
+        for rival in self.rivals:
+            core = rival.fit.core
+            more = [core.drawn(rng.standard_normal(len(core.free)).tolist()) for _ in range(_DRAWS)]
+            every.append((Model(core.model), *(Model(one) for one in more)))
+        return tuple(every)
+
+    def signals(self, track: MotionTrack, torque: FloatArray, rate_hz: float) -> _core.Signals:
+        """Return the signals of a motion that is known exactly, with this torque behind the filter."""
+        n = len(track.t)
+        gaps = np.zeros(n, dtype=bool)
+        edge = min(self.edge_hz or _EDGE * rate_hz, 0.45 * rate_hz)
+        coordinate = self.rivals[0].fit.model.coordinate
+        options = {"torque_edge_hz": edge}
+        return _core.prepare(coordinate, rate_hz, *track, torque, gaps, ~gaps, "none", options)
+
+    def peak(self, track: MotionTrack, rate_hz: float, *, draws: bool) -> float:
+        """Return the largest torque that any rival asks for, N m, with a margin for what is not known."""
+        still = self.signals(track, np.zeros(len(track.t)), rate_hz)
+        most = 0.0
+        for models in self.mechanics:
+            for model in models if draws else models[:1]:
+                most = max(most, float(np.max(np.abs(model.core.torque(still, filtered=False)))))
+        return _MARGIN * most
+
+    def evidence(self, track: MotionTrack, rate_hz: float, *, draws: bool = False) -> FloatArray:
+        """Return D, shape (rivals, rivals): of the torque of a row's model, what a column's would leave."""
+        still = self.signals(track, np.zeros(len(track.t)), rate_hz)
+        n = len(self.rivals)
+        told = np.zeros((n, n))
+        for truth in range(n):
+            models = self.drawn[truth] if draws else self.drawn[truth][:1]
+            for model in models:
+                made = self.signals(track, model.core.torque(still, filtered=False), rate_hz)
+                for other in range(n):
+                    if other != truth:
+                        left, _ = self.rivals[other].fit.core.expected(made, self.white)
+                        told[truth, other] += left / len(models)
+        return told
+
+    def errors(self, track: MotionTrack, rate_hz: float) -> dict[str, float]:
+        """Return the standard errors of the first rival's parameters after a motion."""
+        still = self.signals(track, np.zeros(len(track.t)), rate_hz)
+        core = self.rivals[0].fit.core
+        _, errors = core.expected(still, self.white)
+        return dict(zip(core.free, errors.tolist(), strict=True))
+
+
+def wrong_choice(d: float) -> float:
+    """Return how often the wrong one of two rivals would be chosen."""
+    return 0.5 * math.erfc(math.sqrt(max(d, 0.0)) / 2.0 / math.sqrt(2.0))
+
+
+def between(told: FloatArray, one: int, other: int) -> float:
+    """Return D of a pair of rivals, whichever of them is right."""
+    return float(min(told[one, other], told[other, one]))
+
+
+def least(told: FloatArray) -> float:
+    """Return the least D of all pairs."""
+    n = len(told)
+    return min(between(told, i, j) for i in range(n) for j in range(i))
+
+
+def _of_the_knob(model: Model) -> list[str]:
+    rows = catalogue(model.coordinate)
+    return [one for one in model.effects if one not in rows or rows[one].place != "sensor"]
