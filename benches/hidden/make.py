@@ -11,7 +11,7 @@ from .base import Base
 from .chain import Chain, Grow, Scene, log_uniform, plain_knob
 from .likeness import ALIKE, BY_NATURE, NAMES, STRANGE_SHARE, STRANGEST, left_by
 from .loads import Loads
-from .motions import MOTIONS, Floats
+from .motions import MOTIONS, Floats, Track
 from .sensors import EDGE, FLOOR, RANGE, RATE_HZ, filtered, measured
 from .series import SERIES
 from .shapes import NAMED
@@ -53,6 +53,13 @@ class Hidden:
     knob: dict[str, float]
     truth: dict[str, Any]
     misfit: float = 0.0
+    chain: Chain | None = None
+
+    def again(self, track: Track, seed: int) -> dict[str, Floats]:
+        """The capture of the same knob on another motion; ValueError for what is a value per sample."""
+        assert self.chain is not None
+        tau, limit = self.chain.torque(track)
+        return measured(np.random.default_rng([self.seed, seed]), track, tau, limit)
 
 
 def make(
@@ -110,6 +117,7 @@ def make(
         knob={name: float(value) for name, value in _named(chain.shaft or chain.loads).items()},
         truth=chain.truth(scene.knob),
         misfit=misfit,
+        chain=chain,
     )
 
 

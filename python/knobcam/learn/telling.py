@@ -2,8 +2,8 @@
 
 D is what a refit of one rival, with what the data so far say of its parameters, would leave of the torque
 that another predicts, in variances of the noise: r' (Sigma + J V J')^-1 r (Atkinson & Fedorov 1975;
-Buzzi-Ferraris & Forzatti 1983), behind the measurement filter. The expected logarithm of the Bayes factor is D/2, and the
-choice is wrong with the probability Phi(-sqrt(D)/2).
+Buzzi-Ferraris & Forzatti 1983), behind the measurement filter. The expected logarithm of the Bayes factor is
+D/2, and the choice is wrong with the probability Phi(-sqrt(D)/2).
 """
 
 from __future__ import annotations
@@ -28,6 +28,8 @@ TOLD = 10.8
 """From this D on the choice is wrong in at most 5 of 100."""
 _MARGIN = 1.05  # of a peak torque: what the parameters, drawn a few times, may not have shown
 _DRAWS = 6
+_BEYOND = 2.0  # standard deviations by which a draw may be worse than its covariance says
+_NEARER = 8
 _EDGE = 0.1  # of the rate: the edge of the torque's filter where the captures have none
 
 
@@ -84,12 +86,34 @@ class Telling:
     def drawn(self) -> tuple[tuple[Model, ...], ...]:
         """Of each rival its model as fitted, and some that the data allow."""
         rng = np.random.default_rng(self.seed)
-        every = []
-        for rival in self.rivals:
-            core = rival.fit.core
-            more = [core.drawn(rng.standard_normal(len(core.free)).tolist()) for _ in range(_DRAWS)]
-            every.append((Model(core.model), *(Model(one) for one in more)))
-        return tuple(every)
+        return tuple(
+            (Model(rival.fit.core.model), *(self._allowed(rival.fit, rng) for _ in range(_DRAWS)))
+            for rival in self.rivals
+        )
+
+    def _allowed(self, fit: Fit, rng: np.random.Generator) -> Model:
+        """Return a model drawn by the covariance, and drawn nearer until the captures themselves allow it.
+
+        What is hardly determined has an error that is no ellipse: far along it the captures say no.
+        """
+        normals = rng.standard_normal(len(fit.core.free))
+        count = len(normals)
+        most = float(np.sum(normals**2)) + _BEYOND * math.sqrt(2.0 * count)
+        here = self._squares(fit, Model(fit.core.model))
+        for _ in range(_NEARER):
+            model = Model(fit.core.drawn(normals.tolist()))
+            if (self._squares(fit, model) - here) / self.white <= most:
+                return model
+            normals = 0.5 * normals
+        return Model(fit.core.model)
+
+    def _squares(self, fit: Fit, model: Model) -> float:
+        """Return the sum of squares that a model leaves of the captures, (N m)^2."""
+        left = 0.0
+        for one in fit.prepared:
+            rest = (one.tau - model.core.torque(one.core))[one.used]
+            left += float(np.sum(rest**2))
+        return left
 
     def signals(self, track: MotionTrack, torque: FloatArray, rate_hz: float) -> _core.Signals:
         """Return the signals of a motion that is known exactly, with this torque behind the filter."""

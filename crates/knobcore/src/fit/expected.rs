@@ -11,11 +11,11 @@ use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::predict::Seeds;
 use crate::signals::Signals;
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
 /// What is not determined may be anything: so many times the value that it has.
 const ANYTHING: f64 = 10.0;
-/// Added to the diagonal of correlations, for those that are one but for rounding.
+/// The least variance along any direction of parameters in units of their errors.
 const ROUNDING: f64 = 1e-12;
 
 /// What a motion would tell.
@@ -89,11 +89,16 @@ impl Fit {
 fn root(covariance: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let se: Vec<f64> = covariance.diagonal().iter().map(|x| x.max(0.0).sqrt()).collect();
     let correlation = DMatrix::from_fn(se.len(), se.len(), |i, j| match se[i] * se[j] {
-        both if i == j || both == 0.0 => f64::from(i == j) * (1.0 + ROUNDING),
+        both if i == j || both == 0.0 => f64::from(i == j),
         both => covariance[(i, j)] / both,
     });
-    let lower = Cholesky::new(correlation)?.l();
-    Some(DMatrix::from_fn(se.len(), se.len(), |i, j| se[i] * lower[(i, j)]))
+    if correlation.iter().any(|x| !x.is_finite()) {
+        return None;
+    }
+    // Those of a sandwich may be a little beyond one: what is negative by that counts as nothing.
+    let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(correlation);
+    let scale = |i: usize| eigenvalues[i].max(ROUNDING).sqrt();
+    Some(DMatrix::from_fn(se.len(), se.len(), |i, j| se[i] * eigenvectors[(i, j)] * scale(j)))
 }
 
 #[cfg(test)]
