@@ -20,7 +20,7 @@ from ..errors import InputError
 from .contenders import contenders
 from .limits import Limits
 from .motion_space import Piece, bank, changed, plan
-from .telling import TOLD, Rival, Telling, between, least, wrong_choice
+from .telling import TOLD, Rival, Telling, wrong_choice
 
 if TYPE_CHECKING:
     from ..base.arrays import FloatArray
@@ -258,11 +258,10 @@ class _Design:
                 f"limits, torque_Nm: {self.limits.torque_Nm:.4g} N m move no rival at all; give more"
             )
         tracks = [self._runnable(pieces, draws=True) for pieces in pool]
-        known = [(motion, *self._told(motion[1])) for motion in tracks if motion is not None]
+        known = [(motion, *self._told(motion[0].track(self._search_hz()))) for motion in tracks if motion]
         if not known:
             raise InputError("limits, torque_Nm: too little for what the rivals may ask for; give more")
         (chosen, track), told, _ = max(known, key=lambda one: one[2])
-        standard = self._standard()
         rate = self.limits.sample_rate_hz
         peak = (
             self.telling.peak(track, rate, draws=True),
@@ -273,10 +272,12 @@ class _Design:
         rivals = self.telling.rivals
         if param is not None:
             before = rivals[0].fit.params[param].se
-            usual = min((self.telling.errors(one, rate)[param] for one in standard), default=before)
+            standard = (self.telling.errors(one, rate)[param] for one in self._standard(rate))
+            usual = min(standard, default=before)
             sharpened = (Sharpened(param, before, self.telling.errors(track, rate)[param], usual),)
             return Experiment(rivals, self.limits, chosen, track, (), peak, sharpened)
-        every = [self.telling.evidence(one, rate) for one in standard]
+        every = [self._told(one)[0] for one in self._standard(self._search_hz())]
+        between = self.telling.between
         expected = tuple(
             Expected((i, j), between(told, i, j), max((between(one, i, j) for one in every), default=0.0))
             for i in range(len(rivals))
@@ -286,12 +287,12 @@ class _Design:
         return found if found.separable else replace(found, change=self._change(pool, seed))
 
     def _told(self, track: MotionTrack) -> tuple[FloatArray, float]:
-        """What a motion tells at the full rate, and the least of it."""
-        rate = self.limits.sample_rate_hz
+        """What a motion that is sampled as in the search tells at the full rate, and the least of it."""
+        rate = self._search_hz()
         if self.param is not None:
             return np.zeros((1, 1)), -self.telling.errors(track, rate)[self.param]
-        told = self.telling.evidence(track, rate, draws=True)
-        return told, least(told)
+        told = self.telling.evidence(track, rate, draws=True) * self.limits.sample_rate_hz / rate
+        return told, self.telling.least(told)
 
     def _searched(self, search_s: float, seed: int) -> list[tuple[Piece, ...]]:
         """Return the best of the bank and of what is near its best, after so long."""
@@ -319,7 +320,7 @@ class _Design:
         if self.param is not None:
             scored.append((-self.telling.errors(track, rate)[self.param], pieces))
         else:
-            scored.append((least(self.telling.evidence(track, rate)), pieces))
+            scored.append((self.telling.least(self.telling.evidence(track, rate)), pieces))
 
     def _search_hz(self) -> float:
         rate = self.limits.sample_rate_hz
@@ -342,11 +343,11 @@ class _Design:
         limits = replace(self.limits, sample_rate_hz=len(track.t) / float(track.t[-1]))
         return limits.hold(track)
 
-    def _standard(self) -> list[MotionTrack]:
+    def _standard(self, rate_hz: float) -> list[MotionTrack]:
         """Return the standard motions of the same length, made as large as the limits let them be."""
         limits, tracks = self.limits, []
         for name in STANDARD:
-            track = make_motion(name, limits.duration_s, limits.sample_rate_hz)
+            track = make_motion(name, limits.duration_s, rate_hz)
             theta = track.theta - 0.5 * (float(np.min(track.theta)) + float(np.max(track.theta)))
             size = min(
                 limits.half / float(np.max(np.abs(theta))),
@@ -357,7 +358,7 @@ class _Design:
                 scaled = MotionTrack(
                     track.t, limits.middle + size * theta, size * track.omega, size * track.alpha
                 )
-                if self.telling.peak(scaled, limits.sample_rate_hz, draws=False) <= limits.torque_Nm:
+                if self.telling.peak(scaled, rate_hz, draws=False) <= limits.torque_Nm:
                     tracks.append(scaled)
                     break
                 size *= _EASE

@@ -30,6 +30,9 @@ _MARGIN = 1.05  # of a peak torque: what the parameters, drawn a few times, may 
 _DRAWS = 6
 _BEYOND = 2.0  # standard deviations by which a draw may be worse than its covariance says
 _NEARER = 8
+_IMITATED = (
+    0.1  # of the D the other way: what a model leaves that contains another but for what it has to learn
+)
 _EDGE = 0.1  # of the rate: the edge of the torque's filter where the captures have none
 
 
@@ -148,6 +151,24 @@ class Telling:
                         told[truth, other] += left / len(models)
         return told
 
+    def between(self, told: FloatArray, one: int, other: int) -> float:
+        """Return D of a pair of rivals, whichever of them is right.
+
+        But of a model that another one contains, or can imitate with more parameters, only where that other
+        one is right: where itself is, both explain the torque on any motion, and the plainer is chosen.
+        """
+        for plain, rich in ((one, other), (other, one)):
+            within = set(self.rivals[plain].effects) < set(self.rivals[rich].effects)
+            fewer = len(self.rivals[plain].fit.core.free) < len(self.rivals[rich].fit.core.free)
+            if within or (fewer and told[plain, rich] < _IMITATED * told[rich, plain]):
+                return float(told[rich, plain])
+        return float(min(told[one, other], told[other, one]))
+
+    def least(self, told: FloatArray) -> float:
+        """Return the least D of all pairs."""
+        n = len(told)
+        return min(self.between(told, i, j) for i in range(n) for j in range(i))
+
     def errors(self, track: MotionTrack, rate_hz: float) -> dict[str, float]:
         """Return the standard errors of the first rival's parameters after a motion."""
         still = self.signals(track, np.zeros(len(track.t)), rate_hz)
@@ -159,17 +180,6 @@ class Telling:
 def wrong_choice(d: float) -> float:
     """Return how often the wrong one of two rivals would be chosen."""
     return 0.5 * math.erfc(math.sqrt(max(d, 0.0)) / 2.0 / math.sqrt(2.0))
-
-
-def between(told: FloatArray, one: int, other: int) -> float:
-    """Return D of a pair of rivals, whichever of them is right."""
-    return float(min(told[one, other], told[other, one]))
-
-
-def least(told: FloatArray) -> float:
-    """Return the least D of all pairs."""
-    n = len(told)
-    return min(between(told, i, j) for i in range(n) for j in range(i))
 
 
 def _of_the_knob(model: Model) -> list[str]:
