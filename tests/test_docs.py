@@ -122,6 +122,20 @@ def lay_out(page: Path) -> None:
             Path(Path(name).name).symlink_to(SHARED / name)
 
 
+def read_toml(text: str, where: str) -> None:
+    """Write the file that a snippet is, under the name of its kind, and read it."""
+    if "knobcam.motion/" in text:
+        Path("motion.toml").write_text(text)
+        assert len(kc.motion("motion.toml").t) > 0, where
+    elif "schema" in text:
+        assert kc.Model.parse(text).effects, where
+        Path("model.toml").write_text(text)
+    else:
+        Path("limits.toml").write_text(text)
+        usual = kc.Limits(1.0, 1.0, 1.0, 0.0, 1.0, sample_rate_hz=1000.0)
+        assert kc.Limits.load("limits.toml", usual) != usual, where
+
+
 def run_page(page: Path) -> None:
     """Run a page from top to bottom as its reader would, in the current folder."""
     lay_out(page)
@@ -140,8 +154,7 @@ def run_page(page: Path) -> None:
             for call in calls(snippet.text):
                 run_call(call, where)
         elif snippet.language == "toml":
-            assert kc.Model.parse(snippet.text).effects, where
-            Path("model.toml").write_text(snippet.text)
+            read_toml(snippet.text, where)
         elif snippet.above == PRINTED:
             check_printed(snippet.text.splitlines(), printed.getvalue().splitlines(), where)
         else:

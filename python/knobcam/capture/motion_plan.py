@@ -154,7 +154,7 @@ _KINDS: dict[str, type[Move] | type[Rest] | type[Waves]] = {"move": Move, "rest"
 class MotionPlan:
     """A motion from rest at `start` (rad, m on a linear axis) to rest, part by part; `about` in words."""
 
-    parts: tuple[Part, ...]
+    parts: tuple[Move | Rest | Waves, ...]
     start: float = 0.0
     about: str = ""
 

@@ -33,7 +33,7 @@ def register(commands: arguments.Commands) -> None:
         "--motion",
         default="sweep",
         metavar="NAME",
-        help="sweep, multisine, turns, micro, or hand: you turn it",
+        help="sweep, multisine, turns, micro, a file (.toml), or hand: you turn it",
     )
     parser.add_argument("--duration", type=arguments.number, default=6.0, metavar="S", help="default 6 s")
     parser.add_argument(

@@ -31,7 +31,10 @@ def register(commands: arguments.Commands) -> None:
     )
     arguments.add_model(parser, "model file, or knob1 to knob5")
     parser.add_argument(
-        "--motion", default="sweep", metavar="NAME", help="sweep, multisine, turns, hand, micro or push"
+        "--motion",
+        default="sweep",
+        metavar="NAME",
+        help="sweep, multisine, turns, hand, micro, push, or a file (.toml)",
     )
     parser.add_argument(
         "--noise", default="ranged", metavar="NAME", help="of the sensors: ranged, rig, paper or none"
