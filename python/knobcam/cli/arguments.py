@@ -105,9 +105,9 @@ def add_command(
     return parser
 
 
-def add_captures(parser: argparse.ArgumentParser, about: str) -> None:
-    """Add CAPTURE, one or several."""
-    parser.add_argument("captures", nargs="+", metavar="CAPTURE", help=about)
+def add_captures(parser: argparse.ArgumentParser, about: str, number: str = "+") -> None:
+    """Add CAPTURE, one or several, or also none."""
+    parser.add_argument("captures", nargs=number, metavar="CAPTURE", help=about)
 
 
 def add_captures_and_model(parser: Parser, about: str, default: str | None = None) -> None:
@@ -226,7 +226,7 @@ def add_plots(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--plots", type=Path, metavar="FOLDER", help="folder for pictures, made if need be")
 
 
-def add_fault(parser: argparse.ArgumentParser) -> None:
+def add_fault(parser: argparse._ActionsContainer) -> None:
     """Add `--clear-fault`, for a rig that has latched one."""
     parser.add_argument(
         "--clear-fault", action="store_true", help="clear what the rig has latched; default: say it, and ask"

@@ -42,7 +42,7 @@ def register(commands: arguments.Commands) -> None:
     parser = arguments.add_command(
         commands, "learn", run_learn, "Add what is missing until the rest is chance, or unexplained."
     )
-    arguments.add_captures(parser, "several are of one knob")
+    arguments.add_captures(parser, "several are of one knob", "*")
     parser.add_argument("--model", metavar="MODEL", help="to start from; default the base")
     parser.add_argument("--report", type=Path, metavar="FILE.html", help="report to write, in one file")
     parser.add_argument(
@@ -51,6 +51,16 @@ def register(commands: arguments.Commands) -> None:
     arguments.add_output(parser, "model")
     arguments.add_plots(parser)
     _shared(parser)
+    group = parser.add_argument_group("in place of captures")
+    group.add_argument("--port", help="record from the rig behind this port, learn, and record again")
+    group.add_argument(
+        "--experiments", type=arguments.whole, metavar="N", help="with --port: further motions; default 1"
+    )
+    group.add_argument(
+        "--records", type=Path, metavar="FOLDER", help="with --port: of the recordings; default experiments"
+    )
+    group.add_argument("--limits", metavar="FILE", help="with --port: of the motions, as of `next`")
+    arguments.add_fault(group)
 
 
 def _shared(parser: ArgumentParser) -> None:
@@ -107,6 +117,7 @@ def run_add(args: Namespace) -> Answer:
 
 def run_learn(args: Namespace) -> Answer:
     """Learn what is missing from a model of one or several captures of a knob."""
+    _check_source(args)
     inputs = [*args.captures, *([args.model] if args.model else [])]
     check_file(args.output, inputs)
     check_file(args.report, inputs)
@@ -121,6 +132,9 @@ def run_learn(args: Namespace) -> Answer:
     options = arguments.preparation(args)
     model = _model(args.model)
     _check_without(args)
+
+    if args.port is not None:
+        return _experimented(args, model, options)
 
     from ..learn import Interrupted, learn
 
@@ -139,6 +153,39 @@ def run_learn(args: Namespace) -> Answer:
     files = write(learned, args.report, args.output, args.plots)
     text = "\n".join([repr(learned), *said(files)])
     return answer(args, text, learned.document() | {"files": files}, learned.fit)
+
+
+def _check_source(args: Namespace) -> None:
+    """Refuse a call without captures and without a rig, or with both."""
+    given = [name for name in ("experiments", "records", "limits") if getattr(args, name) is not None]
+    if args.port is None and (given or args.clear_fault):
+        name = given[0] if given else "clear-fault"
+        raise InputError(f"--{name}: is for what is recorded; name the rig with --port")
+    if bool(args.captures) == (args.port is not None):
+        raise InputError("learn: takes captures, or --port to record them; give one of both")
+
+
+def _experimented(args: Namespace, model: Model | None, options: dict[str, Any]) -> Answer:
+    """Record, learn, and record what would tell more."""
+    from ..rig.experiments import experiments
+
+    done = experiments(
+        args.port,
+        1 if args.experiments is None else args.experiments,
+        args.records or Path("experiments"),
+        limits=args.limits,
+        clear_fault=arguments.clear_fault(args),
+        progress=status,
+        model=model,
+        without=args.without,
+        prepare=args.prepare,
+        budget_s=args.budget_s,
+        **options,
+    )
+    args.captures = [str(log) for log in done.logs]
+    files = write(done.learned, args.report, args.output, args.plots)
+    text = "\n".join([repr(done), *said(files)])
+    return answer(args, text, done.document() | {"files": files}, done.learned.fit)
 
 
 def write(
