@@ -12,6 +12,7 @@ from ..base.door import checked
 from ..base.writing import make_folder
 from ..errors import InputError
 from ..learn import LearningResult, learn
+from ..learn.contenders import contenders
 from ..learn.experiment import Experiment, next_experiment
 from ..learn.limits import Limits
 from .record import record
@@ -83,21 +84,23 @@ def experiments(
     learned = learn(captures, progress=tell, **options)
     broken = None
     for number in range(1, count + 1):
+        tell(f"designing experiment {number}")
+        if not contenders(learned, ()):
+            broken = "nothing is left that could be taken for what was found"
+            break
         usual = Limits.reached(learned.fit.prepared)
         within = Limits.load(limits, usual) if limits is not None else usual
-        tell(f"designing experiment {number}")
         one = next_experiment(learned, limits=within)
-        if one.sharpened:
-            broken = "nothing is left that could be taken for what was found"
-        elif not one.separable:
+        if not one.separable:
             broken = one.headline.removesuffix(".")
-        if broken is not None:
             break
         designed.append(one)
         log = _free(Path(folder))
         tell(f"recording experiment {number}")
         try:
-            captures.append(record(port, one.track, output=log, clear_fault=clear_fault))
+            # A rig counts a motion's angles from where the knob stands.
+            from_here = one.track._replace(theta=one.track.theta - captures[-1].theta[-1])
+            captures.append(record(port, from_here, output=log, clear_fault=clear_fault))
             logs.append(log)
         except InputError as error:
             broken = str(error)

@@ -1,0 +1,65 @@
+"""The loop on an emulated rig: record, learn, design, record again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from command import knobcam, refused
+
+import knobcam as kc
+from knobcam.rig.emulator import EmulatedRig
+from knobcam.rig.experiments import experiments
+
+
+@pytest.fixture(scope="module")
+def sprung_knob() -> kc.Model:
+    """A spring that a short sweep cannot tell from an unbalance."""
+    return kc.Model.load("knob4").with_effect("return_spring").with_value("return_spring.k", 0.004)
+
+
+def test_what_one_motion_left_tied_is_parted_by_the_next(sprung_knob: kc.Model, tmp_path: Path) -> None:
+    with EmulatedRig(sprung_knob, speed=8.0) as rig:
+        done = experiments(rig.port, 1, tmp_path, duration_s=3.0)
+    first = kc.learn(kc.load(done.logs[0]))
+    assert "unbalance" in {one for step in first.ladder for one in step.equivalent}
+    assert len(done.logs) == 2 and len(done.designed) == 1
+    assert done.learned.found == ("return_spring",)
+    assert all("unbalance" not in step.equivalent for step in done.learned.ladder)
+    # The second recording kept to what the first had reached.
+    second, limits = kc.load(done.logs[1]), done.designed[0].limits
+    assert abs(second.tau).max() < limits.torque_Nm + 5.0 * 1.8e-3
+    assert limits.theta_min_rad - 1e-3 < second.theta.min() < second.theta.max() < limits.theta_max_rad + 1e-3
+    document = done.document()
+    assert document["schema"] == "knobcam.learn/1" and document["recordings"] == [
+        str(log) for log in done.logs
+    ]
+    assert document["experiments"][0]["schema"] == "knobcam.next/1"
+
+
+def test_a_knob_that_hides_nothing_is_recorded_once(tmp_path: Path) -> None:
+    with EmulatedRig("knob4", speed=8.0) as rig:
+        ended = knobcam(
+            *("learn", "--port", rig.port, "--experiments", "2", "--records", tmp_path / "logs", "--json")
+        )
+    assert ended.code == 0, ended.err
+    document = ended.document
+    assert document["verdict"] == "complete" and document["experiments"] == []
+    assert document["recordings"] == [str(tmp_path / "logs" / "experiment-0.kcwire")]
+    assert document["ended"].startswith("nothing is left")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ((), "give one of both"),
+        (("--experiments", "2"), "--experiments"),
+        (("--port", "nowhere", "--experiments", "0"), "give a number from 1"),
+        (("--port", "nowhere"), "nowhere"),
+    ],
+)
+def test_wrong_calls_end_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...], said: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    refused(knobcam("learn", *words), said)
