@@ -239,3 +239,43 @@ fn a_tank_holds_what_a_spring_holds_at_the_end_of_the_range() {
     let expected = 0.5 * 0.3 * std::f64::consts::TAU.powi(2);
     assert!((held / expected - 1.0).abs() < 1e-9, "{held} {expected}");
 }
+
+/// Knob 4 without detents, on a spring on which it swings so many times in 0.4 s; its friction, N m, and what that gains
+/// or loses with the speed, N m s/rad.
+fn swinging(times: f64, friction: f64, viscous: f64) -> Model {
+    let w = std::f64::consts::TAU * 2.5 * times;
+    let mut model = knob(4).with(Id::Compliance).unwrap();
+    for (name, value) in [
+        ("compliance.k", 0.7 * 4.9e-5 * w * w),
+        ("compliance.d", 1e-6),
+        ("compliance.share", 0.7),
+        ("detent.A", 0.0),
+        ("viscous.neg", viscous),
+        ("viscous.pos", viscous),
+    ] {
+        model.set(name, value).unwrap();
+    }
+    rubbed(model, friction)
+}
+
+#[test]
+fn a_mass_on_a_spring_gives_back_what_it_took_and_is_rendered() {
+    for friction in [0.0, 1e-4, 1e-3] {
+        for times in [0.6, 0.9, 1.0, 1.1, 1.5, 2.0, 2.5, 3.0, 4.5, 6.0, 10.0, 14.0] {
+            let model = swinging(times, friction, 0.0);
+            assert_eq!(check_passive(&model, None, RATE), Ok(()), "{times} {friction}");
+        }
+    }
+}
+
+#[test]
+fn what_falls_short_of_friction_beyond_the_range_feeds_the_hand_where_a_spring_swings_that_fast() {
+    for times in [0.8, 0.9, 2.0, 2.5, 3.0, 4.0, 4.5, 5.0] {
+        let said = refused(&swinging(times, 2e-3, -3.9e-4), None);
+        assert!(said.starts_with("viscous.") && said.contains("feeds the hand by"), "{times}: {said}");
+    }
+    // Where a mass hardly swings friction is enough.
+    assert_eq!(check_passive(&swinging(60.0, 3e-3, -3.9e-4), None, RATE), Ok(()));
+    // What only a fast hand brings to swing is found too.
+    assert!(check_passive(&swinging(4.0, 3e-3, -3.9e-4), None, RATE).is_err());
+}
