@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -45,7 +45,8 @@ class Known:
 
     @property
     def model(self) -> Any:
-        return SimpleNamespace(effects=self.effects, coordinate="rotary", period=self.period)
+        known = {"effects": self.effects, "coordinate": "rotary", "period": self.period, "core": None}
+        return SimpleNamespace(**known)
 
     @property
     def excess(self) -> float:
@@ -257,6 +258,83 @@ def test_a_set_comes_in_by_what_each_explains_by_itself(monkeypatch: pytest.Monk
     assert joined.chance_of(Known(math.sqrt(3.999)), Known(2.0), diagnosis) == 1.0
     unknown = SimpleNamespace(candidates=alone, fit=Known(2.0, noise_floor=math.nan))
     assert joined.chance_of(Known(1.0), Known(2.0), unknown) == 1.0
+
+
+def test_a_joint_and_what_hides_beside_it_come_in_where_both_are_needed(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(joined, "converged", lambda fit: fit)
+    monkeypatch.setattr(joined, "absent", lambda fit, without: (["backlash", "offset"], {}))
+    monkeypatch.setattr(joined, "cores", lambda fit: [])
+    monkeypatch.setattr(joined, "replace", lambda fit, core=None, **more: replace(core or fit, **more))
+    first, last = Known(3.0), Known(2.0, (*BASE, "stribeck"))
+    alone = Known(2.5, (*BASE, "offset"))
+
+    def of(rmse: float, needed: float, p_value: float = 0.001) -> list[LearningStep] | None:
+        pair = Known(rmse, (*BASE, "backlash", "offset"), None, {"offset": needed})
+        monkeypatch.setattr(joined._core, "pairs", lambda *_: [("backlash", "offset", pair)])
+        weighed = SimpleNamespace(effect="offset", fit=alone, gain=1.0, p_value=p_value)
+        return joined.joined(SimpleNamespace(fit=first, candidates=[weighed]), last, (), lambda _: None)
+
+    both = of(1.0, 0.5)
+    assert both is not None and [(one.added, one.rmse) for one in both] == [
+        ("offset", 2.5),
+        ("backlash", 1.0),
+    ]
+    assert both[0].fit.before is first and both[1].fit.before is both[0].fit
+    joint = of(1.0, 1e-4)
+    assert joint is not None and [one.added for one in joint] == ["backlash"]
+    assert joint[0].fit.effects == (*BASE, "backlash") and joint[0].fit.before is first
+    # Chance that does as well, and a pair that leaves more than half of what the search left.
+    assert of(1.0, 0.5, 0.5) is None and of(1.0, 1e-4, 0.5) is None
+    assert of(math.sqrt(1.0 + 3.0 * RULE.pair_leaves * 1.01), 0.5) is None
+    assert of(math.sqrt(1.0 + 3.0 * RULE.pair_leaves * 0.99), 0.5) is not None
+
+
+def test_a_joint_that_leads_by_a_sketch_is_followed_and_nothing_else(monkeypatch: pytest.MonkeyPatch):
+    @dataclass(frozen=True)
+    class Led:
+        effect: str
+        place: str
+        score: float
+        fit: Any
+        beyond_chance: bool = True
+        implausible: tuple[str, ...] = ()
+
+    @dataclass(frozen=True)
+    class Weighed:
+        fit: Any
+        candidates: Any
+        comparison: Any = None
+
+        @property
+        def best(self) -> Any:
+            return self.candidates[0] if self.candidates else None
+
+    monkeypatch.setattr(selection, "converged", lambda fit: replace(fit, rmse=0.5 * fit.rmse))
+    monkeypatch.setattr(selection, "judged", lambda comparison, candidates: tuple(candidates))
+    joint, load = Led("backlash", "coupling", 9.0, Known(2.0)), Led("offset", "load", 8.0, Known(3.0))
+
+    def end(*candidates: Led) -> Any:
+        return selection.followed(Weighed(Known(4.0), candidates), lambda _: None)
+
+    best = end(load, joint)
+    assert best.effect == "backlash" and best.fit.rmse == 1.0 and best.fit.before.rmse == 4.0
+    assert end() is None and end(load) is None
+    assert end(replace(load, score=10.0), joint) is None
+    assert (
+        end(replace(joint, beyond_chance=False)) is None and end(replace(joint, implausible=("no",))) is None
+    )
+
+
+def test_what_returns_with_each_of_many_detents_is_no_free_map(monkeypatch: pytest.MonkeyPatch):
+    period = 0.1
+    for crossed, is_map in ((RULE.many * 0.99, True), (RULE.many * 1.01, False)):
+        monkeypatch.setattr(selection, "travel", lambda _, crossed=crossed: crossed * 2.0 * math.pi * period)
+        fit = SimpleNamespace(model=SimpleNamespace(coordinate="rotary", period=period), prepared=())
+        assert selection._is_map("detent_harmonics", fit) == is_map
+        # What needs no detents is a map however many there are.
+        assert selection._is_map("position_polynomial", fit) and not selection._is_map("stribeck", fit)
+        fit.model.period = None
+        assert selection._is_map("detent_harmonics", fit)
 
 
 def test_a_cut_names_a_few_of_what_was_not_weighed():

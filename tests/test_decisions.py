@@ -135,6 +135,11 @@ def test_a_torque_of_the_other_sign_gives_power_back_whatever_lies_along_the_pos
             assert not gives_back([prepare(sound)])
             assert gives_back([prepare(turned_round)])
             assert not gives_back([prepare(turned_round), prepare(sound)])
+    # Where the angle is counted from, and which way is forward, is nobody's affair.
+    far = recorded(5, start=50.0, waves={1.0: 0.1}, seconds=4.0)
+    for one in (far, replace(far, theta=-far.theta, omega=-far.omega, alpha=-far.alpha, tau=-far.tau)):
+        assert not gives_back([prepare(one)])
+        assert gives_back([prepare(replace(one, tau=-one.tau))])
     noise = replace(sound, tau=np.random.default_rng(6).standard_normal(len(sound.tau)))
     assert not gives_back([prepare(noise)])
     short = recorded(5, sign=-1.0, seconds=0.9)
@@ -206,6 +211,16 @@ def test_captures_disagree_about_what_differs_and_by_so_many_standard_errors():
     c = alone[1].params["inertia.M"]
     by = max(abs(x.value - b.value) / math.sqrt(x.se**2 + b.se**2) for x in (a, c))
     assert worst.by_se == pytest.approx(by, rel=0.02)
+
+
+def test_a_split_is_in_the_units_of_its_axis():
+    units = {one.axis: one.unit for one in kc.compare(kc.fit(recorded(1, seconds=3.0))).splits}
+    assert (units["position"], units["velocity"], units["load"]) == ("rad", "rad/s", "N m")
+    t, theta, omega, alpha = turned(2, seconds=3.0)
+    force = 0.3 * alpha + 2.0 * np.sign(omega) + 0.1 * np.random.default_rng(1).standard_normal(len(t))
+    rail = kc.Capture.from_arrays(t=t, theta=theta, omega=omega, alpha=alpha, tau=force, coordinate="linear")
+    units = {one.axis: one.unit for one in kc.compare(kc.fit(rail)).splits}
+    assert (units["position"], units["velocity"], units["load"]) == ("m", "m/s", "N")
 
 
 def moving(omega: Any, alpha: Any = None) -> Any:
