@@ -189,7 +189,7 @@ mod tests {
                     calls.set(0);
                     crossing(|x| counted(&|x| x - goal, x), guess, by);
                     let doublings = ((goal - guess).abs() / by).log2().max(0.0) as usize;
-                    assert!(calls.get() <= 12 + doublings, "{goal} from {guess}: {} calls", calls.get());
+                    assert!(calls.get() <= 24 + doublings, "{goal} from {guess}: {} calls", calls.get());
                 }
             }
         }

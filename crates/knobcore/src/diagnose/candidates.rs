@@ -259,11 +259,11 @@ mod tests {
 
     #[test]
     fn what_loads_the_shaft_before_a_joint_is_found_there_and_what_loads_the_knob_behind_it() {
-        let joint = [("compliance.k", 3.0), ("compliance.d", 5e-3), ("compliance.share", 0.7)];
+        let joint = [("compliance.k", 0.3), ("compliance.d", 2e-3), ("compliance.share", 0.7)];
         let base = knob(&[Id::Compliance], &joint);
         for at_shaft in [false, true] {
             let mut truth = base.with(Id::ReturnSpring).unwrap();
-            truth.set("return_spring.k", 0.02).unwrap();
+            truth.set("return_spring.k", 0.1).unwrap();
             let truth = if at_shaft { truth.with_at_shaft(Id::ReturnSpring).unwrap() } else { truth };
             let data = recorded(&truth, "a");
             let (candidate, model) = &gains(&[&data], &base, &[Id::ReturnSpring])[0];
@@ -273,15 +273,19 @@ mod tests {
     }
 
     #[test]
-    fn what_runs_have_apart_is_paid_for_and_taken_only_where_they_differ() {
-        let run = |zero: f64, name: &str| {
-            let values = [("offset.tau0", zero)];
-            recorded(&knob(&[Id::Offset], &values), name)
-        };
-        for (zeros, apart) in [([2e-3, 2e-3], false), ([2e-3, -1e-3], true)] {
-            let data = [run(zeros[0], "a"), run(zeros[1], "bb")];
-            let (candidate, model) = &gains(&data.each_ref(), &knob(&[], &[]), &[Id::Offset])[0];
-            assert_eq!((model.is_apart(Id::Offset), candidate.parameters), (apart, 1 + usize::from(apart)));
+    fn a_step_promises_of_what_is_linear_what_a_fit_then_takes_off() {
+        let mut truth = knob(&[Id::ReturnSpring], &[("return_spring.k", 2e-3)]);
+        truth.set("coulomb.pos", 6e-3).unwrap();
+        let data = recorded(&truth, "a");
+        let data = [&data];
+        let base = refine(&data, &knob(&[], &[])).unwrap().model;
+        let watch = Watch::new(&|_| true, 1);
+        let screen = Screen::new(&data, &base, &watch);
+        for id in [Id::QuadraticDrag, Id::Unbalance] {
+            let start = &screen.starts(id)[0];
+            let end = sketch(&data, &start.model).cost;
+            assert!((start.predicted / end - 1.0).abs() < 0.02, "{id:?}: {} {end}", start.predicted);
+            assert!(end < screen.squares);
         }
     }
 }

@@ -152,14 +152,14 @@ fn a_factor_on_friction_acts_as_larger_friction_whether_a_joint_is_before_it_or_
 fn derivatives_of_a_users_own_law_hold_for_large_and_small_parameters() {
     const SIZES: &[Param] = &[
         Param::linear("d", Unit::of(1, 0, 0), "torque"),
-        Param::shape("w", Unit::of(0, -1, 0), [1e-6, 1e6], 1.0, "waves to the angle"),
+        Param::shape("w", Unit::of(0, 1, 0), [1e-6, 1e6], 1.0, "period"),
     ];
-    let wave: Function = Box::new(|p, m| Ok(m[1].iter().map(|theta| p[0] * (p[1] * theta).sin()).collect()));
+    let wave: Function = Box::new(|p, m| Ok(m[1].iter().map(|theta| p[0] * (theta / p[1]).sin()).collect()));
     let own = register_at("own_wave", Place::Load, &[Channel::Drive], SIZES, wave);
     let columns = [vec![0.0; 2], vec![0.3, -0.2]];
     let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
-    let right: [fn(f64, f64) -> f64; 2] = [|w, x| (w * x).sin(), |w, x| 2.0 * x * (w * x).cos()];
-    for w in [1e-3, 1.0, 50.0] {
+    let right: [fn(f64, f64) -> f64; 2] = [|w, x| (x / w).sin(), |w, x| -2.0 * x / (w * w) * (x / w).cos()];
+    for w in [1e-2, 1.0, 50.0] {
         for (i, right) in right.iter().enumerate() {
             let slope = user(own).slope(&[2.0, w], i, &columns);
             for (found, x) in slope.iter().zip([0.3, -0.2]) {

@@ -248,7 +248,7 @@ fn a_model_that_is_linear_is_solved_at_once() {
 #[test]
 fn only_what_an_undetermined_parameter_hangs_on_is_named_in_any_unit() {
     let mut data = turned(0.9, SD, |_, _| 0.0);
-    data.omega = data.alpha.iter().map(|alpha| 2.0 + 1e-8 * alpha).collect();
+    data.omega = data.alpha.iter().map(|alpha| 2.0 + 1e-6 * alpha).collect();
     data.forward.fill(1.0);
     let steady = fitted(&data);
     let one = steady.undetermined.iter().find(|one| one.why.contains("cannot tell it")).unwrap();
@@ -314,4 +314,19 @@ fn detents_that_take_nothing_off_are_not_there() {
     assert!(judge.promising() && judge.are_there(&full, &with).unwrap());
     let nothing = Found { cost: without.cost * (1.0 - 1e-6), ..with };
     assert!(!judge.are_there(&full, &nothing).unwrap());
+}
+
+#[test]
+fn what_never_moves_or_never_changes_is_refused() {
+    let model = Model::equation_1(Axis::Rotary, false);
+    let said = |data: &Signals| fit(&[data], &model, Detents::AsModel).map(|_| ()).unwrap_err().to_string();
+    let moving = turned(0.9, SD, |_, _| 0.0);
+    let still = Signals { theta: vec![0.3; moving.len()], ..moving.clone() };
+    assert!(said(&still).contains("never moves"), "{}", said(&still));
+    let flat = Signals { tau_raw: vec![0.3; moving.len()], ..moving.clone() };
+    assert!(said(&flat).contains("same in every sample"), "{}", said(&flat));
+    // One capture that says something is enough.
+    assert!(fit(&[&still, &moving], &model, Detents::AsModel).is_ok());
+    let linear = Signals { axis: Axis::Linear, ..moving };
+    assert!(said(&linear).contains("another kind of axis"));
 }
