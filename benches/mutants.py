@@ -14,6 +14,7 @@ from typing import Any, TextIO
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "benches" / "results" / "mutants.json"
 REASONS = ROOT / "benches" / "survivors.toml"
+SAME = ("equivalent: ", "speed: ")  # reasons of those that answer as the original does, as soon or later
 
 
 def stratum(file: str) -> str:
@@ -56,29 +57,27 @@ def report(part: str, rows: list[dict[str, Any]], note: str = "") -> None:
     document["parts"][part] = sorted(rows, key=lambda row: str(row["name"]))
     document["notes"] = document.get("notes", {}) | {part: note}
     reasons = tomllib.loads(REASONS.read_text("utf-8")) if REASONS.is_file() else {}
-    head = f"{'python benches/study_mutants.py':32}"
-    table, survivors = (
-        [f"{head} {'drawn':>6} {'refused':>8} {'caught':>7} {'survived':>9} {'caught, %':>10}"],
-        [],
-    )
+    heads = f"{'drawn':>6} {'refused':>8} {'caught':>7} {'survived':>9} {'the same':>9} {'caught, %':>10}"
+    table = [f"{'python benches/study_mutants.py':32} {heads} {'of others, %':>13}"]
+    survivors = []
     for name, every in document["parts"].items():
+        ends = Counter(row["end"] for row in every)
+        left = [row["name"] for row in every if row["end"] == "survived"]
+        same = sum(reasons.get(one, "").startswith(SAME) for one in left)
+        numbers = f"{len(every):6} {ends['refused']:8} {ends['caught']:7} {len(left):9} {same:9}"
+        shares = f"{_percent(every, 0):10.1f} {_percent(every, same):13.1f}"
+        table.append(f"{name:32} {numbers} {shares}")
         strata = sorted({row["stratum"] for row in every})
-        for label, members in [
-            *((f"{name}, {one}", [row for row in every if row["stratum"] == one]) for one in strata),
-            (f"{name}, all", every),
-        ]:
-            ends = Counter(row["end"] for row in members)
-            tried = ends["caught"] + ends["survived"]
-            table.append(
-                f"{label:32} {len(members):6} {ends['refused']:8} {ends['caught']:7} {ends['survived']:9} "
-                f"{100.0 * ends['caught'] / max(tried, 1):10.1f}"
-            )
-        survivors += [
-            f"{row['name'].removeprefix('crates/')}: {reasons.get(row['name'], 'not looked at')}"
-            for row in every
-            if row["end"] == "survived"
-        ]
+        parts = [f"{one} {_percent([r for r in every if r['stratum'] == one], 0):.0f}" for one in strata]
+        table.append(f"  caught by place, %: {', '.join(parts)}")
+        survivors += [f"{one.removeprefix('crates/')}: {reasons.get(one, 'not looked at')}" for one in left]
     table += [f"{name}: {note}" for name, note in document["notes"].items() if note]
     document |= {"report": table, "at_length": survivors}
     RESULTS.write_text(json.dumps(document) + "\n", "utf-8")
     print(*table, sep="\n")
+
+
+def _percent(rows: list[dict[str, Any]], same: int) -> float:
+    """How many of what was tried was caught, but for some that do the same as what they replace."""
+    ends = Counter(row["end"] for row in rows)
+    return 100.0 * ends["caught"] / max(ends["caught"] + ends["survived"] - same, 1)

@@ -107,3 +107,67 @@ fn share(x: f64, limits: [f64; 2]) -> f64 {
     }
     (x / side(x, limits)).clamp(-1.0, 1.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::nature::Nature;
+    use super::*;
+    use knobcore::param::Axis;
+
+    const BUDGET: Budget = Budget { slide: [0.01, 0.02], hold: [0.03, 0.05] };
+
+    fn tuning() -> Tuning {
+        let nature =
+            Nature { inertia: 0.0, surge: 0.0, hold: 0.02, stiffness: 0.0, damping: 0.0, dissipates: true };
+        Tuning { damping: 0.0, ..Tuning::faithful(Axis::Rotary, &nature, 2e-4) }
+    }
+
+    fn moved(by: f64, omega: f64) -> Moved {
+        Moved { by, omega, band: 0.1 }
+    }
+
+    #[test]
+    fn a_knob_holds_by_its_static_friction_and_slides_by_the_other_until_it_is_slow_and_relaxed() {
+        let tuning = tuning();
+        let angle = |torque: f64| torque / tuning.stiffness;
+        for (sign, hold, slide) in [(1.0, 0.05, 0.02), (-1.0, 0.03, 0.01)] {
+            let mut contact = Contact::default();
+            let mut step = |by: f64, omega: f64| {
+                contact.answer(&tuning, &BUDGET, moved(sign * angle(by), sign * omega), None)
+            };
+            // Up to its static friction it is a spring, and gives back what it took.
+            let (friction, strain) = step(0.9 * hold, 1.0);
+            assert!((friction - sign * 0.9 * hold).abs() < 1e-12 && (strain - sign * 0.9).abs() < 1e-12);
+            assert!((step(-0.4 * hold, -1.0).0 - sign * 0.5 * hold).abs() < 1e-12);
+            // Beyond it slides, with no more than its sliding friction.
+            assert_eq!(step(0.6 * hold, 1.0), (sign * slide, sign));
+            assert_eq!(step(angle(1.0), 1.0), (sign * slide, sign));
+            // Let go by more than half of that it rests if it is slow, and not before.
+            let (friction, _) = step(-0.7 * slide, 1.0);
+            assert!((friction - sign * 0.3 * slide).abs() < 1e-12);
+            assert!((step(0.0, 1.0).0 - sign * 0.3 * slide).abs() < 1e-12);
+            assert!(contact.slipping, "it is too fast to rest");
+            contact.answer(&tuning, &BUDGET, moved(sign * angle(0.4 * slide), 0.0), None);
+            assert!(contact.slipping, "it is strained too much to rest");
+            contact.answer(&tuning, &BUDGET, moved(sign * angle(-0.4 * slide), 0.1), None);
+            assert!(!contact.slipping);
+            // At rest static friction holds it, as far as it was strained.
+            let (friction, _) = contact.answer(&tuning, &BUDGET, moved(sign * angle(0.5 * hold), 0.0), None);
+            assert!((friction - sign * (0.3 * slide + 0.5 * hold)).abs() < 1e-12 && !contact.slipping);
+        }
+    }
+
+    #[test]
+    fn it_slides_on_only_the_way_that_it_is_strained() {
+        let mut contact = Contact::first(-2.0, 0.1);
+        assert_eq!((contact.slipping, contact.strain), (true, -1.0));
+        assert_eq!(
+            [(-1e-6, -1.0), (0.0, -1.0), (1e-6, -1.0), (-1e-6, 0.0), (-1e-6, 1.0)]
+                .map(|(by, w)| contact.slides(by, w)),
+            [-1.0, -1.0, 0.0, 0.0, 0.0]
+        );
+        contact.strain = -0.9;
+        assert_eq!(contact.slides(-1e-6, -1.0), 0.0);
+        assert_eq!(Contact::first(0.1, 0.1), Contact::default());
+    }
+}

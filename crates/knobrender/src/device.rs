@@ -222,4 +222,15 @@ mod tests {
         assert!((damping(0.0, 0.9 * most / late) - 0.1 * most).abs() < 1e-12);
         assert_eq!(damping(2.0 * most, 0.0), 0.0);
     }
+
+    #[test]
+    fn on_a_handle_that_is_held_a_count_or_the_slowest_motion_meets_all_friction() {
+        let held = Tuning::of(&device(true), &nature(1e-4), 2e-4);
+        assert!((held.stiffness * device(true).encoder_step / 0.02 - 1.0).abs() < 1e-12);
+        assert!((held.damping * DIRECTED / 0.02 - 1.0).abs() < 1e-12);
+        // What the handle adds is taken off, all of it; of a free one no more than the model has.
+        assert_eq!(held.own, [-5e-5, -1e-3]);
+        assert_eq!(Tuning::of(&device(false), &nature(1e-4), 2e-4).own, [-5e-5, 0.0]);
+        assert_eq!(Tuning::of(&device(false), &nature(2e-5), 2e-4).own, [-2e-5, 0.0]);
+    }
 }

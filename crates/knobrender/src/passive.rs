@@ -3,7 +3,7 @@
 //! A fit that went wrong has a spring that pushes, an inertia that hurries, friction that helps; each of them
 //! gives energy to whoever holds the handle, and the delay of a device has no part in it. So it is asked of the
 //! model itself, before anything moves: signs at a grid of places and speeds, where the angle alone would take
-//! the handle, and, where something is remembered, the work over closed cycles. The term that is most to blame is
+//! the handle, and, where something is remembered, the work over cycles from rest on. The term that is most to blame is
 //! named: the one without which the offence would be the least.
 
 use super::device::Device;
@@ -50,7 +50,7 @@ const ROUNDED: f64 = 2e-3;
 const GRID: [[usize; 3]; 2] = [[128, 16, 4096], [24, 6, 512]];
 /// Instants at which the torque of a handle at rest has to be the same, s.
 const CLOCK: [f64; 3] = [0.0, 0.37, 5.3];
-/// Closed cycles: amplitude as a share of the declared speed over 2.5 Hz, and how many of them go into 0.4 s.
+/// Cycles from rest to rest: amplitude as a share of the declared speed over 2.5 Hz, and how many go into 0.4 s.
 const CYCLES: [[f64; 2]; 3] = [[1.0, 1.0], [0.05, 1.0], [0.25, 4.0]];
 const CYCLE_S: f64 = 0.4;
 
@@ -193,44 +193,66 @@ impl Asked<'_> {
         Ok(())
     }
 
-    /// What is remembered, and what hangs behind a joint, gives out no energy over a closed cycle.
+    /// What is remembered, and what hangs behind a joint, gives out no more than it was given, from rest on.
     fn cycles(&self, p: &[f64], rate_hz: f64) -> Result<()> {
         if !self.model.remembers() && self.model.joint(p).is_none() {
             return Ok(());
         }
+        let start = self.ground(p);
         for [share, times] in CYCLES {
             let samples = (CYCLE_S / times * rate_hz).round().max(8.0) as usize;
             let w = TAU * rate_hz / samples as f64;
             let amplitude = share * self.range.speed * CYCLE_S / TAU;
-            let work = |p: &[f64]| self.work(p, rate_hz, [amplitude, w], samples);
-            let [sum, scale] = work(p)?;
-            if sum.is_nan() || sum < -ROUNDED * scale - UNFELT * amplitude {
+            let work = |p: &[f64]| self.work(p, rate_hz, start, [amplitude, w], samples);
+            let [least, scale] = work(p)?;
+            if least.is_nan() || least < -ROUNDED * scale - UNFELT * amplitude {
                 let why =
-                    format!("feeds the hand by {} J in a cycle of {} rad", short(-sum), short(amplitude));
-                return self.refuse(p, |p| work(p).map_or(f64::NAN, |[sum, _]| -sum), &why);
+                    format!("feeds the hand by {} J in cycles of {} rad", short(-least), short(amplitude));
+                return self.refuse(p, |p| work(p).map_or(f64::NAN, |[least, _]| -least), &why);
             }
         }
         Ok(())
     }
 
-    /// Work of the hand over the second of two cycles, J, and what goes to and fro in it.
-    fn work(&self, p: &[f64], rate_hz: f64, [amplitude, w]: [f64; 2], samples: usize) -> Result<[f64; 2]> {
+    /// Where the angle alone holds the least, in the middle half of the range: nothing is stored there.
+    fn ground(&self, p: &[f64]) -> f64 {
+        let (height, _) = self.heights(p);
+        let places = height.len() - 1;
+        let inner = places / 4..=places - places / 4;
+        let ground = inner.min_by(|a, b| height[*a].total_cmp(&height[*b])).unwrap_or(places / 2);
+        self.range.angle * (2.0 * ground as f64 / places as f64 - 1.0)
+    }
+
+    /// The least that the work of the hand, J, has come to at the end of a cycle, and what went to and fro. Cycles go
+    /// to one side and to the other in turn, each from rest to rest: a mass on a spring keeps some of one for the next.
+    fn work(
+        &self,
+        p: &[f64],
+        rate_hz: f64,
+        start: f64,
+        [amplitude, w]: [f64; 2],
+        samples: usize,
+    ) -> Result<[f64; 2]> {
         let mut model = self.model.clone();
         model.set_values(p);
         let open = Limits { torque: f64::INFINITY, torque_rate: f64::INFINITY, speed: 1000.0 };
         let mut knob = Renderer::unguarded(&model, rate_hz, open)?;
-        let mut work = [0.0; 2];
-        for i in 0..2 * samples {
-            let (sin, cos) = (w * i as f64 / rate_hz).sin_cos();
-            let omega = amplitude * w * cos;
-            let alpha = -amplitude * w * w * sin;
-            let power =
-                knob.step(Sensed { theta: amplitude * sin, omega, alpha, hand: None }) * omega / rate_hz;
-            if i >= samples {
-                work = [work[0] + power, work[1] + power.abs()];
+        let [mut work, mut least, mut scale] = [0.0, f64::INFINITY, 0.0];
+        for side in [1.0, -1.0, 1.0, -1.0] {
+            let amplitude = side * amplitude;
+            for i in 0..samples {
+                let (sin, cos) = (w * i as f64 / rate_hz).sin_cos();
+                let (theta, omega) = (start + amplitude * (1.0 - cos), amplitude * w * sin);
+                let sensed = Sensed { theta, omega, alpha: amplitude * w * w * cos, hand: None };
+                let power = knob.step(sensed) * omega / rate_hz;
+                (work, scale) = (work + power, scale + power.abs());
+            }
+            least = f64::min(least, work);
+            if work.is_nan() {
+                return Ok([work, scale]);
             }
         }
-        Ok(work)
+        Ok([least, scale])
     }
 }
 

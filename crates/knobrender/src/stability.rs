@@ -244,4 +244,47 @@ mod tests {
         let taken_back = (w * late).atan();
         assert!((found.sliding_margin - (taken_back - w * late)).abs() < 0.02, "{found:?}");
     }
+
+    /// The product of two complex numbers.
+    fn times([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
+        [a * c - b * d, a * d + b * c]
+    }
+
+    #[test]
+    fn the_loop_is_that_of_its_equation() {
+        // J s^2 + b s = -(k + (d + k ahead) s + M s^2 e^(-s T/2) / (1 + lag s)) e^(-s late).
+        let (dt, late, lag, w0) = (2e-4, 1.5 * 2e-4, 7e-4, 300.0);
+        for [k, d, extra] in [[0.3, 2e-3, 0.0], [0.3, 2e-3, 4e-4], [0.0, 0.0, 4e-4], [5.0, 0.0, 1e-5]] {
+            let mut of = Loop {
+                device: device(1),
+                tuning: Tuning::of(&device(1), &Nature::of(&rubbed(), &rubbed().values(), 100.0), dt),
+                dt,
+                stiffness: k,
+                damping: d,
+                extra,
+            };
+            (of.tuning.ahead_s, of.tuning.freshness) = (late, 1.0 - (-dt / lag).exp());
+            for w in [0.3 * w0, w0, 5.0 * w0, 20.0 * w0] {
+                let turned = |by: f64| [by.cos(), -by.sin()];
+                let filter = 1.0 / (1.0 + (w * lag).powi(2));
+                let filtered = times([filter, -w * lag * filter], turned(0.5 * w * dt));
+                let mass = times([-extra * w * w, 0.0], filtered);
+                let answer = times([k + mass[0], w * (d + k * late) + mass[1]], turned(w * late));
+                let plant = [-5e-5 * w * w, 1e-3 * w];
+                let square = plant[0].powi(2) + plant[1].powi(2);
+                let right = times(answer, [plant[0] / square, -plant[1] / square]);
+                let (size, phase) = of.at(w);
+                let found = [size * phase.cos(), size * phase.sin()];
+                let off = (found[0] - right[0]).hypot(found[1] - right[1]) / size;
+                assert!(off < 1e-9, "{k} {d} {extra} {w}: {found:?} {right:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_spring_beyond_all_that_a_sample_can_follow_is_far_from_stable() {
+        // Stronger than the handle's inertia up to half the sampling rate, where the delay is three quarters of a turn.
+        let found = check_stability(&spring(1e6), device(1), 5000.0).unwrap();
+        assert!(found.sliding_margin < -1.0, "{found:?}");
+    }
 }

@@ -86,7 +86,10 @@ fn a_spring_that_is_too_stiff_for_the_delay_is_named_on_that_device_alone() {
     let stiff = with(Id::ReturnSpring, &[("return_spring.k", 200.0)]);
     assert_eq!(check_passive(&stiff, None, RATE), Ok(()));
     assert!(!check_stability(&stiff, device(10), RATE).unwrap().is_stable());
-    assert!(refused(&stiff, Some(device(10))).starts_with("return_spring.k: is 200 N m/rad: rings"));
+    let said = refused(&stiff, Some(device(10)));
+    assert!(said.starts_with("return_spring.k: is 200 N m/rad: rings"), "{said}");
+    // Ten samples, and half a one until its torque has acted.
+    assert!(said.contains("acts 2.1 ms late"), "{said}");
     assert!(Renderer::new(&stiff, RATE, Some(device(10)), LIMITS).is_err());
     assert_eq!(check_passive(&stiff, Some(Device { held: true, ..device(10) }), RATE), Ok(()));
 }
@@ -172,4 +175,112 @@ fn a_linear_axis_has_a_range_of_its_own() {
     assert_eq!(check_passive(&model, None, RATE), Ok(()));
     model.set("viscous.pos", -1.1).unwrap();
     assert!(refused(&model, None).contains("N s/m"), "{}", refused(&model, None));
+}
+
+/// Knob 4 with friction of this size both ways.
+fn rubbed(mut model: Model, friction: f64) -> Model {
+    for name in ["coulomb.neg", "coulomb.pos", "karnopp.D_neg", "karnopp.D_pos"] {
+        model.set(name, friction).unwrap();
+    }
+    model
+}
+
+#[test]
+fn what_pushes_away_is_rendered_where_friction_takes_its_work_over_the_outer_half() {
+    // The spring gives 3/8 of its stiffness times the range squared from halfway to the end.
+    let limit = |friction: f64| {
+        let passes = |k: f64| {
+            let model =
+                rubbed(with(Id::ReturnSpring, &[("return_spring.k", -k), ("detent.A", 0.0)]), friction);
+            check_passive(&model, None, RATE).is_ok()
+        };
+        let (mut low, mut high) = (0.0, 10.0 * friction);
+        for _ in 0..12 {
+            let middle = 0.5 * (low + high);
+            if passes(middle) { low = middle } else { high = middle }
+        }
+        low
+    };
+    let [one, two] = [0.01, 0.02].map(limit);
+    let expected = 4.0 / 3.0 * 0.01 / std::f64::consts::TAU;
+    assert!(one > expected && one < 1.15 * expected, "{one} {expected}");
+    assert!((two / one - 2.0).abs() < 0.01, "{one} {two}");
+}
+
+#[test]
+fn a_dent_at_the_end_of_the_range_is_no_push_where_the_deepest_place_is_before_it() {
+    // Its lowest places are at 5.34 rad to either side, and a dent at the very end leads outward.
+    let dented = |depth: f64| {
+        with(
+            Id::PositionPolynomial,
+            &[
+                ("position_polynomial.p1", -1.0),
+                ("position_polynomial.p3", 1.0 / 28.5),
+                ("detent.A", depth),
+                ("detent.P", 0.1),
+                ("detent.S", 0.25 * std::f64::consts::TAU),
+            ],
+        )
+    };
+    for depth in [4.0, -4.0] {
+        assert_eq!(check_passive(&dented(depth), None, RATE), Ok(()), "{depth}");
+    }
+}
+
+#[test]
+fn a_tank_holds_what_a_spring_holds_at_the_end_of_the_range() {
+    let mut spring = Model::new(&[Id::Inertia, Id::Coulomb, Id::ReturnSpring], Axis::Rotary);
+    for (name, value) in
+        [("inertia.M", 5e-5), ("coulomb.neg", 1e-3), ("coulomb.pos", 1e-3), ("return_spring.k", 0.3)]
+    {
+        spring.set(name, value).unwrap();
+    }
+    let held = Renderer::new(&spring, RATE, Some(device(0)), LIMITS).unwrap().state().tank - TANK_J;
+    let expected = 0.5 * 0.3 * std::f64::consts::TAU.powi(2);
+    assert!((held / expected - 1.0).abs() < 1e-9, "{held} {expected}");
+}
+
+/// Knob 4 without detents, on a spring on which it swings so many times in 0.4 s; its friction, N m, and what that gains
+/// or loses with the speed, N m s/rad.
+fn swinging(times: f64, friction: f64, viscous: f64) -> Model {
+    let w = std::f64::consts::TAU * 2.5 * times;
+    let mut model = knob(4).with(Id::Compliance).unwrap();
+    for (name, value) in [
+        ("compliance.k", 0.7 * 4.9e-5 * w * w),
+        ("compliance.d", 1e-6),
+        ("compliance.share", 0.7),
+        ("detent.A", 0.0),
+        ("viscous.neg", viscous),
+        ("viscous.pos", viscous),
+    ] {
+        model.set(name, value).unwrap();
+    }
+    rubbed(model, friction)
+}
+
+#[test]
+fn a_mass_on_a_spring_gives_back_what_it_took_and_is_rendered() {
+    for friction in [0.0, 1e-4, 1e-3] {
+        for times in [0.6, 0.9, 1.0, 1.1, 1.5, 2.0, 2.5, 3.0, 4.5, 6.0, 10.0, 14.0] {
+            let model = swinging(times, friction, 0.0);
+            assert_eq!(check_passive(&model, None, RATE), Ok(()), "{times} {friction}");
+        }
+    }
+}
+
+#[test]
+fn what_falls_short_of_friction_beyond_the_range_feeds_the_hand_where_a_spring_swings_that_fast() {
+    let told = |times: f64| check_passive(&swinging(times, 2e-3, -3.9e-4), None, RATE).err();
+    let said: Vec<String> = [0.8, 0.9, 2.0, 2.5, 3.0, 4.0, 4.5, 5.0]
+        .into_iter()
+        .filter_map(told)
+        .map(|why| why.to_string())
+        .collect();
+    assert!(said.len() >= 5, "{said:?}");
+    assert!(said.iter().all(|why| why.contains("feeds the hand by")), "{said:?}");
+    assert!(said.iter().filter(|why| why.starts_with("viscous.")).count() > said.len() / 2, "{said:?}");
+    // Where a mass hardly swings friction is enough.
+    assert_eq!(check_passive(&swinging(60.0, 3e-3, -3.9e-4), None, RATE), Ok(()));
+    // What only a fast hand brings to swing is found too.
+    assert!(check_passive(&swinging(4.0, 3e-3, -3.9e-4), None, RATE).is_err());
 }

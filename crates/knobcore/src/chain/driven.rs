@@ -143,7 +143,7 @@ fn crossing(rising: impl Fn(f64) -> f64, guess: f64, by: f64) -> f64 {
     // Straight in pieces: a secant lands on the zero of its piece, a halving finds the piece.
     let (mut below, mut above) = (rising(low), rising(high));
     for _ in 0..HALVINGS {
-        if high - low <= 1e-15 * (1.0 + low.abs().max(high.abs())) || above == below {
+        if high - low <= 1e-15 * (1.0 + low.abs().max(high.abs())) || above == below || below == 0.0 {
             break;
         }
         for middle in [low - below * (high - low) / (above - below), 0.5 * (low + high)] {
@@ -157,4 +157,41 @@ fn crossing(rising: impl Fn(f64) -> f64, guess: f64, by: f64) -> f64 {
         }
     }
     if above.abs() < below.abs() { high } else { low }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::Cell;
+
+    #[test]
+    fn a_zero_is_found_wherever_it_is_and_soon() {
+        // What a joint that opens and friction that turns round make of a shaft: straight pieces, and a step.
+        let bent = |x: f64| if x < 0.0 { x } else { 30.0 * x };
+        let stepped = |x: f64| x + if x > 0.0 { 4.0 } else { -4.0 };
+        for goal in [-1e6, -3.0, -1e-7, 0.0, 1e-7, 3.0, 1e6] {
+            for by in [1e-9, 1.0] {
+                for guess in [0.0, 2.0 * goal] {
+                    let calls = Cell::new(0);
+                    let counted = |of: &dyn Fn(f64) -> f64, x: f64| {
+                        calls.set(calls.get() + 1);
+                        of(x)
+                    };
+                    for of in [&(|x: f64| x - goal) as &dyn Fn(f64) -> f64, &|x| bent(x - goal), &|x| {
+                        stepped(x - goal)
+                    }] {
+                        let found = crossing(|x| counted(of, x), guess, by);
+                        assert!(
+                            (found - goal).abs() <= 4e-15 * (1.0 + goal.abs()),
+                            "{goal} from {guess}: {found}"
+                        );
+                    }
+                    calls.set(0);
+                    crossing(|x| counted(&|x| x - goal, x), guess, by);
+                    let doublings = ((goal - guess).abs() / by).log2().max(0.0) as usize;
+                    assert!(calls.get() <= 24 + doublings, "{goal} from {guess}: {} calls", calls.get());
+                }
+            }
+        }
+    }
 }

@@ -167,3 +167,124 @@ fn candidate(
         Err(why) => failed(why.to_string()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::{refine, runs};
+    use crate::model::Run;
+    use crate::param::Axis;
+    use crate::predict;
+    use crate::random;
+
+    const RATE_HZ: f64 = 1000.0;
+    const SD: f64 = 1e-3;
+
+    /// A knob turned to and fro for four seconds, with noise.
+    fn recorded(model: &Model, run: &str) -> Signals {
+        let over =
+            |of: &dyn Fn(f64) -> f64| (0..4000).map(|i| of(f64::from(i) / RATE_HZ)).collect::<Vec<f64>>();
+        let parts = [(0.9, 3.1), (0.2, 7.3), (0.03, 31.0)];
+        let sum =
+            |t: f64, of: &dyn Fn(f64, f64, f64) -> f64| parts.iter().map(|(a, w)| of(*a, *w, t)).sum::<f64>();
+        let omega = over(&|t| sum(t, &|a, w, t| a * w * (w * t).cos()));
+        let mut signals = Signals {
+            run: Run { name: run.into(), fingerprint: run.into() },
+            rate_hz: RATE_HZ,
+            substeps: 2,
+            t: over(&|t| t),
+            theta: over(&|t| sum(t, &|a, w, t| a * (w * t).sin())),
+            alpha: over(&|t| sum(t, &|a, w, t| -a * w * w * (w * t).sin())),
+            forward: omega.iter().map(|omega| f64::from(u8::from(*omega > 0.0))).collect(),
+            omega_sd: vec![0.0; omega.len()],
+            weight: vec![1.0; omega.len()],
+            segments: vec![0..omega.len(); 1],
+            omega,
+            ..Signals::default()
+        };
+        let mut noise = random::Noise::new(run.len() as u64 + 3);
+        signals.tau_raw =
+            predict::torque_raw(model, &signals).iter().map(|tau| tau + SD * noise.normal()).collect();
+        signals.tau = signals.tau_raw.clone();
+        signals
+    }
+
+    fn knob(effects: &[Id], values: &[(&str, f64)]) -> Model {
+        let mut model = Model::equation_1(Axis::Rotary, false);
+        for id in effects {
+            model = model.with(*id).unwrap();
+        }
+        let base = [("inertia.M", 1e-4), ("coulomb.neg", 8e-3), ("coulomb.pos", 8e-3)];
+        base.iter().chain(values).for_each(|(name, value)| model.set(name, *value).unwrap());
+        model
+    }
+
+    fn free(model: &Model) -> usize {
+        model.slots().iter().filter(|slot| slot.role == Role::Free).count()
+    }
+
+    #[test]
+    fn a_richer_model_has_as_many_parameters_more_as_it_has() {
+        let data = [recorded(&knob(&[], &[]), "a"), recorded(&knob(&[], &[]), "bb")];
+        let data = data.each_ref();
+        let named = runs(&data);
+        let watch = Watch::new(&|_| true, 1);
+        let of_runs = |id: &Id| id.info().params.iter().any(|param| param.of_a_run);
+        let own: Vec<Id> = Id::BUILT_IN.iter().copied().filter(of_runs).collect();
+        let bare = knob(&[], &[]);
+        let apart = own.iter().filter_map(|id| bare.with(*id).ok()?.apart(*id, &named));
+        let bases: Vec<Model> = std::iter::once(bare.clone()).chain(apart).collect();
+        assert!(bases.len() > 1);
+        for base in &bases {
+            let screen = Screen::new(&data, base, &watch);
+            for &id in Id::BUILT_IN {
+                let Ok(with) = base.with(id) else { continue };
+                assert_eq!(added(&screen, id, &with), free(&with) - free(base), "{id:?}");
+                if let Some(apart) = with.apart(id, &named) {
+                    assert_eq!(added(&screen, id, &apart), free(&apart) - free(base), "{id:?} apart");
+                }
+            }
+        }
+    }
+
+    /// Models with each of some effects, as [`fitted`] finds them beside one without.
+    fn found(data: &[&Signals], base: &Model, effects: &[Id]) -> Vec<Model> {
+        let base = refine(data, base).unwrap().model;
+        let watch = Watch::new(&|_| true, effects.len());
+        let screen = Screen::new(data, &base, &watch);
+        let noise = [SD * SD, SD * SD * data.iter().map(|one| one.used() as f64).sum::<f64>()];
+        let told = |id: &Id| fitted(&screen, *id, noise).0;
+        effects.iter().map(told).map(|one| one.fit.unwrap().model).collect()
+    }
+
+    #[test]
+    fn what_loads_the_shaft_before_a_joint_is_found_there_and_what_loads_the_knob_behind_it() {
+        let joint = [("compliance.k", 0.3), ("compliance.d", 2e-3), ("compliance.share", 0.7)];
+        let base = knob(&[Id::Compliance], &joint);
+        for at_shaft in [false, true] {
+            let mut truth = base.with(Id::ReturnSpring).unwrap();
+            truth.set("return_spring.k", 0.1).unwrap();
+            let truth = if at_shaft { truth.with_at_shaft(Id::ReturnSpring).unwrap() } else { truth };
+            let data = recorded(&truth, "a");
+            let model = &found(&[&data], &base, &[Id::ReturnSpring])[0];
+            assert_eq!(model.at_shaft(Id::ReturnSpring), at_shaft);
+        }
+    }
+
+    #[test]
+    fn a_step_promises_of_what_is_linear_what_a_fit_then_takes_off() {
+        let mut truth = knob(&[Id::ReturnSpring], &[("return_spring.k", 2e-3)]);
+        truth.set("coulomb.pos", 6e-3).unwrap();
+        let data = recorded(&truth, "a");
+        let data = [&data];
+        let base = refine(&data, &knob(&[], &[])).unwrap().model;
+        let watch = Watch::new(&|_| true, 1);
+        let screen = Screen::new(&data, &base, &watch);
+        for id in [Id::QuadraticDrag, Id::Unbalance] {
+            let start = &screen.starts(id)[0];
+            let end = sketch(&data, &start.model).cost;
+            assert!((start.predicted / end - 1.0).abs() < 0.02, "{id:?}: {} {end}", start.predicted);
+            assert!(end < screen.squares);
+        }
+    }
+}

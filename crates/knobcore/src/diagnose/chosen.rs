@@ -115,4 +115,32 @@ mod tests {
             assert!((seen - said).abs() < 0.6, "{share}: {seen} {said}");
         }
     }
+
+    #[test]
+    fn what_is_exceeded_by_chance_has_the_upcrossings_that_the_chance_asks_for() {
+        for many in [5.0_f64, 60.0, 1e4] {
+            for chance in [0.3, 0.1, 1e-3] {
+                let z = exceeded(many, chance);
+                let expected = many * FRAC_PI_3.sqrt() * z.sqrt() * (-z).exp();
+                assert!((expected / -(1.0_f64 - chance).ln() - 1.0).abs() < 1e-3, "{many} {chance}: {z}");
+            }
+        }
+    }
+
+    #[test]
+    fn gains_grow_with_the_noise_and_with_the_waves_that_come_along() {
+        let drawn = |noise: f64, columns: usize| {
+            let band = |many: f64| Band { many, noise, columns };
+            let mut random = Noise::new(9);
+            (0..200).map(|_| drawn(&[band(5.0), band(40.0)], &mut random)).sum::<f64>() / 200.0
+        };
+        let one = drawn(1.0, 2);
+        for columns in [2, 3, 4, 6] {
+            let many = drawn(1.0, columns);
+            assert!((drawn(3.0, columns) / many - 3.0).abs() < 1e-9, "{columns}");
+            // Each column more adds a chi-square number of mean one, the best of a few of them.
+            let more = (columns as f64 - 2.0).max(0.0) - f64::from(u8::from(columns == 3));
+            assert!(many >= one + more && many <= one + 6.0 * more + 0.5, "{columns}: {many} {one}");
+        }
+    }
 }

@@ -360,3 +360,24 @@ fn survey(data: &[&Signals], model: &Model) -> Survey {
         waves: None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_brakes_one_way_alone_is_shared_out_and_what_brakes_both_is_left() {
+        let model = Model::equation_1(Axis::Rotary, false);
+        for (given, right) in [
+            ([-1.0, 3.0], [1.0, 1.0]),
+            ([0.5, 1.0], [0.75, 0.75]),
+            ([0.7, 1.0], [0.7, 1.0]),
+            ([1.0, 0.1], [0.55, 0.55]),
+            ([-3.0, 1.0], [-3.0, 1.0]),
+        ] {
+            let mut p = [vec![1e-4], given.to_vec(), vec![2.0, 2.0]].concat();
+            level(&model, &mut p);
+            assert_eq!(p, [vec![1e-4], right.to_vec(), vec![2.0, 2.0]].concat(), "{given:?}");
+        }
+    }
+}

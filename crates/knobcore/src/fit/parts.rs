@@ -158,4 +158,23 @@ mod tests {
         let rhythm = level(|_, t| sine(7.3 * t));
         assert!(rhythm < 0.03, "{rhythm}");
     }
+
+    #[test]
+    fn without_one_part_each_the_variance_of_a_mean_is_that_of_the_textbook() {
+        let values = [0.3, -1.0, 2.5, 0.9, -0.2];
+        let parts: Vec<Moments> = values
+            .iter()
+            .map(|value| {
+                let mut part = Moments::empty(1);
+                part.add_columns(&[&[1.0], &[*value]]);
+                part.rows = 1.0;
+                part
+            })
+            .collect();
+        let n = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        let expected = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n * (n - 1.0));
+        let found = jackknife(&parts, 1, &[0])[0];
+        assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+    }
 }

@@ -157,3 +157,25 @@ fn no_effect_gives_energy_over_a_closed_cycle() {
         assert!(work >= -1e-3 * scale, "{} gives {} of what it moves", name(id), -work / scale);
     }
 }
+
+#[test]
+fn only_what_remembers_keeps_anything_from_sample_to_sample() {
+    let still = signals(|_| 0.0);
+    for &id in Id::BUILT_IN {
+        let model = knob_with(id);
+        let p: Vec<f64> =
+            model.slots().iter().filter(|slot| slot.effect == id).map(|slot| slot.value).collect();
+        let kept = id.law().kept(&p, &vec![None; p.len()], still.motion_columns(0..CYCLE));
+        assert!(id.law().remembers() || id.law().states() == 0 && kept.is_empty(), "{}", name(id));
+        let states: usize = model.effects().map(|id| id.law().states()).sum();
+        assert_eq!(model.states(), states, "{}", name(id));
+    }
+}
+
+#[test]
+fn every_place_of_the_chain_has_a_word_of_its_own() {
+    let words = [Place::Coupling, Place::Load, Place::Sensor].map(Place::text);
+    for (i, word) in words.iter().enumerate() {
+        assert!(!word.is_empty() && !words[..i].contains(word), "{words:?}");
+    }
+}

@@ -63,6 +63,31 @@ fn a_batch_is_single_steps_to_the_last_bit() {
 }
 
 #[test]
+fn a_batch_is_single_steps_also_where_a_knob_rests_creeps_and_turns_round() {
+    let model = plausible_knob(Id::Coulomb, &mut Noise::new(16));
+    let mut noise = Noise::new(17);
+    // Stretches at one of a few speeds, zero of either sign among them, some of them long.
+    let (mut theta, mut omega) = (vec![0.3], vec![0.0]);
+    while theta.len() < 12_000 {
+        let speed = [-2.0, -1e-4, -0.0, 0.0, 1e-4, 2.0][(6.0 * noise.uniform()) as usize];
+        for _ in 0..[1, 3, 16, 90][(4.0 * noise.uniform()) as usize] {
+            theta.push(theta[theta.len() - 1] + speed / RATE_HZ);
+            omega.push(speed);
+        }
+    }
+    let alpha = vec![0.0; theta.len()];
+    let mut one = renderer(&model);
+    let single: Vec<u64> = (0..theta.len())
+        .map(|i| one.step(Sensed { theta: theta[i], omega: omega[i], alpha: 0.0, hand: None }).to_bits())
+        .collect();
+    let mut batch = vec![0.0; theta.len()];
+    let mut knob = renderer(&model);
+    knob.render([&theta, &omega, &alpha], None, &mut batch);
+    assert!(single.iter().zip(&batch).all(|(a, b)| *a == b.to_bits()));
+    assert_eq!(one.state(), knob.state());
+}
+
+#[test]
 fn a_batch_lets_go_at_the_sample_where_single_steps_do() {
     let mut noise = Noise::new(15);
     let model = plausible_knob(Id::Detent, &mut noise);

@@ -64,3 +64,21 @@ fn what_runs_share_stays_shared() {
         assert_eq!(found.model.slots().len(), telling_knob(id, &mut noise).slots().len(), "{}", name(id));
     }
 }
+
+#[test]
+fn of_three_runs_the_one_that_differs_is_found_as_well() {
+    let mut noise = Noise::new(33);
+    let id = of_runs().next().unwrap();
+    let first = telling_knob(id, &mut noise);
+    let mut other = first.clone();
+    for slot in first.slots().iter().filter(|slot| slot.effect == id && slot.param.of_a_run) {
+        other.set(&slot.name(), 1.5 * slot.value).unwrap();
+    }
+    let data = [
+        recorded(&first, "a", &mut noise),
+        recorded(&first, "b", &mut noise),
+        recorded(&other, "c", &mut noise),
+    ];
+    let found = fit(&data.each_ref()[..], &first, Detents::AsModel).unwrap();
+    assert!(found.model.is_apart(id), "{}", name(id));
+}

@@ -120,3 +120,55 @@ fn a_model_file_says_what_is_at_the_shaft_and_refuses_what_cannot_be() {
         assert!(error.contains(way), "{error}");
     }
 }
+
+#[test]
+fn the_knob_behind_a_joint_that_is_nearly_rigid_moves_as_the_shaft_does() {
+    let still = signals(|_| 0.0);
+    let mut model = stiff(Id::Inertia, &mut Noise::new(57));
+    // What turns round with the direction jolts even a stiff joint.
+    for name in ["coulomb.neg", "coulomb.pos", "detent.A"] {
+        model.set(name, 0.0).unwrap();
+    }
+    let of = still.motion_columns(0..CYCLE);
+    let [theta, omega, alpha] =
+        knobcore::chain::knob(&model, &model.values(), of, 1.0 / RATE_HZ, SUBSTEPS).unwrap();
+    for (name, found, right) in
+        [("angle", theta, of[1]), ("speed", omega, of[2]), ("acceleration", alpha, of[3])]
+    {
+        let (off, scale) = (rms(found.iter().zip(right).map(|(a, b)| a - b)), rms(right.iter().copied()));
+        assert!(off < 0.03 * scale, "{name}: {off} of {scale}");
+    }
+}
+
+/// How a hand that is strong beside the knob moves it, in 0.1 s.
+fn led(model: &Model) -> knobcore::chain::Pushed {
+    let reference: Vec<f64> = (0..100).map(|i| 0.3 * (TAU * f64::from(i) / 100.0).sin()).collect();
+    let hand = knobcore::chain::Hand { stiffness: 5.0, damping: 0.02 };
+    knobcore::chain::push(model, &reference, 1e-3, hand).unwrap()
+}
+
+#[test]
+fn a_hand_at_a_joint_that_is_nearly_rigid_moves_what_it_would_move_without() {
+    let mut noise = Noise::new(58);
+    for id in [Id::Inertia, Id::ReturnSpring, Id::QuadraticDrag, Id::Coulomb] {
+        let rigid = plausible_knob(id, &mut noise);
+        let mut joined = stiff(id, &mut noise);
+        for slot in rigid.slots() {
+            joined.set(&slot.name(), slot.value).unwrap();
+        }
+        let mut both = vec![joined.clone()];
+        both.extend(Model::may_be_at_shaft(id).then(|| joined.with_at_shaft(id).unwrap()));
+        let right = led(&rigid);
+        for model in both {
+            let found = led(&model);
+            for (name, found, right, share) in [
+                ("angle", &found.theta, &right.theta, 3e-3),
+                ("speed", &found.omega, &right.omega, 2e-2),
+                ("torque", &found.tau, &right.tau, 5e-2),
+            ] {
+                let off = rms(found.iter().zip(right).map(|(a, b)| a - b)) / rms(right.iter().copied());
+                assert!(off < share, "{}: {name} by {off}", self::name(id));
+            }
+        }
+    }
+}

@@ -128,6 +128,47 @@ fn wherever_it_acts_it_is_the_effect_of_the_catalogue_that_it_repeats() {
     }
 }
 
+#[test]
+fn a_factor_on_friction_acts_as_larger_friction_whether_a_joint_is_before_it_or_not() {
+    const TIMES: &[Param] = &[Param::shape("times", Unit::NUMBER, [0.1, 9.0], 1.0, "factor")];
+    let factor: Function = Box::new(|p, motion| Ok(vec![p[0]; motion[0].len()]));
+    let own = register_at("own_factor", Place::Load, &[Channel::FrictionScale], TIMES, factor);
+    for joined in [false, true] {
+        let bare =
+            if joined { at(knob_with(Id::Compliance), Id::Compliance, &[5.0, 2e-3, 0.6]) } else { knob() };
+        let mut rough = bare.clone();
+        rough.set("coulomb.neg", 0.06).unwrap();
+        rough.set("coulomb.pos", 0.075).unwrap();
+        let neutral = bare.with(own).unwrap();
+        assert!(apart(&torque(&neutral), &torque(&bare)) < 1e-15, "{joined}");
+        let threefold = at(neutral, own, &[3.0]);
+        assert!(apart(&torque(&threefold), &torque(&rough)) < 1e-12, "{joined}");
+        check(&threefold, SMOOTH, "own_factor");
+    }
+}
+
+/// A difference is taken over a step that suits the parameter, whatever its size is.
+#[test]
+fn derivatives_of_a_users_own_law_hold_for_large_and_small_parameters() {
+    const SIZES: &[Param] = &[
+        Param::linear("d", Unit::of(1, 0, 0), "torque"),
+        Param::shape("w", Unit::of(0, 1, 0), [1e-6, 1e6], 1.0, "period"),
+    ];
+    let wave: Function = Box::new(|p, m| Ok(m[1].iter().map(|theta| p[0] * (theta / p[1]).sin()).collect()));
+    let own = register_at("own_wave", Place::Load, &[Channel::Drive], SIZES, wave);
+    let columns = [vec![0.0; 2], vec![0.3, -0.2]];
+    let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+    let right: [fn(f64, f64) -> f64; 2] = [|w, x| (x / w).sin(), |w, x| -2.0 * x / (w * w) * (x / w).cos()];
+    for w in [1e-2, 1.0, 50.0] {
+        for (i, right) in right.iter().enumerate() {
+            let slope = user(own).slope(&[2.0, w], i, &columns);
+            for (found, x) in slope.iter().zip([0.3, -0.2]) {
+                assert!((found - right(w, x)).abs() < 1e-5 * right(w, x).abs(), "{w} {i}: {found}");
+            }
+        }
+    }
+}
+
 fn user(id: Id) -> &'static User {
     match id {
         Id::User(user) => user,

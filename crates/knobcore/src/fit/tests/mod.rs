@@ -195,3 +195,138 @@ fn weighted_squares_are_those_of_every_sample() {
     let sum: f64 = (0..37).filter(|i| i % 3 > 0).map(|i| f64::from(i * i)).sum();
     assert_eq!(moments::squares(&x, &weight), sum);
 }
+
+/// A motion's torque with noise of a memory: of each sample `memory` of the one before.
+fn remembering(memory: f64, seed: u64) -> Signals {
+    let mut data = turned(0.9, 0.0, |_, _| 0.0);
+    let mut random = Noise::new(seed);
+    let mut noise = SD / (1.0 - memory * memory).sqrt() * random.normal();
+    for tau in &mut data.tau {
+        *tau += noise;
+        noise = memory * noise + SD * random.normal();
+    }
+    data.tau_raw = data.tau.clone();
+    data
+}
+
+#[test]
+fn of_noise_with_a_memory_the_uncertainty_is_that_of_the_sandwich() {
+    const MEMORY: f64 = 0.8;
+    const SEEDS: u64 = 16;
+    let x = design(&remembering(MEMORY, 0));
+    // The covariance of the noise times the design: each row takes its neighbours by powers of the memory.
+    let mut later = x.clone();
+    let mut earlier = x.clone();
+    for i in 1..x.nrows() {
+        let before = later.row(i - 1) * MEMORY;
+        later.row_mut(i).zip_apply(&before, |a, b| *a += b);
+        let at = x.nrows() - 1 - i;
+        let after = earlier.row(at + 1) * MEMORY;
+        earlier.row_mut(at).zip_apply(&after, |a, b| *a += b);
+    }
+    let spread = (later + earlier - &x) * (SD * SD / (1.0 - MEMORY * MEMORY));
+    let bread = (x.transpose() * &x).try_inverse().unwrap();
+    let exact = &bread * (x.transpose() * spread) * &bread;
+    // The memory itself is known from 4000 samples to 0.01, and an error by that much changes an error bar by 5 %.
+    let fits: Vec<Fit> = (0..SEEDS).map(|seed| fitted(&remembering(MEMORY, 100 + seed))).collect();
+    let mean = |of: &dyn Fn(&Fit) -> f64| fits.iter().map(of).sum::<f64>() / SEEDS as f64;
+    for i in 0..5 {
+        for j in 0..=i {
+            let (found, scale) =
+                (mean(&|fit| fit.covariance[(i, j)]), (exact[(i, i)] * exact[(j, j)]).sqrt());
+            assert!((found - exact[(i, j)]).abs() < 0.08 * scale, "{i} {j}: {found} {}", exact[(i, j)]);
+        }
+    }
+}
+
+#[test]
+fn a_model_that_is_linear_is_solved_at_once() {
+    let found = fitted(&turned(0.9, SD, |_, _| 0.0));
+    assert_eq!((found.status, found.iterations), (Status::Linear, 1));
+}
+
+#[test]
+fn only_what_an_undetermined_parameter_hangs_on_is_named_in_any_unit() {
+    let mut data = turned(0.9, SD, |_, _| 0.0);
+    data.omega = data.alpha.iter().map(|alpha| 2.0 + 1e-6 * alpha).collect();
+    data.forward.fill(1.0);
+    let steady = fitted(&data);
+    let one = steady.undetermined.iter().find(|one| one.why.contains("cannot tell it")).unwrap();
+    assert!(!one.why.contains("inertia"), "{one:?}");
+}
+
+#[test]
+fn a_torque_of_many_times_the_size_has_parameters_of_many_times_the_size() {
+    let search = |unit: f64| {
+        let mut data = turned(0.9, SD, |theta, _| 5e-3 * (theta / 0.11 + 0.4).sin());
+        data.tau.iter_mut().for_each(|tau| *tau *= unit);
+        data.tau_raw = data.tau.clone();
+        fit(&[&data], &Model::equation_1(Axis::Rotary, false), Detents::Find).unwrap()
+    };
+    let one = search(1.0);
+    assert!(one.model.has(Id::Detent));
+    for unit in [1.0 / 1024.0, 256.0] {
+        let other = search(unit);
+        let linear = |at: usize| one.model.slots()[at].param.kind == crate::param::Kind::Linear;
+        for (at, (a, b)) in one.model.values().iter().zip(other.model.values()).enumerate() {
+            let right = if linear(at) { unit * a } else { *a };
+            assert!((b - right).abs() < 1e-6 * right.abs(), "{unit}: {at}: {b} {right}");
+        }
+        for (a, b) in one.standard_errors().iter().zip(other.standard_errors()) {
+            assert!((b / a - 1.0).abs() < 1e-5 || (b / a / unit - 1.0).abs() < 1e-5, "{unit}: {a} {b}");
+        }
+        assert!((other.rmse / one.rmse / unit - 1.0).abs() < 1e-9);
+        assert!((other.noise_floor / one.noise_floor / unit - 1.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn small_detents_beyond_chance_are_found_and_those_beside_a_larger_error_are_not() {
+    let bare = Model::equation_1(Axis::Rotary, false);
+    let has = |size: f64, other: f64| {
+        let data = turned(0.9, SD, |theta, _| size * (theta / 0.11).sin() + other * (theta / 0.013).cos());
+        fit(&[&data], &bare, Detents::Find).unwrap().model.has(Id::Detent)
+    };
+    // A percent of the noise's own variance, and several times what chance does.
+    assert!(has(2e-4, 0.0));
+    assert!(!has(2e-5, 0.0));
+}
+
+#[test]
+fn detents_that_take_nothing_off_are_not_there() {
+    let data = turned(0.9, SD, |theta, _| 5e-3 * (theta / 0.11 + 0.4).sin());
+    let bare = Model::equation_1(Axis::Rotary, false);
+    let (bare, without, scan) = scan_beside(&[&data], &bare).unwrap();
+    let full = bare.with(Id::Detent).unwrap();
+    let loudest = loudest(&[&data]);
+    let data = [&data];
+    let judge = Judge {
+        data: &data,
+        bare: &bare,
+        without: &without,
+        scan: &scan,
+        loudest: &loudest,
+        floor: OnceCell::new(),
+    };
+    let mut start = full.values();
+    start[..without.p.len()].copy_from_slice(&without.p);
+    let with = best_from_scan(&data, &full, &Layout::of(&full), &start, &scan).unwrap().unwrap();
+    assert!(judge.promising() && judge.are_there(&full, &with).unwrap());
+    let nothing = Found { cost: without.cost * (1.0 - 1e-6), ..with };
+    assert!(!judge.are_there(&full, &nothing).unwrap());
+}
+
+#[test]
+fn what_never_moves_or_never_changes_is_refused() {
+    let model = Model::equation_1(Axis::Rotary, false);
+    let said = |data: &Signals| fit(&[data], &model, Detents::AsModel).map(|_| ()).unwrap_err().to_string();
+    let moving = turned(0.9, SD, |_, _| 0.0);
+    let still = Signals { theta: vec![0.3; moving.len()], ..moving.clone() };
+    assert!(said(&still).contains("never moves"), "{}", said(&still));
+    let flat = Signals { tau_raw: vec![0.3; moving.len()], ..moving.clone() };
+    assert!(said(&flat).contains("same in every sample"), "{}", said(&flat));
+    // One capture that says something is enough.
+    assert!(fit(&[&still, &moving], &model, Detents::AsModel).is_ok());
+    let linear = Signals { axis: Axis::Linear, ..moving };
+    assert!(said(&linear).contains("another kind of axis"));
+}

@@ -1,7 +1,7 @@
 //! Symmetries that the smoother must keep.
 
 use super::motion::{self, Motion, even};
-use crate::smooth::{Noise, Sensors, smooth};
+use crate::smooth::{Noise, Sensors, noise_from_capture, smooth};
 
 const NOISE: Noise = Noise { theta: 1e-5, omega: 5e-3, alpha: 0.41, jerk: 5.0 };
 
@@ -56,4 +56,49 @@ fn without_jerk_the_motion_is_a_parabola() {
     let bend = motion.alpha.iter().map(|alpha| (alpha - motion.alpha[0]).abs()).fold(0.0, f64::max);
     assert!(bend < 1e-3, "{bend}");
     assert!((motion.alpha[1000] + 6.0).abs() < 4.0 * motion.alpha_sd[1000]);
+}
+
+/// What was seen with another clock and another unit of the angle, both by powers of two, so that nothing is rounded.
+fn in_units(seen: &Motion, time: f64, angle: f64) -> Motion {
+    let by = |column: &[f64], factor: f64| column.iter().map(|x| x * factor).collect::<Vec<f64>>();
+    Motion {
+        t: by(&seen.t, time),
+        theta: by(&seen.theta, angle),
+        omega: by(&seen.omega, angle / time),
+        alpha: by(&seen.alpha, angle / (time * time)),
+    }
+}
+
+/// How far apart two columns are, as a share of the largest value.
+fn apart(a: &[f64], b: &[f64]) -> f64 {
+    let most = b.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / most
+}
+
+#[test]
+fn units_of_time_and_angle_are_the_users_affair() {
+    let mut seen = Motion::of(even(6000), motion::multisine).seen(3, 9.8e-6);
+    // What the search for errors of a sensor decides must not hang on units either.
+    seen.omega[3000] -= 5.0;
+    seen.alpha[2000] += 800.0;
+    seen.theta[4000..4040].iter_mut().for_each(|theta| *theta += 0.1);
+    let smoothed = |seen: &Motion| {
+        let noise = noise_from_capture(&seen.sensors()).unwrap();
+        smooth(&seen.sensors(), &noise).unwrap()
+    };
+    let plain = smoothed(&seen);
+    assert_eq!(plain.strays[1..], [vec![3000], vec![2000]]);
+    assert_eq!(plain.strays[0], (4000..4040).collect::<Vec<_>>());
+    for (time, angle) in [(16.0, 1.0), (1.0 / 16.0, 1.0), (1.0, 64.0), (1.0, 1.0 / 64.0)] {
+        let other = smoothed(&in_units(&seen, time, angle));
+        assert_eq!(other.strays, plain.strays, "{time} {angle}");
+        for (i, (a, b)) in
+            [(&other.theta, &plain.theta), (&other.omega, &plain.omega), (&other.alpha, &plain.alpha)]
+                .into_iter()
+                .enumerate()
+        {
+            let b: Vec<f64> = b.iter().map(|x| x * angle / time.powi(i as i32)).collect();
+            assert!(apart(a, &b) < 1e-6, "{time} {angle}: {i} by {}", apart(a, &b));
+        }
+    }
 }
