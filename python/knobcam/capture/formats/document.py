@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray
+from ...base.arrays import BoolArray, FloatArray, runs
 from ...errors import InputError
 from ..finding import Finding
 from .table import Table
@@ -28,14 +28,13 @@ def build(
     findings: tuple[Finding, ...],
 ) -> dict[str, Any]:
     """Return the document; InputError when `meta` holds what JSON cannot."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], ~mask, [False]))))
     document = {
         "schema": SCHEMA,
         "axis": coordinate,
         "rate_hz": rate_hz,
         "samples": len(mask),
         "sha256": digest(columns),
-        "masked_rows": [[int(a) + 1, int(b)] for a, b in zip(edges[::2], edges[1::2], strict=True)],
+        "masked_rows": [[int(a) + 1, int(b)] for a, b in zip(*runs(~mask), strict=True)],
         "findings": [finding.document() for finding in findings],
         "meta": dict(meta),
     }
