@@ -8,6 +8,7 @@ import os
 import sqlite3
 import struct
 import tempfile
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -21,10 +22,13 @@ from mcap.writer import CompressionType
 from mcap.writer import Writer as McapWriter
 
 import knobcam as kc
+from knobcam import _core
+from knobcam.capture.formats.wire import header_line
 from knobcam.rig.calibration import Calibration
 from knobcam.workbench import journal
 
 SHARED = Path(os.environ.get("KNOBCAM_SHARED_DATA", Path(__file__).resolve().parents[2] / "shared" / "data"))
+_FRAMES = Path(__file__).resolve().parents[1] / "tests" / "wire" / "vectors.toml"
 MAP = "t=t_s, theta=theta_rad, tau=tau_Nm"
 NAMES = ("t_s", "theta_rad", "omega_rad_s", "tau_Nm")
 ROWS = 400
@@ -49,6 +53,7 @@ REAL: dict[str, tuple[str, dict[str, Any]]] = {
     ),
 }
 """Real files in the shared folder, with what reads them."""
+_UNDATED = b"MATLAB 5.0 MAT-file".ljust(116)
 NATIVE = {"npz": "npz", "csv": "csv", "csv.gz": "csv.gz", "mat": "mat", "h5": "hdf5", "parquet": "parquet"}
 """Endings of captures, with their formats."""
 
@@ -63,7 +68,6 @@ def sources(real: bool = True, rows: int = ROWS) -> dict[str, Source]:
     columns = dict(zip(NAMES, (run.t, run.theta, omega, run.tau), strict=True))
     found = {name: (content.encode(), options) for name, (content, options) in _texts(columns).items()}
     found |= _arrays(columns) | _logs("", run) | settings()
-    found["kcwire/rig"] = (_wire(), {})
     for name, (path, options) in REAL.items() if real else ():
         if (SHARED / path).is_file():
             found[name] = ((SHARED / path).read_bytes(), options)
@@ -87,6 +91,7 @@ def _logs(whose: str, run: kc.Capture) -> dict[str, Source]:
         found[f"db3/bag{whose}"] = (_sqlite(Path(folder) / "run.db3", run), {"joint": "knob"})
     for kind in CompressionType:
         found[f"mcap/{kind.name}{whose}"] = (_mcap(run, kind), {"joint": "knob"})
+    found[f"kcwire/rig{whose}"] = (_wire(run), {})
     lines = [
         {"time": t, "position": theta, "torque": tau}
         for t, theta, tau in zip(run.t.tolist(), run.theta.tolist(), run.tau.tolist(), strict=True)
@@ -184,7 +189,8 @@ def _arrays(columns: dict[str, np.ndarray]) -> dict[str, Source]:
         "npy/wide": (written(lambda file: np.save(file, matrix)), {"map": "t=c0, theta=c1, tau=c3"}),
         "npz/arrays": (written(lambda file: np.savez_compressed(file, **columns)), {}),  # type: ignore[arg-type]
         "mat/version5": (
-            written(lambda file: scipy.io.savemat(file, {"run": columns}, do_compression=True)),
+            _UNDATED
+            + written(lambda file: scipy.io.savemat(file, {"run": columns}, do_compression=True))[116:],
             {"map": f"{inside}, tau=run.tau_Nm"},
         ),
         "hdf5/version73": (written(hdf5), {"map": f"{inside}, tau=run.tau_Nm"}),
@@ -234,10 +240,24 @@ def _sqlite(path: Path, run: kc.Capture) -> bytes:
     return path.read_bytes()
 
 
-def _wire() -> bytes:
-    from knobcam.rig.emulator import EmulatedRig
-
-    with tempfile.TemporaryDirectory() as folder, EmulatedRig(speed=5.0) as rig:
-        path = Path(folder) / "run.kcwire"
-        kc.record(rig.port, "hand", duration_s=0.3, output=path)
-        return path.read_bytes()
+def _wire(run: kc.Capture) -> bytes:
+    """A log as the rig of the wire protocol's examples would have made it, with readings as large as its."""
+    examples = [one["message"] for one in tomllib.loads(_FRAMES.read_text("utf-8"))["frame"]]
+    descriptor = next(one for one in examples if one["type"] == "DESCRIPTOR")
+    counts = np.rint((run.theta - run.theta[0]) * descriptor["device"]["counts_per_rad"])
+    readings = (np.gradient(run.theta), np.gradient(np.gradient(run.theta)), run.tau)
+    raw = [np.rint(20_000.0 * one / np.abs(one).max()) for one in readings]
+    samples = [
+        dict(zip(("count", "omega", "alpha", "tau"), map(int, row), strict=True))
+        for row in zip(counts, *raw, strict=True)
+    ]
+    ended = {"type": "STOPPED", "run": 1, "produced": len(samples), "sent": len(samples)}
+    parts = [(first, samples[first : first + 25]) for first in range(0, len(samples), 25)]
+    messages = [
+        (0, descriptor),
+        (0, {"type": "STARTED", "run": 1, "first": 0}),
+        *((first, {"type": "DATA", "run": 1, "samples": part}) for first, part in parts),
+        (len(samples), ended),
+    ]
+    frames = [_core.wire_encode(message, index, 200 * index) for index, message in messages]
+    return header_line({}) + b"".join(frames)
