@@ -165,6 +165,7 @@ _TESTS: Mapping[str, Callable[[object], bool]] = {
     "Coordinate": lambda value: isinstance(value, str),
     "Limit": lambda value: isinstance(value, str),
     "Acts": lambda value: isinstance(value, str),
+    "Clears": lambda value: isinstance(value, bool | np.bool_) or callable(value),
 }
 _WORDS = {
     "None": "None",
@@ -178,6 +179,7 @@ _WORDS = {
     "Coordinate": "a text",
     "Limit": "a text",
     "Acts": "a text",
+    "Clears": "True, False or a function",
     "Mapping": "a dict",
     "Iterable": "a list",
     "Callable": "a function",

@@ -17,11 +17,14 @@ from .port import BAUD, Port, ports
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
     from types import TracebackType
 
     from ..capture.motions import MotionTrack
     from ..model import Model
+
+    Clears = bool | Callable[[str], bool]
+    """Whether a latched fault is cleared: yes, no, or what a function says that is told the fault."""
 
 VERSION = 1
 """Version of the wire protocol that is spoken."""
