@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from .. import _core
+from ..base.door import checked
 from ..errors import InputError
 from ..render import check_passive
 from .figures import Figures
@@ -47,6 +48,7 @@ class Link:
     Nothing but `arm` arms it. Raises InputError, one line, for whatever is wrong with port or rig.
     """
 
+    @checked
     def __init__(self, port: str, *, baud: int = BAUD) -> None:
         self.port = port
         self.device: Mapping[str, Any] = {}

@@ -76,6 +76,8 @@ class Latched(InputError):
 def log_path(output: str | os.PathLike[str]) -> Path:
     """Return where the wire log of this output is: itself, or its neighbour."""
     path = Path(output)
+    if not path.name:
+        raise InputError(f"output={str(output)!r}: is no name of a file; give one")
     name = path.name.removesuffix(".gz")
     return path.with_name(Path(name).stem + SUFFIX)
 
