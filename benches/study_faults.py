@@ -6,8 +6,8 @@ Writers killed at random moments, disks that fill at random sizes, commands that
 100 MB that are as bad as can be, wrong values for every parameter, random commands to the page, sessions
 that are cut, connections that stall, clocks that jump, at the page and at a rig. Writes
 benches/results/faults.json, which has the seeds; what was counted before is kept where `--only` leaves it out
-(`page`: all that is done to the page). `study_mutated.py` and `study_safety.py` count the spoiled files and
-the limits of the rig, which stand in the same table.
+(`page`: all that is done to the page). Without `--only` it runs `study_mutated.py` and `study_safety.py` too,
+which count the spoiled files and the limits of the rig; they stand in the same table.
 """
 
 from __future__ import annotations
@@ -337,6 +337,8 @@ def main() -> None:
     args = parser.parse_args()
     known = json.loads(RESULTS.read_text())["rows"] if RESULTS.exists() else {}
     print(f"seed {args.seed}")
+    for other in ("study_mutated.py", "study_safety.py") if args.only is None else ():
+        subprocess.run([sys.executable, str(Path(__file__).with_name(other))], check=True)
     found = studied(args.moments, args.sequences, args.stalls, args.seed, args.only)
     rows = known | {name: {**one, "seed": args.seed} for name, one in found.items()}
     RESULTS.write_text(json.dumps({"report": report(rows), "rows": rows}, indent=1) + "\n")

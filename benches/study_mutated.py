@@ -1,13 +1,13 @@
 """Spoiled files of every format that is read: what it holds, or one line that refuses it.
 
-    python benches/study_mutated.py [--each 10000] [--seed 0] [--processes 2] [--anew]
+    python benches/study_mutated.py [--each 10000] [--seed N] [--processes 2] [--anew]
     python benches/study_mutated.py --one SEED CASE [--keep FOLDER]
     python benches/study_mutated.py --again
 
 Anything else fails: another exception, a warning, a message that is no line or names no file, 30 s, 2 GB of
 address space, the end of the process. What took too long is tried once more, alone: a busy machine is no
-hang. It goes on seed by seed until there are as many files of each format, and after it was ended, from the
-first seed that was not done; `--anew` forgets what was counted. `--one` runs a single case here and shows
+hang. It goes on seed by seed until there are as many files of each format, those of earlier runs counted;
+`--anew` forgets them. `--one` runs a single case here and shows
 what it says, `--again` tries what failed, and says how much of that was mended. Writes
 benches/results/mutated.json.
 """
@@ -271,11 +271,11 @@ def told(found: dict[str, Any]) -> dict[str, Any]:
     for name, counts in found["by_source"].items():
         total.update(counts)
         kinds[name.partition("/")[0]] += sum(counts.values())
-    whole = {kind: count for kind, count in kinds.items() if kind != "bomb"}
+    figures = {"files": total.total(), **{kind: total[kind] for kind in _WORDS}, "by_format": dict(kinds)}
     seeds = found["seeds"]
     shown = str(seeds[0]) if len(set(seeds)) == 1 else f"{min(seeds)} to {max(seeds)}"
     report = [
-        f"{total.total()} files, {min(whole.values())} or more of each of {len(whole)} formats "
+        f"{total.total()} files, {fewest(figures)} or more of each of {len(kinds.keys() - {'bomb'})} formats "
         f"(seed {shown}): " + ", ".join(f"{total[kind]} {words}" for kind, words in _WORDS.items()),
         f"slowest {found['slowest_s']:.1f} s; most memory of a process {found['peak_mb']} MB",
     ]
@@ -284,8 +284,12 @@ def told(found: dict[str, Any]) -> dict[str, Any]:
     report += [
         f"failed: {one['source']} {one['seed']}, {one['case']}, {one['done']}" for one in found["failures"]
     ]
-    figures = {"files": total.total(), **{kind: total[kind] for kind in _WORDS}, "by_format": dict(kinds)}
     return {"report": report, **figures, **found}
+
+
+def fewest(found: dict[str, Any]) -> int:
+    """Return of how many files of every format there are figures at least."""
+    return min((count for kind, count in found.get("by_format", {}).items() if kind != "bomb"), default=0)
 
 
 def again(found: dict[str, Any], files: dict[str, Source], folder: Path) -> dict[str, Any]:
@@ -305,7 +309,7 @@ def again(found: dict[str, Any], files: dict[str, Source], folder: Path) -> dict
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--each", type=int, default=10_000, help="of every format; the bombs come on top")
-    parser.add_argument("--seed", type=int, default=0, help="the first one")
+    parser.add_argument("--seed", type=int, help="the first one; default the one behind the last")
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--anew", action="store_true", help="forget what was counted")
     parser.add_argument("--again", action="store_true", help="what failed")
@@ -331,16 +335,16 @@ def main() -> None:
             known = again(known, files, folder)
             RESULTS.write_text(json.dumps(known, indent=1) + "\n")
         program = version(Path(kc.__file__).parent)
-        for seed in range(args.seed, args.seed - (-args.each // _OF_A_SEED)):
-            if args.again or seed in known.get("seeds", ()):
-                continue
-            every = cases(min(_OF_A_SEED, args.each), seed, spoiled)
-            if seed == args.seed:
+        seed = args.seed if args.seed is not None else max(known.get("seeds", [-1])) + 1
+        while not args.again and (left := args.each - fewest(known)) > 0:
+            every = cases(min(_OF_A_SEED, left), seed, spoiled)
+            if not known:
                 every = [*(Case(seed, -1, name) for name in files.keys() - spoiled.keys()), *every]
             more = counted(run(every, files, args.processes, folder), files) | {"programs": [program]}
             known = told(added(known, more))
             RESULTS.write_text(json.dumps(known, indent=1) + "\n")
             print(f"{time.strftime('%H:%M:%S')} seed {seed}: {known['files']} files", flush=True)
+            seed += 1
     print(*known["report"], sep="\n")
 
 
