@@ -14,13 +14,11 @@ from mutations import bombs
 from study_mutated import MOST_BYTES, Case, cases, counted, run, told, tried
 
 EACH = 20
-PAST = [
-    (1003, 1227, "json/rows"),  # a name of 50 000 blanks
-    (1007, 2458, "hdf5/native"),  # a heap in which the library would go round for ever
-    (1006, 3296, "parquet/native"),  # a description at which pyarrow ends the process
+PAST = [  # seed, number, file, and its rows
+    (1003, 1227, "json/rows", 1500),  # a name of 50 000 blanks
+    (1007, 2458, "hdf5/native", 1500),  # a heap in which the library would go round for ever
+    (1006, 3296, "parquet/native", 1500),  # a description at which pyarrow ends the process
 ]
-PAST_ROWS = 1500
-"""How long the files were at which these failed."""
 
 
 @cache
@@ -47,11 +45,21 @@ def test_spoiled_files_are_read_or_refused_in_one_line_within_time_and_memory(tm
     assert found["peak_mb"] < MOST_BYTES / 2**20
 
 
-@pytest.mark.parametrize(("seed", "index", "source"), PAST)
-def test_what_failed_once_does_not_again(tmp_path: Path, seed: int, index: int, source: str) -> None:
-    long = files(PAST_ROWS)
-    found = counted(run([Case(seed, index, source)], long, 1, tmp_path), long)
+@pytest.mark.parametrize(("seed", "index", "source", "rows"), PAST)
+def test_what_failed_once_does_not_again(
+    tmp_path: Path, seed: int, index: int, source: str, rows: int
+) -> None:
+    there = files(rows)
+    found = counted(run([Case(seed, index, source)], there, 1, tmp_path), there)
     assert found["failures"] == []
+
+
+def test_a_row_of_a_bag_that_claims_more_than_there_can_be_is_refused_in_words(tmp_path: Path) -> None:
+    raw, options = files()["db3/bag"]
+    path = tmp_path / "spoiled.log"
+    path.write_bytes(raw[:43_437] + b"\xff" * 22 + raw[43_459:])
+    ended = tried(path, "db3", options)
+    assert (ended.kind, "a row of it is damaged" in ended.said) == ("refused", True)  # and not MemoryError
 
 
 def test_the_command_refuses_them_in_one_line_too(tmp_path: Path) -> None:
