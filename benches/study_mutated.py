@@ -284,7 +284,7 @@ def told(found: dict[str, Any]) -> dict[str, Any]:
     report += [
         f"failed: {one['source']} {one['seed']}, {one['case']}, {one['done']}" for one in found["failures"]
     ]
-    return {"report": report, **figures, **found}
+    return found | {"report": report, **figures}
 
 
 def fewest(found: dict[str, Any]) -> int:
