@@ -274,13 +274,13 @@ def told(found: dict[str, Any]) -> dict[str, Any]:
     figures = {"files": total.total(), **{kind: total[kind] for kind in _WORDS}, "by_format": dict(kinds)}
     seeds = found["seeds"]
     shown = str(seeds[0]) if len(set(seeds)) == 1 else f"{min(seeds)} to {max(seeds)}"
+    again = found.get("mended")
+    mended = f" ({again} had, were mended and tried again)" if again else ""
     report = [
         f"{total.total()} files, {fewest(figures)} or more of each of {len(kinds.keys() - {'bomb'})} formats "
-        f"(seed {shown}): " + ", ".join(f"{total[kind]} {words}" for kind, words in _WORDS.items()),
+        f"(seed {shown}): " + ", ".join(f"{total[kind]} {words}" for kind, words in _WORDS.items()) + mended,
         f"slowest {found['slowest_s']:.1f} s; most memory of a process {found['peak_mb']} MB",
     ]
-    if found.get("mended"):
-        report.append(f"{found['mended']} of them had failed, and were mended and tried again")
     report += [
         f"failed: {one['source']} {one['seed']}, {one['case']}, {one['done']}" for one in found["failures"]
     ]
