@@ -74,6 +74,29 @@ def test_the_command_refuses_them_in_one_line_too(tmp_path: Path) -> None:
             refused(ended, "spoiled.log")
 
 
+def test_every_command_takes_every_sound_file_or_refuses_it_in_one_line(tmp_path: Path) -> None:
+    path, out = tmp_path / "sound.log", tmp_path / "out"
+    commands = (
+        *(
+            ("export", path, "-o", f"{out}.csv"),
+            ("import", path, "-o", f"{out}.npz"),
+            ("fit", path, "--json"),
+        ),
+        *(("compare", path, "knob3"), ("fit", path, "--model", path), ("calibrate", "--port", path)),
+        *(("simulate", path, "-o", f"{out}.h5", "--duration", "0.5"), ("render", path, "--seconds", "0.1")),
+        *(("convert", path, "--kt", "1", "-o", f"{out}.toml"), ("emulate", path, "--speed", "0")),
+    )
+    seed = time.time_ns() % 2**32
+    print(f"seed {seed}")
+    every = [(name, words) for name in files() for words in commands]
+    for name, words in random.Random(seed).sample(every, 60):
+        path.write_bytes(files()[name][0])
+        ended = knobcam(*words)
+        if ended.code:
+            assert ended.code == 2, (name, words, ended)
+            refused(ended, "")
+
+
 def test_small_files_that_unpack_to_gigabytes_are_refused(tmp_path: Path) -> None:
     large = bombs()
     found = counted(run([Case(0, -1, name) for name in large], large, 2, tmp_path), large)
