@@ -83,8 +83,8 @@ def _run(words: list[str]) -> int:
         kept = str(interrupt)  # what a recording says that it has saved
         return _end(f"interrupted; {kept}" if kept else "interrupted", _INTERRUPTED)
     except BaseException as error:  # a panic of the core is no Exception
-        if (ended := asked()) is not None:  # in the midst of an import another error may come of it
-            return _stopped(ended)
+        if (by := asked()) is not None:  # in the midst of an import another error may come of it
+            return _stopped(by)
         if "--traceback" in words:
             import traceback
 
