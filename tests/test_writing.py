@@ -330,17 +330,6 @@ def test_whoever_ends_a_command_its_temporaries_go(number: signal.Signals, code:
     assert (child.returncode, said, names(tmp_path)) == (code, f"knobcam: {how}\n", [])
 
 
-def test_who_makes_another_error_of_being_ended_hides_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    def half_imported() -> None:
-        try:
-            os.kill(os.getpid(), signal.SIGTERM)
-        except SystemExit:
-            raise ImportError("half of a library") from None
-
-    monkeypatch.setattr(cli, "command_parser", half_imported)
-    assert knobcam("effects") == (143, "", "knobcam: ended by SIGTERM\n")
-
-
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_what_the_user_ignores_stays_ignored(number: signal.Signals) -> None:
     code = (
