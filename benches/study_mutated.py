@@ -35,6 +35,7 @@ from mutations import bombs, mutated, sealed
 from resumed import version
 
 import knobcam as kc
+from knobcam.base.arrays import groups
 from knobcam.rig.calibration import Calibration
 from knobcam.workbench.kept import Told
 
@@ -272,8 +273,8 @@ def told(found: dict[str, Any]) -> dict[str, Any]:
         total.update(counts)
         kinds[name.partition("/")[0]] += sum(counts.values())
     figures = {"files": total.total(), **{kind: total[kind] for kind in _WORDS}, "by_format": dict(kinds)}
-    seeds = found["seeds"]
-    shown = str(seeds[0]) if len(set(seeds)) == 1 else f"{min(seeds)} to {max(seeds)}"
+    runs = groups(np.unique(found["seeds"]), 1)
+    shown = ", ".join(f"{one[0]} to {one[-1]}" if len(one) > 1 else str(one[0]) for one in runs)
     again = found.get("mended")
     mended = f" ({again} had, were mended and tried again)" if again else ""
     report = [
