@@ -36,6 +36,8 @@ MAGICS = (
         b"#ROSBAG V2.0",
     ),
 )
+_LONGEST = 2**23
+_QUICK = 1
 EXTREMES = (0, 1, 0x7F, 0xFF, 0x7FFF, 0xFFFF, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF, 2**40, 2**63 - 1, 2**64 - 1)
 CELLS = (
     "",
@@ -132,7 +134,7 @@ def _giant(raw: bytearray, rng: random.Random) -> bytes:
 
 
 def _packed(raw: bytearray, rng: random.Random) -> bytes:
-    packed = bytearray(gzip.compress(bytes(raw)))
+    packed = bytearray(gzip.compress(bytes(raw), _QUICK))
     return _flips(packed, rng) if rng.random() < 0.5 else bytes(packed)
 
 
@@ -142,7 +144,7 @@ def _repacked(raw: bytearray, rng: random.Random) -> bytes:
         inside = bytearray(gzip.decompress(bytes(raw)))
     except (OSError, EOFError, zlib.error):
         inside = raw
-    return gzip.compress(_text(inside, rng) if inside else b"")
+    return gzip.compress(_text(inside, rng) if inside else b"", _QUICK)
 
 
 def _text(raw: bytearray, rng: random.Random) -> bytes:
@@ -223,29 +225,35 @@ def mutated(raw: bytes, rng: random.Random) -> tuple[bytes, list[str]]:
         if raw:
             raw = MUTATIONS[name](bytearray(raw), rng)
             done.append(name)
-    return raw[: 2**25], done
+    return raw[:_LONGEST], done
+
+
+def sealed(raw: bytes) -> bytes:
+    """Return the lines of a journal with check sums that are right."""
+    parts = [line.partition(b" ")[2] for line in raw.split(b"\n")]
+    return b"\n".join(f"{zlib.crc32(part):08x} ".encode() + part if part else part for part in parts)
 
 
 def bombs() -> dict[str, Source]:
     """Return small files that claim, or unpack to, gigabytes."""
     zeros = bytes(2**24)
-    found: dict[str, Source] = {"members.gz": (gzip.compress(zeros) * 200, {})}
+    found: dict[str, Source] = {"bomb/members.gz": (gzip.compress(zeros) * 200, {})}
     packer = zlib.compressobj(1, wbits=31)
-    found["zeros.gz"] = (_long(packer, zeros, 32), {})
-    found["gz.gz"] = (gzip.compress(found["zeros.gz"][0]), {})
+    found["bomb/zeros.gz"] = (_long(packer, zeros, 32), {})
+    found["bomb/gz.gz"] = (gzip.compress(found["bomb/zeros.gz"][0]), {})
     packer = zlib.compressobj(1, wbits=31)
     front = packer.compress(b"t_s,theta_rad,tau_Nm\n")
-    found["rows.csv.gz"] = (front + _long(packer, b"0,0,0\n" * 2**20, 80), {})
+    found["bomb/rows.csv.gz"] = (front + _long(packer, b"0,0,0\n" * 2**20, 80), {})
     file = io.BytesIO()
     with h5py.File(file, "w") as inside:
         for name in NAMES:
             inside.create_dataset(name, shape=(2**29,), dtype="f8", chunks=(2**17,), compression="gzip")
-    found["claims.h5"] = (file.getvalue(), {"map": MAP})
+    found["bomb/claims.h5"] = (file.getvalue(), {"map": MAP})
     file = io.BytesIO()
     table = pa.table(dict.fromkeys(NAMES, pa.array(np.zeros(2**23))))
     with pq.ParquetWriter(file, table.schema) as writer:
         writer.write_table(table)
-    found["runs.parquet"] = (file.getvalue(), {"map": MAP})
+    found["bomb/runs.parquet"] = (file.getvalue(), {"map": MAP})
     header = io.BytesIO()
     shape = {"descr": "<f8", "fortran_order": False, "shape": (len(zeros) // 8,)}
     np.lib.format.write_array_header_1_0(header, shape)
@@ -253,14 +261,14 @@ def bombs() -> dict[str, Source]:
     with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
         for index in range(40):
             archive.writestr(f"c{index}.npy", header.getvalue() + zeros)
-    found["zeros.npz"] = (file.getvalue(), {"map": "theta=c0, tau=c1", "rate_hz": 1000.0})
+    found["bomb/zeros.npz"] = (file.getvalue(), {"map": "theta=c0, tau=c1", "rate_hz": 1000.0})
     array = struct.pack("<IIIIIIii", 6, 8, 6, 0, 5, 8, len(zeros) // 8, 1) + struct.pack(
         "<HH4s", 1, 4, b"tau_"
     )
     array += struct.pack("<II", 9, len(zeros))
     packed = zlib.compress(struct.pack("<II", 14, len(array) + len(zeros)) + array + zeros, 1)
     element = struct.pack("<II", 15, len(packed)) + packed
-    found["zeros.mat"] = (b"MATLAB 5.0 MAT-file".ljust(124) + b"\0\1IM" + element * 200, {"map": MAP})
+    found["bomb/zeros.mat"] = (b"MATLAB 5.0 MAT-file".ljust(124) + b"\0\1IM" + element * 200, {"map": MAP})
     return found
 
 

@@ -4,10 +4,10 @@
 
 Writers killed at random moments, disks that fill at random sizes, commands that are ended, inputs of up to
 100 MB that are as bad as can be, wrong values for every parameter, random commands to the page, sessions
-that are cut, connections that stall, clocks that jump. Writes benches/results/faults.json, which has the
-seeds; what was counted before is kept where `--only` leaves it out (`page`: all that is done to the page).
-`study_mutated.py` and `study_safety.py` count the spoiled files and the limits of the rig, which stand in the
-same table.
+that are cut, connections that stall, clocks that jump, at the page and at a rig. Writes
+benches/results/faults.json, which has the seeds; what was counted before is kept where `--only` leaves it out
+(`page`: all that is done to the page). Without `--only` it runs `study_mutated.py` and `study_safety.py` too,
+which count the spoiled files and the limits of the rig; they stand in the same table.
 """
 
 from __future__ import annotations
@@ -29,15 +29,20 @@ from pathlib import Path
 from typing import Any
 
 import faults_page
+import faults_rig
 import hostile
 import wrong_calls
 
 import knobcam as kc
 from knobcam.base.writing import together, write
+from knobcam.rig.calibration import Calibration
+from knobcam.workbench import kept
+from knobcam.workbench.journal import Journal, Record
+from knobcam.workbench.tree import Start
 
 RESULTS = Path(__file__).parent / "results" / "faults.json"
 CAPTURES = ("a.npz", "a.csv", "a.csv.gz", "a.parquet", "a.mat", "a.h5")
-WRITERS = (*CAPTURES, "model.toml", "picture.png", "page.html", "pair")
+WRITERS = (*CAPTURES, "model.toml", "calibration.toml", "picture.png", "page.html", "pair", "journal")
 _LONGEST_S, _MOST_MB = 30.0, 1000
 _COMMANDS = 100
 _PAGE = {
@@ -58,6 +63,12 @@ def saver(name: str, folder: Path) -> Callable[[int], None]:
     if name == "model.toml":
         models = [kc.Model.load("knob3"), kc.Model.load("knob4")]
         return lambda which: models[which].save(path) and None
+    if name == "calibration.toml":
+        tested = [Calibration("KNOB-1", f"2026-11-2{day}", c_cal_runs=(100.0 + day,) * 500) for day in (3, 4)]
+        return lambda which: tested[which].save(path) and None
+    if name == "journal":
+        lines = [[kept.begun(Start(None, f"{which}" * 100_000))] for which in (0, 1)]
+        return lambda which: rewritten(folder, lines[which])
     if name == "picture.png":
         effects = [kc.effects()[one] for one in ("coulomb", "detent")]
         return lambda which: effects[which].plot().savefig(path)
@@ -71,6 +82,12 @@ def saver(name: str, folder: Path) -> Callable[[int], None]:
             write(folder / "pair-2", pages[which])
 
     return pair
+
+
+def rewritten(folder: Path, lines: list[Record]) -> None:
+    """Write the journal of a session anew."""
+    with Journal.taken(folder) as journal:
+        journal.rewrite(lines)
 
 
 def forked(work: Callable[[], object]) -> int:
@@ -237,7 +254,7 @@ def studied(moments: int, sequences: int, stalls: int, seed: int, only: str | No
         found = {}
         for number in _SIGNALS:
             with tempfile.TemporaryDirectory() as scratch:
-                found[number.name] = stopped(number, max(1, moments // 5), seed, Path(scratch))
+                found[number.name] = stopped(number, moments, seed, Path(scratch))
         return of(found, "as it should")
 
     def inputs() -> tuple[int, int, Any]:
@@ -250,11 +267,16 @@ def studied(moments: int, sequences: int, stalls: int, seed: int, only: str | No
         failed = [f"{what}: {why}" for what, why in found if why is not None]
         return len(found), len(failed), failed
 
+    def clocks() -> tuple[int, int, Any]:
+        found, failures = faults_rig.played(seed, 5 * sequences, 25 * sequences)
+        return found.total(), found["failed"], failures
+
     row("writers killed", "the old file or the new, whole", lambda: each(killed, "old or new"))
     row("disks that fill", "the old file, one line, nothing left", lambda: each(filled, "old, and one line"))
     row("commands ended", "no temporary, exit code 130, 143, 129", signals)
     row("inputs of 100 MB", f"an answer or one line, at most {_MOST_MB} MB of memory", inputs)
     row("wrong values", "taken, or one line", wrong)
+    row("clocks that jump at a rig", "a capture or one line; no torque, the log opens", clocks)
     page = dict.fromkeys(_PAGE, (0, 0, None))
     if only in (None, "page") or any(only in name for name in page):
         found, failures = faults_page.played(seed, sequences, _COMMANDS, stalls)
@@ -272,7 +294,7 @@ def elsewhere() -> dict[str, dict[str, Any]]:
     files, limits = (RESULTS.with_name(f"{name}.json") for name in ("mutated", "safety"))
     if files.exists():
         found = json.loads(files.read_text())
-        must = "a capture, or one line; 30 s, 2 GB"
+        must = "what it holds, or one line; 30 s, 2 GB"
         rows["spoiled files"] = {"must": must, "cases": found["files"], "failed": found["failed"]}
     if limits.exists():
         found = json.loads(limits.read_text())["sequences"]
@@ -288,12 +310,12 @@ def elsewhere() -> dict[str, dict[str, Any]]:
 def report(rows: dict[str, Any]) -> list[str]:
     """Return the results as the page of figures has them."""
     every = rows | elsewhere()
-    lines = [f"{'what is done':<24}{'what must hold':<52}{'cases':>8}{'did not':>9}"]
+    lines = [f"{'what is done':<26}{'what must hold':<52}{'cases':>8}{'did not':>9}"]
     lines += [
-        f"{name:<24}{one['must']:<52}{one['cases']:>8}{one['failed']:>9}" for name, one in every.items()
+        f"{name:<26}{one['must']:<52}{one['cases']:>8}{one['failed']:>9}" for name, one in every.items()
     ]
     whole = {key: sum(one[key] for one in every.values()) for key in ("cases", "failed")}
-    lines.append(f"{'all of them':<76}{whole['cases']:>8}{whole['failed']:>9}")
+    lines.append(f"{'all of them':<78}{whole['cases']:>8}{whole['failed']:>9}")
     if "inputs of 100 MB" in rows:
         seen = rows["inputs of 100 MB"]["seen"].values()
         most, longest = (max(one[key] for one in seen) for key in ("peak_mb", "seconds"))
@@ -315,6 +337,8 @@ def main() -> None:
     args = parser.parse_args()
     known = json.loads(RESULTS.read_text())["rows"] if RESULTS.exists() else {}
     print(f"seed {args.seed}")
+    for other in ("study_mutated.py", "study_safety.py") if args.only is None else ():
+        subprocess.run([sys.executable, str(Path(__file__).with_name(other))], check=True)
     found = studied(args.moments, args.sequences, args.stalls, args.seed, args.only)
     rows = known | {name: {**one, "seed": args.seed} for name, one in found.items()}
     RESULTS.write_text(json.dumps({"report": report(rows), "rows": rows}, indent=1) + "\n")

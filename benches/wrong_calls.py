@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import knobcam as kc
+from knobcam.rig.calibration import Calibration
 
 WRONG: dict[str, Any] = {
     "None": None,
@@ -68,6 +69,17 @@ def calls() -> dict[str, Call]:
     def noisy(**parts: Any) -> kc.Capture:
         return kc.simulate("knob3", noise=kc.SensorNoise(**parts), duration_s=0.1)
 
+    def on_device(**parts: Any) -> kc.Stability:
+        return kc.check_stability("knob3", kc.Device(**parts))
+
+    def own_effect(name: Any = "wrongly_called", **wrong: Any) -> None:
+        law = kc.own_effect(name, **{"law": "k theta", "k": kc.OwnParameter("N m/rad"), **wrong})
+        law(lambda motion, k: k * motion.theta)
+
+    def own_parameter(**parts: Any) -> None:
+        own_effect(k=kc.OwnParameter(**{"unit": "1", **parts}))
+
+    knob = kc.Renderer("knob3")
     return {
         "fit": usual(kc.fit, captures=capture),
         "load": usual(kc.load, path="no such file"),
@@ -96,6 +108,25 @@ def calls() -> dict[str, Call]:
         "Model.with_fixed": usual(fit.model.with_fixed, name="inertia.M"),
         "Model.with_effect": usual(fit.model.with_effect, effect="bias"),
         "Model.renamed": usual(fit.model.renamed, name="x"),
+        "Model.of": usual(kc.Model.of, effects=["inertia"]),
+        "Model.with_tie": usual(fit.model.with_tie, name="viscous.pos", to="viscous.neg"),
+        "Model.with_reach": usual(fit.model.with_reach, angle=6.0),
+        "Model.with_at_shaft": usual(fit.model.with_at_shaft, effect="coulomb"),
+        "Model.as_torque": usual(fit.model.as_torque, kt=1.0),
+        "learn": usual(kc.learn, captures=capture, budget_s=0.01),
+        "hiding": usual(kc.hiding, knob="knob3"),
+        "fit_constants": usual(kc.fit_constants, paths="no such file", map="tau=k*x, theta=y", free="k"),
+        "Renderer.step": usual(knob.step, theta=0.0, omega=0.0),
+        "Renderer.along": usual(knob.along, theta=sine, omega=cosine),
+        "Device": Call(kc.Device, on_device),
+        "EmulatedHandle": Call(kc.EmulatedHandle.__new__, lambda **wrong: kc.EmulatedHandle(**wrong)),
+        "start_loop": usual(kc.start_loop, controller=None, device=None, seconds=0.01),
+        "own_effect": Call(kc.own_effect, own_effect),
+        "OwnParameter": Call(kc.OwnParameter, own_parameter),
+        "record": usual(kc.record, port="no such port", output="no such folder/run.npz"),
+        "Link": usual(kc.Link, port="no such port"),
+        "WireLog.load": usual(kc.WireLog.load, path="no such file"),
+        "Calibration.load": usual(Calibration.load, path="no such file"),
         "MotionTrack": Call(kc.MotionTrack, simulated),
         "SensorNoise": Call(kc.SensorNoise, noisy),
     }

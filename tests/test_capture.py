@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import pickle
+import re
 import sys
 import types
 from pathlib import Path
@@ -184,6 +185,15 @@ def test_a_damaged_description_is_an_input_error(tmp_path: Path) -> None:
     path.write_text(text.replace('"masked_rows": []', '"masked_rows": [["a"]]'))
     with pytest.raises(InputError, match="damaged"):
         load(path)
+    found = '{"kind": "x", "column": "t", "count": 1, "message": "", "severity": "note", "rows": %s}'
+    for said in (found % "[[]]", found.replace("note", "loud") % "[]", found.replace("1", "[]", 1) % "[]"):
+        path.write_text(text.replace('"findings": []', f'"findings": [{said}]'))
+        with pytest.raises(InputError, match="damaged"):
+            load(path)
+    for rate in ("-5", "Infinity", "1e308"):
+        path.write_text(re.sub('"rate_hz": [^,]*', f'"rate_hz": {rate}', text))
+        with pytest.raises(InputError, match="damaged"):
+            load(path)
     path.write_text(text.replace('{"schema"', '{schema"'))
     with pytest.raises(InputError, match="damaged"):
         load(path)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import importlib
 import io
+import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -304,3 +306,14 @@ def test_progress_is_shown_on_a_terminal_and_gone_in_the_end(
     assert cli.main(["fit", str(capture)]) == 0
     assert "fitting ..." in shown.getvalue()
     assert shown.getvalue().endswith("\r\x1b[K")
+
+
+def test_who_makes_another_error_of_being_ended_hides_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    def half_imported() -> None:
+        try:
+            os.kill(os.getpid(), signal.SIGTERM)
+        except SystemExit:
+            raise ImportError("half of a library") from None
+
+    monkeypatch.setattr(cli, "command_parser", half_imported)
+    assert knobcam("effects") == (143, "", "knobcam: ended by SIGTERM\n")

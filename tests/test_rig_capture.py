@@ -157,6 +157,14 @@ def test_what_the_line_loses_stays_a_gap(tmp_path: Path) -> None:
     assert {finding.kind for finding in capture.findings} == {"gap", "corrupt"}
 
 
+def test_a_capture_that_no_rig_made_is_exported_too(tmp_path: Path) -> None:
+    kc.simulate("knob3", duration_s=0.5).save(tmp_path / "simulated.npz")
+    ended = knobcam("export", tmp_path / "simulated.npz", "-o", tmp_path / "simulated.csv", "--json")
+    assert ended.code == 0, ended
+    assert ended.document["capture"]["planned"] is None
+    assert kc.load(tmp_path / "simulated.csv").samples == 2500
+
+
 def test_the_command_writes_the_log_beside_the_capture_and_exports_it(
     rig: EmulatedRig, tmp_path: Path
 ) -> None:

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command import knobcam, refused
+from faults_rig import retimed
 from peer import Nth, Peer, changed
 
 import knobcam as kc
@@ -194,3 +195,23 @@ def test_the_header_says_when_where_and_why(log: Path) -> None:
     assert header["schema"] == "knobcam.wirelog/1" and header["knobcam"] == kc.__version__
     assert header["motion"] == {"name": "hand", "duration_s": 0.2, "samples": 1000}
     assert {"date", "host", "port", "model", "calibration"} <= header.keys()
+
+
+@pytest.mark.parametrize("by_us", [3_600_000_000, -30_000, 2**64 - 10_000_000])
+def test_a_device_whose_clock_leaps_keeps_its_samples_where_they_were_counted(
+    log: Path, tmp_path: Path, by_us: int
+) -> None:
+    head, schema, body = log.read_bytes().split(b"\n", 2)
+    frames, path = [frame + b"\0" for frame in body.split(b"\0") if frame], tmp_path / "leapt.kcwire"
+    whole = by_us > 2**63  # the numbers are near their end all along
+
+    def leapt(place: int, frame: bytes) -> bytes:
+        late = whole or place > len(frames) * 3 // 4
+        return retimed(frame, lambda us: us + by_us) if late else frame
+
+    path.write_bytes(b"\n".join((head, schema, b"".join(leapt(*one) for one in enumerate(frames)))))
+    capture, sound = kc.load(path), kc.load(log)
+    np.testing.assert_array_equal(capture.t, sound.t)
+    told = [one.message for one in capture.findings if one.kind == "clock"]
+    assert len(told) == (0 if whole else 1)
+    assert all("the samples are counted" in one for one in told)

@@ -62,6 +62,33 @@ def shown(bench: Bench) -> dict:
     return document
 
 
+@contextmanager
+def kept_in(root: Path, *opened: Path) -> Iterator[Bench]:
+    """A workbench that keeps its session in a folder, with some captures open; closed at the end."""
+    bench = Bench(kept_in=root)
+    try:
+        for path in opened:
+            bench.session.open(str(path))
+        yield bench
+    finally:
+        bench.close()
+
+
+@contextmanager
+def continued(root: Path, name: str = "000001") -> Iterator[Bench]:
+    """A workbench in which a session that was left goes on."""
+    with kept_in(root) as bench:
+        bench.go_on(name, quiet)
+        yield bench
+
+
+def written(bench: Bench) -> None:
+    """Wait until all that was done is in the journal."""
+    assert bench.keeper is not None
+    while bench.keeper._woken.is_set():
+        time.sleep(0.0005)
+
+
 def crashed(bench: Bench) -> None:
     """Let go of a session as a process does that is killed: nothing more is written."""
     keeper = bench.keeper
@@ -92,10 +119,8 @@ def test_a_session_goes_on_as_it_was_left_to_the_last_bit(root: Path, small: Pat
     second.session.add("stribeck")
     assert len({*second.session._nodes}) == len(second.session._nodes) == 4
     crashed(second)
-    third = Bench(kept_in=root)
-    third.go_on(third.document()["left"][0]["id"], quiet)
-    assert third.session.node.fit.model.effects == second.session.node.fit.model.effects
-    third.close()
+    with continued(root, Bench(kept_in=root).document()["left"][0]["id"]) as third:
+        assert third.session.node.fit.model.effects == second.session.node.fit.model.effects
 
 
 def test_what_was_simulated_or_handed_over_goes_on_without_a_file(root: Path, small: Path) -> None:
@@ -112,12 +137,11 @@ def test_what_was_simulated_or_handed_over_goes_on_without_a_file(root: Path, sm
         assert client.post("/api/simulate", json=body).status_code == 200
         before = shown(first)
     small.unlink()
-    second = Bench(kept_in=root)
-    assert second.document()["left"][0]["ended"]
-    second.go_on(second.document()["left"][0]["id"], quiet)
-    assert shown(second) == before
-    assert [one.hidden for one in second.session.captures.values()] == [(), ("return_spring",)]
-    second.close()
+    with kept_in(root) as second:
+        assert second.document()["left"][0]["ended"]
+        second.go_on(second.document()["left"][0]["id"], quiet)
+        assert shown(second) == before
+        assert [one.hidden for one in second.session.captures.values()] == [(), ("return_spring",)]
 
 
 @pytest.mark.parametrize("change", ["gone", "another"])
@@ -125,53 +149,41 @@ def test_a_file_that_is_gone_or_another_is_said_and_its_model_is_kept(
     root: Path, small: Path, change: str
 ) -> None:
     other = kc.simulate("knob3", "sweep", duration_s=1.0).save(small.with_name("other.npz"))
-    first = Bench(kept_in=root)
-    first.session.open(str(small))
-    first.session.add("quadratic_drag")
-    first.session.fork("aside")
-    first.session.open(str(other), together=False)
-    lost = first.session.node.fit.model.text()
-    first.close()
+    with kept_in(root, small) as first:
+        first.session.add("quadratic_drag")
+        first.session.fork("aside")
+        first.session.open(str(other), together=False)
+        lost = first.session.node.fit.model.text()
     there = other.read_bytes()
     other.unlink() if change == "gone" else other.write_bytes(small.read_bytes())
-    second = Bench(kept_in=root)
-    second.go_on("000001", quiet)
-    assert [one.name for one in second.session.captures.values()] == ["small.npz"]
-    said = second.document()["notes"]
-    assert "other.npz" in said[0] and ("not there" if change == "gone" else "has changed") in said[0]
-    assert (root / "000001" / "model-b5.toml").read_text() == lost
-    assert all("model-b5.toml" in one for one in said[1:]) and len(said) == 2
-    second.close()
+    with continued(root) as second:
+        assert [one.name for one in second.session.captures.values()] == ["small.npz"]
+        said = second.document()["notes"]
+        assert "other.npz" in said[0] and ("not there" if change == "gone" else "has changed") in said[0]
+        assert (root / "000001" / "model-b5.toml").read_text() == lost
+        assert all("model-b5.toml" in one for one in said[1:]) and len(said) == 2
     other.write_bytes(there)
-    third = Bench(kept_in=root)
-    third.go_on("000001", quiet)
-    assert len(third.session.captures) == 2 and third.document()["notes"] == []
-    third.close()
+    with continued(root) as third:
+        assert len(third.session.captures) == 2 and third.document()["notes"] == []
 
 
 def test_of_a_session_whose_only_file_is_gone_nothing_goes_on(root: Path, small: Path) -> None:
-    first = Bench(kept_in=root)
-    first.session.open(str(small))
-    first.close()
+    with kept_in(root, small):
+        pass
     small.unlink()
-    second = Bench(kept_in=root)
-    with pytest.raises(InputError, match=r"small\.npz: is not there any more; put it back"):
-        second.go_on("000001", quiet)
-    assert [one["id"] for one in second.document()["left"]] == ["000001"]
-    second.close()
+    with kept_in(root) as second:
+        with pytest.raises(InputError, match=r"small\.npz: is not there any more; put it back"):
+            second.go_on("000001", quiet)
+        assert [one["id"] for one in second.document()["left"]] == ["000001"]
 
 
 def test_wherever_a_journal_is_cut_its_session_goes_on_without_the_last_action_at_most(
     root: Path, small: Path
 ) -> None:
-    bench = Bench(kept_in=root)
-    bench.session.open(str(small))
-    for name in ("one", "two", "three"):
-        bench.session.fork(name)
-        assert bench.keeper is not None
-        while bench.keeper._woken.is_set():
-            time.sleep(0.001)
-    bench.close()
+    with kept_in(root, small) as bench:
+        for name in ("one", "two", "three"):
+            bench.session.fork(name)
+            written(bench)
     path = root / "000001" / "journal"
     whole = path.read_bytes()
     lines = whole.splitlines(keepends=True)
@@ -206,54 +218,47 @@ def test_a_journal_that_is_damaged_or_foreign_is_one_line(root: Path, small: Pat
     folder = root / "000007"
     folder.mkdir(parents=True)
     (folder / "journal").write_bytes(content)
-    bench = Bench(kept_in=root)
-    (left,) = bench.document()["left"]
-    assert left["wrong"] is not None and "\n" not in left["wrong"] and str(folder) in left["wrong"]
-    with pytest.raises(InputError, match="000007"):
-        bench.go_on("000007", quiet)
-    for name in ("000008", "../000007", "", "\0"):
-        with pytest.raises(InputError, match="there is none"):
-            bench.go_on(name, quiet)
-    bench.session.open(str(small))
-    bench.close()
+    with kept_in(root) as bench:
+        (left,) = bench.document()["left"]
+        assert left["wrong"] is not None and "\n" not in left["wrong"] and str(folder) in left["wrong"]
+        with pytest.raises(InputError, match="000007"):
+            bench.go_on("000007", quiet)
+        for name in ("000008", "../000007", "", "\0"):
+            with pytest.raises(InputError, match="there is none"):
+                bench.go_on(name, quiet)
+        bench.session.open(str(small))
     assert (root / "000008" / "journal").exists()
 
 
 def test_two_workbenches_never_share_a_journal(root: Path, small: Path) -> None:
-    one, other = Bench(kept_in=root), Bench(kept_in=root)
-    for bench in (one, other):
-        bench.session.open(str(small))
-    while len(journal.sessions(root)) < 2:
-        time.sleep(0.01)
-    third = Bench(kept_in=root)
-    assert third.document()["left"] == []
-    with pytest.raises(InputError, match="goes on in another workbench"):
+    one = Bench(kept_in=root)
+    with kept_in(root) as other, kept_in(root) as third:
+        for bench in (one, other):
+            bench.session.open(str(small))
+        while len(journal.sessions(root)) < 2:
+            time.sleep(0.01)
+        assert third.document()["left"] == []
+        with pytest.raises(InputError, match="goes on in another workbench"):
+            third.go_on("000001", quiet)
+        one.close()
         third.go_on("000001", quiet)
-    one.close()
-    third.go_on("000001", quiet)
-    other.close()
-    third.close()
 
 
 def test_a_session_that_has_begun_is_not_replaced_by_another(root: Path, small: Path) -> None:
-    first = Bench(kept_in=root)
-    first.session.open(str(small))
-    first.close()
-    second = Bench(kept_in=root)
-    second.session.open(str(small))
-    node = second.session.node
-    with pytest.raises(InputError, match="open here already"):
-        second.go_on("000001", quiet)
-    assert second.session.node is node
-    second.close()
+    with kept_in(root, small):
+        pass
+    with kept_in(root, small) as second:
+        node = second.session.node
+        with pytest.raises(InputError, match="open here already"):
+            second.go_on("000001", quiet)
+        assert second.session.node is node
 
 
 def test_what_is_kept_is_for_its_user_alone_and_old_sessions_go(root: Path, small: Path) -> None:
     os.umask(os.umask(0o022))
     for _ in range(12):
-        bench = Bench(kept_in=root)
-        bench.session.open(str(small))
-        bench.close()
+        with kept_in(root, small):
+            pass
     kept_there = journal.sessions(root)
     assert [one.name for one in kept_there] == [f"{number:06d}" for number in range(12, 3, -1)]
     for path in (root, *root.rglob("*")):
@@ -263,14 +268,10 @@ def test_what_is_kept_is_for_its_user_alone_and_old_sessions_go(root: Path, smal
 
 def test_a_long_session_has_no_long_journal(root: Path, small: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(journal, "_COMPACT_BYTES", 20_000)
-    bench = Bench(kept_in=root)
-    bench.session.open(str(small))
-    for turn in range(400):
-        bench.session.drag({"viscous.pos": 0.001 * (turn + 1)})
-        assert bench.keeper is not None
-        while bench.keeper._woken.is_set():
-            time.sleep(0.0005)
-    bench.close()
+    with kept_in(root, small) as bench:
+        for turn in range(400):
+            bench.session.drag({"viscous.pos": 0.001 * (turn + 1)})
+            written(bench)
     path = root / "000001" / "journal"
     assert path.stat().st_size < 60_000
     assert stat.S_IMODE(path.stat().st_mode) == 0o600
@@ -280,31 +281,27 @@ def test_a_long_session_has_no_long_journal(root: Path, small: Path, monkeypatch
 
 def test_where_nothing_can_be_written_the_session_goes_on_and_says_so(tmp_path: Path, small: Path) -> None:
     (tmp_path / "taken").write_text("a file")
-    bench = Bench(kept_in=tmp_path / "taken" / "sessions")
-    bench.session.open(str(small))
-    deadline = time.monotonic() + 10.0
-    while not bench.document()["notes"] and time.monotonic() < deadline:
-        time.sleep(0.01)
-    (said,) = bench.document()["notes"]
-    assert "so the session is not kept" in said
-    bench.session.add("quadratic_drag")
-    bench.close()
+    with kept_in(tmp_path / "taken" / "sessions", small) as bench:
+        deadline = time.monotonic() + 10.0
+        while not bench.document()["notes"] and time.monotonic() < deadline:
+            time.sleep(0.01)
+        (said,) = bench.document()["notes"]
+        assert "so the session is not kept" in said
+        bench.session.add("quadratic_drag")
 
 
 def test_whoever_starts_anew_is_not_asked_again(root: Path, small: Path) -> None:
-    first = Bench(kept_in=root)
-    first.session.open(str(small))
-    first.close()
+    with kept_in(root, small):
+        pass
     second = Bench(kept_in=root)
     with served(second) as client:
         (left,) = client.get("/api/state").json()["left"]
         assert client.post("/api/anew").status_code == 200
         assert client.get("/api/state").json()["left"] == []
         wrong(client.post("/api/continue", json={"session": "../x"}), 400, "there is none")
-    third = Bench(kept_in=root)
-    assert third.document()["left"] == []
-    third.go_on(left["id"], quiet)  # it is there all the same
-    third.close()
+    with kept_in(root) as third:
+        assert third.document()["left"] == []
+        third.go_on(left["id"], quiet)  # it is there all the same
     assert len(Bench(kept_in=root).document()["left"]) == 1
 
 
@@ -365,11 +362,8 @@ def test_the_command_says_what_cannot_be_continued(small: Path) -> None:
 
 
 def test_the_script_of_a_session_that_goes_on_is_what_it_was(root: Path, small: Path, tmp_path: Path) -> None:
-    first = Bench(kept_in=root)
-    deeds(first, small)
-    before = saving.save(first.session, "script", tmp_path / "before.py", quiet).read_text()
-    first.close()
-    second = Bench(kept_in=root)
-    second.go_on("000001", quiet)
-    assert saving.save(second.session, "script", tmp_path / "after.py", quiet).read_text() == before
-    second.close()
+    with kept_in(root) as first:
+        deeds(first, small)
+        before = saving.save(first.session, "script", tmp_path / "before.py", quiet).read_text()
+    with continued(root) as second:
+        assert saving.save(second.session, "script", tmp_path / "after.py", quiet).read_text() == before

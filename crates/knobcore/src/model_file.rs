@@ -4,6 +4,7 @@
 //! schema = "knobcam.model/1"
 //! name = "knob 4"
 //! axis = "rotary"
+//! reach = [1.5, 5.0] # rad to both sides of zero and rad/s in which it is turned
 //!
 //! [effects.coulomb]
 //! neg = "coulomb.pos" # tied: always equal to that one
@@ -32,7 +33,10 @@ pub const SCHEMA: &str = "knobcam.model/1";
 /// Where a load acts that does not act on the knob.
 const SHAFT: &str = "shaft";
 
-const KEYS: [&str; 7] = ["schema", FORCED, "name", "axis", "torque_unit", "fitted_to", "effects"];
+const KEYS: [&str; 8] = ["schema", FORCED, "name", "axis", "torque_unit", "fitted_to", "reach", "effects"];
+
+/// The furthest and the fastest that a model may be declared for; rad and rad/s, m and m/s.
+pub const MOST_REACH: [f64; 2] = [200.0, 100.0];
 
 /// Says to a device that a person wants a model rendered that nobody vouches for.
 const FORCED: &str = "forced";
@@ -63,7 +67,8 @@ pub fn parse(text: &str) -> Result<Model> {
         }
     }
     if let Some(unknown) = file.keys().find(|key| !KEYS.contains(&key.as_str())) {
-        let why = "is no key of a model file; it has schema, name, axis, torque_unit, fitted_to and effects";
+        let why =
+            "is no key of a model file; it has schema, name, axis, torque_unit, fitted_to, reach and effects";
         return Err(bad(&format!("'{unknown}'"), why));
     }
     if file.get(FORCED).is_some_and(|forced| forced.as_bool().is_none()) {
@@ -95,6 +100,7 @@ pub fn parse(text: &str) -> Result<Model> {
                 bad("fitted_to", "must be a list of texts, one for each capture; leave it out if unknown")
             })?;
     }
+    model.reach = file.get("reach").map(read_reach).transpose()?;
     let mut ties = Vec::new();
     for (id, params) in effects {
         if let Some(at) = params.get("at") {
@@ -158,6 +164,37 @@ fn read_given(unit: &Value) -> Result<Given> {
     })
 }
 
+/// How far and how fast a model is turned.
+fn read_reach(value: &Value) -> Result<[f64; 2]> {
+    let numbers = value.as_array().into_iter().flatten().map(number).collect::<Option<Vec<_>>>();
+    let given: Option<[f64; 2]> = numbers.and_then(|numbers| numbers.try_into().ok());
+    given.map_or_else(|| checked_reach([f64::NAN; 2]), checked_reach)
+}
+
+/// Refuses an angle and a speed in which no knob is turned.
+///
+/// # Errors
+/// Says what they may be.
+pub fn checked_reach(reach: [f64; 2]) -> Result<[f64; 2]> {
+    if reach.iter().zip(MOST_REACH).all(|(own, most)| *own > 0.0 && *own <= most) {
+        return Ok(reach);
+    }
+    let [angle, speed] = MOST_REACH;
+    let why = format!(
+        "must be an angle above 0 and up to {angle} rad (m) and a speed up to {speed} rad/s (m/s), as [6.3, 5.0]"
+    );
+    Err(Error::invalid("reach", why))
+}
+
+/// A number, whole or not.
+fn number(value: &Value) -> Option<f64> {
+    match value {
+        Value::Float(x) => Some(*x),
+        Value::Integer(x) => Some(*x as f64),
+        _ => None,
+    }
+}
+
 /// Gives a capture a parameter for itself, `effect.parameter@NAME FINGERPRINT`; the name that it then has.
 fn read_own(model: &mut Model, key: &str) -> Result<String> {
     let bad = |why: &str| Error::invalid(format!("parameter '{key}'"), why);
@@ -187,11 +224,6 @@ fn of_number(model: &Model, at: usize) -> Role {
 
 /// A number, or a table of value and fixed.
 fn read_param(model: &mut Model, name: &str, value: &Value) -> Result<()> {
-    let number = |value: &Value| match value {
-        Value::Float(x) => Some(*x),
-        Value::Integer(x) => Some(*x as f64),
-        _ => None,
-    };
     let bad = || {
         let why =
             "must be a number, the name of another parameter in quotes, or { value = NUMBER, fixed = true }";
@@ -229,6 +261,10 @@ pub fn write(model: &Model) -> String {
     let _ = writeln!(out, "axis = \"{axis}\"");
     if let Some(given) = model.given {
         let _ = writeln!(out, "torque_unit = \"{}\"", given.unit());
+    }
+    if let Some([angle, speed]) = model.reach {
+        let units = if model.axis == Axis::Linear { "m, m/s" } else { "rad, rad/s" };
+        let _ = writeln!(out, "reach = [{angle:?}, {speed:?}] # {units}: how far to both sides, how fast");
     }
     if !model.fitted_to.is_empty() {
         let names = model.fitted_to.iter().cloned().map(Value::String).collect();
@@ -270,6 +306,7 @@ mod tests {
         let mut model = Model::new(Id::BUILT_IN, Axis::Linear);
         model.name = "a \"quoted\" name\nof two lines".into();
         model.given = Some(Given::Voltage);
+        model.reach = Some([0.1 + 0.2, 3.0]);
         model.fitted_to = vec!["one.npz 0f".into(), "a \"b\", c\n.csv 1a".into()];
         model.set("inertia.M", 0.1 + 0.2).unwrap();
         model.set("detent.P", 1.0 / 3.0).unwrap();
@@ -292,6 +329,7 @@ mod tests {
         let back = parse(&write(&model)).unwrap();
         assert_eq!(back.name, model.name);
         assert_eq!((back.axis, back.given, &back.fitted_to), (model.axis, model.given, &model.fitted_to));
+        assert_eq!(back.reach, model.reach);
         for (a, b) in model.slots().iter().zip(back.slots()) {
             assert_eq!((a.name(), a.value.to_bits(), a.role), (b.name(), b.value.to_bits(), b.role));
         }
@@ -324,6 +362,8 @@ mod tests {
             (&format!("{head}speed = 1\n[effects.inertia]"), "speed", "axis"),
             (&format!("{head}fitted_to = 3\n[effects.inertia]"), "fitted_to", "leave it out"),
             (&format!("{head}fitted_to = [3]\n[effects.inertia]"), "fitted_to", "list of texts"),
+            (&format!("{head}reach = 3\n[effects.inertia]"), "reach", "[6.3, 5.0]"),
+            (&format!("{head}reach = [inf, 5]\n[effects.inertia]"), "reach", "above 0"),
             (&format!("{head}axis = \"round\"\n[effects.inertia]"), "axis", "rotary"),
             (&format!("{head}torque_unit = \"N cm\"\n[effects.inertia]"), "torque_unit", "leave it out"),
             (&format!("{head}[effects.viscous]\n\"pos@a.npz 0f\" = 1"), "viscous.pos", "leave out"),

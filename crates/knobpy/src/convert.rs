@@ -22,6 +22,17 @@ pub fn input_error(error: Error) -> PyErr {
     })
 }
 
+/// A number as it comes in, by its name; NaN is one.
+pub fn number(name: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    value.extract().map_err(|_| {
+        let kind = value.get_type().name().map_or_else(|_| "value".to_owned(), |name| name.to_string());
+        input_error(Error::invalid(
+            name,
+            format!("is a {kind} and no number that a float holds; give one in SI"),
+        ))
+    })
+}
+
 /// A copy that Python owns.
 pub fn array<'py>(py: Python<'py>, column: &[f64]) -> Floats<'py> {
     PyArray1::from_slice(py, column)

@@ -120,6 +120,19 @@ impl PyModel {
         Self(model)
     }
 
+    /// How far and how fast it is turned, where somebody said.
+    #[getter]
+    fn reach(&self) -> Option<[f64; 2]> {
+        self.0.reach
+    }
+
+    fn with_reach(&self, reach: Option<[f64; 2]>) -> PyResult<Self> {
+        self.changed(|model| {
+            model.reach = reach.map(model_file::checked_reach).transpose()?;
+            Ok(())
+        })
+    }
+
     fn with_value(&self, name: &str, value: f64) -> PyResult<Self> {
         self.changed(|model| {
             // A value that was set was fitted to nothing.

@@ -1,5 +1,5 @@
 //! Bindings of the render step and of the emulated handle.
-use super::convert::{Column, Floats, input_error};
+use super::convert::{Column, Floats, input_error, number};
 use super::model::PyModel;
 use super::user::watched;
 use knobcore::error::Error;
@@ -46,16 +46,21 @@ impl PyRenderer {
 
     /// The torque by which the knob answers, N m (the motor applies its negative). Angle rad, velocity rad/s,
     /// acceleration rad/s^2, and the torque that the hand applies, N m, where it is measured.
-    #[pyo3(signature = (theta, omega, alpha=0.0, tau_other=None))]
+    #[pyo3(signature = (theta, omega, alpha=None, tau_other=None))]
     fn step(
         &mut self,
         py: Python<'_>,
-        theta: f64,
-        omega: f64,
-        alpha: f64,
-        tau_other: Option<f64>,
+        theta: &Bound<'_, PyAny>,
+        omega: &Bound<'_, PyAny>,
+        alpha: Option<&Bound<'_, PyAny>>,
+        tau_other: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<f64> {
-        let sensed = Sensed { theta, omega, alpha, hand: tau_other };
+        let sensed = Sensed {
+            theta: number("theta", theta)?,
+            omega: number("omega", omega)?,
+            alpha: alpha.map_or(Ok(0.0), |alpha| number("alpha", alpha))?,
+            hand: tau_other.map(|hand| number("tau_other", hand)).transpose()?,
+        };
         if !self.renderer.calls_out() {
             return Ok(self.renderer.step(sensed));
         }

@@ -21,7 +21,8 @@ use std::f64::consts::TAU;
 
 /// Where a model is asked to be passive, to both sides of zero: angle, rad (m), and speed, rad/s (m/s).
 ///
-/// A turn to each side and 5 rad/s, as fast as hands turn knobs; 1 m and 1 m/s on a linear axis. Dry friction may
+/// What the model says of itself; by default a turn to each side and 5 rad/s, as fast as hands turn knobs, 1 m and 1 m/s
+/// on a linear axis. Dry friction may
 /// outweigh a negative viscous term so far (knobs 1 to 3 of the paper); what is faster is cut by the step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Range {
@@ -32,9 +33,10 @@ pub struct Range {
 }
 
 impl Range {
-    /// The range that is declared for models of this axis.
-    pub fn of(axis: Axis) -> Self {
-        let [angle, speed] = if axis == Axis::Linear { [1.0, 1.0] } else { [TAU, 5.0] };
+    /// The range that is declared for a model.
+    pub fn of(model: &Model) -> Self {
+        let usual = if model.axis == Axis::Linear { [1.0, 1.0] } else { [TAU, 5.0] };
+        let [angle, speed] = model.reach.unwrap_or(usual);
         Self { angle, speed }
     }
 }
@@ -45,8 +47,8 @@ const UNFELT: f64 = 1e-6;
 const CHANCE: f64 = 0.05;
 /// Share of the energy that goes to and fro in a cycle by which its sum may miss zero.
 const ROUNDED: f64 = 2e-3;
-/// Angles and speeds that are looked at, and angles over which the torque is integrated; the second where a
-/// user's own function is called at each.
+/// Angles and speeds that are looked at, and angles over which the torque is integrated, for each turn to both sides; the
+/// second where a user's own function is called at each.
 const GRID: [[usize; 3]; 2] = [[128, 16, 4096], [24, 6, 512]];
 /// Instants at which the torque of a handle at rest has to be the same, s.
 const CLOCK: [f64; 3] = [0.0, 0.37, 5.3];
@@ -67,7 +69,7 @@ struct Asked<'a> {
 /// The term that is most to blame, as the name of the error.
 pub fn check_passive(model: &Model, device: Option<Device>, rate_hz: f64) -> Result<()> {
     let own = model.effects().any(|id| matches!(id, Id::User(_)));
-    let asked = Asked { model, own, range: Range::of(model.axis) };
+    let asked = Asked { model, own, range: Range::of(model) };
     let p = model.values();
     let told = asked.signs(&p).and_then(|()| asked.stays(&p)).and_then(|()| asked.cycles(&p, rate_hz));
     if own {
@@ -84,7 +86,7 @@ pub fn check_passive(model: &Model, device: Option<Device>, rate_hz: f64) -> Res
 /// Energy between the highest and the lowest place of a model within its declared range, J.
 pub(super) fn stored(model: &Model, p: &[f64]) -> f64 {
     let own = model.effects().any(|id| matches!(id, Id::User(_)));
-    let (height, _) = Asked { model, own, range: Range::of(model.axis) }.heights(p);
+    let (height, _) = Asked { model, own, range: Range::of(model) }.heights(p);
     if own {
         let _ = model.watched(|| ());
     }
@@ -106,6 +108,11 @@ impl Asked<'_> {
         sum
     }
 
+    /// Turns to both sides of zero, begun ones counted: what is as fine as a dent has to be met in each.
+    fn turns(&self) -> usize {
+        (self.range.angle / TAU).ceil().max(1.0) as usize
+    }
+
     fn still(&self, p: &[f64], theta: f64, t: f64) -> f64 {
         self.load(p, &at_rest(&Motion::exact(t, theta, 0.0, 0.0))).drive
     }
@@ -118,7 +125,7 @@ impl Asked<'_> {
     /// Inertia, dry friction and what depends on the speed have the signs that they have in nature.
     fn signs(&self, p: &[f64]) -> Result<()> {
         let [angles, speeds, _] = GRID[usize::from(self.own)];
-        for i in 0..angles {
+        for i in 0..angles * self.turns() {
             // Golden-ratio steps meet every phase of any detent.
             let theta = self.range.angle * (2.0 * (0.618_033_988_75 * i as f64).fract() - 1.0);
             for k in 0..2 * speeds {
@@ -164,7 +171,7 @@ impl Asked<'_> {
 
     /// What each place holds, J, from one end of the range to the other, and the least dry friction between them.
     fn heights(&self, p: &[f64]) -> (Vec<f64>, f64) {
-        let places = GRID[usize::from(self.own)][2];
+        let places = GRID[usize::from(self.own)][2] * self.turns();
         let step = 2.0 * self.range.angle / places as f64;
         let mut height = vec![0.0; places + 1];
         let mut dry = f64::INFINITY;

@@ -82,6 +82,24 @@ fn what_dry_friction_outweighs_over_the_range_is_rendered() {
 }
 
 #[test]
+fn a_model_says_itself_how_far_and_how_fast_it_is_turned() {
+    // 0.0011 N m of dry friction: at 5 rad/s it is not enough, at 4 rad/s it is.
+    let mut slow = with(Id::Viscous, &[("viscous.pos", -2.3e-4)]);
+    assert!(check_passive(&slow, None, RATE).is_err());
+    slow.reach = Some([1.0, 4.0]);
+    assert_eq!(check_passive(&slow, None, RATE), Ok(()));
+    // Over a turn the spring brings it back, over two the cubic wins.
+    let cubic = [("position_polynomial.p1", 0.01), ("position_polynomial.p3", -1e-4)];
+    let mut far = with(Id::PositionPolynomial, &cubic);
+    assert_eq!(check_passive(&far, None, RATE), Ok(()));
+    far.reach = Some([20.0, 5.0]);
+    assert!(refused(&far, None).contains("pushes the handle away, out of its range"));
+    let back = model_file::parse(&model_file::write(&far)).unwrap();
+    assert_eq!(back.reach, far.reach);
+    assert!(check_passive(&back, None, RATE).is_err());
+}
+
+#[test]
 fn a_spring_that_is_too_stiff_for_the_delay_is_named_on_that_device_alone() {
     let stiff = with(Id::ReturnSpring, &[("return_spring.k", 200.0)]);
     assert_eq!(check_passive(&stiff, None, RATE), Ok(()));

@@ -302,7 +302,8 @@ impl Watched {
             return;
         }
         let Some((model, forced)) = &self.model else { panic!("rendered without a model") };
-        let places = if *forced { 0.0 } else { stored(model, [-TAU, TAU]) };
+        let reach = model.reach.map_or(TAU, |[angle, _]| angle);
+        let places = if *forced { 0.0 } else { stored(model, [-reach, reach]) };
         let allowed = places + TANK_J + slack;
         let told = || format!("forced: {forced}, {:?}\n{}", self.armed, model_file::write(model));
         assert!(self.given <= allowed, "{} J given out of {allowed}, {}", self.given, told());

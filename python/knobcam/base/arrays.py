@@ -42,3 +42,16 @@ def truths(name: str, values: ArrayLike) -> BoolArray:
     if array.dtype.kind != "b":
         raise InputError(f"{name}: holds no truths; give True or False for each sample")
     return array
+
+
+def runs(flags: BoolArray) -> tuple[IntArray, IntArray]:
+    """Return where each run of truths begins, and the index behind its last one."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False]))))
+    return edges[::2], edges[1::2]
+
+
+def groups(indices: IntArray, within: int) -> list[IntArray]:
+    """Return ascending indices in groups, whose neighbours are not further than `within` from each other."""
+    if not indices.size:
+        return []
+    return np.split(indices, np.flatnonzero(np.diff(indices) > within) + 1)

@@ -120,9 +120,11 @@ def _fits(name: str, value: object, kind: str) -> bool:
     if kind in _TESTS:
         return _TESTS[kind](value)
     outer, inner = _inside(kind)
+    if outer == "Iterable" and not isinstance(value, Collection):
+        return isinstance(value, Iterable)  # to look at what gives its content but once would use it up
     if outer in _EVERY:
         if isinstance(value, str):
-            return outer == "Collection"  # which the function refuses by itself
+            return outer != "Sequence"  # which the function refuses by itself
         if (
             not isinstance(value, Collection)
             or not isinstance(value, _EVERY[outer])
@@ -165,6 +167,7 @@ _TESTS: Mapping[str, Callable[[object], bool]] = {
     "Coordinate": lambda value: isinstance(value, str),
     "Limit": lambda value: isinstance(value, str),
     "Acts": lambda value: isinstance(value, str),
+    "Clears": lambda value: isinstance(value, bool | np.bool_) or callable(value),
 }
 _WORDS = {
     "None": "None",
@@ -178,11 +181,12 @@ _WORDS = {
     "Coordinate": "a text",
     "Limit": "a text",
     "Acts": "a text",
+    "Clears": "True, False or a function",
     "Mapping": "a dict",
     "Iterable": "a list",
     "Callable": "a function",
 }
-_EVERY: Mapping[str, Any] = {"Sequence": Sequence, "Collection": Collection}
-_OPEN: Mapping[str, Any] = {"Mapping": Mapping, "Iterable": Iterable, "Callable": Callable}
+_EVERY: Mapping[str, Any] = {"Sequence": Sequence, "Collection": Collection, "Iterable": Iterable}
+_OPEN: Mapping[str, Any] = {"Mapping": Mapping, "Callable": Callable}
 _ANY = {"Any", "Controller", "Handle", "Watch", "Law"}
 """What only has to have a method, which is asked for when it is called."""

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+_asked: list[Ended] = []
 _NAMES = [name for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
 
 
@@ -27,6 +28,11 @@ class Ended(SystemExit):
         return f"ended by {name}; {self.kept}" if self.kept else f"ended by {name}"
 
 
+def asked() -> Ended | None:
+    """Return by what the program was last told to end, if it was; who caught that may have raised another."""
+    return _asked[-1] if _asked else None
+
+
 @contextmanager
 def by_exception() -> Iterator[None]:
     """Make SIGTERM and SIGHUP raise `Ended` in the main thread, so that whatever is open is closed first.
@@ -42,8 +48,11 @@ def by_exception() -> Iterator[None]:
     def end(number: int, _: Any) -> None:
         for one in ours:
             signal.signal(one, signal.SIG_IGN)
-        raise Ended(number)
+        _asked.append(Ended(number))
+        raise _asked[-1]
 
+    if ours:
+        _asked.clear()
     for number in ours:
         signal.signal(number, end)
     try:

@@ -351,10 +351,10 @@ def _restored(
         return replace(
             capture,
             mask=stored if whole else stored & capture.mask,
-            rate_hz=float(native["rate_hz"]) if whole else capture.rate_hz,
+            rate_hz=document.stored_rate(native) if whole else capture.rate_hz,
             findings=said if whole else dropped + capture.findings,
         )
-    except (KeyError, TypeError, ValueError) as error:
+    except (LookupError, TypeError, ValueError, AttributeError, OverflowError) as error:
         raise InputError(
             f"{table.source}: its description is damaged ({error!r}); export the capture again"
         ) from error

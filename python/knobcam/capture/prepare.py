@@ -9,6 +9,7 @@ import numpy as np
 
 from .. import _core
 from ..base import showing
+from ..base.arrays import runs
 from ..base.door import checked
 from ..errors import InputError
 from . import run
@@ -204,10 +205,8 @@ def _bridges(capture: Capture) -> BoolArray:
     to settle on both sides. Of a torque beyond the sensor's limit the neighbours tell nothing.
     """
     beyond = capture.at_limit
-    masked = ~capture.mask
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], masked, [False]))))
     bridges = np.zeros(capture.samples, dtype=np.bool_)
-    for first, end in zip(edges[::2], edges[1::2], strict=True):
+    for first, end in zip(*runs(~capture.mask), strict=True):
         if end - first <= _BRIDGE and first > 0 and end < capture.samples:
             passed = (capture.t[end] - capture.t[first - 1]) * capture.rate_hz
             bridges[first:end] = abs(passed - (end - first + 1)) < 0.5 and not beyond[first:end].any()

@@ -11,7 +11,7 @@ import sys
 import warnings
 from typing import TYPE_CHECKING
 
-from ..base.ended import Ended, by_exception
+from ..base.ended import Ended, asked, by_exception
 from ..base.strict_json import as_json
 from ..errors import InputError, KnobcamWarning
 from . import (
@@ -74,7 +74,7 @@ def _run(words: list[str]) -> int:
         args = command_parser().parse_args(words)
         answer = args.run(args)
     except Ended as ended:
-        return _end(str(ended), int(ended.code or 0))
+        return _stopped(ended)
     except SystemExit:  # --help and --version
         return 0
     except Unfinished as interrupt:
@@ -84,6 +84,8 @@ def _run(words: list[str]) -> int:
         kept = str(interrupt)  # what a recording says that it has saved
         return _end(f"interrupted; {kept}" if kept else "interrupted", _INTERRUPTED)
     except BaseException as error:  # a panic of the core is no Exception
+        if (by := asked()) is not None:  # in the midst of an import another error may come of it
+            return _stopped(by)
         if "--traceback" in words:
             import traceback
 
@@ -119,6 +121,10 @@ def command_parser() -> Parser:
     for group in _GROUPS:
         group.register(commands)
     return parser
+
+
+def _stopped(ended: Ended) -> int:
+    return _end(str(ended), int(ended.code or 0))
 
 
 def _end(message: str, code: int) -> int:

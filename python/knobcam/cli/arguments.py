@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..capture import Capture
+    from ..rig.link import Clears
     from .output import Answer
 
     Commands = argparse._SubParsersAction[Any]  # argparse has no public name for it
@@ -233,7 +234,7 @@ def add_fault(parser: argparse._ActionsContainer) -> None:
     )
 
 
-def clear_fault(args: argparse.Namespace) -> bool | Callable[[str], bool]:
+def clear_fault(args: argparse.Namespace) -> Clears:
     """Return whether a fault is cleared: as the option says, or as a person at the terminal does."""
     return bool(args.clear_fault) or (_asked if sys.stdin.isatty() and sys.stderr.isatty() else False)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
@@ -129,8 +130,14 @@ def _answer(recorded: Capture, output: Path, log: Path) -> Answer:
     return _written(recorded, output, "knobcam.capture/1", files, where)
 
 
+def _told(recorded: Capture, name: str) -> Mapping[str, Any]:
+    """What a recording says of itself under a name; nothing where it is none, as one that was simulated."""
+    told = recorded.meta.get(name)
+    return told if isinstance(told, Mapping) else {}
+
+
 def _written(recorded: Capture, path: Path, schema: str, files: dict[str, str], where: str) -> Answer:
-    account = recorded.meta.get("account") or {}
+    account = _told(recorded, "account")
     document: dict[str, Any] = {
         "schema": schema,
         "capture": {
@@ -138,7 +145,7 @@ def _written(recorded: Capture, path: Path, schema: str, files: dict[str, str], 
             "samples": recorded.samples,
             "masked": int((~recorded.mask).sum()),
             "missing": account.get("missing"),
-            "planned": (recorded.meta.get("motion") or {}).get("samples"),
+            "planned": _told(recorded, "motion").get("samples"),
             "duration_s": recorded.duration_s,
             "sample_rate_hz": recorded.rate_hz,
             "columns": list(recorded.columns),

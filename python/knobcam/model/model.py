@@ -49,6 +49,7 @@ class Model(showing.Tabled):
 
     @classmethod
     @renamed(axis="coordinate")
+    @checked
     def of(
         cls, effects: Iterable[str], coordinate: Coordinate = "rotary", torque_unit: str = "", **values: float
     ) -> Model:
@@ -155,6 +156,12 @@ class Model(showing.Tabled):
         return tuple(self.core.fitted_to)
 
     @property
+    def reach(self) -> tuple[float, float] | None:
+        """How far to both sides of zero and how fast it is turned, rad and rad/s (m, m/s); None: not said."""
+        reach = self.core.reach
+        return None if reach is None else (reach[0], reach[1])
+
+    @property
     def period(self) -> float | None:
         """Period of its detents over 2 pi, rad or m; None without detents."""
         return self.core.period
@@ -163,6 +170,15 @@ class Model(showing.Tabled):
     def with_value(self, name: str, value: float) -> Model:
         """Return the model with one parameter set."""
         return Model(self.core.with_value(name, value))
+
+    @checked
+    def with_reach(self, angle: float, speed: float = 5.0) -> Model:
+        """Return the model as one that is turned by up to `angle` to both sides of zero, rad (m if linear).
+
+        `speed` is how fast at most, rad/s, m/s. Whether it may be rendered is asked over these; by default a
+        turn and 5 rad/s (1 m and 1 m/s). InputError for more than 200 rad or 100 rad/s.
+        """
+        return Model(self.core.with_reach((angle, speed)))
 
     @checked
     def with_fixed(self, name: str, fixed: bool = True) -> Model:

@@ -15,12 +15,12 @@ import inspect
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar, get_type_hints
 
 import numpy as np
 
 from .. import _core
-from ..base.door import checked
+from ..base.door import check, checked
 from ..errors import InputError
 
 if TYPE_CHECKING:
@@ -55,6 +55,9 @@ class OwnParameter(NamedTuple):
     neutral: float = 0.0
     meaning: str = ""
     linear: bool = False
+
+
+_KINDS = {name: kind.__name__ for name, kind in get_type_hints(OwnParameter).items()}
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,6 +175,8 @@ def _check(name: str, function: Callable[..., Any], acts: str, params: Mapping[s
     for key, param in params.items():
         if not isinstance(param, OwnParameter):
             raise InputError(f"parameter '{name}.{key}': is {param!r}; give an OwnParameter")
+        for part, kind in _KINDS.items():
+            check(f"parameter '{name}.{key}': {part}", getattr(param, part), kind)
         if param.linear and (param.lower, param.upper, param.neutral) != (-math.inf, math.inf, 0.0):
             raise InputError(
                 f"parameter '{name}.{key}': a linear one has no bounds and is neutral at 0; leave out either"
@@ -189,9 +194,12 @@ def _check(name: str, function: Callable[..., Any], acts: str, params: Mapping[s
 
 
 def _start(name: str, params: Mapping[str, OwnParameter], start: Mapping[str, float]) -> list[float]:
+    check(f"effect '{name}': starts", start, "Mapping")
     unknown = sorted(start.keys() - params.keys())
     if unknown:
         raise InputError(f"effect '{name}': starts name '{unknown[0]}'; it has {', '.join(params)}")
+    for key, value in start.items():
+        check(f"effect '{name}': starts: {key}", value, "float")
     return [float(start.get(key, param.neutral)) for key, param in params.items()]
 
 

@@ -7,6 +7,7 @@ from typing import Self
 import numpy as np
 
 from .. import _core
+from ..base.door import checked
 from ..capture.motions import MotionTrack, motion
 from ..errors import InputError
 from .renderer import Device
@@ -31,6 +32,7 @@ class EmulatedHandle(_core.EmulatedHandle):
     the device measures the torque of the hand.
     """
 
+    @checked
     def __new__(
         cls,
         device: Device | None = None,

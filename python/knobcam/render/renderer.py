@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
 from .. import _core
 from ..base import showing
-from ..base.door import checked
+from ..base.arrays import vector
+from ..base.door import check, checked
 from ..base.renamed import renamed
 from ..base.tables import TextTable, text_table
 from ..capture.formats.units import GIVEN
@@ -45,6 +46,10 @@ class Device:
     encoder_step_rad: float = 9.8e-6
     held: bool = False
 
+    def __post_init__(self) -> None:
+        for one in fields(self):
+            check(one.name, getattr(self, one.name), str(one.type))
+
     @property
     def row(self) -> _core.DeviceRow:
         """The same as the core takes it."""
@@ -74,8 +79,8 @@ class Renderer(_core.Renderer):
     the device can. Effects of the sensor (lag, drift, saturation) are not rendered: they are the measuring
     rig's.
 
-    A model that would feed a hand (within a turn to each side of zero, up to 5 rad/s), or that
-    rings on the `device`, is refused by the term that is to blame. With `force` it is rendered all the
+    A model that would feed a hand (within its `reach`, by default a turn to each side, up to 5 rad/s), or
+    that rings on the `device`, is refused by the term that is to blame. With `force` it is rendered all the
     same, until it has given out 0.1 J more than it took: then it has a `fault`.
 
     A quantity that is not finite, or a motion beyond `speed_limit` (rad/s), gives zero torque and a `fault`
@@ -120,12 +125,12 @@ class Renderer(_core.Renderer):
         Columns of shape (samples,), SI; NaN in `tau_other` where the hand is not measured. Raises InputError
         for columns of different lengths.
         """
-        theta, omega = _column(theta), _column(omega)
+        theta = _column("theta", theta)
         return super().along(
             theta,
-            omega,
-            np.zeros_like(theta) if alpha is None else _column(alpha),
-            None if tau_other is None else _column(tau_other),
+            _column("omega", omega),
+            np.zeros_like(theta) if alpha is None else _column("alpha", alpha),
+            None if tau_other is None else _column("tau_other", tau_other),
         )
 
     def __repr__(self) -> str:
@@ -152,8 +157,9 @@ def check_rotary(model: Model) -> None:
         )
 
 
-def _column(values: ArrayLike) -> FloatArray:
-    return np.ascontiguousarray(values, dtype=np.float64)
+def _column(name: str, values: ArrayLike) -> FloatArray:
+    plain = type(values) is np.ndarray and values.dtype == np.float64 and values.ndim == 1
+    return np.ascontiguousarray(values if plain else vector(name, values))  # a long one is not copied
 
 
 @dataclass(frozen=True, repr=False)
@@ -279,9 +285,9 @@ def check_stability(
 def check_passive(model: Model, *, rate_hz: float = 5000.0) -> None:
     """Raise InputError for a model that would feed a hand: the term that is to blame, and why.
 
-    Looked at are inertia, dry friction and what depends on the speed, within a turn to each side of zero
-    and up to 5 rad/s (1 m and 1 m/s on a linear axis), where the angle alone would take the handle,
-    and the work over closed cycles.
+    Looked at are inertia, dry friction and what depends on the speed, within the model's `reach`, by default
+    a turn to each side of zero and up to 5 rad/s (1 m and 1 m/s on a linear axis), where the angle alone
+    would take the handle, and the work over closed cycles.
     """
     objection = _core.check_passive(model.core, None, rate_hz)
     if objection is not None:

@@ -16,6 +16,7 @@ from .record import make_plan, record
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from .link import Clears
 
 TESTS = {"spatial": (spatial, 1.0), "torque": (anchored, 0.02)}
 """What each test works out, and the amplitude of its swept sine, rad (Table 3 of the paper)."""
@@ -30,7 +31,7 @@ def calibrate(
     runs: int = 3,
     logs: Path | None = None,
     baud: int = BAUD,
-    clear_fault: bool | Callable[[str], bool] = False,
+    clear_fault: Clears = False,
     progress: Callable[[str], object] | None = None,
 ) -> Calibration:
     """Run a sensor test and return what it says of the rig; it is not saved.

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from ..capture import Capture
     from ..model import Model
     from .figures import Figures
+    from .link import Clears
 
 
 class Felt(NamedTuple):
@@ -57,7 +58,7 @@ def feel(
     *,
     log: str | os.PathLike[str] | None = None,
     force: bool = False,
-    clear_fault: bool | Callable[[str], bool] = False,
+    clear_fault: Clears = False,
     baud: int = BAUD,
     progress: Callable[[Figures], object] | None = None,
 ) -> Felt:

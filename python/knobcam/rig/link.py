@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from .. import _core
+from ..base.door import checked
 from ..errors import InputError
 from ..render import check_passive
 from .figures import Figures
@@ -17,11 +18,14 @@ from .port import BAUD, Port, ports
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
     from types import TracebackType
 
     from ..capture.motions import MotionTrack
     from ..model import Model
+
+    Clears = bool | Callable[[str], bool]
+    """Whether a latched fault is cleared: yes, no, or what a function says that is told the fault."""
 
 VERSION = 1
 """Version of the wire protocol that is spoken."""
@@ -44,6 +48,7 @@ class Link:
     Nothing but `arm` arms it. Raises InputError, one line, for whatever is wrong with port or rig.
     """
 
+    @checked
     def __init__(self, port: str, *, baud: int = BAUD) -> None:
         self.port = port
         self.device: Mapping[str, Any] = {}

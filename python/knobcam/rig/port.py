@@ -80,7 +80,7 @@ def _why(name: str, baud: int, error: Exception) -> str:
     """What is the matter with a port, and the way out."""
     code = getattr(error, "errno", None)
     said = str(error)
-    if code == errno.ENOENT or "FileNotFoundError" in said:
+    if code == errno.ENOENT or "FileNotFoundError" in said or "\0" in name:
         return f"there is no such port; {_listed()}"
     if "exclusively lock" in said or code == errno.EBUSY:
         return "the port is busy: another program has it, perhaps a second recorder; end that one first"
@@ -90,8 +90,12 @@ def _why(name: str, baud: int, error: Exception) -> str:
             "(often dialout) and log in again"
         )
     with contextlib.suppress(OSError):
-        if not os.isatty(os.open(name, os.O_RDONLY | os.O_NONBLOCK)):
-            return f"is no serial port; {_listed()}"
+        looked_at = os.open(name, os.O_RDONLY | os.O_NONBLOCK)
+        try:
+            if not os.isatty(looked_at):
+                return f"is no serial port; {_listed()}"
+        finally:
+            os.close(looked_at)
     if isinstance(error, ValueError | OverflowError):
         return f"the port cannot do {baud} baud ({said}); choose another --baud"
     return f"cannot be opened ({said}); {_listed()}"

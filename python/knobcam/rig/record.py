@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
     from ..capture import Capture
     from .figures import Figures
+    from .link import Clears
 
     Watch = Callable[[Figures], object]
 
@@ -75,6 +76,8 @@ class Latched(InputError):
 def log_path(output: str | os.PathLike[str]) -> Path:
     """Return where the wire log of this output is: itself, or its neighbour."""
     path = Path(output)
+    if not path.name:
+        raise InputError(f"output={str(output)!r}: is no name of a file; give one")
     name = path.name.removesuffix(".gz")
     return path.with_name(Path(name).stem + SUFFIX)
 
@@ -91,7 +94,7 @@ def record(
     progress: Watch | None = None,
     baud: int = BAUD,
     force: bool = False,
-    clear_fault: bool | Callable[[str], bool] = False,
+    clear_fault: Clears = False,
     overwrite: bool = False,
     kept: bool = True,
     **options: float,
@@ -160,7 +163,7 @@ def make_plan(
     return Plan(len(led.t), led, model)
 
 
-def _look_at_fault(link: Link, clear: bool | Callable[[str], bool]) -> None:
+def _look_at_fault(link: Link, clear: Clears) -> None:
     """Clear a latched fault if whoever asks for the run says so; else InputError tells it."""
     if link.fault is None:
         return

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .. import _core
+from ..base.door import checked
 from ..base.reading import is_folder, open_file
 from ..base.writing import RECORDING_SUFFIX, is_recording
 from ..capture.capture import of_table
@@ -32,6 +33,7 @@ class WireLog:
         self._content = content
 
     @classmethod
+    @checked
     def load(cls, path: str | os.PathLike[str]) -> WireLog:
         """Read a log. Raises InputError for a file that cannot be read or is no log."""
         file = Path(path)

@@ -69,6 +69,8 @@ pub struct Model {
     pub given: Option<Given>,
     /// The captures that its values come from, as who fitted them named them; none where nobody said.
     pub fitted_to: Vec<String>,
+    /// How far to both sides of zero and how fast it is turned, rad and rad/s (m and m/s); none where nobody said.
+    pub reach: Option<[f64; 2]>,
     parts: Vec<(Id, Range<usize>)>,
     /// The loads of the catalogue, found once for a render step: each with where its parameters and what it remembers
     /// are.
@@ -89,6 +91,7 @@ impl Model {
             axis,
             given: None,
             fitted_to: Vec::new(),
+            reach: None,
             parts: Vec::new(),
             loads: Vec::new(),
             shaft_loads: Vec::new(),
@@ -166,7 +169,7 @@ impl Model {
     pub fn only(&self, effects: &[Id]) -> Result<Self> {
         let mut model = Self::new(effects, self.axis);
         model.name.clone_from(&self.name);
-        model.given = self.given;
+        (model.given, model.reach) = (self.given, self.reach);
         for (at, slot) in self.slots.iter().enumerate().filter(|(_, slot)| effects.contains(&slot.effect)) {
             if let Some(run) = &slot.run {
                 model.push_own(slot, run, slot.value, slot.role);

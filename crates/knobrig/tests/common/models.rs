@@ -8,7 +8,8 @@ use knobcore::random::Noise;
 
 /// Energy between the highest and the lowest place of a model within these angles, J.
 pub fn stored(model: &Model, [from, to]: [f64; 2]) -> f64 {
-    let (p, steps) = (model.values(), 2000);
+    let p = model.values();
+    let steps = (160.0 * (to - from)).ceil() as u32;
     let step = (to - from) / f64::from(steps);
     let (mut sum, mut ends) = (0.0_f64, [0.0_f64; 2]);
     for i in 0..steps {
@@ -47,6 +48,9 @@ pub fn random_model(noise: &mut Noise, wrong: f64) -> Model {
         if model.index(name).is_ok() {
             model.set(name, sign * size * noise.uniform()).unwrap();
         }
+    }
+    if noise.uniform() < 0.3 {
+        model.reach = Some([0.5 + 20.0 * noise.uniform(), 1.0 + 9.0 * noise.uniform()]);
     }
     if model.has(Id::Detent) {
         model.set("detent.P", 0.03 + 0.2 * noise.uniform()).unwrap();

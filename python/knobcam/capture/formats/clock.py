@@ -9,7 +9,8 @@ import numpy as np
 from ...base.arrays import BoolArray, FloatArray
 from ...errors import InputError
 
-_SLOWEST, _FASTEST = 1e-9, 1e12  # Hz, between which a rate and its period are numbers
+SLOWEST_HZ, FASTEST_HZ = 1e-9, 1e12
+"""Between these a rate and its period are numbers."""
 
 NO_CLOCK = "no column of times; map t=COLUMN, or give the sampling rate in Hz (--rate)"
 
@@ -22,7 +23,7 @@ def between(
     end: float | None,
 ) -> slice | BoolArray:
     """Return which samples lie from `start` to `end`; a file without times is numbered first."""
-    if rate_hz is not None and not _SLOWEST <= rate_hz <= _FASTEST:
+    if rate_hz is not None and not SLOWEST_HZ <= rate_hz <= FASTEST_HZ:
         raise InputError(f"a rate of {rate_hz} Hz is no sampling rate; give samples a second")
     if "t" not in columns:
         if rate_hz is None:

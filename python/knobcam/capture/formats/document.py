@@ -7,13 +7,15 @@ import json
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray
+from ...base.arrays import BoolArray, FloatArray, runs
+from ...base.door import check
 from ...errors import InputError
-from ..finding import Finding
+from ..finding import Finding, Severity
+from .clock import FASTEST_HZ, SLOWEST_HZ
 from .table import Table
 
 SCHEMA = "knobcam.capture/1"
@@ -28,14 +30,13 @@ def build(
     findings: tuple[Finding, ...],
 ) -> dict[str, Any]:
     """Return the document; InputError when `meta` holds what JSON cannot."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], ~mask, [False]))))
     document = {
         "schema": SCHEMA,
         "axis": coordinate,
         "rate_hz": rate_hz,
         "samples": len(mask),
         "sha256": digest(columns),
-        "masked_rows": [[int(a) + 1, int(b)] for a, b in zip(edges[::2], edges[1::2], strict=True)],
+        "masked_rows": [[int(a) + 1, int(b)] for a, b in zip(*runs(~mask), strict=True)],
         "findings": [finding.document() for finding in findings],
         "meta": dict(meta),
     }
@@ -100,6 +101,14 @@ def stored_mask(document: Mapping[str, Any], table: Table, samples: int) -> Bool
     return mask
 
 
+def stored_rate(document: Mapping[str, Any]) -> float:
+    """Return the rate of the document, Hz."""
+    rate = float(document["rate_hz"])
+    if not SLOWEST_HZ <= rate <= FASTEST_HZ:
+        raise ValueError(f"rate_hz {rate}")
+    return rate
+
+
 def stored_findings(document: Mapping[str, Any]) -> tuple[Finding, ...]:
     """Return the findings of the document."""
     return tuple(_finding(entry) for entry in document.get("findings", ()))
@@ -107,6 +116,10 @@ def stored_findings(document: Mapping[str, Any]) -> tuple[Finding, ...]:
 
 def _finding(entry: Mapping[str, Any]) -> Finding:
     # Versions before had single rows.
-    runs = ((row, row) if isinstance(row, int) else (int(row[0]), int(row[1])) for row in entry["rows"])
+    spans = ((row, row) if isinstance(row, int) else (int(row[0]), int(row[1])) for row in entry["rows"])
     said = {name: entry[name] for name in ("kind", "column", "count", "message", "severity")}
-    return Finding(spans=tuple(runs), **said)
+    for name, value in said.items():
+        check(name, value, "int" if name == "count" else "str")
+    if said["severity"] not in get_args(Severity):
+        raise ValueError(f"severity {said['severity']!r}")
+    return Finding(spans=tuple(spans), **said)

@@ -153,5 +153,7 @@ def _read_sqlite(path: Path, states: JointStates, topics: dict[str, str]) -> Non
             name, kind, form = kinds.get(number, ("", "", ""))
             if kind in TYPES and form == "cdr" and isinstance(data, bytes):
                 states.add(name, int(logged), data)
+    except MemoryError:  # what SQLite says of a row that claims to be longer than one can be
+        raise InputError(f"{path}: a row of it is damaged; copy or export the bag again") from None
     finally:
         base.close()

@@ -84,6 +84,8 @@ def torque_unit_of(unit: str, coordinate: Coordinate) -> str:
 
     Raises InputError for any that is neither.
     """
+    if coordinate not in SI:
+        raise InputError(f"coordinate={coordinate!r} is unknown; choose {' or '.join(SI)}")
     own = SI[coordinate]["tau"]
     if unit not in ("", own, *GIVEN):
         raise InputError(f"torque_unit={unit!r} is unknown; choose {own}, {', '.join(GIVEN)}")

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray, IntArray
+from ...base.arrays import BoolArray, FloatArray, IntArray, runs
 from ..finding import Finding, Rows, rows_in_words, spans
 from .torque import Limit
 
@@ -110,12 +110,10 @@ def _left(signatures: FloatArray, torque: FloatArray) -> float:
 
 def _stands(values: FloatArray) -> list[tuple[int, int]]:
     """Return the runs of one value, first and end, that are far longer than all others."""
-    edges = np.concatenate(([0], np.flatnonzero(np.diff(values) != 0.0) + 1, [len(values)]))
-    lengths = np.diff(edges)
+    firsts, ends = runs(np.diff(values) == 0.0)
+    ends = ends + 1
+    lengths = ends - firsts
     long = lengths >= _FEWEST
     ordinary = int(lengths[~long].max(initial=1))
     long &= (lengths >= _TIMES * ordinary) & (lengths < len(values))  # a column that never changes is stuck
-    return [
-        (int(first), int(first + length))
-        for first, length in zip(edges[:-1][long], lengths[long], strict=True)
-    ]
+    return list(zip(firsts[long].tolist(), ends[long].tolist(), strict=True))

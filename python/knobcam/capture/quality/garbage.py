@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray, IntArray
+from ...base.arrays import BoolArray, FloatArray, IntArray, groups, runs
 from ..finding import Finding, Rows, rows_in_words, spans
 from .order import medians, quantile
 
@@ -90,12 +90,11 @@ def _loud(columns: dict[str, FloatArray], index: IntArray, noise: float) -> Bool
     if len(far) < few or len(far) > _MOST * len(tau) or np.min(far[few - 1 :] - far[: 1 - few]) > 2 * _LONG:
         return loud
     level = _loudness(tau)
-    at = np.flatnonzero(level > louder * noise)
-    runs = np.split(at, np.flatnonzero(np.diff(at) > _WITHIN) + 1) if at.size else []
-    runs = [run for run in runs if _LONG <= run[-1] - run[0] < _LONGEST]
-    if len(runs) > _RUNS:
+    noisy = groups(np.flatnonzero(level > louder * noise), _WITHIN)
+    noisy = [run for run in noisy if _LONG <= run[-1] - run[0] < _LONGEST]
+    if len(noisy) > _RUNS:
         return loud
-    for run in runs:
+    for run in noisy:
         first, end = max(0, int(run[0]) - _SPAN // 2 - 1), min(len(tau), int(run[-1]) + _SPAN // 2 + 2)
         if not _felt(columns, index, first, end):
             loud[first:end] = True
@@ -115,8 +114,8 @@ def _felt(columns: dict[str, FloatArray], index: IntArray, first: int, end: int)
 def _standing(tau: FloatArray, noise: float) -> BoolArray:
     stands = np.zeros(len(tau), dtype=np.bool_)
     same = np.diff(tau) == 0.0
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], same, [False]))))
-    firsts, ends = edges[::2], edges[1::2] + 1
+    firsts, ends = runs(same)
+    ends = ends + 1
     lengths = ends - firsts
     long = lengths >= _LONG
     chance = (same.sum() - (lengths[long] - 1).sum() + 1.0) / (len(same) - lengths[long].sum() + 1.0)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray, IntArray
+from ...base.arrays import BoolArray, FloatArray, IntArray, groups, runs
 from ..finding import Finding, Rows, rows_in_words, spans
 from .order import quantile
 
@@ -198,15 +198,13 @@ def _noise(values: FloatArray) -> float:
 
 def _peaks(size: FloatArray, least: float, reach: int) -> IntArray:
     """Return where `size` exceeds `least` and is the most within `reach` rows."""
-    at = np.flatnonzero(size > least)
-    runs = np.split(at, np.flatnonzero(np.diff(at) > reach) + 1) if at.size else []
-    return np.array([run[np.argmax(size[run])] for run in runs], dtype=np.intp)
+    around = groups(np.flatnonzero(size > least), reach)
+    return np.array([rows[np.argmax(size[rows])] for rows in around], dtype=np.intp)
 
 
 def _stands(values: FloatArray, least: float) -> IntArray:
     """Return the middles of where the angle stands while before and after it it goes on by `least`."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], np.diff(values) == 0.0, [False]))))
-    first, end = edges[::2], edges[1::2]
+    first, end = runs(np.diff(values) == 0.0)
     rows = np.maximum(1, end - first)
     before = (values[first] - values[np.maximum(0, first - rows)]) / rows
     after = (values[np.minimum(len(values) - 1, end + rows)] - values[end]) / rows

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arrays import BoolArray, FloatArray
+from ...base.arrays import BoolArray, FloatArray, groups
 from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import Coordinate
 from .missed import check_missed
@@ -158,7 +158,7 @@ def _leapt_away(rows: Rows, off: BoolArray, stale: NDArray[np.intp]) -> list[Fin
 def _away(theta: FloatArray, leaps: NDArray[np.intp]) -> BoolArray:
     """Which samples lie between leaps (each from that sample to the next) after which the angle is back."""
     away = np.zeros(len(theta), dtype=np.bool_)
-    for group in np.split(leaps, np.flatnonzero(np.diff(leaps) > _AWAY) + 1):
+    for group in groups(leaps, _AWAY):
         if len(group) < 2:
             continue
         first, last = int(group[0]), int(group[-1])

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arrays import BoolArray, FloatArray
+from ...base.arrays import BoolArray, FloatArray, runs
 from ..finding import Finding, Rows, rows_in_words, spans
 from ..formats.units import GIVEN
 from .order import medians, quantile
@@ -160,8 +160,8 @@ def _leaps(values: FloatArray, at: NDArray[np.intp], noise: float) -> FloatArray
 
 
 def _longest_run(flags: BoolArray) -> int:
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False]))))
-    return int(np.max(edges[1::2] - edges[::2], initial=0))
+    firsts, ends = runs(flags)
+    return int(np.max(ends - firsts, initial=0))
 
 
 def _is_limit(values: FloatArray, limit: float) -> bool:

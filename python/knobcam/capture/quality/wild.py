@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray, IntArray
+from ...base.arrays import BoolArray, FloatArray, IntArray, runs
 from .order import quantile
 
 BESIDE = 6
@@ -83,8 +83,7 @@ def wild(t: FloatArray, values: FloatArray, least: float) -> BoolArray:
     # Steps and the densest places have no parabola: there what is beyond all good ones on either side.
     rows = np.flatnonzero(doubtful & ~found & fresh)
     found[rows[_beyond(values, rows, np.flatnonzero(~doubtful)) > FAR * noise]] = True
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], found, [False]))))
-    for first, end in zip(edges[::2], edges[1::2], strict=True):
+    for first, end in zip(*runs(found), strict=True):
         found[first:end] = end - first <= LONGEST
     return found
 
