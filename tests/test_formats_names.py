@@ -262,7 +262,7 @@ def test_a_column_of_a_map_keeps_the_unit_that_its_name_says(tmp_path: Path) -> 
     np.testing.assert_allclose(capture.theta, THETA, atol=1e-9)
     np.testing.assert_allclose(capture.tau, TAU, atol=1e-9)
     (said,) = [one.message for one in capture.findings if one.kind == "columns"]
-    assert said.startswith("columns: theta = pos_deg [deg], tau = Torque [mNm] [mN m], as their names say")
+    assert said.startswith("columns: theta = pos_deg [deg], as their names say")
     stated = kc.load(path, map="t=t, theta=pos_deg [rad], tau=Iq [A]")
     np.testing.assert_allclose(stated.theta, np.rad2deg(THETA), atol=1e-9)
     assert stated.torque_unit == "A"

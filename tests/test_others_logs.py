@@ -1,4 +1,4 @@
-"""What logs of other people's machines had and no simulated one, made again in small without the simulator."""
+"""What logs of others' machines had and no simulated one, made again in small without the simulator."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def test_a_torque_that_was_smoothed_before_it_was_logged_has_no_known_floor() ->
     """Drives log what they have filtered: how loud the noise was nobody can tell then."""
     theta, omega, alpha = swung(0.8, 0.11, 0.35)
     raw = 0.02 * alpha + 0.3 * np.sign(omega) * (1.0 + 0.5 * np.exp(-np.abs(omega) / 0.1)) + 0.05 * normal(2)
-    smooth = signal.sosfiltfilt(signal.butter(4, 12.0, fs=RATE_HZ, output="sos"), raw)
+    smooth = signal.sosfiltfilt(signal.butter(4, 20.0, fs=RATE_HZ, output="sos"), raw)
     story = kc.learn(capture(theta, smooth))
     assert math.isnan(story.noise_floor) and story.verdict == "unexplained"
     assert story.headline.startswith("Whether anything is missing cannot be told")
@@ -99,6 +99,12 @@ def test_a_torque_that_was_off_while_the_knob_went_slowly_is_not_what_it_was() -
     noisy = theta + 1e-5 * np.random.default_rng(8).standard_normal(len(t))
     found = kc.Capture.from_arrays(t=t, theta=noisy, tau=tau).findings
     assert [(one.kind, one.column) for one in found] == [("dead", "tau")]
+
+
+def test_a_torque_of_one_commanded_step_is_none_that_was_off() -> None:
+    theta, _, _ = swung(0.8, 0.11, 0.35)
+    stepped = capture(theta, np.where(T < 10.0, -0.03, -0.04))
+    assert stepped.mask.all() and not [one for one in stepped.findings if one.kind == "dead"]
 
 
 def test_what_loses_on_unseen_blocks_what_it_wins_on_the_others_does_not_come_in() -> None:

@@ -104,9 +104,13 @@ def _by_map(table: Table, entries: dict[str, Entry]) -> tuple[dict[str, Entry], 
             entry = Entry(f"`{whole}`", None)
         unit = read_label(entry.column).unit if entry.plain and entry.unit is None else None
         known[target] = Entry(entry.expression, unit) if unit and fits(target, unit) else entry
-    said = [
-        f"{name} = {one.column} [{one.unit}]" for name, one in known.items() if one.unit != entries[name].unit
-    ]
+    said = []
+    for target, entry in known.items():
+        if entry.unit is None or entries[target].unit is not None:
+            continue
+        factor, _, unit = to_si(target, entry.unit)
+        if factor != 1.0 or unit in GIVEN:  # that a number is in SI is taken without a word
+            said.append(f"{target} = {entry.column} [{entry.unit}]")
     if not said:
         return known, ()
     words = f"columns: {', '.join(said)}, as their names say; a unit in the map says otherwise"
