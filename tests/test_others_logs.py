@@ -87,20 +87,6 @@ def test_a_delay_at_the_end_of_its_range_is_no_cause() -> None:
     assert delay.plausible[1] < delay.upper
 
 
-def test_a_torque_that_was_off_while_the_knob_went_slowly_is_not_what_it_was() -> None:
-    """A sweep takes little torque in its first half; but that is dry friction, and not nothing."""
-    t = np.arange(20_000) / 2000.0
-    phase = 2.0 * np.pi * (0.3 * t + 0.5 * 0.6 * t**2)
-    rate = 2.0 * np.pi * (0.3 + 0.6 * t)
-    theta, omega = np.sin(phase), rate * np.cos(phase)
-    alpha = -(rate**2) * np.sin(phase) + 2.0 * np.pi * 0.6 * np.cos(phase)
-    tau = 5e-5 * alpha + 4e-3 * np.sign(omega) + 2e-4 * np.random.default_rng(7).standard_normal(len(t))
-    tau[: len(t) // 2] = 0.0
-    noisy = theta + 1e-5 * np.random.default_rng(8).standard_normal(len(t))
-    found = kc.Capture.from_arrays(t=t, theta=noisy, tau=tau).findings
-    assert [(one.kind, one.column) for one in found] == [("dead", "tau")]
-
-
 def test_a_torque_of_one_commanded_step_is_none_that_was_off() -> None:
     theta, _, _ = swung(0.8, 0.11, 0.35)
     stepped = capture(theta, np.where(T < 10.0, -0.03, -0.04))

@@ -19,8 +19,6 @@ _WINDOW = (7, 25)  # samples at least and most, over which a parabola tells angl
 _JUDGES = 40  # windows elsewhere, without which nobody can tell
 _TOLD = 0.1  # of the other rows' torque, that a rigid knob may leave unexplained and still be a judge
 _MEANT = 0.15  # of what a torque that was lost would leave: a stand that leaves less was the torque
-_ALIKE = 20.0  # times what one rigid knob leaves elsewhere, beyond which a stand does not agree with it
-_LITTLE = 0.02  # of what a lost torque would leave: so much a law may be off, however clean the log
 
 
 def check_dead(
@@ -71,9 +69,8 @@ def _acted(
     """Return whether one rigid knob moves under the torque as it is, where it stands and elsewhere.
 
     A torque that was lost pulls the parameters of that knob towards zero: per row it costs p (1 - p) of the
-    torque's mean square, p being the share of the rows in which it stands; of a slow part of the motion it is
-    less, but still far more than what that knob leaves elsewhere. `unless_told` is the answer where the
-    motion cannot tell.
+    torque's mean square, p being the share of the rows in which it stands. `unless_told` is the answer where
+    the motion cannot tell.
     """
     edges = [0, *(edge for stand in stands for edge in stand), len(index)]
     pieces = [index[first:end] for first, end in pairwise(edges)]
@@ -90,10 +87,7 @@ def _acted(
     beside, whole = _left(signatures[~standing], torque[~standing]), _left(signatures, torque)
     if beside > _TOLD * size:
         return unless_told
-    lost = size * standing.mean()
-    # What a motor was given is not all that acts on it: its back-EMF goes where it is off.
-    least = _MEANT * lost if unless_told else max(_ALIKE * beside, _LITTLE * lost)
-    return bool(whole - beside <= min(_MEANT * lost, least))
+    return bool(whole - beside <= _MEANT * size * standing.mean())
 
 
 def _rigid(
