@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from pathlib import Path
 
 import numpy as np
@@ -58,6 +59,9 @@ def assert_taken(path: Path, coordinate: str = "rotary") -> str:
         ("measured_velocity_deg_s", Label("omega", "deg/s", True)),
         ("current_position", Label("theta", None, True)),
         ("torque_cmd", Label("tau", None, True, measured=False)),
+        ("q3", Label("theta", None, True, joint="3")),
+        ("actual_current_0", Label("current", None, True, joint="0")),
+        ("t1", Label(None)),
         ("reference.position", Label("theta", None, True, measured=False)),
         ("left_torque", Label("tau", None, False)),
         ("torque_a", Label("tau", None, False)),
@@ -131,7 +135,7 @@ def test_what_is_not_plain_or_not_unique_is_refused_with_the_columns_and_a_map(
 def test_the_map_that_a_refusal_shows_is_one_that_works(tmp_path: Path) -> None:
     path = log(tmp_path, "time,motor pos,joint_pos,Iq [mA]", T, THETA, ZERO, 1e3 * TAU)
     said = knobcam("import", path, "-o", tmp_path / "run.npz").err
-    shown = re.search('--map "(.*)"', said)
+    shown = re.search("--map '(.*)'", said)
     assert shown is not None
     capture = kc.load(path, map=shown[1])
     np.testing.assert_allclose(capture.tau, TAU, atol=1e-9)
@@ -233,6 +237,38 @@ def test_a_simplefoc_monitor_asks_for_its_rate_and_its_torque(
     with pytest.raises(InputError, match=r"no column of times.*--rate"):
         kc.load(path, **asked)  # type: ignore[arg-type]
     np.testing.assert_allclose(kc.load(path, rate_hz=500.0, **asked).theta, THETA, atol=1e-9)  # type: ignore[arg-type]
+
+
+def test_the_numbers_of_joints_part_the_columns_of_a_robot(tmp_path: Path) -> None:
+    one = log(tmp_path, "time,q3,dq3,tau3", T, THETA, OMEGA, TAU)
+    assert "theta = q3" in assert_taken(one)
+    several = log(tmp_path, "time,pos1,pos2,vel1,vel2,tau1,tau2", T, THETA, ZERO, OMEGA, ZERO, TAU, ZERO)
+    asked = r"pos1 and pos2 could each be theta.*theta=pos1, omega=vel1, tau=tau1"
+    with pytest.raises(InputError, match=asked):
+        kc.load(several)
+
+
+def test_a_map_that_is_shown_survives_a_shell(tmp_path: Path) -> None:
+    """Between double quotes a shell would run what stands in backquotes."""
+    path = log(tmp_path, "time [s],a1 position [rad],a2 position [rad],torque [Nm]", T, THETA, ZERO, TAU)
+    said = knobcam("import", path, "-o", tmp_path / "run.npz").err
+    shown = shlex.split(said[said.index("--map") :])[1]
+    np.testing.assert_allclose(kc.load(path, map=shown).tau, TAU, atol=1e-9)
+
+
+def test_a_column_of_a_map_keeps_the_unit_that_its_name_says(tmp_path: Path) -> None:
+    path = log(tmp_path, "t,pos_deg,Torque [mNm],Iq [A]", T, np.rad2deg(THETA), 1e3 * TAU, TAU)
+    capture = kc.load(path, map="t=t, theta=pos_deg, tau=Torque [mNm]")
+    np.testing.assert_allclose(capture.theta, THETA, atol=1e-9)
+    np.testing.assert_allclose(capture.tau, TAU, atol=1e-9)
+    (said,) = [one.message for one in capture.findings if one.kind == "columns"]
+    assert said.startswith("columns: theta = pos_deg [deg], as their names say")
+    stated = kc.load(path, map="t=t, theta=pos_deg [rad], tau=Iq [A]")
+    np.testing.assert_allclose(stated.theta, np.rad2deg(THETA), atol=1e-9)
+    assert stated.torque_unit == "A"
+    computed = kc.load(path, map="t=t, theta=pos_deg*pi/180, tau=`Torque [mNm]`/1000")
+    np.testing.assert_allclose(computed.theta, THETA, atol=1e-9)
+    np.testing.assert_allclose(computed.tau, TAU, atol=1e-9)
 
 
 def test_what_was_taken_is_printed_and_kept(tmp_path: Path) -> None:

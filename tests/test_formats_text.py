@@ -129,7 +129,7 @@ def test_an_unknown_header_lists_the_columns_and_an_example(tmp_path: Path) -> N
     with pytest.raises(InputError) as caught:
         load(path)
     assert "the file has time, my angle, M" in str(caught.value)
-    assert '--map "t=time, theta=`my angle`, tau=M"' in str(caught.value)
+    assert "--map 't=time, theta=`my angle`, tau=M'" in str(caught.value)
 
 
 def test_a_linear_axis_is_known_by_its_columns(tmp_path: Path) -> None:

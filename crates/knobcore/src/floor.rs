@@ -13,6 +13,7 @@ use crate::scalar::LANES;
 use crate::signals::Signals;
 use std::f64::consts::PI;
 use std::iter::repeat;
+use std::ops::Range;
 
 /// Samples of one periodogram: as many of these as leave enough periodograms.
 const WINDOWS: [usize; 4] = [512, 256, 128, 64];
@@ -37,6 +38,9 @@ const QUANTILES_ERROR: f64 = 2.9;
 /// of these that does not have it.
 const SHORT: usize = 128;
 const QUIETEST: f64 = 0.1;
+/// A torque whose noise falls by so many times within the band that is taken for noise alone was smoothed; that of
+/// control loops falls by three, and what a taper lets through of the slow torque, where there is no noise, by ten.
+const SMOOTHED: f64 = 8.0;
 /// Rows of the longest line whose noise is told from that of shorter ones.
 const LINES: usize = 8;
 /// Frequencies at which the noise of lines is summed.
@@ -60,12 +64,29 @@ pub fn noise(signals: &Signals, model: &Model) -> Option<Noise> {
 fn noise_below(raw: f64, signals: &Signals, model: &Model) -> Option<Noise> {
     let mut rest = torque_raw(model, signals);
     rest.iter_mut().zip(&signals.tau_raw).for_each(|(rest, measured)| *rest = measured - *rest);
-    let white = variance_above(signals, &rest).min(raw);
-    if white.is_nan() {
+    let left = variance_above(signals, &rest);
+    let white = left.min(raw);
+    if white.is_nan() || smoothed(signals, if left < raw { &rest } else { &signals.tau_raw }) {
         return None;
     }
     let coloured = coloured(signals, &rest).map(|noise| as_left(noise, signals, rest));
     Some(coloured.unwrap_or(Noise::white(white * bridged(signals))))
+}
+
+/// Whether the torque was smoothed before it was logged: the band above has next to no noise left, and how much there
+/// was below nobody can tell.
+fn smoothed(signals: &Signals, column: &[f64]) -> bool {
+    let Some((starts, window, band)) = above(signals) else { return false };
+    let level = Periodogram::of(window).powers(column, &starts, band).mean(repeat(1.0));
+    let third = level.len() / 3;
+    median(level[..third].to_vec()) > SMOOTHED * median(level[level.len() - third..].to_vec())
+}
+
+/// Where windows begin in which the band above is heard, how long they are, and their bins of it.
+fn above(signals: &Signals) -> Option<(Vec<usize>, usize, Range<usize>)> {
+    let window = WINDOWS.into_iter().find(|window| heard(signals, *window).len() >= ENOUGH)?;
+    let bin = |share: f64| (share * (window / 2) as f64) as usize;
+    Some((heard(signals, window), window, bin(BAND[0])..bin(BAND[1])))
 }
 
 /// Coloured noise as loud as what is left, where that is no more than its level in the quieter stretches lets expect.
@@ -192,12 +213,7 @@ fn quiet(powers: &Powers, quantile: f64) -> Vec<f64> {
 /// Variance of white noise with the power of `rest` in the band; the median over frequencies keeps a line (mains,
 /// a resonance) out.
 fn variance_above(signals: &Signals, rest: &[f64]) -> f64 {
-    let Some(window) = WINDOWS.into_iter().find(|window| heard(signals, *window).len() >= ENOUGH) else {
-        return f64::NAN;
-    };
-    let bin = |share: f64| (share * (window / 2) as f64) as usize;
-    let band = bin(BAND[0])..bin(BAND[1]);
-    let starts = heard(signals, window);
+    let Some((starts, window, band)) = above(signals) else { return f64::NAN };
     let powers = Periodogram::of(window).powers(rest, &starts, band);
     let totals: Vec<f64> = powers.windows().map(|window| window.iter().sum()).collect();
     // An impact is heard at all frequencies, but only while it lasts. A sensor at its limit is quiet: beside that the
@@ -307,6 +323,18 @@ impl Floor {
         let white = loudest.iter().zip(data).fold(0.0, most);
         let passed: f64 = data.iter().map(|signals| gain(signals) * signals.used() as f64).sum();
         white.max(LEFT * cost / passed)
+    }
+
+    /// The same beside a model that leaves such a sum of squares of these captures; unknown where that is surely less.
+    ///
+    /// Then the band it was read in holds more than a sensor's noise, as the ripple of gears does that turn fast, and
+    /// what there is of it below nobody can tell.
+    pub fn if_left(self, cost: f64, data: &[&Signals]) -> Self {
+        let white = Noise::white(1.0);
+        let alike = data.iter().map(|signals| white.alike(signals.filter.as_ref())).fold(1.0, f64::max);
+        let error = ((1.0 + QUANTILES_ERROR) * 2.0 * alike / self.rows).sqrt();
+        let least = self.squares / (rule().explained * (1.0 + rule().steady * error));
+        if cost < least { Self { white: f64::NAN, squares: f64::NAN, ..self } } else { self }
     }
 
     /// Root mean square, N m.

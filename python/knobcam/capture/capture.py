@@ -21,7 +21,7 @@ from ..base.renamed import renamed
 from ..base.tables import TextTable
 from ..errors import InputError
 from .finding import Finding, Rows
-from .formats import DEFAULT_MAX_BYTES, Table, document, read_table, write_table
+from .formats import DEFAULT_MAX_BYTES, Table, document, write_table
 from .formats.clock import NO_CLOCK, between
 from .formats.columnmap import ColumnMap
 from .formats.resolve import contract, resolve
@@ -30,6 +30,7 @@ from .motor import as_torque
 from .quality import check, check_size
 from .quality.limits import check_limits
 from .quality.torque import Limit, check_clipping, usual_limit
+from .reading import PLAIN, Reading
 
 if TYPE_CHECKING:
     from ..base.showing import Figure
@@ -275,26 +276,16 @@ def load(
     InputError. Row numbers count the file's rows of data from 1. Files, and what they inflate to, may have up
     to `max_bytes`.
     """
+    reading = Reading(map, coordinate, rate_hz, start, end, joint, limit, max_bytes)
     file = Path(path)
-    table = read_table(file, max_bytes, joint)
-    said: dict[str, Any] = {"map": map, "coordinate": coordinate, "rate_hz": rate_hz, "limit": limit}
-    capture = of_table(file, table, **said, start=start, end=end)
+    capture = of_table(file, reading.table(file), reading)
     given = kt is not None or resistance_ohm is not None
     return capture.as_torque(kt=kt, resistance_ohm=resistance_ohm) if given else capture
 
 
-def of_table(
-    file: Path,
-    table: Table,
-    *,
-    map: ColumnMap | None = None,
-    coordinate: Coordinate | None = None,
-    rate_hz: float | None = None,
-    start: float | None = None,
-    end: float | None = None,
-    limit: Limit | None = None,
-) -> Capture:
-    """Return the capture in the content of a file; options as `load` takes them."""
+def of_table(file: Path, table: Table, reading: Reading = PLAIN) -> Capture:
+    """Return the capture in the content of a file."""
+    map, coordinate, rate_hz, limit = reading.map, reading.coordinate, reading.rate_hz, reading.limit
     native = document.check_schema(table) if map is None else None
     if native is not None:
         if coordinate is not None and coordinate != native["axis"]:
@@ -306,7 +297,7 @@ def of_table(
     columns = resolved.columns
     if "t" not in columns and rate_hz is None:
         raise InputError(f"{file}: {NO_CLOCK}; the file has {table.listing()}")
-    keep = between(str(file), columns, rate_hz, start, end)
+    keep = reading.kept(str(file), columns)
     rows = np.arange(1, len(columns["theta"]) + 1)
     if table.meta is not None:
         meta = dict(table.meta)

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import InputError
 from .capture import of_table
-from .formats import DEFAULT_MAX_BYTES, read_table
-from .formats.clock import between
-from .formats.columnmap import ColumnMap, parse_map
+from .formats.columnmap import parse_map
 from .formats.expression import evaluate
 from .formats.resolve import resolve
 
@@ -23,6 +21,7 @@ if TYPE_CHECKING:
     from ..base.arrays import FloatArray
     from .capture import Capture
     from .formats import Table
+    from .reading import Reading
 
 SPEED = "omega"
 """The smoothed velocity in a formula, of a file that has no column of that name."""
@@ -39,29 +38,12 @@ class Formula:
     first 1 and of the others 0. InputError says of a constant that it is neither.
     """
 
-    def __init__(
-        self,
-        path: str | os.PathLike[str],
-        column_map: ColumnMap,
-        free: Sequence[str],
-        *,
-        rate_hz: float | None = None,
-        start: float | None = None,
-        end: float | None = None,
-        joint: str | None = None,
-        kt: float | None = None,
-        resistance_ohm: float | None = None,
-        max_bytes: int = DEFAULT_MAX_BYTES,
-        **reading: Any,
-    ) -> None:
+    def __init__(self, path: str | os.PathLike[str], free: Sequence[str], reading: Reading) -> None:
         file = Path(path)
-        if kt is not None or resistance_ohm is not None:
-            raise InputError(
-                f"{file}: kt and resistance are for a torque without free constants; leave them out"
-            )
-        self._map, self._coordinate = column_map, reading.get("coordinate")
+        column_map = reading.map or ()
+        self._map, self._coordinate = column_map, reading.coordinate
         self._expression = parse_map(column_map)["tau"].expression
-        self._table = read_table(file, max_bytes, joint)
+        self._table = reading.table(file)
         for at, name in enumerate(free):
             if name in self._table.columns or name in free[:at]:
                 what = "is named twice" if name in free[:at] else "is a column of the file"
@@ -70,10 +52,9 @@ class Formula:
         ones = dict.fromkeys([*free, *([SPEED] if unknown_speed else [])], np.asarray(1.0))
         self.scales, self.terms = self._roles(free, ones)
         self._constants = ones | dict.fromkeys(self.terms, np.asarray(0.0))
-        part: dict[str, Any] = {"rate_hz": rate_hz, "start": start, "end": end}
-        self.capture = of_table(file, self._with(self._constants), map=column_map, **part, **reading)
+        self.capture = of_table(file, self._with(self._constants), reading)
         columns = resolve(self._with(self._constants), column_map, self._coordinate).columns
-        self._keep = between(str(file), columns, rate_hz, start, end)
+        self._keep = reading.kept(str(file), columns)
         if unknown_speed:
             signals = self.capture.prepare()
             speed = np.full(len(columns["theta"]), np.nan)

@@ -21,6 +21,7 @@ from .. import _core
 from ..base.door import checked
 from ..capture.formula import Formula
 from ..capture.prepare import prepare as prepare_signals
+from ..capture.reading import Reading
 from ..errors import InputError
 from ..model import Model
 from .alike import check_captures
@@ -88,7 +89,12 @@ def fit_constants(
     names = [free] if isinstance(free, str) else list(free)
     if not files or not names:
         raise InputError("fit_constants needs a file and a free constant; give at least one of each")
-    formulas = [Formula(file, map, names, **reading) for file in files]
+    if any(reading.pop(name, None) is not None for name in ("kt", "resistance_ohm")):
+        raise InputError(
+            f"{files[0]}: kt and resistance are for a torque without free constants; leave them out"
+        )
+    how = Reading(map=map, **reading)
+    formulas = [Formula(file, names, how) for file in files]
     check_captures([one.capture for one in formulas])
     if isinstance(model, str | os.PathLike):
         model = Model.load(model)

@@ -35,7 +35,12 @@ def implausible(candidate: Candidate, before: Fit) -> tuple[str, ...]:
     fit = candidate.fit
     clipped = any(finding.kind == "clipped" for one in fit.prepared for finding in one.capture.findings)
     own = _core.implausible(cores(fit), fit.core, candidate.effect, clipped, before.before is None)
-    return (*_out_of_range(candidate.effect, fit), *_below_zero(candidate, before), *own)
+    return (
+        *_out_of_range(candidate.effect, fit),
+        *_below_zero(candidate, before),
+        *_unseen(fit, before),
+        *own,
+    )
 
 
 REVERSED = "tau has the other sign: inertia and friction came out negative; map it with a minus"
@@ -73,7 +78,10 @@ def impossible(fit: Fit) -> str | None:
     if not negative:
         return None
     rubs = _friction(fit.model.coordinate)
-    stores = [name for name in negative if name.split(".")[0] not in rubs]
+    # What makes less torque than is left is bent by that: a motion that hardly speeds up says nothing of it.
+    stores = [
+        name for name in negative if name.split(".")[0] not in rubs and _torque_of(fit, name) > fit.rmse
+    ]
     if stores:
         return f"{' and '.join(stores)} came out negative, which no knob has"
     power, error = _friction_power(fit)
@@ -122,6 +130,15 @@ def one_velocity(prepared: Sequence[Prepared]) -> str | None:
             unit = capture.units["omega"]
             return f"theta moves at one velocity, {slope:.3g} {unit}; record a motion that changes its speed"
     return None
+
+
+def _unseen(fit: Fit, before: Fit) -> list[str]:
+    """Return that an effect loses on blocks that the fit did not see no less than it wins on the others."""
+    if not (before.rmse > 0.0 and before.rmse_heldout > 0.0):
+        return []
+    won, lost = 1.0 - fit.rmse / before.rmse, fit.rmse_heldout / before.rmse_heldout - 1.0
+    said = f"on blocks that the fit did not see it adds {100.0 * lost:.1f} %"
+    return [said] if lost > max(won, 0.0) else []
 
 
 def _out_of_range(effect: str, fit: Fit) -> list[str]:

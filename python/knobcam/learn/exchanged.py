@@ -5,6 +5,7 @@ What came in first may have stood in for two others, and what came in after it f
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -101,9 +102,13 @@ def _score(fit: Fit, first: Fit) -> float:
 
 
 def _steps(fit: Fit, names: Sequence[str], start: LearningStep, diagnosis: Diagnosis) -> list[LearningStep]:
-    """Return the steps to a set: what explains most by itself first, each fitted with those before it."""
-    alone = {one.effect: one.gain for one in diagnosis.candidates}
-    order = sorted(names, key=lambda name: alone.get(name, 0.0))
+    """Return the steps to a set: what explains most for its parameters first, each with those before it.
+
+    Of two that explain the same the one with fewer parameters is the cause: gravity, before a detent that is
+    wider than the motion.
+    """
+    alone = {one.effect: one.score for one in diagnosis.candidates}
+    order = sorted(names, key=lambda name: alone.get(name, -math.inf))
     fits = [fit]
     for name in order[:-1]:
         fits.append(converged(fits[-1].drop(name)))

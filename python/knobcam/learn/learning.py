@@ -134,7 +134,7 @@ class LearningResult(showing.Tabled):
             return f"{found} anything{more} is missing is not known: {self.cut.words}."
         if what is not None and not beyond:
             if (fault := self.fit.log_fault) is not None:
-                return f"The log is to be mended first, it tells nothing of the knob: {fault}."
+                return f"The log or its map is to be mended first, until then it tells nothing: {fault}."
             if math.isnan(self.noise_floor):
                 return (
                     "Whether anything is missing cannot be told: these samples do not show how much of the "

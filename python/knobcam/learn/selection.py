@@ -151,14 +151,14 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
         unexplained = Unexplained("position", share, words)
     elif unexplained is not None:
         found = tuple(one for one in found if any(step.added == one and _mainly(step) for step in ladder))
-    if unexplained is None and (beyond := ladder[-1].fit.beyond) is not None:
-        unexplained = Unexplained(beyond.axis, beyond.share, beyond.words)
     wrong = ladder[-1].fit.impossible
     # Within less than a detent its pull counts as inertia: that is said as what such a motion cannot tell.
     if unexplained is None and wrong is not None and width(ladder[-1].fit) is None:
         # However little it leaves, it is not this knob that it explains.
         found = tuple(one for one in found if any(step.added == one and _mainly(step) for step in ladder))
         unexplained = Unexplained("load", 1.0, wrong)
+    if unexplained is None and (beyond := ladder[-1].fit.beyond) is not None:
+        unexplained = Unexplained(beyond.axis, beyond.share, beyond.words)
     return Selection(tuple(ladder), found, last, unexplained)
 
 

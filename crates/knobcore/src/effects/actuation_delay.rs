@@ -10,6 +10,9 @@ use crate::scalar::Scalar;
 /// After the last sample the torque is taken to stay what it is there.
 pub struct ActuationDelay;
 
+/// Longest delay that is looked for, s.
+const LONGEST: f64 = 0.05;
+
 impl Effect<1> for ActuationDelay {
     const ID: &'static str = "actuation_delay";
     const LAW: &'static str = "the log has the command tau(t + delay)";
@@ -36,7 +39,10 @@ impl Effect<1> for ActuationDelay {
         by: &["torque_lag.lag"],
         why: "a torque that is read late is not ahead too: a shorter lag does the same",
     });
-    const PARAMS: [Param; 1] = [Param::shape("delay", Unit::of(0, 0, 1), [0.0, 0.05], 0.0, "dead time")];
+    const PARAMS: [Param; 1] = [
+        // One at the end of its range stands in for a memory of another kind.
+        Param::shape("delay", Unit::of(0, 0, 1), [0.0, LONGEST], 0.0, "dead time").plausibly(0.0, 0.9 * LONGEST),
+    ];
 
     fn starts(survey: &Survey) -> Vec<[f64; 1]> {
         // No delay at all is a bound, where a search may get caught.

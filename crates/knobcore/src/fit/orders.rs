@@ -19,8 +19,9 @@ use std::f64::consts::{LN_2, TAU};
 const HIGHEST: usize = 100;
 /// Most waves of one ripple.
 pub const MOST: usize = 9;
-/// Revolutions that a motion must cover for neighbouring orders to be told apart.
-const TURNS: f64 = 0.95;
+/// Revolutions that a motion must cover for neighbouring orders to be told apart: over so many two of them are alike
+/// by sin(pi x)/(pi x), here 0.37. A motor that was turned about once covers less of it where its log is cut.
+const TURNS: f64 = 0.7;
 /// Chance of an order where there is none.
 const CHANCE: f64 = 1e-3;
 /// Samples that are looked at; of more, every second or third.

@@ -30,6 +30,11 @@ class Entry:
         """Whether it is a column as it stands, and nothing is computed."""
         return re.fullmatch(r"`[^`]*`|[A-Za-z_][\w.]*", self.expression) is not None
 
+    @property
+    def column(self) -> str:
+        """The name of the column of a plain entry."""
+        return self.expression.strip("`")
+
     def __str__(self) -> str:
         return self.expression if self.unit is None else f"{self.expression} [{self.unit}]"
 

@@ -73,13 +73,15 @@ _LONGEST = 200  # letters of a name; what damaged a file makes names of 10^5, wh
 class Label:
     """What a name says: a column of a capture, `current` or `voltage`; None when it says nothing.
 
-    `plain`: every word is understood. `measured` is False for what was asked of a machine.
+    `plain`: every word is understood. `measured` is False for what was asked of a machine. `joint` is the
+    number behind the quantity of one of several: `q3`, `actual_q_0`.
     """
 
     quantity: str | None
     unit: str | None = None
     plain: bool = False
     measured: bool = True
+    joint: str | None = None
 
 
 def read_label(name: str) -> Label:
@@ -105,7 +107,7 @@ def read_label(name: str) -> Label:
 
 
 def _labelled(words: list[str], unit: str | None) -> Label:
-    lower = [word.lower() for word in words]
+    lower, joint = _numbered([word.lower() for word in words])
     if len(lower) > 1 and lower[0] == "current" and len(lower[1]) > 2 and (lower[1],) in _HEADS:
         lower = lower[1:]  # the position that is current
     quantity, rest = _head(lower)
@@ -119,7 +121,17 @@ def _labelled(words: list[str], unit: str | None) -> Label:
     plain = fits and all(word in _MEASURED or word in _ASKED_FOR for word in rest)
     if unit is not None and not fits:
         quantity = _QUANTITY.get(unit, quantity)
-    return Label(quantity, unit, plain, not _ASKED_FOR & set(rest))
+    return Label(quantity, unit, plain, not _ASKED_FOR & set(rest), joint)
+
+
+def _numbered(words: list[str]) -> tuple[list[str], str | None]:
+    """Take the number of a joint off a quantity: `q3`, `q_3`; a number elsewhere is a word like others."""
+    for at, word in enumerate(words):
+        joined = re.fullmatch(r"([a-z]+)(\d+)", word)
+        name, number = joined.groups() if joined else (word, "".join(words[at + 1 : at + 2]))
+        if _HEADS.get((name,)) not in (None, "t") and re.fullmatch(r"\d{1,2}", number):
+            return [*words[:at], name, *words[at + (1 if joined else 2) :]], number
+    return words, None
 
 
 def _bracketed(name: str) -> tuple[str, str | None]:

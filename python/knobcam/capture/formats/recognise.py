@@ -76,6 +76,7 @@ def _chosen(table: Table, labels: dict[str, Label]) -> tuple[dict[str, Entry], d
         quantity = torque if target == "tau" else target
         found = [name for name, label in labels.items() if label.quantity == quantity]
         found = [name for name in found if name in table.columns] or found
+        found = [name for name in found if labels[name].joint is None] or found
         plain = [name for name in found if labels[name].plain]
         if not found:
             if target in _NEEDED:
@@ -131,7 +132,7 @@ def _advances(column: FloatArray) -> bool:
 
 def _counted(table: Table, entry: Entry) -> bool:
     """Whether an angle is in counts, by its unit, or without one by values that are whole numbers."""
-    values = table.columns.get(_bare(entry.expression))
+    values = table.columns.get(entry.column)
     if entry.unit is not None or values is None:
         return entry.unit == COUNTS
     finite = values[np.isfinite(values)]
@@ -140,7 +141,7 @@ def _counted(table: Table, entry: Entry) -> bool:
 
 def _in_degrees(table: Table, entry: Entry) -> bool:
     """Whether an angle without a unit wraps as one in degrees does."""
-    values = table.columns.get(_bare(entry.expression))
+    values = table.columns.get(entry.column)
     if entry.unit is not None or values is None or values.ndim == 0:
         return False
     finite = values[np.isfinite(values)]
@@ -151,7 +152,7 @@ def _in_degrees(table: Table, entry: Entry) -> bool:
 def _clock(table: Table, entries: dict[str, Entry]) -> dict[str, str]:
     """Whether a time without a unit can be s, and if not, which unit it is likely to be in."""
     entry = entries.get("t")
-    values = None if entry is None else table.columns.get(_bare(entry.expression))
+    values = None if entry is None else table.columns.get(entry.column)
     if entry is None or entry.unit is not None or values is None or values.ndim == 0 or len(values) < 2:
         return {}
     with np.errstate(all="ignore"):
@@ -161,7 +162,7 @@ def _clock(table: Table, entries: dict[str, Entry]) -> dict[str, str]:
         return {}
     unit = "ms" if step < 50.0 else "us" if step < 5e4 else "ns"
     entries["t"] = Entry(entry.expression, unit)
-    return {"t": f"{_bare(entry.expression)!r} has no unit and advances by {step:.4g} a row"}
+    return {"t": f"{entry.column!r} has no unit and advances by {step:.4g} a row"}
 
 
 def ask(table: Table, why: str, entries: dict[str, Entry]) -> InputError:
@@ -174,15 +175,17 @@ def ask(table: Table, why: str, entries: dict[str, Entry]) -> InputError:
     if "tau" in entries and entries["tau"].unit is None:
         notes.append(f"tau: in N m, of a current {parts['tau'][0]} [A]")
     constants = "; ".join(notes)
+    # A shell runs what stands between backquotes, but not within single quotes.
+    mark = "'" if "`" in shown and "'" not in shown else '"'
     return InputError(
         f"{table.source}: {why}; the file has {table.listing()}; say which is which, for example "
-        f'--map "{shown}"{rate}{f" ({constants})" if constants else ""}'
+        f"--map {mark}{shown}{mark}{rate}{f' ({constants})' if constants else ''}"
     )
 
 
 def _mapped(entry: Entry) -> tuple[str, str]:
     """Return an entry as a map has it, and what its word in capitals stands for."""
-    name = _bare(entry.expression)
+    name = entry.column
     text = name if _SIMPLE_NAME.fullmatch(name) or not entry.expression.startswith("`") else entry.expression
     if entry.unit == COUNTS:
         note = f"{PLACEHOLDER}: the number in a turn, as in {text}/8192 [turn]"
@@ -192,11 +195,7 @@ def _mapped(entry: Entry) -> tuple[str, str]:
 
 def _taken(target: str, entry: Entry, coordinate: Coordinate | None) -> str:
     unit = f"[{entry.unit}]" if entry.unit else f"(no unit said: {SI[coordinate or 'rotary'][target]})"
-    return f"{target} = {_bare(entry.expression)} {unit}"
-
-
-def _bare(expression: str) -> str:
-    return expression[1:-1] if expression.startswith("`") and expression.endswith("`") else expression
+    return f"{target} = {entry.column} {unit}"
 
 
 def _listed(names: list[str]) -> str:

@@ -12,9 +12,10 @@ from ...errors import InputError
 from ..finding import Finding
 from .columnmap import TARGETS, ColumnMap, Entry, parse_map
 from .expression import evaluate
+from .header import read_label
 from .recognise import PLACEHOLDER, ask, by_content, recognise
 from .table import Table
-from .units import GIVEN, SI, Coordinate, to_si
+from .units import GIVEN, SI, Coordinate, fits, to_si
 
 CONTRACT: dict[Coordinate, dict[str, str]] = {
     "rotary": {
@@ -55,7 +56,7 @@ def resolve(table: Table, column_map: ColumnMap | None, coordinate: Coordinate |
         raise InputError(f"coordinate={coordinate!r} is unknown; choose rotary or linear")
     notes: tuple[Finding, ...] = ()
     if column_map is not None:
-        entries = parse_map(column_map)
+        entries, notes = _by_map(table, parse_map(column_map))
     elif (found := _by_contract(table, coordinate)) is not None:
         entries, coordinate = found
     else:
@@ -88,6 +89,32 @@ def resolve(table: Table, column_map: ColumnMap | None, coordinate: Coordinate |
         columns[target] = values if factor == 1.0 else values * factor
     _check_lengths(table, columns, entries)
     return Resolved(columns, coordinate or "rotary", entries, torque_unit, notes)
+
+
+def _by_map(table: Table, entries: dict[str, Entry]) -> tuple[dict[str, Entry], tuple[Finding, ...]]:
+    """Return the entries of a map with the units that its columns say of themselves, and a note of these.
+
+    A bare column called `pos_deg` is in degrees whatever a map leaves out, and a name with a unit in brackets
+    is a name before it is an expression with a unit.
+    """
+    known = {}
+    for target, entry in entries.items():
+        whole = str(entry)
+        if whole in table.columns and not (entry.plain and entry.expression in table.columns):
+            entry = Entry(f"`{whole}`", None)
+        unit = read_label(entry.column).unit if entry.plain and entry.unit is None else None
+        known[target] = Entry(entry.expression, unit) if unit and fits(target, unit) else entry
+    said = []
+    for target, entry in known.items():
+        if entry.unit is None or entries[target].unit is not None:
+            continue
+        factor, _, unit = to_si(target, entry.unit)
+        if factor != 1.0 or unit in GIVEN:  # that a number is in SI is taken without a word
+            said.append(f"{target} = {entry.column} [{entry.unit}]")
+    if not said:
+        return known, ()
+    words = f"columns: {', '.join(said)}, as their names say; a unit in the map says otherwise"
+    return known, (Finding("columns", "theta", len(said), (), words, "note"),)
 
 
 def _by_contract(table: Table, coordinate: Coordinate | None) -> tuple[dict[str, Entry], Coordinate] | None:

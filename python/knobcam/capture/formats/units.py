@@ -100,6 +100,15 @@ class ToSI(NamedTuple):
     unit: str
 
 
+def fits(target: str, unit: str) -> bool:
+    """Whether numbers in `unit` can be those of column `target`."""
+    try:
+        to_si(target, unit)
+    except InputError:
+        return False
+    return True
+
+
 def to_si(target: str, unit: str) -> ToSI:
     """Return what makes numbers in `unit` those of column `target` in SI.
 

@@ -95,11 +95,7 @@ def _check(
     rising, found, rate = check_times(present["t"], rows, source)
     findings += found
     mask &= rising
-    if mask.sum() < 2:
-        raise InputError(
-            f"{source}: fewer than 2 usable samples are left of {len(rows)}: "
-            + "; ".join(finding.message for finding in findings)
-        )
+    _check_left(mask, findings, source)
     steps = check_steps(present, mask, rows, coordinate, rate)
     present |= {"t": steps.t, "theta": steps.theta}
     findings += steps.findings
@@ -113,6 +109,7 @@ def _check(
     dead, found = check_dead(present, mask, rows, limit)
     findings += found
     mask &= ~dead
+    _check_left(mask, findings, source)
     clipped, found = check_clipping(present["tau"], present["theta"], mask, rows, limit)
     findings += found
     findings += check_held(present, mask, rows)
@@ -126,6 +123,14 @@ def _check(
     findings += found
     mask &= _measured(present["theta"])
     return Checked(mask & ~clipped, tuple(findings), rate, present)
+
+
+def _check_left(mask: BoolArray, findings: list[Finding], source: str) -> None:
+    if mask.sum() < 2:
+        raise InputError(
+            f"{source}: fewer than 2 usable samples are left of {len(mask)}: "
+            + "; ".join(finding.message for finding in findings)
+        )
 
 
 def _spikes(columns: dict[str, FloatArray], usable: BoolArray, rows: Rows) -> tuple[BoolArray, list[Finding]]:

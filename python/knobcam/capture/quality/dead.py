@@ -40,7 +40,8 @@ def check_dead(
     for name, way in moved.items():
         at = np.zeros(len(index), dtype=np.bool_)
         stands = _stands(columns[name][index])
-        if not 1 <= len(stands) <= _OFTEN:
+        # What hardly ever does anything else is no sensor that was off: a torque of steps was commanded.
+        if not 1 <= len(stands) <= _OFTEN or len(index) - sum(end - at for at, end in stands) < _FEWEST:
             continue
         if name == "tau":
             off = limit == "actuator" and not any(columns[name][index[first]] for first, _ in stands)

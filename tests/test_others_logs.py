@@ -1,0 +1,104 @@
+"""What logs of others' machines had and no simulated one, made again in small without the simulator."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy import signal  # type: ignore[import-untyped]
+
+import knobcam as kc
+from knobcam.model.effects import effects
+
+RATE_HZ = 200.0
+T = np.arange(6_000) / RATE_HZ
+Column = NDArray[np.float64]
+
+
+def swung(reach: float, *hertz: float) -> tuple[Column, Column, Column]:
+    """Position, velocity and acceleration of sines over about `reach` to either side, equal parts of each."""
+    theta, omega, alpha = np.zeros((3, len(T)))
+    for at, hz in enumerate(hertz):
+        rate, phase = 2.0 * np.pi * hz, 0.7 * at
+        theta += reach / len(hertz) * np.sin(rate * T + phase)
+        omega += reach / len(hertz) * rate * np.cos(rate * T + phase)
+        alpha -= reach / len(hertz) * rate**2 * np.sin(rate * T + phase)
+    return theta, omega, alpha
+
+
+def normal(seed: int) -> Column:
+    return np.random.default_rng(seed).standard_normal(len(T))
+
+
+def capture(theta: Column, tau: Column) -> kc.Capture:
+    return kc.Capture.from_arrays(t=T, theta=theta + 1e-5 * normal(1), tau=tau)
+
+
+def test_a_torque_that_was_smoothed_before_it_was_logged_has_no_known_floor() -> None:
+    """Drives log what they have filtered: how loud the noise was nobody can tell then."""
+    theta, omega, alpha = swung(0.8, 0.11, 0.35)
+    raw = 0.02 * alpha + 0.3 * np.sign(omega) * (1.0 + 0.5 * np.exp(-np.abs(omega) / 0.1)) + 0.05 * normal(2)
+    smooth = signal.sosfiltfilt(signal.butter(4, 20.0, fs=RATE_HZ, output="sos"), raw)
+    story = kc.learn(capture(theta, smooth))
+    assert math.isnan(story.noise_floor) and story.verdict == "unexplained"
+    assert story.headline.startswith("Whether anything is missing cannot be told")
+    assert kc.fit(capture(theta, raw)).noise_floor > 0.0
+
+
+def test_a_floor_above_what_is_left_is_none() -> None:
+    """The ripple of a gear that turns fast fills the band in which noise is heard, and no other."""
+    theta, omega, alpha = swung(0.8, 0.11, 0.35)
+    fast = np.diff(normal(3), prepend=0.0)
+    fit = kc.fit(capture(theta, 0.02 * alpha + 0.3 * np.sign(omega) + 0.05 * fast))
+    assert math.isnan(fit.noise_floor)
+    level = kc.fit(capture(theta, 0.02 * alpha + 0.3 * np.sign(omega) + 0.05 * normal(3)))
+    assert level.noise_floor == pytest.approx(level.rmse, rel=0.1)
+
+
+def cogged(seed: int) -> kc.Capture:
+    """A motor that turns forth and back over 0.85 of a turn, as a log that was cut shows it."""
+    theta, omega, alpha = swung(0.85 * np.pi, 0.06)
+    ripple = 0.5 * np.sin(7.0 * theta + 0.4) + 0.3 * np.sin(12.0 * theta) + 0.1 * np.sin(36.0 * theta + 2.0)
+    tau = 0.05 * alpha + 0.2 * np.sign(omega) + ripple + 0.05 * normal(seed)
+    return capture(theta, tau)
+
+
+def test_a_motor_that_did_not_quite_turn_once_shows_its_orders_and_its_repeat_is_told() -> None:
+    story = kc.learn(cogged(4))
+    assert story.found == ("cogging",)
+    orders = {round(e.value) for name, e in story.params.items() if name.startswith("cogging.n") and e.value}
+    assert orders == {7, 12, 36}
+    assert story.fit.compare(cogged(5)).figures.relative < 0.15
+
+
+def test_gravity_that_was_exchanged_keeps_what_it_explains() -> None:
+    """Over a third of a turn a detent wider than that draws gravity as well, with a parameter more."""
+    theta, omega, alpha = swung(1.0, 0.1, 0.23)
+    weight = 10.0 * np.sin(theta - 1.57)
+    rubs = (1.0 + 0.08 * np.abs(weight)) * np.sign(omega)
+    story = kc.learn(capture(theta, 1.5 * alpha + weight + rubs + 1.5 * omega + 0.05 * normal(6)))
+    assert "unbalance" in story.found and "load_friction" in story.found
+
+
+def test_a_delay_at_the_end_of_its_range_is_no_cause() -> None:
+    (delay,) = effects("rotary")["actuation_delay"].params
+    assert delay.plausible[1] < delay.upper
+
+
+def test_a_torque_of_one_commanded_step_is_none_that_was_off() -> None:
+    theta, _, _ = swung(0.8, 0.11, 0.35)
+    stepped = capture(theta, np.where(T < 10.0, -0.03, -0.04))
+    assert stepped.mask.all() and not [one for one in stepped.findings if one.kind == "dead"]
+
+
+def test_what_loses_on_unseen_blocks_what_it_wins_on_the_others_does_not_come_in() -> None:
+    theta, omega, alpha = swung(0.8, 0.11, 0.35)
+    fit = kc.fit(
+        capture(theta, 0.02 * alpha + 0.3 * np.sign(omega) * (1.0 + 0.3 * (T > 29.0)) + 0.05 * normal(9))
+    )
+    for one in fit.diagnose().candidates:
+        won, lost = 1.0 - one.rmse / fit.rmse, one.rmse_heldout / fit.rmse_heldout - 1.0
+        said = any("did not see" in words for words in one.implausible)
+        assert said == (lost > max(won, 0.0)), one.effect
