@@ -174,8 +174,11 @@ def test_what_came_in_is_named_and_what_is_left_is_said(monkeypatch: pytest.Monk
     wrong = named(climbed(("stribeck", 3.0), ("quadratic_drag", 2.9), impossible="no knob has that"), done)
     assert wrong == (("stribeck",), Unexplained("load", 1.0, "no knob has that"))
     beyond = SimpleNamespace(axis="position", share=0.4, words="waves beyond the filter")
-    told = named(climbed(("stribeck", 1.0), beyond=beyond, impossible="no knob has that"), done)
+    told = named(climbed(("stribeck", 1.0), beyond=beyond), done)
     assert told == (("stribeck",), Unexplained("position", 0.4, "waves beyond the filter"))
+    # What no knob has is said first: of such a model it means nothing what the filter takes off.
+    told = named(climbed(("stribeck", 1.0), beyond=beyond, impossible="no knob has that"), done)
+    assert told == (("stribeck",), Unexplained("load", 1.0, "no knob has that"))
     monkeypatch.setattr(selection, "width", lambda fit: "less than a detent")
     assert named(climbed(("stribeck", 1.0), impossible="no knob has that"), done) == (("stribeck",), None)
 
@@ -245,7 +248,7 @@ def test_an_effect_is_looked_for_anew_where_that_ends_lower(monkeypatch: pytest.
 def test_a_set_comes_in_by_what_each_explains_by_itself(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(exchanged, "converged", lambda fit: fit)
     alone = [
-        SimpleNamespace(effect=one, gain=gain, p_value=p)
+        SimpleNamespace(effect=one, gain=gain, score=gain - 10.0, p_value=p)
         for one, gain, p in (("a", 50.0, 0.02), ("b", 900.0, 0.001))
     ]
     diagnosis = SimpleNamespace(candidates=alone, fit=Known(2.0))

@@ -13,7 +13,6 @@ use crate::scalar::LANES;
 use crate::signals::Signals;
 use std::f64::consts::PI;
 use std::iter::repeat;
-use std::ops::Range;
 
 /// Samples of one periodogram: as many of these as leave enough periodograms.
 const WINDOWS: [usize; 4] = [512, 256, 128, 64];
@@ -57,36 +56,28 @@ const TAKEN_OFF: usize = 2;
 /// The model's torque is taken off, so that steps at reversals do not count as noise. But what it has of the
 /// noise of the motion does not count either: the quieter of both is nearer to the truth, which neither is below.
 pub fn noise(signals: &Signals, model: &Model) -> Option<Noise> {
-    noise_below(variance_above(signals, &signals.tau_raw), signals, model)
+    noise_below(above(signals, &signals.tau_raw).0, signals, model)
 }
 
 /// The same where the variance of white noise with the power of the raw torque is known.
 fn noise_below(raw: f64, signals: &Signals, model: &Model) -> Option<Noise> {
     let mut rest = torque_raw(model, signals);
     rest.iter_mut().zip(&signals.tau_raw).for_each(|(rest, measured)| *rest = measured - *rest);
-    let left = variance_above(signals, &rest);
+    let (left, level) = above(signals, &rest);
     let white = left.min(raw);
-    if white.is_nan() || smoothed(signals, if left < raw { &rest } else { &signals.tau_raw }) {
+    let quieter = || if left < raw { level } else { above(signals, &signals.tau_raw).1 };
+    if white.is_nan() || smoothed(&quieter()) {
         return None;
     }
     let coloured = coloured(signals, &rest).map(|noise| as_left(noise, signals, rest));
     Some(coloured.unwrap_or(Noise::white(white * bridged(signals))))
 }
 
-/// Whether the torque was smoothed before it was logged: the band above has next to no noise left, and how much there
-/// was below nobody can tell.
-fn smoothed(signals: &Signals, column: &[f64]) -> bool {
-    let Some((starts, window, band)) = above(signals) else { return false };
-    let level = Periodogram::of(window).powers(column, &starts, band).mean(repeat(1.0));
+/// Whether the torque was smoothed before it was logged, by its level in the band above: next to no noise is left there,
+/// and how much there was below nobody can tell.
+fn smoothed(level: &[f64]) -> bool {
     let third = level.len() / 3;
     median(level[..third].to_vec()) > SMOOTHED * median(level[level.len() - third..].to_vec())
-}
-
-/// Where windows begin in which the band above is heard, how long they are, and their bins of it.
-fn above(signals: &Signals) -> Option<(Vec<usize>, usize, Range<usize>)> {
-    let window = WINDOWS.into_iter().find(|window| heard(signals, *window).len() >= ENOUGH)?;
-    let bin = |share: f64| (share * (window / 2) as f64) as usize;
-    Some((heard(signals, window), window, bin(BAND[0])..bin(BAND[1])))
 }
 
 /// Coloured noise as loud as what is left, where that is no more than its level in the quieter stretches lets expect.
@@ -210,10 +201,15 @@ fn quiet(powers: &Powers, quantile: f64) -> Vec<f64> {
     powers.quantile(quantile).iter().map(|power| power / -(1.0 - quantile).ln()).collect()
 }
 
-/// Variance of white noise with the power of `rest` in the band; the median over frequencies keeps a line (mains,
-/// a resonance) out.
-fn variance_above(signals: &Signals, rest: &[f64]) -> f64 {
-    let Some((starts, window, band)) = above(signals) else { return f64::NAN };
+/// Variance of white noise with the power of `rest` in the band above, and its level there; the median over frequencies
+/// keeps a line (mains, a resonance) out.
+fn above(signals: &Signals, rest: &[f64]) -> (f64, Vec<f64>) {
+    let Some(window) = WINDOWS.into_iter().find(|window| heard(signals, *window).len() >= ENOUGH) else {
+        return (f64::NAN, Vec::new());
+    };
+    let bin = |share: f64| (share * (window / 2) as f64) as usize;
+    let band = bin(BAND[0])..bin(BAND[1]);
+    let starts = heard(signals, window);
     let powers = Periodogram::of(window).powers(rest, &starts, band);
     let totals: Vec<f64> = powers.windows().map(|window| window.iter().sum()).collect();
     // An impact is heard at all frequencies, but only while it lasts. A sensor at its limit is quiet: beside that the
@@ -227,7 +223,8 @@ fn variance_above(signals: &Signals, rest: &[f64]) -> f64 {
     // The median of an average of K exponential variables, by Wilson & Hilferty 1931; half-overlapping
     // windows count as about 0.95 each under a Hann taper (Welch 1967), no matter at this accuracy.
     let bias = (1.0 - 1.0 / (9.0 * windows)).powi(3);
-    median(powers.mean(weights)) / bias
+    let level = powers.mean(weights);
+    (median(level.clone()) / bias, level)
 }
 
 /// Where windows begin in which the sensor says anything: a motor that is off has a torque of nought, and no noise.
@@ -267,7 +264,7 @@ fn gain(signals: &Signals) -> f64 {
 
 /// Of each capture the variance of white noise as loud as its raw torque, whatever the model; see [`noise`].
 pub fn loudest(data: &[&Signals]) -> Vec<f64> {
-    data.iter().map(|signals| variance_above(signals, &signals.tau_raw)).collect()
+    data.iter().map(|signals| above(signals, &signals.tau_raw).0).collect()
 }
 
 /// What noise alone would leave of a fit.

@@ -162,7 +162,7 @@ def _check_source(args: Namespace) -> None:
         name = given[0] if given else "clear-fault"
         raise InputError(f"--{name}: is for what is recorded; name the rig with --port")
     if bool(args.captures) == (args.port is not None):
-        raise InputError("learn: takes captures, or --port to record them; give one of both")
+        raise InputError("CAPTURE: name captures, or --port to record them; one of both")
 
 
 def _experimented(args: Namespace, model: Model | None, options: dict[str, Any]) -> Answer:
