@@ -41,7 +41,8 @@ impl Effect<1> for ActuationDelay {
     });
     const PARAMS: [Param; 1] = [
         // One at the end of its range stands in for a memory of another kind.
-        Param::shape("delay", Unit::of(0, 0, 1), [0.0, LONGEST], 0.0, "dead time").plausibly(0.0, 0.9 * LONGEST),
+        Param::shape("delay", Unit::of(0, 0, 1), [0.0, LONGEST], 0.0, "dead time")
+            .plausibly(0.0, 0.9 * LONGEST),
     ];
 
     fn starts(survey: &Survey) -> Vec<[f64; 1]> {
