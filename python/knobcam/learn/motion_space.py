@@ -8,6 +8,7 @@ position each need to show.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -24,10 +25,12 @@ Numbers = tuple[float, ...]
 COUNT = 5
 """Numbers of a piece of a motion."""
 _SLOWEST = 3e-3  # of the fastest speed
-_SMALLEST = 3e-4  # of the range of angles
+_SMALLEST = 2e-3  # of the range of angles
 _GENTLEST = 3e-2  # of the largest acceleration
 _HARMONICS = 24
+_HIGHEST_HZ = 12.0
 _LEAST_S = 0.25
+_BRIEFEST_S = 0.06  # of a move: what reverses faster no rig follows, and no sensor knows which way it goes
 _MOST_MOVES = 4000
 
 
@@ -110,7 +113,10 @@ class _Filling:
         self.at, self.left = at, seconds
 
     def put(self, part: Part) -> bool:
-        """Add a part if there is time for it."""
+        """Add a part if there is time for it; a move that would be too brief is made gentler."""
+        if isinstance(part, Move) and part.seconds(self.at) < _BRIEFEST_S:
+            gentle = 2.0 * math.pi * abs(part.to - self.at) / _BRIEFEST_S**2
+            part = replace(part, acceleration=min(part.acceleration, max(gentle, 1e-12)))
         takes = part.seconds(self.at)
         if takes > self.left or len(self.parts) >= _MOST_MOVES:
             return False
@@ -219,7 +225,7 @@ def _waves(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) 
     if seconds < 2.0 * _LEAST_S:
         return parts, "nothing"
     rng = np.random.default_rng(int(u[2] * 1e6))
-    highest = _between(0.5, 40.0, u[1])
+    highest = _between(0.5, _HIGHEST_HZ, u[1])
     fundamental = max(1.0 / seconds, highest / _HARMONICS)
     orders = np.arange(1, max(1, min(_HARMONICS, round(highest / fundamental))) + 1)
     phases = rng.uniform(0.0, 2.0 * math.pi, len(orders))

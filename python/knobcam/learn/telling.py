@@ -27,9 +27,11 @@ if TYPE_CHECKING:
 TOLD = 10.8
 """From this D on the choice is wrong in at most 5 of 100."""
 _MARGIN = 1.05  # of a peak torque: what the parameters, drawn a few times, may not have shown
-_DRAWS = 6
+DRAWS = 6
+"""Models of each rival that the data allow, over which D is averaged."""
 _BEYOND = 2.0  # standard deviations by which a draw may be worse than its covariance says
 _NEARER = 8
+_SURE = 3.0  # standard deviations of a speed from which on its sign is known
 _IMITATED = (
     0.1  # of the D the other way: what a model leaves that contains another but for what it has to learn
 )
@@ -79,6 +81,12 @@ class Telling:
         return self.rivals[0].fit.prepared[0].core.edge_hz
 
     @cached_property
+    def omega_sd(self) -> float:
+        """How well the captures know the speed, rad/s; 0 where they do not say."""
+        known = [one.sd("omega") for one in self.rivals[0].fit.prepared]
+        return max((float(np.median(one)) for one in known if one is not None), default=0.0)
+
+    @cached_property
     def mechanics(self) -> tuple[tuple[Model, ...], ...]:
         """Of each rival the models that the data allow, without what only the sensor does."""
         return tuple(
@@ -90,7 +98,7 @@ class Telling:
         """Of each rival its model as fitted, and some that the data allow."""
         rng = np.random.default_rng(self.seed)
         return tuple(
-            (Model(rival.fit.core.model), *(self._allowed(rival.fit, rng) for _ in range(_DRAWS)))
+            (Model(rival.fit.core.model), *(self._allowed(rival.fit, rng) for _ in range(DRAWS)))
             for rival in self.rivals
         )
 
@@ -119,13 +127,17 @@ class Telling:
         return left
 
     def signals(self, track: MotionTrack, torque: FloatArray, rate_hz: float) -> _core.Signals:
-        """Return the signals of a motion that is known exactly, with this torque behind the filter."""
-        n = len(track.t)
-        gaps = np.zeros(n, dtype=bool)
+        """Return the signals of a motion that is known exactly, with this torque behind the filter.
+
+        Where the sensors would not know which way it goes, nothing counts.
+        """
+        gaps = np.zeros(len(track.t), dtype=bool)
+        known = np.abs(track.omega) > _SURE * self.omega_sd
+        known |= not known.any()
         edge = min(self.edge_hz or _EDGE * rate_hz, 0.45 * rate_hz)
         coordinate = self.rivals[0].fit.model.coordinate
         options = {"torque_edge_hz": edge}
-        return _core.prepare(coordinate, rate_hz, *track, torque, gaps, ~gaps, "none", options)
+        return _core.prepare(coordinate, rate_hz, *track, torque, gaps, known, "none", options)
 
     def peak(self, track: MotionTrack, rate_hz: float, *, draws: bool) -> float:
         """Return the largest torque that any rival asks for, N m, with a margin for what is not known."""
@@ -136,13 +148,16 @@ class Telling:
                 most = max(most, float(np.max(np.abs(model.core.torque(still, filtered=False)))))
         return _MARGIN * most
 
-    def evidence(self, track: MotionTrack, rate_hz: float, *, draws: bool = False) -> FloatArray:
-        """Return D, shape (rivals, rivals): of the torque of a row's model, what a column's would leave."""
+    def evidence(self, track: MotionTrack, rate_hz: float, draws: int = 0) -> FloatArray:
+        """Return D, shape (rivals, rivals): of the torque of a row's model, what a column's would leave.
+
+        The mean over the model as fitted and so many that the data allow.
+        """
         still = self.signals(track, np.zeros(len(track.t)), rate_hz)
         n = len(self.rivals)
         told = np.zeros((n, n))
         for truth in range(n):
-            models = self.drawn[truth] if draws else self.drawn[truth][:1]
+            models = self.drawn[truth][: 1 + draws]
             for model in models:
                 made = self.signals(track, model.core.torque(still, filtered=False), rate_hz)
                 for other in range(n):
