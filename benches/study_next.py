@@ -23,7 +23,7 @@ from resumed import resumed, version
 import knobcam as kc
 from knobcam.learn.contenders import contenders
 from knobcam.learn.experiment import STANDARD
-from knobcam.learn.telling import DRAWS, TOLD, Telling
+from knobcam.learn.telling import TOLD, Telling
 
 HERE = Path(__file__).parent
 RESULTS = HERE / "results" / "next.jsonl"
@@ -87,11 +87,11 @@ def examine(tie: Tie) -> Iterator[dict[str, Any]]:
         designed = kc.next_experiment(story, rivals=[tie.truth, tie.rival])
         row = {"tied": True, "before": before, "took_s": designed.took_s, "separable": designed.separable}
         telling, rate = Telling(designed.rivals), designed.limits.sample_rate_hz
-        row["expected"] = float(telling.evidence(designed.track, rate, DRAWS)[0, 1])
+        row["expected"] = float(telling.evidence(designed.track, rate)[0, 1])
         peak = float(np.max(np.abs(knob.chain.torque(track_of(designed.track))[0]))) if knob.chain else 0.0
         row["beyond"] = peak > designed.limits.torque_Nm
         usual = standard(designed, tie.seed)
-        row["expected_standard"] = float(telling.evidence(kc.MotionTrack(*usual), rate, DRAWS)[0, 1])
+        row["expected_standard"] = float(telling.evidence(kc.MotionTrack(*usual), rate)[0, 1])
         for name, track in (("", track_of(designed.track)), ("_standard", usual)):
             second = read(folder, f"second{name}", knob.again(track, 1))
             # Looked for anew: a period that one capture hardly told may have been a wrong one.

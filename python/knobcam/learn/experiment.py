@@ -20,7 +20,7 @@ from ..errors import InputError
 from .contenders import contenders
 from .limits import Limits
 from .motion_space import Piece, bank, changed, plan
-from .telling import DRAWS, TOLD, Rival, Telling, wrong_choice
+from .telling import TOLD, Rival, Telling, wrong_choice
 
 if TYPE_CHECKING:
     from ..base.arrays import FloatArray
@@ -32,7 +32,6 @@ STANDARD = ("sweep", "multisine", "turns", "hand")
 _SEARCH_S = 5.5
 _CHANGE_S = 0.6
 _KEPT = 5
-_FEW = 2  # draws in the search
 _EASE = 0.75
 _EASINGS = 12
 _FASTER = 2.0, 5.0
@@ -292,7 +291,7 @@ class _Design:
         rate = self._search_hz()
         if self.param is not None:
             return np.zeros((1, 1)), -self.telling.errors(track, rate)[self.param]
-        told = self.telling.evidence(track, rate, DRAWS) * self.limits.sample_rate_hz / rate
+        told = self.telling.evidence(track, rate) * self.limits.sample_rate_hz / rate
         return told, self.telling.least(told)
 
     def _searched(self, search_s: float, seed: int) -> list[tuple[Piece, ...]]:
@@ -321,7 +320,7 @@ class _Design:
         if self.param is not None:
             scored.append((-self.telling.errors(track, rate)[self.param], pieces))
         else:
-            scored.append((self.telling.least(self.telling.evidence(track, rate, _FEW)), pieces))
+            scored.append((self.telling.least(self.telling.evidence(track, rate)), pieces))
 
     def _search_hz(self) -> float:
         rate = self.limits.sample_rate_hz

@@ -27,8 +27,7 @@ if TYPE_CHECKING:
 TOLD = 10.8
 """From this D on the choice is wrong in at most 5 of 100."""
 _MARGIN = 1.05  # of a peak torque: what the parameters, drawn a few times, may not have shown
-DRAWS = 6
-"""Models of each rival that the data allow, over which D is averaged."""
+_DRAWS = 6
 _BEYOND = 2.0  # standard deviations by which a draw may be worse than its covariance says
 _NEARER = 8
 _SURE = 3.0  # standard deviations of a speed from which on its sign is known
@@ -98,7 +97,7 @@ class Telling:
         """Of each rival its model as fitted, and some that the data allow."""
         rng = np.random.default_rng(self.seed)
         return tuple(
-            (Model(rival.fit.core.model), *(self._allowed(rival.fit, rng) for _ in range(DRAWS)))
+            (Model(rival.fit.core.model), *(self._allowed(rival.fit, rng) for _ in range(_DRAWS)))
             for rival in self.rivals
         )
 
@@ -148,22 +147,20 @@ class Telling:
                 most = max(most, float(np.max(np.abs(model.core.torque(still, filtered=False)))))
         return _MARGIN * most
 
-    def evidence(self, track: MotionTrack, rate_hz: float, draws: int = 0) -> FloatArray:
+    def evidence(self, track: MotionTrack, rate_hz: float) -> FloatArray:
         """Return D, shape (rivals, rivals): of the torque of a row's model, what a column's would leave.
 
-        The mean over the model as fitted and so many that the data allow.
+        Both as fitted: a model that is drawn beside a rival that is not differs from it by what the same data
+        say of both, and D would count that.
         """
         still = self.signals(track, np.zeros(len(track.t)), rate_hz)
         n = len(self.rivals)
         told = np.zeros((n, n))
         for truth in range(n):
-            models = self.drawn[truth][: 1 + draws]
-            for model in models:
-                made = self.signals(track, model.core.torque(still, filtered=False), rate_hz)
-                for other in range(n):
-                    if other != truth:
-                        left, _ = self.rivals[other].fit.core.expected(made, self.white)
-                        told[truth, other] += left / len(models)
+            torque = self.rivals[truth].fit.core.model.torque(still, filtered=False)
+            made = self.signals(track, torque, rate_hz)
+            for other in (one for one in range(n) if one != truth):
+                told[truth, other], _ = self.rivals[other].fit.core.expected(made, self.white)
         return told
 
     def between(self, told: FloatArray, one: int, other: int) -> float:
