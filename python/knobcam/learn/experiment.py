@@ -107,7 +107,7 @@ class Experiment(showing.Tabled):
         if self.separable:
             return (
                 f"{self.seconds:.3g} s tell {names} apart "
-                f"(wrong in {100.0 * worst.wrong_choice:.2g} of 100): {self.plan.about}."
+                f"(the wrong one is chosen in {_percent(worst.wrong_choice)}): {self.plan.about}."
             )
         told = f"No runnable motion within these limits tells {names} apart: D is {worst.d:.3g} at most"
         if self.change is None:
@@ -161,7 +161,7 @@ class Experiment(showing.Tabled):
         rows: list[tuple[str, ...]] = []
         for one in self.expected:
             names = " or ".join(self.rivals[i].name for i in one.pair)
-            rows.append((names, f"{one.d:.3g}", f"{100.0 * one.wrong_choice:.2g} %", f"{one.standard_d:.3g}"))
+            rows.append((names, f"{one.d:.3g}", _percent(one.wrong_choice), f"{one.standard_d:.3g}"))
         return rows
 
     def tables(self) -> tuple[TextTable, ...]:
@@ -379,6 +379,11 @@ class _Design:
                     shown = "theta_max_rad" if name == "theta" else name
                     return Change(shown, getattr(wider, shown), d)
         return None
+
+
+def _percent(share: float) -> str:
+    """Return a share for people."""
+    return "< 0.01 %" if share < 1e-4 else f"{100.0 * share:.2g} %"
 
 
 def _widened(limits: Limits, name: str, times: float) -> Limits:

@@ -105,6 +105,11 @@ def _between(low: float, high: float, u: float) -> float:
     return float(low * (high / low) ** u)
 
 
+def _times(n: int) -> str:
+    """Return a number of times for people."""
+    return "once" if n == 1 else f"{n} times"
+
+
 class _Filling:
     """Moves one after the other until their time is over."""
 
@@ -147,7 +152,7 @@ def _passes(u: Numbers, limits: Limits, eased: float, seconds: float, at: float)
     ends = 0
     while filling.put(Move((high, low)[ends % 2], speed, hard)):
         ends += 1
-    return filling.parts, f"to and fro over {high - low:.3g} rad at {speed:.3g} rad/s, {ends} times"
+    return filling.parts, f"to and fro over {high - low:.3g} rad at {speed:.3g} rad/s, {_times(ends)}"
 
 
 def _speeds(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) -> tuple[list[Part], str]:
@@ -168,7 +173,7 @@ def _speeds(u: Numbers, limits: Limits, eased: float, seconds: float, at: float)
             break
         ends += 1
     return filling.parts, (
-        f"to and fro {ends} times, each time faster: {slowest:.3g} to {fastest:.3g} rad/s, {steps} speeds"
+        f"to and fro {_times(ends)}, each time faster: {slowest:.3g} to {fastest:.3g} rad/s, {steps} speeds"
     )
 
 
@@ -191,7 +196,7 @@ def _loops(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) 
             side, loops = -side, loops + 1
     degrees = f"{math.degrees(size):.3g} degrees" if size < 1.0 else f"{size:.3g} rad"
     return filling.parts, (
-        f"slow to and fro within {degrees} at {speed:.3g} rad/s, {loops // 2} times at {places} places"
+        f"slow to and fro within {degrees} at {speed:.3g} rad/s, {_times(loops // 2)}, at {places} places"
     )
 
 
