@@ -2,7 +2,7 @@
 
 Knobs of the examination's own simulator with an effect that 6 s of an ordinary motion show, and leave tied
 with a rival. A motion is designed for the two, and the same knob is recorded on it, and beside it on a
-standard motion of the same length, both within the same limits. Realised D is what the wrong rival then
+standard motion of the same length, both within the rig's limits. Realised D is what the wrong rival then
 leaves more than the right one, refitted to both captures, in variances of the noise; settled is a tie whose
 realised D is beyond 10.8 either way. Expected D is that of the rival that is right.
 """
@@ -48,6 +48,8 @@ PAIRS = (
 )
 STRENGTHS = (0.04, 0.4)
 SEEN = 25.0  # variances of the noise that the right effect takes off the base model's error: it is there
+# What the rig can do, wider than what a capture happened to reach.
+RIG = kc.Limits(0.15, 12.0, 400.0, -3.0, 3.0)
 CAP_S = 240.0
 
 
@@ -84,7 +86,7 @@ def examine(tie: Tie) -> Iterator[dict[str, Any]]:
         if not (abs(before) < TOLD and seen > SEEN):
             yield {"tied": False}
             return
-        designed = kc.next_experiment(story, rivals=[tie.truth, tie.rival])
+        designed = kc.next_experiment(story, rivals=[tie.truth, tie.rival], limits=RIG)
         row = {"tied": True, "before": before, "took_s": designed.took_s, "separable": designed.separable}
         telling, rate = Telling(designed.rivals), designed.limits.sample_rate_hz
         row["expected"] = float(telling.evidence(designed.track, rate)[0, 1])
