@@ -23,6 +23,7 @@ from resumed import resumed, version
 import knobcam as kc
 from knobcam.learn.contenders import contenders
 from knobcam.learn.experiment import STANDARD
+from knobcam.learn.motion_space import standard
 from knobcam.learn.telling import TOLD, Telling
 
 HERE = Path(__file__).parent
@@ -88,14 +89,14 @@ def examine(tie: Tie) -> Iterator[dict[str, Any]]:
             return
         designed = kc.next_experiment(story, rivals=[tie.truth, tie.rival], limits=RIG)
         row = {"tied": True, "before": before, "took_s": designed.took_s, "separable": designed.separable}
-        telling, rate = Telling(designed.rivals), designed.limits.sample_rate_hz
-        row["expected"] = float(telling.evidence(designed.track, rate)[0, 1])
+        telling = Telling(designed.rivals)
+        row["expected"] = float(telling.evidence(designed.track)[0, 1])
         peak = float(np.max(np.abs(knob.chain.torque(track_of(designed.track))[0]))) if knob.chain else 0.0
         row["beyond"] = peak > designed.limits.torque_Nm
-        usual = standard(designed, tie.seed)
-        row["expected_standard"] = float(telling.evidence(kc.MotionTrack(*usual), rate)[0, 1])
-        for name, track in (("", track_of(designed.track)), ("_standard", usual)):
-            second = read(folder, f"second{name}", knob.again(track, 1))
+        usual = standard(STANDARD[tie.seed % len(STANDARD)], RIG, RIG.sample_rate_hz)
+        row["expected_standard"] = float(telling.evidence(usual)[0, 1])
+        for name, track in (("", designed.track), ("_standard", usual)):
+            second = read(folder, f"second{name}", knob.again(track_of(track), 1))
             # Looked for anew: a period that one capture hardly told may have been a wrong one.
             base = kc.fit([first, second], story.ladder[0].fit.model)
             both = [base.add(effect) for effect in (tie.truth, tie.rival)]
@@ -119,19 +120,6 @@ def read(folder: str, name: str, columns: dict[str, Any]) -> kc.Capture:
 def track_of(track: kc.MotionTrack) -> Track:
     """A motion as the other simulator takes it."""
     return Track(track.t, track.theta, track.omega, track.alpha)
-
-
-def standard(designed: kc.Experiment, seed: int) -> Track:
-    """One of the standard motions, as long and as large as the limits let it be."""
-    limits = designed.limits
-    track = kc.motion(STANDARD[seed % len(STANDARD)], limits.duration_s, limits.sample_rate_hz)
-    theta = track.theta - 0.5 * (track.theta.min() + track.theta.max())
-    size = min(
-        limits.half / np.abs(theta).max(),
-        limits.omega_rad_s / np.abs(track.omega).max(),
-        limits.alpha_rad_s2 / np.abs(track.alpha).max(),
-    )
-    return Track(track.t, limits.middle + size * theta, size * track.omega, size * track.alpha)
 
 
 def table(rows: list[dict[str, Any]]) -> str:

@@ -99,7 +99,7 @@ def weak() -> kc.LearningResult:
 def test_what_is_expected_comes_true_on_the_motion_that_is_designed(weak: kc.LearningResult) -> None:
     designed = kc.next_experiment(weak, rivals=["base", "stribeck"], search_s=1.5)
     (expected,) = designed.expected
-    told = Telling(designed.rivals).evidence(designed.track, designed.limits.sample_rate_hz)[1, 0]
+    told = Telling(designed.rivals).evidence(designed.track)[1, 0]
     # The knob of the rival, recorded on the motion, without noise: what the base model then leaves.
     right = designed.rivals[1].fit.model
     second = kc.simulate(right, designed.track, noise="none")

@@ -6,7 +6,7 @@ import hashlib
 import os
 import stat
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 from ..errors import InputError
 
@@ -60,6 +60,21 @@ def read_text(path: str | os.PathLike[str], what: str, most_bytes: int) -> str:
         return raw.decode("utf-8")
     except UnicodeDecodeError:
         raise InputError(f"{path}: is no text, so no {what}; check the name") from None
+
+
+def read_toml(path: str | os.PathLike[str], what: str, most_bytes: int, advice: str) -> dict[str, Any]:
+    """Return the content of a small TOML file. InputError, with advice, for what is none."""
+    return parse_toml(path, read_text(path, what, most_bytes), what, advice)
+
+
+def parse_toml(path: str | os.PathLike[str], text: str, what: str, advice: str) -> dict[str, Any]:
+    """Return the content of the text of a TOML file. InputError, with advice, for what is none."""
+    import tomllib  # late: few commands need it, and all of them this module
+
+    try:
+        return tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise InputError(f"{path}: is no {what} ({error}); {advice}") from None
 
 
 def digest(path: str | os.PathLike[str]) -> str:

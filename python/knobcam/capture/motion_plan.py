@@ -10,14 +10,13 @@ from __future__ import annotations
 import json
 import math
 import os
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base.reading import read_text
+from ..base.reading import read_toml
 from ..base.writing import write
 from ..errors import InputError
 from .motions import MotionTrack
@@ -206,10 +205,7 @@ def load_track(path: str | os.PathLike[str], rate_hz: float) -> MotionTrack:
 
     Raises InputError, one line, for what is no motion, jumps, or is of samples at another rate.
     """
-    try:
-        values = tomllib.loads(read_text(path, "motion file", _MOST_BYTES))
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(f"{path}: is no motion file ({error}); `knobcam next -o` writes one") from None
+    values = read_toml(path, "motion file", _MOST_BYTES, "`knobcam next -o` writes one")
     if values.get("schema") != SCHEMA:
         raise InputError(f'{path}: has no schema = "{SCHEMA}"; `knobcam next -o` writes a motion file')
     if "theta" in values:

@@ -24,6 +24,11 @@ class MotionTrack(NamedTuple):
     omega: FloatArray
     alpha: FloatArray
 
+    @property
+    def rate_hz(self) -> float:
+        """Samples a second, of two or more."""
+        return (len(self.t) - 1) / float(self.t[-1] - self.t[0])
+
 
 def checked_track(track: MotionTrack) -> MotionTrack:
     """Return a track of float64 columns of one length, whose times advance. InputError says what is not."""

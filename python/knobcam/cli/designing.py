@@ -51,15 +51,13 @@ def run_next(args: Namespace) -> Answer:
 
     from ..learn import learn
     from ..learn.experiment import next_experiment
-    from ..learn.limits import Limits
 
     captures = arguments.read_all(args)
     with about(*args.captures):
         story = learn(captures, prepare=args.prepare, progress=status, **options)
-    limits = Limits.reached(story.fit.prepared)
-    if args.limits is not None:
-        limits = Limits.load(args.limits, limits)
-    designed = next_experiment(story, rivals=rivals, sharpen=args.sharpen, limits=limits, progress=status)
+    designed = next_experiment(
+        story, rivals=rivals, sharpen=args.sharpen, limits=args.limits, progress=status
+    )
     files: dict[str, object] = {}
     with together():
         if args.output is not None:

@@ -6,6 +6,7 @@ import os
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -15,14 +16,15 @@ from ..base.door import checked
 from ..base.tables import TextTable, text_table
 from ..capture.motion_plan import MotionPlan
 from ..capture.motions import MotionTrack
-from ..capture.motions import motion as make_motion
 from ..errors import InputError
 from .contenders import contenders
 from .limits import Limits
-from .motion_space import Piece, bank, changed, plan
+from .motion_space import Piece, bank, changed, plan, standard
 from .telling import TOLD, Rival, Telling, wrong_choice
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from ..base.arrays import FloatArray
     from ..base.showing import Figure
     from .learning import LearningResult
@@ -186,7 +188,7 @@ class Experiment(showing.Tabled):
         """The motion, how the rivals' torques part on it, and D beside that of the standard motions."""
         return showing.plot(self)
 
-    def save(self, path: str | os.PathLike[str]) -> Any:
+    def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the motion file, which `capture`, `simulate` and `record` take, and return its path."""
         return self.plan.save(path)
 
@@ -214,15 +216,24 @@ def next_experiment(
     """
     begun = time.monotonic()
     tell = progress or (lambda _: None)
-    usual = Limits.reached(story.fit.prepared)
-    if isinstance(limits, str | os.PathLike):
-        limits = Limits.load(limits, usual)
-    limits = limits or usual
+    within = Limits.within(limits, story.fit.prepared)
     tell("fitting the rivals")
     found = contenders(story, rivals) if sharpen is None else ()
-    design = _Design(Telling(found or (Rival(story.found, story.fit),), seed), limits, sharpen)
     tell("looking for the motion")
-    designed = design.best(search_s, seed)
+    designed = design(found or (Rival(story.found, story.fit),), within, sharpen, search_s, seed)
+    return replace(designed, took_s=time.monotonic() - begun)
+
+
+def design(
+    rivals: tuple[Rival, ...],
+    limits: Limits,
+    sharpen: str | None = None,
+    search_s: float = _SEARCH_S,
+    seed: int = 0,
+) -> Experiment:
+    """Return the motion that parts rivals, or of a single one makes a parameter known best; see above."""
+    begun = time.monotonic()
+    designed = _Design(Telling(rivals, seed), limits, sharpen).best(search_s, seed)
     return replace(designed, took_s=time.monotonic() - begun)
 
 
@@ -234,7 +245,7 @@ class _Design:
     limits: Limits
     sharpen: str | None
 
-    @property
+    @cached_property
     def param(self) -> str | None:
         """The parameter to be sharpened, None where rivals are to be told apart."""
         if len(self.telling.rivals) > 1:
@@ -262,9 +273,8 @@ class _Design:
         if not known:
             raise InputError("limits, torque_Nm: too little for what the rivals may ask for; give more")
         (chosen, track), told, _ = max(known, key=lambda one: one[2])
-        rate = self.limits.sample_rate_hz
         peak = (
-            self.telling.peak(track, rate, draws=True),
+            self.telling.peak(track, draws=True),
             float(np.max(np.abs(track.omega))),
             float(np.max(np.abs(track.alpha))),
         )
@@ -272,9 +282,9 @@ class _Design:
         rivals = self.telling.rivals
         if param is not None:
             before = rivals[0].fit.params[param].se
-            standard = (self.telling.errors(one, rate)[param] for one in self._standard(rate))
-            usual = min(standard, default=before)
-            sharpened = (Sharpened(param, before, self.telling.errors(track, rate)[param], usual),)
+            others = self._standard(self.limits.sample_rate_hz)
+            usual = min((self.telling.errors(one)[param] for one in others), default=before)
+            sharpened = (Sharpened(param, before, self.telling.errors(track)[param], usual),)
             return Experiment(rivals, self.limits, chosen, track, (), peak, sharpened)
         every = [self._told(one)[0] for one in self._standard(self._search_hz())]
         between = self.telling.between
@@ -288,10 +298,9 @@ class _Design:
 
     def _told(self, track: MotionTrack) -> tuple[FloatArray, float]:
         """What a motion that is sampled as in the search tells at the full rate, and the least of it."""
-        rate = self._search_hz()
         if self.param is not None:
-            return np.zeros((1, 1)), -self.telling.errors(track, rate)[self.param]
-        told = self.telling.evidence(track, rate) * self.limits.sample_rate_hz / rate
+            return np.zeros((1, 1)), -self.telling.errors(track)[self.param]
+        told = self.telling.evidence(track) * self.limits.sample_rate_hz / self._search_hz()
         return told, self.telling.least(told)
 
     def _searched(self, search_s: float, seed: int) -> list[tuple[Piece, ...]]:
@@ -312,15 +321,8 @@ class _Design:
         return [pieces for _, pieces in scored[:3]]
 
     def _score(self, pieces: tuple[Piece, ...], scored: list[tuple[float, tuple[Piece, ...]]]) -> None:
-        made = self._runnable(pieces, draws=False)
-        if made is None:
-            return
-        rate = self._search_hz()
-        track = made[0].track(rate)
-        if self.param is not None:
-            scored.append((-self.telling.errors(track, rate)[self.param], pieces))
-        else:
-            scored.append((self.telling.least(self.telling.evidence(track, rate)), pieces))
+        if (made := self._runnable(pieces, draws=False)) is not None:
+            scored.append((self._told(made[1])[1], pieces))
 
     def _search_hz(self) -> float:
         rate = self.limits.sample_rate_hz
@@ -333,35 +335,19 @@ class _Design:
         for _ in range(_EASINGS):
             made = plan(pieces, self.limits, eased)
             track = made.track(rate)
-            if self._within(track) and self.telling.peak(track, rate, draws=draws) <= self.limits.torque_Nm:
+            if self.limits.hold(track) and self.telling.peak(track, draws=draws) <= self.limits.torque_Nm:
                 return made, track
             eased *= _EASE
         return None
 
-    def _within(self, track: MotionTrack) -> bool:
-        """Whether it keeps to the limits, at whatever rate it is sampled."""
-        limits = replace(self.limits, sample_rate_hz=len(track.t) / float(track.t[-1]))
-        return limits.hold(track)
-
     def _standard(self, rate_hz: float) -> list[MotionTrack]:
-        """Return the standard motions of the same length, made as large as the limits let them be."""
-        limits, tracks = self.limits, []
+        """Return the standard motions, each as large as the limits and the torque let it be."""
+        tracks = []
         for name in STANDARD:
-            track = make_motion(name, limits.duration_s, rate_hz)
-            theta = track.theta - 0.5 * (float(np.min(track.theta)) + float(np.max(track.theta)))
-            size = min(
-                limits.half / float(np.max(np.abs(theta))),
-                limits.omega_rad_s / float(np.max(np.abs(track.omega))),
-                limits.alpha_rad_s2 / float(np.max(np.abs(track.alpha))),
-            )
-            for _ in range(_EASINGS):
-                scaled = MotionTrack(
-                    track.t, limits.middle + size * theta, size * track.omega, size * track.alpha
-                )
-                if self.telling.peak(scaled, rate_hz, draws=False) <= limits.torque_Nm:
-                    tracks.append(scaled)
-                    break
-                size *= _EASE
+            sizes = (standard(name, self.limits, rate_hz, _EASE**times) for times in range(_EASINGS))
+            fits = (one for one in sizes if self.telling.peak(one, draws=False) <= self.limits.torque_Nm)
+            if (one := next(fits, None)) is not None:
+                tracks.append(one)
         return tracks
 
     def _change(self, pool: list[tuple[Piece, ...]], seed: int) -> Change | None:
@@ -373,8 +359,7 @@ class _Design:
                 scored: list[tuple[float, tuple[Piece, ...]]] = []
                 for pieces in (*pool, *other._searched(_CHANGE_S, seed)):
                     other._score(pieces, scored)
-                thinned = self.limits.sample_rate_hz / other._search_hz()
-                d = thinned * max((score for score, _ in scored), default=0.0)
+                d = max((score for score, _ in scored), default=0.0)
                 if d >= TOLD:
                     shown = "theta_max_rad" if name == "theta" else name
                     return Change(shown, getattr(wider, shown), d)

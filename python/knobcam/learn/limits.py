@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 import os
-import tomllib
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..base.reading import read_text
+from ..base.reading import read_toml
 from ..errors import InputError
 
 if TYPE_CHECKING:
@@ -78,10 +77,7 @@ class Limits:
     @classmethod
     def load(cls, path: str | os.PathLike[str], usual: Limits) -> Limits:
         """Read a file of limits; what it does not name is as usual. Raises InputError for what is none."""
-        try:
-            values = tomllib.loads(read_text(path, "file of limits", _MOST_BYTES))
-        except (tomllib.TOMLDecodeError, RecursionError) as error:
-            raise InputError(f"{path}: is no TOML ({error}); write lines such as torque_Nm = 0.1") from None
+        values = read_toml(path, "file of limits", _MOST_BYTES, "write lines such as torque_Nm = 0.1")
         known = [one.name for one in fields(cls)]
         for name, value in values.items():
             if name not in known:
@@ -92,6 +88,14 @@ class Limits:
             return replace(usual, **{name: float(value) for name, value in values.items()})
         except InputError as error:
             raise InputError(f"{path}: {error}") from None
+
+    @classmethod
+    def within(cls, given: Limits | str | os.PathLike[str] | None, prepared: Sequence[Prepared]) -> Limits:
+        """Return limits that are given, as they are or in a file, beside what captures reached."""
+        if isinstance(given, Limits):
+            return given
+        usual = cls.reached(prepared)
+        return usual if given is None else cls.load(given, usual)
 
     @property
     def middle(self) -> float:
@@ -112,5 +116,5 @@ class Limits:
             and float(np.max(np.abs(track.alpha))) <= self.alpha_rad_s2 * more
             and float(np.min(track.theta)) >= self.theta_min_rad - slack
             and float(np.max(track.theta)) <= self.theta_max_rad + slack
-            and len(track.t) <= self.duration_s * self.sample_rate_hz * more
+            and float(track.t[-1]) <= self.duration_s * more
         )

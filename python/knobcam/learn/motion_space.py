@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..capture.motion_plan import MotionPlan, Move, Rest, Waves
+from ..capture.motions import MotionTrack
+from ..capture.motions import motion as make_motion
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -61,6 +63,18 @@ def plan(pieces: tuple[Piece, ...], limits: Limits, eased: float = 1.0) -> Motio
     if not parts:
         parts = [Rest(_LEAST_S)]
     return MotionPlan(tuple(parts), start, "; then ".join(words))
+
+
+def standard(name: str, limits: Limits, rate_hz: float, eased: float = 1.0) -> MotionTrack:
+    """Return a standard motion, made as large as limits let it be, or smaller by a factor."""
+    track = make_motion(name, limits.duration_s, rate_hz)
+    theta = track.theta - 0.5 * (float(np.min(track.theta)) + float(np.max(track.theta)))
+    size = eased * min(
+        limits.half / float(np.max(np.abs(theta))),
+        limits.omega_rad_s / float(np.max(np.abs(track.omega))),
+        limits.alpha_rad_s2 / float(np.max(np.abs(track.alpha))),
+    )
+    return MotionTrack(track.t, limits.middle + size * theta, size * track.omega, size * track.alpha)
 
 
 def bank() -> list[tuple[Piece, ...]]:

@@ -18,9 +18,11 @@ import numpy as np
 from .. import _core
 from ..model import Model
 from ..model.effects import effects as catalogue
+from ..model.simulate import exact
 
 if TYPE_CHECKING:
     from ..base.arrays import FloatArray
+    from ..capture.formats.units import Coordinate
     from ..capture.motions import MotionTrack
     from ..fit import Fit
 
@@ -57,10 +59,15 @@ class Telling:
     rivals: tuple[Rival, ...]
     seed: int = 0
 
+    @property
+    def coordinate(self) -> Coordinate:
+        """Rotary or linear, as all of them are."""
+        return self.rivals[0].fit.model.coordinate
+
     @cached_property
     def jointed(self) -> bool:
         """Whether one of them has a joint, behind which a hidden motion is simulated."""
-        rows = catalogue(self.rivals[0].fit.model.coordinate)
+        rows = catalogue(self.coordinate)
         every = [one for rival in self.rivals for one in rival.fit.model.effects if one in rows]
         return any(rows[one].place == "coupling" for one in every)
 
@@ -125,40 +132,37 @@ class Telling:
             left += float(np.sum(rest**2))
         return left
 
-    def signals(self, track: MotionTrack, torque: FloatArray, rate_hz: float) -> _core.Signals:
-        """Return the signals of a motion that is known exactly, with this torque behind the filter.
+    def signals(self, track: MotionTrack, torque: FloatArray | None = None) -> _core.Signals:
+        """Return the signals of a motion that is known exactly, with this torque (or none) behind the filter.
 
         Where the sensors would not know which way it goes, nothing counts.
         """
-        gaps = np.zeros(len(track.t), dtype=bool)
         known = np.abs(track.omega) > _SURE * self.omega_sd
         known |= not known.any()
-        edge = min(self.edge_hz or _EDGE * rate_hz, 0.45 * rate_hz)
-        coordinate = self.rivals[0].fit.model.coordinate
-        options = {"torque_edge_hz": edge}
-        return _core.prepare(coordinate, rate_hz, *track, torque, gaps, known, "none", options)
+        edge = min(self.edge_hz or _EDGE * track.rate_hz, 0.45 * track.rate_hz)
+        return exact(self.coordinate, track, {"torque_edge_hz": edge}, torque, known)
 
-    def peak(self, track: MotionTrack, rate_hz: float, *, draws: bool) -> float:
+    def peak(self, track: MotionTrack, *, draws: bool) -> float:
         """Return the largest torque that any rival asks for, N m, with a margin for what is not known."""
-        still = self.signals(track, np.zeros(len(track.t)), rate_hz)
+        still = self.signals(track)
         most = 0.0
         for models in self.mechanics:
             for model in models if draws else models[:1]:
                 most = max(most, float(np.max(np.abs(model.core.torque(still, filtered=False)))))
         return _MARGIN * most
 
-    def evidence(self, track: MotionTrack, rate_hz: float) -> FloatArray:
+    def evidence(self, track: MotionTrack) -> FloatArray:
         """Return D, shape (rivals, rivals): of the torque of a row's model, what a column's would leave.
 
         Both as fitted: a model that is drawn beside a rival that is not differs from it by what the same data
         say of both, and D would count that.
         """
-        still = self.signals(track, np.zeros(len(track.t)), rate_hz)
+        still = self.signals(track)
         n = len(self.rivals)
         told = np.zeros((n, n))
         for truth in range(n):
             torque = self.rivals[truth].fit.core.model.torque(still, filtered=False)
-            made = self.signals(track, torque, rate_hz)
+            made = self.signals(track, torque)
             for other in (one for one in range(n) if one != truth):
                 told[truth, other], _ = self.rivals[other].fit.core.expected(made, self.white)
         return told
@@ -181,11 +185,10 @@ class Telling:
         n = len(told)
         return min(self.between(told, i, j) for i in range(n) for j in range(i))
 
-    def errors(self, track: MotionTrack, rate_hz: float) -> dict[str, float]:
+    def errors(self, track: MotionTrack) -> dict[str, float]:
         """Return the standard errors of the first rival's parameters after a motion."""
-        still = self.signals(track, np.zeros(len(track.t)), rate_hz)
         core = self.rivals[0].fit.core
-        _, errors = core.expected(still, self.white)
+        _, errors = core.expected(self.signals(track), self.white)
         return dict(zip(core.free, errors.tolist(), strict=True))
 
 

@@ -17,7 +17,7 @@ from ..errors import InputError
 from .model import Model
 
 if TYPE_CHECKING:
-    from ..base.arrays import FloatArray
+    from ..base.arrays import BoolArray, FloatArray
 
 
 class SensorNoise(NamedTuple):
@@ -135,14 +135,24 @@ def _known(noise: str | SensorNoise) -> None:
                 raise InputError(f"noise.{name}: is {described(value)}; give a number from 0")
 
 
-def exact(coordinate: str, track: MotionTrack, options: dict[str, float] | None = None) -> _core.Signals:
-    """Return the signals of a motion that is known exactly, without torque; options as the core's."""
+def exact(
+    coordinate: str,
+    track: MotionTrack,
+    options: dict[str, float] | None = None,
+    torque: FloatArray | None = None,
+    counts: BoolArray | None = None,
+) -> _core.Signals:
+    """Return the signals of a motion that is known exactly; options as the core's.
+
+    Without torque unless one is given; every sample counts unless it is said which.
+    """
     n = len(track.t)
     if n < 2:
         raise InputError("motion: a track of fewer than two samples is no motion")
-    rate = (n - 1) / float(track.t[-1] - track.t[0])
     gaps = np.zeros(n, dtype=bool)
-    return _core.prepare(coordinate, rate, *track, np.zeros(n), gaps, ~gaps, "none", options or {})
+    torque = np.zeros(n) if torque is None else torque
+    counts = ~gaps if counts is None else counts
+    return _core.prepare(coordinate, track.rate_hz, *track, torque, gaps, counts, "none", options or {})
 
 
 def _torque(model: Model, track: MotionTrack) -> FloatArray:

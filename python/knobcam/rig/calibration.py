@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import tomllib
 from dataclasses import asdict, dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -14,7 +13,7 @@ import numpy as np
 import platformdirs
 
 from ..base import showing
-from ..base.reading import read_text
+from ..base.reading import parse_toml, read_text
 from ..base.tables import TextTable, text_table
 from ..base.writing import make_folder, together, write
 from ..capture.formats.wire import checked_c_cal
@@ -76,10 +75,7 @@ class Calibration(showing.Tabled):
             text = read_text(path, "calibration", _MOST_BYTES)
         except InputError as error:
             raise InputError(f"{error}, or run `knobcam calibrate` to make one") from None
-        try:
-            values = tomllib.loads(text)
-        except (tomllib.TOMLDecodeError, RecursionError) as error:
-            raise InputError(f"{path}: is no calibration ({error}); run `knobcam calibrate` again") from None
+        values = parse_toml(path, text, "calibration", "run `knobcam calibrate` again")
         if values.pop("schema", None) != SCHEMA:
             raise InputError(f"{path}: is no {SCHEMA}; run `knobcam calibrate` again")
         known = {name for name in cls.__dataclass_fields__ if name != "tests"}

@@ -13,13 +13,14 @@ from ..base.writing import make_folder
 from ..errors import InputError
 from ..learn import LearningResult, learn
 from ..learn.contenders import contenders
-from ..learn.experiment import Experiment, next_experiment
+from ..learn.experiment import Experiment, design
 from ..learn.limits import Limits
 from .record import record
 from .wirelog import SUFFIX, WireLog
 
 if TYPE_CHECKING:
     from ..capture import Capture
+    from .link import Clears
 
 _LEAST_S = 1.0  # of a recording that broke off, to be of use
 
@@ -60,7 +61,7 @@ def experiments(
     motion: str = "sweep",
     duration_s: float = 6.0,
     limits: str | os.PathLike[str] | None = None,
-    clear_fault: bool | Callable[[str], bool] = False,
+    clear_fault: Clears = False,
     progress: Callable[[str], None] | None = None,
     **options: Any,
 ) -> Experiments:
@@ -85,12 +86,11 @@ def experiments(
     broken = None
     for number in range(1, count + 1):
         tell(f"designing experiment {number}")
-        if not contenders(learned, ()):
+        rivals = contenders(learned, ())
+        if not rivals:
             broken = "nothing is left that could be taken for what was found"
             break
-        usual = Limits.reached(learned.fit.prepared)
-        within = Limits.load(limits, usual) if limits is not None else usual
-        one = next_experiment(learned, limits=within)
+        one = design(rivals, Limits.within(limits, learned.fit.prepared))
         if not one.separable:
             broken = one.headline.removesuffix(".")
             break

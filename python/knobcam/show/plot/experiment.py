@@ -53,8 +53,8 @@ def _within(axis: Axes, t: np.ndarray, values: np.ndarray, ends: tuple[float, fl
 
 def _torques(axis: Axes, experiment: Experiment, label: str) -> None:
     telling = Telling(experiment.rivals)
-    track, rate = experiment.track, experiment.limits.sample_rate_hz
-    still = telling.signals(track, np.zeros(len(track.t)), rate)
+    track = experiment.track
+    still = telling.signals(track)
     for rival, colour in zip(experiment.rivals, _COLOURS, strict=False):
         torque = rival.fit.model.core.torque(still, filtered=False)
         line(axis, track.t, torque, color=colour, lw=0.8, label=rival.name)
