@@ -79,7 +79,7 @@ class _Desk(NamedTuple):
     @property
     def spent_s(self) -> float:
         """Processor's seconds since then, of all threads: a busy machine makes nobody slower."""
-        return _processor_s(self.process.pid) - self.started_s
+        return max(_processor_s(self.process.pid) - self.started_s, 0.0)
 
 
 def _answers(examine: Examine, cases: Iterable[Any], jobs: int, cap_s: float, silent: Row) -> Iterator[Row]:
@@ -110,8 +110,11 @@ def _answers(examine: Examine, cases: Iterable[Any], jobs: int, cap_s: float, si
 
 
 def _processor_s(pid: int) -> float:
-    """What a process has had of the processor; one that has ended keeps its figure until it is joined."""
-    after_name = Path(f"/proc/{pid}/stat").read_text("utf-8").rpartition(")")[2].split()
+    """What a process has had of the processor; of one that has ended none, once it was joined."""
+    try:
+        after_name = Path(f"/proc/{pid}/stat").read_text("utf-8").rpartition(")")[2].split()
+    except FileNotFoundError:
+        return 0.0
     return sum(map(int, after_name[11:13])) / os.sysconf("SC_CLK_TCK")
 
 

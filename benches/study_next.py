@@ -1,10 +1,11 @@
 """Does the next experiment tell what it says it would? `python benches/study_next.py [--seeds N]`.
 
 Knobs of the examination's own simulator with an effect that 6 s of an ordinary motion show, and leave tied
-with a rival. A motion is designed for the two, and the same knob is recorded on it, and beside it on a
-standard motion of the same length, both within the rig's limits. Realised D is what the wrong rival then
-leaves more than the right one, refitted to both captures, in variances of the noise; settled is a tie whose
-realised D is beyond 10.8 either way. Expected D is that of the rival that is right.
+with a rival: evidence and prices differ by less than what tells (`RULE.alike`). Up to two motions of 10 s are
+designed for the two and recorded on the same knob, the second where the first left them tied; beside it two
+standard motions, at the size that they have and as large as the rig's limits let them be. Realised D is what
+the wrong rival leaves more of the first of them than the right one, refitted to both captures, in variances
+of the noise. Expected D is that of the rival that is right.
 """
 
 import argparse
@@ -21,10 +22,11 @@ from hidden.motions import Track
 from resumed import resumed, version
 
 import knobcam as kc
+from knobcam.fit.rule import RULE
 from knobcam.learn.contenders import contenders
-from knobcam.learn.experiment import STANDARD
+from knobcam.learn.designing import STANDARD, design
 from knobcam.learn.motion_space import standard
-from knobcam.learn.telling import TOLD, Telling
+from knobcam.learn.telling import TOLD, Rival, Telling
 
 HERE = Path(__file__).parent
 RESULTS = HERE / "results" / "next.jsonl"
@@ -44,14 +46,18 @@ PAIRS = (
     ("directional_detent", "detent_harmonics"),
     ("unbalance", "position_polynomial"),
     ("friction_drift", "torque_drift"),
-    ("torque_drift", "friction_drift"),
     ("load_friction", "position_friction"),
 )
-STRENGTHS = (0.04, 0.4)
-SEEN = 25.0  # variances of the noise that the right effect takes off the base model's error: it is there
+STRENGTHS = (0.07, 0.25)
 # What the rig can do, wider than what a capture happened to reach.
 RIG = kc.Limits(0.15, 12.0, 400.0, -3.0, 3.0)
-CAP_S = 240.0
+CAP_S = 400.0
+MOTIONS = 2
+ARMS = {
+    "designed": "designed",
+    "wide": "standard, as large as the limits",
+    "standard": "standard, as they are",
+}
 
 
 class Tie(NamedTuple):
@@ -66,7 +72,7 @@ class Tie(NamedTuple):
 
 
 def examine(tie: Tie) -> Iterator[dict[str, Any]]:
-    """What is expected of the motion and what comes of it; a row without marks where there is no tie."""
+    """What is expected of motions and what comes of them; a row without marks where there is no tie."""
     motion = list(hidden.MOTIONS)[tie.seed % len(hidden.MOTIONS)]
     try:
         knob = hidden.make(tie.seed, [tie.truth], motion, STRENGTHS)
@@ -77,37 +83,63 @@ def examine(tie: Tie) -> Iterator[dict[str, Any]]:
         first = read(folder, "first", knob.capture)
         try:
             story = kc.learn(first, budget_s=60.0)
-            right, wrong = (one.fit for one in contenders(story, [tie.truth, tie.rival]))
+            rivals = contenders(story, [tie.truth, tie.rival])
         except kc.InputError as error:
             yield {"tied": False, "why": str(error)}
             return
-        white = right.noise_floor**2 * sum(one.core.used for one in right.prepared) / right.white_squares
-        before = (squares([wrong]) - squares([right])) / white
-        seen = (squares([story.ladder[0].fit]) - squares([right])) / white
-        if not (abs(before) < TOLD and seen > SEEN):
+        base = story.ladder[0].fit
+        before = lead(*rivals)
+        if not (abs(before) < RULE.alike and lead(rivals[0], Rival((), base)) > 0.0):
             yield {"tied": False}
             return
-        designed = kc.next_experiment(story, rivals=[tie.truth, tie.rival], limits=RIG)
-        row = {"tied": True, "before": before, "took_s": designed.took_s, "separable": designed.separable}
-        telling = Telling(designed.rivals)
-        row["expected"] = float(telling.evidence(designed.track)[0, 1])
-        peak = float(np.max(np.abs(knob.chain.torque(track_of(designed.track))[0]))) if knob.chain else 0.0
-        row["beyond"] = peak > designed.limits.torque_Nm
-        usual = standard(STANDARD[tie.seed % len(STANDARD)], RIG, RIG.sample_rate_hz)
-        row["expected_standard"] = float(telling.evidence(usual)[0, 1])
-        for name, track in (("", designed.track), ("_standard", usual)):
-            second = read(folder, f"second{name}", knob.again(track_of(track), 1))
-            # Looked for anew: a period that one capture hardly told may have been a wrong one.
-            base = kc.fit([first, second], story.ladder[0].fit.model)
-            both = [base.add(effect) for effect in (tie.truth, tie.rival)]
-            row[f"realised{name}"] = (squares([both[1]]) - squares([both[0]])) / white - before
-            row[f"total{name}"] = row[f"realised{name}"] + before
+        row: dict[str, Any] = {"tied": True, "before": before}
+        usual = [STANDARD[(tie.seed + number) % len(STANDARD)] for number in range(MOTIONS)]
+        for arm in ARMS:
+            captures, now = [first], rivals
+            for number in range(MOTIONS):
+                if arm == "designed":
+                    designed = design(now, RIG)
+                    track = designed.track
+                    row |= {"took_s": max(row.get("took_s", 0.0), designed.took_s)}
+                    row.setdefault("separable", designed.separable)
+                    row.setdefault("twins", not designed.separable and designed.change is None)
+                    torque = knob.chain.torque(track_of(track))[0] if knob.chain else np.zeros(1)
+                    row["beyond"] = row.get("beyond", False) or float(np.abs(torque).max()) > RIG.torque_Nm
+                elif arm == "wide":
+                    track = standard(usual[number], RIG, RIG.sample_rate_hz)
+                else:
+                    track = kc.motion(usual[number], RIG.duration_s, RIG.sample_rate_hz)
+                captures.append(read(folder, f"{arm}{number}", knob.again(track_of(track), 1 + number)))
+                # Looked for anew: a period that one capture hardly told may have been a wrong one.
+                both = kc.fit(captures, base.model)
+                then = tuple(Rival((one,), both.add(one)) for one in (tie.truth, tie.rival))
+                if number == 0 and arm != "standard":
+                    row[f"expected_{arm}"] = float(Telling(rivals).evidence(track)[0, 1])
+                    row[f"realised_{arm}"] = apart(*then) - apart(*rivals)
+                now = then
+                row[f"lead_{arm}"], row[f"motions_{arm}"] = lead(*now), number + 1
+                if abs(lead(*now)) >= RULE.alike:
+                    break
+            if arm == "designed":
+                row["learned"] = list(kc.learn(captures, budget_s=60.0).found)
         yield row
 
 
-def squares(fits: list[kc.Fit]) -> float:
-    """Sum of squares that fits leave, (N m)^2."""
-    return sum(fit.rmse**2 * sum(one.core.used for one in fit.prepared) for fit in fits)
+def apart(right: Rival, wrong: Rival) -> float:
+    """What the wrong one leaves more than the right one, in variances of the raw noise."""
+    fit = right.fit
+    white = fit.noise_floor**2 * sum(one.core.used for one in fit.prepared) / fit.white_squares
+    return (squares(wrong.fit) - squares(fit)) / white
+
+
+def lead(right: Rival, wrong: Rival) -> float:
+    """How far the right one is ahead, each with the price of its parameters."""
+    return apart(right, wrong) - RULE.price * (len(right.fit.core.free) - len(wrong.fit.core.free))
+
+
+def squares(fit: kc.Fit) -> float:
+    """Sum of squares that a fit leaves, (N m)^2."""
+    return fit.rmse**2 * sum(one.core.used for one in fit.prepared)
 
 
 def read(folder: str, name: str, columns: dict[str, Any]) -> kc.Capture:
@@ -124,32 +156,56 @@ def track_of(track: kc.MotionTrack) -> Track:
 
 def table(rows: list[dict[str, Any]]) -> str:
     """What was expected and what came, in a few lines."""
-    ties = [row for row in rows if row.get("tied") and "total" in row]
+    ties = [row for row in rows if row.get("tied") and "learned" in row]
+    kinds = {row["case"].split(":")[0] for row in ties}
     lines = [
-        f"{time.strftime('%Y-%m-%d')}: python benches/study_next.py: {len(ties)} ties of {len(rows)} knobs",
-        "                                     | right % | wrong % | open % ",
+        f"{time.strftime('%Y-%m-%d')}: python benches/study_next.py: {len(ties)} ties of {len(kinds)} kinds, "
+        f"of {len(rows)} knobs",
+        "                                               | right % | wrong % | tied % ",
     ]
-    for words, name in (("the designed motion, 10 s", ""), ("a standard motion, as long", "_standard")):
-        total = np.array([row[f"total{name}"] for row in ties])
-        counts = [np.mean(total > TOLD), np.mean(total < -TOLD), np.mean(np.abs(total) <= TOLD)]
-        lines.append(f"{words:36} | " + " | ".join(f"{100.0 * share:7.0f}" for share in counts))
-    for words, name in (("designed", ""), ("standard", "_standard")):
-        pairs = [(row[f"expected{name}"], row[f"realised{name}"]) for row in ties]
-        told = np.array([(a, b) for a, b in pairs if a > TOLD and b > 0.0])
-        if len(told) > 2:
-            ratio = np.log(told[:, 1] / told[:, 0])
-            slope = np.polyfit(np.log(told[:, 0]), np.log(told[:, 1]), 1)[0]
+    for arm, words in ARMS.items():
+        for motions in range(1, MOTIONS + 1):
+            ends = [row[f"lead_{arm}"] if row[f"motions_{arm}"] <= motions else 0.0 for row in ties]
+            lines.append(f"{motions} x 10 s, {words:37} | " + shares(ends))
+    told = [row["lead_designed"] for row in ties if row["separable"]]
+    lines.append(f"  {f'of {len(told)} that a motion should tell':45} | {shares(told)}")
+    right = np.mean([row["learned"] == [row["case"].split("/")[0]] for row in ties])
+    lines.append(f"named so by learn, of the designed motions' captures: {100.0 * right:.0f} %")
+    for arm in ("designed", "wide"):
+        pairs = np.array([(row[f"expected_{arm}"], row[f"realised_{arm}"]) for row in ties]).reshape(-1, 2)
+        pairs = pairs[(pairs[:, 0] > TOLD) & (pairs[:, 1] > 0.0)]
+        if len(pairs) > 2:
+            ratio = np.log(pairs[:, 1] / pairs[:, 0])
+            slope = np.polyfit(np.log(pairs[:, 0]), np.log(pairs[:, 1]), 1)[0]
+            middle = ", ".join(f"{math.exp(float(np.quantile(ratio, q))):.2f}" for q in (0.25, 0.5, 0.75))
             lines.append(
-                f"realised over expected D, {words}: {math.exp(float(np.median(ratio))):.2f} "
-                f"(middle half {math.exp(float(np.quantile(ratio, 0.25))):.2f} to "
-                f"{math.exp(float(np.quantile(ratio, 0.75))):.2f}), slope of logarithms {slope:.2f}"
+                f"realised over expected D, {arm}: quartiles {middle}, slope of logarithms {slope:.2f}"
             )
+    alike = [row for row in ties if all(abs(row[f"lead_{arm}"]) < RULE.alike for arm in ARMS)]
+    others = [row for row in ties if row not in alike]
+    twins = [f"{sum(row['twins'] for row in some)} of {len(some)}" for some in (alike, others)]
+    lines.append(f"declared the same: {twins[0]} that no motion told, {twins[1]} others")
     beyond = sum(row["beyond"] for row in ties)
-    took = np.median([row["took_s"] for row in ties]) if ties else 0.0
+    took = (
+        [float(np.quantile([row["took_s"] for row in ties], q)) for q in (0.5, 1.0)] if ties else [0.0, 0.0]
+    )
     lines.append(
-        f"torque of the true knob beyond the limit: {beyond} of {len(ties)}; median {took:.1f} s a design"
+        f"torque of the true knob beyond the limit: {beyond} of {len(ties)}; "
+        f"{took[0]:.1f} s a design, {took[1]:.1f} at most"
     )
     return "\n".join(lines)
+
+
+def shares(leads: list[float]) -> str:
+    """How many are settled rightly, wrongly, and not, in per cent."""
+    ends = np.array(leads)
+    tied = np.abs(ends) < RULE.alike
+    counts = (
+        [np.mean((ends > 0.0) & ~tied), np.mean((ends < 0.0) & ~tied), np.mean(tied)]
+        if len(ends)
+        else [0.0] * 3
+    )
+    return " | ".join(f"{100.0 * share:7.0f}" for share in counts)
 
 
 def main() -> None:

@@ -105,3 +105,15 @@ def test_where_the_noise_is_not_known_nothing_is_told_from_chance() -> None:
     diagnosis = kc.fit(capture, prepare="none").diagnose(only=["return_spring", "quadratic_drag"])
     assert {one.word for one in diagnosis.candidates} == {"untold"}
     assert diagnosis.best is None and "cannot be told from chance" in diagnosis.summary
+
+
+def test_what_one_capture_shows_is_no_less_for_others_that_do_not() -> None:
+    # Of the squared error a spring is enough for a name where the knob turns far, and less of all together.
+    spring = kc.Model.load("knob4").with_effect("return_spring").with_value("return_spring.k", 0.0012)
+    track = kc.motion("sweep", 3.0)
+    smaller = kc.MotionTrack(track.t, *(0.3 * x for x in track[1:]))
+    captures = [kc.simulate(spring, track, seed=5), *(kc.simulate(spring, smaller, seed=n) for n in (6, 7))]
+    learned = kc.learn(captures)
+    assert learned.found == kc.learn(captures[0]).found == ("return_spring",)
+    before, after = (step.rmse for step in learned.ladder)
+    assert 1.0 - (after / before) ** 2 < RULE.worth

@@ -50,7 +50,8 @@ if TYPE_CHECKING:
     from .learn import LearningResult, learn
     from .learn.agreement import Disagreement
     from .learn.cut import Cut, Interrupted
-    from .learn.experiment import Experiment, next_experiment
+    from .learn.designing import next_experiment
+    from .learn.experiment import Experiment
     from .learn.ladder import LearningStep, Unexplained
     from .learn.limitations import Limitation
     from .learn.limits import Limits
@@ -185,7 +186,7 @@ _HOME = {
     "learn": "learn",
     "load": "capture",
     "motion": "capture.motions",
-    "next_experiment": "learn.experiment",
+    "next_experiment": "learn.designing",
     "own_effect": "model.own",
     "plot": "show.plot",
     "prepare": "capture.prepare",

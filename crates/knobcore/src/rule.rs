@@ -91,7 +91,9 @@ verdict {
     many: 4.0, "detents", "judgement: a polynomial does not follow four of them";
     /// Detents that a motion has to cross for a change of them to be told from any map of position.
     crossed: 1.5, "detents", "judgement: a change of one detent alone is any map of position";
-    /// Sums of squares that differ by less than this share of what either leaves tell no effect from another.
+    /// Gains, less the price of parameters, that differ by less tell no effect from another.
+    alike: 6.0, "variances of the raw noise", "2 log(19): the likelier of two is the wrong one in 5 of 100";
+    /// The same, as a share of what either leaves beyond the noise.
     relative: 0.02, "share of what is left", "judgement: where much is left, shapes differ by that much";
     /// What a parameter that each of several runs has for itself must take off what noise does not explain.
     own_of_runs: 0.2, "share of the excess", "judgement, as share: what the model misses looks like a zero of the run that has more of it";

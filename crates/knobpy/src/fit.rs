@@ -203,19 +203,20 @@ pub fn complete(fit: Judged) -> (bool, bool) {
 }
 
 /// What is said of effects beside a fit, one each: a word, and the places of those that cannot be told from it. An effect
-/// has a gain, a number of parameters, a p-value, the error with it, whether its values are implausible, and how many of
-/// the base model it bends below zero. `law` is the mean squared error by which laws that were added may be off.
+/// has a gain, a number of parameters, a p-value, the error with it, the largest share that it takes off a capture's
+/// squared error, whether its values are implausible, and how many of the base model it bends below zero. `law` is the mean squared error by which laws that were added may be off.
 #[pyfunction]
 pub fn judge(
     fit: Judged,
     law: f64,
-    effects: Vec<(f64, usize, f64, f64, bool, usize)>,
+    effects: Vec<(f64, usize, f64, f64, f64, bool, usize)>,
 ) -> Vec<(&'static str, Vec<usize>)> {
-    let evidence = |(gain, parameters, p_value, rmse, implausible, bent)| Evidence {
+    let evidence = |(gain, parameters, p_value, rmse, felt, implausible, bent)| Evidence {
         gain,
         parameters,
         p_value,
         rmse,
+        felt,
         implausible,
         bent,
     };

@@ -50,7 +50,7 @@ def run_next(args: Namespace) -> Answer:
     rivals = [] if args.rivals is None else [one.strip() for one in args.rivals.split(",")]
 
     from ..learn import learn
-    from ..learn.experiment import next_experiment
+    from ..learn.designing import next_experiment
 
     captures = arguments.read_all(args)
     with about(*args.captures):

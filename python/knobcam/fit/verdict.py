@@ -8,6 +8,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, get_args
 
+import numpy as np
+
 from .. import _core
 from ..base.pages import Word
 from .doubts import at_floor, below_zero
@@ -62,11 +64,19 @@ def judged(comparison: Comparison, candidates: Collection[Candidate]) -> tuple[C
     `comparison` is where the fit that they were weighed beside fails.
     """
     several = list(candidates)
+    fit = comparison.fit
     evidence = [
-        (one.gain, one.count, one.p_value, one.rmse, bool(one.implausible), len(below_zero(one.fit)))
+        (
+            one.gain,
+            one.count,
+            one.p_value,
+            one.rmse,
+            _felt(one, fit),
+            bool(one.implausible),
+            len(below_zero(one.fit)),
+        )
         for one in several
     ]
-    fit = comparison.fit
     told = _core.judge(comparison.judged, off_by_law(fit) if at_floor(fit) else 0.0, evidence)
     chosen = next((one.effect for one, (word, _) in zip(several, told, strict=True) if word in CHOSEN), "")
     known = [
@@ -79,3 +89,12 @@ def judged(comparison: Comparison, candidates: Collection[Candidate]) -> tuple[C
         for one, (word, alike) in zip(several, told, strict=True)
     ]
     return tuple(sorted(known, key=lambda one: (_RANKS.index(one.word), -one.score)))
+
+
+def _felt(candidate: Candidate, before: Fit) -> float:
+    """Return the largest share of a capture's squared error that an effect takes off."""
+    share = 1.0 - (candidate.rmse / before.rmse) ** 2 if before.rmse > 0.0 else 0.0
+    if len(before.prepared) == 1 or share >= RULE.worth or candidate.score <= 0.0:
+        return share
+    left, right = ([np.nansum(rest**2) for rest in fit.residuals] for fit in (candidate.fit, before))
+    return max(share, *(float(1.0 - a / b) for a, b in zip(left, right, strict=True) if b > 0.0))

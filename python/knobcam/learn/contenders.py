@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 BASE = "base"
 """The name of the rival with nothing beyond the base model."""
 _MOST = 4
-_LIKELY = 0.01  # weight from which on an effect is a rival
+_LIKELY = 0.05  # weight from which on an effect is a rival: as likely as a wrong choice that counts as told
 
 
 def contenders(story: LearningResult, asked: Sequence[str]) -> tuple[Rival, ...]:

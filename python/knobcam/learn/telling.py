@@ -180,10 +180,14 @@ class Telling:
                 return float(told[rich, plain])
         return float(min(told[one, other], told[other, one]))
 
-    def least(self, told: FloatArray) -> float:
-        """Return the least D of all pairs."""
+    def pairs(self, told: FloatArray) -> list[float]:
+        """Return D of each pair, in no order; none of a single rival."""
         n = len(told)
-        return min(self.between(told, i, j) for i in range(n) for j in range(i))
+        return [self.between(told, i, j) for i in range(n) for j in range(i)]
+
+    def least(self, told: FloatArray) -> float:
+        """Return the least D of all pairs; 0 of a single rival."""
+        return min(self.pairs(told), default=0.0)
 
     def errors(self, track: MotionTrack) -> dict[str, float]:
         """Return the standard errors of the first rival's parameters after a motion."""

@@ -13,7 +13,8 @@ from ..base.writing import make_folder
 from ..errors import InputError
 from ..learn import LearningResult, learn
 from ..learn.contenders import contenders
-from ..learn.experiment import Experiment, design
+from ..learn.designing import design
+from ..learn.experiment import Experiment
 from ..learn.limits import Limits
 from .record import record
 from .wirelog import SUFFIX, WireLog
@@ -91,7 +92,7 @@ def experiments(
             broken = "nothing is left that could be taken for what was found"
             break
         one = design(rivals, Limits.within(limits, learned.fit.prepared))
-        if not one.separable:
+        if not one.useful:
             broken = one.headline.removesuffix(".")
             break
         designed.append(one)

@@ -32,6 +32,9 @@ pub struct Evidence {
     pub p_value: f64,
     /// Root mean square error with it, N m.
     pub rmse: f64,
+    /// Of the squared error of one capture the share that it takes off, where it takes off most: what a capture
+    /// shows is no less for others that do not.
+    pub felt: f64,
     /// Whether its values cannot be its own.
     pub implausible: bool,
     /// Parameters of the base model that are negative beyond doubt beside it, which no knob has.
@@ -96,7 +99,7 @@ fn judge_by(rule: &Rule, state: &State, all: &[Evidence]) -> Vec<Judgement> {
     let score = |one: &Evidence| one.gain - rule.price * one.parameters as f64;
     let excess = state.rmse.powi(2) - state.noise_floor.powi(2);
     let taken = |one: &Evidence| state.rmse.powi(2) - one.rmse.powi(2);
-    let least = (rule.worth * state.rmse.powi(2)).max(rule.share * excess).max(state.law);
+    let least = (rule.share * excess).max(state.law);
     let chance = if state.complete { rule.rare } else { rule.chance };
     // What is said of each by itself.
     let alone = |one: &Evidence| {
@@ -108,23 +111,26 @@ fn judge_by(rule: &Rule, state: &State, all: &[Evidence]) -> Vec<Judgement> {
             Word::Unpaid
         } else if one.implausible {
             Word::Implausible
-        } else if taken(one) < least {
+        } else if one.felt < rule.worth || taken(one) < least {
             Word::TooLittle
         } else {
             Word::Less
         }
     };
     let mut words: Vec<Word> = all.iter().map(alone).collect();
-    let could: Vec<usize> = (0..all.len()).filter(|&at| words[at] == Word::Less).collect();
-    // Where much is left with either, a small share of that says no more than chance does at the floor.
+    // Where more than noise is left with either, a small share of that says no more than chance does at the floor.
     let margin = |one: &Evidence| {
-        rule.price.max(state.white_squares * rule.relative * (one.rmse / state.noise_floor).powi(2))
+        let more = ((one.rmse / state.noise_floor).powi(2) - 1.0).max(0.0);
+        rule.alike.max(state.white_squares * rule.relative * more)
     };
-    let alike = |at: usize| -> Vec<usize> {
-        let near = |other: &usize| (score(&all[*other]) - score(&all[at])).abs() <= margin(&all[at]);
-        could.iter().copied().filter(near).collect()
-    };
+    let near = |at: usize, other: usize| (score(&all[other]) - score(&all[at])).abs() <= margin(&all[at]);
+    let of_those = |word| -> Vec<usize> { (0..all.len()).filter(|&at| words[at] == word).collect() };
+    let mut could = of_those(Word::Less);
     let best = could.iter().copied().max_by(|a, b| score(&all[*a]).total_cmp(&score(&all[*b])));
+    // A hair decides whether one of two that explain the same is enough: both are, or none.
+    could.extend(of_those(Word::TooLittle).into_iter().filter(|&at| best.is_some_and(|best| near(best, at))));
+    let alike =
+        |at: usize| -> Vec<usize> { could.iter().copied().filter(|&other| near(at, other)).collect() };
     let group = best.map_or_else(Vec::new, &alike);
     let simplest = |a: &usize, b: &usize| {
         // What explains as much without friction that gives power back has a better claim than what is simpler.
@@ -172,7 +178,8 @@ mod tests {
     /// An effect that takes off a share of what noise does not explain.
     fn takes(share: f64, parameters: usize) -> Evidence {
         let rmse = (4.0 - 3.0 * share).sqrt();
-        Evidence { gain: 3000.0 * share, parameters, p_value: 0.001, rmse, implausible: false, bent: 0 }
+        let felt = 1.0 - rmse.powi(2) / 4.0;
+        Evidence { gain: 3000.0 * share, parameters, p_value: 0.001, rmse, felt, implausible: false, bent: 0 }
     }
 
     fn words(state: &State, all: &[Evidence]) -> Vec<Word> {
@@ -209,9 +216,27 @@ mod tests {
     }
 
     #[test]
+    fn what_explains_the_same_is_enough_with_the_other_or_is_not() {
+        let all = [Evidence { felt: 0.0149, ..takes(0.99, 2) }, takes(0.993, 3)];
+        assert_eq!(words(&BENT, &all), [Word::Missing, Word::Alike]);
+        assert_eq!(words(&BENT, &all[..1]), [Word::TooLittle]);
+    }
+
+    #[test]
+    fn the_likelier_of_two_is_named_from_odds_of_19() {
+        let at_floor = State { rmse: 1.01, ..BENT };
+        let better = |by: f64| {
+            let takes = Evidence { gain: 40.0, rmse: 1.0, felt: 0.02, ..takes(0.99, 1) };
+            words(&at_floor, &[takes, Evidence { gain: 40.0 + by, ..takes }])
+        };
+        assert_eq!(better(2.0 * 19_f64.ln() - 0.2), [Word::Alike, Word::Missing]);
+        assert_eq!(better(2.0 * 19_f64.ln() + 0.2), [Word::Less, Word::Missing]);
+    }
+
+    #[test]
     fn of_those_alike_what_bends_nothing_below_zero_stands_before_what_is_simpler() {
         let bent = Evidence { bent: 1, ..takes(0.99, 1) };
-        assert_eq!(words(&BENT, &[bent, takes(0.992, 3)]), [Word::Alike, Word::Missing]);
+        assert_eq!(words(&BENT, &[bent, takes(0.998, 3)]), [Word::Alike, Word::Missing]);
     }
 
     #[test]
@@ -231,8 +256,15 @@ mod tests {
     #[test]
     fn where_chance_explains_the_error_it_takes_more_to_accuse() {
         let at_floor = State { rmse: 1.03, complete: true, ..BENT };
-        let doubtful =
-            Evidence { gain: 40.0, parameters: 1, p_value: 0.02, rmse: 1.01, implausible: false, bent: 0 };
+        let doubtful = Evidence {
+            gain: 40.0,
+            parameters: 1,
+            p_value: 0.02,
+            rmse: 1.01,
+            felt: 0.02,
+            implausible: false,
+            bent: 0,
+        };
         assert_eq!(words(&at_floor, &[doubtful]), [Word::Chance]);
         assert_eq!(words(&at_floor, &[Evidence { p_value: 0.001, ..doubtful }]), [Word::Missing]);
     }

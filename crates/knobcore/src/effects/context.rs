@@ -1,7 +1,7 @@
 //! What is known of the fit that the values of an effect come from: enough to say whether they can be its own.
 
 /// Surroundings of fitted values; SI.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Context {
     /// Standard errors of the effect's own parameters, in its order; None where the captures do not determine one.
     pub errors: Vec<Option<f64>>,

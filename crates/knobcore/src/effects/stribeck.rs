@@ -1,6 +1,6 @@
 //! Stribeck friction: dry friction rises towards zero speed.
 
-use super::{Carrier, Effect, Id, LoadEffect, Over, Survey, Words};
+use super::{Carrier, Context, Effect, Id, LoadEffect, Over, Survey, Words};
 use crate::motion::{Channel, Load, Motion};
 use crate::param::{Param, Unit};
 use crate::scalar::Scalar;
@@ -12,6 +12,9 @@ pub struct Stribeck;
 
 /// Speeds below this share of `vs` are as good as rest.
 const REST: f64 = 1e-9;
+/// Friction at rest is at most about three times that in motion (Armstrong-Helouvry, Dupont & Canudas de Wit 1994); far
+/// beyond it nothing rises towards rest: with hardly any Coulomb friction left the law is a drag that bends.
+const MOST: f64 = 10.0;
 
 impl Effect<3> for Stribeck {
     const ID: &'static str = "stribeck";
@@ -51,6 +54,12 @@ impl Effect<3> for Stribeck {
         speeds.iter().flat_map(|q| [[0.0, speed(*q), 1.0], [0.0, speed(*q), 2.0]]).collect()
     }
 
+    fn implausible(&[rise, ..]: &[f64; 3], _: &Context) -> Vec<String> {
+        let said =
+            format!("friction at rest is {:.0} times that in motion: it is a drag that bends", 1.0 + rise);
+        if rise > MOST { vec![said] } else { Vec::new() }
+    }
+
     fn typical(carrier: &Carrier<'_>) -> [f64; 3] {
         let vs = Survey::quantile(&carrier.survey.speed, 0.2).max(1e-6);
         carrier.sized(Id::Stribeck, [0.2, 5.0], |rise| [rise, vs, 1.0])
@@ -68,6 +77,14 @@ impl LoadEffect<3> for Stribeck {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_rises_beyond_all_friction_is_a_drag() {
+        let context = Context::default();
+        assert!(Stribeck::implausible(&[2.0, 0.2, 1.0], &context).is_empty());
+        let said = Stribeck::implausible(&[99.0, 9.5, 1.05], &context);
+        assert!(said.len() == 1 && said[0].contains("100 times"), "{said:?}");
+    }
 
     #[test]
     fn friction_at_rest_is_higher_by_the_rise_and_falls_to_coulomb() {

@@ -1,0 +1,237 @@
+"""The search for the motion that tells rivals apart, or makes a parameter known best, within limits."""
+
+from __future__ import annotations
+
+import math
+import os
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ..base.door import checked
+from ..errors import InputError
+from .contenders import contenders
+from .experiment import Change, Expected, Experiment, Sharpened
+from .limits import Limits
+from .motion_space import Piece, bank, changed, plan, standard
+from .telling import TOLD, Rival, Telling
+
+if TYPE_CHECKING:
+    from ..base.arrays import FloatArray
+    from ..capture.motion_plan import MotionPlan
+    from ..capture.motions import MotionTrack
+    from .learning import LearningResult
+
+STANDARD = ("sweep", "multisine", "turns", "hand")
+"""The motions that a designed one is held against."""
+_SEARCH_S = 5.0
+_CHANGE_S = 3.0  # for all limits that might be wider, together
+_KEPT = 5
+_EASE = 0.75
+_EASINGS = 12
+_FASTER = 2.0, 5.0
+_ENOUGH = 4.0 * TOLD
+"""More for a pair is no better while another one has less: what comes true may be half of it."""
+_THINNED = {True: 2, False: 4}  # with a joint among the rivals, or none: samples of the search
+_SLOWEST_HZ = 500.0
+
+
+@checked
+def next_experiment(
+    story: LearningResult,
+    *,
+    rivals: Sequence[str] = (),
+    sharpen: str | None = None,
+    limits: Limits | str | os.PathLike[str] | None = None,
+    progress: Callable[[str], None] | None = None,
+    search_s: float = _SEARCH_S,
+    seed: int = 0,
+) -> Experiment:
+    """Return the motion that would tell apart what was learned and what else it could be.
+
+    `rivals` are sets of effects beyond the base model, each as names with `+` between (`base` for none); by
+    default those that the captures could not tell. Without any, or with `sharpen`, the motion is the one that
+    makes a parameter known best, by default the widest. `limits` are by default what the captures reached,
+    10 s long; the motion exceeds none of them for any rival. It is searched for `search_s` seconds; the same
+    `seed` begins the same search.
+
+    Raises InputError for rivals that cannot be fitted and limits within which no motion is.
+    """
+    begun = time.monotonic()
+    tell = progress or (lambda _: None)
+    within = Limits.within(limits, story.fit.prepared)
+    tell("fitting the rivals")
+    found = contenders(story, rivals) if sharpen is None else ()
+    tell("looking for the motion")
+    designed = design(found or (Rival(story.found, story.fit),), within, sharpen, search_s, seed)
+    return replace(designed, took_s=time.monotonic() - begun)
+
+
+def design(
+    rivals: tuple[Rival, ...],
+    limits: Limits,
+    sharpen: str | None = None,
+    search_s: float = _SEARCH_S,
+    seed: int = 0,
+) -> Experiment:
+    """Return the motion that parts rivals, or of a single one makes a parameter known best; see above."""
+    begun = time.monotonic()
+    designed = _Design(Telling(rivals, seed), limits, sharpen).best(search_s, seed)
+    return replace(designed, took_s=time.monotonic() - begun)
+
+
+class _Scored(NamedTuple):
+    """How good a motion is, the least D of it, and its pieces."""
+
+    score: float
+    least: float
+    pieces: tuple[Piece, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class _Design:
+    """A search for a motion."""
+
+    telling: Telling
+    limits: Limits
+    sharpen: str | None
+
+    @cached_property
+    def param(self) -> str | None:
+        """The parameter to be sharpened, None where rivals are to be told apart."""
+        if len(self.telling.rivals) > 1:
+            return None
+        core = self.telling.rivals[0].fit.core
+        params = self.telling.rivals[0].fit.params
+        if self.sharpen is not None:
+            if self.sharpen not in core.free:
+                known = ", ".join(core.free)
+                raise InputError(
+                    f"sharpen={self.sharpen!r}: is no parameter that was fitted; known are {known}"
+                )
+            return self.sharpen
+        return max(core.free, key=lambda name: params[name].se / max(abs(params[name].value), 1e-300))
+
+    def best(self, search_s: float, seed: int) -> Experiment:
+        """Return the best motion that is found in so long, and what it tells."""
+        pool = self._searched(search_s, seed)
+        if not pool:
+            raise InputError(
+                f"limits, torque_Nm: {self.limits.torque_Nm:.4g} N m move no rival at all; give more"
+            )
+        tracks = [self._runnable(pieces, draws=True) for pieces in pool]
+        known = [(motion, self._told(motion[0].track(self._search_hz()))[1]) for motion in tracks if motion]
+        if not known:
+            raise InputError("limits, torque_Nm: too little for what the rivals may ask for; give more")
+        (chosen, track), _ = max(known, key=lambda one: one[1])
+        peak = (
+            self.telling.peak(track, draws=True),
+            float(np.max(np.abs(track.omega))),
+            float(np.max(np.abs(track.alpha))),
+        )
+        param = self.param
+        rivals = self.telling.rivals
+        if param is not None:
+            before = rivals[0].fit.params[param].se
+            others = self._standard(self.limits.sample_rate_hz)
+            usual = min((self.telling.errors(one)[param] for one in others), default=before)
+            sharpened = (Sharpened(param, before, self.telling.errors(track)[param], usual),)
+            return Experiment(rivals, self.limits, chosen, track, (), peak, sharpened)
+        told, _ = self._told(chosen.track(self._search_hz()))
+        every = [self._told(one)[0] for one in self._standard(self._search_hz())]
+        between = self.telling.between
+        expected = tuple(
+            Expected((i, j), between(told, i, j), max((between(one, i, j) for one in every), default=0.0))
+            for i in range(len(rivals))
+            for j in range(i + 1, len(rivals))
+        )
+        found = Experiment(rivals, self.limits, chosen, track, expected, peak)
+        return found if found.separable else replace(found, change=self._change(pool, seed))
+
+    def _told(self, track: MotionTrack) -> tuple[FloatArray, float]:
+        """What a motion that is sampled as in the search tells at the full rate, and how good that is.
+
+        As good as the least D of all pairs, but of two motions rather the one that tells more pairs enough:
+        some that no motion tells apart shall not hide the others.
+        """
+        if self.param is not None:
+            return np.zeros((1, 1)), -self.telling.errors(track)[self.param]
+        told = self.telling.evidence(track) * self.limits.sample_rate_hz / self._search_hz()
+        every = self.telling.pairs(told)
+        return told, sum(min(d, _ENOUGH) for d in every) + math.log1p(min(every))
+
+    def _searched(self, search_s: float, seed: int) -> list[tuple[Piece, ...]]:
+        """Return the best of the bank and of what is near its best, after so long."""
+        rng = np.random.default_rng(seed)
+        until = time.monotonic() + search_s
+        scored: list[_Scored] = []
+        for pieces in bank():
+            if scored and time.monotonic() > until:
+                break
+            self._score(pieces, scored)
+        while scored and time.monotonic() < until:
+            scored.sort(key=lambda one: -one.score)
+            del scored[_KEPT:]
+            parent = scored[int(rng.integers(len(scored)))].pieces
+            self._score(changed(parent, rng, float(rng.choice((0.03, 0.1, 0.3)))), scored)
+        scored.sort(key=lambda one: -one.score)
+        return [one.pieces for one in scored[:3]]
+
+    def _score(self, pieces: tuple[Piece, ...], scored: list[_Scored]) -> None:
+        if (made := self._runnable(pieces, draws=False)) is not None:
+            told, score = self._told(made[1])
+            scored.append(_Scored(score, self.telling.least(told), pieces))
+
+    def _search_hz(self) -> float:
+        rate = self.limits.sample_rate_hz
+        return max(rate / _THINNED[self.telling.jointed], min(_SLOWEST_HZ, rate))
+
+    def _runnable(self, pieces: tuple[Piece, ...], *, draws: bool) -> tuple[MotionPlan, MotionTrack] | None:
+        """Return the motion of some pieces, eased until no rival asks for more torque than there is."""
+        eased = 1.0
+        rate = self.limits.sample_rate_hz if draws else self._search_hz()
+        for _ in range(_EASINGS):
+            made = plan(pieces, self.limits, eased)
+            track = made.track(rate)
+            if self.limits.hold(track) and self.telling.peak(track, draws=draws) <= self.limits.torque_Nm:
+                return made, track
+            eased *= _EASE
+        return None
+
+    def _standard(self, rate_hz: float) -> list[MotionTrack]:
+        """Return the standard motions, each as large as the limits and the torque let it be."""
+        tracks = []
+        for name in STANDARD:
+            sizes = (standard(name, self.limits, rate_hz, _EASE**times) for times in range(_EASINGS))
+            fits = (one for one in sizes if self.telling.peak(one, draws=False) <= self.limits.torque_Nm)
+            if (one := next(fits, None)) is not None:
+                tracks.append(one)
+        return tracks
+
+    def _change(self, pool: list[tuple[Piece, ...]], seed: int) -> Change | None:
+        """Return the smallest change of one limit with which all rivals are told apart."""
+        limits = "duration_s", "omega_rad_s", "alpha_rad_s2", "torque_Nm", "theta"
+        each_s = _CHANGE_S / (len(_FASTER) * len(limits))
+        for times in _FASTER:
+            for name in limits:
+                wider = _widened(self.limits, name, times)
+                other = replace(self, limits=wider)
+                scored: list[_Scored] = []
+                for pieces in (*pool, *other._searched(each_s, seed)):
+                    other._score(pieces, scored)
+                d = max((one.least for one in scored), default=0.0)
+                if d >= TOLD:
+                    shown = "theta_max_rad" if name == "theta" else name
+                    return Change(shown, getattr(wider, shown), d)
+        return None
+
+
+def _widened(limits: Limits, name: str, times: float) -> Limits:
+    if name != "theta":
+        return replace(limits, **{name: times * getattr(limits, name)})
+    half = times * limits.half
+    return replace(limits, theta_min_rad=limits.middle - half, theta_max_rad=limits.middle + half)
