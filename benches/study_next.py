@@ -90,7 +90,7 @@ def examine(tie: Tie) -> Iterator[dict[str, Any]]:
         base = story.ladder[0].fit
         before = lead(*rivals)
         if not (abs(before) < RULE.alike and lead(rivals[0], Rival((), base)) > 0.0):
-            yield {"tied": False}
+            yield {"tied": False, "before": before, "seen": lead(rivals[0], Rival((), base))}
             return
         row: dict[str, Any] = {"tied": True, "before": before}
         usual = [STANDARD[(tie.seed + number) % len(STANDARD)] for number in range(MOTIONS)]

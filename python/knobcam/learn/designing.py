@@ -118,10 +118,12 @@ class _Design:
 
     def best(self, search_s: float, seed: int) -> Experiment:
         """Return the best motion that is found in so long, and what it tells."""
+        param = self.param
         pool = self._searched(search_s, seed)
         if not pool:
             raise InputError(
-                f"limits, torque_Nm: {self.limits.torque_Nm:.4g} N m move no rival at all; give more"
+                f"limits: torque_Nm = {self.limits.torque_Nm:.4g} moves no rival, or omega_rad_s = "
+                f"{self.limits.omega_rad_s:.4g} is too slow for the sensors to know the direction; give more"
             )
         tracks = [self._runnable(pieces, draws=True) for pieces in pool]
         known = [(motion, self._told(motion[0].track(self._search_hz()))[1]) for motion in tracks if motion]
@@ -133,12 +135,11 @@ class _Design:
             float(np.max(np.abs(track.omega))),
             float(np.max(np.abs(track.alpha))),
         )
-        param = self.param
         rivals = self.telling.rivals
         if param is not None:
             before = rivals[0].fit.params[param].se
             others = self._standard(self.limits.sample_rate_hz)
-            usual = min((self.telling.errors(one)[param] for one in others), default=before)
+            usual = min([before, *(-self._told(one)[1] for one in others)])
             sharpened = (Sharpened(param, before, self.telling.errors(track)[param], usual),)
             return Experiment(rivals, self.limits, chosen, track, (), peak, sharpened)
         told, _ = self._told(chosen.track(self._search_hz()))
@@ -156,11 +157,16 @@ class _Design:
         """What a motion that is sampled as in the search tells at the full rate, and how good that is.
 
         As good as the least D of all pairs, but of two motions rather the one that tells more pairs enough:
-        some that no motion tells apart shall not hide the others.
+        some that no motion tells apart shall not hide the others. Of a motion that is too slow for the
+        sensors to know its direction it is minus infinity.
         """
-        if self.param is not None:
-            return np.zeros((1, 1)), -self.telling.errors(track)[self.param]
-        told = self.telling.evidence(track) * self.limits.sample_rate_hz / self._search_hz()
+        n = len(self.telling.rivals)
+        try:
+            if self.param is not None:
+                return np.zeros((n, n)), -self.telling.errors(track)[self.param]
+            told = self.telling.evidence(track) * self.limits.sample_rate_hz / self._search_hz()
+        except InputError:
+            return np.zeros((n, n)), -math.inf
         every = self.telling.pairs(told)
         return told, sum(min(d, _ENOUGH) for d in every) + math.log1p(min(every))
 
@@ -184,7 +190,8 @@ class _Design:
     def _score(self, pieces: tuple[Piece, ...], scored: list[_Scored]) -> None:
         if (made := self._runnable(pieces, draws=False)) is not None:
             told, score = self._told(made[1])
-            scored.append(_Scored(score, self.telling.least(told), pieces))
+            if score > -math.inf:
+                scored.append(_Scored(score, self.telling.least(told), pieces))
 
     def _search_hz(self) -> float:
         rate = self.limits.sample_rate_hz

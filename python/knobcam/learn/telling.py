@@ -132,19 +132,21 @@ class Telling:
             left += float(np.sum(rest**2))
         return left
 
-    def signals(self, track: MotionTrack, torque: FloatArray | None = None) -> _core.Signals:
+    def signals(
+        self, track: MotionTrack, torque: FloatArray | None = None, *, every: bool = False
+    ) -> _core.Signals:
         """Return the signals of a motion that is known exactly, with this torque (or none) behind the filter.
 
-        Where the sensors would not know which way it goes, nothing counts.
+        Where the sensors would not know which way it goes, nothing counts, unless `every` sample does. Raises
+        InputError for a motion of which too little is left.
         """
-        known = np.abs(track.omega) > _SURE * self.omega_sd
-        known |= not known.any()
+        known = (np.abs(track.omega) > _SURE * self.omega_sd) | every
         edge = min(self.edge_hz or _EDGE * track.rate_hz, 0.45 * track.rate_hz)
         return exact(self.coordinate, track, {"torque_edge_hz": edge}, torque, known)
 
     def peak(self, track: MotionTrack, *, draws: bool) -> float:
         """Return the largest torque that any rival asks for, N m, with a margin for what is not known."""
-        still = self.signals(track)
+        still = self.signals(track, every=True)
         most = 0.0
         for models in self.mechanics:
             for model in models if draws else models[:1]:
