@@ -126,9 +126,12 @@ fn judge_by(rule: &Rule, state: &State, all: &[Evidence]) -> Vec<Judgement> {
     let near = |at: usize, other: usize| (score(&all[other]) - score(&all[at])).abs() <= margin(&all[at]);
     let of_those = |word| -> Vec<usize> { (0..all.len()).filter(|&at| words[at] == word).collect() };
     let mut could = of_those(Word::Less);
-    let best = could.iter().copied().max_by(|a, b| score(&all[*a]).total_cmp(&score(&all[*b])));
+    let best_of =
+        |some: &[usize]| some.iter().copied().max_by(|a, b| score(&all[*a]).total_cmp(&score(&all[*b])));
     // A hair decides whether one of two that explain the same is enough: both are, or none.
-    could.extend(of_those(Word::TooLittle).into_iter().filter(|&at| best.is_some_and(|best| near(best, at))));
+    let enough = best_of(&could).map_or(f64::INFINITY, |best| score(&all[best]) - margin(&all[best]));
+    could.extend(of_those(Word::TooLittle).into_iter().filter(|&at| score(&all[at]) >= enough));
+    let best = best_of(&could);
     let alike =
         |at: usize| -> Vec<usize> { could.iter().copied().filter(|&other| near(at, other)).collect() };
     let group = best.map_or_else(Vec::new, &alike);
@@ -220,6 +223,9 @@ mod tests {
         let all = [Evidence { felt: 0.0149, ..takes(0.99, 2) }, takes(0.993, 3)];
         assert_eq!(words(&BENT, &all), [Word::Missing, Word::Alike]);
         assert_eq!(words(&BENT, &all[..1]), [Word::TooLittle]);
+        // Where the one that is not enough by a hair has the better claim it is named.
+        let all = [Evidence { felt: 0.0149, ..takes(0.99, 1) }, takes(0.991, 3)];
+        assert_eq!(words(&BENT, &all), [Word::Missing, Word::Less]);
     }
 
     #[test]
