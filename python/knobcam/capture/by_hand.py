@@ -64,10 +64,14 @@ def hand_can(steps: Sequence[HandStep]) -> bool:
 def in_words(steps: Sequence[HandStep], most: int = 8) -> str:
     """Return steps as numbered lines, the first of them where there are many, and what no hand can do."""
     shown = steps if len(steps) <= most else steps[: most - 1]
-    lines = [f"  {n}. {one.words}" + (f" ({one.cannot})" if one.cannot else "") for n, one in enumerate(shown, 1)]
+    lines = [
+        f"  {n}. {one.words}" + (f" ({one.cannot})" if one.cannot else "") for n, one in enumerate(shown, 1)
+    ]
     if len(shown) < len(steps):
         seconds = sum(one.seconds for one in steps[len(shown) :])
-        lines.append(f"  and {len(steps) - len(shown)} steps more, {seconds:.2g} s; the workbench leads a hand through")
+        lines.append(
+            f"  and {len(steps) - len(shown)} steps more, {seconds:.2g} s; the workbench leads a hand through"
+        )
     head = "By hand, without a motor:" if hand_can(steps) else "No hand can do all of this:"
     return "\n".join([head, *lines])
 
