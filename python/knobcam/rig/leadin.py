@@ -15,7 +15,7 @@ _SLOW_RAD_S, _SLOW_RAD_S2 = 1.0, 10.0  # with which a knob is brought to where a
 
 
 def way(to: float, rate_hz: float, speed: float = math.inf, gain: float = math.inf) -> MotionTrack:
-    """Return the slow way from rest at 0 to rest at an angle, at most at `speed` and with `gain` (rad/s^2)."""
+    """Return the slow way from rest at 0 to rest at an angle, at most at `speed`, with `gain` (rad/s^2)."""
     move = Move(to, min(speed, _SLOW_RAD_S), min(gain, _SLOW_RAD_S2))
     t = np.arange(math.ceil(move.seconds(0.0) * rate_hz)) / rate_hz
     return MotionTrack(t, *move.along(t, 0.0))
