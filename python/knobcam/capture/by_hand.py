@@ -141,7 +141,7 @@ def _to_and_fro(passes: Sequence[_Pass], coordinate: Coordinate) -> HandStep:
     unit = _unit(coordinate)
     how = _pace(one)
     if n == 1:
-        words = f"to {there} {unit}{how}"
+        words = f"to {there} {unit}{how if one.seconds >= QUICKEST_S or one.rest else ''}"
     elif n < 4:
         again = f" and to {there} again" if n == 3 else ""
         words = f"to {there} {unit}, back to {here}{again}, one way{how}"
@@ -163,11 +163,10 @@ def _step(words: str, passes: Sequence[_Pass], coordinate: Coordinate) -> HandSt
     one = passes[0]
     finest = FINEST_RAD if coordinate == "rotary" else FINEST_M
     cannot = ""
-    if len(passes) == 1 and one.seconds < _SLOW_S:
-        pass  # a way to a place, for which a hand may take its time
-    elif abs(one.to - one.start) < finest:
+    alone = len(passes) == 1  # a way to a place, for which a hand may take its time
+    if abs(one.to - one.start) < (0.5 * finest if alone else finest):
         cannot = "too small for a hand"
-    elif one.seconds < QUICKEST_S:
+    elif not alone and one.seconds < QUICKEST_S:
         cannot = "too quick for a hand"
     seconds = sum(each.seconds + each.rest for each in passes)
     return HandStep(words, seconds, 60.0 * _beats(one) / (one.seconds + one.rest), cannot)

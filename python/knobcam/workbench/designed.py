@@ -200,15 +200,22 @@ def came(
     # Twice the logarithm of the evidence that a parameter costs is that of the samples (Schwarz 1978).
     cost = [one + count * math.log(max(used, 2)) for one, count in zip(left, params, strict=True)]
     best = int(np.argmin(cost))
+    more = [one - left[best] for one in left]
+    richer = [count > params[best] for count in params]
     pairs = tuple(replace(one, came=abs(left[one.one] - left[one.other])) for one in kept.pairs)
-    tied = [at for at, one in enumerate(left) if at != best and one - left[best] < TOLD]
-    verdict = _verdict(kept.names, left, best, tied)
+    promised = {frozenset((one.one, one.other)): one.d for one in kept.pairs}
+    others = [at for at in range(len(left)) if at != best]
+    gone = [at for at in others if more[at] >= TOLD]
+    # Were a richer one right, the motion would have shown it.
+    idle = [
+        at for at in others if abs(more[at]) < TOLD and richer[at] and promised[frozenset((best, at))] >= TOLD
+    ]
+    tied = [at for at in others if at not in (*gone, *idle)]
+    words = [f"{kept.names[best]} explains all captures best"]
+    words += [
+        f"{kept.names[at]} leaves {more[at]:.3g} more, where {TOLD:.3g} tells them apart" for at in gone
+    ]
+    words += [f"{kept.names[at]} explains no more with more parameters" for at in idle]
+    words += [f"still not told from it: {', '.join(kept.names[at] for at in tied)}"] if tied else []
+    verdict = f"{'; '.join(words)}."
     return replace(kept, pairs=pairs, capture=name, verdict=verdict, right=None if tied else best)
-
-
-def _verdict(names: Sequence[str], left: Sequence[float], best: int, tied: Sequence[int]) -> str:
-    gone = [at for at in range(len(names)) if at != best and at not in tied]
-    more = [f"{names[at]} leaves {left[at] - left[best]:.3g} more" for at in gone]
-    told = f"; {', '.join(more)}, where {TOLD:.3g} tells them apart" if gone else ""
-    still = f"; still not told from it: {', '.join(names[at] for at in tied)}" if tied else ""
-    return f"{names[best]} explains all captures best{told}{still}."
