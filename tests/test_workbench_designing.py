@@ -128,6 +128,13 @@ def test_an_emulated_rig_is_recorded_from_with_the_same_knob_in_it(
     assert told["capture"] == log.name and told["verdict"].startswith("return_spring explains all")
     motion = bench.session.designed(found["id"]).track()
     np.testing.assert_allclose(kc.load(log).theta[-len(motion.t) :], motion.theta, atol=1e-3)
+    # By hand it is recorded for as long as a hand is led, and some more.
+    again = post(client, "try", experiment=found["id"], folder=str(tmp_path), speed=8.0, by_hand=True)
+    assert bench.recorder.live.ended.wait(60.0) and bench.recorder.live.failure is None
+    by_hand = kc.load(again.json()["log"])
+    assert by_hand.duration_s == pytest.approx(found["seconds"] + 6.0, abs=0.01)
+    assert by_hand.meta["motion"]["name"] == "hand"
+    assert by_hand.theta.max() == pytest.approx(motion.theta.max(), abs=2e-3)
 
 
 def test_a_design_and_what_came_of_it_go_on_with_the_session(tmp_path: Path) -> None:

@@ -65,12 +65,12 @@ export class Metronome {
   stop() {
     this.start = null;
     byId("lead-start").textContent = "Start";
-    this.draw(-COUNT_IN);
+    this.draw(0); // the first of the way, to be looked at
   }
 
   /** Seconds since the motion began, below 0 while it is counted in. */
   get seconds() {
-    return this.start === null ? -COUNT_IN : (performance.now() - this.start) / 1000;
+    return this.start === null ? 0 : (performance.now() - this.start) / 1000;
   }
 
   get length() {

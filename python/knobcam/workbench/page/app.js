@@ -1916,11 +1916,11 @@ var Metronome = class {
   stop() {
     this.start = null;
     byId("lead-start").textContent = "Start";
-    this.draw(-COUNT_IN);
+    this.draw(0);
   }
   /** Seconds since the motion began, below 0 while it is counted in. */
   get seconds() {
-    return this.start === null ? -COUNT_IN : (performance.now() - this.start) / 1e3;
+    return this.start === null ? 0 : (performance.now() - this.start) / 1e3;
   }
   get length() {
     return this.motion ? this.motion.t[this.motion.t.length - 1] : 0;
