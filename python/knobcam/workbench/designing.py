@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import threading
 import time
 from collections.abc import Iterator
@@ -33,7 +34,8 @@ if TYPE_CHECKING:
     from .sources import Emulated, OnPort
     from .tree import Opened
 
-_TAKES_S = 9.0  # about, of a design
+_TAKES_S = 4.0  # about, of a stage of a design
+_FIRST, _NEXT = 0.1, 0.6  # of the whole: before anything is told, and of the rest each stage after that
 _TICK_S = 0.2
 _MOST = 8  # effects to be told apart
 _FASTEST = 100.0
@@ -137,21 +139,18 @@ def wanted(session: Session, design: Designed, body: Mapping[str, Any]) -> Simul
 
 @contextmanager
 def _clocked(job: Job) -> Iterator[Tell]:
-    """Say how far a design is by the clock, as its search is one of so many seconds."""
-    ended, begun = threading.Event(), time.monotonic()
-    doing = [job.what]
+    """Say how far a design is by the clock: a search of so many seconds says nothing itself meanwhile."""
+    ended = threading.Event()
+    stage = _Stage(job.what)
 
-    def tell(what: str, done: float | None = None, *, last: bool = False) -> None:
-        doing[0] = what
-        job.tell(what, _passed() if done is None else done, last=last)
-
-    def _passed() -> float:
-        return min(0.99, (time.monotonic() - begun) / _TAKES_S)
+    def tell(what: str, _: float | None = None, *, last: bool = False) -> None:
+        stage.go_on(what)
+        job.tell(what, stage.share, last=last)
 
     def tick() -> None:
         while not ended.wait(_TICK_S):
             try:
-                job.tell(doing[0], _passed())
+                job.tell(stage.what, stage.share)
             except Cancelled:
                 return
 
@@ -162,3 +161,23 @@ def _clocked(job: Job) -> Iterator[Tell]:
     finally:
         ended.set()
         thread.join()
+
+
+class _Stage:
+    """What is done, and about how much of all: each stage begins where the one before came to."""
+
+    def __init__(self, what: str) -> None:
+        self.what = what
+        self._from, self._most, self._begun = 0.0, _FIRST, time.monotonic()
+
+    def go_on(self, what: str) -> None:
+        """Begin another stage, if it is one."""
+        if what != self.what:
+            self._from, self._most = self.share, self.share + _NEXT * (1.0 - self.share)
+            self.what, self._begun = what, time.monotonic()
+
+    @property
+    def share(self) -> float:
+        """From 0 to 1, and never quite 1."""
+        passed = (time.monotonic() - self._begun) / _TAKES_S
+        return self._from + (self._most - self._from) * (1.0 - math.exp(-passed))
