@@ -153,6 +153,9 @@ def test_the_command_prints_the_document_and_writes_the_motion(tmp_path: Path) -
     assert len(theta) <= 2.0 * document["motion"]["sample_rate_hz"]
     assert np.abs(np.gradient(theta)).max() * 5000.0 <= 5.0
     assert document["peak"]["omega_rad_s"] <= 5.0
+    hand = document["by_hand"]
+    assert sum(step["seconds"] for step in hand["steps"]) == pytest.approx(len(theta) / 5000.0, abs=2e-3)
+    assert hand["possible"] == all(step["cannot"] == "" for step in hand["steps"])
     assert (tmp_path / "p" / "experiment.png").stat().st_size > 10_000
     again = knobcam("simulate", "knob3", "--motion", motion, "-o", tmp_path / "d.npz", "--json").document
     assert again["capture"]["samples"] == len(theta)

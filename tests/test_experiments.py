@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 from command import knobcam, refused
 
 import knobcam as kc
+from knobcam.capture.motion_plan import MotionPlan
 from knobcam.learn.contenders import contenders
+from knobcam.rig import experiments as experiments_module
 from knobcam.rig.emulator import EmulatedRig
 from knobcam.rig.experiments import experiments
+from knobcam.rig.figures import Figures
 
 
 @pytest.fixture(scope="module")
@@ -49,6 +53,28 @@ def test_a_knob_that_hides_nothing_is_recorded_once(tmp_path: Path) -> None:
     assert document["verdict"] == "complete" and document["experiments"] == []
     assert document["recordings"] == [str(tmp_path / "logs" / "experiment-0.kcwire")]
     assert document["ended"].startswith("nothing is left")
+
+
+def test_of_a_rig_that_stops_half_way_what_came_is_used_and_said(
+    sprung_knob: kc.Model, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def pulled(figures: Figures) -> None:
+        if figures.received > 20_000:
+            raise kc.InputError("the cable is out")
+
+    def cut(port: str, motion: object, **options: Any) -> kc.Capture:
+        more = {"progress": pulled} if isinstance(motion, MotionPlan) else {}
+        return whole(port, motion, **options, **more)
+
+    whole = experiments_module.record
+    monkeypatch.setattr(experiments_module, "record", cut)
+    with EmulatedRig(sprung_knob, speed=8.0) as rig:
+        done = experiments(rig.port, 3, tmp_path, duration_s=3.0)
+    assert len(done.logs) == 2 and len(done.designed) == 1
+    assert done.ended.startswith("the cable is out; ") and str(done.logs[1]) in done.ended
+    assert len(done.learned.captures) == 2 and 4.0 < done.learned.captures[1].duration_s < 8.0
+    assert done.learned.found == ("return_spring",)
+    assert done.ended in repr(done) and done.document()["ended"] == done.ended
 
 
 @pytest.mark.parametrize(

@@ -8,10 +8,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from command import knobcam, refused
 
 import knobcam as kc
+from knobcam.capture.motion_plan import MotionPlan, Move, Rest
 from knobcam.rig.calibration import usual
 from knobcam.rig.emulator import EmulatedRig, Emulation
 from knobcam.rig.record import record
@@ -49,12 +51,27 @@ def test_it_ends_with_the_process_that_started_it() -> None:
         (["--speed", "0"], ["speed", "0.01"]),
         (["--c-cal", "-1"], ["c_cal"]),
         (["no_such.toml"], ["no_such.toml"]),
+        (["--motion", "no_such_motion.toml"], ["no_such_motion.toml"]),
+        (["--motion", "magic"], ["motion='magic'", "motion file"]),
         (["--link", "/no/such/folder/rig"], ["/no/such/folder/rig", "--link"]),
     ],
 )
 def test_what_cannot_be_emulated_is_refused(words: list[str], said: list[str]) -> None:
     model = [] if words[0].endswith(".toml") else ["knob2"]
     refused(knobcam("emulate", *model, *words), *said)
+
+
+def test_its_hand_makes_the_motion_of_a_file_at_its_angles(tmp_path: Path) -> None:
+    plan = MotionPlan((Move(0.6, 2.0, 40.0), Rest(0.2), Move(0.4, 2.0, 40.0)), 0.3)
+    with EmulatedRig("knob2", speed=FAST, noise=False, motion=plan.save(tmp_path / "m.toml")) as rig:
+        capture = record(rig.port, "hand", duration_s=6.0, output=tmp_path / "a.kcwire")
+    assert capture.theta[0] == pytest.approx(0.0, abs=1e-4)
+    assert capture.theta.max() == pytest.approx(0.6, abs=1e-4)
+    exact = plan.track(5000.0)
+    first = int(np.argmax(capture.theta >= 0.6 - 1e-5)) - int(np.argmax(exact.theta >= 0.6 - 1e-5))
+    np.testing.assert_allclose(capture.theta[first : first + len(exact.t)], exact.theta, atol=2e-3)
+    # And back, and again.
+    assert capture.samples == 30_000 and abs(np.diff(capture.theta)).max() * 5000.0 < 2.1
 
 
 def test_two_rigs_have_two_serial_numbers() -> None:

@@ -14,6 +14,7 @@ import { columnsOf } from "./contents.js";
 import { Looking, showLeft } from "./going.js";
 import { Linked } from "./linked.js";
 import { Live } from "./live.js";
+import { Next, showUntold } from "./next.js";
 import { Params } from "./params.js";
 import { preparing, sources } from "./sources.js";
 import { Store } from "./store.js";
@@ -59,6 +60,7 @@ class App {
       take: (/** @type {string} */ effect) => this.ask("add", { effect }, "add"),
       ask: () => this.ask("diagnose"),
       about,
+      apart: (/** @type {string[]} */ effects) => this.next.design(effects),
     };
     this.candidates = new Candidates(byId("candidates"), deeds, "Add");
     this.any = new AnyEffect((effect) => this.ask("add", { effect }, "add"));
@@ -67,6 +69,18 @@ class App {
     this.looked = null;
     /** @type {Live | null} */
     this.live = null;
+    this.next = new Next({
+      store: this.store,
+      design: async (body) => {
+        const answer = await this.ask("design", body);
+        if (answer) await this.load(Infinity);
+        return answer;
+      },
+      recording: () => this.live?.follow(),
+      where: () => this.live?.angle ?? null,
+      made: () => this.refresh(Infinity),
+      failed: (reason) => this.failed(reason),
+    });
   }
 
   start() {
@@ -83,7 +97,10 @@ class App {
       ...{ made: heard.done, say: heard.say, recording: () => this.live?.follow() },
       open: () => this.state?.captures.length ?? 0,
     });
-    themed(() => this.linked.redraw());
+    themed(() => {
+      this.linked.redraw();
+      this.next.draw();
+    });
     this.buttons();
     document.addEventListener("keydown", (event) => this.key(event));
     listen({
@@ -175,6 +192,8 @@ class App {
     this.params.show(state.params);
     this.candidates.show(state);
     this.any.show(state.absent);
+    this.next.show(state);
+    showUntold(byId("untold"), state, (effects) => this.next.design(effects));
     this.showJob(state.job);
     const branch = state.branches.find(({ id }) => id === state.branch);
     enable("undo", (branch?.at ?? 0) > 0);

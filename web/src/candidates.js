@@ -10,7 +10,7 @@ export class Candidates {
   /**
    * @param {HTMLElement} place
    * @param {{look: (effect: string | null) => void, take: (effect: string) => void, ask?: () => void,
-   *   about?: (row: Candidate) => void}} deeds
+   *   about?: (row: Candidate) => void, apart?: (effects: string[]) => void}} deeds
    * @param {string} taking what it is called to take one
    */
   constructor(place, deeds, taking) {
@@ -83,9 +83,24 @@ export class Candidates {
       make("span", { class: "figure", text: percent(-Math.max(0, row.error_fall)), title: "fall of the RMS error" }),
       make("span", { class: "deeds" }, this.deeds.about ? about : null, take),
       make("span", { class: "evidence soft", text: evidence(row) }),
+      this.untold(row),
       ...remarks(row).map((text) => make("span", { class: "alike soft", text })),
       ...row.implausible.map((text) => make("span", { class: "alike doubt", text: `⚠ ${text}` })),
     );
+  }
+
+  /**
+   * What this one cannot be told from, with the button that designs the motion which would tell.
+   * @param {Candidate} row
+   */
+  untold({ effect, equivalent }) {
+    if (equivalent.length === 0) return null;
+    const apart = make("button", {
+      ...{ type: "button", text: "Tell apart…", "aria-label": `tell ${effect} apart` },
+      ...{ title: "design the motion that would tell", on: { click: () => this.deeds.apart?.([effect, ...equivalent]) } },
+    });
+    const words = `this capture cannot tell it from ${equivalent.join(", ")} `;
+    return make("span", { class: "alike soft" }, words, this.deeds.apart ? apart : null);
   }
 
   /** @param {number} at */
@@ -127,7 +142,6 @@ function evidence(row) {
 function remarks({ equivalent, confused, note }) {
   const others = confused.filter((effect) => !equivalent.includes(effect));
   return [
-    equivalent.length > 0 ? `this capture cannot tell it from ${equivalent.join(", ")}` : "",
     others.length > 0 ? `often confused with ${others.join(", ")}` : "",
     note ?? "",
   ].filter(Boolean);

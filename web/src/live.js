@@ -76,6 +76,11 @@ export class Live {
     }
   }
 
+  /** The newest angle of what is recorded, rad; null where nothing is. */
+  get angle() {
+    return this.following ? (this.columns.theta?.at(-1) ?? null) : null;
+  }
+
   /** Nothing is known yet of what is recorded now. */
   forget() {
     this.columns = {};

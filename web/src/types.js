@@ -69,11 +69,35 @@
  */
 
 /**
+ * Two rivals: D that a motion promises, that of the best standard one, and what came (null: not yet).
+ * @typedef {{names: [string, string], d: number, standard_d: number, wrong_choice: number, came: number | null}}
+ *   Pair
+ */
+
+/**
+ * What a hand has to do, in words; `beats` a minute, 0 at rest; why it `cannot`, empty where it can.
+ * @typedef {{words: string, seconds: number, beats: number, cannot: string}} HandStep
+ */
+
+/**
+ * A motion that would tell rivals apart, from D = `told` on.
+ *
+ * `source` is what it can be recorded from at once, in words; `capture` the recording, `verdict` what that
+ * told.
+ * @typedef {{id: string, rivals: string[], headline: string, separable: boolean, seconds: number,
+ *   limits: Record<string, number>, pairs: Pair[], told: number, by_hand: boolean, steps: HandStep[],
+ *   source: string | null, capture: string | null, verdict: string | null}} Experiment
+ */
+
+/**
  * What a session has; before the first capture there is no node.
+ *
+ * `untold` are effects of which one is in the model, and the captures could not tell which.
  * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, params: Param[],
  *   rmse: number | null, rmse_heldout: number | null, verdict_text: string, ladder: LadderStep[],
- *   candidates: Candidates, warnings: string[], limitations: string[], absent: Effect[]}} Session
+ *   candidates: Candidates, warnings: string[], limitations: string[], absent: Effect[], untold: string[][],
+ *   experiment: Experiment | null}} Session
  */
 
 /**
@@ -102,8 +126,9 @@
  * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, params: Param[],
  *   rmse: number | null, rmse_heldout: number | null, verdict_text: string, ladder: LadderStep[],
- *   candidates: Candidates, warnings: string[], limitations: string[], absent: Effect[], job: Job | null,
- *   recording: boolean, looked: Looked | null, left: Left[], notes: string[]}} State
+ *   candidates: Candidates, warnings: string[], limitations: string[], absent: Effect[], untold: string[][],
+ *   experiment: Experiment | null, job: Job | null, recording: boolean, looked: Looked | null, left: Left[],
+ *   notes: string[]}} State
  */
 
 /**

@@ -130,8 +130,52 @@ class Job(TypedDict):
     recording: bool
 
 
+class Pair(TypedDict):
+    """Two rivals: D that a motion promises, that of the best standard one, and what came (null: not yet)."""
+
+    names: tuple[str, str]
+    d: float
+    standard_d: float
+    wrong_choice: float
+    came: float | None
+
+
+class HandStep(TypedDict):
+    """What a hand has to do, in words; `beats` a minute, 0 at rest; why it `cannot`, empty where it can."""
+
+    words: str
+    seconds: float
+    beats: float
+    cannot: str
+
+
+class Experiment(TypedDict):
+    """A motion that would tell rivals apart, from D = `told` on.
+
+    `source` is what it can be recorded from at once, in words; `capture` the recording, `verdict` what that
+    told.
+    """
+
+    id: str
+    rivals: list[str]
+    headline: str
+    separable: bool
+    seconds: float
+    limits: dict[str, float]
+    pairs: list[Pair]
+    told: float
+    by_hand: bool
+    steps: list[HandStep]
+    source: str | None
+    capture: str | None
+    verdict: str | None
+
+
 class Session(TypedDict):
-    """What a session has; before the first capture there is no node."""
+    """What a session has; before the first capture there is no node.
+
+    `untold` are effects of which one is in the model, and the captures could not tell which.
+    """
 
     schema: str
     revision: int
@@ -151,6 +195,8 @@ class Session(TypedDict):
     warnings: list[str]
     limitations: list[str]
     absent: list[Effect]
+    untold: list[list[str]]
+    experiment: Experiment | None
 
 
 class Seen(TypedDict):

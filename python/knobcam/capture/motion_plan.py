@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -199,6 +200,16 @@ class MotionPlan:
         """Write the motion file; it appears whole or not at all."""
         return write(path, self.text())
 
+    @classmethod
+    def parse(cls, text: str, source: str = "motion") -> MotionPlan:
+        """Return the motion of a file's text. Raises InputError for what is none, or is of samples."""
+        try:
+            values = tomllib.loads(text)
+        except tomllib.TOMLDecodeError as error:
+            raise InputError(f"{source}: is no motion file ({error}); `knobcam next -o` writes one") from None
+        _check_schema(source, values)
+        return _plan(source, values)
+
 
 def load_track(path: str | os.PathLike[str], rate_hz: float) -> MotionTrack:
     """Return the motion in a file, of parts or of samples (`theta`, `sample_rate_hz`), at a rate.
@@ -206,18 +217,29 @@ def load_track(path: str | os.PathLike[str], rate_hz: float) -> MotionTrack:
     Raises InputError, one line, for what is no motion, jumps, or is of samples at another rate.
     """
     values = read_toml(path, "motion file", _MOST_BYTES, "`knobcam next -o` writes one")
-    if values.get("schema") != SCHEMA:
-        raise InputError(f'{path}: has no schema = "{SCHEMA}"; `knobcam next -o` writes a motion file')
+    _check_schema(path, values)
     if "theta" in values:
         return _sampled(path, values, rate_hz)
+    return _plan(path, values).track(rate_hz)
+
+
+def _check_schema(path: str | os.PathLike[str], values: dict[str, Any]) -> None:
+    if values.get("schema") != SCHEMA:
+        raise InputError(f'{path}: has no schema = "{SCHEMA}"; `knobcam next -o` writes a motion file')
+
+
+def _plan(path: str | os.PathLike[str], values: dict[str, Any]) -> MotionPlan:
     rows = values.get("parts")
     if not isinstance(rows, list) or not rows:
         raise InputError(f"{path}: has neither [[parts]] nor theta; name what moves")
     parts = tuple(_part(path, at, row) for at, row in enumerate(rows, 1))
-    plan = MotionPlan(parts, _number(path, "start", values.get("start", 0.0)))
+    about = values.get("about", "")
+    if not isinstance(about, str):
+        raise InputError(f"{path}: about: is {about!r}; give a text")
+    plan = MotionPlan(parts, _number(path, "start", values.get("start", 0.0)), about)
     if not 0.0 < plan.seconds <= _LONGEST_S:
         raise InputError(f"{path}: takes {plan.seconds:.4g} s; a motion takes more than 0 and at most 600 s")
-    return plan.track(rate_hz)
+    return plan
 
 
 def _part(path: str | os.PathLike[str], at: int, row: Any) -> Part:

@@ -36,6 +36,9 @@ def register(commands: arguments.Commands) -> None:
         metavar="NAME",
         help="sweep, multisine, turns, micro, a file (.toml), or hand: you turn it",
     )
+    parser.add_argument(
+        "--limits", metavar="FILE", help="TOML with omega_rad_s, torque_Nm ...; nothing moves beyond them"
+    )
     parser.add_argument("--duration", type=arguments.number, default=6.0, metavar="S", help="default 6 s")
     parser.add_argument(
         "--model", metavar="MODEL", help="let the rig render this model while the motion turns it"
@@ -82,7 +85,9 @@ def run_capture(args: Namespace) -> Answer:
         duration_s=args.duration,
         model=args.model,
         calibration=args.calibration,
+        limits=args.limits,
         progress=_Teller(),
+        told=_say,
         baud=BAUD if args.baud is None else args.baud,
         force=args.force,
         clear_fault=arguments.clear_fault(args),
@@ -108,6 +113,12 @@ def run_export(args: Namespace) -> Answer:
         recorded = load(args.file)
     path = recorded.save(args.output)
     return _written(recorded, path, "knobcam.export/1", {"file": str(path)}, str(path))
+
+
+def _say(words: str) -> None:
+    """Say what is done before the motion; it stays to be read."""
+    status(None)
+    print(words, file=sys.stderr, flush=True)
 
 
 class _Teller:

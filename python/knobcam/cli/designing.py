@@ -49,6 +49,7 @@ def run_next(args: Namespace) -> Answer:
     options = arguments.preparation(args)
     rivals = [] if args.rivals is None else [one.strip() for one in args.rivals.split(",")]
 
+    from ..capture.by_hand import by_hand, hand_can, in_words
     from ..learn import learn
     from ..learn.designing import next_experiment
 
@@ -64,8 +65,12 @@ def run_next(args: Namespace) -> Answer:
             files["motion"] = str(designed.save(args.output))
         if args.plots is not None:
             files["pictures"] = put({"experiment": designed.plot}, args.plots)
-    lines = [repr(designed), *([f"motion: {files['motion']}"] if "motion" in files else []), *said(files)]
-    return answer(args, "\n".join(lines), designed.document() | {"files": files}, story.fit)
+    steps = by_hand(designed.plan, story.model.coordinate)
+    hand = {"possible": hand_can(steps), "steps": [one._asdict() for one in steps]}
+    lines = [repr(designed), in_words(steps)]
+    lines += [*([f"motion: {files['motion']}"] if "motion" in files else []), *said(files)]
+    document = designed.document() | {"by_hand": hand, "files": files}
+    return answer(args, "\n".join(lines), document, story.fit)
 
 
 def _check(args: Namespace) -> None:

@@ -40,6 +40,9 @@ def register(commands: arguments.Commands) -> None:
         metavar="C",
         help="of the accelerometer, (rad/s^2)/V",
     )
+    parser.add_argument(
+        "--motion", metavar="NAME", help="what its hand does: sweep, multisine ... or a file (.toml)"
+    )
     parser.add_argument("--link", type=Path, metavar="PATH", help="make this a symbolic link to the port")
     parser.add_argument("--leashed", action="store_true", help="end when standard input is closed")
 
@@ -56,6 +59,7 @@ def run(args: Namespace) -> None:
         args.speed,
         args.c_cal,
         args.noise == "rig",
+        args.motion,
     )
 
     def tell(port: str) -> None:

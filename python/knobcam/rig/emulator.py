@@ -29,6 +29,7 @@ from ..model.effects import effect as catalogued
 from ..model.simulate import RIG, SensorNoise, simulate
 from ..model.typical import with_typical
 from ..render import check_torque
+from .leadin import there_and_back
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -43,6 +44,7 @@ EMULATED = "EMU-"
 """How the serial number of an emulated rig begins."""
 HEARTBEAT_MS = 100
 _HAND_S = 30.0
+_RATE_HZ = 5000.0
 _READ = 1 << 16
 # A pseudo-terminal holds about a page; what it does not take stays in the rig, which counts what it drops.
 _WRITE = 1 << 12
@@ -57,6 +59,7 @@ class Emulation(NamedTuple):
 
     `knob` is a model, or its file or name; `effects` are hidden in it, of typical sizes. `fixture` is what is
     in the gripper: the knob, nothing (free) or an anchor. `speed` is how much faster than real time it runs.
+    `motion` is what its hand does again and again, a name or a motion file; None: slow, irregular turning.
     """
 
     knob: Model | str | os.PathLike[str] = "knob3"
@@ -66,6 +69,7 @@ class Emulation(NamedTuple):
     speed: float = 1.0
     c_cal: float = C_CAL
     noise: bool = True
+    motion: str | os.PathLike[str] | None = None
 
     @property
     def serial_number(self) -> str:
@@ -88,7 +92,17 @@ class Emulation(NamedTuple):
             raise InputError(f"speed={self.speed:g}: choose 0.01 to 1000 times real time")
         if not (math.isfinite(self.c_cal) and self.c_cal > 0.0):
             raise InputError(f"c_cal={self.c_cal:g}: give a sensitivity above 0, such as {C_CAL:g}")
+        if self.motion is not None:
+            self.hand()
         return self
+
+    def hand(self) -> MotionTrack:
+        """Return what a hand does that turns the knob: from where that stands, and back to there."""
+        if self.motion is None:
+            return _resting(make_motion("hand", _HAND_S, seed=self.seed))
+        name = os.fspath(self.motion)
+        track = make_motion(name, rate_hz=_RATE_HZ)
+        return there_and_back(track, _RATE_HZ) if name.lower().endswith(".toml") else _resting(track)
 
     def sensors(self) -> SensorNoise:
         """Return its sensors; that of the torque reaches as far as the knob asks for in a sweep."""
@@ -99,7 +113,7 @@ class Emulation(NamedTuple):
 
     def rig(self) -> _core.Rig:
         """Return the rig itself, which hears and speaks bytes."""
-        hand = _resting(make_motion("hand", _HAND_S, seed=self.seed))
+        hand = self.hand()
         seen = self.sensors()
         noise = (seen.omega_sd, seen.alpha_sd, seen.tau_sd) if self.noise else (0.0, 0.0, 0.0)
         return _core.Rig(
@@ -123,7 +137,7 @@ def _descriptor(emulation: Emulation) -> dict[str, Any]:
         "serial": emulation.serial_number,
         "firmware_major": 1,
         "firmware_minor": 0,
-        "rate_hz": 5000.0,
+        "rate_hz": _RATE_HZ,
         "counts_per_rad": 1.0 / RIG.theta_step,
         # Twice the paper's step, so that 16 bits reach to 13 rad/s.
         "omega": channel(2.0 * RIG.omega_step, "rad_per_second", 32767),
@@ -273,6 +287,7 @@ class EmulatedRig:
         words += ["--fixture", emulation.fixture, "--seed", str(emulation.seed)]
         words += ["--speed", repr(emulation.speed), "--c-cal", repr(emulation.c_cal)]
         words += [] if emulation.noise else ["--noise", "none"]
+        words += [] if emulation.motion is None else ["--motion", os.fspath(emulation.motion)]
         self._process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         assert self._process.stdout is not None  # it is a pipe
         self.port = self._process.stdout.readline().strip()

@@ -99,9 +99,10 @@ def experiments(
         log = _free(Path(folder))
         tell(f"recording experiment {number}")
         try:
-            # A rig counts a motion's angles from where the knob stands.
-            from_here = one.track._replace(theta=one.track.theta - captures[-1].theta[-1])
-            captures.append(record(port, from_here, output=log, clear_fault=clear_fault))
+            kept = None if limits is None else one.limits
+            captures.append(
+                record(port, one.plan, output=log, limits=kept, clear_fault=clear_fault, told=tell)
+            )
             logs.append(log)
         except InputError as error:
             broken = str(error)

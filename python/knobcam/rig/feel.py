@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..errors import InputError
 from ..render import Device, Stability, check_rotary, check_stability
+from .asked import BY_HAND
 from .link import Link
 from .port import BAUD
-from .record import BY_HAND, record
+from .record import record
 from .wirelog import check_new
 
 if TYPE_CHECKING:

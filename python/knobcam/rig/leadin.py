@@ -6,10 +6,34 @@ import math
 
 import numpy as np
 
+from ..capture.motion_plan import Move
 from ..capture.motions import MotionTrack
 
 _GENTLE_RAD_S2 = 60.0  # acceleration with which a motion is led in
 _SHORTEST_S = 0.1
+_SLOW_RAD_S, _SLOW_RAD_S2 = 1.0, 10.0  # with which a knob is brought to where a motion begins
+
+
+def way(to: float, rate_hz: float, speed: float = math.inf, gain: float = math.inf) -> MotionTrack:
+    """Return the slow way from rest at 0 to rest at an angle, at most at `speed`, with `gain` (rad/s^2)."""
+    move = Move(to, min(speed, _SLOW_RAD_S), min(gain, _SLOW_RAD_S2))
+    t = np.arange(math.ceil(move.seconds(0.0) * rate_hz)) / rate_hz
+    return MotionTrack(t, *move.along(t, 0.0))
+
+
+def behind(before: MotionTrack, track: MotionTrack, at: float, rate_hz: float) -> MotionTrack:
+    """Return a motion behind another one that ends at rest at angle `at`; times count on from 0."""
+    pairs = zip(before[1:], (at + track.theta, track.omega, track.alpha), strict=True)
+    columns = [np.concatenate(pair) for pair in pairs]
+    return MotionTrack(np.arange(len(columns[0])) / rate_hz, *columns)
+
+
+def there_and_back(track: MotionTrack, rate_hz: float) -> MotionTrack:
+    """Return a motion from rest to rest with the way from angle 0 to its beginning, and the way back."""
+    start, end = float(track.theta[0]), float(track.theta[-1])
+    led = led_in(track._replace(theta=track.theta - start), rate_hz)
+    whole = behind(way(start, rate_hz), led, start, rate_hz)
+    return behind(whole, way(-end, rate_hz), end, rate_hz)
 
 
 def led_in(track: MotionTrack, rate_hz: float) -> MotionTrack:

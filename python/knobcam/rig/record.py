@@ -15,14 +15,14 @@ import numpy as np
 from ..base.door import checked
 from ..base.ended import Ended, by_exception
 from ..capture.formats.wire import RATE_TOLERANCE
-from ..capture.motions import MotionTrack
-from ..capture.motions import motion as make_motion
 from ..errors import InputError
 from ..model import Model
 from ..render import check_rotary
+from .asked import asked
 from .calibration import Calibration, usual
 from .leadin import led_in
 from .link import Link
+from .placing import from_here, limits_of
 from .port import BAUD
 from .wirelog import SUFFIX, WireLog, begin, check_new
 
@@ -30,13 +30,14 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..capture import Capture
+    from ..capture.motion_plan import MotionPlan
+    from ..capture.motions import MotionTrack
+    from ..learn.limits import Limits
+    from .asked import Asked
     from .figures import Figures
     from .link import Clears
 
     Watch = Callable[[Figures], object]
-
-BY_HAND = "hand"
-"""The motion that no motor makes: a person turns the knob, and the rig records."""
 
 _LISTENS_S = 0.1  # how often figures are looked at, and Ctrl-C is listened for
 _SILENT_S = 2.0  # without a sample in a run
@@ -50,11 +51,15 @@ class Enough(Exception):
 
 
 class Plan(NamedTuple):
-    """A run to be made: its samples, the motion (None: by hand), the model to render (None: the knob)."""
+    """A run to be made: its samples, the motion (None: by hand), the model to render (None: the knob).
+
+    `torque_Nm` is what the motor may give; None: what the rig allows.
+    """
 
     samples: int
     track: MotionTrack | None
     model: Model | None
+    torque_Nm: float | None = None
 
     @property
     def mode(self) -> str | None:
@@ -85,13 +90,15 @@ def log_path(output: str | os.PathLike[str]) -> Path:
 @checked
 def record(
     port: str | Link,
-    motion: str | MotionTrack = "sweep",
+    motion: str | MotionTrack | MotionPlan = "sweep",
     *,
     output: str | os.PathLike[str],
     duration_s: float = 6.0,
     model: Model | str | os.PathLike[str] | None = None,
     calibration: Any = None,
+    limits: Limits | str | os.PathLike[str] | None = None,
     progress: Watch | None = None,
+    told: Callable[[str], object] | None = None,
     baud: int = BAUD,
     force: bool = False,
     clear_fault: Clears = False,
@@ -103,10 +110,14 @@ def record(
 
     The wire log (.kcwire) is `output`, or stands beside it; any other `output` is the capture, saved in the
     format of its extension. `motion` is a name (sweep, multisine, turns, micro, with the `options` of its
-    function) or a track, both led in from rest; `hand` records what a person does. With `model` the rig
-    renders that model while the motion moves it, or a person does. `calibration` is anything with a `c_cal`,
-    or a file of it; by default the one that is kept of this rig. `port` may be `serial:NUMBER`. `progress` is
-    called some ten times a second and may raise `Enough`.
+    function) or a track, both led in from rest where the knob stands; `hand` records what a person does. Of a
+    motion file (.toml) or a `MotionPlan` the angles are those of the rig's captures: the knob goes slowly
+    from where it stands to where the motion begins, which `told` is told. `limits`, a file of them or
+    `Limits`, hold for the motion and the way there, or nothing moves; the motor gives no more than their
+    torque and what the rig's own parts take. With `model` the rig renders that model while the motion moves
+    it, or a person does. `calibration` is anything with a `c_cal`, or a file of it; by default the one that
+    is kept of this rig. `port` may be `serial:NUMBER`. `progress` is called some ten times a second and may
+    raise `Enough`.
 
     A fault that the rig has latched is cleared only where `clear_fault` says so: True, or a function that
     is told the fault and answers. `force` lets the rig render a `model` that may feed a hand, as long as
@@ -127,12 +138,15 @@ def record(
         calibration = Calibration.load(calibration)
     with by_exception(), contextlib.ExitStack() as stack:
         link = port if isinstance(port, Link) else stack.enter_context(Link.at(port, baud=baud))
-        plan = make_plan(motion, duration_s, link.rate_hz, model, **options)
+        wanted = asked(motion, duration_s, link.rate_hz, **options)
+        within = limits_of(limits, link)
         _look_at_fault(link, clear_fault)
+        plan, words = _plan_here(link, wanted, within, model)
         upload(link, plan, force=force)
         known = calibration if calibration is not None else usual(link.device["serial"])
-        name = motion if isinstance(motion, str) else "given"
-        begin(log, _header(link, plan, {"name": name, "duration_s": duration_s, **options}, known))
+        begin(log, _header(link, plan, wanted.header, known))
+        if words and told is not None:
+            told(words)
         try:
             run(link, plan, log, progress)
         except Enough:
@@ -152,15 +166,23 @@ def record(
 def make_plan(
     motion: str | MotionTrack, duration_s: float, rate_hz: float, model: Model | None = None, **options: float
 ) -> Plan:
-    """Return the run of a motion at the rate of a rig."""
-    if isinstance(motion, str):
-        track = make_motion(motion, duration_s, rate_hz, **options)
-        if motion == BY_HAND:
-            return Plan(len(track.t), None, model)
-    else:
-        track = motion
-    led = led_in(track, rate_hz)
+    """Return the run of a motion at the rate of a rig, from where the knob stands."""
+    wanted = asked(motion, duration_s, rate_hz, **options)
+    if wanted.by_hand:
+        return Plan(len(wanted.track.t), None, model)
+    led = led_in(wanted.track, rate_hz)
     return Plan(len(led.t), led, model)
+
+
+def _plan_here(link: Link, wanted: Asked, within: Limits | None, model: Model | None) -> tuple[Plan, str]:
+    """Return the run of a motion on the rig as it stands, within limits, and what is to be said of it."""
+    if wanted.by_hand:
+        if within is not None:
+            raise InputError("limits: are for what a motor does, and a hand has none; leave them out")
+        return Plan(len(wanted.track.t), None, model), ""
+    _check_speed(link, wanted.track)
+    way = from_here(wanted, link, within)
+    return Plan(len(way.track.t), way.track, model, way.torque_Nm), way.words
 
 
 def _look_at_fault(link: Link, clear: Clears) -> None:
@@ -193,7 +215,8 @@ def run(link: Link, plan: Plan, log: Path, progress: Watch | None = None) -> Non
     link.log_to(log)
     try:
         if plan.mode is not None:
-            link.arm(plan.mode, plan.samples / link.rate_hz + _HOLD_S)
+            hold_s = plan.samples / link.rate_hz + _HOLD_S
+            link.arm(plan.mode, hold_s, torque_limit=plan.torque_Nm)
         link.start(plan.samples)
         _follow(link, plan.samples, progress or (lambda figures: None))
     finally:

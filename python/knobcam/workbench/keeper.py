@@ -97,6 +97,7 @@ class Keeper:
                 if found.whole:
                     self._journal = old
                     self._written = {*told.captures, *told.nodes}
+                    self._written |= {_id_of({"design": one}) for one in told.designs.values()}
                     return
                 # What is left out here stays there, for whoever puts a file back.
                 self._safely(lambda: self._hand_on(found, old))
@@ -152,6 +153,9 @@ class Keeper:
         session = self._session
         new: list[Record] = [kept.of_capture(one) for one in session.captures.values() if one.id not in known]
         new += [kept.of_node(*one) for name, one in kept.nodes(session).items() if name not in known]
+        there = kept.nodes(session)
+        every = [kept.of_design(one) for one in session.designs.values() if one.node in there]
+        new += [one for one in every if _id_of(one) not in known]
         return [*new, kept.of_place(session)]
 
     def _held(self) -> Journal:
@@ -171,6 +175,8 @@ class Keeper:
 
 
 def _id_of(record: Record) -> str:
+    if (design := record.get("design")) is not None:
+        return f"{design['id']} {design['capture']}"  # what came of it makes another line
     return str((record.get("capture") or record.get("node") or {"id": ""})["id"])
 
 

@@ -20,6 +20,7 @@ from ..errors import InputError
 from ..fit import fit
 from ..model import Model
 from . import sources
+from .designed import Designed
 from .journal import SCHEMA, read
 from .tree import Branch, Node, Opened, Start
 from .view import View
@@ -46,7 +47,7 @@ def of_capture(opened: Opened) -> Record:
     """Return the line of a capture."""
     told: dict[str, Any] = {"id": opened.id, "name": opened.name, "path": opened.path, "made": opened.made}
     told |= {"options": dict(opened.options), "sha256": opened.sha256, "hidden": list(opened.hidden)}
-    return {"capture": told | {"simulated": opened.simulated}}
+    return {"capture": told | {"simulated": opened.simulated, "rig": opened.rig}}
 
 
 def of_node(node: Node, after: Node | None) -> Record:
@@ -55,6 +56,11 @@ def of_node(node: Node, after: Node | None) -> Record:
     told |= {"effect": node.effect, "captures": list(node.captures), "onward": node.onward}
     told |= {"p_value": node.p_value, "equivalent": list(node.equivalent)}
     return {"node": told | {"rmse": node.fit.rmse, "model": node.fit.model.text()}}
+
+
+def of_design(design: Designed) -> Record:
+    """Return the line of a motion that was designed, with what came of it."""
+    return {"design": design.record()}
 
 
 def of_place(session: Session) -> Record:
@@ -89,6 +95,7 @@ class Told:
     start: Record
     captures: dict[str, Record] = field(default_factory=dict)
     nodes: dict[str, Record] = field(default_factory=dict)
+    designs: dict[str, Record] = field(default_factory=dict)
     place: Record = field(default_factory=dict)
     when: float = math.nan
     ended: bool = False
@@ -112,6 +119,9 @@ class Told:
                 told.captures[one["capture"]["id"]] = one["capture"]
             elif "node" in one:
                 told.nodes[one["node"]["id"]] = one["node"]
+            elif "design" in one:
+                told.designs.pop(one["design"]["id"], None)  # so that the last word is the newest
+                told.designs[one["design"]["id"]] = one["design"]
             elif "place" in one:
                 told.place = one["place"]
         return told
@@ -135,6 +145,7 @@ class Again:
     captures: dict[str, Opened] = field(default_factory=dict)
     branches: dict[str, Branch] = field(default_factory=dict)
     nodes: dict[str, Node] = field(default_factory=dict)
+    designs: dict[str, Designed] = field(default_factory=dict)
     branch_id: str = ""
     made: int = 0
     looked: Mapping[str, Any] | None = None
@@ -180,6 +191,9 @@ def _again(told: Told, journal: Journal, tell: Tell) -> Again:
         if one["id"] in wanted:
             tell(f"fitting {one['effect'] or 'the first model'} again")
             _fit_again(one, found, start)
+    for one in told.designs.values():
+        if one["node"] in found.nodes:
+            found.designs[one["id"]] = Designed.again(one)
     for one in told.place.get("branches", []):
         _branch_again(one, found, told, journal)
     found.branch_id = told.place.get("branch", "")
@@ -192,7 +206,7 @@ def _capture(told: Record, journal: Journal) -> Opened:
     def as_it_was(capture: Capture) -> Opened:
         hidden, made = tuple(told["hidden"]), told["made"]
         origin = (told["path"], told["options"], made, hidden, told["sha256"], told["simulated"])
-        return Opened(told["id"], told["name"], capture, *origin)
+        return Opened(told["id"], told["name"], capture, *origin, rig=told.get("rig"))
 
     if told["simulated"] is not None:
         return as_it_was(sources.Simulated.again(told["simulated"]).capture())

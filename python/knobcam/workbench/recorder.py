@@ -11,11 +11,13 @@ from ..errors import InputError
 from ..rig.record import Enough
 from .jobs import Job
 from .live import Live
+from .trying import tried
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from ..rig.figures import Figures
+    from .designed import Designed
     from .session import Session
     from .sources import Source
 
@@ -39,17 +41,18 @@ class Recorder:
         """Whether a recording goes on, be it one that was given up and is being disarmed."""
         return self._thread.is_alive()
 
-    def start(self, source: Source, log: Path, together: bool) -> Live:
+    def start(self, source: Source, log: Path, together: bool, design: Designed | None = None) -> Live:
         """Begin to record and return at once; `together`: with the captures that are open, of the same knob.
 
+        `design` is the motion that is recorded, where one was designed.
         Raises InputError while another recording goes on.
         """
         with self._lock:
             if self.busy:
                 raise InputError("a recording is under way; stop it first")
-            live = Live(f"{source.name}, {source.motion}", log)
+            live = Live(f"{source.name}, {source.made_of}", log)
             doing = f"recording {live.what}"
-            job = Job(doing, lambda job: self._work(job, live, source, together), told=self._told)
+            job = Job(doing, lambda job: self._work(job, live, source, together, design), told=self._told)
 
             def run() -> None:
                 job.run()
@@ -77,7 +80,7 @@ class Recorder:
         if self.busy:
             self._thread.join()
 
-    def _work(self, job: Job, live: Live, source: Source, together: bool) -> None:
+    def _work(self, job: Job, live: Live, source: Source, together: bool, design: Designed | None) -> None:
         def watch(figures: Figures) -> None:
             live.see(figures)
             job.tell(f"recording {live.what}", live.done)
@@ -90,11 +93,14 @@ class Recorder:
                 "path": str(live.log),
                 "hidden": source.hidden,
                 "sha256": digest(live.log),
+                "rig": source.known,
             }
             try:
-                live.capture = self._session.take(
-                    capture, live.log.name, None, job.tell, together=together, **origin
-                )
+                name, session = live.log.name, self._session
+                if design is not None:
+                    live.capture = tried(session, design, capture, name, job.tell, **origin)
+                else:
+                    live.capture = session.take(capture, name, None, job.tell, together=together, **origin)
             except InputError as error:
                 raise InputError(f"{error}; the recording is kept in {live.log}") from error
         except Exception as error:

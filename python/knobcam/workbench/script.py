@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .._core import __version__
+from .sources import PARSED
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -21,8 +22,11 @@ def script(done: Sequence[Node], captures: Mapping[str, Opened], start: Start) -
     used = list(dict.fromkeys(one for node in done for one in node.captures))
     names = {one: f"capture_{number}" for number, one in enumerate(used, 1)}
     lines = [f'"""A session at the workbench of knobcam {__version__}, step by step."""', ""]
-    lines += ["import knobcam as kc", ""]
-    lines += [f"{names[one]} = {_load(captures[one])}" for one in used]
+    loads = [f"{names[one]} = {_load(captures[one])}" for one in used]
+    lines += ["import knobcam as kc"]
+    if any(captures[one].made and PARSED in captures[one].made for one in used):
+        lines += ["from knobcam.capture.motion_plan import MotionPlan"]
+    lines += ["", *loads]
     lines += [_step(node, names, start) for node in done]
     return "\n".join([*lines, "print(fit)", ""])
 

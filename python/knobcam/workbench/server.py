@@ -32,6 +32,7 @@ from .answers import answered, bytes_answer, finished, json_answer, refusal
 from .bench import Bench
 from .bodies import Busy, Unread, file_name, flag, indices, read_json, reading, receive, text
 from .continuing import Continuing
+from .designing import Designing
 from .guard import Guard
 from .jobs import Cancelled, Job
 from .preview import Unmapped, explained
@@ -62,17 +63,20 @@ def application(bench: Bench, token: str, port: int, upload_bytes: int = UPLOAD_
     """Return the server of a bench, which answers to those alone who have the token."""
     files = page_files()
     server, recording = _Server(bench, files, upload_bytes), Recording(bench)
+    designing = Designing(bench)
     posts: dict[str, Answers] = {
         **{"add": server.add, "drop": server.drop, "undo": server.undo, "redo": server.redo},
         **{"branch": server.branch, "switch": server.switch, "params": server.params, "snap": server.snap},
         **{"diagnose": server.diagnose, "cancel": server.cancel, "share": server.share, "use": server.use},
         **{"open": server.open, "upload": server.upload, "save": server.save, **recording.posts},
         **Continuing(bench).posts,
+        **designing.posts,
     }
     gets: dict[str, Answers] = {
         **{"state": server.state, "arrays": server.arrays, "signature": server.signature},
         **{"events": server.events, "download": server.download, "picture": server.picture},
         **recording.gets,
+        **designing.gets,
     }
     routes = [
         Route("/", server.page),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -21,6 +22,7 @@ from .view import View
 if TYPE_CHECKING:
     from ..capture import Capture
     from ..capture.formats.columnmap import ColumnMap
+    from .designed import Designed
     from .kept import Again
 
 
@@ -58,6 +60,7 @@ class Session:
         self._nodes: dict[str, Node] = {}
         self._views: dict[str, View] = {}
         self._diagnoses: dict[str, Diagnosis] = {}
+        self.designs: dict[str, Designed] = {}
         self.made = 0
         self.looked: Mapping[str, Any] | None = None
 
@@ -94,6 +97,12 @@ class Session:
     def diagnosis_of(self, node_id: str) -> Diagnosis | None:
         """Return what was weighed at a node; None where nothing was yet."""
         return self._diagnoses.get(node_id)
+
+    @property
+    def experiment(self) -> Designed | None:
+        """The last motion that was designed on the way to where the branch is."""
+        there = {node.id for node in self.branch.done} if self.branches else set()
+        return next((one for one in reversed(self.designs.values()) if one.node in there), None)
 
     def place(self, view: View, capture: str) -> int:
         """Return where a capture is among those of a view. Raises InputError if it is not."""
@@ -138,21 +147,26 @@ class Session:
         *,
         path: str = "",
         together: bool = True,
+        onward: bool = False,
         **origin: Any,
     ) -> str:
         """Take a capture in together with those that are active, or for itself, and return its id.
 
+        `onward`: it was made for the model that there is, which is fitted to it too with all that it has.
         `path`, by default its name, and `options` are by which it can be read again; `origin` is what else
         `Opened` knows of where it comes from. Raises InputError for one that cannot be fitted.
         """
         opened = Opened(self._new("c"), name, capture, path or name, dict(options or {}), **origin)
-        self._take([opened], tell, together)
+        self._take([opened], tell, together, onward)
         return opened.id
 
-    def _take(self, opened: Sequence[Opened], tell: Tell, together: bool = True) -> None:
+    def _take(
+        self, opened: Sequence[Opened], tell: Tell, together: bool = True, onward: bool = False
+    ) -> None:
         new = {one.id: one for one in opened}
         active = self.node.captures if self.branches and together else ()
-        node, branch = self._fitted([*active, *new], {**self.captures, **new}, tell, together)
+        every = {**self.captures, **new}
+        node, branch = self._fitted([*active, *new], every, tell, together, onward)
         tell("putting the fit in place", last=True)
         with self.lock:
             self.captures |= new
@@ -168,13 +182,19 @@ class Session:
         self._put(node, branch)
 
     def _fitted(
-        self, ids: Sequence[str], known: Mapping[str, Opened], tell: Tell, same_knob: bool = True
+        self,
+        ids: Sequence[str],
+        known: Mapping[str, Opened],
+        tell: Tell,
+        same_knob: bool = True,
+        onward: bool = False,
     ) -> tuple[Node, Branch | None]:
         branch = self.branch if self.branches else None
         before = branch.node if branch else None
         # A base model that nobody has changed may still find detents that it lacked, and another knob has
         # effects of its own.
-        onward = same_knob and branch is not None and any(one.how != "fitted" for one in branch.done)
+        changed = branch is not None and any(one.how != "fitted" or one.onward for one in branch.done)
+        onward = same_knob and (onward or changed)
         tell("fitting")
         model = before.fit.model if before and onward else self.start.model
         fitted = fit([known[one].capture for one in ids], model, **self.start.options)
@@ -224,6 +244,26 @@ class Session:
         with self.lock:
             self._touch()
         return diagnosis
+
+    # The next experiment
+
+    def keep(self, design: Designed) -> None:
+        """Take in a motion that was designed, which gets its id here, or what came of it."""
+        with self.lock:
+            design = design if design.id else replace(design, id=self._new("e"))
+            self.designs.pop(design.id, None)
+            self.designs[design.id] = design
+            self._touch()
+
+    def designed(self, design: str) -> Designed:
+        """Return the motion of this id. Raises InputError if there is none."""
+        if design not in self.designs:
+            raise InputError(f"experiment {design!r} is not in this session")
+        return self.designs[design]
+
+    def captures_of(self, design: Designed) -> tuple[str, ...]:
+        """Return the captures from which a motion was designed."""
+        return self._nodes[design.node].captures
 
     # Back, forth, aside
 
@@ -301,7 +341,7 @@ class Session:
             self.start, self.captures, self.branches = found.start, found.captures, found.branches
             self.branch_id, self.looked = found.branch_id, found.looked
             self.made = max(self.made, found.made)
-            self._nodes = dict(found.nodes)
+            self._nodes, self.designs = dict(found.nodes), dict(found.designs)
             self._views = {one.dragged.id: one.dragged for one in found.branches.values() if one.dragged}
             self._touch()
 

@@ -5,16 +5,19 @@ from __future__ import annotations
 import itertools
 import os
 import secrets
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ..base import pages
+from ..capture.motion_plan import MotionPlan
 from ..errors import InputError
 from ..model import KNOBS, Model
 from ..model.effects import effects
 from ..model.hiding import hideable, hiding
 from ..model.simulate import simulate
+from ..rig.asked import BY_HAND
 from ..rig.emulator import EmulatedRig, absent
 from ..rig.port import BAUD, ports
 from ..rig.record import record
@@ -25,10 +28,17 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from ..capture import Capture
+    from ..learn.limits import Limits
     from ..rig.record import Watch
     from .session import Tell
 
 _LONGEST_S = 600.0
+LED_S = 4.0
+"""Seconds in which a hand is led in before a motion begins."""
+_LATE_S = 2.0  # by which a hand may end later than it is led
+_DESIGNED = "designed"  # the name of a motion that was
+PARSED = "MotionPlan.parse"
+"""What a script calls that makes such a motion."""
 _SECONDS = 6.0
 _SEED = 2**32 - 1
 _FASTEST = 100.0  # times real time
@@ -52,12 +62,16 @@ class Source(Protocol):
         """In words, for a name of a file too."""
 
     @property
-    def motion(self) -> str:
+    def made_of(self) -> str:
         """Name of the motion that is recorded."""
 
     @property
     def hidden(self) -> tuple[str, ...]:
         """The effects that were put there for somebody to find."""
+
+    @property
+    def known(self) -> Mapping[str, Any]:
+        """By which it is found again."""
 
     def record(self, log: Path, tell: Tell, progress: Watch) -> Capture:
         """Record into a wire log and return the capture, as `knobcam capture` does."""
@@ -65,22 +79,39 @@ class Source(Protocol):
 
 @dataclass(frozen=True)
 class Simulated:
-    """One of the five knobs by `kc.simulate`."""
+    """One of the five knobs by `kc.simulate`.
+
+    `plan` is the text of a motion file that it makes, at `rate_hz`; what it hides is as large as `motion` and
+    `duration_s` say.
+    """
 
     name: str
     hidden: tuple[str, ...]
     motion: str
     duration_s: float
     seed: int
+    plan: str = ""
+    rate_hz: float = 5000.0
 
     @classmethod
     def again(cls, told: Mapping[str, Any]) -> Simulated:
         """Return what `asdict` told of one."""
         return cls(**{**told, "hidden": tuple(told["hidden"])})
 
+    @property
+    def words(self) -> str:
+        """What it is."""
+        return f"the simulated {self.name}"
+
+    def trying(self, plan: str, rate_hz: float, seed: int) -> Simulated:
+        """Return the same knob, for another motion."""
+        return replace(self, plan=plan, rate_hz=rate_hz, seed=seed)
+
     def capture(self) -> Capture:
         """Simulate it."""
         knob = hiding(self.name, *self.hidden, motion=self.motion, duration_s=self.duration_s)
+        if self.plan:
+            return simulate(knob, MotionPlan.parse(self.plan).track(self.rate_hz), seed=self.seed)
         return simulate(knob, self.motion, duration_s=self.duration_s, seed=self.seed)
 
     @property
@@ -89,12 +120,17 @@ class Simulated:
         names = ", ".join(repr(name) for name in (self.name, *self.hidden))
         length = f"duration_s={self.duration_s!r}"
         knob = f"kc.hiding({names}, motion={self.motion!r}, {length})" if self.hidden else names
+        if self.plan:
+            return f"kc.simulate({knob}, {PARSED}({self.plan!r}).track({self.rate_hz!r}), seed={self.seed})"
         return f"kc.simulate({knob}, {self.motion!r}, {length}, seed={self.seed})"
 
 
 @dataclass(frozen=True)
 class Emulated:
-    """One of the five knobs in an emulated rig, which starts with the recording and ends with it."""
+    """One of the five knobs in an emulated rig, which starts with the recording and ends with it.
+
+    `plan` is the text of a motion file in place of `motion`, made by its motor or `by_hand`, by its hand.
+    """
 
     name: str
     hidden: tuple[str, ...]
@@ -102,14 +138,35 @@ class Emulated:
     duration_s: float
     seed: int
     speed: float
+    plan: str = ""
+    by_hand: bool = False
+
+    @property
+    def words(self) -> str:
+        """What it is."""
+        return f"an emulated rig with {self.name}"
+
+    @property
+    def made_of(self) -> str:
+        """Name of the motion that is recorded."""
+        return _DESIGNED if self.plan else self.motion
+
+    @property
+    def known(self) -> Mapping[str, Any]:
+        """By which it is found again."""
+        return {"emulated": asdict(replace(self, plan="", by_hand=False))}
 
     def record(self, log: Path, tell: Tell, progress: Watch) -> Capture:
         """Record from it over its port."""
         tell("starting the emulated rig")
         knob = hiding(self.name, *self.hidden, motion=self.motion, duration_s=self.duration_s)
-        with EmulatedRig(knob, seed=self.seed, speed=self.speed) as rig:
-            tell("sending the motion to the rig")
-            return record(rig.port, self.motion, output=log, duration_s=self.duration_s, progress=progress)
+        plan = MotionPlan.parse(self.plan) if self.plan else None
+        with TemporaryDirectory(prefix="knobcam-") as folder:
+            file = plan.save(Path(folder) / "motion.toml") if plan and self.by_hand else None
+            with EmulatedRig(knob, seed=self.seed, speed=self.speed, motion=file) as rig:
+                tell("sending the motion to the rig")
+                motion, seconds = _asked(self.motion, self.duration_s, plan, self.by_hand)
+                return record(rig.port, motion, output=log, duration_s=seconds, progress=progress, told=tell)
 
 
 @dataclass(frozen=True)
@@ -117,6 +174,7 @@ class OnPort:
     """A rig on a serial port, or `serial:NUMBER`; options as `knobcam capture` has them.
 
     `clears` is the number of the fault that a person has been told of and wants to be cleared; no other is.
+    `plan` is the text of a motion file in place of `motion`, for the motor or `by_hand`; `limits` are its.
     """
 
     port: str
@@ -126,23 +184,61 @@ class OnPort:
     calibration: str | None
     baud: int
     clears: int | None = None
+    plan: str = ""
+    by_hand: bool = False
+    limits: Limits | None = None
     name: str = "rig"
     hidden: tuple[str, ...] = ()
+
+    @property
+    def words(self) -> str:
+        """What it is."""
+        return f"the rig on {self.port}"
+
+    @property
+    def made_of(self) -> str:
+        """Name of the motion that is recorded."""
+        return _DESIGNED if self.plan else self.motion
+
+    @property
+    def known(self) -> Mapping[str, Any]:
+        """By which it is found again."""
+        return {"port": asdict(replace(self, clears=None, plan="", by_hand=False, limits=None))}
 
     def record(self, log: Path, tell: Tell, progress: Watch) -> Capture:
         """Record from it."""
         tell("looking for the rig, and sending it the motion")
+        plan = MotionPlan.parse(self.plan) if self.plan else None
+        motion, seconds = _asked(self.motion, self.duration_s, plan, self.by_hand)
         return record(
             self.port,
-            self.motion,
+            motion,
             output=log,
-            duration_s=self.duration_s,
+            duration_s=seconds,
             model=self.model,
             calibration=self.calibration,
+            limits=None if self.by_hand else self.limits,
             progress=progress,
+            told=tell,
             baud=self.baud,
             clear_fault=lambda told: self.clears is not None and f" fault {self.clears}: " in told,
         )
+
+
+def again(told: Mapping[str, Any]) -> Emulated | OnPort:
+    """Return what `known` told of a rig."""
+    if "emulated" in told:
+        return Emulated(**{**told["emulated"], "hidden": tuple(told["emulated"]["hidden"])})
+    return OnPort(**{**told["port"], "hidden": ()})
+
+
+def _asked(
+    motion: str, seconds: float, plan: MotionPlan | None, by_hand: bool
+) -> tuple[str | MotionPlan, float]:
+    """Return the motion to record, and how long: a hand begins later than the rig, and ends later."""
+    if plan is None:
+        return motion, seconds
+    return (BY_HAND, LED_S + plan.seconds + _LATE_S) if by_hand else (plan, seconds)
 
 
 def document() -> pages.Sources:
@@ -177,6 +273,11 @@ def recorded(body: Mapping[str, Any]) -> Source:
         return Emulated(*_knob(body, motion, seconds), motion, seconds, seed, speed)
     if source != "port":
         raise InputError(f"source={source!r} is unknown; choose emulated or port")
+    return on_port(body)
+
+
+def on_port(body: Mapping[str, Any]) -> OnPort:
+    """Return the rig on a port that a body names. Raises InputError for what is none."""
     port = text(body, "port", "").strip()
     if not port:
         raise InputError("port is empty; choose one of the list, or type its path")
@@ -193,7 +294,7 @@ def new_log(folder: str, source: Source) -> Path:
         raise InputError(f"folder {str(place)!r}: there is none; make it first, or choose another")
     if not os.access(place, os.W_OK):
         raise InputError(f"folder {str(place)!r}: cannot be written to; choose another")
-    logs = (place / f"{source.name}-{source.motion}-{count}{SUFFIX}" for count in itertools.count(1))
+    logs = (place / f"{source.name}-{source.made_of}-{count}{SUFFIX}" for count in itertools.count(1))
     return next(log for log in logs if not log.exists())
 
 

@@ -11,6 +11,7 @@ from ..learn import LearningResult
 from ..learn.limitations import limitations
 from ..model.effects import effects
 from ..show.samples import candidates
+from .designing import origin
 from .learned import conclusion, in_vain, ladder
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from ..learn.selection import Selection
     from ..model import Model, Parameter
     from ..model.effects import Effect
+    from .designed import Designed
     from .session import Session
     from .tree import Branch, Opened
     from .view import View
@@ -35,6 +37,7 @@ def document(session: Session) -> pages.Session:
             return known
         branch, view = session.branch, session.view
         diagnosis = session.diagnosis_of(branch.node.id)
+        shown = session.experiment
     fitted = view.fit
     steps = ladder(branch.done)
     # Where something is left to be added nothing is concluded yet.
@@ -65,6 +68,8 @@ def document(session: Session) -> pages.Session:
         "warnings": list(fitted.warnings),
         "limitations": [f"{one.message}; {one.record}" for one in limitations(fitted)],
         "absent": [one.document() for one in absent(fitted.model)],
+        "untold": _untold(steps),
+        "experiment": None if shown is None else shown.document(_source(session, shown)),
     }
 
 
@@ -104,6 +109,8 @@ def _nothing(session: Session) -> pages.Session:
         "warnings": [],
         "limitations": [],
         "absent": [],
+        "untold": [],
+        "experiment": None,
     }
 
 
@@ -162,6 +169,23 @@ def _parameters(view: View) -> list[pages.Param]:
             }
         )
     return rows
+
+
+def _source(session: Session, shown: Designed) -> str | None:
+    """What a motion can be recorded from at once, in words."""
+    found = origin([session.captures[one] for one in session.captures_of(shown)])
+    return None if found is None else found.words
+
+
+def _untold(steps: list[LearningStep]) -> list[list[str]]:
+    """Effects that came in, each with those that could have come in instead."""
+    there = steps[-1].effects
+    found = []
+    for step in steps:
+        others = [one for one in step.equivalent if one not in there]
+        if step.added in there and step.added is not None and others:
+            found.append([step.added, *others])
+    return found
 
 
 def _moved(name: str, now: Parameter, view: View) -> bool:

@@ -25,8 +25,8 @@ class Opened:
     """A capture of a session; `path` and `options` are those by which `knobcam.load` reads it again.
 
     `sha256` is that of the file. One that is no file has what it was simulated by as `simulated`, and the
-    Python that makes it again as `made`. `hidden` are the effects that were put into its knob for somebody to
-    find.
+    Python that makes it again as `made`. `rig` is by which the rig that recorded it is found again. `hidden`
+    are the effects that were put into its knob for somebody to find.
     """
 
     id: str
@@ -38,6 +38,7 @@ class Opened:
     hidden: tuple[str, ...] = ()
     sha256: str = ""
     simulated: Mapping[str, Any] | None = None
+    rig: Mapping[str, Any] | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -192,7 +192,7 @@ var Candidates = class {
   /**
    * @param {HTMLElement} place
    * @param {{look: (effect: string | null) => void, take: (effect: string) => void, ask?: () => void,
-   *   about?: (row: Candidate) => void}} deeds
+   *   about?: (row: Candidate) => void, apart?: (effects: string[]) => void}} deeds
    * @param {string} taking what it is called to take one
    */
   constructor(place3, deeds, taking) {
@@ -259,9 +259,23 @@ var Candidates = class {
       make("span", { class: "figure", text: percent(-Math.max(0, row.error_fall)), title: "fall of the RMS error" }),
       make("span", { class: "deeds" }, this.deeds.about ? about2 : null, take),
       make("span", { class: "evidence soft", text: evidence(row) }),
+      this.untold(row),
       ...remarks(row).map((text) => make("span", { class: "alike soft", text })),
       ...row.implausible.map((text) => make("span", { class: "alike doubt", text: `⚠ ${text}` }))
     );
+  }
+  /**
+   * What this one cannot be told from, with the button that designs the motion which would tell.
+   * @param {Candidate} row
+   */
+  untold({ effect, equivalent }) {
+    if (equivalent.length === 0) return null;
+    const apart = make("button", {
+      ...{ type: "button", text: "Tell apart…", "aria-label": `tell ${effect} apart` },
+      ...{ title: "design the motion that would tell", on: { click: () => this.deeds.apart?.([effect, ...equivalent]) } }
+    });
+    const words3 = `this capture cannot tell it from ${equivalent.join(", ")} `;
+    return make("span", { class: "alike soft" }, words3, this.deeds.apart ? apart : null);
   }
   /** @param {number} at */
   focused(at) {
@@ -297,15 +311,14 @@ function evidence(row) {
 function remarks({ equivalent, confused, note }) {
   const others = confused.filter((effect) => !equivalent.includes(effect));
   return [
-    equivalent.length > 0 ? `this capture cannot tell it from ${equivalent.join(", ")}` : "",
     others.length > 0 ? `often confused with ${others.join(", ")}` : "",
     note ?? ""
   ].filter(Boolean);
 }
 function remainder(unexplained) {
   if (!unexplained) return [];
-  const { axis, share, hint } = unexplained;
-  const words3 = `Unexplained over ${axis}: ${percent(share)} of what remains${hint ? ` (${hint})` : ""}.`;
+  const { axis: axis2, share, hint } = unexplained;
+  const words3 = `Unexplained over ${axis2}: ${percent(share)} of what remains${hint ? ` (${hint})` : ""}.`;
   return [make("p", { class: "soft", text: words3 })];
 }
 
@@ -437,26 +450,26 @@ var Mapping = class {
   }
   /** @param {FileColumn} column */
   tile({ name, rows, low, high, outline }) {
-    const range = `${number(low)} … ${number(high)}`;
+    const range2 = `${number(low)} … ${number(high)}`;
     const canvas = make("canvas", { "aria-hidden": "true", ...SIZE });
     draw(canvas, outline);
     return make(
       "button",
       {
-        ...{ type: "button", "aria-label": `${name}: ${range}, ${rows} rows`, title: "put into the chosen field" },
+        ...{ type: "button", "aria-label": `${name}: ${range2}, ${rows} rows`, title: "put into the chosen field" },
         on: { click: () => this.put(name) }
       },
       make("strong", { text: name }),
       canvas,
-      make("span", { class: "soft", text: range })
+      make("span", { class: "soft", text: range2 })
     );
   }
   /** @param {string} column name that goes into the field, of which the next free one is then chosen */
   put(column) {
-    const field2 = this.fields.find(({ text }) => text === this.at);
+    const field3 = this.fields.find(({ text }) => text === this.at);
     const written = /[[(]([^\])]+)[\])]\s*$/.exec(column)?.[1] ?? "";
-    if (field2) field2.unit.value = SPELT[written] ?? written;
-    if (field2 && !field2.unit.value) field2.unit.value = "";
+    if (field3) field3.unit.value = SPELT[written] ?? written;
+    if (field3 && !field3.unit.value) field3.unit.value = "";
     this.at.value = /^[A-Za-z_]\w*$/.test(column) ? column : `\`${column}\``;
     this.at = this.fields.find(({ text }) => !text.value)?.text ?? this.at;
     this.at.focus();
@@ -1003,9 +1016,9 @@ var Pick = class {
 
 // src/raster.js
 function place(xs, ys, frame) {
-  const { width, height, dot } = frame;
+  const { width, height, dot: dot2 } = frame;
   const pixels = new Int32Array(xs.length);
-  const [right, bottom] = [width - dot, height - dot];
+  const [right, bottom] = [width - dot2, height - dot2];
   const xStep = right / (frame.x[1] - frame.x[0]);
   const yStep = bottom / (frame.y[1] - frame.y[0]);
   const [xLow, yHigh] = [frame.x[0], frame.y[1]];
@@ -1028,14 +1041,14 @@ var USUAL = 4;
 function drawCloud(image, pixels, frame, colour, strength) {
   const counts = new Uint16Array(image.length);
   let [points, hit] = [0, 0];
-  const { dot, width } = frame;
+  const { dot: dot2, width } = frame;
   for (let i = 0; i < pixels.length; i++) {
     if (pixels[i] < 0) continue;
-    for (let row = 0; row < dot; row++) {
+    for (let row = 0; row < dot2; row++) {
       const first = pixels[i] + row * width;
-      for (let at = first; at < first + dot; at++) if (counts[at]++ === 0) hit++;
+      for (let at = first; at < first + dot2; at++) if (counts[at]++ === 0) hit++;
     }
-    points += dot * dot;
+    points += dot2 * dot2;
   }
   const full = Math.max(2, Math.ceil(USUAL * points / Math.max(1, hit)));
   const rise = (1 - strength) / Math.log(full);
@@ -1045,14 +1058,14 @@ function drawCloud(image, pixels, frame, colour, strength) {
   }
 }
 function drawPoints(image, pixels, chosen, frame, colour) {
-  const { dot, width } = frame;
+  const { dot: dot2, width } = frame;
   const count = chosen ? chosen.length : pixels.length;
   for (let i = 0; i < count; i++) {
     const pixel = pixels[chosen ? chosen[i] : i];
     if (pixel < 0) continue;
-    for (let row = 0; row < dot; row++) {
+    for (let row = 0; row < dot2; row++) {
       const first = pixel + row * width;
-      for (let at = first; at < first + dot; at++) image[at] = colour;
+      for (let at = first; at < first + dot2; at++) image[at] = colour;
     }
   }
 }
@@ -1117,8 +1130,8 @@ var Plot = class {
     const [columns, rows] = inner.map((length) => Math.max(8, Math.round(length * this.scale)));
     const part = { x: xAxis.part ?? false, y: yAxis.part ?? false };
     const many = x.length > FEW && !(part.x && fewBetween(x, xAxis));
-    const dot = Math.max(1, Math.round((many ? 2 : 3) * this.scale));
-    this.frame = { width: columns, height: rows, x: [xAxis.low, xAxis.high], y: [yAxis.low, yAxis.high], dot, part };
+    const dot2 = Math.max(1, Math.round((many ? 2 : 3) * this.scale));
+    this.frame = { width: columns, height: rows, x: [xAxis.low, xAxis.high], y: [yAxis.low, yAxis.high], dot: dot2, part };
     const same = before?.x === x && frame === JSON.stringify(this.frame);
     this.placed = series.map(
       ({ y }, at) => same && before.series[at]?.y === y ? this.placed[at] : place(x, y, this.frame)
@@ -1491,8 +1504,8 @@ var Linked = class {
     return this.told(words3);
   }
 };
-function within2(axis, seen) {
-  return axis && seen ? { ...axis, low: seen[0], high: seen[1], part: true } : axis;
+function within2(axis2, seen) {
+  return axis2 && seen ? { ...axis2, low: seen[0], high: seen[1], part: true } : axis2;
 }
 function squaresOf(residual) {
   return residual.reduce((sum, value) => value === value ? sum + value * value : sum, 0);
@@ -1550,13 +1563,13 @@ var Store = class {
   async signature(node, captures, effect, signal) {
     const parts = await Promise.all(
       captures.map(async (capture) => {
-        const key = `${capture} ${node}`;
+        const key2 = `${capture} ${node}`;
         const name2 = `signature of ${effect}`;
-        const known = this.kept.get(key)?.[name2];
+        const known = this.kept.get(key2)?.[name2];
         if (known) return { [name2]: known };
         const fetched = decode(await fetchBytes("/api/signature", { node, capture, effect }, signal));
         const column = Object.values(fetched)[0];
-        this.keep(key, { [name2]: column });
+        this.keep(key2, { [name2]: column });
         return { [name2]: column };
       })
     );
@@ -1565,22 +1578,22 @@ var Store = class {
   }
   /** @param {string} node @param {string} capture @param {string[]} names */
   async ofCapture(node, capture, names) {
-    const key = `${capture} ${node}`;
-    const have = () => ({ ...this.kept.get(capture), ...this.kept.get(key) });
+    const key2 = `${capture} ${node}`;
+    const have = () => ({ ...this.kept.get(capture), ...this.kept.get(key2) });
     const lacking = names.filter((name) => !(name in have()));
     if (lacking.length > 0) {
       const fetched = decode(await fetchBytes("/api/arrays", { node, capture, names: lacking.join(",") }));
       const entries = Object.entries(fetched);
       this.keep(capture, Object.fromEntries(entries.filter(([name]) => MOTION.has(name))));
-      this.keep(key, Object.fromEntries(entries.filter(([name]) => !MOTION.has(name))));
+      this.keep(key2, Object.fromEntries(entries.filter(([name]) => !MOTION.has(name))));
     }
     return have();
   }
   /** @param {string} key @param {Columns} columns */
-  keep(key, columns) {
-    const together = { ...this.kept.get(key), ...columns };
-    this.kept.delete(key);
-    this.kept.set(key, together);
+  keep(key2, columns) {
+    const together = { ...this.kept.get(key2), ...columns };
+    this.kept.delete(key2);
+    this.kept.set(key2, together);
     const nodes = [...this.kept.keys()].filter((one) => one.includes(" "));
     for (const old of nodes.slice(0, Math.max(0, nodes.length - NODES_KEPT))) this.kept.delete(old);
   }
@@ -1671,6 +1684,10 @@ var Live = class {
     } finally {
       this.following = false;
     }
+  }
+  /** The newest angle of what is recorded, rad; null where nothing is. */
+  get angle() {
+    return this.following ? this.columns.theta?.at(-1) ?? null : null;
   }
   /** Nothing is known yet of what is recorded now. */
   forget() {
@@ -1790,6 +1807,557 @@ function pause() {
   return new Promise((resolve) => setTimeout(() => resolve(true), PAUSE_MS));
 }
 
+// src/lead.js
+var COUNT_IN = 4;
+var SLOW = 1.5;
+var STILL = 1e-4;
+function angleAt({ t, theta }, seconds2) {
+  if (!(seconds2 > t[0])) return theta[0];
+  if (seconds2 >= t[t.length - 1]) return theta[theta.length - 1];
+  let [low, high] = [0, t.length - 1];
+  while (high - low > 1) {
+    const middle = low + high >> 1;
+    if (t[middle] <= seconds2) low = middle;
+    else high = middle;
+  }
+  return theta[low] + (theta[high] - theta[low]) * (seconds2 - t[low]) / (t[high] - t[low]);
+}
+function beats({ t, theta }) {
+  const [low, high] = range(theta);
+  const least = STILL * Math.max(high - low, 1e-9);
+  const turns = [{ at: t[0], theta: theta[0], turn: true }];
+  let way = 0;
+  for (let i = 1; i < t.length; i++) {
+    const step = theta[i] - theta[i - 1];
+    const now = Math.abs(step) < least ? 0 : Math.sign(step);
+    if (now === way) continue;
+    const last = turns[turns.length - 1];
+    if (t[i - 1] - last.at > 0.1) turns.push({ at: t[i - 1], theta: theta[i - 1], turn: true });
+    way = now;
+  }
+  const end = t.length - 1;
+  if (t[end] - turns[turns.length - 1].at > 0.1) turns.push({ at: t[end], theta: theta[end], turn: true });
+  return turns.flatMap((beat, n) => [beat, ...between2(beat, turns[n + 1], { t, theta })]);
+}
+function between2(beat, next, motion) {
+  const passes = next ? next.at - beat.at : 0;
+  if (!next || passes <= SLOW) return [];
+  const count = Math.round(passes);
+  return Array.from({ length: count - 1 }, (_, n) => {
+    const at = beat.at + passes * (n + 1) / count;
+    return { at, theta: angleAt(motion, at), turn: false };
+  });
+}
+function range(values) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const value of values) [low, high] = [Math.min(low, value), Math.max(high, value)];
+  return [low, high];
+}
+function stepAt(steps, seconds2) {
+  let passed = 0;
+  for (const [at, step] of steps.entries()) {
+    passed += step.seconds;
+    if (seconds2 < passed) return at;
+  }
+  return steps.length - 1;
+}
+
+// src/metronome.js
+var AHEAD = 3;
+var BEHIND = 0.5;
+var CLICK = { turn: 1100, other: 700, length: 0.04 };
+var Metronome = class {
+  /** @param {() => number | null} where the knob stands, rad, while it is recorded */
+  constructor(where) {
+    this.where = where;
+    this.canvas = /** @type {HTMLCanvasElement} */
+    byId("lead-way");
+    this.motion = null;
+    this.steps = [];
+    this.beats = [];
+    this.unit = { factor: 180 / Math.PI, name: "°" };
+    this.next = 0;
+    this.start = null;
+    this.sound = null;
+    byId("lead-start").addEventListener("click", () => this.start === null ? this.begin() : this.stop());
+    byId("lead-close").addEventListener("click", () => this.close());
+    new ResizeObserver(() => this.draw(this.seconds)).observe(this.canvas);
+  }
+  /**
+   * Show it, ready to begin.
+   * @param {import("./lead.js").Motion} motion
+   * @param {HandStep[]} steps
+   * @param {"rotary" | "linear"} coordinate
+   */
+  open(motion, steps, coordinate) {
+    this.motion = motion;
+    this.steps = steps;
+    this.beats = beats(motion);
+    this.unit = coordinate === "linear" ? { factor: 1e3, name: " mm" } : { factor: 180 / Math.PI, name: "°" };
+    byId("lead").hidden = false;
+    this.stop();
+    byId("lead-start").focus();
+  }
+  close() {
+    this.stop();
+    byId("lead").hidden = true;
+  }
+  /** Count in, and lead. */
+  begin() {
+    this.start = performance.now() + 1e3 * COUNT_IN;
+    this.next = -COUNT_IN + 1;
+    byId("lead-start").textContent = "Stop";
+    if (
+      /** @type {HTMLInputElement} */
+      byId("lead-click").checked
+    ) this.sound ??= new AudioContext();
+    requestAnimationFrame(() => this.go());
+  }
+  stop() {
+    this.start = null;
+    byId("lead-start").textContent = "Start";
+    this.draw(0);
+  }
+  /** Seconds since the motion began, below 0 while it is counted in. */
+  get seconds() {
+    return this.start === null ? 0 : (performance.now() - this.start) / 1e3;
+  }
+  get length() {
+    return this.motion ? this.motion.t[this.motion.t.length - 1] : 0;
+  }
+  go() {
+    if (this.start === null) return;
+    const now = this.seconds;
+    this.clickUntil(now);
+    this.draw(now);
+    if (now > this.length + BEHIND) this.stop();
+    else requestAnimationFrame(() => this.go());
+  }
+  /** @param {number} now */
+  clickUntil(now) {
+    for (; ; ) {
+      const at = this.next < 0 ? this.next : this.beats[this.next]?.at;
+      if (at === void 0 || at > now) return;
+      this.click(this.next >= 0 && this.beats[this.next].turn);
+      this.next++;
+    }
+  }
+  /** @param {boolean} turn */
+  click(turn) {
+    const mark = byId("lead-beat");
+    mark.classList.remove("turn", "beat");
+    void mark.offsetWidth;
+    mark.classList.add(turn ? "turn" : "beat");
+    if (!this.sound || !/** @type {HTMLInputElement} */
+    byId("lead-click").checked) return;
+    const [tone, loud] = [this.sound.createOscillator(), this.sound.createGain()];
+    const at = this.sound.currentTime;
+    tone.frequency.value = turn ? CLICK.turn : CLICK.other;
+    loud.gain.setValueAtTime(turn ? 0.4 : 0.2, at);
+    loud.gain.exponentialRampToValueAtTime(1e-3, at + CLICK.length);
+    tone.connect(loud).connect(this.sound.destination);
+    tone.start(at);
+    tone.stop(at + CLICK.length);
+  }
+  /** @param {number} now */
+  draw(now) {
+    if (!this.motion || byId("lead").hidden) return;
+    this.tell(now);
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    if (width < 50 || height < 50) return;
+    const scale = globalThis.devicePixelRatio || 1;
+    this.canvas.width = Math.round(width * scale);
+    this.canvas.height = Math.round(height * scale);
+    const brush = this.canvas.getContext("2d");
+    if (!brush) return;
+    brush.scale(scale, scale);
+    this.drawWay(brush, now, width, height);
+  }
+  /** @param {CanvasRenderingContext2D} brush @param {number} now @param {number} width @param {number} height */
+  drawWay(brush, now, width, height) {
+    const motion = (
+      /** @type {import("./lead.js").Motion} */
+      this.motion
+    );
+    const [low, high] = range(motion.theta);
+    const air = 24;
+    const across = (theta) => high > low ? air + (theta - low) / (high - low) * (width - 2 * air) : width / 2;
+    const line = height - 42;
+    const up = (t) => line - (t - now) / AHEAD * (line - 10);
+    const colour = (name) => styleValue(name, this.canvas);
+    brush.strokeStyle = colour("--line");
+    brush.lineWidth = 1;
+    for (const end of [low, high]) stroke2(brush, [[across(end), 6], [across(end), line + 12]]);
+    stroke2(brush, [[6, line], [width - 6, line]]);
+    brush.fillStyle = colour("--soft");
+    brush.font = "13px system-ui, 'DejaVu Sans', sans-serif";
+    brush.textAlign = "center";
+    for (const end of high > low ? [low, high] : [low]) {
+      brush.fillText(`${number(Number((end * this.unit.factor).toFixed(1)))}${this.unit.name}`, across(end), height - 10);
+    }
+    const points = Array.from({ length: 241 }, (_, n) => now - BEHIND + n / 240 * (AHEAD + BEHIND));
+    brush.strokeStyle = colour("--signature");
+    brush.lineWidth = 3;
+    stroke2(brush, points.map((t) => [across(angleAt(motion, t)), up(t)]));
+    for (const beat of this.beats) {
+      if (beat.at < now || beat.at > now + AHEAD) continue;
+      dot(brush, across(beat.theta), up(beat.at), beat.turn ? 5 : 3, colour(beat.turn ? "--chosen" : "--soft"));
+    }
+    dot(brush, across(angleAt(motion, now)), line, 11, colour("--modelled"));
+    const where = this.where();
+    if (where !== null) dot(brush, Math.min(width, Math.max(0, across(where))), line, 6, colour("--wrong"));
+  }
+  /** What to do, and how long it still takes. @param {number} now */
+  tell(now) {
+    const left = Math.max(0, this.length - Math.max(0, now));
+    byId("lead-left").textContent = now < 0 && this.start !== null ? `${Math.ceil(-now)}` : `${left.toFixed(1)} s`;
+    byId("lead-left").classList.toggle("soon", now < 0 && this.start !== null);
+    const at = stepAt(this.steps, now);
+    byId("lead-now").textContent = this.steps[at]?.words ?? "";
+    byId("lead-then").textContent = this.steps[at + 1] ? `then ${this.steps[at + 1].words}` : "then it is done";
+  }
+};
+function stroke2(brush, points) {
+  brush.beginPath();
+  for (const [x, y] of points) brush.lineTo(x, y);
+  brush.stroke();
+}
+function dot(brush, x, y, size, colour) {
+  brush.beginPath();
+  brush.arc(x, y, size, 0, 2 * Math.PI);
+  brush.fillStyle = colour;
+  brush.fill();
+}
+
+// src/next.js
+var COLOURS = ["--modelled", "--wrong", "--signature", "--beside"];
+var LEAST_D = 0.1;
+var MOTION2 = ["t", "theta", "omega"];
+var WORDS2 = { theta: "angle", omega: "velocity" };
+var Next = class {
+  /**
+   * @param {{store: import("./store.js").Store, design: (body: object) => Promise<unknown>,
+   *   recording: () => void, where: () => number | null, made: () => void, failed: (reason: unknown) => void}} deeds
+   */
+  constructor(deeds) {
+    this.deeds = deeds;
+    this.metronome = new Metronome(deeds.where);
+    this.plots = ["angle over time", "velocity over angle", "torques of the rivals"].map(
+      (name) => new Plot(`${name} of the next experiment`, () => {
+      })
+    );
+    byId("next-plots").append(...this.plots.map(({ element }) => element));
+    this.state = null;
+    this.motion = null;
+    this.drawn = "";
+    this.fault = null;
+    this.by_hand = false;
+    this.buttons();
+    new ResizeObserver(() => this.draw()).observe(byId("next-plots"));
+  }
+  buttons() {
+    byId("next-show").addEventListener("click", () => this.open());
+    byId("next-close").addEventListener("click", () => this.close());
+    byId("next-record").addEventListener("click", () => this.attempt({}));
+    byId("next-port").addEventListener("click", () => this.askPort(false));
+    byId("next-hand").addEventListener("click", () => this.lead());
+    byId("next-file").addEventListener("click", () => this.save());
+    byId("lead-record").addEventListener("click", () => this.recordHand());
+    byId("rig-close").addEventListener("click", () => rig().close());
+    byId("rig-form").addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.fromPort({});
+    });
+    byId("rig-clear").addEventListener("click", () => this.fromPort({ clear_fault: this.fault }));
+    byId("next-limits").addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.designAgain();
+    });
+  }
+  /** @returns {Experiment | null} */
+  get told() {
+    return this.state?.experiment ?? null;
+  }
+  /** Design a motion for effects, and show it. @param {string[]} effects @param {object} [within] */
+  async design(effects, within3 = {}) {
+    this.effects = effects;
+    this.enable(false);
+    const made = await this.deeds.design({ effects, limits: within3 });
+    this.enable(true);
+    if (made) this.open();
+  }
+  /** What makes another one waits for this one. @param {boolean} free */
+  enable(free) {
+    for (const id of ["next-record", "next-port", "next-again"]) {
+      byId(id).disabled = !free;
+    }
+  }
+  designAgain() {
+    const within3 = {};
+    for (const [name, value] of new FormData(
+      /** @type {HTMLFormElement} */
+      byId("next-limits")
+    )) {
+      const typed = Number(value);
+      within3[name] = String(value).trim() && Number.isFinite(typed) ? typed : value;
+    }
+    this.design(this.effects ?? this.told?.rivals.map((one) => one.split(" + ").at(-1) ?? "") ?? [], within3);
+  }
+  open() {
+    byId("next").hidden = false;
+    this.drawn = "";
+    if (this.state) this.show(this.state);
+    byId("next-close").focus();
+  }
+  close() {
+    this.metronome.close();
+    byId("next").hidden = true;
+  }
+  /** @param {State} state */
+  show(state) {
+    this.state = state;
+    const { experiment, node, recording } = state;
+    byId("next-line").hidden = experiment === null;
+    if (experiment === null) {
+      byId("next").hidden = true;
+      return;
+    }
+    byId("next-said").textContent = experiment.verdict ?? experiment.headline;
+    if (byId("next").hidden) return;
+    this.enable(!recording);
+    const shown = JSON.stringify([experiment, node, state.active]);
+    if (shown === this.drawn) return;
+    this.drawn = shown;
+    this.tell(experiment);
+    this.load(experiment, state).catch(this.deeds.failed);
+  }
+  /** @param {Experiment} experiment */
+  tell(experiment) {
+    const { headline, verdict, source, pairs, steps, by_hand, seconds: seconds2, limits: within3 } = experiment;
+    byId("next-time").textContent = `${number(seconds2)} s`;
+    byId("next-headline").textContent = headline;
+    byId("next-verdict").textContent = verdict ?? "";
+    byId("next-record").hidden = source === null;
+    byId("next-record").textContent = experiment.capture ? "Record it again" : "Record it";
+    byId("next-record").title = source ? `from ${source}` : "";
+    byId("next-source").textContent = source ? `from ${source}` : "";
+    byId("next-keys").replaceChildren(...experiment.rivals.map(key));
+    byId("next-pairs").replaceChildren(...pairs.flatMap((pair) => bars(pair, experiment.told, largest(pairs))));
+    byId("next-can").textContent = by_hand ? "A hand can do it, led by a metronome:" : "No hand can do all of it; what a hand would have to do:";
+    byId("next-steps").replaceChildren(
+      ...steps.map(
+        ({ words: words3, cannot }) => make("li", {}, words3, cannot ? make("span", { class: "doubt", text: ` (${cannot})` }) : null)
+      )
+    );
+    for (const [name, value] of Object.entries(within3)) {
+      const field3 = byId("next-limits").querySelector(`[name=${name}]`);
+      if (field3 instanceof HTMLInputElement) field3.value = String(Number(value.toPrecision(4)));
+    }
+  }
+  /** @param {Experiment} experiment @param {State} state */
+  async load(experiment, { node, active }) {
+    if (node === null) return;
+    const { store } = this.deeds;
+    const [motion, ...parts] = await Promise.all([
+      fetchBytes("/api/motion", { experiment: experiment.id }).then(decode),
+      ...active.map((capture) => store.ofCapture(node, capture, MOTION2))
+    ]);
+    this.motion = motion;
+    this.recorded = parts;
+    timed("experiment", () => this.draw());
+  }
+  /** Draw the motion over what was recorded, and by what the rivals part on it. */
+  draw() {
+    const { motion, recorded = [], state } = this;
+    if (!motion || !state?.experiment || byId("next").hidden) return;
+    const rotary = state.captures[0]?.coordinate !== "linear";
+    const units = rotary ? { theta: "rad", omega: "rad/s" } : { theta: "m", omega: "m/s" };
+    const both = (name) => [...recorded.map((part) => part[name]), motion[name]];
+    const since = recorded.map(({ t }) => t.map((value) => value - (t[0] ?? 0)));
+    const [over, across] = ["theta", "omega"].map((name) => ({ y: both(name), name }));
+    for (const [at, { y, name }] of [over, across].entries()) {
+      const x = at === 0 ? [...since, motion.t] : both("theta");
+      const label = (one) => `${WORDS2[one]}, ${units[one]}`;
+      this.plots[at].show({
+        title: at === 0 ? "angle over time" : "velocity over angle",
+        ...clouds(x, y, ["--measured", "--signature"]),
+        xAxis: axis(limits(x), at === 0 ? "time, s" : label("theta")),
+        yAxis: axis(limits(y), label(
+          /** @type {"theta" | "omega"} */
+          name
+        )),
+        ...{ picked: 0, noise: null }
+      });
+    }
+    const apart = state.experiment.rivals.map((_, at) => motion[`rival ${at}`]);
+    const [low, high] = limits(apart);
+    const scale = torqueScale(state.unit, Math.max(-low, high));
+    this.plots[2].show({
+      title: "how the rivals' torques part",
+      x: motion.t,
+      series: apart.map((y, at) => ({ colour: COLOURS[at % COLOURS.length], chosen: null, y, strength: 1 })),
+      xAxis: axis(limits([motion.t]), "time, s"),
+      yAxis: { low, high, factor: scale.factor, label: `less their mean, ${scale.unit}` },
+      ...{ picked: 0, noise: null }
+    });
+  }
+  /** Record the motion. @param {Record<string, unknown>} how @returns {Promise<boolean>} whether it began */
+  async attempt(how) {
+    if (!this.told) return false;
+    const live = !this.told.source?.startsWith("the simulated") || "port" in how;
+    this.enable(false);
+    try {
+      await post("try", { experiment: this.told.id, ...how });
+    } catch (reason) {
+      if ("port" in how) throw reason;
+      this.deeds.failed(reason);
+      return false;
+    } finally {
+      this.enable(true);
+    }
+    if (live) this.deeds.recording();
+    else this.deeds.made();
+    return true;
+  }
+  /** Ask for the port of a rig. @param {boolean} by_hand */
+  async askPort(by_hand) {
+    this.by_hand = by_hand;
+    byId("rig-said").textContent = "";
+    byId("rig-fault").hidden = true;
+    byId("rig-warning").hidden = by_hand;
+    rig().showModal();
+    try {
+      const known = await ask("sources");
+      byId("rig-ports").replaceChildren(...known.ports.map(({ port: port2, words: words3 }) => make("option", { value: port2, text: words3 })));
+      const [port, folder] = ["port", "folder"].map((name) => field("rig-form", name));
+      if (!port.value && known.ports.length === 1) port.value = known.ports[0].port;
+      if (!folder.value) folder.value = known.folder;
+    } catch (reason) {
+      byId("rig-said").textContent = wordsOf(reason);
+    }
+  }
+  /** @param {Record<string, unknown>} more */
+  async fromPort(more) {
+    const [port, folder] = ["port", "folder"].map((name) => field("rig-form", name).value);
+    byId("rig-said").textContent = "";
+    byId("rig-fault").hidden = true;
+    try {
+      await this.attempt({ port: port || " ", folder, by_hand: this.by_hand, ...more });
+      rig().close();
+      if (this.by_hand) this.metronome.begin();
+    } catch (reason) {
+      const fault = reason instanceof Refusal ? reason.fault : null;
+      this.fault = fault?.code ?? null;
+      byId("rig-said").textContent = fault?.told ?? wordsOf(reason);
+      byId("rig-fault").hidden = fault === null;
+    }
+  }
+  /** Lead a hand through the motion. */
+  lead() {
+    const { told, motion, state } = this;
+    if (!told || !motion) return;
+    const coordinate = state?.captures[0]?.coordinate ?? "rotary";
+    this.metronome.open({ t: motion.t, theta: motion.theta }, told.steps, coordinate);
+  }
+  /** Record while the hand is led: from the rig of before, or from one that is asked for. */
+  async recordHand() {
+    const source = this.told?.source ?? "";
+    if (!source.startsWith("the rig") && !source.startsWith("an emulated")) return this.askPort(true);
+    if (await this.attempt({ by_hand: true })) this.metronome.begin();
+  }
+  async save() {
+    if (!this.told) return;
+    try {
+      const content = await fetchBytes("/api/motion-file", { experiment: this.told.id });
+      const place3 = URL.createObjectURL(new Blob([content]));
+      make("a", { href: place3, download: "motion.toml" }).click();
+      setTimeout(() => URL.revokeObjectURL(place3), 1e4);
+    } catch (reason) {
+      this.deeds.failed(reason);
+    }
+  }
+};
+function showUntold(place3, { untold }, apart) {
+  const rows = untold.map(
+    (effects) => make(
+      "li",
+      {},
+      `${effects[0]} came in; these captures cannot tell it from ${effects.slice(1).join(", ")}. `,
+      make("button", { type: "button", text: "Tell apart…", on: { click: () => apart(effects) } })
+    )
+  );
+  place3.replaceChildren(...rows);
+}
+function rig() {
+  return (
+    /** @type {HTMLDialogElement} */
+    byId("rig-dialog")
+  );
+}
+function field(form, name) {
+  const { elements } = (
+    /** @type {HTMLFormElement} */
+    byId(form)
+  );
+  return (
+    /** @type {HTMLInputElement} */
+    elements.namedItem(name)
+  );
+}
+function axis([low, high], label) {
+  return { low, high, factor: 1, label };
+}
+function clouds(x, y, [before, motion]) {
+  const whole = x.reduce((total, column) => total + column.length, 0);
+  const first = whole - x[x.length - 1].length;
+  const along = new Float32Array(whole);
+  const [old, fresh] = [new Float32Array(whole).fill(NaN), new Float32Array(whole).fill(NaN)];
+  let at = 0;
+  for (const [n, column] of x.entries()) {
+    along.set(column, at);
+    (at < first ? old : fresh).set(y[n], at);
+    at += column.length;
+  }
+  return {
+    x: along,
+    series: [
+      { colour: before, chosen: null, y: old, strength: 0.5 },
+      { colour: motion, chosen: null, y: fresh, strength: 1 }
+    ]
+  };
+}
+function key(name, at) {
+  const mark = make("i", {});
+  mark.style.background = `var(${COLOURS[at % COLOURS.length]})`;
+  return make("span", { class: "key" }, mark, name);
+}
+function largest(pairs) {
+  return Math.max(100, ...pairs.flatMap(({ d, standard_d, came }) => [d, standard_d, came ?? 0]));
+}
+function bars({ names, d, standard_d, wrong_choice, came }, told, most) {
+  const share = (value) => `${100 * Math.log(Math.max(value, LEAST_D) / LEAST_D) / Math.log(most / LEAST_D)}%`;
+  const row = (words3, value, name) => {
+    const bar = make("span", { class: `bar ${name}` });
+    const line = make("span", { class: "told" });
+    bar.style.width = share(value);
+    line.style.left = share(told);
+    return make(
+      "div",
+      { class: "evidence-line" },
+      make("span", { class: "label", text: words3 }),
+      make("span", { class: "track" }, bar, line),
+      make("span", { class: "figure", text: number(value) })
+    );
+  };
+  const wrong = wrong_choice < 1e-3 ? "less than 0.1 %" : percent(wrong_choice);
+  return [
+    make("p", {}, make("strong", { text: names.join(" or ") }), `: the wrong one is chosen in ${wrong}`),
+    row("this motion", d, "promised"),
+    row("best standard motion", standard_d, "standard"),
+    ...came === null ? [] : [row("what came", came, "came")]
+  ];
+}
+
 // src/params.js
 var STEPS = 400;
 var Params = class {
@@ -1849,7 +2417,7 @@ var Params = class {
     });
     const value = make("span", { class: "figure" });
     this.rows.set(param.name, { slider, value, low, high });
-    const between2 = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
+    const between3 = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
     const doubt = param.doubt ? make("span", { class: "doubt", text: " ⚠", "aria-label": param.doubt }) : null;
     const about2 = [param.name, param.meaning, param.doubt].filter(Boolean).join(": ");
     return make(
@@ -1857,7 +2425,7 @@ var Params = class {
       {},
       make("th", { scope: "row", title: about2 }, param.name.split(".").slice(1).join("."), doubt),
       make("td", {}, slider),
-      make("td", { class: "value", title: `95 % interval ${between2} ${param.unit}` }, value),
+      make("td", { class: "value", title: `95 % interval ${between3} ${param.unit}` }, value),
       make("td", { class: "soft unit", text: param.unit, title: param.unit })
     );
   }
@@ -1929,9 +2497,9 @@ function sources(heard) {
     if (!byId("new-effects").querySelector("input")) byId("new-effects").append(...every.map(effectBox(known.effects)));
     byId("new-ports").replaceChildren(...known.ports.map(({ port: port2, words: words3 }) => make("option", { value: port2, text: words3 })));
     byId("new-found").textContent = found(known.ports);
-    const port = field(form, "port");
+    const port = field2(form, "port");
     if (!port.value && known.ports.length === 1) port.value = known.ports[0].port;
-    if (!field(form, "folder").value) field(form, "folder").value = known.folder;
+    if (!field2(form, "folder").value) field2(form, "folder").value = known.folder;
     const emulated = (
       /** @type {HTMLInputElement} */
       form.querySelector("[value=emulated]")
@@ -2028,7 +2596,7 @@ function fill(form, name, choices, first) {
   list.replaceChildren(...choices.map(([value, text]) => make("option", { value, text })));
   if (choices.some(([value]) => value === before)) list.value = before ?? "";
 }
-function field(form, name) {
+function field2(form, name) {
   return (
     /** @type {HTMLInputElement} */
     form.elements.namedItem(name)
@@ -2084,13 +2652,26 @@ var App = class {
       look: (effect) => this.look(effect),
       take: (effect) => this.ask("add", { effect }, "add"),
       ask: () => this.ask("diagnose"),
-      about
+      about,
+      apart: (effects) => this.next.design(effects)
     };
     this.candidates = new Candidates(byId("candidates"), deeds, "Add");
     this.any = new AnyEffect((effect) => this.ask("add", { effect }, "add"));
     this.looking = new AbortController();
     this.looked = null;
     this.live = null;
+    this.next = new Next({
+      store: this.store,
+      design: async (body) => {
+        const answer = await this.ask("design", body);
+        if (answer) await this.load(Infinity);
+        return answer;
+      },
+      recording: () => this.live?.follow(),
+      where: () => this.live?.angle ?? null,
+      made: () => this.refresh(Infinity),
+      failed: (reason) => this.failed(reason)
+    });
   }
   start() {
     const heard = {
@@ -2106,7 +2687,10 @@ var App = class {
       ...{ made: heard.done, say: heard.say, recording: () => this.live?.follow() },
       open: () => this.state?.captures.length ?? 0
     });
-    themed(() => this.linked.redraw());
+    themed(() => {
+      this.linked.redraw();
+      this.next.draw();
+    });
     this.buttons();
     document.addEventListener("keydown", (event) => this.key(event));
     listen({
@@ -2201,6 +2785,8 @@ var App = class {
     this.params.show(state.params);
     this.candidates.show(state);
     this.any.show(state.absent);
+    this.next.show(state);
+    showUntold(byId("untold"), state, (effects) => this.next.design(effects));
     this.showJob(state.job);
     const branch = state.branches.find(({ id }) => id === state.branch);
     enable("undo", (branch?.at ?? 0) > 0);
@@ -2310,17 +2896,17 @@ var App = class {
   key(event) {
     if (event.target instanceof HTMLInputElement && event.target.type !== "range" && event.key !== "Escape") return;
     const control = event.ctrlKey || event.metaKey;
-    const key = event.key.toLowerCase();
+    const key2 = event.key.toLowerCase();
     if (event.key === "Escape" && this.live?.following) {
       this.live.stop(true);
     } else if (event.key === "Escape") {
       this.linked.clear();
-    } else if (!control && !event.altKey && key === "z") {
+    } else if (!control && !event.altKey && key2 === "z") {
       this.linked.lookCloser();
-    } else if (control && (key === "y" || key === "z" && event.shiftKey)) {
+    } else if (control && (key2 === "y" || key2 === "z" && event.shiftKey)) {
       event.preventDefault();
       byId("redo").click();
-    } else if (control && key === "z") {
+    } else if (control && key2 === "z") {
       event.preventDefault();
       byId("undo").click();
     }

@@ -1,0 +1,221 @@
+"""The motion of a next experiment as a session keeps it: its rivals, what it promises, what came of it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass, fields, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..base import pages
+from ..capture.by_hand import by_hand, hand_can
+from ..capture.motion_plan import MotionPlan
+from ..errors import InputError
+from ..fit import fit
+from ..learn.experiment import next_experiment
+from ..learn.limits import Limits
+from ..learn.telling import TOLD, Telling, wrong_choice
+from ..model import Model
+from ..model.simulate import exact
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from ..base.arrays import FloatArray
+    from ..capture import Capture
+    from ..learn import LearningResult
+    from ..learn.experiment import Experiment
+    from .session import Tell
+
+_SHOWN = 4000  # samples of a motion, which a page draws and a hand is led through
+_UNIT = {"rotary": "N m", "linear": "N"}
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two rivals by their places: D that was promised, D of the best standard motion, and D that came."""
+
+    one: int
+    other: int
+    d: float
+    standard_d: float
+    came: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Designed:
+    """A motion that was designed at a node of a session; `white` is the variance of the noise, (N m)^2.
+
+    `names` and `models` are the rivals' as fitted by then. `capture` is the recording that was made of it,
+    and `verdict` what that told; `right` is the place of the rival that alone explains it, if one does.
+    """
+
+    id: str
+    node: str
+    names: tuple[str, ...]
+    models: tuple[Model, ...]
+    plan: MotionPlan
+    limits: Limits
+    white: float
+    headline: str
+    separable: bool
+    pairs: tuple[Pair, ...]
+    capture: str | None = None
+    verdict: str | None = None
+    right: int | None = None
+
+    def track(self) -> Any:
+        """Return the motion at the rate of the captures."""
+        return self.plan.track(self.limits.sample_rate_hz)
+
+    def columns(self) -> dict[str, FloatArray]:
+        """Return the motion and by what each rival's torque differs from their mean, thinned for the eye."""
+        track = self.track()
+        coordinate = self.models[0].coordinate
+        still = exact(coordinate, track)
+        torques = np.array([model.core.torque(still, filtered=False) for model in self.models])
+        apart = torques - torques.mean(axis=0)
+        some = slice(None, None, max(1, -(-len(track.t) // _SHOWN)))
+        found = {"t": track.t, "theta": track.theta, "omega": track.omega}
+        found |= {f"rival {at}": torque for at, torque in enumerate(apart)}
+        return {name: column[some] for name, column in found.items()}
+
+    def document(self, source: str | None) -> pages.Experiment:
+        """Return what a page shows of it; `source` is what it can be recorded from at once, in words."""
+        steps = by_hand(self.plan, self.models[0].coordinate)
+        return {
+            "id": self.id,
+            "rivals": list(self.names),
+            "headline": self.headline,
+            "separable": self.separable,
+            "seconds": self.plan.seconds,
+            "limits": {one.name: getattr(self.limits, one.name) for one in fields(Limits)},
+            "pairs": [
+                {
+                    "names": (self.names[one.one], self.names[one.other]),
+                    "d": one.d,
+                    "standard_d": one.standard_d,
+                    "wrong_choice": wrong_choice(one.d),
+                    "came": one.came,
+                }
+                for one in self.pairs
+            ],
+            "told": TOLD,
+            "by_hand": hand_can(steps),
+            "steps": [
+                {
+                    "words": one.words,
+                    "seconds": one.seconds,
+                    "beats": one.beats_per_minute,
+                    "cannot": one.cannot,
+                }
+                for one in steps
+            ],
+            "source": source,
+            "capture": self.capture,
+            "verdict": self.verdict,
+        }
+
+    def record(self) -> dict[str, Any]:
+        """Return it as a journal keeps it."""
+        told: dict[str, Any] = {one.name: getattr(self, one.name) for one in fields(self)}
+        told |= {"models": [model.text() for model in self.models], "plan": self.plan.text()}
+        return told | {"limits": asdict(self.limits), "pairs": [asdict(pair) for pair in self.pairs]}
+
+    @classmethod
+    def again(cls, told: Mapping[str, Any]) -> Designed:
+        """Return what `record` told."""
+        given = dict(told)
+        given["names"] = tuple(told["names"])
+        given["models"] = tuple(Model.parse(text) for text in told["models"])
+        given["plan"] = MotionPlan.parse(told["plan"])
+        given["limits"] = Limits(**told["limits"])
+        given["pairs"] = tuple(Pair(**pair) for pair in told["pairs"])
+        return cls(**given)
+
+
+def rivals(story: LearningResult, names: Sequence[str]) -> list[str]:
+    """Return the sets that are to be told apart, for `next_experiment`: one with each of these effects.
+
+    What the model has besides stays in each; of those that it has already, each takes the others' place.
+    """
+    base = story.ladder[0].fit.model.effects
+    beyond = [one for one in story.ladder[-1].fit.model.effects if one not in base]
+    rest = [one for one in beyond if one not in names]
+    return ["+".join([*rest, one]) for one in names]
+
+
+def limits_of(given: Mapping[str, Any], usual: Limits) -> Limits:
+    """Return limits of which some are given. Raises InputError for what is none."""
+    known = [one.name for one in fields(Limits)]
+    for name, value in given.items():
+        if name not in known:
+            raise InputError(f"limits, {name}: is no limit; known are {', '.join(known)}")
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise InputError(f"limits, {name}: is {value!r}; give a number")
+    return replace(usual, **{name: float(value) for name, value in given.items()})
+
+
+def designed(
+    story: LearningResult, names: Sequence[str], limits: Mapping[str, Any], node: str, tell: Tell
+) -> Designed:
+    """Return the motion that would tell models with each of these effects apart; none: what is not told."""
+    tell("fitting the rivals")
+    within = limits_of(limits, Limits.reached(story.fit.prepared))
+    found = next_experiment(story, rivals=rivals(story, names), limits=within, progress=tell)
+    if found.sharpened:
+        raise InputError(
+            "nothing is left that could be taken for what was found; there is nothing to tell apart"
+        )
+    return _kept(found, node)
+
+
+def _kept(found: Experiment, node: str) -> Designed:
+    return Designed(
+        "",
+        node,
+        tuple(one.name for one in found.rivals),
+        tuple(one.fit.model for one in found.rivals),
+        found.plan,
+        found.limits,
+        Telling(found.rivals).white,
+        found.headline,
+        found.separable,
+        tuple(Pair(*one.pair, one.d, one.standard_d) for one in found.expected),
+    )
+
+
+def came(
+    kept: Designed, captures: Sequence[Capture], name: str, options: Mapping[str, Any], tell: Tell
+) -> Designed:
+    """Return it with what a recording of the motion told: every rival is fitted to it and to all before."""
+    left, params = [], []
+    for rival, model in zip(kept.names, kept.models, strict=True):
+        tell(f"fitting {rival} to all")
+        fitted = fit(captures, model, **options)
+        used = sum(one.core.used for one in fitted.prepared)
+        left.append(fitted.rmse**2 * used / kept.white)
+        params.append(len(fitted.core.free))
+    # Twice the logarithm of the evidence that a parameter costs is that of the samples (Schwarz 1978).
+    cost = [one + count * math.log(max(used, 2)) for one, count in zip(left, params, strict=True)]
+    best = int(np.argmin(cost))
+    more = [one - left[best] for one in left]
+    richer = [count > params[best] for count in params]
+    pairs = tuple(replace(one, came=abs(left[one.one] - left[one.other])) for one in kept.pairs)
+    promised = {frozenset((one.one, one.other)): one.d for one in kept.pairs}
+    others = [at for at in range(len(left)) if at != best]
+    gone = [at for at in others if more[at] >= TOLD]
+    # Were a richer one right, the motion would have shown it.
+    idle = [
+        at for at in others if abs(more[at]) < TOLD and richer[at] and promised[frozenset((best, at))] >= TOLD
+    ]
+    tied = [at for at in others if at not in (*gone, *idle)]
+    words = [f"{kept.names[best]} explains all captures best"]
+    words += [
+        f"{kept.names[at]} leaves {more[at]:.3g} more, where {TOLD:.3g} tells them apart" for at in gone
+    ]
+    words += [f"{kept.names[at]} explains no more with more parameters" for at in idle]
+    words += [f"still not told from it: {', '.join(kept.names[at] for at in tied)}"] if tied else []
+    verdict = f"{'; '.join(words)}."
+    return replace(kept, pairs=pairs, capture=name, verdict=verdict, right=None if tied else best)

@@ -1,0 +1,46 @@
+"""A next experiment in a session: the motion is designed, and what was recorded of it is taken in."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from . import designed
+from .learned import learned
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from ..capture import Capture
+    from .designed import Designed
+    from .session import Session, Tell
+
+
+def design(session: Session, names: Sequence[str], limits: Mapping[str, Any], tell: Tell) -> None:
+    """Design the motion that would tell models with each of these effects apart; none: what is not told.
+
+    Raises InputError for what cannot be fitted, and for limits within which nothing moves.
+    """
+    node, done = session.node, session.branch.done
+    story = learned(done, session.weigh(tell))
+    found = designed.designed(story, names, limits, node.id, tell)
+    tell("putting the motion in place", last=True)
+    session.keep(found)
+
+
+def tried(session: Session, design: Designed, capture: Capture, name: str, tell: Tell, **origin: Any) -> str:
+    """Take in what was recorded of a motion, and return its id; the model becomes that of who was right.
+
+    Where it is not told who was, or the branch has moved on, the model keeps its effects. `origin` as of
+    `Session.take`. Raises InputError for one that cannot be fitted.
+    """
+    there = [session.captures[one].capture for one in session.captures_of(design)]
+    told = designed.came(design, [*there, capture], name, session.start.options, tell)
+    if told.right is not None and session.node.id == design.node:
+        right, now = told.models[told.right].effects, session.node.fit.model.effects
+        for effect in [one for one in now if one not in right]:
+            session.drop(effect, tell)
+        for effect in [one for one in right if one not in now]:
+            session.add(effect, tell)
+    taken = session.take(capture, name, None, tell, onward=True, **origin)
+    session.keep(told)
+    return taken

@@ -1,0 +1,78 @@
+"""A motion in words for a hand: what is alike is one step, and what no hand can do is said."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from knobcam.capture.by_hand import by_hand, hand_can, in_words
+from knobcam.capture.motion_plan import MotionPlan, Move, Rest, Waves
+from knobcam.learn.limits import Limits
+from knobcam.learn.motion_space import bank, plan
+
+RAD = math.radians(1.0)
+
+
+def to_and_fro(half: float, speed: float, moves: int) -> MotionPlan:
+    ends = (half, -half)
+    parts = [Move(half, speed, 50.0), *(Move(ends[(n + 1) % 2], speed, 50.0) for n in range(moves))]
+    return MotionPlan(tuple(parts))
+
+
+def test_passes_between_the_same_ends_are_one_step_with_degrees_seconds_and_beats() -> None:
+    motion = to_and_fro(1.5 * RAD, 0.07, 20)
+    first, second = by_hand(motion)
+    one_way = motion.parts[1].seconds(1.5 * RAD)
+    assert first.words.startswith("to 1.5 degrees in ")
+    assert second.words.startswith("to and fro between 1.5 and -1.5 degrees, 10 times, one way in 0.75 s")
+    assert second.seconds == pytest.approx(20 * one_way)
+    assert second.beats_per_minute == pytest.approx(60.0 / one_way)
+    assert f"{60.0 / one_way:.0f} beats a minute" in second.words
+    assert hand_can([first, second])
+
+
+def test_a_slow_pass_has_a_beat_about_every_second() -> None:
+    (step,) = by_hand(MotionPlan((Move(1.0, 0.1, 50.0),)))
+    assert step.seconds > 10.0 and 55.0 < step.beats_per_minute < 65.0
+    assert "10 beats" in step.words
+
+
+def test_stairs_with_rests_are_one_step() -> None:
+    parts = [part for n in range(1, 6) for part in (Move(0.1 * n, 0.5, 20.0), Rest(0.4))]
+    (step,) = by_hand(MotionPlan(tuple(parts)))
+    assert step.words.startswith("in 5 steps of 5.7 degrees to 28.6, each in 0.24 s, then 0.4 s of rest (94 ")
+    assert step.seconds == pytest.approx(MotionPlan(tuple(parts)).seconds)
+
+
+@pytest.mark.parametrize(
+    ("motion", "why"),
+    [
+        (MotionPlan((Waves(2.0, 0.4, 0.5, (0.1,), (0.0,)),)), "for a motor"),
+        (to_and_fro(0.1 * RAD, 0.01, 8), "too small"),
+        (to_and_fro(0.05, 40.0, 8), "too quick"),
+    ],
+)
+def test_what_no_hand_can_do_is_said(motion: MotionPlan, why: str) -> None:
+    steps = by_hand(motion)
+    assert not hand_can(steps) and why in steps[-1].cannot
+    assert in_words(steps).startswith("No hand can do all of this:\n")
+
+
+def test_no_second_of_any_motion_is_left_out_of_the_words() -> None:
+    limits = Limits(0.1, 6.0, 80.0, -1.0, 2.0, duration_s=9.0, sample_rate_hz=2000.0)
+    for pieces in bank():
+        motion = plan(pieces, limits)
+        steps = by_hand(motion)
+        assert sum(one.seconds for one in steps) == pytest.approx(motion.seconds, rel=1e-9)
+        assert len(in_words(steps).splitlines()) <= 9
+
+
+def test_a_linear_axis_is_told_in_millimetres() -> None:
+    (step,) = by_hand(MotionPlan((Move(0.012, 0.01, 1.0),)), "linear")
+    assert step.words.startswith("to 12 mm")
+
+
+def test_the_text_of_a_motion_gives_it_back() -> None:
+    motion = MotionPlan((Move(0.5, 3.0, 50.0), Rest(0.1), Waves(2.0, 0.4, 0.5, (0.1,), (0.0,))), 0.1, 'a "x"')
+    assert MotionPlan.parse(motion.text()) == motion

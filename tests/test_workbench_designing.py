@@ -1,0 +1,245 @@
+"""The next experiment at the workbench: designed, recorded from the same knob, told, and kept."""
+
+from __future__ import annotations
+
+import json
+import runpy
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+import httpx
+import numpy as np
+import pytest
+from workbench_server import served, wrong
+
+import knobcam as kc
+from knobcam.capture.motion_plan import MotionPlan
+from knobcam.workbench import designed as designing
+from knobcam.workbench.bench import Bench
+from knobcam.workbench.guard import HEADER
+
+RIVALS = ["return_spring", "unbalance"]
+SPRUNG = {"knob": "knob4", "effects": ["return_spring"], "motion": "sweep", "duration_s": 3.0}
+
+
+@pytest.fixture(autouse=True)
+def _quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A search of a second is enough to be tested."""
+    searched(monkeypatch, 1.0)
+
+
+def searched(monkeypatch: pytest.MonkeyPatch, seconds: float) -> None:
+    def searching(*given: Any, **options: Any) -> kc.Experiment:
+        return kc.next_experiment(*given, search_s=seconds, **options)
+
+    monkeypatch.setattr(designing, "next_experiment", searching)
+
+
+def shown(client: httpx.Client) -> dict[str, Any]:
+    state: dict[str, Any] = client.get("/api/state").json()
+    return state
+
+
+def columns(answer: httpx.Response) -> dict[str, np.ndarray]:
+    line = answer.content.split(b"\n")[0]
+    head = json.loads(line)
+    floats = np.frombuffer(answer.content[-(-(len(line) + 1) // 4) * 4 :], dtype="<f4")
+    return dict(zip(head["names"], floats.reshape(len(head["names"]), head["n"]), strict=True))
+
+
+def post(client: httpx.Client, verb: str, **body: Any) -> httpx.Response:
+    answer = client.post(f"/api/{verb}", json=body)
+    assert answer.status_code == 200, answer.text
+    return answer
+
+
+def test_what_cannot_be_told_is_designed_for_recorded_from_the_same_knob_and_told(
+    client: httpx.Client, bench: Bench, tmp_path: Path
+) -> None:
+    post(client, "simulate", **SPRUNG)
+    assert shown(client)["experiment"] is None
+    post(client, "design", effects=RIVALS)
+    found = shown(client)["experiment"]
+    assert found["rivals"] == RIVALS and found["separable"] and found["source"] == "the simulated knob4"
+    assert found["seconds"] <= found["limits"]["duration_s"] and found["capture"] is None
+    (pair,) = found["pairs"]
+    assert pair["names"] == RIVALS and pair["d"] > 10.8 and pair["came"] is None
+    assert sum(step["seconds"] for step in found["steps"]) == pytest.approx(found["seconds"])
+
+    motion = columns(client.get("/api/motion", params={"experiment": found["id"]}))
+    assert set(motion) == {"t", "theta", "omega", "rival 0", "rival 1"} and len(motion["t"]) <= 4000
+    assert np.abs(motion["omega"]).max() <= found["limits"]["omega_rad_s"] * 1.001
+    np.testing.assert_allclose(motion["rival 0"], -motion["rival 1"], atol=1e-8)
+    assert np.abs(motion["rival 0"]).max() > 0.0
+
+    file = client.get("/api/motion-file", params={"experiment": found["id"]})
+    assert "motion.toml" in file.headers["content-disposition"]
+    assert MotionPlan.parse(file.text).seconds == pytest.approx(found["seconds"])
+
+    post(client, "try", experiment=found["id"])
+    state = shown(client)
+    assert [one["name"] for one in state["captures"]][1] == "knob4, simulated designed motion"
+    assert state["active"] == ["c1", state["captures"][1]["id"]]
+    assert "return_spring.k" in {one["name"] for one in state["params"]}
+    told = state["experiment"]
+    assert told["id"] == found["id"] and told["capture"] == "knob4, simulated designed motion"
+    assert told["verdict"].startswith("return_spring explains all captures best; unbalance leaves ")
+    assert told["pairs"][0]["came"] > 100.0
+
+    script = tmp_path / "session.py"
+    script.write_bytes(client.get("/api/download", params={"what": "script"}).content)
+    made = runpy.run_path(str(script))["capture_2"]
+    kept = bench.session.captures[state["captures"][1]["id"]].capture
+    np.testing.assert_array_equal(made.tau, kept.tau)
+
+
+def test_the_model_becomes_that_of_who_was_right_and_can_be_taken_back(
+    client: httpx.Client, bench: Bench
+) -> None:
+    post(client, "simulate", **SPRUNG)
+    post(client, "add", effect="unbalance")
+    before = shown(client)
+    post(client, "design", effects=RIVALS)
+    post(client, "try", experiment=shown(client)["experiment"]["id"])
+    fit = bench.session.node.fit
+    assert "return_spring" in fit.model.effects and "unbalance" not in fit.model.effects
+    assert len(fit.prepared) == 2 and fit.rmse < 1.05 * fit.noise_floor
+    assert bench.session.weigh().best is None
+    for _ in range(3):
+        post(client, "undo")
+    assert shown(client)["node"] == before["node"] and shown(client)["params"] == before["params"]
+
+
+def test_an_emulated_rig_is_recorded_from_with_the_same_knob_in_it(
+    client: httpx.Client, bench: Bench, tmp_path: Path
+) -> None:
+    body = {"source": "emulated", "speed": 8.0, "folder": str(tmp_path), **SPRUNG}
+    post(client, "record", **body)
+    assert bench.recorder.live is not None and bench.recorder.live.ended.wait(60.0)
+    post(client, "design", effects=RIVALS)
+    found = shown(client)["experiment"]
+    assert found["source"] == "an emulated rig with knob4"
+    answer = post(client, "try", experiment=found["id"], folder=str(tmp_path), speed=8.0)
+    log = Path(answer.json()["log"])
+    assert log.name == "knob4-designed-1.kcwire" and bench.recorder.live.ended.wait(60.0)
+    told = shown(client)["experiment"]
+    assert told["capture"] == log.name and told["verdict"].startswith("return_spring explains all")
+    motion = bench.session.designed(found["id"]).track()
+    np.testing.assert_allclose(kc.load(log).theta[-len(motion.t) :], motion.theta, atol=1e-3)
+    # By hand it is recorded for as long as a hand is led, and some more.
+    again = post(client, "try", experiment=found["id"], folder=str(tmp_path), speed=8.0, by_hand=True)
+    assert bench.recorder.live.ended.wait(60.0) and bench.recorder.live.failure is None
+    by_hand = kc.load(again.json()["log"])
+    assert by_hand.duration_s == pytest.approx(found["seconds"] + 6.0, abs=0.01)
+    assert by_hand.meta["motion"]["name"] == "hand"
+    assert by_hand.theta.max() == pytest.approx(motion.theta.max(), abs=2e-3)
+
+
+def test_a_design_and_what_came_of_it_go_on_with_the_session(tmp_path: Path) -> None:
+    root = tmp_path / "sessions"
+
+    def as_kept(bench: Bench) -> dict[str, Any]:
+        design = bench.session.experiment
+        assert design is not None
+        return design.record() | {"columns": {name: one.tolist() for name, one in design.columns().items()}}
+
+    first = Bench(kept_in=root)
+    with served(first) as client:
+        post(client, "simulate", **SPRUNG)
+        post(client, "design", effects=RIVALS)
+        before = as_kept(first)
+    second = Bench(kept_in=root)
+    with served(second) as client:
+        post(client, "continue", session="000001")
+        assert as_kept(second) == before
+        post(client, "try", experiment=before["id"])
+        after, captures = as_kept(second), shown(client)["captures"]
+        assert after["verdict"] is not None
+    third = Bench(kept_in=root)
+    with served(third) as client:
+        post(client, "continue", session="000001")
+        assert as_kept(third) == after and shown(client)["captures"] == captures
+
+
+def test_a_design_is_cancelled_while_it_says_how_far_it_is(
+    client: httpx.Client, bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    post(client, "simulate", **SPRUNG)
+    bench.session.weigh()
+    searched(monkeypatch, 20.0)
+    seen = []
+
+    with httpx.Client(base_url=client.base_url, headers={HEADER: client.headers[HEADER]}) as other:
+
+        def asks() -> None:
+            answer = other.post("/api/design", json={"effects": RIVALS}, timeout=60.0)
+            seen.append(answer)
+
+        thread = threading.Thread(target=asks)
+        thread.start()
+        until = time.monotonic() + 30.0
+        shares: list[float] = []
+        while len(set(shares)) < 3 and time.monotonic() < until:
+            told = shown(client)["job"]
+            if told and told["what"] == "looking for the motion" and told["done"] is not None:
+                shares.append(told["done"])
+            time.sleep(0.05)
+        assert post(client, "cancel").json()["cancelled"] is True
+        thread.join(10.0)
+    assert shares == sorted(shares) and len(set(shares)) == 3
+    wrong(seen[0], 400, "cancelled; nothing was changed")
+    assert shown(client)["experiment"] is None
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        ({"effects": "unbalance"}, "give a list"),
+        ({"effects": ["unbalance"]}, "are not two"),
+        ({"effects": ["unbalance", "nothing"]}, "nothing"),
+        ({"effects": ["unbalance", "detent"]}, "part of the base model"),
+        ({"effects": RIVALS, "limits": {"omega": 1.0}}, "is no limit"),
+        ({"effects": RIVALS, "limits": {"omega_rad_s": "fast"}}, "give a number"),
+        ({"effects": RIVALS, "limits": {"omega_rad_s": -1.0}}, "give a number above 0"),
+        ({"effects": RIVALS, "limits": {"torque_Nm": 1e-7}}, "torque_Nm"),
+        ({"effects": RIVALS, "limits": [1]}, "give an object"),
+    ],
+)
+def test_what_cannot_be_designed_is_one_line_and_changes_nothing(
+    body: dict[str, Any], words: str, sprung_bench: tuple[httpx.Client, Bench]
+) -> None:
+    client, _ = sprung_bench
+    before = shown(client)["experiment"]
+    wrong(client.post("/api/design", json=body), 400, words)
+    assert shown(client)["experiment"] == before
+
+
+@pytest.fixture(scope="module")
+def sprung_bench() -> Any:
+    """A session with a capture that came as a file."""
+    bench = Bench()
+    with served(bench) as client:
+        knob = kc.Model.load("knob4").with_effect("return_spring").with_value("return_spring.k", 0.004)
+        bench.session.take(kc.simulate(knob, "sweep", duration_s=2.0), "sprung")
+        yield client, bench
+
+
+def test_of_a_file_nobody_knows_the_knob_and_a_port_is_asked_for(
+    sprung_bench: tuple[httpx.Client, Bench], tmp_path: Path
+) -> None:
+    client, _ = sprung_bench
+    post(client, "design", effects=RIVALS)
+    found = shown(client)["experiment"]
+    assert found["source"] is None
+    wrong(client.post("/api/try", json={"experiment": found["id"]}), 400, "name the port of the rig")
+    wrong(client.post("/api/try", json={"experiment": "e999"}), 400, "is not in this session")
+    body = {"experiment": found["id"], "port": "/dev/no_such_rig", "folder": str(tmp_path)}
+    wrong(client.post("/api/try", json=body), 400, "no such port")
+    assert len(shown(client)["captures"]) == 1
+    wrong(client.get("/api/motion", params={"experiment": "e999"}), 400, "is not in this session")
+    body = {"effects": RIVALS, "limits": {"duration_s": 3.0, "omega_rad_s": 1.5}}
+    post(client, "design", **body)
+    again = shown(client)["experiment"]
+    assert again["seconds"] <= 3.0 and again["limits"]["omega_rad_s"] == 1.5

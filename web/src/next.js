@@ -1,0 +1,382 @@
+/** The next experiment: the motion that would tell candidates apart, over what was recorded; recorded, told. */
+
+import { Refusal, ask, fetchBytes, post, wordsOf } from "./api.js";
+import { limits } from "./axes.js";
+import { byId, make } from "./dom.js";
+import { Metronome } from "./metronome.js";
+import { number, percent, torqueScale } from "./numbers.js";
+import { Plot } from "./plot.js";
+import { decode } from "./store.js";
+import { timed } from "./timing.js";
+
+/** @typedef {import("./types.js").Experiment} Experiment */
+/** @typedef {import("./types.js").State} State */
+/** @typedef {Record<string, Float32Array>} Columns */
+
+const COLOURS = ["--modelled", "--wrong", "--signature", "--beside"];
+const LEAST_D = 0.1; // where the bars of D begin
+const MOTION = ["t", "theta", "omega"];
+const WORDS = { theta: "angle", omega: "velocity" };
+
+export class Next {
+  /**
+   * @param {{store: import("./store.js").Store, design: (body: object) => Promise<unknown>,
+   *   recording: () => void, where: () => number | null, made: () => void, failed: (reason: unknown) => void}} deeds
+   */
+  constructor(deeds) {
+    this.deeds = deeds;
+    this.metronome = new Metronome(deeds.where);
+    this.plots = ["angle over time", "velocity over angle", "torques of the rivals"].map(
+      (name) => new Plot(`${name} of the next experiment`, () => {}),
+    );
+    byId("next-plots").append(...this.plots.map(({ element }) => element));
+    /** @type {State | null} */
+    this.state = null;
+    /** @type {Columns | null} */
+    this.motion = null;
+    this.drawn = "";
+    /** @type {number | null} the fault that a rig has told */
+    this.fault = null;
+    this.by_hand = false;
+    this.buttons();
+    new ResizeObserver(() => this.draw()).observe(byId("next-plots"));
+  }
+
+  buttons() {
+    byId("next-show").addEventListener("click", () => this.open());
+    byId("next-close").addEventListener("click", () => this.close());
+    byId("next-record").addEventListener("click", () => this.attempt({}));
+    byId("next-port").addEventListener("click", () => this.askPort(false));
+    byId("next-hand").addEventListener("click", () => this.lead());
+    byId("next-file").addEventListener("click", () => this.save());
+    byId("lead-record").addEventListener("click", () => this.recordHand());
+    byId("rig-close").addEventListener("click", () => rig().close());
+    byId("rig-form").addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.fromPort({});
+    });
+    byId("rig-clear").addEventListener("click", () => this.fromPort({ clear_fault: this.fault }));
+    byId("next-limits").addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.designAgain();
+    });
+  }
+
+  /** @returns {Experiment | null} */
+  get told() {
+    return this.state?.experiment ?? null;
+  }
+
+  /** Design a motion for effects, and show it. @param {string[]} effects @param {object} [within] */
+  async design(effects, within = {}) {
+    this.effects = effects;
+    this.enable(false);
+    const made = await this.deeds.design({ effects, limits: within });
+    this.enable(true);
+    if (made) this.open();
+  }
+
+  /** What makes another one waits for this one. @param {boolean} free */
+  enable(free) {
+    for (const id of ["next-record", "next-port", "next-again"]) {
+      /** @type {HTMLButtonElement} */ (byId(id)).disabled = !free;
+    }
+  }
+
+  designAgain() {
+    /** @type {Record<string, unknown>} */
+    const within = {};
+    for (const [name, value] of new FormData(/** @type {HTMLFormElement} */ (byId("next-limits")))) {
+      const typed = Number(value);
+      within[name] = String(value).trim() && Number.isFinite(typed) ? typed : value;
+    }
+    this.design(this.effects ?? this.told?.rivals.map((one) => one.split(" + ").at(-1) ?? "") ?? [], within);
+  }
+
+  open() {
+    byId("next").hidden = false;
+    this.drawn = "";
+    if (this.state) this.show(this.state);
+    byId("next-close").focus();
+  }
+
+  close() {
+    this.metronome.close();
+    byId("next").hidden = true;
+  }
+
+  /** @param {State} state */
+  show(state) {
+    this.state = state;
+    const { experiment, node, recording } = state;
+    byId("next-line").hidden = experiment === null;
+    if (experiment === null) {
+      byId("next").hidden = true;
+      return;
+    }
+    byId("next-said").textContent = experiment.verdict ?? experiment.headline;
+    if (byId("next").hidden) return;
+    this.enable(!recording);
+    const shown = JSON.stringify([experiment, node, state.active]);
+    if (shown === this.drawn) return;
+    this.drawn = shown;
+    this.tell(experiment);
+    this.load(experiment, state).catch(this.deeds.failed);
+  }
+
+  /** @param {Experiment} experiment */
+  tell(experiment) {
+    const { headline, verdict, source, pairs, steps, by_hand, seconds, limits: within } = experiment;
+    byId("next-time").textContent = `${number(seconds)} s`;
+    byId("next-headline").textContent = headline;
+    byId("next-verdict").textContent = verdict ?? "";
+    byId("next-record").hidden = source === null;
+    byId("next-record").textContent = experiment.capture ? "Record it again" : "Record it";
+    byId("next-record").title = source ? `from ${source}` : "";
+    byId("next-source").textContent = source ? `from ${source}` : "";
+    byId("next-keys").replaceChildren(...experiment.rivals.map(key));
+    byId("next-pairs").replaceChildren(...pairs.flatMap((pair) => bars(pair, experiment.told, largest(pairs))));
+    byId("next-can").textContent = by_hand
+      ? "A hand can do it, led by a metronome:"
+      : "No hand can do all of it; what a hand would have to do:";
+    byId("next-steps").replaceChildren(
+      ...steps.map(({ words, cannot }) =>
+        make("li", {}, words, cannot ? make("span", { class: "doubt", text: ` (${cannot})` }) : null),
+      ),
+    );
+    for (const [name, value] of Object.entries(within)) {
+      const field = byId("next-limits").querySelector(`[name=${name}]`);
+      if (field instanceof HTMLInputElement) field.value = String(Number(value.toPrecision(4)));
+    }
+  }
+
+  /** @param {Experiment} experiment @param {State} state */
+  async load(experiment, { node, active }) {
+    if (node === null) return;
+    const { store } = this.deeds;
+    const [motion, ...parts] = await Promise.all([
+      fetchBytes("/api/motion", { experiment: experiment.id }).then(decode),
+      ...active.map((capture) => store.ofCapture(node, capture, MOTION)),
+    ]);
+    this.motion = motion;
+    this.recorded = parts;
+    timed("experiment", () => this.draw());
+  }
+
+  /** Draw the motion over what was recorded, and by what the rivals part on it. */
+  draw() {
+    const { motion, recorded = [], state } = this;
+    if (!motion || !state?.experiment || byId("next").hidden) return;
+    const rotary = state.captures[0]?.coordinate !== "linear";
+    const units = rotary ? { theta: "rad", omega: "rad/s" } : { theta: "m", omega: "m/s" };
+    const both = (/** @type {string} */ name) => [...recorded.map((part) => part[name]), motion[name]];
+    const since = recorded.map(({ t }) => t.map((value) => value - (t[0] ?? 0)));
+    const [over, across] = ["theta", "omega"].map((name) => ({ y: both(name), name }));
+    for (const [at, { y, name }] of [over, across].entries()) {
+      const x = at === 0 ? [...since, motion.t] : both("theta");
+      const label = (/** @type {"theta" | "omega"} */ one) => `${WORDS[one]}, ${units[one]}`;
+      this.plots[at].show({
+        title: at === 0 ? "angle over time" : "velocity over angle",
+        ...clouds(x, y, ["--measured", "--signature"]),
+        xAxis: axis(limits(x), at === 0 ? "time, s" : label("theta")),
+        yAxis: axis(limits(y), label(/** @type {"theta" | "omega"} */ (name))),
+        ...{ picked: 0, noise: null },
+      });
+    }
+    const apart = state.experiment.rivals.map((_, at) => motion[`rival ${at}`]);
+    const [low, high] = limits(apart);
+    const scale = torqueScale(state.unit, Math.max(-low, high));
+    this.plots[2].show({
+      title: "how the rivals' torques part",
+      x: motion.t,
+      series: apart.map((y, at) => ({ colour: COLOURS[at % COLOURS.length], chosen: null, y, strength: 1 })),
+      xAxis: axis(limits([motion.t]), "time, s"),
+      yAxis: { low, high, factor: scale.factor, label: `less their mean, ${scale.unit}` },
+      ...{ picked: 0, noise: null },
+    });
+  }
+
+  /** Record the motion. @param {Record<string, unknown>} how @returns {Promise<boolean>} whether it began */
+  async attempt(how) {
+    if (!this.told) return false;
+    const live = !this.told.source?.startsWith("the simulated") || "port" in how;
+    this.enable(false);
+    try {
+      await post("try", { experiment: this.told.id, ...how });
+    } catch (reason) {
+      if ("port" in how) throw reason;
+      this.deeds.failed(reason);
+      return false;
+    } finally {
+      this.enable(true);
+    }
+    if (live) this.deeds.recording();
+    else this.deeds.made();
+    return true;
+  }
+
+  /** Ask for the port of a rig. @param {boolean} by_hand */
+  async askPort(by_hand) {
+    this.by_hand = by_hand;
+    byId("rig-said").textContent = "";
+    byId("rig-fault").hidden = true;
+    byId("rig-warning").hidden = by_hand;
+    rig().showModal();
+    try {
+      /** @type {import("./types.js").Sources} */
+      const known = await ask("sources");
+      byId("rig-ports").replaceChildren(...known.ports.map(({ port, words }) => make("option", { value: port, text: words })));
+      const [port, folder] = ["port", "folder"].map((name) => field("rig-form", name));
+      if (!port.value && known.ports.length === 1) port.value = known.ports[0].port;
+      if (!folder.value) folder.value = known.folder;
+    } catch (reason) {
+      byId("rig-said").textContent = wordsOf(reason);
+    }
+  }
+
+  /** @param {Record<string, unknown>} more */
+  async fromPort(more) {
+    const [port, folder] = ["port", "folder"].map((name) => field("rig-form", name).value);
+    byId("rig-said").textContent = "";
+    byId("rig-fault").hidden = true;
+    try {
+      await this.attempt({ port: port || " ", folder, by_hand: this.by_hand, ...more });
+      rig().close();
+      if (this.by_hand) this.metronome.begin();
+    } catch (reason) {
+      const fault = reason instanceof Refusal ? reason.fault : null;
+      this.fault = fault?.code ?? null;
+      byId("rig-said").textContent = fault?.told ?? wordsOf(reason);
+      byId("rig-fault").hidden = fault === null;
+    }
+  }
+
+  /** Lead a hand through the motion. */
+  lead() {
+    const { told, motion, state } = this;
+    if (!told || !motion) return;
+    const coordinate = state?.captures[0]?.coordinate ?? "rotary";
+    this.metronome.open({ t: motion.t, theta: motion.theta }, told.steps, coordinate);
+  }
+
+  /** Record while the hand is led: from the rig of before, or from one that is asked for. */
+  async recordHand() {
+    const source = this.told?.source ?? "";
+    if (!source.startsWith("the rig") && !source.startsWith("an emulated")) return this.askPort(true);
+    if (await this.attempt({ by_hand: true })) this.metronome.begin();
+  }
+
+  async save() {
+    if (!this.told) return;
+    try {
+      const content = await fetchBytes("/api/motion-file", { experiment: this.told.id });
+      const place = URL.createObjectURL(new Blob([content]));
+      make("a", { href: place, download: "motion.toml" }).click();
+      setTimeout(() => URL.revokeObjectURL(place), 10_000);
+    } catch (reason) {
+      this.deeds.failed(reason);
+    }
+  }
+}
+
+/**
+ * Say what captures could not tell of what came in, with a button for each.
+ * @param {HTMLElement} place
+ * @param {State} state
+ * @param {(effects: string[]) => void} apart
+ */
+export function showUntold(place, { untold }, apart) {
+  const rows = untold.map((effects) =>
+    make(
+      "li",
+      {},
+      `${effects[0]} came in; these captures cannot tell it from ${effects.slice(1).join(", ")}. `,
+      make("button", { type: "button", text: "Tell apart…", on: { click: () => apart(effects) } }),
+    ),
+  );
+  place.replaceChildren(...rows);
+}
+
+function rig() {
+  return /** @type {HTMLDialogElement} */ (byId("rig-dialog"));
+}
+
+/** @param {string} form @param {string} name */
+function field(form, name) {
+  const { elements } = /** @type {HTMLFormElement} */ (byId(form));
+  return /** @type {HTMLInputElement} */ (elements.namedItem(name));
+}
+
+/** @param {[number, number]} ends @param {string} label */
+function axis([low, high], label) {
+  return { low, high, factor: 1, label };
+}
+
+/**
+ * Columns of different things as series of one plot: each is no number where another one is.
+ * @param {Float32Array[]} x the last of which is the motion
+ * @param {Float32Array[]} y
+ * @param {[string, string]} colours of what was recorded, and of the motion
+ */
+function clouds(x, y, [before, motion]) {
+  const whole = x.reduce((total, column) => total + column.length, 0);
+  const first = whole - x[x.length - 1].length;
+  const along = new Float32Array(whole);
+  const [old, fresh] = [new Float32Array(whole).fill(NaN), new Float32Array(whole).fill(NaN)];
+  let at = 0;
+  for (const [n, column] of x.entries()) {
+    along.set(column, at);
+    (at < first ? old : fresh).set(y[n], at);
+    at += column.length;
+  }
+  return {
+    x: along,
+    series: [
+      { colour: before, chosen: null, y: old, strength: 0.5 },
+      { colour: motion, chosen: null, y: fresh, strength: 1 },
+    ],
+  };
+}
+
+/** @param {string} name @param {number} at */
+function key(name, at) {
+  const mark = make("i", {});
+  mark.style.background = `var(${COLOURS[at % COLOURS.length]})`;
+  return make("span", { class: "key" }, mark, name);
+}
+
+/** @param {Experiment["pairs"]} pairs */
+function largest(pairs) {
+  return Math.max(100, ...pairs.flatMap(({ d, standard_d, came }) => [d, standard_d, came ?? 0]));
+}
+
+/**
+ * The bars of a pair: what the motion promises, what the best standard one would, what came.
+ * @param {Experiment["pairs"][0]} pair
+ * @param {number} told from which D on they are told apart
+ * @param {number} most
+ */
+function bars({ names, d, standard_d, wrong_choice, came }, told, most) {
+  const share = (/** @type {number} */ value) =>
+    `${(100 * Math.log(Math.max(value, LEAST_D) / LEAST_D)) / Math.log(most / LEAST_D)}%`;
+  const row = (/** @type {string} */ words, /** @type {number} */ value, /** @type {string} */ name) => {
+    const bar = make("span", { class: `bar ${name}` });
+    const line = make("span", { class: "told" });
+    bar.style.width = share(value);
+    line.style.left = share(told);
+    return make(
+      "div",
+      { class: "evidence-line" },
+      make("span", { class: "label", text: words }),
+      make("span", { class: "track" }, bar, line),
+      make("span", { class: "figure", text: number(value) }),
+    );
+  };
+  const wrong = wrong_choice < 1e-3 ? "less than 0.1 %" : percent(wrong_choice);
+  return [
+    make("p", {}, make("strong", { text: names.join(" or ") }), `: the wrong one is chosen in ${wrong}`),
+    row("this motion", d, "promised"),
+    row("best standard motion", standard_d, "standard"),
+    ...(came === null ? [] : [row("what came", came, "came")]),
+  ];
+}
