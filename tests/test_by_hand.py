@@ -6,6 +6,7 @@ import math
 
 import pytest
 
+import knobcam as kc
 from knobcam.capture.by_hand import by_hand, hand_can, in_words
 from knobcam.capture.motion_plan import MotionPlan, Move, Rest, Waves
 from knobcam.learn.limits import Limits
@@ -76,3 +77,11 @@ def test_a_linear_axis_is_told_in_millimetres() -> None:
 def test_the_text_of_a_motion_gives_it_back() -> None:
     motion = MotionPlan((Move(0.5, 3.0, 50.0), Rest(0.1), Waves(2.0, 0.4, 0.5, (0.1,), (0.0,))), 0.1, 'a "x"')
     assert MotionPlan.parse(motion.text()) == motion
+
+
+def test_only_what_a_hand_can_make_is_designed_where_that_is_asked_for() -> None:
+    knob = kc.hiding("knob4", "return_spring", motion="sweep", duration_s=3.0)
+    story = kc.learn(kc.simulate(knob, "sweep", duration_s=3.0))
+    rivals = ["return_spring", "unbalance"]
+    designed = kc.next_experiment(story, rivals=rivals, by_hand=True, search_s=1.0)
+    assert hand_can(by_hand(designed.plan)) and designed.separable

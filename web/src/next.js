@@ -70,8 +70,9 @@ export class Next {
   /** Design a motion for effects, and show it. @param {string[]} effects @param {object} [within] */
   async design(effects, within = {}) {
     this.effects = effects;
+    const by_hand = /** @type {HTMLInputElement} */ (byId("next-only-hand")).checked;
     this.enable(false);
-    const made = await this.deeds.design({ effects, limits: within });
+    const made = await this.deeds.design({ effects, limits: within, by_hand });
     this.enable(true);
     if (made) this.open();
   }

@@ -34,6 +34,9 @@ def register(commands: arguments.Commands) -> None:
     parser.add_argument(
         "--limits", metavar="FILE", help="TOML with torque_Nm, omega_rad_s ...; default what was reached"
     )
+    parser.add_argument(
+        "--by-hand", action="store_true", help="only what a hand can make, without a motor: no waves"
+    )
     arguments.add_output(parser, "motion")
     arguments.add_plots(parser)
     arguments.add_preparation(parser)
@@ -57,7 +60,7 @@ def run_next(args: Namespace) -> Answer:
     with about(*args.captures):
         story = learn(captures, prepare=args.prepare, progress=status, **options)
     designed = next_experiment(
-        story, rivals=rivals, sharpen=args.sharpen, limits=args.limits, progress=status
+        story, rivals=rivals, sharpen=args.sharpen, limits=args.limits, by_hand=args.by_hand, progress=status
     )
     files: dict[str, object] = {}
     with together():

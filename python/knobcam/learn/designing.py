@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..base.door import checked
+from ..capture.by_hand import by_hand as steps_by_hand
+from ..capture.by_hand import hand_can
 from ..errors import InputError
 from .contenders import contenders
 from .experiment import Change, Expected, Experiment, Sharpened
@@ -48,6 +50,7 @@ def next_experiment(
     sharpen: str | None = None,
     limits: Limits | str | os.PathLike[str] | None = None,
     progress: Callable[[str], None] | None = None,
+    by_hand: bool = False,
     search_s: float = _SEARCH_S,
     seed: int = 0,
 ) -> Experiment:
@@ -56,8 +59,8 @@ def next_experiment(
     `rivals` are sets of effects beyond the base model, each as names with `+` between (`base` for none); by
     default those that the captures could not tell. Without any, or with `sharpen`, the motion is the one that
     makes a parameter known best, by default the widest. `limits` are by default what the captures reached,
-    10 s long; the motion exceeds none of them for any rival. It is searched for `search_s` seconds; the same
-    `seed` begins the same search.
+    10 s long; the motion exceeds none of them for any rival. With `by_hand` it is one that a hand can make,
+    without a motor. It is searched for `search_s` seconds; the same `seed` begins the same search.
 
     Raises InputError for rivals that cannot be fitted and limits within which no motion is.
     """
@@ -67,7 +70,8 @@ def next_experiment(
     tell("fitting the rivals")
     found = contenders(story, rivals) if sharpen is None else ()
     tell("looking for the motion")
-    designed = design(found or (Rival(story.found, story.fit),), within, sharpen, search_s, seed)
+    alone = (Rival(story.found, story.fit),)
+    designed = design(found or alone, within, sharpen, search_s, seed, by_hand=by_hand)
     return replace(designed, took_s=time.monotonic() - begun)
 
 
@@ -77,10 +81,12 @@ def design(
     sharpen: str | None = None,
     search_s: float = _SEARCH_S,
     seed: int = 0,
+    *,
+    by_hand: bool = False,
 ) -> Experiment:
     """Return the motion that parts rivals, or of a single one makes a parameter known best; see above."""
     begun = time.monotonic()
-    designed = _Design(Telling(rivals, seed), limits, sharpen).best(search_s, seed)
+    designed = _Design(Telling(rivals, seed), limits, sharpen, by_hand).best(search_s, seed)
     return replace(designed, took_s=time.monotonic() - begun)
 
 
@@ -99,6 +105,7 @@ class _Design:
     telling: Telling
     limits: Limits
     sharpen: str | None
+    by_hand: bool = False
 
     @cached_property
     def param(self) -> str | None:
@@ -203,6 +210,8 @@ class _Design:
         rate = self.limits.sample_rate_hz if draws else self._search_hz()
         for _ in range(_EASINGS):
             made = plan(pieces, self.limits, eased)
+            if self.by_hand and not hand_can(steps_by_hand(made, self.telling.coordinate)):
+                return None
             track = made.track(rate)
             if self.limits.hold(track) and self.telling.peak(track, draws=draws) <= self.limits.torque_Nm:
                 return made, track

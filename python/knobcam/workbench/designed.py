@@ -13,7 +13,7 @@ from ..capture.by_hand import by_hand, hand_can
 from ..capture.motion_plan import MotionPlan
 from ..errors import InputError
 from ..fit import fit
-from ..learn.experiment import next_experiment
+from ..learn.designing import next_experiment
 from ..learn.limits import Limits
 from ..learn.telling import TOLD, Telling, wrong_choice
 from ..model import Model
@@ -158,12 +158,17 @@ def limits_of(given: Mapping[str, Any], usual: Limits) -> Limits:
 
 
 def designed(
-    story: LearningResult, names: Sequence[str], limits: Mapping[str, Any], node: str, tell: Tell
+    story: LearningResult,
+    names: Sequence[str],
+    limits: Mapping[str, Any],
+    by_hand: bool,
+    node: str,
+    tell: Tell,
 ) -> Designed:
     """Return the motion that would tell models with each of these effects apart; none: what is not told."""
     tell("fitting the rivals")
     within = limits_of(limits, Limits.reached(story.fit.prepared))
-    found = next_experiment(story, rivals=rivals(story, names), limits=within, progress=tell)
+    found = next_experiment(story, rivals=rivals(story, names), limits=within, by_hand=by_hand, progress=tell)
     if found.sharpened:
         raise InputError(
             "nothing is left that could be taken for what was found; there is nothing to tell apart"

@@ -61,10 +61,11 @@ class Designing:
             raise InputError(f"effects: give a list of at most {_MOST} ids of the catalogue")
         if not isinstance(limits, dict):
             raise InputError('limits: give an object such as {"omega_rad_s": 5.0}')
+        by_hand = flag(body, "by_hand", False)
 
         def work(job: Job) -> None:
             with _clocked(job) as tell:
-                trying.design(self.bench.session, names, limits, tell)
+                trying.design(self.bench.session, names, limits, by_hand, tell)
 
         await finished(self.bench.work.start("designing the next motion", work))
         await run_in_threadpool(self.bench.flush)

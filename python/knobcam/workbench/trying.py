@@ -15,14 +15,17 @@ if TYPE_CHECKING:
     from .session import Session, Tell
 
 
-def design(session: Session, names: Sequence[str], limits: Mapping[str, Any], tell: Tell) -> None:
+def design(
+    session: Session, names: Sequence[str], limits: Mapping[str, Any], by_hand: bool, tell: Tell
+) -> None:
     """Design the motion that would tell models with each of these effects apart; none: what is not told.
 
+    With `by_hand` it is one that a hand can make.
     Raises InputError for what cannot be fitted, and for limits within which nothing moves.
     """
     node, done = session.node, session.branch.done
     story = learned(done, session.weigh(tell))
-    found = designed.designed(story, names, limits, node.id, tell)
+    found = designed.designed(story, names, limits, by_hand, node.id, tell)
     tell("putting the motion in place", last=True)
     session.keep(found)
 

@@ -2081,8 +2081,12 @@ var Next = class {
   /** Design a motion for effects, and show it. @param {string[]} effects @param {object} [within] */
   async design(effects, within3 = {}) {
     this.effects = effects;
+    const by_hand = (
+      /** @type {HTMLInputElement} */
+      byId("next-only-hand").checked
+    );
     this.enable(false);
-    const made = await this.deeds.design({ effects, limits: within3 });
+    const made = await this.deeds.design({ effects, limits: within3, by_hand });
     this.enable(true);
     if (made) this.open();
   }
