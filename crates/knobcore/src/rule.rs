@@ -127,6 +127,12 @@ noise {
     falls: 1.4, "times the power", "judgement";
     /// Standard errors within which all stretches and the quiet ones must agree to be noise alone.
     steady: 2.5, "standard errors", "about 99 % of a normal distribution";
+    /// A torque whose noise falls by so many times within the band that is taken for noise alone was smoothed before it was logged.
+    smoothed: 8.0, "times the power", "judgement: that of control loops falls by three, and a taper lets through ten times as much where there is no noise";
+    /// What the model's torque may differ by where a motion was made again for the two to be replicates.
+    same_torque: 0.01, "share of the RMS torque", "judgement: what the model lacks differs by no more of itself; on a real axis 0.03 takes a tenth of it for noise";
+    /// What the fastest wave that passes the torque's filter may turn by between them.
+    same_way: 0.5, "rad", "judgement: an eighth of such a wave's variance is taken for noise at most";
 }
 search {
     /// An effect that takes off this share of what noise does not explain makes it needless to look at couplings.
