@@ -84,7 +84,7 @@ def test_a_duty_that_stands_until_the_next_row_is_half_a_row_late_and_costs_the_
     fitted = kc.fit_constants(path, map=[*MAP, FORMULA], free=FREE, known={"inertia.M": INERTIA})
     assert fitted.constants is not None and fitted.constants.delay is not None
     low, high = fitted.constants.delay.ci95
-    assert 0.0 < low and fitted.constants.delay.value == pytest.approx(0.5 / 250.0, rel=0.3)
+    assert low > 0.0 and fitted.constants.delay.value == pytest.approx(0.5 / 250.0, rel=0.3)
     # Without it all damping of half a row, 0.45 % of the inertia, is missing from both.
     assert told(fitted.constants.found["kt/R"], KT_R, 0.002)
     assert told(fitted.constants.found["ke"], KE, 0.003)

@@ -16,7 +16,7 @@ Column = NDArray[np.float64]
 
 
 def rubs(theta: Column, omega: Column, alpha: Column) -> Column:
-    """A knob whose friction falls with speed, and that catches at one place: the base model is far from it."""
+    """A knob whose friction falls with speed, and that catches at one place: no base model."""
     friction = 0.3 * np.sign(omega) * (1.0 + 0.6 * np.exp(-np.abs(omega) / 0.15))
     return 0.02 * alpha + friction + 0.2 * np.exp(-(((theta - 0.3) / 0.05) ** 2))
 

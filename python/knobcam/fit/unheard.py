@@ -28,7 +28,7 @@ _WHY = {
         f"record the torque without a filter, {_AGAIN}",
     ),
     "loud": Unheard(
-        "more than noise is fast in the torque, as the ripple of gears is, so that it does not tell the sensor's",
+        "more than noise is fast in the torque, as a gear's ripple is, so that it does not tell the sensor's",
         f"sample faster or turn slower, {_AGAIN}",
     ),
 }

@@ -21,7 +21,7 @@ const LEFT: f64 = 4.0;
 
 /// What is left of the squared error beside a model that is by no more than this larger than what repeats say of the
 /// noise is noise, if they tell no better.
-const DOUBT: f64 = 0.2;
+const DOUBT: f64 = 0.35;
 
 /// Noise of the raw torque of each capture beside a model; None where it is not known.
 pub fn noises(data: &[&Signals], model: &Model) -> Vec<Option<Noise>> {

@@ -33,6 +33,8 @@ const QUANTILES_ERROR: f64 = 2.9;
 /// of these that does not have it.
 const SHORT: usize = 128;
 const QUIETEST: f64 = 0.1;
+/// Below this frequency machines make torque that is no noise, as gears do that turn fast.
+const MECHANICAL_HZ: f64 = 200.0;
 /// Rows of the longest line whose noise is told from that of shorter ones.
 const LINES: usize = 8;
 /// Frequencies at which the noise of lines is summed.
@@ -55,6 +57,8 @@ pub(super) struct Heard {
 pub(super) enum Told {
     /// Its level above the motion, and that it is as loud below.
     Level,
+    /// The same, at frequencies at which gears and couplings still make torque.
+    Near,
     /// Its level above the motion alone: the stretches are too short to tell more.
     Above,
     /// That it is louder below, where the motion is too.
@@ -97,7 +101,10 @@ impl Heard {
         };
         match coloured(signals, &rest, window) {
             Some(noise) => Self { noise: Some(as_left(noise, signals, &rest)), told: Told::Coloured, rest },
-            None => Self { noise: Some(level()), told: Told::Level, rest },
+            None => {
+                let near = 0.5 * BAND[0] * signals.rate_hz < MECHANICAL_HZ;
+                Self { noise: Some(level()), told: if near { Told::Near } else { Told::Level }, rest }
+            }
         }
     }
 
