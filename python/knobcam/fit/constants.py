@@ -158,8 +158,8 @@ class _Motor:
                     "every torque of the model grows with it, so no motion tells it, and the values here "
                     "are of a torque with 1 for it; say what is known in N m, as --known inertia.M=VALUE"
                 )
-            told = Constants(estimates, undetermined, errors, bool(self.scale), late)
-            return replace(found.fit, constants=told)
+            constants = Constants(estimates, undetermined, errors, bool(self.scale), late)
+            return replace(found.fit, constants=constants)
         fitted = self._in_torque(found, estimates, undetermined, errors, reference, known)
         assert fitted.constants is not None
         return replace(fitted, constants=fitted.constants._replace(delay=late))
