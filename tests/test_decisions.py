@@ -18,6 +18,7 @@ from knobcam.fit.estimate import Z95, Estimate
 from knobcam.fit.plausible import one_velocity, out_of_range
 from knobcam.fit.power import gives_back
 from knobcam.fit.rule import RULE
+from knobcam.fit.unheard import Unheard
 from knobcam.learn import limitations, rivals, selection
 from knobcam.learn.agreement import disagreements
 from knobcam.learn.ladder import LearningStep
@@ -232,7 +233,7 @@ def moving(omega: Any, alpha: Any = None) -> Any:
     )
 
 
-def test_what_a_motion_does_not_show_is_told_from_its_speeds():
+def test_what_a_motion_does_not_show_is_told_from_its_speeds(monkeypatch):
     t = np.arange(5000) / RATE_HZ
     wave = np.sin(2.0 * np.pi * t)
 
@@ -257,7 +258,9 @@ def test_what_a_motion_does_not_show_is_told_from_its_speeds():
         and limitations._length(moving(wave[:1000])) is None
     )
     assert limitations._noise(moving(wave)) is None
-    assert limitations._noise(SimpleNamespace(noise_floor=math.nan)) is not None
+    monkeypatch.setattr(limitations, "unheard", lambda fit: Unheard("nothing is heard", "listen"))
+    unknown = limitations._noise(SimpleNamespace(noise_floor=math.nan))
+    assert unknown is not None and unknown.record == "listen"
 
 
 def candidate(effect: str, gain: float, count: int, value: float = 1.0, **more: Any) -> Any:

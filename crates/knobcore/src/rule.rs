@@ -78,7 +78,7 @@ verdict {
     /// What an effect must take off the squared error.
     worth: 0.015, "share of the squared error", "judgement: less is nothing that a user would feel";
     /// What an effect must take off what noise does not explain; what takes off less is a stopgap, not the cause.
-    share: 0.2, "share of the excess", "judgement: a line of the mains is drawn by many effects, by each a little";
+    share: 0.15, "share of the excess", "judgement: a line of the mains is drawn by many effects, by each a little; causes of a real axis, whose floor repeats tell, take a sixth each";
     /// What laws that were added may be off by, of what they took off: what is left at the floor and is less than that is no effect more.
     law: 0.025, "share of what was added", "judgement: as far as a textbook's law is that of a real knob";
     /// What the cause must have taken off where something else stays unexplained, to be named beside that.
@@ -102,7 +102,7 @@ verdict {
     /// Times what the median frequency of a scan takes off that detents must take off.
     detents_stand_out: 30.0, "times the background", "judgement: a missing effect fills the scan broadly, detents are a line";
     /// What detents must explain of what noise does not.
-    detents_share: 0.2, "share of the excess", "judgement, as share";
+    detents_share: 0.15, "share of the excess", "judgement, as share";
     /// Standard errors by which a value must be out of its plausible range to be implausible.
     sure: 2.0, "standard errors", "95 % of a normal distribution";
     /// The same where the log itself is blamed.
@@ -129,6 +129,12 @@ noise {
     falls: 1.4, "times the power", "judgement";
     /// Standard errors within which all stretches and the quiet ones must agree to be noise alone.
     steady: 2.5, "standard errors", "about 99 % of a normal distribution";
+    /// A torque whose noise falls by so many times within the band that is taken for noise alone was smoothed before it was logged.
+    smoothed: 8.0, "times the power", "judgement: that of control loops falls by three, and a taper lets through ten times as much where there is no noise";
+    /// What the model's torque may differ by where a motion was made again for the two to be replicates.
+    same_torque: 0.01, "share of the RMS torque", "judgement: what the model lacks differs by no more of itself; on a real axis 0.03 takes a tenth of it for noise";
+    /// What the fastest wave that passes the torque's filter may turn by between them.
+    same_way: 0.5, "rad", "judgement: an eighth of such a wave's variance is taken for noise at most";
 }
 search {
     /// An effect that takes off this share of what noise does not explain makes it needless to look at couplings.
@@ -144,11 +150,11 @@ search {
     /// Beside a coupling a start is followed only if it promises this share of the sum of squares.
     worth_following: 0.005, "share of the sum of squares", "a third of worth: a first step tells a part of the gain";
     /// Before a coupling a start is followed only if it promises this share of what noise does not explain.
-    worth_at_shaft: 0.1, "share of the excess", "half of share: of what loads the shaft the first step tells nearly all";
+    worth_at_shaft: 0.1, "share of the excess", "two thirds of share: of what loads the shaft the first step tells nearly all";
     /// Beside a coupling a start is followed only if it promises this share of what the best of all effects does.
     rival_beside: 0.25, "share of the best promise", "judgement";
     /// What a coupling must explain through the coarse filter to be followed.
-    worth_coarse: 0.1, "share of the excess", "half of share";
+    worth_coarse: 0.1, "share of the excess", "two thirds of share";
     /// A coupling that leaves more than so many times what its best rival does through the coarse filter is not followed.
     rival_coarse: 2.0, "times the rival's excess", "judgement";
     /// The same as a share of all the excess, for where the best leaves next to nothing.

@@ -150,6 +150,11 @@ impl Signals {
         }
     }
 
+    /// The bandwidth of what passes the measurement filter, Hz: white noise behind it has as much of its power.
+    pub fn passes_hz(&self) -> f64 {
+        0.5 * self.rate_hz * self.filter.as_ref().map_or(1.0, |filter| filter.sos().mean_power())
+    }
+
     /// Every how many samples tell all that passes the measurement filter.
     pub fn spacing(&self) -> usize {
         let Some(filter) = &self.filter else { return 1 };

@@ -11,6 +11,7 @@ use knobcore::diagnose::{
 };
 use knobcore::effects::Id;
 use knobcore::fit::{Detents, Fit, fit as fit_core, report, sketch};
+use knobcore::floor::{Unheard, unheard as unheard_core};
 use knobcore::rule::{Row, Rule, rule, settle};
 use knobcore::stiction::{Estimate, stiction as stiction_core};
 use numpy::{PyArray1, PyArray2};
@@ -146,6 +147,22 @@ pub fn stiction(py: Python<'_>, data: Vec<PyRef<'_, PySignals>>, model: &PyModel
     let found = watched(py, model, || stiction_core(signals, model))?;
     let row = |e: Option<Estimate>| e.map(|e| (e.value, e.ci95[0], e.ci95[1]));
     Ok((row(found.d_neg), row(found.d_pos), row(found.dv), found.breakaways))
+}
+
+/// Why the spectrum of the first capture's torque does not tell its noise beside a model: short, smoothed or loud.
+#[pyfunction]
+pub fn unheard(
+    py: Python<'_>,
+    data: Vec<PyRef<'_, PySignals>>,
+    model: &PyModel,
+) -> PyResult<Option<&'static str>> {
+    let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
+    let (model, signals) = (&model.0, &signals[..]);
+    Ok(watched(py, model, || unheard_core(signals, model))?.map(|why| match why {
+        Unheard::Short => "short",
+        Unheard::Smoothed => "smoothed",
+        Unheard::Loud => "loud",
+    }))
 }
 
 /// Splits the error of a model over every axis: dicts with the fields of `Split`.

@@ -59,6 +59,7 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(render::check_stability, m)?)?;
     m.add_class::<fit::PyFit>()?;
     m.add_function(wrap_pyfunction!(fit::locate, m)?)?;
+    m.add_function(wrap_pyfunction!(fit::unheard, m)?)?;
     m.add_function(wrap_pyfunction!(fit::stiction, m)?)?;
     m.add_function(wrap_pyfunction!(fit::refine, m)?)?;
     m.add_function(wrap_pyfunction!(fit::thresholds, m)?)?;

@@ -61,13 +61,23 @@ class Formula:
             speed[self._keep] = signals.on_capture(signals.omega)
             self._constants[SPEED] = speed
 
-    def at(self, values: Mapping[str, float]) -> Capture:
-        """Return the capture with the torque that such values of the terms make."""
-        if not any(values.values()):
-            return self.capture
-        constants = self._constants | {name: np.asarray(value) for name, value in values.items()}
-        tau = resolve(self._with(constants), self._map, self._coordinate).columns["tau"][self._keep]
+    def at(self, values: Mapping[str, float], delay_s: float = 0.0) -> Capture:
+        """Return the capture with the torque that such values of the terms make.
+
+        What does not hang on the terms is a command, or a reading of its own, and acts `delay_s` later than
+        it is logged: of a duty that stands until the next row, half a row. A term is of the motion, at once.
+        """
+        tau = self._late(delay_s)
+        if any(values.values()):
+            constants = self._constants | {name: np.asarray(value) for name, value in values.items()}
+            with_terms = resolve(self._with(constants), self._map, self._coordinate).columns["tau"]
+            tau = tau + (with_terms[self._keep] - self.capture.tau)
         return replace(self.capture, tau=np.where(self.capture.mask, tau, self.capture.tau))
+
+    def _late(self, delay_s: float) -> FloatArray:
+        """The torque without the terms, so much later."""
+        t, tau, known = self.capture.t, self.capture.tau, self.capture.mask
+        return tau if delay_s == 0.0 else np.interp(t - delay_s, t[known], tau[known])
 
     def _with(self, constants: Mapping[str, FloatArray]) -> Table:
         return replace(self._table, columns={**self._table.columns, **constants})

@@ -15,6 +15,7 @@ from . import origin
 from .described import names
 from .rule import RULE
 from .runs import in_words
+from .unheard import unheard
 
 if TYPE_CHECKING:
     import numpy as np
@@ -202,7 +203,7 @@ class Comparison(showing.Tabled):
         if self.exact:
             return f"{head}; what is left is rounding."
         if math.isnan(fit.noise_floor):
-            return f"{head}; too few samples, or too slow ones, to tell noise from what is left."
+            return f"{head}; {unheard(fit).why}."
         if fit.noise_floor == 0.0:
             return f"{head}; the torque has no noise, so nothing of what is left is chance."
         times = fit.rmse / fit.noise_floor

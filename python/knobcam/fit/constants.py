@@ -5,6 +5,10 @@ and one parameter that is known in N m gives the scale (kt/R = M / M in V), for 
 What is added in proportion to a constant (ke omega) is fitted beside the model: what it adds and no parameter
 of the model can take is what tells it (Frisch & Waugh 1933, Econometrica 1, 387). Where that is next to
 nothing the constant is not determined: wherever the motor is driven, ke omega is viscous friction.
+
+A command stands until the next row, and a reading is older than its row; what is in proportion to the speed
+is of the same instant as the motion. Half a row between them takes from the inertia what half a row of all
+damping is, which an interval of a fit without it does not hold: the delay is fitted with the constants.
 """
 
 from __future__ import annotations
@@ -38,6 +42,10 @@ _OWN = 3e-3  # share of a term's square that the model cannot take, at least: le
 _STEP = 0.1  # of the torque's spread, by which a term is changed to see what follows
 _ROUNDS = 4
 _CLOSE = 1e-4  # relative, of a scale
+_DELAY = "delay_s"  # beside the terms
+_LATE = 0.5  # of a row, by which the torque is shifted to see what follows
+_LATEST = 1.0  # rows: a command stands for one, and what is later than that is an effect to be added
+_STEPS = 3
 _BLOCKS = 40  # stretches whose sums are taken to be independent
 _T95 = 2.021  # Student's two-sided 95 % quantile for as many
 
@@ -51,7 +59,10 @@ class _Trial(NamedTuple):
 
 
 class _Terms(NamedTuple):
-    """The terms that were found, with their covariance, and by each how the parameters move."""
+    """The terms that were found, with their covariance, and by each how the parameters move.
+
+    The delay, where the motion tells it, is the last of them.
+    """
 
     fit: Fit
     values: dict[str, float]
@@ -140,14 +151,18 @@ class _Motor:
             name: self._estimate(value, math.sqrt(found.covariance[i, i]))
             for i, (name, value) in enumerate(found.values.items())
         }
+        late = estimates.pop(_DELAY, None)
         if not reference:
             if self.scale:
                 undetermined[self.scale] = (
                     "every torque of the model grows with it, so no motion tells it, and the values here "
                     "are of a torque with 1 for it; say what is known in N m, as --known inertia.M=VALUE"
                 )
-            return replace(found.fit, constants=Constants(estimates, undetermined, errors, bool(self.scale)))
-        return self._in_torque(found, estimates, undetermined, errors, reference, known)
+            constants = Constants(estimates, undetermined, errors, bool(self.scale), late)
+            return replace(found.fit, constants=constants)
+        fitted = self._in_torque(found, estimates, undetermined, errors, reference, known)
+        assert fitted.constants is not None
+        return replace(fitted, constants=fitted.constants._replace(delay=late))
 
     def _in_torque(
         self,
@@ -161,9 +176,7 @@ class _Motor:
         """Return the fit with its torque scaled so that the reference is what is known of it."""
         value, error = self._told(found.fit, reference), errors[reference]
         size = known[reference] / value
-        scaled = self._fitted(
-            [self._scaled(one.at(found.values), size) for one in self.formulas], found, known
-        )
+        scaled = self._fitted([self._scaled(one, size) for one in self._at(found.values)], found, known)
         share = error / abs(value)
         correlated = found.fit.correlation.get(reference, {})
         wider = {}
@@ -226,8 +239,13 @@ class _Motor:
             model = model.with_value(name, value).with_fixed(name)
         return Fit(signals, _core.fit([one.core for one in signals], model.core, False))
 
+    def _at(self, values: Mapping[str, float]) -> list[Capture]:
+        """The captures with the torque that such values make."""
+        terms = {name: value for name, value in values.items() if name != _DELAY}
+        return [one.at(terms, values.get(_DELAY, 0.0)) for one in self.formulas]
+
     def _trial(self, values: Mapping[str, float], fixed: Mapping[str, float]) -> _Trial:
-        fitted = self._fitted([one.at(values) for one in self.formulas], None, fixed)
+        fitted = self._fitted(self._at(values), None, fixed)
         torque = [one.on_capture(np.where(one.used, one.tau, np.nan)) for one in fitted.prepared]
         return _Trial(fitted, fitted.residual, np.concatenate(torque))
 
@@ -240,9 +258,9 @@ class _Motor:
         bare = self._trial({}, fixed)
         columns: dict[str, FloatArray] = {}
         moves, undetermined = [], {}
-        for name in self.formulas[0].terms:
-            whole = self._spread(name)
-            step = _STEP * float(np.nanstd(bare.torque)) / whole if whole > 0.0 else 0.0
+        terms = self.formulas[0].terms
+        for name in (*terms, *([_DELAY] if terms else [])):  # one scale alone is no more than a unit
+            step = self._step(name, bare)
             if step == 0.0:
                 undetermined[name] = "what it is multiplied by is nought throughout"
                 continue
@@ -251,7 +269,8 @@ class _Motor:
             added = np.nan_to_num((bare.torque - changed.torque) / step)
             alone = column - self._along(column, columns)
             if float(alone @ alone) < _OWN * float(added @ added):
-                undetermined[name] = self._taken(name, columns, bare.fit)
+                if name != _DELAY:
+                    undetermined[name] = self._taken(name, columns, bare.fit)
                 continue
             columns[name] = column
             params = (bare.fit.params, changed.fit.params)
@@ -260,15 +279,24 @@ class _Motor:
             return _Terms(bare.fit, {}, np.zeros((0, 0)), [], undetermined)
         matrix = np.column_stack(list(columns.values()))
         values = np.zeros(len(columns))
+        latest = _LATEST / min(one.capture.rate_hz for one in self.formulas)
+        most = [latest if name == _DELAY else math.inf for name in columns]
         trial = bare
-        for _ in range(2):  # where the model is linear the first step is the last
+        for _ in range(_STEPS):  # a term is linear where the model is, a delay nearly so
             rest = np.nan_to_num(trial.rest)
-            values = values + np.linalg.lstsq(matrix, rest, rcond=None)[0]
+            values = np.clip(values + np.linalg.lstsq(matrix, rest, rcond=None)[0], np.negative(most), most)
             trial = self._trial(dict(zip(columns, values.tolist(), strict=True)), fixed)
         covariance = _covariance(matrix, trial.rest)
         return _Terms(
             trial.fit, dict(zip(columns, values.tolist(), strict=True)), covariance, moves, undetermined
         )
+
+    def _step(self, name: str, bare: _Trial) -> float:
+        """By how much a constant is changed to see what follows."""
+        if name == _DELAY:
+            return _LATE / max(one.capture.rate_hz for one in self.formulas)
+        whole = self._spread(name)
+        return _STEP * float(np.nanstd(bare.torque)) / whole if whole > 0.0 else 0.0
 
     def _spread(self, name: str) -> float:
         """How much of a torque one of a term makes."""

@@ -37,19 +37,24 @@ class Constants(NamedTuple):
     """The constants that a torque was computed with, by name, or why one is not determined (`fit_constants`).
 
     `errors` are standard errors of the parameters that hold what the constants leave open. `unscaled`: what
-    the whole torque is in proportion to is not determined, and the fit has 1 for it.
+    the whole torque is in proportion to is not determined, and the fit has 1 for it. `delay`: by how much
+    later what the terms are added to acts than it is logged, s, which is fitted with them; None where the
+    motion does not tell it.
     """
 
     found: Mapping[str, Estimate]
     undetermined: Mapping[str, str]
     errors: Mapping[str, float]
     unscaled: bool
+    delay: Estimate | None = None
 
     def document(self) -> dict[str, Any]:
         """Return what a document has of them."""
         found = {name: {"value": e.value, "ci95": list(e.ci95)} for name, e in self.found.items()}
         without = {name: {"value": None, "ci95": None, "why": why} for name, why in self.undetermined.items()}
-        return found | without
+        late = self.delay
+        delay = {} if late is None else {"delay_s": {"value": late.value, "ci95": list(late.ci95)}}
+        return found | without | delay
 
     def table(self) -> TextTable:
         """Return them as a table of text."""
@@ -61,4 +66,15 @@ class Constants(NamedTuple):
         """Return them in words: the table, and why one is not determined."""
         table = self.table()
         why = [f"{name} is not determined: {why}" for name, why in self.undetermined.items()]
-        return [text_table(table.head, table.rows), *why]
+        return [text_table(table.head, table.rows), *why, *self._late()]
+
+    def _late(self) -> list[str]:
+        """What the constants are added to, where it acts surely later or earlier than it is logged."""
+        if self.delay is None or self.delay.ci95[0] <= 0.0 <= self.delay.ci95[1]:
+            return []
+        low, high = (1e3 * abs(end) for end in self.delay.ci95)
+        way = "later" if self.delay.value > 0.0 else "earlier"
+        return [
+            f"what is commanded acts {1e3 * abs(self.delay.value):.3g} ms ({min(low, high):.3g} to "
+            f"{max(low, high):.3g}) {way} than it is logged, which was fitted with the constants"
+        ]

@@ -30,6 +30,7 @@ from .doubts import doubts
 from .estimate import Z95, Constants, Estimate
 from .origin import with_origin
 from .plausible import REVERSED, columns_at_fault, impossible, log_fault, one_velocity
+from .unheard import unheard
 from .zeros import aligned
 
 if TYPE_CHECKING:
@@ -310,7 +311,7 @@ class Fit(showing.Tabled):
         unit = self.torque_unit
         noise = f"{self.noise_floor:.4g} {unit} by sensor noise alone"
         if math.isnan(self.noise_floor):
-            noise = "too few samples, or too slow ones, to tell the sensor's noise"
+            noise = unheard(self).why
         return f"RMS error {self.rmse:.4g} {unit} ({self.rmse_heldout:.4g} {unit} on unseen blocks, {noise})"
 
     def __repr__(self) -> str:

@@ -11,6 +11,7 @@ import numpy as np
 from ..capture.formats.units import SI
 from ..capture.prepare import travel
 from ..fit.doubts import at_floor
+from ..fit.unheard import unheard
 from ..model.effects import base_effects
 
 if TYPE_CHECKING:
@@ -165,8 +166,5 @@ def width(fit: Fit) -> Limitation | None:
 def _noise(fit: Fit) -> Limitation | None:
     if not math.isnan(fit.noise_floor):
         return None
-    return Limitation(
-        "no_noise_floor",
-        "too few samples, or too slow ones, to tell the sensor's noise: nothing can be called beyond chance",
-        "sample faster (5 kHz is usual), and record the torque without a filter",
-    )
+    why, record = unheard(fit)
+    return Limitation("no_noise_floor", f"{why}: nothing can be called beyond chance", record)

@@ -7,7 +7,7 @@ use super::screen::{Screen, Start};
 use super::watch::{Tell, Watch};
 use crate::effects::{Id, Place};
 use crate::fit::{Fit, Found, differ, report, sketch};
-use crate::floor::{Floor, noise};
+use crate::floor::{Floor, noises};
 use crate::model::{Model, Role, Slot};
 use crate::noise::Noise;
 use crate::rule::rule;
@@ -39,7 +39,7 @@ pub struct Candidate {
 pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_>) -> Option<Vec<Candidate>> {
     let watch = Watch::new(tell, effects.len());
     let screen = Screen::new(data, model, &watch);
-    let noises: Vec<Option<Noise>> = data.iter().map(|signals| noise(signals, model)).collect();
+    let noises = noises(data, model);
     let floor = Floor::with(data, &noises);
     let white = if floor.white > 0.0 { floor.white } else { screen.squares.max(f64::MIN_POSITIVE) * 1e-12 };
     let (slow, quick): (Vec<Id>, Vec<Id>) = effects.iter().partition(|id| id.info().place == Place::Coupling);

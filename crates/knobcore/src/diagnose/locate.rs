@@ -5,7 +5,7 @@
 
 use super::bins::{Bins, all_axes};
 use super::spectrum::split_frequency;
-use crate::floor::noise;
+use crate::floor::noises;
 use crate::model::Model;
 use crate::noise::Noise;
 use crate::predict::torque;
@@ -88,8 +88,8 @@ impl<'a> Rest<'a> {
         };
         let residual: Vec<Vec<f64>> = data.iter().zip(&torque).map(rest).collect();
         // Where a capture is too short to know its noise, none is assumed.
-        let known = |signals: &&Signals| noise(signals, model).unwrap_or(Noise::white(0.0));
-        let noise: Vec<Noise> = data.iter().map(known).collect();
+        let known = |noise: Option<Noise>| noise.unwrap_or(Noise::white(0.0));
+        let noise: Vec<Noise> = noises(data, model).into_iter().map(known).collect();
         let left = |(signals, noise): (&&Signals, &Noise)| {
             noise.behind(signals.filter.as_ref()) * signals.used() as f64
         };

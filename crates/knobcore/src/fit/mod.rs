@@ -261,7 +261,7 @@ fn finish(
     let seeds = layout.seeds(&model);
     let k = layout.free.len();
     let used = used(data);
-    let floor = Floor::below(loudest, data, &model).if_left(found.cost, data);
+    let floor = Floor::below(loudest, data, &model).if_left(found.cost, data, &model);
     // The part of the mean square error that noise does not explain; none where noise is unknown.
     let excess = (1.0 - floor.squares / found.cost).max(0.0);
     let mut parts = (wholly && excess > SEEN).then(|| Parts::of(data, k));

@@ -7,6 +7,7 @@ use super::moments::evaluate;
 use super::scan::{range, scan};
 use super::separable::Layout;
 use crate::effects::{Id, Wave};
+use crate::fourier::Transform;
 use crate::model::{Model, Role};
 use crate::param::Axis;
 use crate::predict::Seeds;
@@ -15,8 +16,13 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 use std::f64::consts::{LN_2, TAU};
 
-/// Highest order that is looked for.
-const HIGHEST: usize = 100;
+/// Highest order that is looked for: on any motion, and on one that is slow enough for its waves to pass the torque's
+/// filter. A harmonic drive makes two waves per turn of its motor, up to 400 of its joint.
+const HIGHEST: [usize; 2] = [100, 400];
+/// Orders around one by whose median it is judged, so that noise that is louder at some makes none.
+const AROUND: usize = 100;
+/// Places of a revolution that are told apart: half of one is 0.08 rad of the highest order.
+const PLACES: usize = 1 << 14;
 /// Most waves of one ripple.
 pub const MOST: usize = 9;
 /// Revolutions that a motion must cover for neighbouring orders to be told apart: over so many two of them are alike
@@ -106,9 +112,24 @@ fn pitch(data: &[&Signals], model: &Model, linear: &[usize]) -> Option<f64> {
     }
 }
 
+/// The highest order whose waves pass the torque's filter at half of the speeds.
+fn highest(data: &[&Signals], pitch: f64) -> usize {
+    let of = |signals: &&Signals| {
+        let pairs = signals.omega.iter().zip(&signals.weight);
+        let mut speeds: Vec<f64> = pairs.filter(|(_, w)| **w > 0.0).map(|(omega, _)| omega.abs()).collect();
+        let at = speeds.len() / 2;
+        let middle =
+            if speeds.is_empty() { 0.0 } else { *speeds.select_nth_unstable_by(at, f64::total_cmp).1 };
+        TAU * signals.passes_hz() * pitch / middle
+    };
+    let [usual, most] = HIGHEST;
+    (data.iter().map(of).fold(f64::INFINITY, f64::min) as usize).clamp(usual, most)
+}
+
 /// Products of columns, sine and cosine of every order, and the residual, with each other.
 struct Products {
     linear: usize,
+    highest: usize,
     gram: DMatrix<f64>,
     slope: DVector<f64>,
     /// Squared length of each column before anything was swept out.
@@ -119,26 +140,21 @@ struct Products {
 impl Products {
     fn of(data: &[&Signals], model: &Model, linear: &[usize], pitch: f64) -> Self {
         let k = linear.len();
+        let highest = highest(data, pitch);
         let stride = 1 + data.iter().map(|signals| signals.used()).sum::<usize>() / ENOUGH;
-        // Column by column, the residual last, with each order; the weights with twice as many.
-        let mut spectra = vec![vec![Complex64::default(); HIGHEST + 1]; k + 1];
-        let mut weights = vec![Complex64::default(); 2 * HIGHEST + 1];
+        // Sums by place of each column, the residual and the weights.
+        let mut sums = vec![vec![0.0; PLACES]; k + 2];
         let mut plain = DMatrix::zeros(k + 1, k + 1);
         evaluate(data, model, &model.values(), &Seeds::of(model, linear), |evaluated| {
             let core = evaluated.chunk.core.clone();
             let theta = &evaluated.signals.theta[core.clone()];
             let weight = &evaluated.signals.weight[core];
             for row in (0..theta.len()).step_by(stride).filter(|row| weight[*row] > 0.0) {
-                let turn = Complex64::cis(theta[row] / pitch);
-                let mut wave = Complex64::new(1.0, 0.0);
-                for order in 0..=2 * HIGHEST {
-                    weights[order] += wave * weight[row];
-                    if order <= HIGHEST {
-                        for (spectrum, column) in spectra.iter_mut().zip(evaluated.columns) {
-                            spectrum[order] += wave * column[row];
-                        }
-                    }
-                    wave *= turn;
+                let place = (theta[row] / (TAU * pitch)).rem_euclid(1.0) * PLACES as f64;
+                let place = place.round() as usize % PLACES;
+                sums[k + 1][place] += weight[row];
+                for (sums, column) in sums.iter_mut().zip(evaluated.columns) {
+                    sums[place] += column[row];
                 }
                 for (i, a) in evaluated.columns.iter().enumerate() {
                     for (j, b) in evaluated.columns.iter().enumerate() {
@@ -147,6 +163,8 @@ impl Products {
                 }
             }
         });
+        let mut spectra: Vec<Vec<Complex64>> = sums.iter().map(|sums| spectrum(sums, 2 * highest)).collect();
+        let weights = spectra.pop().unwrap_or_default();
         // sin a sin b, cos a cos b and sin a cos b by the sum and the difference of the orders.
         let product = |(i, m): (usize, usize), (j, n): (usize, usize)| {
             let (sum, apart) = (weights[m + n], weights[m.abs_diff(n)]);
@@ -162,7 +180,7 @@ impl Products {
             let (side, order) = part(column);
             if side == 0 { spectra[i][order].im } else { spectra[i][order].re }
         };
-        let side = k + 2 * HIGHEST;
+        let side = k + 2 * highest;
         let gram = DMatrix::from_fn(side, side, |i, j| match (i < k, j < k) {
             (true, true) => plain[(i, j)],
             (true, false) => with(i, j),
@@ -170,7 +188,8 @@ impl Products {
             (false, false) => product(part(i), part(j)),
         });
         let slope = DVector::from_fn(side, |i, _| if i < k { plain[(i, k)] } else { with(k, i) });
-        Self { linear: k, length: gram.diagonal(), gram, slope, chosen: vec![false; HIGHEST + 1] }
+        let chosen = vec![false; highest + 1];
+        Self { linear: k, highest, length: gram.diagonal(), gram, slope, chosen }
     }
 
     /// The column of the sine of an order; its cosine is the next.
@@ -196,9 +215,9 @@ impl Products {
 
     /// The order that explains most, if chance does not: its sine and cosine, N m.
     ///
-    /// The gains of orders that are not there are exponential; the median over all tells their scale.
+    /// The gains of orders that are not there are exponential; the median over those around tells their scale.
     fn best(&self) -> Option<(usize, [f64; 2])> {
-        let mut gains: Vec<(f64, usize, [f64; 2])> = (1..=HIGHEST)
+        let gains: Vec<(f64, usize, [f64; 2])> = (1..=self.highest)
             .filter(|order| !self.chosen[*order])
             .filter_map(|order| {
                 let at = self.sine(order);
@@ -209,11 +228,28 @@ impl Products {
                 Some((wave.dot(&slope), order, [wave[0], wave[1]]))
             })
             .collect();
-        gains.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let scale = gains.get(gains.len() / 2)?.0 / LN_2;
-        let &(gain, order, wave) = gains.first()?;
-        (gain > scale * (gains.len() as f64 / CHANCE).ln()).then_some((order, wave))
+        let likely = (gains.len() as f64 / CHANCE).ln();
+        let stands_out = |at: usize| {
+            let from = at.saturating_sub(AROUND / 2).min(gains.len().saturating_sub(AROUND));
+            let mut around: Vec<f64> = gains[from..].iter().take(AROUND).map(|(gain, ..)| *gain).collect();
+            let middle = around.len() / 2;
+            let median = *around.select_nth_unstable_by(middle, f64::total_cmp).1;
+            gains[at].0 > median / LN_2 * likely
+        };
+        let mut by_gain: Vec<usize> = (0..gains.len()).collect();
+        by_gain.sort_by(|a, b| gains[*b].0.total_cmp(&gains[*a].0));
+        let (_, order, wave) = by_gain.into_iter().find(|at| stands_out(*at)).map(|at| gains[at])?;
+        Some((order, wave))
     }
+}
+
+/// Sums over places times e^(i n theta), for n from nought to `highest`.
+fn spectrum(sums: &[f64], highest: usize) -> Vec<Complex64> {
+    let transform = Transform::of(sums.len());
+    let mut pairs = transform.rows(1);
+    sums.iter().enumerate().for_each(|(at, x)| pairs[at % 2][at / 2] = *x);
+    let [re, im] = transform.forward(1, &mut pairs, 0..highest + 1);
+    re.into_iter().zip(im).map(|(re, im)| Complex64::new(re, -im)).collect()
 }
 
 #[cfg(test)]
@@ -234,6 +270,18 @@ mod tests {
             assert!((period * f64::from(order) - 1.0).abs() < 1e-9, "{found:?}");
             assert!((size / own - 1.0).abs() < 0.1 && (phase - at).abs() < 0.1, "{found:?}");
         }
+    }
+
+    #[test]
+    fn a_slow_motion_shows_the_waves_of_a_gear_and_noise_shows_none() {
+        let gear = |theta: f64| 2e-3 * (202.0 * theta + 0.5).sin() + 1e-3 * (101.0 * theta).sin();
+        let found =
+            waves(&[&turned(4.0, 5e-4, |theta, _| gear(theta))], &Model::equation_1(Axis::Rotary, false));
+        let orders: Vec<f64> = found.iter().map(|[_, period, _]| (1.0 / period).round()).collect();
+        assert_eq!(orders, [202.0, 101.0], "{found:?}");
+        assert!((found[0][0] / 2e-3 - 1.0).abs() < 0.1 && (found[0][2] - 0.5).abs() < 0.1);
+        let model = Model::equation_1(Axis::Rotary, false);
+        assert!(waves(&[&turned(4.0, 5e-4, |_, _| 0.0)], &model).is_empty());
     }
 
     #[test]

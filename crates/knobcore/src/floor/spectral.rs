@@ -1,8 +1,4 @@
-//! The noise floor: what the torque sensor's noise alone would leave of the error.
-//!
-//! Above the bandwidth of the model the raw torque holds noise alone. Its level there, with the gain of the
-//! measurement filter for white noise, is the floor. Where that noise is not white, its whole spectrum is read off the
-//! quieter stretches.
+//! What the spectrum of a raw torque tells of its noise.
 
 use crate::model::Model;
 use crate::noise::{self, Noise};
@@ -37,61 +33,109 @@ const QUANTILES_ERROR: f64 = 2.9;
 /// of these that does not have it.
 const SHORT: usize = 128;
 const QUIETEST: f64 = 0.1;
-/// A torque whose noise falls by so many times within the band that is taken for noise alone was smoothed; that of
-/// control loops falls by three, and what a taper lets through of the slow torque, where there is no noise, by ten.
-const SMOOTHED: f64 = 8.0;
+/// Below this frequency machines make torque that is no noise, as gears do that turn fast.
+const MECHANICAL_HZ: f64 = 200.0;
 /// Rows of the longest line whose noise is told from that of shorter ones.
 const LINES: usize = 8;
 /// Frequencies at which the noise of lines is summed.
 const SHARES: u32 = 256;
 /// Times the other column's noise by which one has noise of its own.
 const LOUDER: f64 = 1.1;
-/// Times what a model leaves that noise of any colour is taken for at most: quiet stretches tell it to a factor of two.
-const LEFT: f64 = 4.0;
 /// Slowest frequencies of a periodogram, which its taper and its mean take off.
 const TAKEN_OFF: usize = 2;
 
-/// Noise of the raw torque, per capture; None where no stretch is long enough.
-///
-/// The model's torque is taken off, so that steps at reversals do not count as noise. But what it has of the
-/// noise of the motion does not count either: the quieter of both is nearer to the truth, which neither is below.
-pub fn noise(signals: &Signals, model: &Model) -> Option<Noise> {
-    noise_below(above(signals, &signals.tau_raw).0, signals, model)
+/// What the spectrum of a raw torque tells of its noise.
+pub(super) struct Heard {
+    pub noise: Option<Noise>,
+    /// How far that is to be believed.
+    pub told: Told,
+    /// What is left of the raw torque beside the model.
+    pub rest: Vec<f64>,
 }
 
-/// The same where the variance of white noise with the power of the raw torque is known.
-fn noise_below(raw: f64, signals: &Signals, model: &Model) -> Option<Noise> {
-    let mut rest = torque_raw(model, signals);
-    rest.iter_mut().zip(&signals.tau_raw).for_each(|(rest, measured)| *rest = measured - *rest);
-    let (left, level) = above(signals, &rest);
-    let white = left.min(raw);
-    let quieter = || if left < raw { level } else { above(signals, &signals.tau_raw).1 };
-    if white.is_nan() || smoothed(&quieter()) {
-        return None;
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Told {
+    /// Its level above the motion, and that it is as loud below.
+    Level,
+    /// The same, at frequencies at which gears and couplings still make torque.
+    Near,
+    /// Its level above the motion alone: the stretches are too short to tell more.
+    Above,
+    /// That it is louder below, where the motion is too.
+    Coloured,
+    /// Nothing, for this reason.
+    Nothing(Unheard),
+}
+
+/// Why the spectrum of a torque does not tell its noise.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unheard {
+    /// No stretch is long enough.
+    Short,
+    /// It was smoothed before it was logged.
+    Smoothed,
+    /// More than noise is in the band above the motion: less is left than it says.
+    Loud,
+}
+
+impl Heard {
+    /// Of a torque that has the power of white noise of this variance, beside a model.
+    ///
+    /// The model's torque is taken off, so that steps at reversals do not count as noise. But what it has of the
+    /// noise of the motion does not count either: the quieter of both is nearer to the truth, which neither is below.
+    pub fn of(raw: f64, signals: &Signals, model: &Model) -> Self {
+        let mut rest = torque_raw(model, signals);
+        rest.iter_mut().zip(&signals.tau_raw).for_each(|(rest, measured)| *rest = measured - *rest);
+        let (left, level) = above(signals, &rest);
+        let white = left.min(raw);
+        let quieter = || if left < raw { level } else { above(signals, &signals.tau_raw).1 };
+        if white.is_nan() {
+            return Self { noise: None, told: Told::Nothing(Unheard::Short), rest };
+        }
+        if smoothed(&quieter()) {
+            return Self { noise: None, told: Told::Nothing(Unheard::Smoothed), rest };
+        }
+        let level = || Noise::white(white * bridged(signals));
+        let Some(window) = LONG.into_iter().find(|window| heard(signals, *window).len() >= MANY) else {
+            return Self { noise: Some(level()), told: Told::Above, rest };
+        };
+        match coloured(signals, &rest, window) {
+            Some(noise) => Self { noise: Some(as_left(noise, signals, &rest)), told: Told::Coloured, rest },
+            None => {
+                let near = 0.5 * BAND[0] * signals.rate_hz < MECHANICAL_HZ;
+                Self { noise: Some(level()), told: if near { Told::Near } else { Told::Level }, rest }
+            }
+        }
     }
-    let coloured = coloured(signals, &rest).map(|noise| as_left(noise, signals, rest));
-    Some(coloured.unwrap_or(Noise::white(white * bridged(signals))))
+
+    /// Nothing is told where less is left than such noise would leave; see [`super::Floor::if_left`].
+    pub fn unless_too_loud(self, signals: &Signals) -> Self {
+        let filter = signals.filter.as_ref();
+        let left = left(signals, &self.rest);
+        let loud =
+            |noise: &Noise| left < least(noise.behind(filter), signals.used() as f64, noise.alike(filter));
+        if !self.noise.as_ref().is_some_and(loud) {
+            return self;
+        }
+        Self { noise: None, told: Told::Nothing(Unheard::Loud), ..self }
+    }
 }
 
 /// Whether the torque was smoothed before it was logged, by its level in the band above: next to no noise is left there,
 /// and how much there was below nobody can tell.
 fn smoothed(level: &[f64]) -> bool {
     let third = level.len() / 3;
-    median(level[..third].to_vec()) > SMOOTHED * median(level[level.len() - third..].to_vec())
+    median(level[..third].to_vec()) > rule().smoothed * median(level[level.len() - third..].to_vec())
 }
 
 /// Coloured noise as loud as what is left, where that is no more than its level in the quieter stretches lets expect.
 ///
 /// Slow noise has few independent samples, and its level by a spectrum is known to some percent; nor is there more of
 /// it than what is left.
-fn as_left(noise: Noise, signals: &Signals, mut rest: Vec<f64>) -> Noise {
-    for segment in &signals.segments {
-        signals.measure(&mut [&mut rest[segment.clone()]]);
-    }
-    let squares: f64 = rest.iter().zip(&signals.weight).map(|(rest, weight)| weight * rest * rest).sum();
+fn as_left(noise: Noise, signals: &Signals, rest: &[f64]) -> Noise {
     let rows = signals.used().max(1) as f64;
     let filter = signals.filter.as_ref();
-    let louder = squares / rows / noise.behind(filter);
+    let louder = left(signals, rest) / noise.behind(filter);
     let error = ((1.0 + QUANTILES_ERROR) * 2.0 * noise.alike(filter) / rows).sqrt();
     if louder.is_finite() && louder <= 1.0 + rule().steady * error {
         return Noise { innovation: noise.innovation * louder, ..noise };
@@ -99,9 +143,31 @@ fn as_left(noise: Noise, signals: &Signals, mut rest: Vec<f64>) -> Noise {
     noise
 }
 
+/// What the measurement filter leaves of a rest.
+pub(super) fn measured(signals: &Signals, rest: &[f64]) -> Vec<f64> {
+    let mut rest = rest.to_vec();
+    for segment in &signals.segments {
+        signals.measure(&mut [&mut rest[segment.clone()]]);
+    }
+    rest
+}
+
+/// Its mean square where samples count, (N m)^2.
+pub(super) fn left(signals: &Signals, rest: &[f64]) -> f64 {
+    let rest = measured(signals, rest);
+    let squares: f64 = rest.iter().zip(&signals.weight).map(|(rest, weight)| weight * rest * rest).sum();
+    squares / signals.used().max(1) as f64
+}
+
+/// The least that noise which leaves so much, of so many rows of which some are `alike`, surely leaves.
+pub(super) fn least(noise: f64, rows: f64, alike: f64) -> f64 {
+    let error = ((1.0 + QUANTILES_ERROR) * 2.0 * alike / rows).sqrt();
+    noise / (rule().explained * (1.0 + rule().steady * error))
+}
+
 /// Variance behind the filter of white noise with straight lines in it, over what its power in the band above lets
 /// expect: a line between two readings has their slow noise twice and no fast one.
-fn bridged(signals: &Signals) -> f64 {
+pub(super) fn bridged(signals: &Signals) -> f64 {
     let Some(filter) = signals.filter.as_ref().filter(|_| !signals.bridges.is_empty()) else { return 1.0 };
     let rows = signals.segments.iter().map(ExactSizeIterator::len).sum::<usize>() as f64;
     let mut lines = [0.0; LINES];
@@ -139,13 +205,11 @@ fn line(n: u32, share: f64) -> f64 {
 /// Below, motion and model share the band with it. What the model gets wrong comes and goes with the motion, noise is
 /// always there: at each frequency the level is that of the quieter stretches. And of the quieter column: fast, the
 /// model has noise of the motion in it, which hides how the torque's own falls.
-fn coloured(signals: &Signals, rest: &[f64]) -> Option<Noise> {
-    let window = LONG.into_iter().find(|window| heard(signals, *window).len() >= MANY)?;
+fn coloured(signals: &Signals, rest: &[f64], window: usize) -> Option<Noise> {
     let spectra = |column: &[f64], window: usize| {
         let periodogram = Periodogram::of(window);
         periodogram.powers(column, &heard(signals, window), periodogram.bins())
     };
-    let falls = |level: &[f64]| mean(level, BELOW) > rule().falls * mean(level, BAND);
     // Most noise is white, which the raw torque alone tells.
     let raw = Some(steady(&spectra(&signals.tau_raw, window))).filter(|raw| falls(raw))?;
     let level = quieter(steady(&spectra(rest, window)), &raw);
@@ -159,14 +223,24 @@ fn coloured(signals: &Signals, rest: &[f64]) -> Option<Noise> {
     // A window's mean is taken off it, and with it its slowest frequencies.
     let slowest = level[TAKEN_OFF];
     level[..TAKEN_OFF].fill(slowest);
-    let covariance: Vec<f64> = (0..=noise::MOST)
+    Some(autoregression(&level, window, signals.used()))
+}
+
+/// Whether noise with this level from nought to the Nyquist frequency is louder the slower it is.
+pub(super) fn falls(level: &[f64]) -> bool {
+    mean(level, BELOW) > rule().falls * mean(level, BAND)
+}
+
+/// Noise with the level of periodograms of such a window, read of so many samples.
+pub(super) fn autoregression(level: &[f64], window: usize, samples: usize) -> Noise {
+    let covariance: Vec<f64> = (0..=noise::MOST.min(window / 2))
         .map(|lag| {
             let wave = |bin: usize| level[bin] * (2.0 * PI * (bin * lag) as f64 / window as f64).cos();
             let ends = 0.5 * (wave(0) + wave(window / 2));
             (ends + (1..window / 2).map(wave).sum::<f64>()) / (window / 2) as f64
         })
         .collect();
-    Some(Noise::autoregressive(&covariance, signals.used() as f64))
+    Noise::autoregressive(&covariance, samples as f64)
 }
 
 /// The mean level of a band.
@@ -203,7 +277,7 @@ fn quiet(powers: &Powers, quantile: f64) -> Vec<f64> {
 
 /// Variance of white noise with the power of `rest` in the band above, and its level there; the median over frequencies
 /// keeps a line (mains, a resonance) out.
-fn above(signals: &Signals, rest: &[f64]) -> (f64, Vec<f64>) {
+pub(super) fn above(signals: &Signals, rest: &[f64]) -> (f64, Vec<f64>) {
     let Some(window) = WINDOWS.into_iter().find(|window| heard(signals, *window).len() >= ENOUGH) else {
         return (f64::NAN, Vec::new());
     };
@@ -255,87 +329,4 @@ fn largest(torque: &[f64]) -> f64 {
 fn median(mut values: Vec<f64>) -> f64 {
     let middle = values.len() / 2;
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
-}
-
-/// What the measurement filter leaves of white noise.
-fn gain(signals: &Signals) -> f64 {
-    signals.filter.as_ref().map_or(1.0, |filter| filter.sos().mean_power())
-}
-
-/// Of each capture the variance of white noise as loud as its raw torque, whatever the model; see [`noise`].
-pub fn loudest(data: &[&Signals]) -> Vec<f64> {
-    data.iter().map(|signals| above(signals, &signals.tau_raw).0).collect()
-}
-
-/// What noise alone would leave of a fit.
-#[derive(Debug, Clone, Copy)]
-pub struct Floor {
-    /// Variance of white noise of the raw torque that would leave as much, (N m)^2, the mean over the captures.
-    pub white: f64,
-    /// Sum of squares over the samples that count, after the measurement filter, (N m)^2.
-    pub squares: f64,
-    /// Samples that count.
-    pub rows: f64,
-}
-
-impl Floor {
-    /// Of captures beside a model; see [`Floor::with`].
-    pub fn of(data: &[&Signals], model: &Model) -> Self {
-        Self::below(&loudest(data), data, model)
-    }
-
-    /// The same where it is known how [`loud`](loudest) the captures are at most.
-    pub fn below(loudest: &[f64], data: &[&Signals], model: &Model) -> Self {
-        let noise = |(signals, raw): (&&Signals, &f64)| noise_below(*raw, signals, model);
-        Self::with(data, &data.iter().zip(loudest).map(noise).collect::<Vec<_>>())
-    }
-
-    /// Of captures with this [`noise`]; NaN where that of none is known. A capture that is too short by itself has the
-    /// noise of the others: it was the same sensor.
-    pub fn with(data: &[&Signals], noises: &[Option<Noise>]) -> Self {
-        let mut floor = Self { white: 0.0, squares: 0.0, rows: 0.0 };
-        // What the noise of each leaves, per sample, and as white noise.
-        let left = |(signals, noise): (&&Signals, &Option<Noise>)| {
-            noise.as_ref().map(|noise| noise.behind(signals.filter.as_ref()) / gain(signals))
-        };
-        let whites: Vec<Option<f64>> = data.iter().zip(noises).map(left).collect();
-        let known = || {
-            data.iter().zip(&whites).filter_map(|(signals, white)| Some((signals.used() as f64, (*white)?)))
-        };
-        let heard: f64 = known().map(|(used, _)| used).sum();
-        let usual = known().map(|(used, white)| white * used).sum::<f64>() / heard;
-        for (signals, white) in data.iter().zip(whites) {
-            let (white, used) = (white.unwrap_or(usual), signals.used() as f64);
-            floor.white += white * used;
-            floor.squares += white * gain(signals) * used;
-            floor.rows += used;
-        }
-        Self { white: floor.white / floor.rows, ..floor }
-    }
-
-    /// What `white` stays below beside a model that leaves such a sum of squares: white noise is no louder than the raw
-    /// torque, any other is part of what is left.
-    pub fn whitest(loudest: &[f64], data: &[&Signals], cost: f64) -> f64 {
-        let most = |most: f64, (raw, signals): (&f64, &&Signals)| most.max(raw * bridged(signals));
-        let white = loudest.iter().zip(data).fold(0.0, most);
-        let passed: f64 = data.iter().map(|signals| gain(signals) * signals.used() as f64).sum();
-        white.max(LEFT * cost / passed)
-    }
-
-    /// The same beside a model that leaves such a sum of squares of these captures; unknown where that is surely less.
-    ///
-    /// Then the band it was read in holds more than a sensor's noise, as the ripple of gears does that turn fast, and
-    /// what there is of it below nobody can tell.
-    pub fn if_left(self, cost: f64, data: &[&Signals]) -> Self {
-        let white = Noise::white(1.0);
-        let alike = data.iter().map(|signals| white.alike(signals.filter.as_ref())).fold(1.0, f64::max);
-        let error = ((1.0 + QUANTILES_ERROR) * 2.0 * alike / self.rows).sqrt();
-        let least = self.squares / (rule().explained * (1.0 + rule().steady * error));
-        if cost < least { Self { white: f64::NAN, squares: f64::NAN, ..self } } else { self }
-    }
-
-    /// Root mean square, N m.
-    pub fn rms(&self) -> f64 {
-        (self.squares / self.rows).sqrt()
-    }
 }

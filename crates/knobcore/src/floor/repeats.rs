@@ -1,0 +1,202 @@
+//! Pure error: by how much the torque differs where the same motion was made again.
+//!
+//! What a model lacks returns with the motion, noise does not: half the mean square of the differences is noise alone,
+//! whatever its colour and however wrong the model (the lack-of-fit test with near replicates: C. Daniel & F. S. Wood,
+//! *Fitting Equations to Data*, 1971; R. Christensen, *Annals of Statistics* 17, 1989). A motion is never quite the same
+//! again; the model takes off what that makes of the torque, and where it makes much the pair does not count.
+
+use super::spectral::{autoregression, falls, measured};
+use crate::noise::Noise;
+use crate::periodogram::Periodogram;
+use crate::rule::rule;
+use crate::signals::Signals;
+use std::f64::consts::PI;
+use std::iter::repeat;
+
+/// Samples of the stretches that are looked for again: as many of these as leave enough pairs.
+const WINDOWS: [usize; 5] = [512, 256, 128, 64, 32];
+/// Pairs below which their mean tells nothing.
+const ENOUGH: usize = 12;
+/// Stretches of a capture that are looked for, evenly spread where there are more.
+const MOST: usize = 128;
+/// Samples before and after a stretch (of another capture its place) in which it is looked for.
+const SPAN: usize = 1 << 16;
+/// Points of a stretch by which it is looked for.
+const POINTS: usize = 16;
+/// Steps of a stretch's length in which it is looked for, before single samples.
+const STEPS: usize = 64;
+/// Share of a stretch's samples that must count.
+const COUNTED: f64 = 0.9;
+/// What repeats say of the noise of a capture.
+pub(super) struct Pure {
+    /// Variance behind the measurement filter, (N m)^2.
+    pub variance: f64,
+    /// Its standard error, as a share.
+    pub error: f64,
+    /// The noise of the raw torque.
+    pub noise: Noise,
+}
+
+/// A stretch, and where the same motion was made again: captures and rows.
+struct Pair {
+    at: [(usize, usize); 2],
+}
+
+/// What is left of captures beside a model, raw and behind the filter.
+struct Rests<'a> {
+    data: &'a [&'a Signals],
+    raw: &'a [Vec<f64>],
+    filtered: Vec<Vec<f64>>,
+    /// RMS of the measured torque.
+    torque: f64,
+}
+
+/// Of each capture, where repeats of its motion, or those of all captures, tell anything.
+pub(super) fn pure(data: &[&Signals], raw: &[Vec<f64>]) -> Vec<Option<Pure>> {
+    let filtered = data.iter().zip(raw).map(|(signals, rest)| measured(signals, rest)).collect();
+    let squares = |signals: &&Signals| -> f64 {
+        signals.tau.iter().zip(&signals.weight).map(|(tau, weight)| weight * tau * tau).sum()
+    };
+    let used: usize = data.iter().map(|signals| signals.used()).sum();
+    let torque = (data.iter().map(squares).sum::<f64>() / used.max(1) as f64).sqrt();
+    let rests = Rests { data, raw, filtered, torque };
+    for window in WINDOWS {
+        let pairs = rests.pairs(window);
+        if pairs.len() < ENOUGH {
+            continue;
+        }
+        let own = |capture: usize| pairs.iter().filter(move |pair| pair.at[0].0 == capture);
+        return (0..data.len())
+            .map(|capture| {
+                let own: Vec<&Pair> = own(capture).collect();
+                let pairs = if own.len() < ENOUGH { pairs.iter().collect() } else { own };
+                rests.told(&pairs, window, data[capture])
+            })
+            .collect();
+    }
+    data.iter().map(|_| None).collect()
+}
+
+impl Rests<'_> {
+    /// Stretches of all captures whose motion was made again.
+    fn pairs(&self, window: usize) -> Vec<Pair> {
+        let starts: Vec<Vec<usize>> = self.data.iter().map(|signals| stretches(signals, window)).collect();
+        let looked_for = |capture: usize| {
+            let every = starts[capture].len().div_ceil(MOST).max(1);
+            starts[capture].iter().step_by(every).map(move |row| (capture, *row))
+        };
+        let all = (0..self.data.len()).flat_map(looked_for);
+        all.filter_map(|at| Some(Pair { at: [at, self.again(at, window)?] })).collect()
+    }
+
+    /// Where the motion of a stretch was made again, if it was.
+    fn again(&self, (capture, row): (usize, usize), window: usize) -> Option<(usize, usize)> {
+        let stretch = &self.data[capture].theta[row..row + window];
+        let step = (window / STEPS).max(1);
+        let mut best = (f64::INFINITY, (0, 0));
+        for (other, signals) in self.data.iter().enumerate() {
+            if signals.rate_hz != self.data[capture].rate_hz {
+                continue;
+            }
+            let near = row.saturating_sub(SPAN)..row + SPAN;
+            for segment in signals.segments.iter().filter(|segment| segment.len() >= window) {
+                let last = segment.end - window;
+                for at in (segment.start.max(near.start)..=last.min(near.end)).step_by(step) {
+                    if other == capture && at.abs_diff(row) < window {
+                        continue;
+                    }
+                    let apart = apart(stretch, &signals.theta[at..at + window], window / POINTS, best.0);
+                    if apart < best.0 {
+                        best = (apart, (other, at));
+                    }
+                }
+            }
+        }
+        let (other, coarse) = Some(best.1).filter(|_| best.0.is_finite())?;
+        let signals = self.data[other];
+        let segment = signals.segments.iter().find(|segment| segment.contains(&coarse))?;
+        let near = coarse.saturating_sub(step).max(segment.start)..=(coarse + step).min(segment.end - window);
+        let closeness = |at: &usize| apart(stretch, &signals.theta[*at..at + window], 1, f64::INFINITY);
+        let at = near
+            .filter(|at| other != capture || at.abs_diff(row) >= window)
+            .min_by(|a, b| closeness(a).total_cmp(&closeness(b)))?;
+        self.is_same((capture, row), (other, at), window).then_some((other, at))
+    }
+
+    /// Whether the motion of two stretches is the same, as far as the torque asks.
+    fn is_same(&self, one: (usize, usize), other: (usize, usize), window: usize) -> bool {
+        let signals = self.data[one.0];
+        let squares = |column: &[f64]| column.iter().map(|x| x * x).sum::<f64>();
+        let rows = |at: usize| at..at + window;
+        let way =
+            apart(&signals.theta[rows(one.1)], &self.data[other.0].theta[rows(other.1)], 1, f64::INFINITY);
+        let speed = squares(&signals.omega[rows(one.1)]);
+        let late = (way / speed).sqrt();
+        let torque = |(capture, row): (usize, usize)| -> Vec<f64> {
+            let tau = &self.data[capture].tau[row..row + window];
+            tau.iter().zip(&self.filtered[capture][row..]).map(|(tau, rest)| tau - rest).collect()
+        };
+        let differs = apart(&torque(one), &torque(other), 1, f64::INFINITY) / window as f64;
+        let weight = &self.data[other.0].weight[rows(other.1)];
+        counts(weight)
+            && 2.0 * PI * signals.passes_hz() * late < rule().same_way
+            && differs.sqrt() < rule().same_torque * self.torque
+    }
+
+    /// What pairs say of the noise of a capture like this.
+    fn told(&self, pairs: &[&Pair], window: usize, like: &Signals) -> Option<Pure> {
+        let (mut halves, mut raw) = (Vec::new(), Vec::new());
+        for Pair { at: [(a, i), (b, j)] } in pairs {
+            let (mut squares, mut rows) = (0.0, 0.0);
+            for k in 0..window {
+                if self.data[*a].weight[i + k] > 0.0 && self.data[*b].weight[j + k] > 0.0 {
+                    squares += (self.filtered[*a][i + k] - self.filtered[*b][j + k]).powi(2);
+                    rows += 1.0;
+                }
+                raw.push((self.raw[*a][i + k] - self.raw[*b][j + k]) * 0.5_f64.sqrt());
+            }
+            halves.push(0.5 * squares / f64::max(rows, 1.0));
+        }
+        let many = halves.len() as f64;
+        let variance = halves.iter().sum::<f64>() / many;
+        let spread = halves.iter().map(|half| (half - variance).powi(2)).sum::<f64>() / (many - 1.0);
+        // Two stretches may be each other's repeats, and tell the same then.
+        let error = (2.0 * spread / many).sqrt() / variance;
+        let starts: Vec<usize> = (0..raw.len()).step_by(window).collect();
+        let periodogram = Periodogram::of(window);
+        let level = periodogram.powers(&raw, &starts, periodogram.bins()).mean(repeat(1.0));
+        let colour =
+            if falls(&level) { autoregression(&level, window, raw.len()) } else { Noise::white(1.0) };
+        let scale = variance / colour.behind(like.filter.as_ref());
+        let noise = Noise { innovation: scale * colour.innovation, ..colour };
+        (variance > 0.0 && error.is_finite()).then_some(Pure { variance, error, noise })
+    }
+}
+
+/// Where stretches begin that are looked for: one after the other, those that count.
+fn stretches(signals: &Signals, window: usize) -> Vec<usize> {
+    let of = |segment: &std::ops::Range<usize>| {
+        let end = segment.end;
+        segment.clone().step_by(window).take_while(move |start| start + window <= end)
+    };
+    let mut starts: Vec<usize> = signals.segments.iter().flat_map(of).collect();
+    starts.retain(|start| counts(&signals.weight[*start..start + window]));
+    starts
+}
+
+fn counts(weight: &[f64]) -> bool {
+    let counted = weight.iter().filter(|weight| **weight > 0.0).count();
+    counted as f64 >= COUNTED * weight.len() as f64
+}
+
+/// Sum of squared differences of two columns at every so many rows, times as many; of more than `most` no matter what.
+fn apart(one: &[f64], other: &[f64], every: usize, most: f64) -> f64 {
+    let mut sum = 0.0;
+    for (a, b) in one.iter().zip(other).step_by(every) {
+        sum += (a - b) * (a - b) * every as f64;
+        if sum > most {
+            break;
+        }
+    }
+    sum
+}
