@@ -40,6 +40,7 @@
 
 mod carrier;
 mod context;
+pub mod formula;
 pub mod law;
 mod registry;
 mod shifted;
