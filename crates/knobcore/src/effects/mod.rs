@@ -62,7 +62,7 @@ pub(crate) use context::short;
 pub use registry::Info;
 pub use survey::{Survey, Wave};
 pub use told::{Base, Over, TakenUp, Words};
-pub use user::{Function, User};
+pub use user::{Does, Function, User};
 
 /// Where in the chain from the motion to the measured torque an effect acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -7,10 +7,13 @@
 mod evaluate;
 mod parse;
 mod units;
+mod written;
 
 use crate::param::Unit;
 pub use parse::Mistake;
 use std::collections::HashMap;
+pub(crate) use written::starts;
+pub use written::{Asked, register};
 
 /// What of the motion a law looks at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
