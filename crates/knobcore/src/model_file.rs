@@ -287,7 +287,7 @@ pub fn write(model: &Model) -> String {
                 let value = match slot.role {
                     _ if law.is_some() => {
                         let value = tied.map_or(format!("{:?}", slot.value), |to| format!("{to:?}"));
-                        model_laws::with_its_own(&value, slot.role == Role::Fixed, &slot.param, model.axis)
+                        model_laws::with_its_own(&value, slot.role == Role::Fixed, slot.param, model.axis)
                     }
                     Role::Tied(to) => format!("{:?}", model.slots()[to].name()),
                     role if role == of_number(model, at) => format!("{:?}", slot.value),

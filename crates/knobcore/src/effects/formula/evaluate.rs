@@ -9,13 +9,9 @@ impl Formula {
     /// What it answers at one instant.
     #[inline]
     pub fn at<T: Scalar>(&self, p: &[T], motion: &Motion<T>) -> T {
-        let mut stack = [T::ZERO; DEPTH];
-        let mut top = 0_usize;
+        let mut stack = Stack { numbers: [T::ZERO; DEPTH], count: 0 };
         for step in &self.steps {
-            let mut pop = || {
-                top = top.saturating_sub(1);
-                stack.get(top).copied().unwrap_or(T::ZERO)
-            };
+            let mut pop = || stack.pop();
             let answer = match step.op {
                 Op::Number(x) => T::of(x),
                 Op::Parameter(at) => p.get(at).copied().unwrap_or(T::ZERO),
@@ -40,12 +36,9 @@ impl Formula {
                     }
                 }
             };
-            if let Some(place) = stack.get_mut(top) {
-                *place = answer;
-            }
-            top += 1;
+            stack.push(answer);
         }
-        stack.first().copied().unwrap_or(T::ZERO)
+        stack.pop()
     }
 
     /// What it answers over columns (t, theta, omega, alpha, forward) of one length.
@@ -80,6 +73,28 @@ impl Formula {
             *slope = self.at(&plain, &instant(columns, at).map(Dual::constant)).d[0];
         }
         slope
+    }
+}
+
+/// The numbers that are kept while a law is worked out; a law that was read keeps no more than there is room for.
+struct Stack<T> {
+    numbers: [T; DEPTH],
+    count: usize,
+}
+
+impl<T: Scalar> Stack<T> {
+    #[inline]
+    fn push(&mut self, number: T) {
+        if let Some(place) = self.numbers.get_mut(self.count) {
+            *place = number;
+            self.count += 1;
+        }
+    }
+
+    #[inline]
+    fn pop(&mut self) -> T {
+        self.count = self.count.saturating_sub(1);
+        self.numbers.get(self.count).copied().unwrap_or(T::ZERO)
     }
 }
 
