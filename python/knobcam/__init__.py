@@ -59,6 +59,7 @@ if TYPE_CHECKING:
     from .model.effects import Effect, effects
     from .model.hiding import hiding
     from .model.own import OwnJoint, OwnMotion, OwnParameter, forget_effect, own_effect
+    from .model.own_law import own_law
     from .model.simulate import SensorNoise, simulate
     from .render import Device, Renderer, Stability, check_stability
     from .render.emulated import EmulatedHandle
@@ -123,6 +124,7 @@ __all__ = [
     "motion",
     "next_experiment",
     "own_effect",
+    "own_law",
     "plot",
     "prepare",
     "record",
@@ -188,6 +190,7 @@ _HOME = {
     "motion": "capture.motions",
     "next_experiment": "learn.designing",
     "own_effect": "model.own",
+    "own_law": "model.own_law",
     "plot": "show.plot",
     "prepare": "capture.prepare",
     "record": "rig.record",

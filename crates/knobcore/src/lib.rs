@@ -19,6 +19,7 @@ pub mod param;
 pub mod effects;
 pub mod model;
 pub mod model_file;
+mod model_laws;
 
 pub mod chain;
 

@@ -44,6 +44,7 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(model::push, m)?)?;
     m.add_function(wrap_pyfunction!(model::forward, m)?)?;
     m.add_function(wrap_pyfunction!(user::register_effect, m)?)?;
+    m.add_function(wrap_pyfunction!(user::register_law, m)?)?;
     m.add_function(wrap_pyfunction!(user::forget_effect, m)?)?;
     m.add_function(wrap_pyfunction!(user::effect_failure, m)?)?;
     m.add_class::<realtime::PyLoop>()?;

@@ -1,12 +1,13 @@
 //! Bindings of effects of the user's own.
 use super::convert::{Column, array, input_error};
-use knobcore::effects::{Function, Id, Info, Nonlinear, Over, Place, User, Words};
+use knobcore::effects::{Does, Function, Id, Info, Nonlinear, Over, Place, User, Words, formula};
 use knobcore::error::{Error, Result};
 use knobcore::model::Model;
 use knobcore::motion::Channel;
-use knobcore::param::{Kind, Param, Unit};
+use knobcore::param::{Axis, Kind, Param, Unit};
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
+use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 
 /// A parameter as it comes in: name, unit, lower, upper, neutral, meaning, linear.
@@ -68,8 +69,37 @@ pub fn register_effect(
         scan: None,
         slower: &[],
     };
-    User::register(info, remembers, starts, called(function)).map_err(input_error)?;
+    User::register(info, remembers, starts, Does::Call(called(function))).map_err(input_error)?;
     Ok(())
+}
+
+/// Registers a law that is written as a formula, a `load` or a factor on `friction`; of its parameters units (text) and
+/// bounds may be given by name. Answers the names, units and bounds of all, and whether the law is proportional to them.
+#[pyfunction]
+#[allow(clippy::type_complexity)]
+pub fn register_law(
+    id: &str,
+    acts: &str,
+    law: &str,
+    units: HashMap<String, String>,
+    bounds: HashMap<String, (f64, f64)>,
+) -> PyResult<Vec<(&'static str, String, f64, f64, bool)>> {
+    let mut asked: HashMap<String, formula::Asked> = HashMap::new();
+    for (name, unit) in units {
+        let unit = Unit::parse(&unit)
+            .map_err(|error| Error::invalid(format!("parameter '{id}.{name}'"), error.to_string()))
+            .map_err(input_error)?;
+        asked.entry(name).or_default().unit = Some(unit);
+    }
+    for (name, (lower, upper)) in bounds {
+        asked.entry(name).or_default().bounds = [lower, upper];
+    }
+    let user = formula::register(id, acts, law, &asked).map_err(input_error)?;
+    let row = |param: &Param| {
+        let unit = param.unit.text(Axis::Rotary);
+        (param.name, unit, param.lower, param.upper, param.kind == Kind::Linear)
+    };
+    Ok(user.info.params.iter().map(row).collect())
 }
 
 fn param(id: &str, (name, unit, lower, upper, neutral, meaning, linear): Row) -> Result<Param> {

@@ -71,12 +71,9 @@ pub fn check_passive(model: &Model, device: Option<Device>, rate_hz: f64) -> Res
     let own = model.effects().any(|id| matches!(id, Id::User(_)));
     let asked = Asked { model, own, range: Range::of(model) };
     let p = model.values();
-    let told = asked.signs(&p).and_then(|()| asked.stays(&p)).and_then(|()| asked.cycles(&p, rate_hz));
-    if own {
-        // Where a function of the user's own fails it is not rendered either.
-        let _ = model.watched(|| ());
-    }
-    told?;
+    let asks = || asked.signs(&p).and_then(|()| asked.stays(&p)).and_then(|()| asked.cycles(&p, rate_hz));
+    // What of the user's own has no value somewhere in the range is not rendered either.
+    if own { model.watched(asks)? } else { asks() }?;
     match device.filter(|device| !device.held) {
         Some(device) => rings(model, device, rate_hz),
         None => Ok(()),

@@ -34,6 +34,8 @@ class Parser(argparse.ArgumentParser):
         self.by_place: list[argparse.Action] = []
         self.behind: bool | None = None
         """Whether a model must stand behind the captures, if none is given by its option; None: none may."""
+        self.instead: tuple[str, str] | None = None
+        """An option, and the word before the captures that it stands for: there is no such word then."""
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Ask for no model by its place where it is given by its option; a folder of runs is its captures."""
@@ -41,6 +43,9 @@ class Parser(argparse.ArgumentParser):
             for one in self.by_place:
                 one.nargs, one.required = "?", False
         found, rest = super().parse_known_args(args, namespace)
+        if self.instead is not None and getattr(found, self.instead[0]) is not None:
+            found.captures = [getattr(found, self.instead[1]), *found.captures]
+            setattr(found, self.instead[1], None)
         if self.behind is not None:
             self._part_model(found)
         if getattr(found, "captures", None):

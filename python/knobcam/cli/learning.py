@@ -32,7 +32,22 @@ def register(commands: arguments.Commands) -> None:
     parser = arguments.add_command(
         commands, "add", run_add, "Fit a model again with one effect more, and say what that changed."
     )
-    parser.add_argument("effect", metavar="EFFECT", help="id from `knobcam effects`")
+    parser.add_argument("effect", metavar="EFFECT", help="id from `knobcam effects`; none with --law")
+    parser.add_argument(
+        "--law",
+        metavar="FORMULA",
+        help="in place of EFFECT: one of your own, a torque such as 'a tanh(omega/w)'; the model carries it",
+    )
+    parser.add_argument("--name", metavar="NAME", help="with --law: of the effect; default law, law_2, ...")
+    parser.add_argument(
+        "--units",
+        nargs="+",
+        action="extend",
+        type=arguments.assignment,
+        metavar="PARAMETER=UNIT",
+        help="with --law: units that do not follow from it, as 'k=N m/rad'",
+    )
+    parser.instead = ("law", "effect")
     arguments.add_captures_and_model(parser, "what the model is fitted to")
     arguments.add_output(parser, "model")
     arguments.add_plots(parser)
@@ -100,6 +115,9 @@ def run_diagnose(args: Namespace) -> Answer:
 
 def run_add(args: Namespace) -> Answer:
     """Fit a model, add an effect, fit again."""
+    for option in ("name", "units"):
+        if getattr(args, option) is not None and args.law is None:
+            raise InputError(f"--{option}: is of --law, which is not given; add it, or leave --{option} out")
     check_file(args.output, [*args.captures, args.model])
     check_folder(args.plots, args.output)
     options = arguments.preparation(args)
@@ -108,11 +126,26 @@ def run_add(args: Namespace) -> Answer:
     from ..model import Model
 
     model = Model.load(args.model)
-    refit.check(args.effect, model)
-    fitted = _fitted(args, model, options).add(args.effect)
+    effect = args.effect if args.law is None else _law(args, model)
+    refit.check(effect, model)
+    fitted = _fitted(args, model, options).add(effect)
     files = kept(args, fitted)
     text = "\n".join([repr(fitted), *said(files)])
     return answer(args, text, refit.document(fitted) | {"files": files}, fitted)
+
+
+def _law(args: Namespace, model: Model) -> str:
+    """Register the law of the command line, and return its name."""
+    from ..model.effects import effects
+    from ..model.own_law import own_law
+
+    taken = {*effects(model.coordinate), *model.effects}
+    names = (f"law_{number}" if number > 1 else "law" for number in range(1, 2 + len(taken)))
+    name = args.name if args.name is not None else next(one for one in names if one not in taken)
+    if name in taken:
+        raise InputError(f"--name {name}: is an effect already; choose another name")
+    own_law(name, args.law, units=dict(one.split("=", 1) for one in args.units or ()))
+    return str(name)
 
 
 def run_learn(args: Namespace) -> Answer:

@@ -40,6 +40,7 @@
 
 mod carrier;
 mod context;
+pub mod formula;
 pub mod law;
 mod registry;
 mod shifted;
@@ -61,7 +62,7 @@ pub(crate) use context::short;
 pub use registry::Info;
 pub use survey::{Survey, Wave};
 pub use told::{Base, Over, TakenUp, Words};
-pub use user::{Function, User};
+pub use user::{Does, Function, User};
 
 /// Where in the chain from the motion to the measured torque an effect acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,5 +1,6 @@
 //! Effects of the user's own: registered while the program runs, called over whole columns.
 
+use super::formula::Formula;
 use super::{Id, Info, Joint, Place};
 use crate::error::{Error, Result};
 use crate::motion::{Channel, Motion};
@@ -19,6 +20,14 @@ use std::sync::{PoisonError, RwLock};
 /// each other, else 0.
 pub type Function = Box<dyn Fn(&[f64], &[&[f64]]) -> std::result::Result<Vec<f64>, String> + Send + Sync>;
 
+/// What an effect of a user's own does.
+pub enum Does {
+    /// A function of theirs is called.
+    Call(Function),
+    /// A formula is worked out.
+    Formula(Formula),
+}
+
 /// An effect that a user registered. It lives as long as the program, and is one with itself alone.
 pub struct User {
     /// Its row of the catalogue.
@@ -28,7 +37,7 @@ pub struct User {
     /// Parameter values to start a search from; none for the neutral ones.
     pub starts: Vec<Vec<f64>>,
     /// Its law.
-    pub function: Function,
+    pub does: Does,
     order: usize,
 }
 
@@ -55,12 +64,7 @@ impl User {
     ///
     /// # Errors
     /// A name of the built-in catalogue; bounds, neutral values or starts that contradict each other.
-    pub fn register(
-        info: Info,
-        remembers: bool,
-        starts: Vec<Vec<f64>>,
-        function: Function,
-    ) -> Result<&'static Self> {
+    pub fn register(info: Info, remembers: bool, starts: Vec<Vec<f64>>, does: Does) -> Result<&'static Self> {
         if Id::BUILT_IN.iter().any(|own| own.info().id == info.id) {
             let why = "is built in already; choose another name";
             return Err(Error::invalid(format!("effect '{}'", info.id), why));
@@ -68,11 +72,24 @@ impl User {
         check(&info, &starts)?;
         let order = ORDER.fetch_add(1, Memory::Relaxed);
         let info = Box::leak(Box::new(info));
-        let user: &'static Self = Box::leak(Box::new(Self { info, remembers, starts, function, order }));
+        let user: &'static Self = Box::leak(Box::new(Self { info, remembers, starts, does, order }));
         let mut registered = REGISTERED.write().unwrap_or_else(PoisonError::into_inner);
         registered.retain(|other| other.info.id != info.id);
         registered.push(user);
         Ok(user)
+    }
+
+    /// The formula that it is written as, if it is.
+    pub fn formula(&self) -> Option<&Formula> {
+        match &self.does {
+            Does::Formula(law) => Some(law),
+            Does::Call(_) => None,
+        }
+    }
+
+    /// The one that is registered under a name.
+    pub(super) fn known(id: &str) -> Option<&'static Self> {
+        all().find(|user| user.info.id == id)
     }
 
     /// Takes an effect out of the catalogue; models that have it keep it. Whether it was there.
@@ -104,7 +121,11 @@ impl User {
         if !p.iter().all(|x| x.is_finite()) {
             return vec![f64::NAN; samples];
         }
-        let checked = (self.function)(p, columns).and_then(|own| {
+        let answer = match &self.does {
+            Does::Call(function) => function(p, columns),
+            Does::Formula(law) => Ok(law.over(p, &motion(columns))),
+        };
+        let checked = answer.and_then(|own| {
             if own.len() != samples {
                 return Err(format!("returned {} values for {samples} samples", own.len()));
             }
@@ -134,7 +155,8 @@ impl User {
             return None;
         }
         let rigid = Joint { gap: 0.0, stiffness: 1e5, damping: 1e2, share: 0.5, welded: true };
-        let answer = (self.function)(p, &[]);
+        let Does::Call(function) = &self.does else { return None };
+        let answer = function(p, &[]);
         let joint = answer.as_deref().map(|values| match values {
             &[gap, stiffness, damping, share, welded] => {
                 Some(Joint { gap, stiffness, damping, share, welded: welded > 0.5 })
@@ -178,6 +200,12 @@ impl User {
 
     /// The derivative of what it answers by parameter `i` over columns, by central differences.
     pub fn slope(&self, p: &[f64], i: usize, columns: &[&[f64]]) -> Vec<f64> {
+        if let Does::Formula(law) = &self.does {
+            let mut slope = law.slope(p, i, &motion(columns));
+            // What cannot be worked out is said where its value is.
+            slope.iter_mut().for_each(|x| *x = if x.is_finite() { *x } else { 0.0 });
+            return slope;
+        }
         let [(below, low), (above, high)] = self.beside(p, i).map(|(x, p)| (x, self.over(&p, columns)));
         high.iter().zip(low).map(|(high, low)| (high - low) / (above - below)).collect()
     }
@@ -188,10 +216,26 @@ impl User {
             self.fail(p, "remembers, so it has no torque at one instant, which a simulated motion needs");
             return f64::from(u8::from(self.info.touches.contains(&Channel::FrictionScale)));
         }
+        if let Does::Formula(law) = &self.does {
+            let (answer, factor) = (law.at(p, motion), self.info.touches.contains(&Channel::FrictionScale));
+            return match (answer.is_finite(), factor) {
+                (true, false) => answer,
+                (true, true) => answer.max(LEAST),
+                (false, _) => {
+                    self.fail(p, "is not finite");
+                    f64::from(u8::from(factor))
+                }
+            };
+        }
         let Motion { t, theta, omega, alpha, forward } = motion;
         let columns = [t, theta, omega, alpha, forward].map(std::slice::from_ref);
         self.over(p, &columns).first().copied().unwrap_or(0.0)
     }
+}
+
+/// The columns of the motion.
+fn motion<'a>(columns: &[&'a [f64]]) -> [&'a [f64]; 5] {
+    std::array::from_fn(|i| columns.get(i).copied().unwrap_or(&[]))
 }
 
 /// Bounds, neutral values and starts of every parameter must agree with each other.
@@ -263,7 +307,7 @@ mod tests {
     fn drag(id: &'static str, law: fn(f64, f64) -> f64) -> &'static User {
         const PARAMS: &[Param] = &[Param::linear("d", Unit::of(1, -2, 2), "drag")];
         let torque: Function = Box::new(move |p, m| Ok(m[2].iter().map(|omega| law(p[0], *omega)).collect()));
-        User::register(info(id, PARAMS), false, Vec::new(), torque).unwrap()
+        User::register(info(id, PARAMS), false, Vec::new(), Does::Call(torque)).unwrap()
     }
 
     fn info(id: &'static str, params: &'static [Param]) -> Info {
@@ -316,7 +360,7 @@ mod tests {
             [(vec![], vec![vec![0.5]]), (vec![vec![-2.0], vec![2.0]], vec![vec![-2.0], vec![2.0]])]
         {
             let torque: Function = Box::new(|_, m| Ok(m[0].to_vec()));
-            let user = User::register(info("started", SHAPES), false, starts, torque).unwrap();
+            let user = User::register(info("started", SHAPES), false, starts, Does::Call(torque)).unwrap();
             assert_eq!(Id::User(user).law().starts(&survey), expected);
         }
     }
@@ -334,7 +378,8 @@ mod tests {
             ("own", &[SHAPE], vec![vec![]], "own.w"),
         ] {
             let torque: Function = Box::new(|_, m| Ok(m[0].to_vec()));
-            let error = User::register(info(id, params), false, starts, torque).unwrap_err().to_string();
+            let error =
+                User::register(info(id, params), false, starts, Does::Call(torque)).unwrap_err().to_string();
             assert!(error.contains(said), "{error}");
         }
     }

@@ -130,7 +130,7 @@ impl Rig {
             self.complaint = error.to_string();
             refusal::MODEL
         })?;
-        if let Some(own) = model.effects().find(|id| matches!(id, Id::User(_))) {
+        if let Some(own) = model.effects().find(|id| matches!(id, Id::User(own) if own.formula().is_none())) {
             self.complaint = format!("effect '{}' is not in the firmware", own.info().id);
             return Err(refusal::MODEL);
         }

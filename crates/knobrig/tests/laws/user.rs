@@ -3,7 +3,7 @@
 use super::*;
 use crate::derivatives::{SMOOTH, check};
 use crate::rendering::OPEN;
-use knobcore::effects::{Function, Info, Nonlinear, User};
+use knobcore::effects::{Does, Function, Info, Nonlinear, User};
 use knobcore::motion::Channel;
 use knobcore::param::Unit;
 use knobrender::{Renderer, Sensed};
@@ -40,7 +40,7 @@ fn register_at(
         makes_nonlinear: beyond.then_some(Nonlinear::Everything),
         ..*Id::QuadraticDrag.info()
     };
-    Id::User(User::register(info, false, Vec::new(), function).unwrap())
+    Id::User(User::register(info, false, Vec::new(), Does::Call(function)).unwrap())
 }
 
 fn draught(p: &[f64], motion: &[&[f64]]) -> Vec<f64> {

@@ -1,0 +1,254 @@
+//! Laws that are written as formulas, `2 a (omega/w) / (1 + (omega/w)^2)`: read, checked for units, evaluated for
+//! numbers, for packs of samples and with exact derivatives. No code of anybody is run.
+//!
+//! Names that stand for the motion are `t`, `theta`, `omega`, `alpha` and `direction` (of the motion, -1 to 1; also
+//! `sign(omega)`); every other name is a parameter.
+
+mod evaluate;
+mod parse;
+mod units;
+mod written;
+
+use crate::param::Unit;
+pub use parse::Mistake;
+use std::collections::HashMap;
+pub(crate) use written::starts;
+pub use written::{Asked, register};
+
+/// What of the motion a law looks at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Variable {
+    /// Time, s.
+    Time,
+    /// Angle, rad.
+    Theta,
+    /// Angular velocity, rad/s.
+    Omega,
+    /// Angular acceleration, rad/s^2.
+    Alpha,
+    /// The expected sign of the velocity.
+    Direction,
+}
+
+impl Variable {
+    const ALL: [Self; 5] = [Self::Time, Self::Theta, Self::Omega, Self::Alpha, Self::Direction];
+
+    /// As it is written.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Time => "t",
+            Self::Theta => "theta",
+            Self::Omega => "omega",
+            Self::Alpha => "alpha",
+            Self::Direction => "direction",
+        }
+    }
+
+    fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|variable| variable.name() == name)
+    }
+}
+
+/// What a law may call.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Function {
+    /// sin x
+    Sin,
+    /// cos x
+    Cos,
+    /// tan x
+    Tan,
+    /// e^x
+    Exp,
+    /// The natural logarithm.
+    Log,
+    /// The square root.
+    Sqrt,
+    /// |x|
+    Abs,
+    /// -1, 0 or 1
+    Sign,
+    /// The hyperbolic tangent.
+    Tanh,
+    /// The smaller of two.
+    Min,
+    /// The larger of two.
+    Max,
+}
+
+impl Function {
+    const ALL: [Self; 11] = [
+        Self::Sin,
+        Self::Cos,
+        Self::Tan,
+        Self::Exp,
+        Self::Log,
+        Self::Sqrt,
+        Self::Abs,
+        Self::Sign,
+        Self::Tanh,
+        Self::Min,
+        Self::Max,
+    ];
+
+    /// As it is written.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sin => "sin",
+            Self::Cos => "cos",
+            Self::Tan => "tan",
+            Self::Exp => "exp",
+            Self::Log => "log",
+            Self::Sqrt => "sqrt",
+            Self::Abs => "abs",
+            Self::Sign => "sign",
+            Self::Tanh => "tanh",
+            Self::Min => "min",
+            Self::Max => "max",
+        }
+    }
+
+    fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|function| function.name() == name)
+    }
+
+    fn takes(self) -> usize {
+        1 + usize::from(matches!(self, Self::Min | Self::Max))
+    }
+}
+
+/// What a step does with the numbers that came last.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Op {
+    Number(f64),
+    Motion(Variable),
+    Parameter(usize),
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    Negate,
+    /// To a power that is written there.
+    Raise(f64),
+    /// To any power.
+    Power,
+    Call(Function),
+}
+
+impl Op {
+    /// How many numbers it takes for the one that it leaves.
+    fn takes(self) -> usize {
+        match self {
+            Self::Number(_) | Self::Motion(_) | Self::Parameter(_) => 0,
+            Self::Negate | Self::Raise(_) => 1,
+            Self::Add | Self::Subtract | Self::Multiply | Self::Divide | Self::Power => 2,
+            Self::Call(function) => function.takes(),
+        }
+    }
+}
+
+/// A step, and the character that it stands at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Step {
+    at: usize,
+    op: Op,
+}
+
+/// A law that was read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Formula {
+    text: String,
+    steps: Vec<Step>,
+    params: Vec<String>,
+}
+
+impl Formula {
+    /// Reads a law.
+    ///
+    /// # Errors
+    /// What is wrong with it, and at which character.
+    pub fn parse(text: &str) -> Result<Self, Mistake> {
+        let (steps, params) = parse::parsed(text)?;
+        Ok(Self { text: text.split_whitespace().collect::<Vec<_>>().join(" "), steps, params })
+    }
+
+    /// As it was written.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Names of its parameters.
+    pub fn params(&self) -> &[String] {
+        &self.params
+    }
+
+    /// What of the motion it looks at.
+    pub fn variables(&self) -> Vec<Variable> {
+        let looks = |one: &Variable| self.steps.iter().any(|step| step.op == Op::Motion(*one));
+        Variable::ALL.into_iter().filter(looks).collect()
+    }
+
+    /// Units of all parameters, given those of some, where the law answers in `answer`.
+    ///
+    /// # Errors
+    /// Where units do not agree, and which parameters have none that follows.
+    pub fn units(&self, known: &HashMap<&str, Unit>, answer: Unit) -> Result<Vec<Unit>, Mistake> {
+        units::inferred(self, known, answer)
+    }
+
+    /// Parameters that the law is proportional to, all of them together.
+    pub fn linear(&self) -> Vec<usize> {
+        let mut together = Vec::new();
+        let mut class = Class::Free;
+        for param in 0..self.params.len() {
+            together.push(param);
+            match self.class(&together) {
+                Class::Other => {
+                    together.pop();
+                }
+                found => class = found,
+            }
+        }
+        if class == Class::Proportional { together } else { Vec::new() }
+    }
+
+    /// How the law depends on these parameters.
+    fn class(&self, of: &[usize]) -> Class {
+        use Class::{Affine, Free, Other, Proportional};
+        let mut stack = Vec::new();
+        for step in &self.steps {
+            let right = if step.op.takes() > 0 { stack.pop().unwrap_or(Other) } else { Free };
+            let left = if step.op.takes() > 1 { stack.pop().unwrap_or(Other) } else { Free };
+            stack.push(match step.op {
+                Op::Parameter(at) if of.contains(&at) => Proportional,
+                Op::Number(_) | Op::Motion(_) | Op::Parameter(_) => Free,
+                Op::Negate => right,
+                Op::Add | Op::Subtract => match (left, right) {
+                    (Other, _) | (_, Other) => Other,
+                    (a, b) if a == b => a,
+                    _ => Affine,
+                },
+                Op::Multiply => match (left, right) {
+                    (Free, other) | (other, Free) => other,
+                    _ => Other,
+                },
+                Op::Divide if right == Free => left,
+                _ if left == Free && right == Free => Free,
+                _ => Other,
+            });
+        }
+        stack.pop().unwrap_or(Other)
+    }
+}
+
+/// How a number depends on some parameters together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Class {
+    Free,
+    Proportional,
+    Affine,
+    Other,
+}
+
+#[cfg(test)]
+mod tests;

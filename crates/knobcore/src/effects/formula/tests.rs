@@ -1,0 +1,143 @@
+//! Laws as formulas: what is read, what is refused and where, units, derivatives.
+
+use super::*;
+use crate::motion::Motion;
+use crate::scalar::Dual;
+
+const TORQUE: Unit = Unit::of(1, 0, 0);
+
+fn law(text: &str) -> Formula {
+    Formula::parse(text).unwrap_or_else(|mistake| panic!("{text}: {mistake:?}"))
+}
+
+fn value(text: &str, p: &[f64]) -> f64 {
+    law(text).at(p, &Motion { t: 0.5, theta: 1.2, omega: -3.0, alpha: 7.0, forward: 0.0 })
+}
+
+fn mistake(text: &str) -> Mistake {
+    match Formula::parse(text) {
+        Ok(law) => law.units(&HashMap::new(), TORQUE).unwrap_err(),
+        Err(mistake) => mistake,
+    }
+}
+
+#[test]
+fn formulas_are_read_as_people_write_them() {
+    for (text, is) in [
+        ("1 + 2*3^2", 19.0),
+        ("-2^2", -4.0),
+        ("2^-1", 0.5),
+        ("2^3^0.5", 2.0_f64.powf(3.0_f64.sqrt())),
+        ("8/4/2", 1.0),
+        ("2 - 3 - 4", -5.0),
+        ("2 omega theta", -7.2),
+        ("2 (1 + omega)(theta)", -4.8),
+        ("|omega| - -1", 4.0),
+        ("omega |omega (1 - |theta|)| |2|", -3.6),
+        ("sign(omega) + sign(theta)", 0.0),
+        ("omega**2 + 1e1", 19.0),
+        ("min(theta, max(t, 2)) + pi - pi", 1.2),
+        ("sqrt(4) exp(0) cos(0)", 2.0),
+        ("tanh(0.5)", 0.5_f64.tanh()),
+        ("tan(0.5) - log(2.5)", 0.5_f64.tan() - 2.5_f64.ln()),
+        (".5alpha", 3.5),
+    ] {
+        assert!((value(text, &[]) - is).abs() < 1e-13, "{text}: {} {is}", value(text, &[]));
+    }
+    assert!((value("2 a (omega/w) / (1 + (omega/w)^2)", &[0.5, 3.0]) + 0.5).abs() < 1e-15);
+    assert_eq!(law("b + a + b").params(), ["b", "a"]);
+    assert!(value("log(omega)", &[]).is_nan() && value("omega^0.5", &[]).is_nan());
+}
+
+#[test]
+fn what_is_no_law_is_refused_at_its_place() {
+    let long = "1+".repeat(400) + "1";
+    let (deep, huge) = ("(".repeat(40) + "1" + &")".repeat(40), "a".repeat(1_000_000));
+    for (text, at, said) in [
+        ("a * (theta", 10, "')'"),
+        ("a theta)", 7, "bracket"),
+        ("a $ theta", 2, "no place"),
+        ("k * foo(theta)", 4, "no function"),
+        ("sin theta", 4, "sin("),
+        ("min(theta)", 9, "comma"),
+        ("a *", 3, "ends"),
+        ("a * / b", 4, "stands where"),
+        ("1.2.3", 0, "no number"),
+        ("", 0, "ends"),
+        (&long, 199, "too long"),
+        (&deep, 32, "brackets"),
+        (&huge, 1000, "1000000 characters"),
+        ("a b c d e f g h i j k l m", 24, "one parameter more"),
+        ("a theta (theta + omega)", 15, "other units"),
+        ("a exp(theta)", 2, "exp of rad"),
+        ("theta", 0, "another unit"),
+        ("a b omega", 0, "does not follow"),
+        ("a sin(omega)", 2, "sin of rad/s"),
+    ] {
+        let found = mistake(text);
+        assert!(found.at == at && found.why.contains(said), "{}: {found:?}", &text[..text.len().min(40)]);
+    }
+}
+
+#[test]
+fn units_of_parameters_follow_from_the_law() {
+    let units = |text: &str| law(text).units(&HashMap::new(), TORQUE).unwrap();
+    assert_eq!(units("2 a (omega/w) / (1 + (omega/w)^2)"), [TORQUE, Unit::of(0, 1, -1)]);
+    assert_eq!(units("a sin(n theta + p)"), [TORQUE, Unit::NUMBER, Unit::NUMBER]);
+    assert_eq!(units("d omega |omega|"), [Unit::of(1, -2, 2)]);
+    assert_eq!(units("a exp(-t/tau) + b"), [TORQUE, Unit::of(0, 0, 1), TORQUE]);
+    assert_eq!(units("k sqrt(theta^2 + l^2)"), [Unit::of(1, -1, 0), Unit::of(0, 1, 0)]);
+    assert_eq!(units("a (|omega|/w)^p"), [TORQUE, Unit::of(0, 1, -1), Unit::NUMBER]);
+    let given = HashMap::from([("b", Unit::of(0, -1, 1))]);
+    assert_eq!(law("a b omega").units(&given, TORQUE).unwrap()[0], TORQUE);
+    let wrong = HashMap::from([("w", Unit::of(0, 1, 0))]);
+    assert!(law("a/(1 + omega/w)").units(&wrong, TORQUE).unwrap_err().why.contains("other units"));
+    // What multiplies the dry friction is a pure number.
+    assert_eq!(law("1 + a cos(theta)").units(&HashMap::new(), Unit::NUMBER).unwrap(), [Unit::NUMBER]);
+}
+
+#[test]
+fn parameters_that_the_law_is_proportional_to_are_found() {
+    let linear = |text: &str| -> Vec<String> {
+        let law = law(text);
+        law.linear().into_iter().map(|at| law.params()[at].clone()).collect()
+    };
+    assert_eq!(linear("2 a (omega/w) / (1 + (omega/w)^2)"), ["a"]);
+    assert_eq!(linear("a omega + b theta - c"), ["a", "b", "c"]);
+    assert_eq!(linear("a b omega"), ["a"]);
+    assert!(linear("1 + a theta").is_empty() && linear("a^2").is_empty() && linear("omega/a").is_empty());
+    assert_eq!(linear("(a sin(w t) + b cos(w t)) exp(-t/tau)"), ["a", "b"]);
+}
+
+#[test]
+fn derivatives_are_exact_and_packs_answer_as_single_samples() {
+    let law = law("a sin(n theta) exp(-t/tau) + b tanh(omega/w)/(1 + |alpha|^1.5 c)");
+    let p = [0.3, 5.0, 0.7, 0.2, 1.1, 0.4];
+    let columns: [Vec<f64>; 5] = std::array::from_fn(|i| {
+        (0..21_u32).map(|k| (f64::from(k) * 0.37 + i as f64).sin() + 1.5 * f64::from(i == 0)).collect()
+    });
+    let columns: [&[f64]; 5] = std::array::from_fn(|i| columns[i].as_slice());
+    let over = law.over(&p, &columns);
+    for (at, over) in over.iter().enumerate() {
+        let [t, theta, omega, alpha, forward] = columns.map(|column| column[at]);
+        let motion = Motion { t, theta, omega, alpha, forward };
+        assert!((law.at(&p, &motion) - over).abs() < 1e-14);
+    }
+    for by in 0..p.len() {
+        let slope = law.slope(&p, by, &columns);
+        let moved = |step: f64| {
+            let mut p = p;
+            p[by] += step;
+            law.over(&p, &columns)
+        };
+        let (low, high) = (moved(-1e-6), moved(1e-6));
+        for ((slope, low), high) in slope.iter().zip(low).zip(high) {
+            assert!((slope - (high - low) / 2e-6).abs() < 1e-8, "{by}: {slope}");
+        }
+    }
+    // A square root of nothing has a value, and no derivative that is none.
+    let root = Formula::parse("a sqrt(theta)").unwrap();
+    let dual = root
+        .at(&[Dual::<f64, 1>::seeded(2.0, Some(0))], &Motion::exact(0.0, 0.0, 1.0, 0.0).map(Dual::constant));
+    assert_eq!((dual.v, dual.d), (0.0, [0.0]));
+}

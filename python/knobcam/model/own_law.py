@@ -1,0 +1,48 @@
+"""Effects of one's own as formulas: no code is run, and a model file carries them.
+
+>>> import knobcam as kc
+>>> kc.own_law("brake_law", "2 a (omega/w) / (1 + (omega/w)^2)")["w"].unit
+'rad/s'
+>>> kc.forget_effect("brake_law")
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from .. import _core
+from ..base.door import checked
+from ..errors import InputError
+from .own import Acts, OwnParameter
+
+
+@checked
+def own_law(
+    name: str,
+    law: str,
+    *,
+    acts: Acts = "load",
+    units: Mapping[str, str] | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+) -> dict[str, OwnParameter]:
+    """Register a formula as the effect `name` of the catalogue, and return its parameters.
+
+    The motion is `t` (s), `theta` (rad; m), `omega`, `alpha` and `direction` (-1 to 1, also `sign(omega)`);
+    every other name is a parameter. There are + - * / ^, brackets, |x|, pi, and sin, cos, tan, exp, log,
+    sqrt, abs, sign, tanh, min, max; `2 a omega` is a product. It answers the torque that the rig has to
+    apply, N m (N), or, where it `acts` as friction, a factor on the dry friction.
+
+    `units` of parameters, such as `N m/rad`, follow from the law where they are not given; `bounds` keep a
+    search out of where the law has no value. A formula acts as `load` or `friction` alone. Parameters that the law is proportional to are solved for
+    directly, and derivatives are exact.
+
+    Raises InputError for what is no formula, by the character, for units that do not agree, for bounds that
+    contradict each other, and for a name that is built in or no identifier.
+    """
+    if not (name.isidentifier() and name.isascii()):
+        raise InputError(f"effect {name!r}: its name must be letters a-z, digits and _, such as bump_2")
+    rows = _core.register_law(name, acts, law, dict(units or {}), dict(bounds or {}))
+    return {
+        param: OwnParameter(unit, lower, upper, 0.0 if linear else min(max(1.0, lower), upper), param, linear)
+        for param, unit, lower, upper, linear in rows
+    }

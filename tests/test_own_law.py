@@ -1,0 +1,116 @@
+"""Effects of one's own as formulas: what the catalogue has they repeat, a model file carries them."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command import knobcam, refused
+
+import knobcam as kc
+
+BRAKE = "2 a (omega/w) / (1 + (omega/w)^2)"
+
+
+@pytest.fixture(autouse=True)
+def forgotten() -> Iterator[None]:
+    """Each test leaves the catalogue as it was."""
+    before = set(kc.effects())
+    yield
+    for name in set(kc.effects()) - before:
+        kc.forget_effect(name)
+
+
+@pytest.fixture(scope="module")
+def braked() -> kc.Capture:
+    """A knob with a brake that no effect of the catalogue is, made without this program's law."""
+    plain = kc.simulate("knob4", "sweep", duration_s=4.0, seed=3)
+    omega = kc.motion("sweep", 4.0).omega
+    return dataclasses.replace(plain, tau=plain.tau + 0.008 * (omega / 2.0) / (1.0 + (omega / 2.0) ** 2))
+
+
+def test_a_law_that_repeats_an_effect_is_that_effect() -> None:
+    knob = kc.Model.load("knob4").with_effect("quadratic_drag").with_value("quadratic_drag.d", 3e-4)
+    capture = kc.simulate(knob, "sweep", duration_s=3.0, seed=1)
+    row = kc.own_law("drag_law", "d omega |omega|")["d"]
+    assert row.unit == "N m s^2/rad^2" and row.linear
+    base = kc.fit(capture)
+    own, known = base.add("drag_law"), base.add("quadratic_drag")
+    assert own.rmse == pytest.approx(known.rmse, rel=1e-12)
+    mine, theirs = own.params["drag_law.d"], known.params["quadratic_drag.d"]
+    assert mine.value == pytest.approx(theirs.value, rel=1e-9)
+    assert mine.se == pytest.approx(theirs.se, rel=1e-6)
+
+
+def test_a_factor_on_friction_that_repeats_an_effect_is_that_effect() -> None:
+    knob = kc.Model.load("knob4").with_effect("stribeck")
+    values = {"rise": 0.8, "vs": 0.4, "delta": 1.5}
+    for name, value in values.items():
+        knob = knob.with_value(f"stribeck.{name}", value)
+    kc.own_law("stribeck_law", "1 + rise exp(-(|omega|/vs)^delta)", acts="friction")
+    own = kc.Model.load("knob4").with_effect("stribeck_law")
+    for name, value in values.items():
+        own = own.with_value(f"stribeck_law.{name}", value)
+    quiet = {"duration_s": 1.0, "noise": "none"}
+    np.testing.assert_allclose(
+        kc.simulate(own, "sweep", **quiet).tau, kc.simulate(knob, "sweep", **quiet).tau, atol=1e-12
+    )
+    theta, omega = np.linspace(0.0, 1.0, 50), np.linspace(-3.0, 3.0, 50)
+    felt = [kc.Renderer(model, rate_hz=5000.0) for model in (own, knob)]
+    one, other = ([render.step(a, b) for a, b in zip(theta, omega, strict=True)] for render in felt)
+    np.testing.assert_allclose(one, other, atol=1e-12)
+
+
+def test_a_law_of_the_command_line_explains_what_no_effect_does(braked: kc.Capture, tmp_path: Path) -> None:
+    braked.save(tmp_path / "log.npz")
+    base = knobcam("fit", tmp_path / "log.npz", "-o", tmp_path / "base.toml")
+    assert base.code == 0, base.err
+    ended = knobcam(
+        *("add", "--law", BRAKE, "--name", "eddy", tmp_path / "log.npz", tmp_path / "base.toml"),
+        *("-o", tmp_path / "better.toml", "--json"),
+    )
+    assert ended.code == 0, ended.err
+    params = ended.document["params"]
+    for name, value, unit in (("a", 0.004, "N m"), ("w", 2.0, "rad/s")):
+        low, high = params[f"eddy.{name}"]["ci95"]
+        assert low - (high - low) < value < high + (high - low) and params[f"eddy.{name}"]["unit"] == unit
+    # Whoever reads the model has the law, without having seen it before.
+    kc.forget_effect("eddy")
+    model = kc.Model.load(tmp_path / "better.toml")
+    assert f'law = "{BRAKE}"' in (tmp_path / "better.toml").read_text("utf-8")
+    fitted = kc.fit(braked, model)
+    assert fitted.rmse < 1.03 * fitted.noise_floor < kc.fit(braked).rmse / 1.2
+
+
+@pytest.mark.parametrize(
+    ("law", "said"),
+    [
+        ("a * (theta", "')'"),
+        ("a foo(theta)", "'foo' is no function"),
+        ("a + theta", "another unit"),
+        ("a b omega", "give it"),
+        ("a" * 2000, "2000 characters"),
+        ("(" * 999, "brackets"),
+        ("a (1 + omega)", "other units"),
+    ],
+)
+def test_what_is_no_law_is_refused_in_one_line(law: str, said: str, tmp_path: Path) -> None:
+    kc.simulate("knob4", "hand", duration_s=1.0).save(tmp_path / "log.npz")
+    refused(knobcam("add", "--law", law, tmp_path / "log.npz", "knob4"), said)
+
+
+def test_options_of_a_law_without_one_are_refused() -> None:
+    refused(knobcam("add", "stribeck", "log.npz", "knob4", "--name", "x"), "--law")
+    refused(knobcam("add", "--law", "a omega", "--name", "viscous", "log.npz", "knob4"), "is an effect")
+
+
+def test_a_law_that_has_no_value_somewhere_says_where() -> None:
+    kc.own_law("steep", "a log(theta/c)", bounds={"c": (0.1, 1.0)})
+    model = kc.Model.load("knob4").with_effect("steep").with_value("steep.a", 1e-3)
+    with pytest.raises(kc.InputError, match=r"'steep': returned NaN at theta = "):
+        kc.simulate(model, kc.motion("sweep", 3.0))
+    with pytest.raises(kc.InputError, match="steep"):
+        kc.Renderer(model, rate_hz=5000.0)
