@@ -9,6 +9,8 @@ mod implausible;
 mod locate;
 mod null;
 mod pairs;
+#[cfg(test)]
+mod recorded;
 mod screen;
 mod sets;
 mod slower;
