@@ -182,9 +182,9 @@ mod tests {
 
     #[test]
     fn a_window_counts_with_those_beside_it() {
-        let raised = [1.0, 1.0, 1.0, 5.0, 1.0, 1.0];
-        let highest: Vec<f64> = (0..6).map(|i| highest_around(&raised, i)).collect();
-        assert_eq!(highest, [1.0, 1.0, 5.0, 5.0, 5.0, 1.0]);
+        let raised = [2.0, 1.0, 1.0, 1.0, 1.0, 5.0, 1.0, 7.0];
+        let highest: Vec<f64> = (0..8).map(|i| highest_around(&raised, i)).collect();
+        assert_eq!(highest, [2.0, 2.0, 1.0, 1.0, 5.0, 5.0, 7.0, 7.0]);
     }
 
     #[test]
