@@ -170,7 +170,7 @@ fn candidate(
 
 #[cfg(test)]
 mod tests {
-    use super::super::recorded::{SD, knob, recorded};
+    use super::super::tests::recorded::{SD, knob, recorded};
     use super::*;
     use crate::fit::{refine, runs};
     use crate::predict;

@@ -87,7 +87,7 @@ fn exceeded(many: f64, chance: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::recorded::{SD, knob, recorded};
+    use super::super::tests::recorded::{SD, knob, recorded};
     use super::super::watch::Watch;
     use super::*;
     use crate::noise;

@@ -9,8 +9,6 @@ mod implausible;
 mod locate;
 mod null;
 mod pairs;
-#[cfg(test)]
-mod recorded;
 mod screen;
 mod sets;
 mod slower;

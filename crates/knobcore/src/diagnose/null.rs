@@ -187,7 +187,7 @@ fn covariance_root(columns: &[Vec<f64>], white: f64) -> DMatrix<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::recorded::{SD, knob, recorded};
+    use super::super::tests::recorded::{SD, knob, recorded};
     use super::super::watch::Watch;
     use super::*;
 

@@ -139,7 +139,7 @@ fn best_of(mut ways: Vec<Way>, most: usize, alike: usize) -> Vec<Way> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::recorded::{knob, recorded};
+    use super::super::tests::recorded::{knob, recorded};
     use super::*;
     use crate::fit::refine;
 

@@ -1,6 +1,7 @@
 //! Laws of a search for what is missing, whatever it is.
 
-use super::recorded::{knob, recorded};
+pub mod recorded;
+
 use super::screen::{Screen, Start};
 use super::watch::Watch;
 use super::{diagnose, pairs, sets};
@@ -8,6 +9,7 @@ use crate::effects::{Id, Place, Survey};
 use crate::fit::{refine, sketch};
 use crate::model::{Model, Role};
 use crate::signals::Signals;
+use recorded::{knob, recorded};
 use std::sync::Mutex;
 
 const SPRING: (&str, f64) = ("return_spring.k", 2e-3);
