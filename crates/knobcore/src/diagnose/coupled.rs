@@ -218,4 +218,16 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn each_way_is_given_the_best_of_its_own_ends_and_none_where_it_has_none() {
+        let model = joined(Id::Compliance, &[]);
+        let end = |(of, cost): (usize, f64)| (of, (model.clone(), Found { cost, ..glance(&[], &model) }));
+        let mut ways: Vec<Ways> =
+            (0..3).map(|_| Ways { id: Id::Compliance, starts: Vec::new(), end: None }).collect();
+        led(&mut ways, [(0, 3.0), (2, 2.0), (0, 1.0), (2, 5.0), (0, 4.0)].into_iter().map(end).collect());
+        let costs: Vec<Option<f64>> =
+            ways.iter().map(|way| way.end.as_ref().map(|(_, found)| found.cost)).collect();
+        assert_eq!(costs, [Some(1.0), None, Some(2.0)]);
+    }
 }
