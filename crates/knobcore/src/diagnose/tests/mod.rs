@@ -185,3 +185,25 @@ fn what_a_candidate_takes_off_is_in_variances_of_the_noise_and_has_its_chance() 
         spring.note.is_empty() && near(fit.model.values()[fit.model.index(SPRING.0).unwrap()], SPRING.1, 0.1)
     );
 }
+
+#[test]
+fn beside_a_joint_what_is_missing_is_found_and_what_explains_too_little_is_not_followed() {
+    let joint = [("compliance.k", 3.0), ("compliance.d", 5e-3), ("compliance.share", 0.7)];
+    let base = knob(&[Id::Compliance], &joint);
+    let mut truth = base.with(Id::ReturnSpring).unwrap();
+    truth.set("return_spring.k", 0.01).unwrap();
+    let data = recorded(&truth, "a");
+    let data = [&data];
+    let before = refine(&data, &base).unwrap();
+    let effects = [Id::QuadraticDrag, Id::Stribeck, Id::ReturnSpring];
+    let named = diagnose(&data, &before.model, &effects, &|_| true).unwrap();
+    let (best, others) = (&named[0], &named[1..]);
+    let fit = best.fit.as_ref().unwrap();
+    assert!(best.id == Id::ReturnSpring && best.p_value == 1e-3 && others.len() == 2);
+    assert!(fit.rmse < 1.1 * fit.noise_floor && before.rmse > 2.0 * fit.rmse, "{}", fit.rmse);
+    assert!(near(fit.model.values()[fit.model.index("return_spring.k").unwrap()], 0.01, 0.05));
+    for other in others {
+        assert!(other.fit.is_none() && other.note.contains("explains too little"), "{:?}", other.id);
+        assert!(other.gain == 0.0 && other.p_value == 1.0 && other.parameters > 0, "{:?}", other.id);
+    }
+}
