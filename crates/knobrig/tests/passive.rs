@@ -312,3 +312,10 @@ fn a_knob_is_asked_from_the_place_where_its_spring_holds_nothing() {
         assert_eq!(check_passive(&model, None, RATE), Ok(()), "{rest}");
     }
 }
+
+#[test]
+fn a_term_that_is_no_number_where_the_knob_goes_is_named() {
+    let model = with(Id::PositionPolynomial, &[("position_polynomial.p3", 1e308)]);
+    let said = refused(&model, None);
+    assert!(said.starts_with("position_polynomial.p3: ") && said.contains("gives "), "{said}");
+}

@@ -203,4 +203,32 @@ mod tests {
         assert!((least..1.01 * least).contains(&z), "{z} {least}");
         assert!(chance(0.0) >= 2.0 * UNLIKELY);
     }
+
+    #[test]
+    fn a_motion_of_the_usual_jerk_has_spent_as_much_but_for_the_margin() {
+        let mut random = crate::random::Noise::new(6);
+        let (n, step) = (4000, 2e-4);
+        let t: Vec<f64> = (0..n).map(|k| step * f64::from(k)).collect();
+        let theta = vec![0.0; t.len()];
+        let sensors = Sensors { t: &t, theta: &theta, omega: None, alpha: None };
+        for jerk in [1e2, 1e4] {
+            let level = super::super::sensors::Noise {
+                theta: 1e-4,
+                omega: f64::INFINITY,
+                alpha: f64::INFINITY,
+                jerk,
+            };
+            let model = Model::new(&level, step);
+            let mut motion = smooth_rows(&sensors, &model, &Lifts::default());
+            // Its acceleration goes as a random walk, with this spectral density of the jerk.
+            let mut alpha = 0.0;
+            for value in &mut motion.values[2] {
+                alpha += jerk * step.sqrt() * random.normal();
+                *value = alpha;
+            }
+            let all: Vec<f64> = (0..t.len() / WINDOW).map(|i| spent(&sensors, &model, &motion, i)).collect();
+            let mean = all.iter().map(|x| x * x).sum::<f64>() / all.len() as f64;
+            assert!((mean / MARGIN - 1.0).abs() < 0.1, "{jerk}: {mean}");
+        }
+    }
 }

@@ -171,7 +171,9 @@ mod tests {
             let at = memory.ln() / LONGER.ln();
             f64::min(1.2 + (at - 2.7).powi(2), 1.0 + 4.0 * (at - 6.0).powi(2))
         };
-        let found = best_memory(1.0, 1e4, cost).ln() / LONGER.ln();
-        assert!((found - 6.0).abs() < 2.0 * ENOUGH, "{found}");
+        for unit in [1e-3, 1.0, 1e3] {
+            let found = best_memory(1.0, 1e4, |memory| unit * cost(memory)).ln() / LONGER.ln();
+            assert!((found - 6.0).abs() < 2.0 * ENOUGH, "{found}");
+        }
     }
 }

@@ -331,4 +331,22 @@ mod tests {
             assert_eq!(found, is_off.then_some(expected), "{rows}");
         }
     }
+
+    #[test]
+    fn several_wild_readings_at_one_place_are_named_together_and_an_impact_is_not() {
+        let (mut columns, model) = turned(1e-6, 1e-2, 1e3);
+        let place = 25..26;
+        let wild = [201, 203, 205, 207];
+        wild.iter().for_each(|row| columns[2][*row] += 3.0);
+        let mut found = at(&of(&columns), &model, &[1.0; 3], &place).unwrap();
+        found.sort_unstable();
+        assert_eq!(found, wild.map(|row| (1, row)));
+        // From then on it turns faster: all that comes after says so.
+        let (mut columns, model) = turned(1e-6, 1e-2, 1e3);
+        for row in 202..400 {
+            columns[2][row] += 3.0;
+            columns[1][row] += 3.0 * STEP * f64::from(u16::try_from(row - 202).unwrap());
+        }
+        assert_eq!(at(&of(&columns), &model, &[1.0; 3], &place), None);
+    }
 }

@@ -166,3 +166,36 @@ fn a_knob_that_turns_back_lets_go_of_its_friction_evenly_before_it_resists_the_o
     assert!(whole.len() > 5 && whole.iter().sum::<f64>() > 0.04, "{whole:?}");
     assert!(whole[..whole.len() - 1].iter().all(|fall| *fall > 0.9 * most), "{whole:?}");
 }
+
+#[test]
+fn a_knob_that_a_spring_of_its_friction_strains_breaks_away_where_one_without_does() {
+    let breakaway = |effects: &[Id], sign: f64| {
+        let mut model =
+            Model::new(&[&[Id::Inertia, Id::Coulomb, Id::Karnopp], effects].concat(), Axis::Rotary);
+        for (name, value) in [
+            ("inertia.M", 1.5e-4),
+            ("coulomb.neg", 0.02),
+            ("coulomb.pos", 0.02),
+            ("karnopp.D_neg", 0.05),
+            ("karnopp.D_pos", 0.04),
+            ("karnopp.dv", 0.5),
+            ("presliding.s", 0.05),
+            ("presliding.w1", 0.8),
+        ] {
+            if model.index(name).is_ok() {
+                model.set(name, value).unwrap();
+            }
+        }
+        let mut knob = renderer(&model);
+        let omega = sign * 0.02;
+        let felt = (0..4000).map(|i| {
+            knob.step(Sensed { theta: omega * f64::from(i) / RATE_HZ, omega, alpha: 0.0, hand: None }).abs()
+        });
+        felt.fold(0.0, f64::max)
+    };
+    for (sign, most) in [(1.0, 0.04), (-1.0, 0.05)] {
+        let (plain, strained) = (breakaway(&[], sign), breakaway(&[Id::Presliding], sign));
+        assert!((plain / most - 1.0).abs() < 0.01, "{sign}: {plain}");
+        assert!((strained / most - 1.0).abs() < 0.05, "{sign}: {strained}");
+    }
+}

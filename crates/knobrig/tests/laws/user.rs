@@ -175,3 +175,29 @@ fn user(id: Id) -> &'static User {
         _ => panic!("{id:?} is built in"),
     }
 }
+
+#[test]
+fn a_joint_that_none_can_be_is_rigid_instead_and_the_reason_is_told() {
+    for (own, values) in [
+        ("own_gap_below_none", [-1e-3, 10.0, 0.0, 0.5, 1.0]),
+        ("own_spring_of_none", [0.0, 0.0, 0.0, 0.5, 1.0]),
+        ("own_damper_that_drives", [0.0, 10.0, -1e-3, 0.5, 1.0]),
+        ("own_share_of_none", [0.0, 10.0, 0.0, 0.0, 1.0]),
+        ("own_share_of_more", [0.0, 10.0, 0.0, 1.5, 1.0]),
+        ("own_joint_without_end", [0.0, f64::INFINITY, 0.0, 0.5, 1.0]),
+        ("own_sound_joint", [1e-3, 10.0, 1e-3, 1.0, 0.0]),
+    ] {
+        let given = Box::new(move |_: &[f64], _: &[&[f64]]| Ok(values.to_vec()));
+        let id = register_at(own, Place::Coupling, &[], PARAMS, given);
+        let joint = knob().with(id).unwrap();
+        let joint = joint.joint(&joint.values()).unwrap();
+        let told = user(id).failure();
+        if own == "own_sound_joint" {
+            assert_eq!((joint.gap, joint.stiffness, joint.share, joint.welded), (1e-3, 10.0, 1.0, false));
+            assert_eq!(told, None);
+        } else {
+            assert!(joint.gap == 0.0 && joint.stiffness >= 1e5 && joint.share == 0.5, "{own}: {joint:?}");
+            assert!(told.unwrap().contains("a joint has gap and damping from 0 on"), "{own}");
+        }
+    }
+}

@@ -207,3 +207,19 @@ fn beside_a_joint_what_is_missing_is_found_and_what_explains_too_little_is_not_f
         assert!(other.gain == 0.0 && other.p_value == 1.0 && other.parameters > 0, "{:?}", other.id);
     }
 }
+
+#[test]
+fn what_is_said_to_load_the_shaft_does_so_wherever_a_joint_comes_in() {
+    let model = knob(&[Id::ReturnSpring], &[SPRING]);
+    let data = recorded(&model, "a");
+    let data = [&data];
+    let watch = all_wanted();
+    for shaft in [vec![], vec![Id::ReturnSpring]] {
+        let there = !shaft.is_empty();
+        let screen = Screen::new(&data, &model, &watch).with_shaft(shaft);
+        let starts = screen.starts(Id::Compliance);
+        assert!(!starts.is_empty());
+        assert!(starts.iter().all(|start| start.model.at_shaft(Id::ReturnSpring) == there));
+        assert!(!screen.starts(Id::QuadraticDrag)[0].model.at_shaft(Id::ReturnSpring));
+    }
+}
