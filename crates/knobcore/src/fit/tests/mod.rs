@@ -379,3 +379,13 @@ fn more_samples_are_asked_for_than_twice_the_parameters_and_ten() {
     assert!(said.contains("has 20 samples that count, too few to fit 5 parameters"), "{said}");
     assert!(of(21).is_ok());
 }
+
+#[test]
+fn waves_that_do_not_return_within_a_turn_are_detents_of_a_slide_and_of_no_knob() {
+    let data = turned(4.0, SD, |theta, _| 5e-3 * theta.sin());
+    let slide = Signals { axis: Axis::Linear, ..data.clone() };
+    for (data, axis) in [(data, Axis::Rotary), (slide, Axis::Linear)] {
+        let found = fit(&[&data], &Model::equation_1(axis, false), Detents::Find).unwrap();
+        assert_eq!(found.model.has(Id::Detent), axis == Axis::Linear);
+    }
+}
