@@ -179,7 +179,7 @@ fn a_knob_that_a_spring_of_its_friction_strains_breaks_away_where_one_without_do
             ("karnopp.D_neg", 0.05),
             ("karnopp.D_pos", 0.04),
             ("karnopp.dv", 0.5),
-            ("presliding.s", 0.05),
+            ("presliding.s", 2e-3),
             ("presliding.w1", 0.8),
         ] {
             if model.index(name).is_ok() {
