@@ -116,6 +116,7 @@ def test_waves_fall_off_with_their_order_and_fill_what_the_limits_leave():
     assert made("waves", 1.0, 0.5, 0.3, 0.5, 0.5, seconds=0.49) == ([], "nothing")
     # Where the way to the middle takes too much of the time, it goes about where it is.
     about, _ = made("waves", 1.0, 0.5, 0.3, 0.5, 0.5, seconds=0.6)
+    assert about[0].swell_s == pytest.approx(0.4 * 0.6)
     assert len(about) == 1 and np.abs(about[0].along(np.linspace(0.0, 0.6, 999), 0.25)[0] - 0.25).max() < 1.25
 
 

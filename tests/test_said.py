@@ -290,6 +290,10 @@ def test_the_torque_of_a_knob_is_called_so_and_an_effect_comes_in_with_its_fit()
     sprung = bare.add("return_spring")
     assert sprung.before is bare and sprung.params["return_spring.k"].value == pytest.approx(0.01, rel=0.1)
     assert sprung.rmse < 0.9 * bare.rmse and sprung.model.effects == (*bare.model.effects, "return_spring")
+    # An interval lies about its value, as wide as its error says; a sound log has no findings.
+    for one in sprung.params.values():
+        assert one.ci95 == pytest.approx((one.value - Z95 * one.se, one.value + Z95 * one.se), nan_ok=True)
+    assert sprung.document()["findings"] == []
     said = sprung.forward().summary
     assert said.startswith("Position simulated from the measured torque: RMSE ") and said.endswith(
         "open loop from the measured state at the start."

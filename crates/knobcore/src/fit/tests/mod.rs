@@ -126,6 +126,7 @@ fn refits_of_blocks_scatter_as_the_uncertainty_says_about_what_was_found() {
         assert!((sd / error - 1.0).abs() < 0.2, "{at}: {sd} {error}");
     }
     assert_ne!(refits, found.bootstrap(1000, 4));
+    assert!(found.bootstrap(13, 3).iter().all(|refits| refits.len() == 13));
 }
 
 #[test]
