@@ -115,9 +115,9 @@ def test_waves_fall_off_with_their_order_and_fill_what_the_limits_leave():
         assert np.hypot(small.sine, small.cosine) == pytest.approx(0.2 * sizes)
     assert made("waves", 1.0, 0.5, 0.3, 0.5, 0.5, seconds=0.49) == ([], "nothing")
     # Where the way to the middle takes too much of the time, it goes about where it is.
-    about, _ = made("waves", 1.0, 0.5, 0.3, 0.5, 0.5, seconds=0.6)
-    assert about[0].swell_s == pytest.approx(0.4 * 0.6)
-    assert len(about) == 1 and np.abs(about[0].along(np.linspace(0.0, 0.6, 999), 0.25)[0] - 0.25).max() < 1.25
+    (about,), _ = space._waves((1.0, 0.5, 0.3, 0.5, 0.5), LIMITS, 1.0, 0.6, -0.5)
+    assert isinstance(about, Waves) and about.s == 0.6 and about.swell_s == pytest.approx(0.24)
+    assert np.abs(about.along(np.linspace(0.0, 0.6, 999), 0.0)[0]).max() <= 0.98 * 0.5
 
 
 def test_a_plan_shares_its_time_and_words():
