@@ -343,9 +343,9 @@ mod tests {
         assert_eq!(found, wild.map(|row| (1, row)));
         // From then on it turns faster: all that comes after says so.
         let (mut columns, model) = turned(1e-6, 1e-2, 1e3);
-        for row in 202..400 {
-            columns[2][row] += 3.0;
-            columns[1][row] += 3.0 * STEP * f64::from(u16::try_from(row - 202).unwrap());
+        columns[2][202..].iter_mut().for_each(|omega| *omega += 3.0);
+        for (row, theta) in columns[1].iter_mut().enumerate().skip(202) {
+            *theta += 3.0 * STEP * (row - 202) as f64;
         }
         assert_eq!(at(&of(&columns), &model, &[1.0; 3], &place), None);
     }
