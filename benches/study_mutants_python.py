@@ -188,7 +188,9 @@ def tried(work: Path, number: int, tests: list[tuple[float, str]]) -> str:
     return ""
 
 
-def run(work: Path, count: int, seed: int, processes: int, again: bool, files: list[str]) -> None:
+def run(
+    work: Path, count: int, seed: int, processes: int, again: bool, files: list[str], longest_s: float
+) -> None:
     """Try what was not tried yet, or survived."""
     log = work / "results.jsonl"
     known = {row["name"] for row in rows_of(log) if not (again and row["end"] == "survived")}
@@ -199,7 +201,7 @@ def run(work: Path, count: int, seed: int, processes: int, again: bool, files: l
         def one(job: tuple[int, Fault]) -> None:
             number, fault = job
             start = time.monotonic()
-            own = tests.get(number, [])
+            own = [test for test in tests.get(number, []) if test[0] <= longest_s]
             keep(out, fault.name, fault.file, tried(work, number, own), start, tests=len(own))
 
         jobs = [(at, fault) for at, fault in enumerate(living) if fault.name not in known]
@@ -216,6 +218,7 @@ def main() -> None:
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--work", type=Path, default=Path("/tmp/knobcam-mutants-python"))
     parser.add_argument("--again", action="store_true", help="what survived before is tried again")
+    parser.add_argument("--longest", type=float, default=math.inf, help="tests that take longer wait, s")
     parser.add_argument("--report", action="store_true", help="no more than the report")
     parser.add_argument("--tests", nargs="*", default=[], help="files of tests; without, all that may tell")
     parser.add_argument("--note", action="store_true", help=argparse.SUPPRESS)
@@ -224,9 +227,11 @@ def main() -> None:
         return noted(told.work / "tree", told.tests)
     told.work.mkdir(parents=True, exist_ok=True)
     if not told.report:
-        run(told.work, told.count, told.seed, told.processes, told.again, told.tests)
+        run(told.work, told.count, told.seed, told.processes, told.again, told.tests, told.longest)
     # What was not run may have caught more.
-    note = f"{', '.join(Path(one).stem for one in told.tests)} alone" if told.tests else ""
+    few = ", ".join(Path(one).stem for one in told.tests)
+    limit = "" if math.isinf(told.longest) else f"tests of up to {told.longest:g} s"
+    note = " of ".join(part for part in (limit, few) if part) + " alone" if limit or few else ""
     report("python", rows_of(told.work / "results.jsonl"), note)
     return None
 

@@ -3,62 +3,18 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from known import BASE, SAMPLES, Known, climbed, comparison, estimate, split
 
 from knobcam.fit import refit, verdict
-from knobcam.fit.estimate import Estimate
 from knobcam.fit.rule import RULE
 from knobcam.learn import exchanged, joined, selection
 from knobcam.learn.cut import Cut
 from knobcam.learn.ladder import LearningStep, Unexplained
-
-BASE = ("inertia", "coulomb", "viscous")
-FLOOR = 1.0
-SAMPLES = 1000.0
-
-
-@dataclass(frozen=True)
-class Known:
-    """A fit that is said, not made. `helps` has how much larger its error would be without each effect."""
-
-    rmse: float
-    effects: tuple[str, ...] = BASE
-    before: Any = None
-    helps: dict[str, float] = field(default_factory=dict)
-    params: dict[str, Estimate] = field(default_factory=dict)
-    noise_floor: float = FLOOR
-    white_squares: float = SAMPLES
-    rmse_heldout: float = 1.0
-    log_fault: str | None = None
-    beyond: Any = None
-    impossible: str | None = None
-    torque_unit: str = "N m"
-    period: float | None = None
-
-    @property
-    def core(self) -> Any:
-        return SimpleNamespace(free=self.effects, model=None)
-
-    @property
-    def model(self) -> Any:
-        known = {"effects": self.effects, "coordinate": "rotary", "period": self.period, "core": None}
-        return SimpleNamespace(**known)
-
-    @property
-    def excess(self) -> float:
-        return max(self.rmse**2 - self.noise_floor**2, 0.0)
-
-    def drop(self, effect: str) -> Known:
-        left = tuple(one for one in self.effects if one != effect)
-        return Known(self.rmse * (1.0 + self.helps.get(effect, 0.0)), left, self, self.helps)
-
-
-def estimate(value: float, se: float) -> Estimate:
-    return Estimate(value, (value - 2.0 * se, value + 2.0 * se), "N m", se)
 
 
 def test_a_gain_is_the_fall_of_the_squares_in_variances_of_the_noise_and_has_its_price():
@@ -116,37 +72,6 @@ def test_laws_that_came_in_may_be_off_by_a_share_of_what_they_explain():
         left = Known(math.sqrt(1.0 + times * 4e-4), before=before)
         assert verdict.within_law(left) == within
     assert not verdict.within_law(Known(2.0 * RULE.at_floor, before=Known(1e3)))
-
-
-def comparison(complete: bool, *splits: Any, floor: float = FLOOR) -> Any:
-    worst = max(splits, key=lambda one: one.share, default=None)
-    by_axis = {one.axis: one for one in splits}
-    known = {"complete": complete, "splits": splits, "worst": worst, "fit": Known(2.0, noise_floor=floor)}
-
-    class Compared(SimpleNamespace):
-        def __getitem__(self, axis: str) -> Any:
-            return by_axis[axis]
-
-    return Compared(**known)
-
-
-def split(axis: str, share: float) -> Any:
-    region = SimpleNamespace(start=10.0, end=14.0)
-    return SimpleNamespace(
-        axis=axis, share=share, mean_share=1.0 - share, regions=(region,), where=lambda: "there"
-    )
-
-
-def climbed(*steps: tuple[str, float], **last: Any) -> list[LearningStep]:
-    """A ladder on which each effect leads to an error."""
-    fit = Known(10.0)
-    ladder = [LearningStep(fit)]
-    for at, (effect, rmse) in enumerate(steps):
-        more = last if at == len(steps) - 1 else {}
-        fit = Known(rmse, (*fit.effects, effect), fit, **more)
-        weighed = SimpleNamespace(comparison=comparison(False, split("position", 0.8)))
-        ladder.append(LearningStep(fit, effect, diagnosis=weighed))
-    return ladder
 
 
 def named(ladder: list[LearningStep], left: Any, base: tuple[str, ...] = BASE) -> tuple[Any, Any]:

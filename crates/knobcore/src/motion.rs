@@ -328,3 +328,43 @@ impl<T: Scalar> Load<T> {
         tau_other.min(self.hold[1]).max(-self.hold[0])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn loads_add_channel_by_channel_and_factors_on_friction_multiply() {
+        let load = |k: f64| Load {
+            drive: k,
+            normal_load: 2.0 * k,
+            position_load: 3.0 * k,
+            resist: [4.0 * k, 5.0 * k],
+            friction_scale: 6.0 * k,
+            mu: 7.0 * k,
+            position_share: 8.0 * k,
+            inertia_share: 9.0 * k,
+            hysteresis: 10.0 * k,
+            inertia: 11.0 * k,
+            hold: [12.0 * k, 13.0 * k],
+            band: 14.0 * k,
+        };
+        let channels = |load: &Load<f64>| {
+            let [back, forth] = load.resist;
+            let others = [load.mu, load.position_share, load.inertia_share, load.hysteresis, load.inertia];
+            [&[load.drive, load.normal_load, load.position_load, back, forth], &others[..], &load.hold]
+                .concat()
+        };
+        let mut both = load(1.0);
+        both.join(&load(3.0), Channel::among(Channel::ALL));
+        assert_eq!(channels(&both), channels(&load(4.0)));
+        assert_eq!(both.friction_scale, 6.0 * 18.0);
+        // Beside nothing each is itself.
+        let mut alone = Load::none();
+        alone.join(&load(2.0), Channel::among(Channel::ALL));
+        assert_eq!((channels(&alone), alone.friction_scale), (channels(&load(2.0)), 12.0));
+        let mut drive = load(1.0);
+        drive.join(&load(3.0), Channel::among(&[Channel::Drive]));
+        assert_eq!((drive.drive, drive.inertia, drive.friction_scale), (4.0, 11.0, 6.0));
+    }
+}

@@ -73,3 +73,34 @@ fn held(load: &Load<f64>) -> f64 {
     let back = load.hold[0].max(-load.friction(0.0, 0.0));
     back.min(load.hold[1].max(load.friction(1.0, 0.0)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use knobcore::effects::Id;
+    use knobcore::param::Axis;
+
+    #[test]
+    fn damping_is_that_of_the_highest_speed_or_the_slowest_whichever_is_more() {
+        let mut knob = Model::new(&[Id::Inertia, Id::Coulomb, Id::QuadraticDrag], Axis::Rotary);
+        for (name, value) in
+            [("inertia.M", 1e-4), ("coulomb.neg", 0.01), ("coulomb.pos", 0.02), ("quadratic_drag.d", 3e-3)]
+        {
+            knob.set(name, value).unwrap();
+        }
+        for speed in [2.0, 8.0] {
+            let of = |knob: &Model| Nature::of(knob, &knob.values(), speed);
+            // The slope of d omega |omega|.
+            let (damping, right) = (of(&knob).damping, 2.0 * 3e-3 * speed);
+            assert!((damping / right - 1.0).abs() < 1e-2, "{damping} {right}");
+            assert!((of(&knob).hold, of(&knob).inertia) == (0.01, 1e-4) && of(&knob).dissipates);
+            let mut viscous = knob.with(Id::Viscous).unwrap();
+            for (name, value) in [("viscous.neg", 0.02), ("viscous.pos", 0.03), ("quadratic_drag.d", -1e-4)] {
+                viscous.set(name, value).unwrap();
+            }
+            // What is slower has more of it: the slowest speed that is looked at is a small part of it.
+            let found = of(&viscous).damping;
+            assert!(found < 0.03 && found > 0.03 - 0.5e-4 * speed, "{found}");
+        }
+    }
+}

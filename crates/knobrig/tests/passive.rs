@@ -302,3 +302,20 @@ fn what_falls_short_of_friction_beyond_the_range_feeds_the_hand_where_a_spring_s
     // What only a fast hand brings to swing is found too.
     assert!(check_passive(&swinging(4.0, 3e-3, -3.9e-4), None, RATE).is_err());
 }
+
+#[test]
+fn a_knob_is_asked_from_the_place_where_its_spring_holds_nothing() {
+    for rest in [-2.5, 0.0, 2.5] {
+        let mut model = swinging(1.5, 1e-4, 0.0).with(Id::ReturnSpring).unwrap();
+        model.set("return_spring.k", 5e-3).unwrap();
+        model.set("return_spring.theta0", rest).unwrap();
+        assert_eq!(check_passive(&model, None, RATE), Ok(()), "{rest}");
+    }
+}
+
+#[test]
+fn a_term_that_is_no_number_where_the_knob_goes_is_named() {
+    let model = with(Id::PositionPolynomial, &[("position_polynomial.p3", 1e308)]);
+    let said = refused(&model, None);
+    assert!(said.starts_with("position_polynomial.p3: ") && said.contains("gives "), "{said}");
+}

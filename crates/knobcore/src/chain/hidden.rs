@@ -185,6 +185,10 @@ fn hermite([a, b]: [f64; 2], [da, db]: [f64; 2], u: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::effects::Id;
+    use crate::param::Axis;
+    use crate::predict;
+    use crate::signals::Signals;
 
     #[test]
     fn between_two_instants_the_shaft_keeps_angles_and_speeds_of_both() {
@@ -192,5 +196,41 @@ mod tests {
         let slope = |u: f64| (at(u + 1e-6) - at(u - 1e-6)) / 2e-6;
         assert_eq!((at(0.0), at(1.0)), (1.0, 3.0));
         assert!((slope(0.0) - 0.5).abs() < 1e-8 && (slope(1.0) + 2.0).abs() < 1e-8);
+    }
+
+    #[test]
+    fn steps_between_samples_are_as_good_as_samples_also_for_what_changes_with_time() {
+        let mut knob = Model::equation_1(Axis::Rotary, false).with(Id::Compliance).unwrap();
+        knob = knob.with(Id::FrictionDrift).unwrap();
+        let friction = [("coulomb.neg", 0.02), ("coulomb.pos", 0.02), ("friction_drift.rise", 5.0)];
+        let joint = [("compliance.k", 2.0), ("compliance.d", 0.01), ("inertia.M", 1e-4)];
+        for (name, value) in friction.into_iter().chain(joint).chain([("friction_drift.tau", 3e-3)]) {
+            knob.set(name, value).unwrap();
+        }
+        // Of constant acceleration, which is known also between its samples.
+        let torque = |rate_hz: f64, substeps: usize| {
+            let over = |f: &dyn Fn(f64) -> f64| {
+                (0..(0.02 * rate_hz) as u32).map(|i| f(f64::from(i) / rate_hz)).collect::<Vec<f64>>()
+            };
+            let t = over(&|t| t);
+            let n = t.len();
+            let signals = Signals {
+                rate_hz,
+                substeps,
+                theta: over(&|t| 3.0 * t + 50.0 * t * t),
+                omega: over(&|t| 3.0 + 100.0 * t),
+                alpha: vec![100.0; n],
+                forward: vec![1.0; n],
+                weight: vec![1.0; n],
+                segments: vec![0..n; 1],
+                t,
+                ..Signals::default()
+            };
+            predict::torque_raw(&knob, &signals)
+        };
+        let (few, many) = (torque(1000.0, 8), torque(8000.0, 1));
+        for (i, few) in few.iter().enumerate() {
+            assert!((few - many[8 * i]).abs() < 1e-12, "{i}: {few} {}", many[8 * i]);
+        }
     }
 }

@@ -180,4 +180,25 @@ mod tests {
         assert!(!refused(0.999 * stiff, 0.0) && refused(1.001 * stiff, 0.0));
         assert!(!refused(0.5, 0.999 * damped) && refused(0.5, 1.001 * damped));
     }
+
+    #[test]
+    fn a_hand_moves_the_knob_as_it_does_however_often_that_is_written_down() {
+        let mut knob = knob().with(Id::FrictionDrift).unwrap();
+        for (name, value) in [("friction_drift.rise", 5.0), ("friction_drift.tau", 0.01)] {
+            knob.set(name, value).unwrap();
+        }
+        let (often, seldom) = (1.024e-3, 2.048e-3);
+        let ratio = steps(seldom) / steps(often);
+        assert_eq!(ratio, 2, "steps are as long in both");
+        let pushed = |dt: f64| {
+            let reference: Vec<f64> = (0..60).map(|i| 10.0 * f64::from(i) * dt).collect();
+            push(&knob, &reference, dt, HAND).unwrap()
+        };
+        let (often, seldom) = (pushed(often), pushed(seldom));
+        for i in 0..30 {
+            let [a, b] = [often.theta[2 * i], seldom.theta[i]];
+            assert!((a - b).abs() < 1e-12, "{i}: {a} {b}");
+        }
+        assert!(often.theta[59] > 0.01, "it moves while its friction wears off");
+    }
 }

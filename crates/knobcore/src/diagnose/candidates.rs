@@ -170,54 +170,10 @@ fn candidate(
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::recorded::{SD, knob, recorded};
     use super::*;
     use crate::fit::{refine, runs};
-    use crate::model::Run;
-    use crate::param::Axis;
     use crate::predict;
-    use crate::random;
-
-    const RATE_HZ: f64 = 1000.0;
-    const SD: f64 = 1e-3;
-
-    /// A knob turned to and fro for four seconds, with noise.
-    fn recorded(model: &Model, run: &str) -> Signals {
-        let over =
-            |of: &dyn Fn(f64) -> f64| (0..4000).map(|i| of(f64::from(i) / RATE_HZ)).collect::<Vec<f64>>();
-        let parts = [(0.9, 3.1), (0.2, 7.3), (0.03, 31.0)];
-        let sum =
-            |t: f64, of: &dyn Fn(f64, f64, f64) -> f64| parts.iter().map(|(a, w)| of(*a, *w, t)).sum::<f64>();
-        let omega = over(&|t| sum(t, &|a, w, t| a * w * (w * t).cos()));
-        let mut signals = Signals {
-            run: Run { name: run.into(), fingerprint: run.into() },
-            rate_hz: RATE_HZ,
-            substeps: 2,
-            t: over(&|t| t),
-            theta: over(&|t| sum(t, &|a, w, t| a * (w * t).sin())),
-            alpha: over(&|t| sum(t, &|a, w, t| -a * w * w * (w * t).sin())),
-            forward: omega.iter().map(|omega| f64::from(u8::from(*omega > 0.0))).collect(),
-            omega_sd: vec![0.0; omega.len()],
-            weight: vec![1.0; omega.len()],
-            segments: vec![0..omega.len(); 1],
-            omega,
-            ..Signals::default()
-        };
-        let mut noise = random::Noise::new(run.len() as u64 + 3);
-        signals.tau_raw =
-            predict::torque_raw(model, &signals).iter().map(|tau| tau + SD * noise.normal()).collect();
-        signals.tau = signals.tau_raw.clone();
-        signals
-    }
-
-    fn knob(effects: &[Id], values: &[(&str, f64)]) -> Model {
-        let mut model = Model::equation_1(Axis::Rotary, false);
-        for id in effects {
-            model = model.with(*id).unwrap();
-        }
-        let base = [("inertia.M", 1e-4), ("coulomb.neg", 8e-3), ("coulomb.pos", 8e-3)];
-        base.iter().chain(values).for_each(|(name, value)| model.set(name, *value).unwrap());
-        model
-    }
 
     fn free(model: &Model) -> usize {
         model.slots().iter().filter(|slot| slot.role == Role::Free).count()
@@ -286,5 +242,75 @@ mod tests {
             assert!((start.predicted / end - 1.0).abs() < 0.02, "{id:?}: {} {end}", start.predicted);
             assert!(end < screen.squares);
         }
+    }
+
+    #[test]
+    fn of_detents_that_are_the_harmonic_of_slower_ones_a_step_promises_what_a_fit_then_takes_off() {
+        let detents =
+            [("detent.A", 6e-3), ("detent.P", 0.1), ("detent.S", 0.3), ("detent_harmonics.A2", 0.03)];
+        let truth = knob(&[Id::Detent, Id::DetentHarmonics], &detents);
+        let data = recorded(&truth, "a");
+        let data = [&data];
+        let half = [("detent.A", 0.03), ("detent.P", 0.05), ("detent.S", 0.3)];
+        let base = refine(&data, &knob(&[Id::Detent], &half)).unwrap().model;
+        let watch = Watch::new(&|_| true, 1);
+        let screen = Screen::new(&data, &base, &watch);
+        let start = &screen.starts(Id::DetentHarmonics)[0];
+        let period = start.model.values()[start.model.period().unwrap()];
+        let end = sketch(&data, &start.model).cost;
+        assert!((period / 0.1 - 1.0).abs() < 0.01 && end < 0.5 * screen.squares, "{period}");
+        assert!((start.predicted / end - 1.0).abs() < 0.1, "{} {end}", start.predicted);
+    }
+
+    #[test]
+    fn along_the_hidden_knobs_motion_its_loads_alone_leave_the_same_error() {
+        let joint = [("compliance.k", 0.3), ("compliance.d", 2e-3), ("compliance.share", 0.7)];
+        let model = knob(&[Id::Compliance], &joint);
+        let mut truth = model.with(Id::ReturnSpring).unwrap();
+        truth.set("return_spring.k", 0.1).unwrap();
+        let signals = recorded(&truth, "a");
+        let data = [&signals];
+        let watch = Watch::new(&|_| true, 1);
+        let screen = Screen::new(&data, &model, &watch);
+        let hidden = screen.seen_by(Id::ReturnSpring, &truth)[0];
+        let loads: Vec<Id> = model.effects().filter(|id| *id != Id::Compliance).collect();
+        let loads = predict::torque(&model.only(&loads).unwrap(), hidden);
+        let joined = predict::torque(&model, &signals);
+        for at in 0..signals.len() {
+            let [rigid, whole] = [hidden.tau[at] - loads[at], signals.tau[at] - joined[at]];
+            assert!((rigid - whole).abs() < 1e-12, "{at}: {rigid} {whole}");
+            assert_eq!(hidden.forward[at] > 0.5, hidden.omega[at] > 0.0);
+        }
+        let lag = signals.theta.iter().zip(&hidden.theta).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(lag > 0.01, "the knob goes another way: {lag}");
+        let at_shaft = truth.with_at_shaft(Id::ReturnSpring).unwrap();
+        assert_eq!(screen.seen_by(Id::ReturnSpring, &at_shaft)[0].theta, signals.theta);
+    }
+
+    /// What is named beside a knob that has none of these.
+    fn named(truth: &[(&str, f64)], effects: &[Id]) -> Vec<Candidate> {
+        let known = |name: &str| *Id::BUILT_IN.iter().find(|id| name.starts_with(id.info().id)).unwrap();
+        let mut own: Vec<Id> = truth.iter().map(|(name, _)| known(name)).collect();
+        own.dedup();
+        let signals = recorded(&knob(&own, truth), "fifth");
+        let base = refine(&[&signals], &knob(&[], &[])).unwrap().model;
+        diagnose(&[&signals], &base, effects, &|_| true).unwrap()
+    }
+
+    #[test]
+    fn a_joint_is_looked_for_where_nothing_else_explains_what_is_left_and_nowhere_else() {
+        const TRIED: [Id; 2] = [Id::QuadraticDrag, Id::Compliance];
+        let looked = |truth: &[(&str, f64)]| {
+            let found = named(truth, &TRIED);
+            found.iter().any(|one| one.id == Id::Compliance)
+        };
+        assert_eq!(named(&[("compliance.k", 0.3), ("compliance.d", 2e-3)], &TRIED)[0].id, Id::Compliance);
+        // Nothing is missing, or drag alone.
+        assert!(!looked(&[]) && !looked(&[("quadratic_drag.d", 5e-4)]));
+        // Of much that is missing drag leaves a little, but more than noise would be; of little the better part.
+        assert!(looked(&[("quadratic_drag.d", 3e-4), ("unbalance.a", 1.5e-3)]));
+        assert!(looked(&[("quadratic_drag.d", 1.6e-4), ("unbalance.a", 4e-4)]));
+        // Of more it leaves no more than that, and not the better part of it.
+        assert!(!looked(&[("quadratic_drag.d", 4e-4), ("unbalance.a", 3e-4)]));
     }
 }

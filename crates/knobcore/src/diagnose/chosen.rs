@@ -87,7 +87,12 @@ fn exceeded(many: f64, chance: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::recorded::{SD, knob, recorded};
+    use super::super::watch::Watch;
     use super::*;
+    use crate::noise;
+    use crate::signals::Signals;
+    use std::f64::consts::TAU;
 
     #[test]
     fn the_best_of_many_frequencies_exceeds_what_a_periodogram_of_noise_does() {
@@ -141,6 +146,48 @@ mod tests {
             // Each column more adds a chi-square number of mean one, the best of a few of them.
             let more = (columns as f64 - 2.0).max(0.0) - f64::from(u8::from(columns == 3));
             assert!(many >= one + more && many <= one + 6.0 * more + 0.5, "{columns}: {many} {one}");
+        }
+    }
+
+    #[test]
+    fn a_band_of_waves_has_the_noise_of_its_middle_and_all_bands_have_all_frequencies() {
+        const SPEED: f64 = 8.0;
+        let model = knob(&[], &[]);
+        let still = recorded(&model, "a");
+        let n = still.len();
+        let turned = Signals {
+            theta: still.t.iter().map(|t| SPEED * t).collect(),
+            omega: vec![SPEED; n],
+            alpha: vec![0.0; n],
+            forward: vec![1.0; n],
+            ..still
+        };
+        let data = [&turned];
+        let watch = Watch::new(&|_| true, 1);
+        let screen = Screen::new(&data, &model, &watch);
+        let ([first, last], between) = band(&data).unwrap();
+        let slow = noise::Noise { coefficients: vec![-0.9], innovation: 0.19 * SD * SD };
+        let white = noise::Noise::white(SD * SD);
+        for noise in [slow, white] {
+            let noises = [noise];
+            let chance = Chance::of(&screen, &noises);
+            let found = bands(&screen, &chance, SD * SD, Id::Detent);
+            assert_eq!(found.len(), BANDS);
+            let many: f64 = found.iter().map(|band| band.many).sum();
+            assert!((many / between - 1.0).abs() < 1e-9, "{many} {between}");
+            for (at, band) in found.iter().enumerate() {
+                // Turned at this speed, a wave over position is one over time.
+                let middle = first * (last / first).powf((at as f64 + 0.5) / BANDS as f64);
+                let power = noises[0].power(middle * SPEED / TAU / turned.rate_hz) / (SD * SD);
+                assert!((band.noise / power - 1.0).abs() < 0.1, "{at}: {} {power}", band.noise);
+            }
+            let mut gains = gains(&screen, &chance, SD * SD, Id::Detent, 399);
+            assert_eq!(gains.len(), 399);
+            gains.sort_by(f64::total_cmp);
+            if noises[0].coefficients.is_empty() {
+                let half = 2.0 * exceeded(between, 0.5);
+                assert!((gains[199] - half).abs() < 1.0, "{} {half}", gains[199]);
+            }
         }
     }
 }

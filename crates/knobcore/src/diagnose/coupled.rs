@@ -198,4 +198,36 @@ mod tests {
         let kept: Vec<(usize, f64)> = ends.iter().map(|(of, (_, found))| (*of, found.cost)).collect();
         assert_eq!(kept, [(0, 1.0), (1, 1.05), (0, 1.1)]);
     }
+
+    #[test]
+    fn from_the_best_end_of_all_those_joints_go_on_that_ended_worse() {
+        let end = |(id, cost, k): (Id, f64, f64)| {
+            let name = format!("{}.k", id.info().id);
+            let model = joined(id, &[(&name, k)]);
+            let found = glance(&[], &model);
+            (model, Found { cost, ..found })
+        };
+        let watch = Watch::new(&|_| true, 1);
+        for (other, again) in [(1.5e-4, true), (1.000_1e-4, false)] {
+            let ends = [(1, end((Id::Backlash, other, 7.0))), (0, end((Id::Compliance, 1e-4, 45.0)))];
+            let went = crossed(&ends, &watch, |model| Found { cost: 5e-5, ..glance(&[], model) });
+            assert_eq!(went.len(), usize::from(again), "{other}");
+            for (of, (model, found)) in went {
+                assert_eq!((of, found.cost), (1, 5e-5));
+                assert_eq!(model.values()[model.index("backlash.k").unwrap()], 45.0);
+            }
+        }
+    }
+
+    #[test]
+    fn each_way_is_given_the_best_of_its_own_ends_and_none_where_it_has_none() {
+        let model = joined(Id::Compliance, &[]);
+        let end = |(of, cost): (usize, f64)| (of, (model.clone(), Found { cost, ..glance(&[], &model) }));
+        let mut ways: Vec<Ways> =
+            (0..3).map(|_| Ways { id: Id::Compliance, starts: Vec::new(), end: None }).collect();
+        led(&mut ways, [(0, 3.0), (2, 2.0), (0, 1.0), (2, 5.0), (0, 4.0)].into_iter().map(end).collect());
+        let costs: Vec<Option<f64>> =
+            ways.iter().map(|way| way.end.as_ref().map(|(_, found)| found.cost)).collect();
+        assert_eq!(costs, [Some(1.0), None, Some(2.0)]);
+    }
 }

@@ -69,3 +69,32 @@ fn context(data: &[&Signals], fit: &Fit, id: Id, clipped: bool, first: bool) -> 
         first,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::recorded::{knob, recorded};
+    use super::*;
+    use crate::fit::refine;
+
+    #[test]
+    fn what_is_known_of_an_effect_are_its_own_errors_and_how_it_was_turned() {
+        let model = knob(&[Id::ReturnSpring], &[("return_spring.k", 2e-3)]);
+        let mut data = recorded(&model, "a");
+        (data.theta[9], data.omega[9], data.weight[9]) = (50.0, 50.0, 0.0);
+        let fit = refine(&[&data], &model).unwrap();
+        let known = context(&[&data], &fit, Id::ReturnSpring, true, false);
+        let slots = fit.model.slots();
+        let own: Vec<usize> = (0..slots.len()).filter(|at| slots[*at].effect == Id::ReturnSpring).collect();
+        assert_eq!(known.errors.len(), own.len());
+        for (error, at) in known.errors.iter().zip(own) {
+            let free = fit.free.iter().position(|free| *free == at);
+            let right = if slots[at].role == Role::Fixed { Some(0.0) } else { None };
+            assert_eq!(*error, free.map(|i| fit.standard_errors()[i]).or(right), "{}", slots[at].name());
+        }
+        let squares: f64 = data.omega.iter().zip(&data.weight).map(|(x, w)| w * x * x).sum();
+        assert!((known.speed / (squares / 3999.0).sqrt() - 1.0).abs() < 1e-9);
+        assert!(known.theta.len() == 3999 && known.travel() < 3.0 && known.t.len() == 3999);
+        assert!(known.clipped && !known.first && known.period.is_none());
+        assert_eq!((known.noise_floor, known.revolution), (fit.noise_floor, Some(1.0)));
+    }
+}

@@ -14,6 +14,8 @@ mod sets;
 mod slower;
 mod spectrum;
 mod strides;
+#[cfg(test)]
+mod tests;
 mod thinned;
 mod verdict;
 mod watch;

@@ -132,7 +132,7 @@ pub(super) struct Chance<'a> {
 }
 
 impl<'a> Chance<'a> {
-    fn of(screen: &'a Screen<'a>, noises: &'a [Noise]) -> Self {
+    pub(super) fn of(screen: &'a Screen<'a>, noises: &'a [Noise]) -> Self {
         let thinned = Thinned::of(screen.data, ENOUGH);
         let mut chance = Self { screen, noises, rows: thinned.rows(), thinned, base: Vec::new() };
         let slots = screen.model.slots();
@@ -187,6 +187,8 @@ fn covariance_root(columns: &[Vec<f64>], white: f64) -> DMatrix<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::recorded::{SD, knob, recorded};
+    use super::super::watch::Watch;
     use super::*;
 
     #[test]
@@ -197,5 +199,35 @@ mod tests {
         let p = |gain: f64| null.p_value(Id::Stribeck, gain);
         // One of four is above 1.5 standard deviations; no gain below the mean is rare.
         assert_eq!((p(13.0), p(16.0), p(9.0)), (0.4, 0.2, 1.0));
+    }
+
+    #[test]
+    fn gains_by_chance_are_chi_square_in_variances_of_the_noise() {
+        let model = knob(&[], &[]);
+        let data = recorded(&model, "a");
+        let data = [&data];
+        let watch = Watch::new(&|_| true, 1);
+        let screen = Screen::new(&data, &model, &watch);
+        let (one, three) = ([1.642, 3.841, 6.635], [4.642, 7.815, 11.345]);
+        // Two that are nearly independent have twice the chance that either gains so much.
+        let cases = [
+            (&[Id::QuadraticDrag][..], one, 1.0),
+            (&[Id::PositionPolynomial], three, 1.0),
+            (&[Id::QuadraticDrag, Id::ReturnSpring], one, 2.0),
+        ];
+        for (effects, gains, times) in cases {
+            let starts: Vec<Vec<Start>> = effects.iter().map(|id| screen.starts(*id)).collect();
+            for louder in [1.0, 4.0] {
+                let of = effects.iter().zip(&starts).map(|(id, starts)| (*id, &starts[..]));
+                let null = Null::of(&screen, &[Noise::white(louder * SD * SD)], SD * SD, of);
+                for (gain, chance) in gains.into_iter().zip([0.2, 0.05, 0.01]) {
+                    let chance = 1.0 - (1.0_f64 - chance).powf(times);
+                    let said = null.p_value(effects[0], louder * gain);
+                    // Of 999 draws, three standard deviations.
+                    let error = 3.0 * (chance * (1.0 - chance) / 999.0_f64).sqrt() + 1e-3;
+                    assert!((said - chance).abs() < error, "{effects:?} {louder}: {said} {chance}");
+                }
+            }
+        }
     }
 }

@@ -136,3 +136,26 @@ fn best_of(mut ways: Vec<Way>, most: usize, alike: usize) -> Vec<Way> {
     ways.truncate(most);
     ways
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::recorded::{knob, recorded};
+    use super::*;
+    use crate::fit::refine;
+
+    #[test]
+    fn a_joint_and_the_spring_that_hides_beside_it_are_found_together() {
+        let joint = [("compliance.k", 0.3), ("compliance.d", 2e-3), ("compliance.share", 0.7)];
+        let truth =
+            knob(&[Id::Compliance, Id::ReturnSpring], &[&joint[..], &[("return_spring.k", 0.1)]].concat());
+        let signals = recorded(&truth, "a");
+        let data = [&signals];
+        let base = refine(&data, &knob(&[], &[])).unwrap().model;
+        let best = &pairs(&data, &base, &[Id::Compliance, Id::ReturnSpring], &|_| true).unwrap()[0];
+        assert_eq!((best.coupling, best.companion), (Id::Compliance, Id::ReturnSpring));
+        assert!(best.fit.rmse < 1.05 * best.fit.noise_floor, "{} {}", best.fit.rmse, best.fit.noise_floor);
+        let value = |name: &str| best.fit.model.values()[best.fit.model.index(name).unwrap()];
+        assert!((value("compliance.k") / 0.3 - 1.0).abs() < 0.1, "{}", value("compliance.k"));
+        assert!((value("return_spring.k") / 0.1 - 1.0).abs() < 0.1, "{}", value("return_spring.k"));
+    }
+}

@@ -110,3 +110,44 @@ fn surroundings(power: &[f64]) -> Vec<f64> {
 fn gain(signals: &Signals, share: f64) -> f64 {
     signals.filter.as_ref().map_or(1.0, |f| f.sos().power_gain(share * f.sos().rate_hz()).powi(2))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::noise::Noise;
+    use crate::random;
+    use std::f64::consts::TAU;
+
+    const RATE_HZ: f64 = 1000.0;
+
+    /// The regions of a residual of eight seconds: noise, and a wave of this frequency and size beside it.
+    fn lines(hz: f64, size: f64, sd: f64) -> Vec<Region> {
+        let n = 8192;
+        let signals =
+            Signals { rate_hz: RATE_HZ, weight: vec![1.0; n], segments: vec![0..n; 1], ..Signals::default() };
+        let mut noise = random::Noise::new(4);
+        let wave = |at: usize| size * (TAU * hz * at as f64 / RATE_HZ).sin();
+        let residual: Vec<f64> = (0..n).map(|at| wave(at) + sd * noise.normal()).collect();
+        let squares: f64 = residual.iter().map(|x| x * x).sum();
+        let rest = Rest {
+            data: &[&signals],
+            residual: vec![residual],
+            torque: Vec::new(),
+            noise: vec![Noise::white(1.0)],
+            excess: squares - n as f64,
+            squares,
+        };
+        split_frequency(&rest).regions
+    }
+
+    #[test]
+    fn a_line_is_one_where_it_is_faster_than_a_drift_and_beyond_chance() {
+        // Steps of half a hertz, with eight windows and more in a capture.
+        let line = &lines(50.0, 1.0, 1.0)[..];
+        assert!(line.len() == 1 && line[0].from < 50.0 && 50.0 < line[0].to, "{line:?}");
+        assert!(line[0].to - line[0].from < 4.0 && (line[0].mean - 0.5_f64.sqrt()).abs() < 0.1, "{line:?}");
+        assert!(lines(0.5 * RATE_HZ / 512.0, 1.0, 1.0).is_empty(), "slower than the slowest");
+        assert!(lines(50.0, 0.08, 0.01).is_empty(), "far above what is around, but within what noise may be");
+        assert!(lines(50.0, 0.0, 1.0).is_empty());
+    }
+}

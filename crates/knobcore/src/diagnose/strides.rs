@@ -194,4 +194,62 @@ mod tests {
         let (there, by) = moved(&model, slot, 0.1);
         assert!((by + 0.1).abs() < 1e-12 && (there.values()[slot] - 0.9).abs() < 1e-12);
     }
+
+    /// A knob without a joint, whose torque is in proportion to all that it has.
+    fn rigid(values: &[(&str, f64)]) -> Model {
+        let loads: Vec<Id> = knob(values).effects().filter(|id| *id != Id::Backlash).collect();
+        knob(values).only(&loads).unwrap()
+    }
+
+    /// The point of a model, against these signals.
+    fn point(signals: &Signals, model: Model) -> Point {
+        let data = [signals];
+        let (_, residual, squares) = Thinned::of(&data, usize::MAX).columns(&data, &model, &[]);
+        Point { model, residual, squares }
+    }
+
+    #[test]
+    fn a_stride_moves_the_torque_as_far_as_it_is_aimed_however_wide_it_was_before() {
+        let truth = rigid(&[]);
+        let signals = turned(&truth);
+        let at = |model: Model| point(&signals, model);
+        let here = at(rigid(&[("coulomb.pos", 6e-3)]));
+        let slot = truth.index("coulomb.pos").unwrap();
+        let target = 0.5 * here.squares.sqrt();
+        let exact: f64 = here.squares.sqrt() / 1e-3;
+        for width in [1e-5, 1e-4, 1e-3, 5e-3] {
+            let slope = sloped(&here, slot, width, target, &at);
+            let far = slope.width * dot(&slope.column, &slope.column).sqrt() / target;
+            assert!((ABOUT.recip()..=ABOUT).contains(&far), "{width}: {far}");
+            // What brakes one way alone is a torque in proportion.
+            let steep = dot(&slope.column, &slope.column).sqrt();
+            assert!((steep / exact - 1.0).abs() < 0.1, "{width}: {steep} {exact}");
+        }
+        assert_eq!(first(&here.model).iter().find(|(at, _)| *at == slot), Some(&(slot, FIRST * 6e-3)));
+    }
+
+    #[test]
+    fn a_step_along_slopes_ends_where_the_squares_are_least_and_one_that_is_held_back_before() {
+        let signals = turned(&rigid(&[]));
+        let at = |model: Model| point(&signals, model);
+        let here = at(rigid(&[("coulomb.pos", 6e-3), ("inertia.M", 8e-5)]));
+        let names = ["coulomb.pos", "inertia.M"];
+        let slots = names.map(|name| here.model.index(name).unwrap());
+        let widths = [1e-4, 2e-6];
+        let slopes: Vec<Slope> = slots
+            .iter()
+            .zip(widths)
+            .map(|(slot, width)| sloped(&here, *slot, width, 0.1 * here.squares.sqrt(), &at))
+            .collect();
+        let led = |step| at(stepped(&here, &slopes, step).unwrap());
+        let (whole, held, twice) = (led((1e-6, 1.0)), led((1.0, 1.0)), led((1.0, 2.0)));
+        assert!(whole.squares < held.squares && held.squares < here.squares);
+        for slot in slots {
+            let way = |to: &Point| to.model.values()[slot] - here.model.values()[slot];
+            assert!((way(&twice) / way(&held) - 2.0).abs() < 1e-9 && way(&held) * way(&whole) > 0.0);
+            assert!(way(&held).abs() < way(&whole).abs());
+        }
+        let least = at(rigid(&[])).squares;
+        assert!(whole.squares < 1.001 * least && here.squares > 5.0 * least, "{} {least}", whole.squares);
+    }
 }

@@ -134,7 +134,6 @@ struct Products {
     slope: DVector<f64>,
     /// Squared length of each column before anything was swept out.
     length: DVector<f64>,
-    chosen: Vec<bool>,
 }
 
 impl Products {
@@ -188,8 +187,7 @@ impl Products {
             (false, false) => product(part(i), part(j)),
         });
         let slope = DVector::from_fn(side, |i, _| if i < k { plain[(i, k)] } else { with(k, i) });
-        let chosen = vec![false; highest + 1];
-        Self { linear: k, highest, length: gram.diagonal(), gram, slope, chosen }
+        Self { linear: k, highest, length: gram.diagonal(), gram, slope }
     }
 
     /// The column of the sine of an order; its cosine is the next.
@@ -200,10 +198,6 @@ impl Products {
     /// Projects a column off all others (a step of Gauss's elimination); what is a combination of those before it is
     /// left alone.
     fn sweep(&mut self, column: usize) {
-        if let Some(order) = (column + 2).checked_sub(self.linear).map(|at| at / 2).filter(|order| *order > 0)
-        {
-            self.chosen[order] = true;
-        }
         let own = self.gram[(column, column)];
         if own <= OWN * self.length[column] {
             return;
@@ -218,7 +212,6 @@ impl Products {
     /// The gains of orders that are not there are exponential; the median over those around tells their scale.
     fn best(&self) -> Option<(usize, [f64; 2])> {
         let gains: Vec<(f64, usize, [f64; 2])> = (1..=self.highest)
-            .filter(|order| !self.chosen[*order])
             .filter_map(|order| {
                 let at = self.sine(order);
                 let block = self.gram.fixed_view::<2, 2>(at, at).clone_owned();

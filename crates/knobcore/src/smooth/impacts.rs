@@ -182,9 +182,9 @@ mod tests {
 
     #[test]
     fn a_window_counts_with_those_beside_it() {
-        let raised = [1.0, 1.0, 1.0, 5.0, 1.0, 1.0];
-        let highest: Vec<f64> = (0..6).map(|i| highest_around(&raised, i)).collect();
-        assert_eq!(highest, [1.0, 1.0, 5.0, 5.0, 5.0, 1.0]);
+        let raised = [2.0, 1.0, 1.0, 1.0, 1.0, 5.0, 1.0, 7.0];
+        let highest: Vec<f64> = (0..8).map(|i| highest_around(&raised, i)).collect();
+        assert_eq!(highest, [2.0, 2.0, 1.0, 1.0, 5.0, 5.0, 7.0, 7.0]);
     }
 
     #[test]
@@ -202,5 +202,33 @@ mod tests {
         let z = (chance(freedom) - freedom) / (2.0 * freedom).sqrt();
         assert!((least..1.01 * least).contains(&z), "{z} {least}");
         assert!(chance(0.0) >= 2.0 * UNLIKELY);
+    }
+
+    #[test]
+    fn a_motion_of_the_usual_jerk_has_spent_as_much_but_for_the_margin() {
+        let mut random = crate::random::Noise::new(6);
+        let (n, step) = (4000, 2e-4);
+        let t: Vec<f64> = (0..n).map(|k| step * f64::from(k)).collect();
+        let theta = vec![0.0; t.len()];
+        let sensors = Sensors { t: &t, theta: &theta, omega: None, alpha: None };
+        for jerk in [1e2, 1e4] {
+            let level = super::super::sensors::Noise {
+                theta: 1e-4,
+                omega: f64::INFINITY,
+                alpha: f64::INFINITY,
+                jerk,
+            };
+            let model = Model::new(&level, step);
+            let mut motion = smooth_rows(&sensors, &model, &Lifts::default());
+            // Its acceleration goes as a random walk, with this spectral density of the jerk.
+            let mut alpha = 0.0;
+            for value in &mut motion.values[2] {
+                alpha += jerk * step.sqrt() * random.normal();
+                *value = alpha;
+            }
+            let all: Vec<f64> = (0..t.len() / WINDOW).map(|i| spent(&sensors, &model, &motion, i)).collect();
+            let mean = all.iter().map(|x| x * x).sum::<f64>() / all.len() as f64;
+            assert!((mean / MARGIN - 1.0).abs() < 0.1, "{jerk}: {mean}");
+        }
     }
 }

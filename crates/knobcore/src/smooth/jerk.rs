@@ -163,4 +163,17 @@ mod tests {
             assert!((found / right).ln().abs() < 2.0 * ENOUGH, "{found} {right}");
         }
     }
+
+    #[test]
+    fn of_two_dips_of_the_cost_the_deeper_one_is_found() {
+        // In steps of the scan: a shallow one at 2.7, where a search through all of it would first look, a deep one at 6.
+        let cost = |memory: f64| {
+            let at = memory.ln() / LONGER.ln();
+            f64::min(1.2 + (at - 2.7).powi(2), 1.0 + 4.0 * (at - 6.0).powi(2))
+        };
+        for unit in [1e-3, 1.0, 1e3] {
+            let found = best_memory(1.0, 1e4, |memory| unit * cost(memory)).ln() / LONGER.ln();
+            assert!((found - 6.0).abs() < 2.0 * ENOUGH, "{found}");
+        }
+    }
 }

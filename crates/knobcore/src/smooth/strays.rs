@@ -272,3 +272,81 @@ fn farthest(
     }
     best
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::sensors::Noise;
+    use super::*;
+    use crate::random;
+
+    const STEP: f64 = 2e-4;
+
+    /// A turn to and fro at these noise levels of angle and velocity, and the model of who knows them.
+    fn turned(theta_sd: f64, omega_sd: f64, jerk: f64) -> ([Vec<f64>; 3], Model) {
+        let mut noise = random::Noise::new(2);
+        let over = |f: &dyn Fn(f64) -> f64| (0..400).map(|k| f(STEP * f64::from(k))).collect::<Vec<f64>>();
+        let w = 20.0_f64;
+        let mut columns = [over(&|t| t), over(&|t| 0.5 * (w * t).sin()), over(&|t| 0.5 * w * (w * t).cos())];
+        for (column, sd) in columns.iter_mut().skip(1).zip([theta_sd, omega_sd]) {
+            column.iter_mut().for_each(|x| *x += sd * noise.normal());
+        }
+        let noise = Noise { theta: theta_sd, omega: omega_sd, alpha: f64::INFINITY, jerk };
+        (columns, Model::new(&noise, STEP))
+    }
+
+    fn of([t, theta, omega]: &[Vec<f64>; 3]) -> Sensors<'_> {
+        Sensors { t, theta, omega: Some(omega), alpha: None }
+    }
+
+    #[test]
+    fn a_wild_reading_is_named_where_the_others_would_have_noticed() {
+        // With so lively a motion each angle is nearly what it says itself: a wild one draws the motion after it.
+        for (column, jerk, sd, other_sd) in [(1, 1e7, 1e-4, 1.0), (2, 1e5, 1e-2, 1e-7), (2, 1e5, 1e-2, 1e-2)]
+        {
+            let (theta_sd, omega_sd) = if column == 1 { (sd, other_sd) } else { (other_sd, sd) };
+            let (mut columns, model) = turned(theta_sd, omega_sd, jerk);
+            let named = |columns: &[Vec<f64>; 3]| {
+                let motion = smooth_rows(&of(columns), &model, &Lifts::default());
+                let free = 1.0 - (motion.sds[column - 1][200] / sd).powi(2);
+                (farthest(&of(columns), &model, &[1.0; 3], &motion, 100..300), free)
+            };
+            assert_eq!(named(&columns).0, None, "{column} {jerk}");
+            let (_, free) = named(&columns);
+            // As far as 20 standard deviations of what the others say of it.
+            columns[column][200] += 20.0 * sd / free.sqrt();
+            let (found, free) = named(&columns);
+            // What a coarse angle does not tell a velocity may have been.
+            let seen = if other_sd == 1e-2 { None } else { Some((column - 1, 200)) };
+            assert_eq!(found, seen, "{column} {jerk} {free}");
+        }
+    }
+
+    #[test]
+    fn a_sensor_is_off_where_five_of_its_readings_are_and_not_where_four_are() {
+        for (rows, is_off) in [(4, false), (5, true), (9, true)] {
+            let (mut columns, model) = turned(1e-6, 1e-2, 1e3);
+            columns[2][203..203 + rows].fill(0.0);
+            let found = off(&of(&columns), &model, &[1.0; 3], &(25..27));
+            let expected: Vec<(usize, usize)> = (203..203 + rows).map(|row| (1, row)).collect();
+            assert_eq!(found, is_off.then_some(expected), "{rows}");
+        }
+    }
+
+    #[test]
+    fn several_wild_readings_at_one_place_are_named_together_and_an_impact_is_not() {
+        let (mut columns, model) = turned(1e-6, 1e-2, 1e3);
+        let place = 25..26;
+        let wild = [201, 203, 205, 207];
+        wild.iter().for_each(|row| columns[2][*row] += 3.0);
+        let mut found = at(&of(&columns), &model, &[1.0; 3], &place).unwrap();
+        found.sort_unstable();
+        assert_eq!(found, wild.map(|row| (1, row)));
+        // From then on it turns faster: all that comes after says so.
+        let (mut columns, model) = turned(1e-6, 1e-2, 1e3);
+        columns[2][202..].iter_mut().for_each(|omega| *omega += 3.0);
+        for (row, theta) in columns[1].iter_mut().enumerate().skip(202) {
+            *theta += 3.0 * STEP * (row - 202) as f64;
+        }
+        assert_eq!(at(&of(&columns), &model, &[1.0; 3], &place), None);
+    }
+}

@@ -141,3 +141,61 @@ fn no_rendered_effect_gives_energy_over_a_closed_cycle() {
         assert!(work >= -1e-3 * scale, "{} gives {} of what it moves", name(id), -work / scale);
     }
 }
+
+#[test]
+fn a_knob_that_turns_back_lets_go_of_its_friction_evenly_before_it_resists_the_other_way() {
+    let mut model = Model::new(&[Id::Inertia, Id::Coulomb], Axis::Rotary);
+    for (name, value) in [("inertia.M", 1.5e-4), ("coulomb.neg", 0.02), ("coulomb.pos", 0.03)] {
+        model.set(name, value).unwrap();
+    }
+    let mut knob = renderer(&model);
+    let (forth, back) = (1.0, 0.05);
+    let felt: Vec<f64> = (0..400)
+        .map(|i| {
+            let t = f64::from(i) / RATE_HZ;
+            let turned = t.min(0.02);
+            let omega = if t < 0.02 { forth } else { -back };
+            knob.step(Sensed { theta: forth * turned - back * (t - turned), omega, alpha: 0.0, hand: None })
+        })
+        .collect();
+    assert!((felt[99] - 0.03).abs() < 1e-9 && (felt[399] + 0.02).abs() < 1e-3, "{} {}", felt[99], felt[399]);
+    // Between both friction is a spring, which turns back by as much in each sample.
+    let spring: Vec<f64> = felt.windows(2).skip(101).map(|two| two[0] - two[1]).collect();
+    let whole: Vec<f64> = spring.into_iter().take_while(|fall| *fall > 1e-6).collect();
+    let most = whole.iter().copied().fold(0.0, f64::max);
+    assert!(whole.len() > 5 && whole.iter().sum::<f64>() > 0.04, "{whole:?}");
+    assert!(whole[..whole.len() - 1].iter().all(|fall| *fall > 0.9 * most), "{whole:?}");
+}
+
+#[test]
+fn a_knob_that_a_spring_of_its_friction_strains_breaks_away_where_one_without_does() {
+    let breakaway = |effects: &[Id], sign: f64| {
+        let mut model =
+            Model::new(&[&[Id::Inertia, Id::Coulomb, Id::Karnopp], effects].concat(), Axis::Rotary);
+        for (name, value) in [
+            ("inertia.M", 1.5e-4),
+            ("coulomb.neg", 0.02),
+            ("coulomb.pos", 0.02),
+            ("karnopp.D_neg", 0.05),
+            ("karnopp.D_pos", 0.04),
+            ("karnopp.dv", 0.5),
+            ("presliding.s", 2e-3),
+            ("presliding.w1", 0.8),
+        ] {
+            if model.index(name).is_ok() {
+                model.set(name, value).unwrap();
+            }
+        }
+        let mut knob = renderer(&model);
+        let omega = sign * 0.02;
+        let felt = (0..4000).map(|i| {
+            knob.step(Sensed { theta: omega * f64::from(i) / RATE_HZ, omega, alpha: 0.0, hand: None }).abs()
+        });
+        felt.fold(0.0, f64::max)
+    };
+    for (sign, most) in [(1.0, 0.04), (-1.0, 0.05)] {
+        let (plain, strained) = (breakaway(&[], sign), breakaway(&[Id::Presliding], sign));
+        assert!((plain / most - 1.0).abs() < 0.01, "{sign}: {plain}");
+        assert!((strained / most - 1.0).abs() < 0.05, "{sign}: {strained}");
+    }
+}

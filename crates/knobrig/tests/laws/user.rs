@@ -175,3 +175,61 @@ fn user(id: Id) -> &'static User {
         _ => panic!("{id:?} is built in"),
     }
 }
+
+#[test]
+fn a_joint_that_none_can_be_is_rigid_instead_and_the_reason_is_told() {
+    for (own, values) in [
+        ("own_gap_below_none", [-1e-3, 10.0, 0.0, 0.5, 1.0]),
+        ("own_spring_of_none", [0.0, 0.0, 0.0, 0.5, 1.0]),
+        ("own_damper_that_drives", [0.0, 10.0, -1e-3, 0.5, 1.0]),
+        ("own_share_of_none", [0.0, 10.0, 0.0, 0.0, 1.0]),
+        ("own_share_of_more", [0.0, 10.0, 0.0, 1.5, 1.0]),
+        ("own_joint_without_end", [0.0, f64::INFINITY, 0.0, 0.5, 1.0]),
+        ("own_sound_joint", [1e-3, 10.0, 1e-3, 1.0, 0.0]),
+    ] {
+        let given = Box::new(move |_: &[f64], _: &[&[f64]]| Ok(values.to_vec()));
+        let id = register_at(own, Place::Coupling, &[], PARAMS, given);
+        let joint = knob().with(id).unwrap();
+        let joint = joint.joint(&joint.values()).unwrap();
+        let told = user(id).failure();
+        if own == "own_sound_joint" {
+            assert_eq!((joint.gap, joint.stiffness, joint.share, joint.welded), (1e-3, 10.0, 1.0, false));
+            assert_eq!(told, None);
+        } else {
+            assert!(joint.gap == 0.0 && joint.stiffness >= 1e5 && joint.share == 0.5, "{own}: {joint:?}");
+            assert!(told.unwrap().contains("a joint has gap and damping from 0 on"), "{own}");
+        }
+    }
+}
+
+#[test]
+fn behind_a_joint_an_effect_of_ones_own_does_between_two_samples_what_lies_between() {
+    let own = register("own_pull", Box::new(|p, motion| Ok(motion[0].iter().map(|t| p[0] * t).collect())));
+    let mut model = knob_with(Id::Compliance).with(own).unwrap();
+    for (name, value) in [("compliance.k", 2.0), ("compliance.d", 0.01), ("own_pull.d", 20.0)] {
+        model.set(name, value).unwrap();
+    }
+    // Of constant acceleration and a pull that grows evenly, which are known also between samples.
+    let torque = |rate_hz: f64, substeps: usize| {
+        let t: Vec<f64> = (0..(0.02 * rate_hz) as u32).map(|i| f64::from(i) / rate_hz).collect();
+        let over = |of: &dyn Fn(f64) -> f64| t.iter().map(|t| of(*t)).collect::<Vec<f64>>();
+        let signals = Signals {
+            rate_hz,
+            substeps,
+            theta: over(&|t| 3.0 * t + 50.0 * t * t),
+            omega: over(&|t| 3.0 + 100.0 * t),
+            alpha: vec![100.0; t.len()],
+            forward: vec![1.0; t.len()],
+            weight: vec![1.0; t.len()],
+            segments: vec![0..t.len(); 1],
+            t: t.clone(),
+            ..Signals::default()
+        };
+        predict::torque_raw(&model, &signals)
+    };
+    let (few, many) = (torque(1000.0, 8), torque(8000.0, 1));
+    for (i, few) in few.iter().enumerate() {
+        assert!((few - many[8 * i]).abs() < 1e-12, "{i}: {few} {}", many[8 * i]);
+    }
+    assert_eq!(user(own).failure(), None);
+}

@@ -126,6 +126,7 @@ fn refits_of_blocks_scatter_as_the_uncertainty_says_about_what_was_found() {
         assert!((sd / error - 1.0).abs() < 0.2, "{at}: {sd} {error}");
     }
     assert_ne!(refits, found.bootstrap(1000, 4));
+    assert!(found.bootstrap(13, 3).iter().all(|refits| refits.len() == 13));
 }
 
 #[test]
@@ -329,4 +330,63 @@ fn what_never_moves_or_never_changes_is_refused() {
     assert!(fit(&[&still, &moving], &model, Detents::AsModel).is_ok());
     let linear = Signals { axis: Axis::Linear, ..moving };
     assert!(said(&linear).contains("another kind of axis"));
+}
+
+#[test]
+fn what_is_missing_widens_the_errors_of_all_parameters_and_leaves_them_a_covariance() {
+    let data = turned(0.9, SD, |theta, _| 4e-3 * (theta / 0.3).sin());
+    let found = fitted(&data);
+    let bare = Model::equation_1(Axis::Rotary, false);
+    let plain = report(&[&data], &bare, sketch(&[&data], &bare)).unwrap();
+    assert!(found.rmse > 2.0 * found.noise_floor);
+    for i in 0..5 {
+        for j in 0..5 {
+            let [one, other] = [found.covariance[(i, j)], found.covariance[(j, i)]];
+            let scale = (found.covariance[(i, i)] * found.covariance[(j, j)]).sqrt();
+            assert!((one - other).abs() < 1e-9 * scale && one.abs() < 1.000_001 * scale, "{i} {j}");
+        }
+    }
+    let pairs = found.standard_errors().into_iter().zip(plain.standard_errors());
+    let wider: Vec<f64> = pairs.map(|(whole, plain)| whole / plain).collect();
+    assert!(wider.iter().all(|times| *times >= 1.0) && wider.iter().any(|times| *times > 1.1), "{wider:?}");
+}
+
+#[test]
+fn of_few_samples_the_errors_are_larger_by_those_that_the_parameters_took() {
+    let mut data = turned(0.9, SD, |_, _| 0.0);
+    data.weight = (0..data.len()).map(|at| f64::from(u8::from(at % 100 == 7))).collect();
+    let found = fitted(&data);
+    let x = design(&data);
+    let counted: Vec<usize> = (0..data.len()).filter(|at| data.weight[*at] > 0.0).collect();
+    let x = DMatrix::from_fn(counted.len(), 5, |i, j| x[(counted[i], j)]);
+    let variance = found.rmse.powi(2) * 40.0 / (40.0 - 5.0);
+    let exact = (x.transpose() * &x).try_inverse().unwrap() * variance;
+    for (i, error) in found.standard_errors().iter().enumerate() {
+        assert!((error / exact[(i, i)].sqrt() - 1.0).abs() < 1e-3, "{i}: {error} {}", exact[(i, i)].sqrt());
+    }
+}
+
+#[test]
+fn more_samples_are_asked_for_than_twice_the_parameters_and_ten() {
+    let model = Model::equation_1(Axis::Rotary, false);
+    let of = |samples: usize| {
+        let mut data = turned(0.9, SD, |_, _| 0.0);
+        let every = data.len() / samples;
+        data.weight =
+            (0..data.len()).map(|at| f64::from(u8::from(at % every == 0 && at < samples * every))).collect();
+        fit(&[&data], &model, Detents::AsModel)
+    };
+    let said = of(20).map(|_| ()).unwrap_err().to_string();
+    assert!(said.contains("has 20 samples that count, too few to fit 5 parameters"), "{said}");
+    assert!(of(21).is_ok());
+}
+
+#[test]
+fn waves_that_do_not_return_within_a_turn_are_detents_of_a_slide_and_of_no_knob() {
+    let data = turned(4.0, SD, |theta, _| 5e-3 * theta.sin());
+    let slide = Signals { axis: Axis::Linear, ..data.clone() };
+    for (data, axis) in [(data, Axis::Rotary), (slide, Axis::Linear)] {
+        let found = fit(&[&data], &Model::equation_1(axis, false), Detents::Find).unwrap();
+        assert_eq!(found.model.has(Id::Detent), axis == Axis::Linear);
+    }
 }

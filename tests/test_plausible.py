@@ -1,0 +1,251 @@
+"""What no knob has, and what only looks so: of fits of which everything is known."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from known import estimate
+
+from knobcam.errors import InputError
+from knobcam.fit import plausible
+from knobcam.fit.rule import RULE
+from knobcam.learn import experiment
+from knobcam.learn.contenders import BASE
+from knobcam.learn.experiment import Change, Expected, Experiment, Sharpened, _Design, _percent, _widened
+from knobcam.learn.limits import Limits
+from knobcam.learn.telling import TOLD
+
+SURE = {"inertia.M": (1e-4, 1e-6), "coulomb.neg": (0.02, 1e-4), "coulomb.pos": (0.02, 1e-4)}
+SURE |= {"viscous.neg": (1e-3, 1e-5), "viscous.pos": (1e-3, 1e-5)}
+EFFECTS = ("inertia", "coulomb", "viscous")
+
+
+def fitted(rmse: float = 1.0, effects: tuple[str, ...] = EFFECTS, heldout: float = 1.0, **other: Any) -> Any:
+    """A fit with these values; inertia__M=(-1e-4, 1e-6) says so of inertia.M."""
+    values = SURE | {name.replace("__", "."): value for name, value in other.items()}
+    params = {name: estimate(*value) for name, value in values.items()}
+    names = {a: {b: float(a == b) for b in params} for a in params}
+    model = SimpleNamespace(coordinate="rotary", effects=effects)
+    return SimpleNamespace(
+        model=model, params=params, rmse=rmse, rmse_heldout=heldout, prepared=(), correlation=names
+    )
+
+
+@pytest.fixture(autouse=True)
+def torques(monkeypatch: pytest.MonkeyPatch) -> dict[str, float]:
+    """The RMS torque of each parameter; a tenth of the error where it is not said."""
+    known: dict[str, float] = {}
+    monkeypatch.setattr(plausible, "_torque_of", lambda fit, name: known.get(name, 0.1 * fit.rmse))
+    monkeypatch.setattr(plausible, "gives_back", lambda prepared: False)
+    return known
+
+
+def power(monkeypatch: pytest.MonkeyPatch, value: float, error: float) -> None:
+    monkeypatch.setattr(plausible, "_friction_power", lambda fit: (value, error))
+
+
+def test_an_inertia_below_zero_is_none_where_it_makes_more_torque_than_is_left(
+    monkeypatch: pytest.MonkeyPatch, torques: dict[str, float]
+):
+    power(monkeypatch, 1.0, 0.0)
+    below = {"inertia__M": (-1e-4, 1e-6)}
+    assert plausible.impossible(fitted()) is None and plausible.impossible(fitted(**below)) is None
+    torques["inertia.M"] = 1.1
+    assert plausible.impossible(fitted(**below)) == "inertia.M came out negative, which no knob has"
+    # Within four standard errors of zero it may be none.
+    for error, said in ((0.9e-4 / RULE.surely, True), (1.1e-4 / RULE.surely, False)):
+        assert (plausible.impossible(fitted(inertia__M=(-1e-4, error))) is not None) == said
+    assert plausible.impossible(fitted(inertia__M=(-1e-4, math.inf))) is None
+
+
+def test_friction_below_zero_is_told_by_its_power_alone(
+    monkeypatch: pytest.MonkeyPatch, torques: dict[str, float]
+):
+    torques["coulomb.neg"] = 5.0
+    bent = fitted(coulomb__neg=(-0.02, 1e-4))
+    for value, error, said in (
+        (-1.0, 0.99 / RULE.surely, True),
+        (-1.0, 1.01 / RULE.surely, False),
+        (1.0, 0.0, False),
+    ):
+        power(monkeypatch, value, error)
+        found = plausible.impossible(bent)
+        assert found == ("friction gives power back, which no knob does" if said else None)
+        # Where nothing is below zero nobody asks.
+        assert plausible.impossible(fitted()) is None
+
+
+def test_an_effect_beside_is_held_to_its_range_and_the_base_model_is_not(monkeypatch: pytest.MonkeyPatch):
+    power(monkeypatch, 1.0, 0.0)
+    drag = fitted(effects=(*EFFECTS, "quadratic_drag"), quadratic_drag__d=(-1e-3, 1e-5))
+    assert plausible.impossible(drag) == "quadratic_drag.d = -0.001 is implausible: it should be at least 0"
+    assert plausible._out_of_range("quadratic_drag", fitted()) == []
+    unsure = fitted(effects=(*EFFECTS, "quadratic_drag"), quadratic_drag__d=(-1e-3, 1e-3))
+    assert plausible.impossible(unsure) is None
+
+
+def test_a_torque_of_the_other_sign_is_one_where_all_that_is_sure_is_below_zero(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    power(monkeypatch, -1.0, 0.1)
+    turned = {name.replace(".", "__"): (-value, error) for name, (value, error) in SURE.items()}
+    assert plausible.reversed_torque(fitted(**turned)) and not plausible.reversed_torque(fitted())
+    assert (
+        plausible.log_fault(fitted(**turned)) == plausible.REVERSED and plausible.log_fault(fitted()) is None
+    )
+    one_sound = turned | {"inertia__M": SURE["inertia.M"]}
+    assert not plausible.reversed_torque(fitted(**one_sound))
+    unsure = turned | {"inertia__M": (1e-4, 1e-3)}
+    assert plausible.reversed_torque(fitted(**unsure))
+    for error, said in ((0.99 / RULE.surely, True), (1.01 / RULE.surely, False)):
+        power(monkeypatch, -1.0, error)
+        assert plausible.reversed_torque(fitted(**turned)) == said
+    # Beside a spring that hides all of it the hand's power tells, but only of what is below zero at all.
+    monkeypatch.setattr(plausible, "gives_back", lambda prepared: True)
+    assert plausible.reversed_torque(fitted(inertia__M=(-1e-4, 1e-3))) and not plausible.reversed_torque(
+        fitted()
+    )
+
+
+def test_what_an_effect_bends_below_zero_speaks_against_it(torques: dict[str, float]):
+    def said(now: tuple[float, float], then: tuple[float, float]) -> list[str]:
+        candidate: Any = SimpleNamespace(fit=fitted(inertia__M=now), rmse=1.0)
+        return plausible._below_zero(candidate, fitted(inertia__M=then))
+
+    good, bad = (1e-4, 1e-6), (-1e-4, 1e-6)
+    assert said(bad, good) == []
+    torques["inertia.M"] = 1.1
+    assert said(bad, good) == ["beside it inertia.M = -0.0001, which no knob has"]
+    assert said(bad, bad) == [] and said(good, bad) == [] and said(bad, (1e-4, math.inf)) == []
+    for error, bent in ((0.99e-4 / RULE.sure, True), (1.01e-4 / RULE.sure, False)):
+        assert bool(said((-1e-4, error), good)) == bent
+    # It was below zero before, but not so far.
+    assert said(bad, (-1e-5, 1e-6)) != [] and said((-1.1e-5, 1e-7), (-1e-5, 1e-6)) == []
+
+
+def test_what_an_effect_loses_on_unseen_blocks_speaks_against_it_where_it_is_more_than_it_wins():
+    before = fitted(rmse=2.0, heldout=2.0)
+    assert plausible._unseen(fitted(rmse=1.0, heldout=1.0), before) == []
+    for heldout, said in ((2.9, []), (3.2, ["on blocks that the fit did not see it adds 60.0 %"])):
+        assert plausible._unseen(fitted(rmse=1.0, heldout=heldout), before) == said
+    assert plausible._unseen(fitted(rmse=2.1, heldout=2.01), before) != []
+    assert plausible._unseen(fitted(rmse=1.0, heldout=9.0), fitted(rmse=0.0)) == []
+
+
+def test_a_log_is_at_fault_by_its_findings_unless_they_were_mended():
+    def of(*found: tuple[str, str]) -> Any:
+        findings = [SimpleNamespace(kind=kind, severity=severity, message=kind) for kind, severity in found]
+        return (SimpleNamespace(capture=SimpleNamespace(findings=findings)),)
+
+    assert plausible.columns_at_fault(of(("unit", "mended"), ("clipped", "warning"))) is None
+    assert plausible.columns_at_fault(of(("clipped", "warning"), ("swapped", "warning"))) == "swapped"
+
+
+LIMITS = Limits(0.2, 6.0, 80.0, -1.0, 3.0, duration_s=8.0, sample_rate_hz=1000.0)
+
+
+def designed(*d: float, **more: Any) -> Experiment:
+    rivals: Any = tuple(SimpleNamespace(name=name, effects=(name,)) for name in (BASE, "stribeck", "offset"))
+    pairs = ((0, 1), (0, 2), (1, 2))
+    expected = tuple(Expected(pair, one, 0.5 * one) for pair, one in zip(pairs, d, strict=False))
+    track: Any = SimpleNamespace(t=np.array([0.0, 4.0]), theta=np.array([0.0, 1.0]))
+    plan: Any = SimpleNamespace(about="to and fro")
+    return Experiment(rivals, LIMITS, plan, track, expected, (0.1, 5.0, 70.0), **more)
+
+
+def test_an_experiment_says_what_it_tells_and_what_it_would_take():
+    both = designed(30.0, TOLD)
+    assert both.separable and both.headline.startswith(
+        "4 s tell base and offset apart (the wrong one is chosen in 5 %)"
+    )
+    short = designed(30.0, 0.99 * TOLD, 50.0)
+    assert not short.separable and short.headline.endswith("on any motion they are nearly the same.")
+    assert "tells base and offset apart: D is 10.7 at most" in short.headline
+    wider = replace(short, change=Change("omega_rad_s", 12.0, 20.0))
+    assert wider.headline.endswith("With omega_rad_s = 12 it would be 20.")
+    assert both.rows() == [
+        ("base or stribeck", "30", "0.31 %", "15"),
+        ("base or offset", "10.8", "5 %", "5.4"),
+    ]
+    sharp = designed(sharpened=(Sharpened("inertia.M", 0.4, 0.1, 0.2),))
+    assert sharp.headline == "inertia.M would be known 4 times as well after 4 s: to and fro."
+    assert (
+        sharp.rows() == [("inertia.M", "0.4", "0.1", "0.2")]
+        and sharp.tables()[0].head == Experiment.SHARPENED
+    )
+    assert "At most 0.1 N m (limit 0.2), 5 rad/s (6), 70 rad/s^2 (80)" in repr(both)
+    said = wider.document()
+    assert said["change"] == {"limit": "omega_rad_s", "to": 12.0, "d": 20.0} and said["separable"] is False
+    assert [one["standard_D"] for one in said["expected"]] == [15.0, 0.5 * 0.99 * TOLD, 25.0]
+    assert (_percent(0.9e-4), _percent(1.1e-4), _percent(0.5)) == ("< 0.01 %", "0.011 %", "50 %")
+
+
+def test_a_limit_is_widened_and_the_others_are_not():
+    assert _widened(LIMITS, "torque_Nm", 2.0) == replace(LIMITS, torque_Nm=0.4)
+    # The range about its middle.
+    assert _widened(LIMITS, "theta", 2.0) == replace(LIMITS, theta_min_rad=-3.0, theta_max_rad=5.0)
+
+
+def design(
+    monkeypatch: pytest.MonkeyPatch, asks: float, told: float = 5.0, joint: bool = False, n: int = 2
+) -> _Design:
+    """A search whose rivals ask for so much torque at full speed, and D is so large at the full rate."""
+
+    def peak(track: Any, *, draws: bool) -> float:
+        return asks * float(np.max(np.abs(track.omega))) / LIMITS.omega_rad_s
+
+    fit = SimpleNamespace(
+        core=SimpleNamespace(free=["inertia.M", "coulomb.pos"]),
+        params={"inertia.M": estimate(1e-4, 1e-5), "coulomb.pos": estimate(0.02, 4e-3)},
+    )
+    telling: Any = SimpleNamespace(
+        peak=peak,
+        jointed=joint,
+        rivals=[SimpleNamespace(fit=fit)] * n,
+        evidence=lambda track: np.full((n, n), told),
+        least=lambda all_: float(np.min(all_)),
+    )
+    return _Design(telling, LIMITS, None)
+
+
+def test_a_motion_is_eased_until_no_rival_asks_for_more_than_there_is(monkeypatch: pytest.MonkeyPatch):
+    (pieces,) = [one for one in experiment.bank() if one[0].kind == "passes" and one[0].numbers[1] == 1.0][:1]
+    whole = design(monkeypatch, 0.199)._runnable(pieces, draws=True)
+    assert whole is not None and np.max(np.abs(whole[1].omega)) > 0.99 * LIMITS.omega_rad_s
+    assert len(whole[1].t) == pytest.approx(whole[0].seconds * 1000.0, abs=1)
+    eased = design(monkeypatch, 0.3)._runnable(pieces, draws=True)
+    assert eased is not None and 0.5 < np.max(np.abs(eased[1].omega)) / LIMITS.omega_rad_s <= 0.67
+    assert design(monkeypatch, 1e3)._runnable(pieces, draws=True) is None
+    tracks = design(monkeypatch, 0.3)._standard(500.0)
+    assert len(tracks) == len(experiment.STANDARD)
+    assert all(np.max(np.abs(one.omega)) / LIMITS.omega_rad_s <= 0.67 for one in tracks)
+    assert design(monkeypatch, 1e3)._standard(500.0) == []
+
+
+def test_a_search_looks_at_fewer_samples_and_counts_them_all(monkeypatch: pytest.MonkeyPatch):
+    track: Any = None
+    for joint, rate in ((True, 500.0), (False, 500.0)):
+        one = design(monkeypatch, 0.1, joint=joint)
+        assert one._search_hz() == rate and one._told(track)[1] == pytest.approx(5.0 * 1000.0 / rate)
+    fast = replace(LIMITS, sample_rate_hz=5000.0)
+    for joint, rate in ((True, 2500.0), (False, 1250.0)):
+        one = replace(design(monkeypatch, 0.1, joint=joint), limits=fast)
+        assert one._search_hz() == rate
+    slow = replace(design(monkeypatch, 0.1), limits=replace(LIMITS, sample_rate_hz=200.0))
+    assert slow._search_hz() == 200.0
+
+
+def test_the_parameter_to_be_sharpened_is_the_one_that_is_known_worst(monkeypatch: pytest.MonkeyPatch):
+    alone = design(monkeypatch, 0.1, n=1)
+    assert alone.param == "coulomb.pos" and design(monkeypatch, 0.1).param is None
+    assert replace(alone, sharpen="inertia.M").param == "inertia.M"
+    with pytest.raises(InputError, match=r"known are inertia\.M, coulomb\.pos"):
+        _ = replace(alone, sharpen="viscous.pos").param
+    alone.telling.errors = lambda track: {"coulomb.pos": 0.3}  # type: ignore[method-assign,assignment]
+    track: Any = None
+    assert alone._told(track)[1] == -0.3
