@@ -19,7 +19,6 @@ pub mod param;
 pub mod effects;
 pub mod model;
 pub mod model_file;
-mod model_laws;
 
 pub mod chain;
 

@@ -33,8 +33,8 @@ def own_law(
     apply, N m (N), or, where it `acts` as friction, a factor on the dry friction.
 
     `units` of parameters, such as `N m/rad`, follow from the law where they are not given; `bounds` keep a
-    search out of where the law has no value. A formula acts as `load` or `friction` alone. Parameters that the law is proportional to are solved for
-    directly, and derivatives are exact.
+    search out of where the law has no value. Parameters that the law is proportional to are solved for
+    directly, and derivatives are exact. A formula acts as `load` or `friction` alone.
 
     Raises InputError for what is no formula, by the character, for units that do not agree, for bounds that
     contradict each other, and for a name that is built in or no identifier.

@@ -19,10 +19,12 @@
 //! d = 1e-5
 //! ```
 
+mod laws;
+
 use crate::effects::{Id, Place};
 use crate::error::{Error, Result};
 use crate::model::{Model, Role, Run};
-use crate::model_laws;
+
 use crate::param::{Axis, Given, Usual};
 use std::fmt::Write;
 use std::sync::Arc;
@@ -90,7 +92,7 @@ pub fn parse(text: &str) -> Result<Model> {
     let effects = file.get("effects").and_then(Value::as_table).filter(|table| !table.is_empty());
     let effects =
         effects.ok_or_else(|| bad("effects", "are missing; add a table such as [effects.inertia]"))?;
-    let effects = &model_laws::registered(effects)?;
+    let effects = &laws::registered(effects)?;
     let ids = effects.keys().map(|id| Id::parse(id)).collect::<Result<Vec<_>>>()?;
     let mut model = Model::new(&ids, axis);
     model.given = given;
@@ -279,7 +281,7 @@ pub fn write(model: &Model) -> String {
             if model.at_shaft(id) {
                 let _ = writeln!(out, "at = {SHAFT:?} # not on the knob behind the joint");
             }
-            let law = if let Id::User(user) = id { model_laws::written(user) } else { None };
+            let law = if let Id::User(user) = id { laws::written(user) } else { None };
             out.push_str(law.as_deref().unwrap_or_default());
             let own = model.slots().iter().enumerate().filter(|(_, slot)| slot.effect == id);
             for (at, slot) in own.filter(|(at, _)| !model.is_idle(*at)) {
@@ -287,7 +289,7 @@ pub fn write(model: &Model) -> String {
                 let value = match slot.role {
                     _ if law.is_some() => {
                         let value = tied.map_or(format!("{:?}", slot.value), |to| format!("{to:?}"));
-                        model_laws::with_its_own(&value, slot.role == Role::Fixed, slot.param, model.axis)
+                        laws::with_its_own(&value, slot.role == Role::Fixed, slot.param, model.axis)
                     }
                     Role::Tied(to) => format!("{:?}", model.slots()[to].name()),
                     role if role == of_number(model, at) => format!("{:?}", slot.value),
