@@ -14,9 +14,10 @@ from known import estimate
 from knobcam.errors import InputError
 from knobcam.fit import plausible
 from knobcam.fit.rule import RULE
-from knobcam.learn import experiment
+from knobcam.learn import designing
 from knobcam.learn.contenders import BASE
-from knobcam.learn.experiment import Change, Expected, Experiment, Sharpened, _Design, _percent, _widened
+from knobcam.learn.designing import _Design, _widened
+from knobcam.learn.experiment import Change, Expected, Experiment, Sharpened, _percent
 from knobcam.learn.limits import Limits
 from knobcam.learn.telling import TOLD
 
@@ -208,13 +209,13 @@ def design(
         jointed=joint,
         rivals=[SimpleNamespace(fit=fit)] * n,
         evidence=lambda track: np.full((n, n), told),
-        least=lambda all_: float(np.min(all_)),
+        pairs=lambda all_: [float(all_[i, j]) for i in range(len(all_)) for j in range(i)],
     )
     return _Design(telling, LIMITS, None)
 
 
 def test_a_motion_is_eased_until_no_rival_asks_for_more_than_there_is(monkeypatch: pytest.MonkeyPatch):
-    (pieces,) = [one for one in experiment.bank() if one[0].kind == "passes" and one[0].numbers[1] == 1.0][:1]
+    (pieces,) = [one for one in designing.bank() if one[0].kind == "passes" and one[0].numbers[1] == 1.0][:1]
     whole = design(monkeypatch, 0.199)._runnable(pieces, draws=True)
     assert whole is not None and np.max(np.abs(whole[1].omega)) > 0.99 * LIMITS.omega_rad_s
     assert len(whole[1].t) == pytest.approx(whole[0].seconds * 1000.0, abs=1)
@@ -222,7 +223,7 @@ def test_a_motion_is_eased_until_no_rival_asks_for_more_than_there_is(monkeypatc
     assert eased is not None and 0.5 < np.max(np.abs(eased[1].omega)) / LIMITS.omega_rad_s <= 0.67
     assert design(monkeypatch, 1e3)._runnable(pieces, draws=True) is None
     tracks = design(monkeypatch, 0.3)._standard(500.0)
-    assert len(tracks) == len(experiment.STANDARD)
+    assert len(tracks) == len(designing.STANDARD)
     assert all(np.max(np.abs(one.omega)) / LIMITS.omega_rad_s <= 0.67 for one in tracks)
     assert design(monkeypatch, 1e3)._standard(500.0) == []
 
@@ -231,13 +232,27 @@ def test_a_search_looks_at_fewer_samples_and_counts_them_all(monkeypatch: pytest
     track: Any = None
     for joint, rate in ((True, 500.0), (False, 500.0)):
         one = design(monkeypatch, 0.1, joint=joint)
-        assert one._search_hz() == rate and one._told(track)[1] == pytest.approx(5.0 * 1000.0 / rate)
+        assert one._search_hz() == rate and one._told(track)[0][1, 0] == pytest.approx(5.0 * 1000.0 / rate)
     fast = replace(LIMITS, sample_rate_hz=5000.0)
     for joint, rate in ((True, 2500.0), (False, 1250.0)):
         one = replace(design(monkeypatch, 0.1, joint=joint), limits=fast)
         assert one._search_hz() == rate
     slow = replace(design(monkeypatch, 0.1), limits=replace(LIMITS, sample_rate_hz=200.0))
     assert slow._search_hz() == 200.0
+
+
+def test_a_motion_that_tells_one_pair_is_not_hidden_by_another_that_none_tells(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def score(*pairs: float) -> float:
+        one = design(monkeypatch, 0.1, n=3)
+        one.telling.pairs = lambda told: list(pairs)  # type: ignore[method-assign,assignment]
+        track: Any = None
+        return one._told(track)[1]
+
+    assert score(5.0 * TOLD, 0.1) > score(2.0 * TOLD, 0.1) > score(TOLD, TOLD / 2.0)
+    # What is told beyond doubt may be less for the sake of another.
+    assert score(30.0 * TOLD, 0.1) < score(4.0 * TOLD, TOLD)
 
 
 def test_the_parameter_to_be_sharpened_is_the_one_that_is_known_worst(monkeypatch: pytest.MonkeyPatch):
