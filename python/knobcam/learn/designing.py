@@ -129,8 +129,9 @@ class _Design:
         pool = self._searched(search_s, seed)
         if not pool:
             raise InputError(
-                f"limits: torque_Nm = {self.limits.torque_Nm:.4g} moves no rival, or omega_rad_s = "
-                f"{self.limits.omega_rad_s:.4g} is too slow for the sensors to know the direction; give more"
+                f"limits: torque_Nm = {self.limits.torque_Nm:.4g} moves no rival, omega_rad_s = "
+                f"{self.limits.omega_rad_s:.4g} is too slow for the sensors to know the direction, or "
+                f"duration_s = {self.limits.duration_s:.4g} is too short for any motion; give more"
             )
         tracks = [self._runnable(pieces, draws=True) for pieces in pool]
         known = [(motion, self._told(motion[0].track(self._search_hz()))[1]) for motion in tracks if motion]
