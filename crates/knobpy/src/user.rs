@@ -1,6 +1,6 @@
 //! Bindings of effects of the user's own.
 use super::convert::{Column, array, input_error};
-use knobcore::effects::{Does, Function, Id, Info, Nonlinear, Over, Place, User, Words, formula};
+use knobcore::effects::{Does, Function, Id, Info, Nonlinear, Place, User, formula};
 use knobcore::error::{Error, Result};
 use knobcore::model::Model;
 use knobcore::motion::Channel;
@@ -45,30 +45,8 @@ pub fn register_effect(
         _ => (Place::Load, &[Channel::Drive], None),
     };
     let (id, law): (&'static str, &'static str) = (id.leak(), law.leak());
-    let info = Info {
-        id,
-        place,
-        law,
-        source: source.leak(),
-        shows: shows.leak(),
-        params: params.leak(),
-        confused: &[],
-        needs: None,
-        touches,
-        shapes_friction: Channel::shape_friction(touches),
-        presses: false,
-        makes_nonlinear,
-        words: Words { name: id, about: "An effect of your own.", causes: &[], remedies: &[], latex: "" },
-        over: Over::Several,
-        base: None,
-        describes: false,
-        unsearched: None,
-        clips: false,
-        every_run: false,
-        taken_up: None,
-        scan: None,
-        slower: &[],
-    };
+    let own = Info::own(id, place, law, params.leak(), touches);
+    let info = Info { source: source.leak(), shows: shows.leak(), makes_nonlinear, ..own };
     User::register(info, remembers, starts, Does::Call(called(function))).map_err(input_error)?;
     Ok(())
 }

@@ -82,6 +82,40 @@ impl Info {
         }
     }
 
+    /// The row of an effect of a user's own, which says little of itself.
+    pub fn own(
+        id: &'static str,
+        place: Place,
+        law: &'static str,
+        params: &'static [Param],
+        touches: &'static [Channel],
+    ) -> Self {
+        Self {
+            id,
+            place,
+            law,
+            source: "",
+            shows: "",
+            params,
+            confused: &[],
+            needs: None,
+            touches,
+            shapes_friction: Channel::shape_friction(touches),
+            presses: false,
+            makes_nonlinear: None,
+            words: Words { name: id, about: "An effect of your own.", causes: &[], remedies: &[], latex: "" },
+            over: Over::Several,
+            base: None,
+            describes: false,
+            unsearched: None,
+            clips: false,
+            every_run: false,
+            taken_up: None,
+            scan: None,
+            slower: &[],
+        }
+    }
+
     /// Whether it is a torque of position alone beyond the base model: two of them draw nearly any map of position,
     /// unless they are bound to come again, order by order, within each turn.
     pub fn is_map(&self) -> bool {

@@ -2,7 +2,7 @@
 
 use super::{Formula, Mistake};
 use crate::effects::user::{Does, User};
-use crate::effects::{Info, Over, Place, Survey, Words};
+use crate::effects::{Info, Place, Survey};
 use crate::error::{Error, Result};
 use crate::motion::Channel;
 use crate::param::{Kind, Param, Unit};
@@ -80,30 +80,8 @@ pub fn register(id: &str, acts: &str, text: &str, asked: &HashMap<String, Asked>
     let shown = law.text().to_owned().leak();
     let params: Vec<Param> = rows.into_iter().map(Row::param).collect();
     let id: &'static str = id.to_owned().leak();
-    let info = Info {
-        id,
-        place: Place::Load,
-        law: shown,
-        source: "a formula of one's own",
-        shows: "",
-        params: params.leak(),
-        confused: &[],
-        needs: None,
-        touches: channel,
-        shapes_friction: Channel::shape_friction(channel),
-        presses: false,
-        makes_nonlinear: None,
-        words: Words { name: id, about: "A law of your own.", causes: &[], remedies: &[], latex: "" },
-        over: Over::Several,
-        base: None,
-        describes: false,
-        unsearched: None,
-        clips: false,
-        every_run: false,
-        taken_up: None,
-        scan: None,
-        slower: &[],
-    };
+    let own = Info::own(id, Place::Load, shown, params.leak(), channel);
+    let info = Info { source: "a formula of one's own", ..own };
     User::register(info, false, Vec::new(), Does::Formula(law))
 }
 
