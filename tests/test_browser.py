@@ -147,18 +147,18 @@ def test_what_cannot_be_told_is_designed_recorded_and_told_in_the_browser(
     tmp_path: Path, pictures: Path
 ) -> None:
     with workbench() as address:
-        seen = script("next.js", address, "unbalance", pictures)
+        seen = script("next.js", address, "return_spring", pictures)
     assert seen["shares"] == sorted(seen["shares"]) and max(seen["shares"]) > 0.3
     first, second, told = seen["first"], seen["second"], seen["told"]
     # What the capture reached is too little; what it says would do, does.
     assert not first["separable"] and "theta_max_rad" in first["headline"]
     assert second["separable"] and second["limits"]["theta_max_rad"] == 1.6
-    assert second["rivals"] == first["rivals"] == ["unbalance", "position_polynomial"]
+    assert second["rivals"] == first["rivals"] == ["return_spring", "unbalance"]
     assert seen["counted"] == "3"
     before, after = seen["left"]
     assert 0.7 < before - after < 1.6 and after < second["seconds"] - 2.5
     assert seen["clicks"] > 0
-    assert told["verdict"].startswith("unbalance explains all captures best")
+    assert told["verdict"].startswith("return_spring explains all captures best")
     assert told["pairs"][0]["came"] is not None and seen["words"] == told["verdict"]
-    assert "unbalance" in seen["effects"]
+    assert "return_spring" in seen["effects"]
     assert seen["captures"][1]["samples"] == pytest.approx(5000.0 * second["seconds"], abs=2)

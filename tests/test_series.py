@@ -49,7 +49,12 @@ def test_series_of_whole_orders_are_the_ripple_of_a_motor_where_the_knob_turns_r
 def test_a_ripple_and_detents_are_two_detents_of_which_one_is_a_whole_order():
     story = kc.learn(turned((12.0, 17.4), 14.0))
     assert story.found == ("cogging",)  # it has a parameter less
-    assert "second_detent" in story.ladder[1].equivalent
+    weighed = story.ladder[1].diagnosis
+    assert weighed is not None
+    cogging, second = (
+        next(one for one in weighed.candidates if one.effect == name) for name in ("cogging", "second_detent")
+    )
+    assert second.gain == pytest.approx(cogging.gain, rel=1e-3) and second.count > cogging.count
 
 
 def test_a_series_of_twice_as_many_waves_is_the_shape_of_the_detents():

@@ -28,7 +28,7 @@ def own_law(
     """Register a formula as the effect `name` of the catalogue, and return its parameters.
 
     The motion is `t` (s), `theta` (rad; m), `omega`, `alpha` and `direction` (-1 to 1, also `sign(omega)`);
-    every other name is a parameter. There are + - * / ^, brackets, |x|, pi, and sin, cos, tan, exp, log,
+    every other name is a parameter. There are `+ - * / ^`, brackets, ``|x|``, pi, and sin, cos, tan, exp, log,
     sqrt, abs, sign, tanh, min, max; `2 a omega` is a product. It answers the torque that the rig has to
     apply, N m (N), or, where it `acts` as friction, a factor on the dry friction.
 
