@@ -51,7 +51,7 @@ await painted(page, "experiment");
 const first = await experiment();
 await picture("22-next");
 
-// Where no motion within the limits would do, wider ones are asked for.
+// Wider limits are asked for.
 await page.getByText("Within which limits").click();
 await page.locator("[name=theta_min_rad]").fill("-1.6");
 await page.locator("[name=theta_max_rad]").fill("1.6");
