@@ -28,9 +28,9 @@ def own_law(
     """Register a formula as the effect `name` of the catalogue, and return its parameters.
 
     The motion is `t` (s), `theta` (rad; m), `omega`, `alpha` and `direction` (-1 to 1, also `sign(omega)`);
-    every other name is a parameter. There are `+ - * / ^`, brackets, ``|x|``, pi, and sin, cos, tan, exp, log,
-    sqrt, abs, sign, tanh, min, max; `2 a omega` is a product. It answers the torque that the rig has to
-    apply, N m (N), or, where it `acts` as friction, a factor on the dry friction.
+    every other name is a parameter. There are `+ - * / ^`, brackets, ``|x|``, pi, and sin, cos, tan, exp,
+    log, sqrt, abs, sign, tanh, min, max; `2 a omega` is a product. It answers the torque that the rig has
+    to apply, N m (N), or, where it `acts` as friction, a factor on the dry friction.
 
     `units` of parameters, such as `N m/rad`, follow from the law where they are not given; `bounds` keep a
     search out of where the law has no value. Parameters that the law is proportional to are solved for
