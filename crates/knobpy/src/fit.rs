@@ -221,7 +221,8 @@ pub fn complete(fit: Judged) -> (bool, bool) {
 
 /// What is said of effects beside a fit, one each: a word, and the places of those that cannot be told from it. An effect
 /// has a gain, a number of parameters, a p-value, the error with it, the largest share that it takes off a capture's
-/// squared error, whether its values are implausible, and how many of the base model it bends below zero. `law` is the mean squared error by which laws that were added may be off.
+/// squared error, whether its values are implausible, and how many of the base model it bends below zero. `law` is the
+/// mean squared error by which laws that were added may be off.
 #[pyfunction]
 pub fn judge(
     fit: Judged,

@@ -64,9 +64,7 @@ pub fn register_law(
 ) -> PyResult<Vec<(&'static str, String, f64, f64, bool)>> {
     let mut asked: HashMap<String, formula::Asked> = HashMap::new();
     for (name, unit) in units {
-        let unit = Unit::parse(&unit)
-            .map_err(|error| Error::invalid(format!("parameter '{id}.{name}'"), error.to_string()))
-            .map_err(input_error)?;
+        let unit = unit_of(id, &name, &unit).map_err(input_error)?;
         asked.entry(name).or_default().unit = Some(unit);
     }
     for (name, (lower, upper)) in bounds {
@@ -81,12 +79,15 @@ pub fn register_law(
 }
 
 fn param(id: &str, (name, unit, lower, upper, neutral, meaning, linear): Row) -> Result<Param> {
-    let unit = Unit::parse(&unit)
-        .map_err(|error| Error::invalid(format!("parameter '{id}.{name}'"), error.to_string()))?;
+    let unit = unit_of(id, &name, &unit)?;
     let kind = if linear { Kind::Linear } else { Kind::Nonlinear };
     let (name, meaning) = (name.leak(), meaning.leak());
     let shape = Param::shape(name, unit, [lower, upper], neutral, meaning);
     Ok(Param { kind, ..shape })
+}
+
+fn unit_of(id: &str, name: &str, text: &str) -> Result<Unit> {
+    Unit::parse(text).map_err(|error| Error::invalid(format!("parameter '{id}.{name}'"), error.to_string()))
 }
 
 fn called(function: Py<PyAny>) -> Function {

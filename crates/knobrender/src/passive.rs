@@ -12,7 +12,7 @@ use super::sliding::{add_loads, at_rest};
 use super::stability::check_stability;
 use super::state::Sensed;
 use super::step::Renderer;
-use knobcore::effects::{Id, User};
+use knobcore::effects::Id;
 use knobcore::error::{Error, Result};
 use knobcore::model::Model;
 use knobcore::motion::{Load, Motion};
@@ -73,7 +73,7 @@ pub fn check_passive(model: &Model, device: Option<Device>, rate_hz: f64) -> Res
     let p = model.values();
     let told = asked.signs(&p).and_then(|()| asked.stays(&p)).and_then(|()| asked.cycles(&p, rate_hz));
     // A formula has a value wherever the knob may go; a function that fails somewhere ends the loop there.
-    let failed: Vec<_> = model.effects().filter_map(failure).collect();
+    let failed: Vec<_> = model.failures().collect();
     if let Some((user, why)) = failed.into_iter().find(|(user, _)| user.formula().is_some()) {
         return Err(Error::invalid(format!("effect '{}'", user.info.id), why));
     }
@@ -81,13 +81,6 @@ pub fn check_passive(model: &Model, device: Option<Device>, rate_hz: f64) -> Res
     match device.filter(|device| !device.held) {
         Some(device) => rings(model, device, rate_hz),
         None => Ok(()),
-    }
-}
-
-fn failure(id: Id) -> Option<(&'static User, String)> {
-    match id {
-        Id::User(user) => Some((user, user.failure()?)),
-        _ => None,
     }
 }
 

@@ -10,14 +10,13 @@ from __future__ import annotations
 import json
 import math
 import os
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base.reading import read_toml
+from ..base.reading import parse_toml, read_toml
 from ..base.writing import write
 from ..errors import InputError
 from .motions import MotionTrack
@@ -26,6 +25,7 @@ if TYPE_CHECKING:
     from ..base.arrays import FloatArray
 
 SCHEMA = "knobcam.motion/1"
+_ADVICE = "`knobcam next -o` writes one"
 _MOST_BYTES = 20_000_000  # of a file with every sample of a minute
 _LONGEST_S = 600.0
 _JUMP_S2 = 1e6  # an acceleration, rad/s^2, that no knob has: samples that far apart are a jump
@@ -203,10 +203,7 @@ class MotionPlan:
     @classmethod
     def parse(cls, text: str, source: str = "motion") -> MotionPlan:
         """Return the motion of a file's text. Raises InputError for what is none, or is of samples."""
-        try:
-            values = tomllib.loads(text)
-        except tomllib.TOMLDecodeError as error:
-            raise InputError(f"{source}: is no motion file ({error}); `knobcam next -o` writes one") from None
+        values = parse_toml(source, text, "motion file", _ADVICE)
         _check_schema(source, values)
         return _plan(source, values)
 
@@ -216,7 +213,7 @@ def load_track(path: str | os.PathLike[str], rate_hz: float) -> MotionTrack:
 
     Raises InputError, one line, for what is no motion, jumps, or is of samples at another rate.
     """
-    values = read_toml(path, "motion file", _MOST_BYTES, "`knobcam next -o` writes one")
+    values = read_toml(path, "motion file", _MOST_BYTES, _ADVICE)
     _check_schema(path, values)
     if "theta" in values:
         return _sampled(path, values, rate_hz)

@@ -168,8 +168,7 @@ def _check(name: str, function: Callable[..., Any], acts: str, params: Mapping[s
             f"effect '{name}': acts={acts!r} is no place in the chain; choose {', '.join(_GIVEN)}"
         )
     for what, word in [("effect", name), *(("parameter", key) for key in params)]:
-        if not (word.isidentifier() and word.isascii()):
-            raise InputError(f"{what} {word!r}: its name must be letters a-z, digits and _, such as bump_2")
+        check_name(what, word)
     if not params:
         raise InputError(f"effect '{name}': has no parameter, so nothing of it could be fitted; give it one")
     for key, param in params.items():
@@ -191,6 +190,12 @@ def _check(name: str, function: Callable[..., Any], acts: str, params: Mapping[s
     except TypeError as error:
         takes = ", ".join([*_GIVEN[acts], *params])
         raise InputError(f"effect '{name}': its function must take ({takes}): {error}") from None
+
+
+def check_name(what: str, word: str) -> None:
+    """Raise InputError for what no model file could name."""
+    if not (word.isidentifier() and word.isascii()):
+        raise InputError(f"{what} {word!r}: its name must be letters a-z, digits and _, such as bump_2")
 
 
 def _start(name: str, params: Mapping[str, OwnParameter], start: Mapping[str, float]) -> list[float]:

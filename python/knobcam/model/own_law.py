@@ -12,8 +12,7 @@ from collections.abc import Mapping
 
 from .. import _core
 from ..base.door import checked
-from ..errors import InputError
-from .own import Acts, OwnParameter
+from .own import Acts, OwnParameter, check_name
 
 
 @checked
@@ -39,8 +38,7 @@ def own_law(
     Raises InputError for what is no formula, by the character, for units that do not agree, for bounds that
     contradict each other, and for a name that is built in or no identifier.
     """
-    if not (name.isidentifier() and name.isascii()):
-        raise InputError(f"effect {name!r}: its name must be letters a-z, digits and _, such as bump_2")
+    check_name("effect", name)
     rows = _core.register_law(name, acts, law, dict(units or {}), dict(bounds or {}))
     return {
         param: OwnParameter(unit, lower, upper, 0.0 if linear else min(max(1.0, lower), upper), param, linear)

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from .session import Tell
 
 _SHOWN = 4000  # samples of a motion, which a page draws and a hand is led through
-_UNIT = {"rotary": "N m", "linear": "N"}
 
 
 @dataclass(frozen=True)

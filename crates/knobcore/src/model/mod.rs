@@ -6,7 +6,7 @@ mod runs;
 mod sides;
 
 use crate::effects::law::{Carried, Law};
-use crate::effects::{Base, Id, Joint, Nonlinear, Place};
+use crate::effects::{Base, Id, Joint, Nonlinear, Place, User};
 use crate::error::{Error, Result};
 use crate::motion::{Load, Motion};
 use crate::param::{Axis, Given, Kind, Param, Usual};
@@ -280,17 +280,21 @@ impl Model {
     /// # Errors
     /// An effect of the user's own failed in it, so that its result is void.
     pub fn watched<R>(&self, work: impl FnOnce() -> R) -> Result<R> {
-        let failure = |id: Id| match id {
-            Id::User(user) => Some((user.info.id, user.failure()?)),
-            _ => None,
-        };
         // What failed before, where nobody asked, is not this work's.
-        self.effects().for_each(|id| drop(failure(id)));
+        self.failures().for_each(drop);
         let done = work();
-        match self.effects().find_map(failure) {
-            Some((id, why)) => Err(Error::invalid(format!("effect '{id}'"), why)),
+        match self.failures().next() {
+            Some((user, why)) => Err(Error::invalid(format!("effect '{}'", user.info.id), why)),
             None => Ok(done),
         }
+    }
+
+    /// Effects of the user's own that failed on this thread since this was last asked, as far as it is, and why.
+    pub fn failures(&self) -> impl Iterator<Item = (&'static User, String)> + '_ {
+        self.effects().filter_map(|id| match id {
+            Id::User(user) => Some((user, user.failure()?)),
+            _ => None,
+        })
     }
 
     /// Whether no effect shapes the friction of others: loads then simply add up.

@@ -285,15 +285,17 @@ pub fn write(model: &Model) -> String {
             out.push_str(law.as_deref().unwrap_or_default());
             let own = model.slots().iter().enumerate().filter(|(_, slot)| slot.effect == id);
             for (at, slot) in own.filter(|(at, _)| !model.is_idle(*at)) {
-                let tied = if let Role::Tied(to) = slot.role { Some(model.slots()[to].name()) } else { None };
                 let value = match slot.role {
-                    _ if law.is_some() => {
-                        let value = tied.map_or(format!("{:?}", slot.value), |to| format!("{to:?}"));
-                        laws::with_its_own(&value, slot.role == Role::Fixed, slot.param, model.axis)
-                    }
                     Role::Tied(to) => format!("{:?}", model.slots()[to].name()),
-                    role if role == of_number(model, at) => format!("{:?}", slot.value),
-                    role => format!("{{ value = {:?}, fixed = {} }}", slot.value, role == Role::Fixed),
+                    _ => format!("{:?}", slot.value),
+                };
+                let value = match slot.role {
+                    role if law.is_some() => {
+                        laws::with_its_own(&value, role == Role::Fixed, slot.param, model.axis)
+                    }
+                    Role::Tied(_) => value,
+                    role if role == of_number(model, at) => value,
+                    role => format!("{{ value = {value}, fixed = {} }}", role == Role::Fixed),
                 };
                 let (name, unit) = (slot.param.name, model.unit(slot));
                 let _ = match &slot.run {
