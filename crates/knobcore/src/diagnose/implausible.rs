@@ -41,11 +41,15 @@ fn context(data: &[&Signals], fit: &Fit, id: Id, clipped: bool, first: bool) -> 
         Role::Tied(to) => fit.free.iter().position(|free| *free == to).map(|i| errors[i]),
     };
     let counted = |signals: &&&Signals| (0..signals.len()).filter(|&at| signals.weight[at] > 0.0).collect();
-    let speed = data.first().map_or(0.0, |signals| {
-        let rows: Vec<usize> = counted(&signals);
-        let squares: f64 = rows.iter().map(|&at| signals.omega[at].powi(2)).sum();
-        (squares / rows.len().max(1) as f64).sqrt()
-    });
+    let turns = |signals: &Signals, at: usize| {
+        let counts = signals.weight[at - 1].min(signals.weight[at]) > 0.0;
+        counts && signals.omega[at - 1] * signals.omega[at] <= 0.0
+    };
+    let squares = |signals: &&Signals| -> Vec<f64> {
+        (1..signals.len()).filter(|&at| turns(signals, at)).map(|at| signals.alpha[at].powi(2)).collect()
+    };
+    let squares: Vec<f64> = data.iter().flat_map(squares).collect();
+    let turning = (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt();
     let column = |of: fn(&Signals) -> &[f64]| -> Vec<f64> {
         let rows = |signals: &&Signals| -> Vec<f64> {
             let rows: Vec<usize> = counted(&signals);
@@ -60,7 +64,7 @@ fn context(data: &[&Signals], fit: &Fit, id: Id, clipped: bool, first: bool) -> 
             .collect(),
         t: column(|signals| &signals.t),
         theta: column(|signals| &signals.theta),
-        speed,
+        turning,
         rate_hz: data.first().map_or(1.0, |signals| signals.rate_hz),
         noise_floor: fit.noise_floor,
         period: fit.model.period().map(|at| slots[at].value),
@@ -91,8 +95,12 @@ mod tests {
             let right = if slots[at].role == Role::Fixed { Some(0.0) } else { None };
             assert_eq!(*error, free.map(|i| fit.standard_errors()[i]).or(right), "{}", slots[at].name());
         }
-        let squares: f64 = data.omega.iter().zip(&data.weight).map(|(x, w)| w * x * x).sum();
-        assert!((known.speed / (squares / 3999.0).sqrt() - 1.0).abs() < 1e-9);
+        let forth: Vec<(usize, bool)> =
+            (0..4000).filter(|at| *at != 9).map(|at| (at, data.omega[at] > 0.0)).collect();
+        let turned = |pair: &&[(usize, bool)]| pair[0].1 != pair[1].1;
+        let at: Vec<f64> = forth.windows(2).filter(turned).map(|pair| data.alpha[pair[1].0]).collect();
+        let mean = at.iter().map(|alpha| alpha * alpha).sum::<f64>() / at.len() as f64;
+        assert!(at.len() > 2 && (known.turning / mean.sqrt() - 1.0).abs() < 1e-9);
         assert!(known.theta.len() == 3999 && known.travel() < 3.0 && known.t.len() == 3999);
         assert!(known.clipped && !known.first && known.period.is_none());
         assert_eq!((known.noise_floor, known.revolution), (fit.noise_floor, Some(1.0)));

@@ -9,8 +9,8 @@ pub struct Context {
     pub t: Vec<f64>,
     /// Positions of the samples that count, rad.
     pub theta: Vec<f64>,
-    /// Root mean square of the velocity of the samples that count, rad/s.
-    pub speed: f64,
+    /// Root mean square of the acceleration where the motion reverses, rad/s^2; 0 where it never does.
+    pub turning: f64,
     /// Sampling rate, Hz.
     pub rate_hz: f64,
     /// What the torque sensor's noise alone would leave of the error, N m.
@@ -75,7 +75,7 @@ mod tests {
             errors: Vec::new(),
             t: vec![0.0, 1.0, 2.0, 3.0],
             theta: vec![-1.0, 0.0, 0.5, 3.0],
-            speed: 1.0,
+            turning: 1.0,
             rate_hz: 5000.0,
             noise_floor: 1e-3,
             period: None,

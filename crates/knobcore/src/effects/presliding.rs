@@ -14,8 +14,8 @@ pub struct Presliding;
 
 /// Share of the range: presliding is over by then.
 const FAR: f64 = 0.2;
-/// Samples at the usual speed that it takes at least.
-const NEAR: f64 = 1.0;
+/// Samples after a reversal that it takes at least.
+const NEAR: f64 = 2.0;
 
 const fn share(name: &'static str, meaning: &'static str) -> Param {
     Param::shape(name, Unit::NUMBER, [0.0, 1.0], 0.0, meaning)
@@ -76,8 +76,9 @@ impl Effect<7> for Presliding {
         if mean > FAR * context.travel() {
             return vec![format!("it takes {over} to slip, a good part of the way: it is a spring")];
         }
-        if mean < NEAR * context.speed / context.rate_hz {
-            let why = "less than a sample: a lag of the torque does the same";
+        // From rest: where it turns a knob is slow, and even a short distance lasts.
+        if (2.0 * mean / context.turning).sqrt() * context.rate_hz < NEAR {
+            let why = "less than two samples: a lag of the torque does the same";
             return vec![format!("it slips within {over}, {why}")];
         }
         Vec::new()

@@ -141,7 +141,7 @@ mod tests {
                 errors: Vec::new(),
                 t: (0..5000).map(|i| f64::from(i) * 1e-3).take(theta.len()).collect(),
                 theta: theta.to_vec(),
-                speed: 1.0,
+                turning: 1.0,
                 rate_hz: 1000.0,
                 noise_floor: 1e-3,
                 period: None,

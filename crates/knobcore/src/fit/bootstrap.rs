@@ -6,7 +6,6 @@
 //! (one Gauss-Newton step from the optimum, exact where the parameters are linear).
 
 use super::moments::Moments;
-use super::solve::least_squares;
 use crate::isa;
 use crate::random::Noise;
 use crate::scalar::{LANES, Pack, Scalar};
@@ -141,24 +140,6 @@ fn root(mut pivot: Pack) -> Pack {
         *x = if *x > 1e-14 { x.sqrt() } else { f64::NAN };
     }
     pivot
-}
-
-/// Root mean square error on blocks that a fit did not see: each of `folds` parts of the blocks, taken in
-/// turn, is predicted by the fit to the others.
-pub fn held_out(blocks: &[Moments], kept: &[usize], folds: usize) -> f64 {
-    let Some(first) = blocks.first() else { return f64::NAN };
-    let mut all = Moments::empty(first.k);
-    blocks.iter().for_each(|block| all.add(block));
-    let (mut squares, mut rows) = (0.0, 0.0);
-    for fold in 0..folds.min(blocks.len()) {
-        let mut seen = all.clone();
-        let own: Vec<&Moments> = blocks.iter().skip(fold).step_by(folds).collect();
-        own.iter().for_each(|block| seen.add_scaled(block, -1.0));
-        let step = least_squares(&seen, kept).unwrap_or_else(|| vec![0.0; first.k]);
-        squares += own.iter().map(|block| block.squares_after(&step).max(0.0)).sum::<f64>();
-        rows += own.iter().map(|block| block.rows).sum::<f64>();
-    }
-    (squares / rows).sqrt()
 }
 
 #[cfg(test)]

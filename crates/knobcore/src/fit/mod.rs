@@ -3,6 +3,7 @@
 mod bootstrap;
 mod detents;
 mod expected;
+mod held_out;
 mod moments;
 mod orders;
 mod parts;
@@ -32,6 +33,7 @@ use crate::predict::Seeds;
 use crate::signals::Signals;
 use crate::special::Z95;
 use detents::{Judge, best_from_scan, scan_beside};
+use held_out::held_out;
 use moments::{Blocks, used};
 use nalgebra::DMatrix;
 use parts::Parts;
@@ -43,8 +45,6 @@ use undetermined::{SILENT, silent, undetermined};
 
 /// Blocks of the block bootstrap and of the held-out error.
 const BLOCKS: f64 = 200.0;
-/// Parts that the blocks are held out in.
-const FOLDS: usize = 10;
 
 /// Less than this share of the mean square error is no more than what the noise floor itself is unsure by.
 const SEEN: f64 = 0.04;
@@ -316,7 +316,7 @@ fn finish(
         covariance,
         undetermined,
         rmse: (at.squares() / used).sqrt(),
-        rmse_heldout: bootstrap::held_out(&blocks, &kept, FOLDS),
+        rmse_heldout: held_out(data, &model, layout, &blocks, used / BLOCKS, &kept),
         noise_floor: floor.rms(),
         white_squares: floor.squares / floor.white,
         iterations: found.iterations,
