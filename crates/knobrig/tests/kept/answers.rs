@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 
 /// The environment variable with which the files are made anew.
 const KEEP: &str = "KNOBCAM_KEEP";
-/// Instruction sets, mathematical libraries and the last digit differ by less, relative to a number and to the largest of its line.
+/// Instruction sets, mathematical libraries and the last digit differ by less, relative to a number and to the largest
+/// of its line.
 const APART: [f64; 2] = [2e-6, 1e-8];
 /// What stands before a chance, or a gain in variances of the noise: they are kept to this many of their own roots.
 const ABOUT: char = '~';
