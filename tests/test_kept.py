@@ -8,17 +8,19 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, Literal
 
 import numpy as np
 import pytest
 from answers import Answers
+from test_constants import FORMULA, FREE, INERTIA, MAP, motor
 
 import knobcam as kc
 from knobcam.errors import InputError
 from knobcam.fit import power, refit
-from knobcam.learn import designing, motion_space
+from knobcam.learn import cut, designing, motion_space
 from knobcam.learn.contenders import contenders
 from knobcam.learn.limits import Limits
 from knobcam.learn.telling import Telling, wrong_choice
@@ -92,6 +94,7 @@ def searched(name: str, captures: kc.Capture | list[kc.Capture], **how: Any) -> 
     told.put("learned", without(document, "ladder"))
     told.put("head", [*story.head, story.headline])
     told.put("rows", [list(row) for row in story.rows()])
+    told.put("printed", repr(story).splitlines())
     for step in story.ladder:
         fitted(told, f"step {step.added}", step.fit)
         told.put("  interval and weights", [*step.rmse_ci95, *step.weights.values()])
@@ -112,6 +115,7 @@ def fitted(told: Answers, name: str, fit: kc.Fit) -> None:
         return
     told.put("  values", document["params"])
     told.put("  rows", [list(row) for row in fit.rows()])
+    told.put("  printed", repr(fit).splitlines())
     told.put("  moved", {key: list(one) for key, one in fit.moved.items()})
     told.put("  residual", fit.residual)
     if fit.before is not None:
@@ -126,12 +130,15 @@ def compared(told: Answers, name: str, comparison: kc.Comparison) -> None:
             f"{name} {split['axis']}", {k: v for k, v in split.items() if isinstance(v, str | float | bool)}
         )
     told.put(f"{name} says", [comparison.summary, comparison.origin, comparison.held_out])
+    told.put(f"{name} printed", repr(comparison).splitlines())
+    told.put(f"{name} shares", [split.mean_share for split in comparison.splits])
     told.put(f"{name} judged", list(comparison.judged[:4]))
     told.put(f"{name} figures", [list(one) for one in (comparison.figures, *comparison.by_capture)])
 
 
 def diagnosed(told: Answers, name: str, diagnosis: kc.Diagnosis) -> None:
     told.put(name, without(diagnosis.document(), *SAID_ELSEWHERE))
+    told.put("  printed", [line for line in repr(diagnosis).splitlines() if not line.startswith("  ")])
     for one in sorted(diagnosis.candidates, key=lambda one: one.effect):
         told.put(f"{name} {one.effect}", [one.word, one.place, one.beyond_chance, one.could_be, one.count])
         if one.gain < LITTLE:
@@ -254,7 +261,7 @@ def test_of_fits_that_are_asked_for_more() -> None:
                 told.put(f"{name} forward", str(error).split(" is ")[0])
                 continue
             told.put(f"{name} forward {horizon}", without(forward.document(), *SAID_ELSEWHERE))
-            told.put("  says", [forward.text, forward.summary, *forward.remarks])
+            told.put("  says", [forward.text, forward.summary, *forward.remarks, *repr(forward).splitlines()])
     fitted(told, "less", richer.drop("stribeck"))
     told.put("bootstrap", {name: list(draws[:3]) for name, draws in richer.bootstrap(8, 3).items()})
     told.put("band", richer.band())
@@ -280,7 +287,8 @@ def test_of_a_knob_that_sticks() -> None:
     fitted(told, "fit", fit)
     found = fit.stiction()
     told.put("stiction", without(found.document(), *SAID_ELSEWHERE))
-    told.put("says", [*found.missing, found.determined])
+    told.put("says", [*found.missing, found.determined, *repr(found).splitlines()])
+    told.put("model", {name: one.value for name, one in found.model.params.items()})
     told.put("table", [list(row) for table in found.tables() for row in table.rows])
     told.done()
 
@@ -335,4 +343,25 @@ def test_of_motions_and_what_they_would_tell(monkeypatch: pytest.MonkeyPatch) ->
         told.put("  motion", designed.track.theta)
         told.put("  says", [designed.headline, designed.separable, designed.useful])
         told.put("  rows", [list(row) for row in designed.rows()])
+    told.done()
+
+
+def test_of_a_search_that_is_cut_short(monkeypatch: pytest.MonkeyPatch) -> None:
+    seconds = iter(range(10**6))
+    monkeypatch.setattr(cut, "time", SimpleNamespace(monotonic=lambda: 0.5 * next(seconds)))
+    told = Answers("cut")
+    story = kc.learn(recorded(20, rises), budget_s=0.4)
+    told.put("learned", story.document())
+    told.put("words", [story.cut.words if story.cut else "", story.headline, *repr(story).splitlines()])
+    told.done()
+
+
+def test_of_a_motor_whose_constants_are_fitted(tmp_path: Path) -> None:
+    told = Answers("constants")
+    for name, off, held in (("let go", True, False), ("driven", False, False), ("held", True, True)):
+        log = motor(tmp_path / "motor.csv", 21, off, held)
+        fit = kc.fit_constants(log, map=[*MAP, FORMULA], free=FREE, known={"inertia.M": INERTIA})
+        document = fit.document()
+        told.put(name, {key: document[key] for key in ("rmse", "noise_floor", "params", "constants")})
+        told.put(f"{name} says", [*fit.warnings, *repr(fit).splitlines()])
     told.done()
