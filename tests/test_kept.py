@@ -201,6 +201,12 @@ def test_of_a_knob_whose_friction_gives_and_whose_torque_is_turned_round() -> No
         told.put(f"{name} gives back", [power.gives_back(fit.prepared), fit.log_fault, fit.impossible])
         compared(told, name, fit.compare())
         diagnosed(told, name, fit.diagnose(only=["return_spring", "stribeck", "offset", "friction_drift"]))
+    # As much forth as back: what it takes cannot be read off where it ends.
+    even = ((0.9, 2.0 * np.pi), (0.3, 6.0 * np.pi))
+    for name, sign in (("takes", 1.0), ("gives", -1.0)):
+        capture = recorded(22, count=3000, waves=even)
+        turned = kc.fit(dataclasses.replace(capture, tau=sign * capture.tau)).prepared
+        told.put(f"forth and back {name}", [power.gives_back(turned)])
     told.done()
 
 
@@ -327,6 +333,7 @@ def test_of_motions_and_what_they_would_tell(monkeypatch: pytest.MonkeyPatch) ->
         told.put("  pairs D", [*asks.pairs(evidence), asks.least(evidence)])
         told.put("  peaks", [asks.peak(track, draws=False), asks.peak(track, draws=True)])
         told.put("  errors", list(asks.errors(track).values()))
+    told.put("alone", [Telling(rivals[1:], 3).least(np.zeros((1, 1)))])
     told.put("wrong choices", [wrong_choice(d) for d in (0.0, 1.0, 10.8, 40.0)])
     told.put("limits", [list(dataclasses.astuple(Limits.reached(story.fit.prepared)))])
     seconds = iter(range(10**6))
