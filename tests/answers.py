@@ -52,7 +52,7 @@ class Answers:
             print(self.path, *changes, sep="\n")
             return
         said = "\n".join(changes)
-        again = f"{KEEP}=1 python -m pytest -s tests/test_kept.py"
+        again = f"{KEEP}=1 python -m pytest -s tests -k kept"
         assert not changes, (
             f"other answers than are kept in {self.path}; meant so, make them anew by `{again}`:\n{said}"
         )

@@ -7,63 +7,20 @@ is meant, make the files anew and commit them with the reason.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import pytest
 from answers import Answers
+from small import RATE_HZ, WAVES, Torque, detents, recorded, rises
 from test_constants import FORMULA, FREE, INERTIA, MAP, motor
 
 import knobcam as kc
 from knobcam.errors import InputError
 from knobcam.fit import power, refit
-from knobcam.learn import cut, designing, motion_space
-from knobcam.learn.contenders import contenders
-from knobcam.learn.limits import Limits
-from knobcam.learn.telling import Telling, wrong_choice
-
-RATE_HZ = 1000.0
-WAVES = ((0.9, 5.1), (0.3, 13.3), (0.05, 47.0))
-Torque = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
-
-
-def nothing(t: np.ndarray, *_: np.ndarray) -> np.ndarray:
-    return np.zeros_like(t)
-
-
-def recorded(
-    seed: int,
-    more: Torque = nothing,
-    *,
-    count: int = 2500,
-    waves: tuple[tuple[float, float], ...] = WAVES,
-    colour: float = 0.0,
-    sensors: bool = True,
-    coordinate: Literal["rotary", "linear"] = "rotary",
-) -> kc.Capture:
-    """A knob's capture, made without the crates: inertia, dry and viscous friction, and what is more."""
-    rng = np.random.default_rng(seed)
-    t = np.arange(count) / RATE_HZ
-    theta = sum(a * np.sin(w * t + a) for a, w in waves)
-    omega = sum(a * w * np.cos(w * t + a) for a, w in waves)
-    alpha = -sum(a * w * w * np.sin(w * t + a) for a, w in waves)
-    dry = np.where(omega > 0.0, 9e-3 + 5e-4 * omega, -8e-3 + 4e-4 * omega)
-    noise = rng.standard_normal(count)
-    for at in range(1, count if colour else 0):
-        noise[at] = colour * noise[at - 1] + np.sqrt(1.0 - colour**2) * noise[at]
-    tau = 1e-4 * alpha + dry + more(t, theta, omega, alpha) + 1e-3 * noise
-    return kc.Capture.from_arrays(
-        t=t,
-        tau=tau,
-        theta=theta + 2e-5 * rng.standard_normal(count),
-        omega=omega + 2e-3 * rng.standard_normal(count) if sensors else None,
-        alpha=alpha + 0.5 * rng.standard_normal(count) if sensors else None,
-        coordinate=coordinate,
-    )
-
+from knobcam.learn import cut
 
 JOINTS = ("backlash", "compliance")  # which take long
 LITTLE = 12.0  # how much less takes off hangs on where its search ended
@@ -147,15 +104,6 @@ def diagnosed(told: Answers, name: str, diagnosis: kc.Diagnosis) -> None:
         if one.fit is not None and sure(one.fit):
             told.put("  document", without(one.document(), *OF_THE_CATALOGUE))
             told.put("  remarks", [one.remarks, *one.implausible])
-
-
-def rises(t: np.ndarray, theta: np.ndarray, omega: np.ndarray, alpha: np.ndarray) -> np.ndarray:
-    """Friction that rises towards standstill, and a spring."""
-    return 8e-3 * np.sign(omega) * np.exp(-np.abs(omega) / 0.8) + 5e-3 * theta
-
-
-def detents(t: np.ndarray, theta: np.ndarray, omega: np.ndarray, alpha: np.ndarray) -> np.ndarray:
-    return 0.03 * np.sin(theta / 0.08 + 0.7) + 6e-3 * np.sin(2.0 * theta / 0.08)
 
 
 def test_of_nothing_that_is_missing_in_coloured_noise() -> None:
@@ -295,61 +243,9 @@ def test_of_a_knob_that_sticks() -> None:
     told.put("stiction", without(found.document(), *SAID_ELSEWHERE))
     told.put("says", [*found.missing, found.determined, *repr(found).splitlines()])
     told.put("model", {name: one.value for name, one in found.model.params.items()})
+    again = kc.fit(fit.signals.capture, model=found.model).stiction()
+    told.put("again", {name: one.value for name, one in again.model.params.items()})
     told.put("table", [list(row) for table in found.tables() for row in table.rows])
-    told.done()
-
-
-LIMITS = Limits(0.1, 6.0, 80.0, -1.0, 2.0, duration_s=3.0, sample_rate_hz=1000.0)
-
-
-def test_of_motions_and_what_they_would_tell(monkeypatch: pytest.MonkeyPatch) -> None:
-    told = Answers("motions")
-    rng = np.random.default_rng(18)
-    motions = motion_space.bank()
-    motions += [motion_space.changed(motions[at % len(motions)], rng, 0.3) for at in range(12)]
-    for pieces in motions[::3]:
-        made = motion_space.plan(pieces, LIMITS, 0.9)
-        track = made.track(1000.0)
-        told.put(" ".join(piece.kind for piece in pieces), [made.about, made.seconds, LIMITS.hold(track)])
-        told.put("  theta", track.theta)
-        told.put("  omega", track.omega)
-    for name in ("sweep", "multisine"):
-        told.put(name, motion_space.standard(name, LIMITS, 1000.0, 0.7).theta)
-    weak = recorded(19, lambda t, theta, omega, _: 4e-3 * np.sign(omega) * np.exp(-np.abs(omega) / 0.8))
-    story = kc.learn(weak, without=JOINTS)
-    rivals = contenders(story, ["base", "stribeck"])
-    asks = Telling(rivals, 3)
-    told.put(
-        "asks", [asks.white, asks.edge_hz or 0.0, asks.omega_sd, asks.jointed, *(one.name for one in rivals)]
-    )
-    for pieces in motions[:6]:
-        track = motion_space.plan(pieces, LIMITS).track(1000.0)
-        try:
-            evidence = asks.evidence(track)
-        except InputError as error:
-            told.put("evidence", str(error))
-            continue
-        told.put("evidence D", list(evidence.ravel()))
-        told.put("  pairs D", [*asks.pairs(evidence), asks.least(evidence)])
-        told.put("  peaks", [asks.peak(track, draws=False), asks.peak(track, draws=True)])
-        told.put("  errors", list(asks.errors(track).values()))
-    told.put("alone", [Telling(rivals[1:], 3).least(np.zeros((1, 1)))])
-    told.put("wrong choices", [wrong_choice(d) for d in (0.0, 1.0, 10.8, 40.0)])
-    told.put("limits", [list(dataclasses.astuple(Limits.reached(story.fit.prepared)))])
-    seconds = iter(range(10**6))
-    clock = SimpleNamespace(monotonic=lambda: 0.1 * next(seconds))
-    monkeypatch.setattr(designing, "time", clock)
-    for name, few, sharpen in (
-        ("parts", rivals, None),
-        ("sharpens", rivals[1:2], None),
-        ("narrow", rivals, None),
-    ):
-        within = dataclasses.replace(LIMITS, duration_s=0.8, torque_Nm=0.03) if name == "narrow" else LIMITS
-        designed = designing.design(few, within, sharpen, 2.0, 4)
-        told.put(name, without(designed.document(), "motion", "seconds", "took_s"))
-        told.put("  motion", designed.track.theta)
-        told.put("  says", [designed.headline, designed.separable, designed.useful])
-        told.put("  rows", [list(row) for row in designed.rows()])
     told.done()
 
 
