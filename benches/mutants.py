@@ -14,6 +14,7 @@ from typing import Any, TextIO
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "benches" / "results" / "mutants.json"
 REASONS = ROOT / "benches" / "survivors.toml"
+TELLING = 60  # of fewer, the shares by place say nothing
 SAME = ("equivalent: ", "speed: ")  # reasons of those that answer as the original does, as soon or later
 
 
@@ -67,9 +68,10 @@ def report(part: str, rows: list[dict[str, Any]], note: str = "") -> None:
         numbers = f"{len(every):6} {ends['refused']:8} {ends['caught']:7} {len(left):9} {same:9}"
         shares = f"{_percent(every, 0):10.1f} {_percent(every, same):13.1f}"
         table.append(f"{name:32} {numbers} {shares}")
-        strata = sorted({row["stratum"] for row in every})
-        parts = [f"{one} {_percent([r for r in every if r['stratum'] == one], 0):.0f}" for one in strata]
-        table.append(f"  caught by place, %: {', '.join(parts)}")
+        if len(every) >= TELLING:
+            strata = sorted({row["stratum"] for row in every})
+            parts = [f"{one} {_percent([r for r in every if r['stratum'] == one], 0):.0f}" for one in strata]
+            table.append(f"  caught by place, %: {', '.join(parts)}")
         survivors += [f"{one.removeprefix('crates/')}: {reasons.get(one, 'not looked at')}" for one in left]
     table += [f"{name}: {note}" for name, note in document["notes"].items() if note]
     document |= {"report": table, "at_length": survivors}

@@ -37,7 +37,7 @@ from planting import EVERY, VARIABLE, Mutant, planted
 CRATES = ("knobcore", "knobrender", "knobrig")
 TESTS = (
     "--lib",
-    *(f"--test={name}" for name in ("golden_filter", "laws_filter", "laws", "render", "passive")),
+    *(f"--test={name}" for name in ("golden_filter", "laws_filter", "laws", "kept", "render", "passive")),
 )
 BUILD = ("--profile=dev", "--locked", *(f"--package={name}" for name in CRATES), *TESTS)
 PATIENCE = 4.0  # times the unmutated time, of the processor

@@ -11,6 +11,7 @@ mod missing;
 mod recovery;
 mod rendering;
 mod runs;
+mod scales;
 mod sides;
 mod symmetry;
 mod units;

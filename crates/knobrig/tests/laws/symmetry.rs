@@ -3,7 +3,7 @@
 use super::*;
 
 /// The same knob seen in a mirror: what is said per direction or per side changes places.
-fn mirrored(model: &Model) -> Model {
+pub fn mirrored(model: &Model) -> Model {
     let turned = |name: &str| match name {
         "neg" => "pos".to_owned(),
         "pos" => "neg".to_owned(),
