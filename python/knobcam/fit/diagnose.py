@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping
 
     from ..base.showing import Figure, Look
+    from ..model.effects import Effect
     from .compare import Comparison
     from .estimate import Estimate
     from .fitting import Fit
@@ -67,9 +68,21 @@ class Candidate:
         return self.gain - RULE.price * self.count
 
     @property
+    def used(self) -> int:
+        """Of the parameters that it adds those that it uses: not what ended where it does nothing."""
+        known = {f"{self.effect}.{one.name}": one for one in self._row.params}
+        ended = [(known[name], one.value) for name, one in self.parameters.items() if name in known]
+        bounds = [one.neutral in (one.lower, one.upper) and value == one.neutral for one, value in ended]
+        return max(self.count - sum(bounds), 0)
+
+    @property
+    def _row(self) -> Effect:
+        return catalogued(self.effect, self.fit.model.coordinate)
+
+    @property
     def place(self) -> str:
         """Where in the chain it acts: coupling, load or sensor."""
-        return catalogued(self.effect, self.fit.model.coordinate).place
+        return self._row.place
 
     @property
     def error_fall(self) -> float:
@@ -116,7 +129,7 @@ class Candidate:
     def evidence(self) -> pages.Candidate:
         """Return what speaks for it and against it, as the pages list it."""
         return {
-            **catalogued(self.effect, self.fit.model.coordinate).document(),
+            **self._row.document(),
             "word": self.word,
             "said": self.said,
             "could_be": self.could_be,

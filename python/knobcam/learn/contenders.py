@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from ..errors import InputError
 from ..fit.diagnose import check_effects
 from ..fit.refit import converged
+from .joints import in_place, joints
 from .telling import Rival
 
 if TYPE_CHECKING:
@@ -88,6 +89,14 @@ def _fit(story: LearningResult, wanted: Sequence[str]) -> Fit:
         for one in step.diagnosis.candidates:
             if before | {one.effect} == target and set(one.fit.model.effects) == target:
                 return converged(one.fit)
+    joined = set(joints(story.model.coordinate))
+    for step in story.ladder:
+        # Another joint lies next to where the one that came in ended.
+        (now, *_), (then, *_) = (joined & one or {""} for one in (set(step.effects), target))
+        if now and then and set(step.effects) - {now} == target - {then}:
+            found = in_place(step.fit, then)
+            if found is not None:
+                return found
     fit = base
     for effect in wanted:
         fit = fit.add(effect)

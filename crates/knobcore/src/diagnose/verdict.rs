@@ -28,6 +28,8 @@ pub struct Evidence {
     pub gain: f64,
     /// Parameters that it adds.
     pub parameters: usize,
+    /// Of these the ones that it uses: what ended where it does nothing took nothing off.
+    pub used: usize,
     /// Chance of such a gain where nothing is missing.
     pub p_value: f64,
     /// Root mean square error with it, N m.
@@ -135,12 +137,21 @@ fn judge_by(rule: &Rule, state: &State, all: &[Evidence]) -> Vec<Judgement> {
     let alike =
         |at: usize| -> Vec<usize> { could.iter().copied().filter(|&other| near(at, other)).collect() };
     let group = best.map_or_else(Vec::new, &alike);
+    // The price of what another does not use tells nothing of which is the cause: it is no less likely for that.
+    let told = |one: &Evidence| one.gain - rule.price * one.used as f64;
+    let likely =
+        |at: usize| best.is_some_and(|best| told(&all[at]) >= score(&all[best]) - margin(&all[best]));
     let simplest = |a: &usize, b: &usize| {
         // What explains as much without friction that gives power back has a better claim than what is simpler.
         let claim = |at: usize| (all[at].bent, all[at].parameters);
         claim(*a).cmp(&claim(*b)).then(score(&all[*b]).total_cmp(&score(&all[*a])))
     };
-    if let Some(chosen) = group.iter().copied().min_by(simplest) {
+    let chosen = group.iter().copied().min_by(simplest);
+    let mut group = group;
+    group.extend(could.iter().copied().filter(|&at| likely(at)));
+    group.sort_unstable();
+    group.dedup();
+    if let Some(chosen) = chosen {
         group.iter().for_each(|&at| words[at] = Word::Alike);
         let mainly = taken(&all[chosen]) >= rule.mainly * excess;
         words[chosen] = if mainly { Word::Missing } else { Word::Part };
@@ -182,7 +193,9 @@ mod tests {
     fn takes(share: f64, parameters: usize) -> Evidence {
         let rmse = (4.0 - 3.0 * share).sqrt();
         let felt = 1.0 - rmse.powi(2) / 4.0;
-        Evidence { gain: 3000.0 * share, parameters, p_value: 0.001, rmse, felt, implausible: false, bent: 0 }
+        let gain = 3000.0 * share;
+        let (used, p_value) = (parameters, 0.001);
+        Evidence { gain, parameters, used, p_value, rmse, felt, implausible: false, bent: 0 }
     }
 
     fn words(state: &State, all: &[Evidence]) -> Vec<Word> {
@@ -240,6 +253,16 @@ mod tests {
     }
 
     #[test]
+    fn what_another_does_not_use_does_not_tell_it_from_the_one_that_is_named() {
+        let at_floor = State { rmse: 1.01, ..BENT };
+        let plain = Evidence { gain: 300.0, rmse: 1.0, felt: 0.02, ..takes(0.99, 2) };
+        let rich = |used| Evidence { gain: 305.0, parameters: 7, used, ..plain };
+        assert_eq!(words(&at_floor, &[plain, rich(3)]), [Word::Missing, Word::Less]);
+        assert_eq!(words(&at_floor, &[plain, rich(2)]), [Word::Missing, Word::Alike]);
+        assert_eq!(words(&at_floor, &[Evidence { bent: 1, ..plain }, rich(2)]), [Word::Missing, Word::Alike]);
+    }
+
+    #[test]
     fn of_those_alike_what_bends_nothing_below_zero_stands_before_what_is_simpler() {
         let bent = Evidence { bent: 1, ..takes(0.99, 1) };
         assert_eq!(words(&BENT, &[bent, takes(0.998, 3)]), [Word::Alike, Word::Missing]);
@@ -265,6 +288,7 @@ mod tests {
         let doubtful = Evidence {
             gain: 40.0,
             parameters: 1,
+            used: 1,
             p_value: 0.02,
             rmse: 1.01,
             felt: 0.02,
