@@ -220,19 +220,19 @@ pub fn complete(fit: Judged) -> (bool, bool) {
 }
 
 /// What is said of effects beside a fit, one each: a word, and the places of those that cannot be told from it. An effect
-/// has a gain, a number of parameters, how many of them it uses, a p-value, the error with it, the largest share that it takes off a capture's
+/// has a gain, a number of parameters, how many it is charged for where others do as well, a p-value, the error with it, the largest share that it takes off a capture's
 /// squared error, whether its values are implausible, and how many of the base model it bends below zero. `law` is the
 /// mean squared error by which laws that were added may be off.
 #[pyfunction]
 pub fn judge(
     fit: Judged,
     law: f64,
-    effects: Vec<(f64, usize, usize, f64, f64, f64, bool, usize)>,
+    effects: Vec<(f64, usize, f64, f64, f64, f64, bool, usize)>,
 ) -> Vec<(&'static str, Vec<usize>)> {
-    let evidence = |(gain, parameters, used, p_value, rmse, felt, implausible, bent)| Evidence {
+    let evidence = |(gain, parameters, charged, p_value, rmse, felt, implausible, bent)| Evidence {
         gain,
         parameters,
-        used,
+        charged,
         p_value,
         rmse,
         felt,

@@ -68,12 +68,19 @@ class Candidate:
         return self.gain - RULE.price * self.count
 
     @property
-    def used(self) -> int:
-        """Of the parameters that it adds those that it uses: not what ended where it does nothing."""
-        known = {f"{self.effect}.{one.name}": one for one in self._row.params}
-        ended = [(known[name], one.value) for name, one in self.parameters.items() if name in known]
-        bounds = [one.neutral in (one.lower, one.upper) and value == one.neutral for one, value in ended]
-        return max(self.count - sum(bounds), 0)
+    def charged(self) -> float:
+        """How many parameters it is charged for where others do as well.
+
+        A parameter costs twice the logarithm of its range over what is not known of it (Laplace's
+        approximation of the evidence, all of its range as likely before), and no more than its price.
+        """
+        rows = {f"{self.effect}.{one.name}": one for one in self._row.params}
+        spared = 0.0
+        for name, known in self.parameters.items():
+            if name in rows and known.determined and known.se > 0.0:
+                choice = (rows[name].upper - rows[name].lower) / known.se
+                spared += 1.0 - min(max(2.0 * math.log(choice) / RULE.price, 0.0), 1.0)
+        return self.count - spared
 
     @property
     def _row(self) -> Effect:

@@ -69,7 +69,7 @@ def judged(comparison: Comparison, candidates: Collection[Candidate]) -> tuple[C
         (
             one.gain,
             one.count,
-            one.used,
+            one.charged,
             one.p_value,
             one.rmse,
             _felt(one, fit),

@@ -38,7 +38,7 @@ _EASINGS = 12
 _FASTER = 2.0, 5.0
 _ENOUGH = 4.0 * TOLD
 """More for a pair is no better while another one has less: what comes true may be half of it."""
-_THINNED = {True: 2, False: 4}  # with a joint among the rivals, or none: samples of the search
+_THINNED = 4  # samples of the search; what is said of the motion that is chosen has all of them
 _SLOWEST_HZ = 500.0
 
 
@@ -150,7 +150,7 @@ class _Design:
             usual = min([before, *(-self._told(one)[1] for one in others)])
             sharpened = (Sharpened(param, before, self.telling.errors(track)[param], usual),)
             return Experiment(rivals, self.limits, chosen, track, (), peak, sharpened)
-        told, _ = self._told(chosen.track(self._search_hz()))
+        told = self.telling.evidence(track)
         every = [self._told(one)[0] for one in self._standard(self._search_hz())]
         between = self.telling.between
         expected = tuple(
@@ -203,7 +203,7 @@ class _Design:
 
     def _search_hz(self) -> float:
         rate = self.limits.sample_rate_hz
-        return max(rate / _THINNED[self.telling.jointed], min(_SLOWEST_HZ, rate))
+        return max(rate / _THINNED, min(_SLOWEST_HZ, rate))
 
     def _runnable(self, pieces: tuple[Piece, ...], *, draws: bool) -> tuple[MotionPlan, MotionTrack] | None:
         """Return the motion of some pieces, eased until no rival asks for more torque than there is."""

@@ -28,8 +28,8 @@ pub struct Evidence {
     pub gain: f64,
     /// Parameters that it adds.
     pub parameters: usize,
-    /// Of these the ones that it uses: what ended where it does nothing took nothing off.
-    pub used: usize,
+    /// How many it is charged for where others do as well: one that may be anything within its range is no choice.
+    pub charged: f64,
     /// Chance of such a gain where nothing is missing.
     pub p_value: f64,
     /// Root mean square error with it, N m.
@@ -137,8 +137,8 @@ fn judge_by(rule: &Rule, state: &State, all: &[Evidence]) -> Vec<Judgement> {
     let alike =
         |at: usize| -> Vec<usize> { could.iter().copied().filter(|&other| near(at, other)).collect() };
     let group = best.map_or_else(Vec::new, &alike);
-    // The price of what another does not use tells nothing of which is the cause: it is no less likely for that.
-    let told = |one: &Evidence| one.gain - rule.price * one.used as f64;
+    // What is hardly known of another's parameters makes it no less likely.
+    let told = |one: &Evidence| one.gain - rule.price * one.charged;
     let likely =
         |at: usize| best.is_some_and(|best| told(&all[at]) >= score(&all[best]) - margin(&all[best]));
     let simplest = |a: &usize, b: &usize| {
@@ -194,8 +194,8 @@ mod tests {
         let rmse = (4.0 - 3.0 * share).sqrt();
         let felt = 1.0 - rmse.powi(2) / 4.0;
         let gain = 3000.0 * share;
-        let (used, p_value) = (parameters, 0.001);
-        Evidence { gain, parameters, used, p_value, rmse, felt, implausible: false, bent: 0 }
+        let (charged, p_value) = (parameters as f64, 0.001);
+        Evidence { gain, parameters, charged, p_value, rmse, felt, implausible: false, bent: 0 }
     }
 
     fn words(state: &State, all: &[Evidence]) -> Vec<Word> {
@@ -253,13 +253,16 @@ mod tests {
     }
 
     #[test]
-    fn what_another_does_not_use_does_not_tell_it_from_the_one_that_is_named() {
+    fn what_is_hardly_known_of_another_does_not_tell_it_from_the_one_that_is_named() {
         let at_floor = State { rmse: 1.01, ..BENT };
         let plain = Evidence { gain: 300.0, rmse: 1.0, felt: 0.02, ..takes(0.99, 2) };
-        let rich = |used| Evidence { gain: 305.0, parameters: 7, used, ..plain };
-        assert_eq!(words(&at_floor, &[plain, rich(3)]), [Word::Missing, Word::Less]);
-        assert_eq!(words(&at_floor, &[plain, rich(2)]), [Word::Missing, Word::Alike]);
-        assert_eq!(words(&at_floor, &[Evidence { bent: 1, ..plain }, rich(2)]), [Word::Missing, Word::Alike]);
+        let rich = |charged| Evidence { gain: 305.0, parameters: 7, charged, ..plain };
+        assert_eq!(words(&at_floor, &[plain, rich(3.0)]), [Word::Missing, Word::Less]);
+        assert_eq!(words(&at_floor, &[plain, rich(2.5)]), [Word::Missing, Word::Alike]);
+        assert_eq!(
+            words(&at_floor, &[Evidence { bent: 1, ..plain }, rich(2.5)]),
+            [Word::Missing, Word::Alike]
+        );
     }
 
     #[test]
@@ -288,7 +291,7 @@ mod tests {
         let doubtful = Evidence {
             gain: 40.0,
             parameters: 1,
-            used: 1,
+            charged: 1.0,
             p_value: 0.02,
             rmse: 1.01,
             felt: 0.02,
