@@ -131,7 +131,7 @@ def twins(
     rivals: tuple[Rival, ...],
     size: float,
 ) -> dict[str, Any]:
-    """Whether rivals are said to be the same within limits, and the least D that came of each motion there."""
+    """Whether rivals are said to be the same within limits, and the least D of each motion there."""
     limits = within(kc.Limits.reached(story.fit.prepared), size)
     try:
         designed = design(rivals, limits)
