@@ -1,8 +1,9 @@
 """Does the next experiment tell what it says it would? `python benches/study_next.py [--knobs N]`.
 
-Knobs of the examination's own simulator with a weak effect, in turns of all kinds, each as weak as its kind
-needs to be tied (`STRENGTHS`), on the four ordinary motions in turn, for 6, 3 and 1.5 s. Where `learn` leaves
-it tied with others, by its own words, up to two motions of 10 s are designed and recorded on the same knob,
+Knobs of the examination's own simulator with a weak effect, of all kinds in turn, recorded for 6 s on the
+four ordinary motions in turn. Where `learn` names it from 6 s, it is asked again of the first 4, 2.7, 1.8, 1.2 and
+0.8 s, until it leaves the effect tied with others, by its own words, or names it no more: few ties are left
+by 6 s. Then up to two motions of 10 s are designed and recorded on the same knob,
 the second where the first left something tied; beside it standard motions, as large as the rig's limits let
 them be. Settled is what `learn` then names, of all captures together, without another that it could be.
 Realised D of a pair is what the wrong rival leaves more of the first of them than the right one, refitted to
@@ -41,15 +42,12 @@ TRUTHS = (
     *("return_spring", "unbalance", "position_polynomial", "backlash", "compliance", "torque_lag"),
     *("directional_detent", "detent_harmonics", "cogging"),
 )
-# Over the noise floor, as weak as ties are left; no gap shows so little.
-STRENGTHS = {
-    "backlash": (0.25, 1.5),
-    "compliance": (0.1, 0.5),
-    "presliding": (0.1, 0.6),
-    "torque_lag": (0.1, 0.4),
-}
-WEAK = (0.08, 0.4)
-DURATIONS_S = (6.0, 3.0, 1.5)
+# Over the noise floor; no gap shows so little.
+STRENGTHS = {"backlash": (0.25, 1.5)}
+WEAK = (0.1, 0.5)
+SECONDS = 6.0
+SHORTER = 1.5
+STEPS = 6
 # What the rig can do, wider than what a capture happened to reach.
 RIG = kc.Limits(0.15, 12.0, 400.0, -3.0, 3.0)
 CAP_S = 400.0
@@ -68,31 +66,35 @@ class Hiding(NamedTuple):
     def __str__(self) -> str:
         return f"{self.truth}:{self.seed}{':twins' if self.twins else ''}"
 
-    def made(self) -> tuple[hidden.Hidden, float] | None:
-        """The knob, and for how long it is turned; None where none shows so little."""
-        motions = list(hidden.MOTIONS)
-        seconds = DURATIONS_S[self.seed // len(motions) % len(DURATIONS_S)]
+    def made(self) -> hidden.Hidden | None:
+        """The knob; None where none shows so little."""
+        motion = list(hidden.MOTIONS)[self.seed % len(hidden.MOTIONS)]
         strength = STRENGTHS.get(self.truth, WEAK)
-        motion = motions[self.seed % len(motions)]
         try:
-            return hidden.make(self.seed, [self.truth], motion, strength, duration_s=seconds), seconds
+            return hidden.make(self.seed, [self.truth], motion, strength, duration_s=SECONDS)
         except ValueError:
             return None
 
 
 def examine(case: Hiding) -> Iterator[dict[str, Any]]:
     """What is expected of motions and what comes of them; a row without marks where there is no tie."""
-    made = case.made()
-    if made is None:
+    knob = case.made()
+    if knob is None:
         return
-    knob, seconds = made
-    yield {"motion": knob.motion, "strength": knob.strength, "seconds": seconds}
+    yield {"motion": knob.motion, "strength": knob.strength}
     with tempfile.TemporaryDirectory() as folder:
-        first = read(folder, "first", knob.capture)
-        story = kc.learn(first, budget_s=60.0)
-        rivals = contenders(story, ())
-        row: dict[str, Any] = {"found": story.found, "rivals": [one.effects for one in rivals]}
-        if (case.truth,) not in row["rivals"]:
+        for step in range(STEPS):
+            seconds = SECONDS / SHORTER**step
+            some = slice(round(seconds * len(knob.capture["tau_Nm"]) / SECONDS))
+            first = read(folder, "first", {name: column[some] for name, column in knob.capture.items()})
+            story = kc.learn(first, budget_s=60.0)
+            rivals = contenders(story, ())
+            row: dict[str, Any] = {"found": story.found, "rivals": [one.effects for one in rivals]}
+            row["seconds"] = seconds
+            tied = (case.truth,) in row["rivals"]
+            if tied or story.found != (case.truth,):
+                break
+        if not tied:
             yield row | {"tied": False}
             return
         row["tied"] = True
