@@ -1,13 +1,13 @@
 """Does the next experiment tell what it says it would? `python benches/study_next.py [--knobs N]`.
 
 Knobs of the examination's own simulator with a weak effect, of all kinds in turn, recorded for 6 s on the
-four ordinary motions in turn. Where `learn` names it from 6 s, it is asked again of the first 4, 2.7, 1.8, 1.2 and
-0.8 s, until it leaves the effect tied with others, by its own words, or names it no more: few ties are left
-by 6 s. Then up to two motions of 10 s are designed and recorded on the same knob,
-the second where the first left something tied; beside it standard motions, as large as the rig's limits let
-them be. Settled is what `learn` then names, of all captures together, without another that it could be.
-Realised D of a pair is what the wrong rival leaves more of the first of them than the right one, refitted to
-both captures, in variances of the noise.
+four ordinary motions in turn. Where `learn` names it from 6 s, it is asked again of the first 4, 2.7, 1.8,
+1.2 and 0.8 s, until it leaves the effect tied with others, by its own words, or names it no more: few ties
+are left by 6 s. Then up to two motions of 10 s are designed and recorded on the same knob, the second where
+the first left something tied; beside it standard motions, as large as the rig's limits let them be. Settled
+is what `learn` then names, of all captures together, without another that it could be. Realised D of a pair
+is what the wrong rival leaves more of the first of them than the right one, refitted to both captures, in
+variances of the noise.
 
 `--twins` takes the same ties and asks within what their captures reached, and within a third of that:
 does it say rightly where no motion tells rivals apart? That it is so is what the simulator says: of the
