@@ -42,9 +42,9 @@ TRUTHS = (
     *("return_spring", "unbalance", "position_polynomial", "backlash", "compliance", "torque_lag"),
     *("directional_detent", "detent_harmonics", "cogging"),
 )
-# Over the noise floor; no gap shows so little.
-STRENGTHS = {"backlash": (0.25, 1.5)}
 WEAK = (0.1, 0.5)
+SIZED = 1.3
+SIZINGS = 8
 SECONDS = 6.0
 SHORTER = 1.5
 STEPS = 6
@@ -67,13 +67,29 @@ class Hiding(NamedTuple):
         return f"{self.truth}:{self.seed}{':twins' if self.twins else ''}"
 
     def made(self) -> hidden.Hidden | None:
-        """The knob; None where none shows so little."""
+        """The knob, as weak as is drawn to within a third; None where none is.
+
+        The size is sought beyond what the examination draws from: no gap there shows so little.
+        """
         motion = list(hidden.MOTIONS)[self.seed % len(hidden.MOTIONS)]
-        strength = STRENGTHS.get(self.truth, WEAK)
-        try:
-            return hidden.make(self.seed, [self.truth], motion, strength, duration_s=SECONDS)
-        except ValueError:
-            return None
+        wanted = math.exp(np.random.default_rng([self.seed, TRUTHS.index(self.truth)]).uniform(*np.log(WEAK)))
+        known: list[tuple[float, float]] = []
+        size = math.sqrt(math.prod(hidden.KINDS[self.truth].sizes))
+        for _ in range(SIZINGS):
+            try:
+                knob = hidden.make(self.seed, [self.truth], motion, size=size, duration_s=SECONDS)
+            except ValueError:
+                return None
+            if 1.0 / SIZED < knob.strength / wanted < SIZED:
+                return knob
+            known.append((math.log(size), math.log(knob.strength)))
+            steep = 1.0
+            if len(known) > 1:
+                (a, u), (b, v) = known[-2:]
+                steep = (v - u) / (b - a) if abs(b - a) > 1e-9 and abs(v - u) > 1e-3 else 1.0
+            step = (math.log(wanted) - known[-1][1]) / steep
+            size *= math.exp(min(max(step, -2.0), 2.0))
+        return None
 
 
 def examine(case: Hiding) -> Iterator[dict[str, Any]]:
