@@ -40,12 +40,14 @@ def overlooked(
     """Return a diagnosis with the joints weighed that were not because of what cannot be missing itself.
 
     Joints take long, and are not looked at where another effect explains what is left. Where that one is not
-    possible by its values, and what is named in its place leaves more, they are.
+    possible by its values, and all that are leave more, they are.
     """
-    fit, best = diagnosis.fit, diagnosis.best
+    fit = diagnosis.fit
     could = [one for one in joints(fit.model.coordinate) if one in absent(fit, without)[0]]
     known = {*(one.effect for one in diagnosis.candidates), *diagnosis.left_out}
-    if best is None or not could or not known.isdisjoint(could) or _explains(best.rmse, fit):
+    if diagnosis.best is None or not could or not known.isdisjoint(could):
+        return diagnosis
+    if any(_explains(one.rmse, fit) for one in diagnosis.could_be):
         return diagnosis
     more = diagnose(fit, only=could, progress=progress)
     found = [replace(one, p_value=chance(one.gain, diagnosis)) for one in more.candidates]
