@@ -53,9 +53,9 @@ def test_joints_are_looked_at_where_what_is_named_does_not_explain_what_is_left(
     monkeypatch.setattr(joints, "diagnose", lambda fit, only, progress: other)
     monkeypatch.setattr(joints, "judged", lambda comparison, candidates: tuple(candidates))
 
-    def told(left: float, **more: Any) -> Any:
+    def told(left: float, named: str = "lag", gain: float = 50.0, **more: Any) -> Any:
         # Of a mean square of 0.1 above the floor the named one leaves so much.
-        candidates = (One("lag", math.sqrt(1.0 + left)), One("presliding", 1.0, 60.0, 0.002))
+        candidates = (One(named, math.sqrt(1.0 + left), gain), One("presliding", 1.0, 60.0, 0.002))
         weighed = Weighed(Known(math.sqrt(1.1)), candidates, **more)
         return weighed, joints.overlooked(weighed, (), lambda _: None)
 
@@ -69,6 +69,10 @@ def test_joints_are_looked_at_where_what_is_named_does_not_explain_what_is_left(
     some = (One("lag", math.sqrt(1.09)), One("polynomial", 1.0))
     tied = Weighed(Known(math.sqrt(1.1)), some)
     assert joints.overlooked(tied, (), lambda _: None) is tied
+    # What looks like a joint and explains so little that a fiftieth of it tells nothing.
+    for gain, looked in ((0.99, True), (1.01, False)):
+        before, after = told(0.0, "torque_lag", gain * RULE.alike / RULE.relative)
+        assert (after is not before) == looked
     # They were looked at already, or there is nothing to look at them for.
     before, after = told(0.09, left_out={"backlash": "too little"})
     assert after is before

@@ -37,17 +37,21 @@ def in_place(fit: Fit, other: str, progress: Callable[[float], object] | None = 
 def overlooked(
     diagnosis: Diagnosis, without: Collection[str], progress: Callable[[float], object]
 ) -> Diagnosis:
-    """Return a diagnosis with the joints weighed that were not because of what cannot be missing itself.
+    """Return a diagnosis with the joints weighed that were not, where one may hide behind what is named.
 
     Joints take long, and are not looked at where another effect explains what is left. Where that one is not
-    possible by its values, and all that are leave more, they are.
+    possible by its values, and all that are leave more, they are; and where what is named looks like one, and
+    explains so little that they may not be told apart.
     """
-    fit = diagnosis.fit
+    fit, best = diagnosis.fit, diagnosis.best
     could = [one for one in joints(fit.model.coordinate) if one in absent(fit, without)[0]]
     known = {*(one.effect for one in diagnosis.candidates), *diagnosis.left_out}
-    if diagnosis.best is None or not could or not known.isdisjoint(could):
+    if best is None or not could or not known.isdisjoint(could):
         return diagnosis
-    if any(_explains(one.rmse, fit) for one in diagnosis.could_be):
+    rows = effects(fit.model.coordinate)
+    alike = any(best.effect in rows[one].confused for one in could)
+    hidden = alike and RULE.relative * best.gain <= RULE.alike
+    if not hidden and any(_explains(one.rmse, fit) for one in diagnosis.could_be):
         return diagnosis
     more = diagnose(fit, only=could, progress=progress)
     found = [replace(one, p_value=chance(one.gain, diagnosis)) for one in more.candidates]
