@@ -12,7 +12,7 @@ from known import BASE, Known
 
 from knobcam.fit.diagnose import Candidate
 from knobcam.fit.rule import RULE
-from knobcam.learn import joints
+from knobcam.learn import contenders, joints
 
 
 @dataclass(frozen=True)
@@ -124,3 +124,17 @@ def test_a_parameter_that_may_be_anything_in_its_range_is_no_choice():
     assert charged(1.0) == pytest.approx(6.0) == charged(50.0)
     assert charged(math.exp(-0.25 * RULE.price), 1.0) == pytest.approx(5.5)
     assert charged(math.inf, 0.0) == 7.0
+
+
+def test_another_joint_is_fitted_from_where_the_one_that_came_in_ended(monkeypatch: pytest.MonkeyPatch):
+    first = Known(3.0)
+    ended = Known(1.0, (*BASE, "compliance", "offset"))
+    steps = [SimpleNamespace(fit=one, effects=one.effects, diagnosis=None) for one in (first, ended)]
+    story: Any = SimpleNamespace(ladder=steps, model=SimpleNamespace(coordinate="rotary"))
+    monkeypatch.setattr(contenders, "in_place", lambda fit, other: (fit, other))
+    monkeypatch.setattr(Known, "add", lambda self, effect: (self, effect, "alone"), raising=False)
+    assert contenders._fit(story, ("compliance", "offset")) is ended
+    assert contenders._fit(story, ("offset", "backlash")) == (ended, "backlash")
+    # Beside other effects there is nothing to begin from, nor for what has no joint.
+    assert contenders._fit(story, ("backlash",)) == (first, "backlash", "alone")
+    assert contenders._fit(story, ("offset",)) == (first, "offset", "alone")

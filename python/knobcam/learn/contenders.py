@@ -90,13 +90,12 @@ def _fit(story: LearningResult, wanted: Sequence[str]) -> Fit:
             if before | {one.effect} == target and set(one.fit.model.effects) == target:
                 return converged(one.fit)
     joined = set(joints(story.model.coordinate))
-    for step in story.ladder:
+    other = [*(target & joined)]
+    for step in (one for one in story.ladder if joined & {*one.effects} and len(other) == 1):
         # Another joint lies next to where the one that came in ended.
-        (now, *_), (then, *_) = (joined & one or {""} for one in (set(step.effects), target))
-        if now and then and set(step.effects) - {now} == target - {then}:
-            found = in_place(step.fit, then)
-            if found is not None:
-                return found
+        found = in_place(step.fit, other[0]) if target - joined == {*step.effects} - joined else None
+        if found is not None:
+            return found
     fit = base
     for effect in wanted:
         fit = fit.add(effect)
