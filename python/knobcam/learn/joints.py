@@ -27,11 +27,14 @@ def joints(coordinate: str) -> list[str]:
 def in_place(fit: Fit, other: str, progress: Callable[[float], object] | None = None) -> Fit | None:
     """Return the fit with another joint in the place of its own, from where that one ended.
 
-    None for a fit without a joint, or where no such model can be followed; what `progress` raises ends the
-    work.
+    It is followed to its end where it comes near; None for a fit without a joint, or where no such model can
+    be followed. What `progress` raises ends the work.
     """
     core = _core.in_place(cores(fit), fit.core.model, other, progress)
-    return None if core is None else converged(replace(fit, core=core, before=None))
+    if core is None:
+        return None
+    found = replace(fit, core=core, before=None)
+    return converged(found) if found.rmse < RULE.converged * fit.rmse else found
 
 
 def overlooked(
