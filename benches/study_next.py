@@ -1,18 +1,26 @@
 """Does the next experiment tell what it says it would? `python benches/study_next.py [--knobs N]`.
 
-Knobs of the examination's own simulator with a weak effect. Where `learn` leaves it tied with others on 6 s
-of an ordinary motion, by its own words, up to two motions of 10 s are designed and recorded on the same knob,
-the second where the first left something tied; beside it standard motions, as large as the rig's limits let
-them be. Settled is what `learn` then names, of all captures together, without another that it could be.
-Realised D of a pair is what the wrong rival leaves more of the first of them than the right one, refitted to
-both captures, in variances of the noise.
+Knobs of the examination's own simulator with a weak effect, of all kinds in turn, recorded for 6 s on the
+four ordinary motions in turn. Where `learn` names it from 6 s, it is asked again of the first 4, 2.7, 1.8,
+1.2 and 0.8 s, until it leaves the effect tied with others, by its own words, or names it no more: few ties
+are left by 6 s. Then up to two motions of 10 s are designed and recorded on the same knob, the second where
+the first left something tied; beside it standard motions, as large as the rig's limits let them be. Settled
+is what `learn` then names, of all captures together, without another that it could be. Realised D of a pair
+is what the wrong rival leaves more of the first of them than the right one, refitted to both captures, in
+variances of the noise.
+
+`--twins` takes the same ties and asks within what their captures reached, and within a third of that:
+does it say rightly where no motion tells rivals apart? That it is so is what the simulator says: of the
+designed motion and the standard ones, as large as those limits let them be, none leaves a realised D of 10.8.
 """
 
 import argparse
 import math
 import tempfile
 import time
+from collections import Counter
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -23,7 +31,7 @@ from resumed import resumed, version
 
 import knobcam as kc
 from knobcam.learn.contenders import contenders
-from knobcam.learn.designing import STANDARD
+from knobcam.learn.designing import STANDARD, design
 from knobcam.learn.motion_space import standard
 from knobcam.learn.telling import TOLD, Rival, Telling
 
@@ -34,11 +42,17 @@ TRUTHS = (
     *("return_spring", "unbalance", "position_polynomial", "backlash", "compliance", "torque_lag"),
     *("directional_detent", "detent_harmonics", "cogging"),
 )
-STRENGTHS = (0.06, 0.4)
+WEAK = (0.1, 0.5)
+SIZED = 1.3
+SIZINGS = 8
+SECONDS = 6.0
+SHORTER = 1.5
+STEPS = 6
 # What the rig can do, wider than what a capture happened to reach.
 RIG = kc.Limits(0.15, 12.0, 400.0, -3.0, 3.0)
 CAP_S = 400.0
 MOTIONS = 2
+SIZES = (1.0, 1.0 / 3.0)
 ARMS = {"designed": "designed", "standard": "standard, as large as the limits"}
 
 
@@ -47,28 +61,62 @@ class Hiding(NamedTuple):
 
     truth: str
     seed: int
+    twins: bool = False
 
     def __str__(self) -> str:
-        return f"{self.truth}:{self.seed}"
+        return f"{self.truth}:{self.seed}{':twins' if self.twins else ''}"
+
+    def made(self) -> hidden.Hidden | None:
+        """The knob, as weak as is drawn to within a third; None where none is.
+
+        The size is sought beyond what the examination draws from: no gap there shows so little.
+        """
+        motion = list(hidden.MOTIONS)[self.seed % len(hidden.MOTIONS)]
+        wanted = math.exp(np.random.default_rng([self.seed, TRUTHS.index(self.truth)]).uniform(*np.log(WEAK)))
+        known: list[tuple[float, float]] = []
+        size = math.sqrt(math.prod(hidden.KINDS[self.truth].sizes))
+        for _ in range(SIZINGS):
+            try:
+                knob = hidden.make(self.seed, [self.truth], motion, size=size, duration_s=SECONDS)
+            except ValueError:
+                return None
+            if 1.0 / SIZED < knob.strength / wanted < SIZED:
+                return knob
+            known.append((math.log(size), math.log(knob.strength)))
+            steep = 1.0
+            if len(known) > 1:
+                (a, u), (b, v) = known[-2:]
+                steep = (v - u) / (b - a) if abs(b - a) > 1e-9 and abs(v - u) > 1e-3 else 1.0
+            step = (math.log(wanted) - known[-1][1]) / steep
+            size *= math.exp(min(max(step, -2.0), 2.0))
+        return None
 
 
 def examine(case: Hiding) -> Iterator[dict[str, Any]]:
     """What is expected of motions and what comes of them; a row without marks where there is no tie."""
-    motion = list(hidden.MOTIONS)[case.seed % len(hidden.MOTIONS)]
-    try:
-        knob = hidden.make(case.seed, [case.truth], motion, STRENGTHS)
-    except ValueError:
+    knob = case.made()
+    if knob is None:
         return
-    yield {"motion": motion, "strength": knob.strength}
+    yield {"motion": knob.motion, "strength": knob.strength}
     with tempfile.TemporaryDirectory() as folder:
-        first = read(folder, "first", knob.capture)
-        story = kc.learn(first, budget_s=60.0)
-        rivals = contenders(story, ())
-        row: dict[str, Any] = {"found": story.found, "rivals": [one.effects for one in rivals]}
-        if (case.truth,) not in row["rivals"]:
+        for step in range(STEPS):
+            seconds = SECONDS / SHORTER**step
+            some = slice(round(seconds * len(knob.capture["tau_Nm"]) / SECONDS))
+            first = read(folder, "first", {name: column[some] for name, column in knob.capture.items()})
+            story = kc.learn(first, budget_s=60.0)
+            rivals = contenders(story, ())
+            row: dict[str, Any] = {"found": story.found, "rivals": [one.effects for one in rivals]}
+            row["seconds"] = seconds
+            tied = (case.truth,) in row["rivals"]
+            if tied or story.found != (case.truth,):
+                break
+        if not tied:
             yield row | {"tied": False}
             return
         row["tied"] = True
+        if case.twins:
+            yield row | {"limits": [twins(folder, case.truth, knob, story, rivals, size) for size in SIZES]}
+            return
         for arm in ARMS:
             captures, now = [first], story
             for number in range(MOTIONS):
@@ -83,14 +131,51 @@ def examine(case: Hiding) -> Iterator[dict[str, Any]]:
                     name = STANDARD[(case.seed + number) % len(STANDARD)]
                     track = standard(name, RIG, RIG.sample_rate_hz)
                 captures.append(read(folder, f"{arm}{number}", knob.again(track_of(track), 1 + number)))
-                if number == 0:
-                    row[f"pairs_{arm}"] = realised(rivals, case.truth, story, captures, track)
+                if number == 0 and arm == "designed":
+                    row["pairs"] = realised(rivals, case.truth, story, captures, track)
                 now = kc.learn(captures, budget_s=60.0)
                 left = contenders(now, ())
                 row[f"ends_{arm}"] = [*row.get(f"ends_{arm}", ()), [now.found, len(left)]]
                 if not left:
                     break
         yield row
+
+
+def twins(
+    folder: str,
+    truth: str,
+    knob: hidden.Hidden,
+    story: kc.LearningResult,
+    rivals: tuple[Rival, ...],
+    size: float,
+) -> dict[str, Any]:
+    """Whether rivals are said to be the same within limits, and the least D of each motion there."""
+    limits = within(kc.Limits.reached(story.fit.prepared), size)
+    try:
+        designed = design(rivals, limits)
+    except kc.InputError:
+        return {}
+    tracks = [designed.track]
+    tracks += [standard(name, limits, limits.sample_rate_hz) for name in STANDARD]
+    least = []
+    for number, track in enumerate(tracks):
+        again = read(folder, f"twin{size:.2g}{number}", knob.again(track_of(track), 1 + number))
+        pairs = realised(rivals, truth, story, [*story.captures, again], track)
+        least.append(min(came for _, came in pairs))
+    change = None if designed.change is None else designed.change.limit
+    return {"declared": not designed.separable, "came": least, "change": change, "took_s": designed.took_s}
+
+
+def within(limits: kc.Limits, size: float) -> kc.Limits:
+    """Limits a few times as narrow, about the same angle."""
+    half = size * limits.half
+    return replace(
+        limits,
+        theta_min_rad=limits.middle - half,
+        theta_max_rad=limits.middle + half,
+        omega_rad_s=size * limits.omega_rad_s,
+        alpha_rad_s2=size * limits.alpha_rad_s2,
+    )
 
 
 def realised(
@@ -140,10 +225,13 @@ def track_of(track: kc.MotionTrack) -> Track:
 def table(rows: list[dict[str, Any]]) -> str:
     """What was expected and what came, in a few lines."""
     ties = [row for row in rows if row.get("tied") and "ends_standard" in row]
-    kinds = {frozenset((row["case"].split(":")[0], *other)) for row in ties for other in row["rivals"]}
+    kinds = Counter(kind for row in ties for kind in kinds_of(row))
+    named = [row for row in rows if not row.get("tied") and row.get("found")]
+    wrong = sum(row["found"] != [row["case"].split(":")[0]] and len(row["rivals"]) < 2 for row in named)
     lines = [
         f"{time.strftime('%Y-%m-%d')}: python benches/study_next.py: {len(ties)} ties of "
-        f"{sum(len(kind) > 1 for kind in kinds)} kinds of pairs, of {len(rows)} knobs",
+        f"{len(kinds)} kinds of pairs, of {len(rows)} knobs; {wrong} others named wrongly, and not as tied",
+        ", ".join(f"{kind} {count}" for kind, count in kinds.most_common()),
         "                                               | right % | wrong % | tied % ",
     ]
     for arm, words in ARMS.items():
@@ -152,14 +240,13 @@ def table(rows: list[dict[str, Any]]) -> str:
             lines.append(f"{motions} x 10 s, {words:37} | " + shares(ends))
     told = [(row["case"], row["ends_designed"][-1]) for row in ties if row["separable"]]
     lines.append(f"  {f'of {len(told)} that a motion should tell':45} | {shares(told)}")
-    for arm in ARMS:
-        pairs = np.array([pair for row in ties for pair in row[f"pairs_{arm}"]]).reshape(-1, 2)
-        pairs = pairs[(pairs[:, 0] > TOLD) & (pairs[:, 1] > 0.0)]
-        if len(pairs) > 2:
-            ratio = np.log(pairs[:, 1] / pairs[:, 0])
-            slope = np.polyfit(np.log(pairs[:, 0]), np.log(pairs[:, 1]), 1)[0]
-            middle = ", ".join(f"{math.exp(float(np.quantile(ratio, q))):.2f}" for q in (0.25, 0.5, 0.75))
-            lines.append(f"realised / expected D, {arm}: quartiles {middle}, slope of logarithms {slope:.2f}")
+    pairs = np.array([pair for row in ties for pair in row["pairs"]]).reshape(-1, 2)
+    pairs = pairs[(pairs[:, 0] > TOLD) & (pairs[:, 1] > 0.0)]
+    if len(pairs) > 2:
+        ratio = np.log(pairs[:, 1] / pairs[:, 0])
+        slope = np.polyfit(np.log(pairs[:, 0]), np.log(pairs[:, 1]), 1)[0]
+        middle = ", ".join(f"{math.exp(float(np.quantile(ratio, q))):.2f}" for q in (0.25, 0.5, 0.75))
+        lines.append(f"realised / expected D, designed: quartiles {middle}, slope of logarithms {slope:.2f}")
     beyond = sum(row["beyond"] for row in ties)
     took = np.quantile([row["took_s"] for row in ties] or [0.0], [0.5, 1.0])
     lines.append(
@@ -167,6 +254,24 @@ def table(rows: list[dict[str, Any]]) -> str:
         f"{took[0]:.1f} s a design, {took[1]:.1f} at most"
     )
     return "\n".join(lines)
+
+
+def kinds_of(row: dict[str, Any]) -> set[str]:
+    """The pairs of the truth and another that a knob left tied."""
+    truth = row["case"].split(":")[0]
+    others = {"+".join(other) or "none" for other in row["rivals"]} - {truth}
+    return {"/".join(sorted((truth, other))) for other in others}
+
+
+def twins_table(rows: list[dict[str, Any]]) -> str:
+    """How often rivals are rightly and wrongly said to be the same within limits."""
+    asked = [one for row in rows for one in row.get("limits", ()) if one]
+    same = [one["declared"] for one in asked if max(one["came"]) < TOLD]
+    told = [one["declared"] for one in asked if max(one["came"]) >= TOLD]
+    return (
+        f"{time.strftime('%Y-%m-%d')}: python benches/study_next.py --twins: said to be told by no motion: "
+        f"{sum(same)} of {len(same)} that no motion of the simulator told, {sum(told)} of {len(told)} others"
+    )
 
 
 def shares(ends: list[tuple[str, Any]]) -> str:
@@ -186,13 +291,15 @@ def main() -> None:
     parser.add_argument("--knobs", type=int, default=900)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--twins", action="store_true", help="the same ties, within narrow limits")
     parser.add_argument("--out", type=Path, default=RESULTS)
     args = parser.parse_args()
     each = math.ceil(args.knobs / len(TRUTHS))
-    cases = [Hiding(truth, seed) for seed in range(args.first, args.first + each) for truth in TRUTHS]
+    seeds = range(args.first, args.first + each)
+    cases = [Hiding(truth, seed, args.twins) for seed in seeds for truth in TRUTHS]
     about = {"program": version(Path(kc.__file__).parent)}
     rows = resumed(examine, cases, args.out, about, args.jobs, CAP_S, {"tied": False, "why": "no answer"})
-    print(table(rows))
+    print(twins_table(rows) if args.twins else table(rows))
 
 
 if __name__ == "__main__":

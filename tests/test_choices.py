@@ -196,10 +196,20 @@ def test_a_joint_and_what_hides_beside_it_come_in_where_both_are_needed(monkeypa
     first, last = Known(3.0), Known(2.0, (*BASE, "stribeck"))
     alone = Known(2.5, (*BASE, "offset"))
 
+    class Told(dict[str, Any]):
+        best = None
+
+    def beside(told: Any, joint: str, own: Any, before: Any, *_: Any) -> Any:
+        fit = replace(own, before=before)
+        return Told(
+            {joint: SimpleNamespace(effect=joint, fit=fit, p_value=0.001, equivalent=("compliance",))}
+        )
+
     def of(rmse: float, needed: float, p_value: float = 0.001) -> list[LearningStep] | None:
         pair = Known(rmse, (*BASE, "backlash", "offset"), None, {"offset": needed})
         monkeypatch.setattr(joined._core, "pairs", lambda *_: [("backlash", "offset", pair)])
         weighed = SimpleNamespace(effect="offset", fit=alone, gain=1.0, p_value=p_value)
+        monkeypatch.setattr(joined, "beside_others", beside)
         return joined.joined(SimpleNamespace(fit=first, candidates=[weighed]), last, (), lambda _: None)
 
     both = of(1.0, 0.5)
@@ -208,6 +218,7 @@ def test_a_joint_and_what_hides_beside_it_come_in_where_both_are_needed(monkeypa
         ("backlash", 1.0),
     ]
     assert both[0].fit.before is first and both[1].fit.before is both[0].fit
+    assert both[1].equivalent == ("compliance",)
     joint = of(1.0, 1e-4)
     assert joint is not None and [one.added for one in joint] == ["backlash"]
     assert joint[0].fit.effects == (*BASE, "backlash") and joint[0].fit.before is first
@@ -224,6 +235,7 @@ def test_a_joint_that_leads_by_a_sketch_is_followed_and_nothing_else(monkeypatch
         place: str
         score: float
         fit: Any
+        gain: float = 0.0
         beyond_chance: bool = True
         implausible: tuple[str, ...] = ()
 
@@ -239,13 +251,15 @@ def test_a_joint_that_leads_by_a_sketch_is_followed_and_nothing_else(monkeypatch
 
     monkeypatch.setattr(selection, "converged", lambda fit: replace(fit, rmse=0.5 * fit.rmse))
     monkeypatch.setattr(selection, "judged", lambda comparison, candidates: tuple(candidates))
+    monkeypatch.setattr(selection, "gain", lambda before, after, noise: before.rmse - after.rmse)
     joint, load = Led("backlash", "coupling", 9.0, Known(2.0)), Led("offset", "load", 8.0, Known(3.0))
 
     def end(*candidates: Led) -> Any:
         return selection.followed(Weighed(Known(4.0), candidates), lambda _: None)
 
-    best = end(load, joint)
-    assert best.effect == "backlash" and best.fit.rmse == 1.0 and best.fit.before.rmse == 4.0
+    told = end(load, joint)
+    assert told.best.effect == "backlash" and told.candidates[1] is load
+    assert told.best.fit.rmse == 1.0 and told.best.fit.before.rmse == 4.0 and told.best.gain == 3.0
     assert end() is None and end(load) is None
     assert end(replace(load, score=10.0), joint) is None
     assert (

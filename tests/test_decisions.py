@@ -268,7 +268,8 @@ def candidate(effect: str, gain: float, count: int, value: float = 1.0, **more: 
         params={"viscous.pos": estimate(value, 0.1), "detent.S": estimate(value, 0.1, unit="rad")}
     )
     known = {"effect": effect, "gain": gain, "count": count, "score": gain - 12.0 * count, "rmse": 1.0}
-    return SimpleNamespace(**known, equivalent=(), fit=fit, **more)
+    known |= {"charged": float(count), "equivalent": (), "fit": fit}
+    return SimpleNamespace(**(known | more))
 
 
 def diagnosed(*could: Any, floor: float = 1.0) -> Any:
@@ -282,6 +283,10 @@ def test_rivals_weigh_as_the_information_criterion_says():
     ratio = math.exp(0.5 * (4.0 - math.log(1000.0)))
     assert weights["b"] / weights["a"] == pytest.approx(ratio) and sum(weights.values()) == pytest.approx(1.0)
     assert list(weights) == ["a", "b"]
+    # What may be anything within its range costs nothing.
+    spared = diagnosed(candidate("a", 100.0, 1), candidate("b", 104.0, 2, charged=1.0))
+    weights = rivals.weights(spared, "a")
+    assert weights["b"] / weights["a"] == pytest.approx(math.exp(2.0))
     assert rivals.weights(two, "c") == {} and rivals.weights(None, "a") == {}
     assert rivals.weights(diagnosed(candidate("a", 1.0, 1), floor=math.nan), "a") == {}
     # Noise that is half of what is left counts for a quarter of each gain.

@@ -209,7 +209,6 @@ def test_a_pair_is_told_apart_as_well_as_the_worse_way_but_for_what_contains_the
     assert rich.between(told, 0, 2) == 30.0 and rich.between(told, 1, 2) == 7.0
     told[0, 2] = 3.1
     assert rich.between(told, 0, 2) == 3.1
-    assert not rich.jointed and Telling((rival(("backlash",), 4),)).jointed
 
 
 def test_the_noise_is_that_of_the_rival_that_leaves_least():

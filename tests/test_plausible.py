@@ -192,9 +192,7 @@ def test_a_limit_is_widened_and_the_others_are_not():
     assert _widened(LIMITS, "theta", 2.0) == replace(LIMITS, theta_min_rad=-3.0, theta_max_rad=5.0)
 
 
-def design(
-    monkeypatch: pytest.MonkeyPatch, asks: float, told: float = 5.0, joint: bool = False, n: int = 2
-) -> _Design:
+def design(monkeypatch: pytest.MonkeyPatch, asks: float, told: float = 5.0, n: int = 2) -> _Design:
     """A search whose rivals ask for so much torque at full speed, and D is so large at the full rate."""
 
     def peak(track: Any, *, draws: bool) -> float:
@@ -206,7 +204,6 @@ def design(
     )
     telling: Any = SimpleNamespace(
         peak=peak,
-        jointed=joint,
         rivals=[SimpleNamespace(fit=fit)] * n,
         evidence=lambda track: np.full((n, n), told),
         pairs=lambda all_: [float(all_[i, j]) for i in range(len(all_)) for j in range(i)],
@@ -230,13 +227,10 @@ def test_a_motion_is_eased_until_no_rival_asks_for_more_than_there_is(monkeypatc
 
 def test_a_search_looks_at_fewer_samples_and_counts_them_all(monkeypatch: pytest.MonkeyPatch):
     track: Any = None
-    for joint, rate in ((True, 500.0), (False, 500.0)):
-        one = design(monkeypatch, 0.1, joint=joint)
-        assert one._search_hz() == rate and one._told(track)[0][1, 0] == pytest.approx(5.0 * 1000.0 / rate)
+    one = design(monkeypatch, 0.1)
+    assert one._search_hz() == 500.0 and one._told(track)[0][1, 0] == pytest.approx(10.0)
     fast = replace(LIMITS, sample_rate_hz=5000.0)
-    for joint, rate in ((True, 2500.0), (False, 1250.0)):
-        one = replace(design(monkeypatch, 0.1, joint=joint), limits=fast)
-        assert one._search_hz() == rate
+    assert replace(one, limits=fast)._search_hz() == 1250.0
     slow = replace(design(monkeypatch, 0.1), limits=replace(LIMITS, sample_rate_hz=200.0))
     assert slow._search_hz() == 200.0
 
@@ -253,6 +247,26 @@ def test_a_motion_that_tells_one_pair_is_not_hidden_by_another_that_none_tells(
     assert score(5.0 * TOLD, 0.1) > score(2.0 * TOLD, 0.1) > score(TOLD, TOLD / 2.0)
     # What is told beyond doubt may be less for the sake of another.
     assert score(30.0 * TOLD, 0.1) < score(4.0 * TOLD, TOLD)
+
+
+def test_rivals_are_twins_where_no_first_motion_tells_them_nor_in_far_wider_limits(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def twins(here: float, wide: float) -> bool:
+        one = design(monkeypatch, 0.1, n=3)
+
+        def score(self: _Design, pieces: Any, scored: list[Any]) -> None:
+            wider = self.limits.omega_rad_s > LIMITS.omega_rad_s and self.limits.torque_Nm > LIMITS.torque_Nm
+            d = wide if wider else here
+            # One pair of three is a pair of twins in any case.
+            scored.append(designing._Scored(d, 0.0, d, pieces))
+
+        monkeypatch.setattr(_Design, "_score", score)
+        return one._twins(one._banked(math.inf))
+
+    assert twins(0.9, 0.9)
+    assert not twins(1.1, 1.1) and not twins(0.9, 1.1)
+    assert not design(monkeypatch, 0.1)._twins([])
 
 
 def test_the_parameter_to_be_sharpened_is_the_one_that_is_known_worst(monkeypatch: pytest.MonkeyPatch):

@@ -266,7 +266,7 @@ def complete(fit: tuple[float, float, float, float, list[float]]) -> tuple[bool,
 def judge(
     fit: tuple[float, float, float, float, list[float]],
     law: float,
-    effects: Sequence[tuple[float, int, float, float, float, bool, int]],
+    effects: Sequence[tuple[float, int, float, float, float, float, bool, int]],
 ) -> list[tuple[Word, list[int]]]: ...
 def thresholds() -> list[tuple[str, float, str, str, str, str]]: ...
 def stiction(
@@ -288,6 +288,12 @@ def diagnose(
     effects: Sequence[str],
     progress: Callable[[float], object] | None = None,
 ) -> list[tuple[str, Fit | None, float, int, float, str]]: ...
+def in_place(
+    data: Sequence[Signals],
+    model: Model,
+    other: str,
+    progress: Callable[[float], object] | None = None,
+) -> Fit | None: ...
 def pairs(
     data: Sequence[Signals],
     model: Model,

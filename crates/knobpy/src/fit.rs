@@ -6,8 +6,8 @@ use super::signals::PySignals;
 use super::user::watched;
 use knobcore::diagnose::{
     Candidate, Evidence, Set, Split, State, complete as complete_core, converge, diagnose as diagnose_core,
-    exact as exact_core, implausible as implausible_core, judge as judge_core, locate as locate_core,
-    pairs as pairs_core, sets as sets_core,
+    exact as exact_core, implausible as implausible_core, in_place as in_place_core, judge as judge_core,
+    locate as locate_core, pairs as pairs_core, sets as sets_core,
 };
 use knobcore::effects::Id;
 use knobcore::fit::{Detents, Fit, fit as fit_core, report, sketch};
@@ -219,24 +219,17 @@ pub fn complete(fit: Judged) -> (bool, bool) {
     (state.exact, state.complete)
 }
 
+/// What speaks for an effect as it comes in: see [`judge`].
+type EvidenceRow = (f64, usize, f64, f64, f64, f64, bool, usize);
+
 /// What is said of effects beside a fit, one each: a word, and the places of those that cannot be told from it. An effect
-/// has a gain, a number of parameters, a p-value, the error with it, the largest share that it takes off a capture's
+/// has a gain, a number of parameters, how many it is charged for where others do as well, a p-value, the error with it, the largest share that it takes off a capture's
 /// squared error, whether its values are implausible, and how many of the base model it bends below zero. `law` is the
 /// mean squared error by which laws that were added may be off.
 #[pyfunction]
-pub fn judge(
-    fit: Judged,
-    law: f64,
-    effects: Vec<(f64, usize, f64, f64, f64, bool, usize)>,
-) -> Vec<(&'static str, Vec<usize>)> {
-    let evidence = |(gain, parameters, p_value, rmse, felt, implausible, bent)| Evidence {
-        gain,
-        parameters,
-        p_value,
-        rmse,
-        felt,
-        implausible,
-        bent,
+pub fn judge(fit: Judged, law: f64, effects: Vec<EvidenceRow>) -> Vec<(&'static str, Vec<usize>)> {
+    let evidence = |(gain, parameters, charged, p_value, rmse, felt, implausible, bent): EvidenceRow| {
+        Evidence { gain, parameters, charged, p_value, rmse, felt, implausible, bent }
     };
     let all: Vec<Evidence> = effects.into_iter().map(evidence).collect();
     judge_core(&State { law, ..state(fit) }, &all)
@@ -289,6 +282,25 @@ pub fn refine(
         if thorough { converge(signals, model) } else { report(signals, model, sketch(signals, model)) }
     };
     watched(py, model, work)?.map(PyFit).map_err(input_error)
+}
+
+/// The fit with another coupling in the place of a model's own, from where that one ended; None where there is none.
+#[pyfunction]
+#[pyo3(signature = (data, model, other, progress=None))]
+pub fn in_place(
+    py: Python<'_>,
+    data: Vec<PyRef<'_, PySignals>>,
+    model: &PyModel,
+    other: String,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Option<PyFit>> {
+    let other = ids(&[other])?[0];
+    let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
+    let (model, signals) = (&model.0, &signals[..]);
+    let progress = Progress::of(progress);
+    let found = watched(py, model, || in_place_core(signals, model, other, &|share| progress.tell(share)))?;
+    progress.raised()?;
+    Ok(found.map(PyFit))
 }
 
 /// What is implausible about the values of an effect of a fit, a sentence each, beside those that no parameter may

@@ -67,6 +67,7 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(fit::complete, m)?)?;
     m.add_function(wrap_pyfunction!(fit::judge, m)?)?;
     m.add_function(wrap_pyfunction!(fit::diagnose, m)?)?;
+    m.add_function(wrap_pyfunction!(fit::in_place, m)?)?;
     m.add_function(wrap_pyfunction!(fit::pairs, m)?)?;
     m.add_function(wrap_pyfunction!(fit::sets, m)?)?;
     m.add_function(wrap_pyfunction!(fit::implausible, m)?)?;

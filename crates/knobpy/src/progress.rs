@@ -25,11 +25,20 @@ impl Progress {
         false
     }
 
+    /// What ended the work, if anything did.
+    pub fn raised(self) -> PyResult<()> {
+        let raised = self.raised.into_inner().unwrap_or_else(PoisonError::into_inner);
+        raised.map_or(Ok(()), Err)
+    }
+
     /// What the work found, or what ended it.
     pub fn ended<T>(self, found: Option<T>) -> PyResult<T> {
-        let raised = self.raised.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let ended =
-            || raised.unwrap_or_else(|| pyo3::exceptions::PyRuntimeError::new_err("the work was ended"));
-        found.ok_or_else(ended)
+        found.map_or_else(
+            || {
+                self.raised()?;
+                Err(pyo3::exceptions::PyRuntimeError::new_err("the work was ended"))
+            },
+            Ok,
+        )
     }
 }

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping
 
     from ..base.showing import Figure, Look
+    from ..model.effects import Effect
     from .compare import Comparison
     from .estimate import Estimate
     from .fitting import Fit
@@ -67,9 +68,28 @@ class Candidate:
         return self.gain - RULE.price * self.count
 
     @property
+    def charged(self) -> float:
+        """How many parameters it is charged for where others do as well.
+
+        A parameter costs twice the logarithm of its range over what is not known of it (Laplace's
+        approximation of the evidence, all of its range as likely before), and no more than its price.
+        """
+        rows = {f"{self.effect}.{one.name}": one for one in self._row.params}
+        spared = 0.0
+        for name, known in self.parameters.items():
+            if name in rows and known.determined and known.se > 0.0:
+                choice = (rows[name].upper - rows[name].lower) / known.se
+                spared += 1.0 - min(max(2.0 * math.log(choice) / RULE.price, 0.0), 1.0)
+        return self.count - spared
+
+    @property
+    def _row(self) -> Effect:
+        return catalogued(self.effect, self.fit.model.coordinate)
+
+    @property
     def place(self) -> str:
         """Where in the chain it acts: coupling, load or sensor."""
-        return catalogued(self.effect, self.fit.model.coordinate).place
+        return self._row.place
 
     @property
     def error_fall(self) -> float:
@@ -116,7 +136,7 @@ class Candidate:
     def evidence(self) -> pages.Candidate:
         """Return what speaks for it and against it, as the pages list it."""
         return {
-            **catalogued(self.effect, self.fit.model.coordinate).document(),
+            **self._row.document(),
             "word": self.word,
             "said": self.said,
             "could_be": self.could_be,

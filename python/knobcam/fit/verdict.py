@@ -69,6 +69,7 @@ def judged(comparison: Comparison, candidates: Collection[Candidate]) -> tuple[C
         (
             one.gain,
             one.count,
+            one.charged,
             one.p_value,
             one.rmse,
             _felt(one, fit),

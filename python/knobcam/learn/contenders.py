@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from ..errors import InputError
 from ..fit.diagnose import check_effects
 from ..fit.refit import converged
+from .joints import in_place, joints
 from .telling import Rival
 
 if TYPE_CHECKING:
@@ -88,6 +89,13 @@ def _fit(story: LearningResult, wanted: Sequence[str]) -> Fit:
         for one in step.diagnosis.candidates:
             if before | {one.effect} == target and set(one.fit.model.effects) == target:
                 return converged(one.fit)
+    joined = set(joints(story.model.coordinate))
+    other = [*(target & joined)]
+    for step in (one for one in story.ladder if joined & {*one.effects} and len(other) == 1):
+        # Another joint lies next to where the one that came in ended.
+        found = in_place(step.fit, other[0]) if target - joined == {*step.effects} - joined else None
+        if found is not None:
+            return found
     fit = base
     for effect in wanted:
         fit = fit.add(effect)

@@ -33,12 +33,14 @@ STANDARD = ("sweep", "multisine", "turns", "hand")
 _SEARCH_S = 5.0
 _CHANGE_S = 3.0  # for all limits that might be wider, together
 _KEPT = 5
+_FINALISTS = 3
+_NOTHING = 1.0  # variance of the noise: what tells no more of any pair tells nothing
 _EASE = 0.75
 _EASINGS = 12
 _FASTER = 2.0, 5.0
 _ENOUGH = 4.0 * TOLD
 """More for a pair is no better while another one has less: what comes true may be half of it."""
-_THINNED = {True: 2, False: 4}  # with a joint among the rivals, or none: samples of the search
+_THINNED = 4  # samples of the search; what is said of the motion that is chosen has all of them
 _SLOWEST_HZ = 500.0
 
 
@@ -91,10 +93,11 @@ def design(
 
 
 class _Scored(NamedTuple):
-    """How good a motion is, the least D of it, and its pieces."""
+    """How good a motion is, the least and the largest D of its pairs, and its pieces."""
 
     score: float
     least: float
+    most: float
     pieces: tuple[Piece, ...]
 
 
@@ -126,7 +129,10 @@ class _Design:
     def best(self, search_s: float, seed: int) -> Experiment:
         """Return the best motion that is found in so long, and what it tells."""
         param = self.param
-        pool = self._searched(search_s, seed)
+        until = time.monotonic() + search_s
+        first = self._banked(until)
+        twins = param is None and self._twins(first)
+        pool = _best(first) if twins else self._searched(first, until, seed)
         if not pool:
             raise InputError(
                 f"limits: torque_Nm = {self.limits.torque_Nm:.4g} moves no rival, omega_rad_s = "
@@ -150,7 +156,7 @@ class _Design:
             usual = min([before, *(-self._told(one)[1] for one in others)])
             sharpened = (Sharpened(param, before, self.telling.errors(track)[param], usual),)
             return Experiment(rivals, self.limits, chosen, track, (), peak, sharpened)
-        told, _ = self._told(chosen.track(self._search_hz()))
+        told = self.telling.evidence(track)
         every = [self._told(one)[0] for one in self._standard(self._search_hz())]
         between = self.telling.between
         expected = tuple(
@@ -159,7 +165,9 @@ class _Design:
             for j in range(i + 1, len(rivals))
         )
         found = Experiment(rivals, self.limits, chosen, track, expected, peak)
-        return found if found.separable else replace(found, change=self._change(pool, seed))
+        if found.separable or twins:
+            return found
+        return replace(found, change=self._change(pool, seed))
 
     def _told(self, track: MotionTrack) -> tuple[FloatArray, float]:
         """What a motion that is sampled as in the search tells at the full rate, and how good that is.
@@ -178,32 +186,54 @@ class _Design:
         every = self.telling.pairs(told)
         return told, sum(min(d, _ENOUGH) for d in every) + math.log1p(min(every))
 
-    def _searched(self, search_s: float, seed: int) -> list[tuple[Piece, ...]]:
-        """Return the best of the bank and of what is near its best, after so long."""
-        rng = np.random.default_rng(seed)
-        until = time.monotonic() + search_s
+    def _banked(self, until: float) -> list[_Scored]:
+        """Return the motions that a search begins with; some of them, where the time is over before."""
         scored: list[_Scored] = []
         for pieces in bank():
             if scored and time.monotonic() > until:
                 break
             self._score(pieces, scored)
+        return scored
+
+    def _twins(self, first: Sequence[_Scored]) -> bool:
+        """Whether rivals are the same on any motion: none of the first tells of a pair what noise would not.
+
+        Nor do these in limits that are all far wider: a search would only find the largest of nothing.
+        """
+        if not first or max(one.most for one in first) >= _NOTHING:
+            return False
+        limits = self.limits
+        for name in ("omega_rad_s", "alpha_rad_s2", "torque_Nm", "theta"):
+            limits = _widened(limits, name, max(_FASTER))
+        wider = replace(self, limits=limits)
+        for pieces in bank():
+            scored: list[_Scored] = []
+            wider._score(pieces, scored)
+            if any(one.most >= _NOTHING for one in scored):
+                return False
+        return True
+
+    def _searched(self, first: Sequence[_Scored], until: float, seed: int) -> list[tuple[Piece, ...]]:
+        """Return the best of some motions and of what is near the best of them, when the time is over."""
+        rng = np.random.default_rng(seed)
+        scored = list(first)
         while scored and time.monotonic() < until:
             scored.sort(key=lambda one: -one.score)
             del scored[_KEPT:]
             parent = scored[int(rng.integers(len(scored)))].pieces
             self._score(changed(parent, rng, float(rng.choice((0.03, 0.1, 0.3)))), scored)
-        scored.sort(key=lambda one: -one.score)
-        return [one.pieces for one in scored[:3]]
+        return _best(scored)
 
     def _score(self, pieces: tuple[Piece, ...], scored: list[_Scored]) -> None:
         if (made := self._runnable(pieces, draws=False)) is not None:
             told, score = self._told(made[1])
             if score > -math.inf:
-                scored.append(_Scored(score, self.telling.least(told), pieces))
+                most = max(self.telling.pairs(told), default=0.0)
+                scored.append(_Scored(score, self.telling.least(told), most, pieces))
 
     def _search_hz(self) -> float:
         rate = self.limits.sample_rate_hz
-        return max(rate / _THINNED[self.telling.jointed], min(_SLOWEST_HZ, rate))
+        return max(rate / _THINNED, min(_SLOWEST_HZ, rate))
 
     def _runnable(self, pieces: tuple[Piece, ...], *, draws: bool) -> tuple[MotionPlan, MotionTrack] | None:
         """Return the motion of some pieces, eased until no rival asks for more torque than there is."""
@@ -238,13 +268,18 @@ class _Design:
                 wider = _widened(self.limits, name, times)
                 other = replace(self, limits=wider)
                 scored: list[_Scored] = []
-                for pieces in (*pool, *other._searched(each_s, seed)):
+                until = time.monotonic() + each_s
+                for pieces in (*pool, *other._searched(other._banked(until), until, seed)):
                     other._score(pieces, scored)
                 d = max((one.least for one in scored), default=0.0)
                 if d >= TOLD:
                     shown = "theta_max_rad" if name == "theta" else name
                     return Change(shown, getattr(wider, shown), d)
         return None
+
+
+def _best(scored: Sequence[_Scored]) -> list[tuple[Piece, ...]]:
+    return [one.pieces for one in sorted(scored, key=lambda one: -one.score)[:_FINALISTS]]
 
 
 def _widened(limits: Limits, name: str, times: float) -> Limits:

@@ -9,6 +9,7 @@ from .. import _core
 from ..fit.diagnose import absent
 from ..fit.refit import converged, cores, gain, needless
 from ..fit.rule import RULE
+from .joints import beside_others, chance
 from .ladder import LearningStep
 
 if TYPE_CHECKING:
@@ -38,22 +39,27 @@ def joined(
         bare = pair.drop(companion)
         if needless(pair, bare):
             # It only led to the joint.
-            bare = replace(converged(bare), before=fit)
-            chance = chance_of(bare, fit, diagnosis)
-            if chance <= RULE.chance:
-                return [LearningStep(bare, coupling, chance, (), (), diagnosis)]
+            bare = converged(bare)
+            if chance_of(bare, fit, diagnosis) <= RULE.chance:
+                return [_step(beside_others(diagnosis, coupling, bare, fit, without, progress), coupling)]
             continue
-        chance = chance_of(pair, alone.fit, diagnosis)
-        if chance <= RULE.chance:
+        if chance_of(pair, alone.fit, diagnosis) <= RULE.chance:
             before = replace(converged(alone.fit), before=fit)
             step = LearningStep(before, companion, alone.p_value, (), (), diagnosis)
-            return [step, LearningStep(replace(pair, before=before), coupling, chance, (), (), diagnosis)]
+            return [
+                step,
+                _step(beside_others(diagnosis, coupling, pair, before, without, progress), coupling),
+            ]
     return None
 
 
+def _step(told: Diagnosis, coupling: str) -> LearningStep:
+    """Return the step on which a joint comes in: that one, or another that is named in its place."""
+    best = told.best
+    one = best if best is not None and best.place == "coupling" else told[coupling]
+    return LearningStep(one.fit, one.effect, one.p_value, one.equivalent, (), told)
+
+
 def chance_of(richer: Fit, before: Fit, diagnosis: Diagnosis) -> float:
-    """Return how often chance would do as well as a richer fit: no oftener than what takes off less."""
-    if not diagnosis.fit.noise_floor > 0.0:
-        return 1.0
-    falls = gain(before, richer, diagnosis.fit)
-    return min((one.p_value for one in diagnosis.candidates if one.gain <= falls), default=1.0)
+    """Return how often chance would do as well as a richer fit."""
+    return chance(gain(before, richer, diagnosis.fit), diagnosis) if diagnosis.fit.noise_floor > 0.0 else 1.0

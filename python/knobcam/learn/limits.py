@@ -13,7 +13,7 @@ from ..base.reading import read_toml
 from ..errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from ..capture.motions import MotionTrack
     from ..capture.prepare import Prepared
@@ -78,16 +78,22 @@ class Limits:
     def load(cls, path: str | os.PathLike[str], usual: Limits) -> Limits:
         """Read a file of limits; what it does not name is as usual. Raises InputError for what is none."""
         values = read_toml(path, "file of limits", _MOST_BYTES, "write lines such as torque_Nm = 0.1")
-        known = [one.name for one in fields(cls)]
-        for name, value in values.items():
+        return usual.with_some(values, f"{path}: ")
+
+    def with_some(self, given: Mapping[str, object], where: str = "limits, ") -> Limits:
+        """Return them with some others by their names. Raises InputError, from `where`, for what is none."""
+        known = [one.name for one in fields(self)]
+        numbers: dict[str, float] = {}
+        for name, value in given.items():
             if name not in known:
-                raise InputError(f"{path}: {name}: is no limit; known are {', '.join(known)}")
+                raise InputError(f"{where}{name}: is no limit; known are {', '.join(known)}")
             if isinstance(value, bool) or not isinstance(value, int | float):
-                raise InputError(f"{path}: {name}: is {value!r}; give a number")
+                raise InputError(f"{where}{name}: is {value!r}; give a number")
+            numbers[name] = float(value)
         try:
-            return replace(usual, **{name: float(value) for name, value in values.items()})
+            return replace(self, **numbers)
         except InputError as error:
-            raise InputError(f"{path}: {error}") from None
+            raise InputError(f"{where}{str(error).removeprefix('limits, ')}") from None
 
     @classmethod
     def within(cls, given: Limits | str | os.PathLike[str] | None, prepared: Sequence[Prepared]) -> Limits:

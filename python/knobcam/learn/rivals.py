@@ -2,9 +2,10 @@
 
 Weights are those of BIC (Schwarz 1978; Raftery 1995: Laplace's approximation of a posterior probability, each
 effect as likely before), with the effective number of samples: what noise leaves behind the filter, in
-variances of the raw noise. Where more than noise is left with the best of them, that counts as noise. What
-a choice adds to the variance of a parameter is the weighted spread over the rivals (Buckland, Burnham &
-Augustin 1997).
+variances of the raw noise, and as many parameters as there was a choice of: one that may be anything within
+its range is none. Where more than noise is left with the best of them, that counts as noise. What a choice
+adds to the variance of a parameter is the weighted spread over the rivals (Buckland, Burnham & Augustin
+1997).
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ def _weighed(diagnosis: Diagnosis | None, added: str | None) -> list[tuple[Candi
     fit = diagnosis.fit
     noise = min(1.0, (fit.noise_floor / best.rmse) ** 2)
     samples = max(fit.white_squares, math.e)
-    logs = [0.5 * (noise * one.gain - one.count * math.log(samples)) for one in could]
+    logs = [0.5 * (noise * one.gain - one.charged * math.log(samples)) for one in could]
     largest = max(logs)
     parts = [math.exp(log - largest) for log in logs]
     both = [(one, part / sum(parts)) for one, part in zip(could, parts, strict=True)]

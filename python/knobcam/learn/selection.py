@@ -10,13 +10,14 @@ from .. import _core
 from ..capture.prepare import travel
 from ..fit.diagnose import Candidate, Diagnosis, absent, diagnose
 from ..fit.plausible import columns_at_fault
-from ..fit.refit import converged, cores, needless, with_clipped
+from ..fit.refit import converged, cores, gain, needless, with_clipped
 from ..fit.rule import RULE
 from ..fit.verdict import judged, within_law
 from ..model.effects import base_effects_shown, clipping, descriptions, effects
 from .cut import Cut, Deadline, OutOfTime
 from .exchanged import anew, exchanged
 from .joined import joined
+from .joints import overlooked
 from .ladder import LearningStep, Unexplained
 from .limitations import width
 
@@ -87,6 +88,7 @@ def _grown(
         deadline.weighing = absent(fit, {*without, *described})[0]
         deadline()
         diagnosis = diagnose(fit, without={*without, *described}, progress=deadline)
+        diagnosis = overlooked(diagnosis, {*without, *described}, deadline)
         best = diagnosis.best
         if best is None and not sets and not fit.log_fault and fit.noise_floor > 0.0:
             tell("weighing what came in against other sets")
@@ -103,7 +105,9 @@ def _grown(
             enough = diagnosis.comparison.complete or within_law(fit)
             if together or fit.log_fault or enough or not fit.noise_floor > 0.0:
                 return selection
-            best = followed(diagnosis, tell)
+            led = followed(diagnosis, tell)
+            best = led.best if led is not None else None
+            diagnosis = led or diagnosis
         if best is None:
             together = True
             tell("weighing what could be missing together with a joint of shaft and knob")
@@ -189,8 +193,8 @@ def _mainly(step: LearningStep) -> bool:
     return before is not None and before.rmse**2 - step.fit.rmse**2 >= RULE.mainly * before.excess
 
 
-def followed(diagnosis: Diagnosis, tell: Callable[[str], None]) -> Candidate | None:
-    """Return the coupling that leads the candidates, followed to its end, if that is then worth adding.
+def followed(diagnosis: Diagnosis, tell: Callable[[str], None]) -> Diagnosis | None:
+    """Return a diagnosis with the coupling that leads the candidates followed to its end; None without one.
 
     Candidates are sketched, and the error of a coupling is so rough that a sketch may stop far from its end.
     """
@@ -201,7 +205,9 @@ def followed(diagnosis: Diagnosis, tell: Callable[[str], None]) -> Candidate | N
     tell(f"following {best.effect} to its end")
     fit = diagnosis.fit
     end = replace(best, fit=replace(converged(best.fit), before=fit))
-    return replace(diagnosis, candidates=judged(diagnosis.comparison, [end])).best
+    end = replace(end, gain=gain(fit, end.fit, fit))
+    rest = [one for one in diagnosis.candidates if one is not best]
+    return replace(diagnosis, candidates=judged(diagnosis.comparison, [end, *rest]))
 
 
 def with_detents(fit: Fit) -> Fit:

@@ -65,13 +65,6 @@ class Telling:
         return self.rivals[0].fit.model.coordinate
 
     @cached_property
-    def jointed(self) -> bool:
-        """Whether one of them has a joint, behind which a hidden motion is simulated."""
-        rows = catalogue(self.coordinate)
-        every = [one for rival in self.rivals for one in rival.fit.model.effects if one in rows]
-        return any(rows[one].place == "coupling" for one in every)
-
-    @cached_property
     def white(self) -> float:
         """Variance of white noise of the raw torque, (N m)^2, as the best of the rivals leaves it."""
         best = min((rival.fit for rival in self.rivals), key=lambda fit: fit.rmse)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict, dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +12,7 @@ from ..capture.by_hand import by_hand, hand_can
 from ..capture.motion_plan import MotionPlan
 from ..errors import InputError
 from ..fit import fit
+from ..fit.rule import RULE
 from ..learn.designing import next_experiment
 from ..learn.limits import Limits
 from ..learn.telling import TOLD, Telling, wrong_choice
@@ -145,17 +145,6 @@ def rivals(story: LearningResult, names: Sequence[str]) -> list[str]:
     return ["+".join([*rest, one]) for one in names]
 
 
-def limits_of(given: Mapping[str, Any], usual: Limits) -> Limits:
-    """Return limits of which some are given. Raises InputError for what is none."""
-    known = [one.name for one in fields(Limits)]
-    for name, value in given.items():
-        if name not in known:
-            raise InputError(f"limits, {name}: is no limit; known are {', '.join(known)}")
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise InputError(f"limits, {name}: is {value!r}; give a number")
-    return replace(usual, **{name: float(value) for name, value in given.items()})
-
-
 def designed(
     story: LearningResult,
     names: Sequence[str],
@@ -166,7 +155,7 @@ def designed(
 ) -> Designed:
     """Return the motion that would tell models with each of these effects apart; none: what is not told."""
     tell("fitting the rivals")
-    within = limits_of(limits, Limits.reached(story.fit.prepared))
+    within = Limits.reached(story.fit.prepared).with_some(limits)
     found = next_experiment(story, rivals=rivals(story, names), limits=within, by_hand=by_hand, progress=tell)
     if found.sharpened:
         raise InputError(
@@ -201,25 +190,19 @@ def came(
         used = sum(one.core.used for one in fitted.prepared)
         left.append(fitted.rmse**2 * used / kept.white)
         params.append(len(fitted.core.free))
-    # Twice the logarithm of the evidence that a parameter costs is that of the samples (Schwarz 1978).
-    cost = [one + count * math.log(max(used, 2)) for one, count in zip(left, params, strict=True)]
+    # As `learn` weighs what could be missing: by what they leave and the price of their parameters.
+    cost = [one + RULE.price * count for one, count in zip(left, params, strict=True)]
     best = int(np.argmin(cost))
-    more = [one - left[best] for one in left]
-    richer = [count > params[best] for count in params]
-    pairs = tuple(replace(one, came=abs(left[one.one] - left[one.other])) for one in kept.pairs)
-    promised = {frozenset((one.one, one.other)): one.d for one in kept.pairs}
     others = [at for at in range(len(left)) if at != best]
-    gone = [at for at in others if more[at] >= TOLD]
-    # Were a richer one right, the motion would have shown it.
-    idle = [
-        at for at in others if abs(more[at]) < TOLD and richer[at] and promised[frozenset((best, at))] >= TOLD
-    ]
-    tied = [at for at in others if at not in (*gone, *idle)]
+    tied = [at for at in others if cost[at] - cost[best] <= RULE.alike]
     words = [f"{kept.names[best]} explains all captures best"]
-    words += [
-        f"{kept.names[at]} leaves {more[at]:.3g} more, where {TOLD:.3g} tells them apart" for at in gone
-    ]
-    words += [f"{kept.names[at]} explains no more with more parameters" for at in idle]
+    for at in (one for one in others if one not in tied):
+        more = left[at] - left[best]
+        why = (
+            f"leaves {more:.3g} more" if more > RULE.alike else "explains too little more for its parameters"
+        )
+        words.append(f"{kept.names[at]} {why}")
     words += [f"still not told from it: {', '.join(kept.names[at] for at in tied)}"] if tied else []
+    pairs = tuple(replace(one, came=abs(left[one.one] - left[one.other])) for one in kept.pairs)
     verdict = f"{'; '.join(words)}."
     return replace(kept, pairs=pairs, capture=name, verdict=verdict, right=None if tied else best)

@@ -3,13 +3,13 @@
 //! The torque of a contact comes in pulses of a few milliseconds: a gap that is a little off moves them, and the
 //! error knows no way back once they no longer overlap. Through a slower filter they are broad and do.
 
-use super::screen::{Screen, Start};
+use super::screen::{Screen, Start, loads, survey};
 use super::slower::{COARSE_HZ, MIDDLE_HZ, beginnings, floor, slowed};
 use super::strides::strides;
-use super::watch::Watch;
+use super::watch::{Tell, Watch};
 use crate::effects::{Id, Place};
 use crate::error::Result;
-use crate::fit::{Fit, Found, glance, refine, settled, sketch};
+use crate::fit::{Fit, Found, glance, refine, report, settled, sketch};
 use crate::model::{Model, Slot};
 use crate::rule::rule;
 use crate::signals::Signals;
@@ -19,6 +19,8 @@ const LOOKED: usize = 8;
 const FOLLOWED: usize = 3;
 /// Samples of captures that the coarse search looks at.
 const ENOUGH: usize = 30_000;
+/// Starts of a joint in another's place that are followed.
+const PLACED: usize = 2;
 /// Sums of squares through the filter in between of what is followed to its end, in times of the best.
 const RIVAL: f64 = 1.15;
 /// Ends whose sums of squares differ by less than this share are one.
@@ -102,6 +104,39 @@ fn crossed(
     watch.each(&worse, |(of, model)| (*of, on(model, &to)))
 }
 
+/// A fit with another coupling in the place of a model's own, from where that one ended. None for a model without one or
+/// with that one, where no such model can be followed, and if `tell` no longer wanted it.
+pub fn in_place(data: &[&Signals], model: &Model, other: Id, tell: &Tell<'_>) -> Option<Fit> {
+    if !model.is_coupled() || model.has(other) {
+        return None;
+    }
+    let rigid = loads(model);
+    let bare = model.shafts().iter().try_fold(rigid.with(other).ok()?, |with, id| with.with_at_shaft(*id));
+    let bare = joined_as(&bare.ok()?, model);
+    // What its own joint lacks it starts with.
+    let mut starts = vec![bare.clone()];
+    for values in other.law().starts(&survey(data, &rigid)) {
+        let mut start = bare.clone();
+        for (param, value) in other.info().params.iter().zip(values) {
+            // The names are the joint's own, the values within their bounds.
+            let _ = start.set(&format!("{}.{}", other.info().id, param.name), value);
+        }
+        let start = joined_as(&start, model);
+        if starts.iter().all(|known| known.values() != start.values()) {
+            starts.push(start);
+        }
+    }
+    let watch = Watch::new(tell, starts.len());
+    let looked = watch.each(&starts, |start| on(start, |model| glance(data, model)));
+    let mut looked: Vec<(usize, (Model, Found))> = looked.into_iter().map(|end| (0, end)).collect();
+    looked.sort_by(|(_, (_, a)), (_, (_, b))| a.cost.total_cmp(&b.cost));
+    others(&mut looked, RIVAL);
+    looked.truncate(PLACED);
+    let ends = watch.each(&looked, |(_, (model, _))| on(model, |model| sketch(data, model)));
+    let (model, found) = ends.into_iter().min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost))?;
+    if watch.wanted() { report(data, &model, found).ok() } else { None }
+}
+
 /// A model with the values of another, and its coupling's with those that go by the same names in the other's.
 fn joined_as(model: &Model, other: &Model) -> Model {
     let mut joined = model.clone();
@@ -165,6 +200,7 @@ pub fn converge(data: &[&Signals], model: &Model) -> Result<Fit> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::recorded::{knob, recorded};
     use super::*;
     use crate::param::Axis;
 
@@ -183,6 +219,23 @@ mod tests {
         let value = |name: &str| soft.slots()[soft.index(name).unwrap()].value;
         let names = ["compliance.k", "compliance.d", "compliance.share", "inertia.M"];
         assert_eq!(names.map(value), [45.0, 1e-3, 0.6, 5e-5]);
+    }
+
+    #[test]
+    fn a_joint_that_stands_in_for_another_is_followed_from_where_that_one_ended() {
+        let joint = [("compliance.k", 0.3), ("compliance.d", 2e-3), ("compliance.share", 0.7)];
+        let truth =
+            knob(&[Id::Compliance, Id::ReturnSpring], &[&joint[..], &[("return_spring.k", 0.1)]].concat());
+        let truth = truth.with_at_shaft(Id::ReturnSpring).unwrap();
+        let signals = recorded(&truth, "a");
+        let data = [&signals];
+        let soft = refine(&data, &truth).unwrap();
+        let gap = in_place(&data, &soft.model, Id::Backlash, &|_| true).unwrap();
+        assert!(gap.model.at_shaft(Id::ReturnSpring) && !gap.model.has(Id::Compliance));
+        // A gap that closes is compliance, but for surfaces that do not pull.
+        assert!(gap.rmse < 1.5 * soft.rmse, "{} {}", gap.rmse, soft.rmse);
+        assert!(in_place(&data, &soft.model, Id::Compliance, &|_| true).is_none());
+        assert!(in_place(&data, &knob(&[], &[]), Id::Backlash, &|_| true).is_none());
     }
 
     #[test]

@@ -21,7 +21,7 @@ mod verdict;
 mod watch;
 
 pub use candidates::{Candidate, diagnose};
-pub use coupled::converge;
+pub use coupled::{converge, in_place};
 pub use implausible::implausible;
 pub use locate::{Region, Split, locate};
 pub use pairs::{Pair, pairs};

@@ -278,7 +278,7 @@ impl<'a> Screen<'a> {
 }
 
 /// A model without its coupling.
-fn loads(model: &Model) -> Model {
+pub(super) fn loads(model: &Model) -> Model {
     let loads: Vec<Id> = model.effects().filter(|id| id.info().place != Place::Coupling).collect();
     model.only(&loads).unwrap_or_else(|_| model.clone())
 }
@@ -339,7 +339,8 @@ fn level(model: &Model, p: &mut [f64]) {
     }
 }
 
-fn survey(data: &[&Signals], model: &Model) -> Survey {
+/// What a capture and a model say to starts of effects.
+pub(super) fn survey(data: &[&Signals], model: &Model) -> Survey {
     let counted = |of: &dyn Fn(&Signals, usize) -> f64| -> Vec<f64> {
         let mut values: Vec<f64> = data
             .iter()

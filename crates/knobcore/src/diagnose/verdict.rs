@@ -28,6 +28,8 @@ pub struct Evidence {
     pub gain: f64,
     /// Parameters that it adds.
     pub parameters: usize,
+    /// How many it is charged for where others do as well: one that may be anything within its range is no choice.
+    pub charged: f64,
     /// Chance of such a gain where nothing is missing.
     pub p_value: f64,
     /// Root mean square error with it, N m.
@@ -135,12 +137,21 @@ fn judge_by(rule: &Rule, state: &State, all: &[Evidence]) -> Vec<Judgement> {
     let alike =
         |at: usize| -> Vec<usize> { could.iter().copied().filter(|&other| near(at, other)).collect() };
     let group = best.map_or_else(Vec::new, &alike);
+    // What is hardly known of another's parameters makes it no less likely.
+    let told = |one: &Evidence| one.gain - rule.price * one.charged;
+    let likely =
+        |at: usize| best.is_some_and(|best| told(&all[at]) >= score(&all[best]) - margin(&all[best]));
     let simplest = |a: &usize, b: &usize| {
         // What explains as much without friction that gives power back has a better claim than what is simpler.
         let claim = |at: usize| (all[at].bent, all[at].parameters);
         claim(*a).cmp(&claim(*b)).then(score(&all[*b]).total_cmp(&score(&all[*a])))
     };
-    if let Some(chosen) = group.iter().copied().min_by(simplest) {
+    let chosen = group.iter().copied().min_by(simplest);
+    let mut group = group;
+    group.extend(could.iter().copied().filter(|&at| likely(at)));
+    group.sort_unstable();
+    group.dedup();
+    if let Some(chosen) = chosen {
         group.iter().for_each(|&at| words[at] = Word::Alike);
         let mainly = taken(&all[chosen]) >= rule.mainly * excess;
         words[chosen] = if mainly { Word::Missing } else { Word::Part };
@@ -182,7 +193,9 @@ mod tests {
     fn takes(share: f64, parameters: usize) -> Evidence {
         let rmse = (4.0 - 3.0 * share).sqrt();
         let felt = 1.0 - rmse.powi(2) / 4.0;
-        Evidence { gain: 3000.0 * share, parameters, p_value: 0.001, rmse, felt, implausible: false, bent: 0 }
+        let gain = 3000.0 * share;
+        let (charged, p_value) = (parameters as f64, 0.001);
+        Evidence { gain, parameters, charged, p_value, rmse, felt, implausible: false, bent: 0 }
     }
 
     fn words(state: &State, all: &[Evidence]) -> Vec<Word> {
@@ -240,6 +253,19 @@ mod tests {
     }
 
     #[test]
+    fn what_is_hardly_known_of_another_does_not_tell_it_from_the_one_that_is_named() {
+        let at_floor = State { rmse: 1.01, ..BENT };
+        let plain = Evidence { gain: 300.0, rmse: 1.0, felt: 0.02, ..takes(0.99, 2) };
+        let rich = |charged| Evidence { gain: 305.0, parameters: 7, charged, ..plain };
+        assert_eq!(words(&at_floor, &[plain, rich(3.0)]), [Word::Missing, Word::Less]);
+        assert_eq!(words(&at_floor, &[plain, rich(2.5)]), [Word::Missing, Word::Alike]);
+        assert_eq!(
+            words(&at_floor, &[Evidence { bent: 1, ..plain }, rich(2.5)]),
+            [Word::Missing, Word::Alike]
+        );
+    }
+
+    #[test]
     fn of_those_alike_what_bends_nothing_below_zero_stands_before_what_is_simpler() {
         let bent = Evidence { bent: 1, ..takes(0.99, 1) };
         assert_eq!(words(&BENT, &[bent, takes(0.998, 3)]), [Word::Alike, Word::Missing]);
@@ -265,6 +291,7 @@ mod tests {
         let doubtful = Evidence {
             gain: 40.0,
             parameters: 1,
+            charged: 1.0,
             p_value: 0.02,
             rmse: 1.01,
             felt: 0.02,

@@ -1,0 +1,140 @@
+"""A joint against what else it could be: when joints are looked at, and how they are judged with the rest."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from known import BASE, Known
+
+from knobcam.fit.diagnose import Candidate
+from knobcam.fit.rule import RULE
+from knobcam.learn import contenders, joints
+
+
+@dataclass(frozen=True)
+class One:
+    """A candidate of which everything is known."""
+
+    effect: str
+    rmse: float
+    gain: float = 50.0
+    p_value: float = 0.001
+    place: str = "load"
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """A diagnosis; the first is named."""
+
+    fit: Any
+    candidates: tuple[Any, ...]
+    left_out: dict[str, str] = field(default_factory=dict)
+    comparison: Any = None
+
+    @property
+    def best(self) -> Any:
+        return self.candidates[0] if self.candidates else None
+
+    @property
+    def could_be(self) -> tuple[Any, ...]:
+        return tuple(one for one in self.candidates if one.effect != "presliding")
+
+
+def test_joints_are_looked_at_where_what_is_named_does_not_explain_what_is_left(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    found = One("compliance", 1.0, gain=70.0, p_value=1.0, place="coupling")
+    other = SimpleNamespace(candidates=(found,), left_out={"backlash": "too little", "offset": "asked not"})
+    monkeypatch.setattr(joints, "absent", lambda fit, without: (["compliance", "backlash", "lag"], {}))
+    monkeypatch.setattr(joints, "diagnose", lambda fit, only, progress: other)
+    monkeypatch.setattr(joints, "judged", lambda comparison, candidates: tuple(candidates))
+
+    def told(left: float, named: str = "lag", gain: float = 50.0, **more: Any) -> Any:
+        # Of a mean square of 0.1 above the floor the named one leaves so much.
+        candidates = (One(named, math.sqrt(1.0 + left), gain), One("presliding", 1.0, 60.0, 0.002))
+        weighed = Weighed(Known(math.sqrt(1.1)), candidates, **more)
+        return weighed, joints.overlooked(weighed, (), lambda _: None)
+
+    before, after = told(0.1 * RULE.better * 1.01)
+    assert [one.effect for one in after.candidates] == ["lag", "presliding", "compliance"]
+    # Chance does as well no oftener than for what takes off less.
+    assert after.candidates[2].p_value == 0.001 and after.left_out == {"backlash": "too little"}
+    before, after = told(0.1 * RULE.better * 0.99)
+    assert after is before
+    # Another that could be missing explains it, though it is not named.
+    some = (One("lag", math.sqrt(1.09)), One("polynomial", 1.0))
+    tied = Weighed(Known(math.sqrt(1.1)), some)
+    assert joints.overlooked(tied, (), lambda _: None) is tied
+    # What looks like a joint and explains so little that a fiftieth of it tells nothing.
+    for gain, looked in ((0.99, True), (1.01, False)):
+        before, after = told(0.0, "torque_lag", gain * RULE.alike / RULE.relative)
+        assert (after is not before) == looked
+    # They were looked at already, or there is nothing to look at them for.
+    before, after = told(0.09, left_out={"backlash": "too little"})
+    assert after is before
+    none = Weighed(Known(1.5), ())
+    assert joints.overlooked(none, (), lambda _: None) is none
+
+
+def test_a_joint_and_the_other_in_its_place_are_judged_with_what_else_there_is(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    monkeypatch.setattr(joints, "absent", lambda fit, without: (["backlash", "compliance", "offset"], {}))
+    monkeypatch.setattr(joints, "judged", lambda comparison, candidates: tuple(candidates))
+    monkeypatch.setattr(joints, "implausible", lambda candidate, before: (f"no {candidate.effect}",))
+    monkeypatch.setattr(
+        joints,
+        "replace",
+        lambda one, **more: Candidate(**{**vars(one), **more}) if isinstance(one, Candidate) else one,
+    )
+    first = Known(2.0)
+    monkeypatch.setattr(Known, "compare", lambda self: None, raising=False)
+    own, other = Known(1.0, (*BASE, "backlash")), Known(1.1, (*BASE, "compliance"))
+    monkeypatch.setattr(joints, "in_place", lambda fit, one, progress: {"compliance": other}[one])
+    weighed = Weighed(first, (One("offset", 1.9, 10.0, 0.02), One("backlash", 1.5)), {"cogging": "no"})
+    told = joints.beside_others(weighed, "backlash", own, first, (), lambda _: None)
+    assert [one.effect for one in told.candidates] == ["offset", "backlash", "compliance"]
+    assert [one.count for one in told.candidates[1:]] == [4, 3]
+    assert told.candidates[1].gain > told.candidates[2].gain > 1000.0
+    assert told.candidates[1].implausible == ("no backlash",) and told.left_out == {"cogging": "no"}
+    # Beside another model the others were never weighed.
+    alone = joints.beside_others(weighed, "backlash", own, Known(1.8), (), lambda _: None)
+    assert [one.effect for one in alone.candidates] == ["backlash", "compliance"]
+    monkeypatch.setattr(joints, "in_place", lambda fit, one, progress: None)
+    alone = joints.beside_others(weighed, "backlash", own, Known(1.8), (), lambda _: None)
+    assert [one.effect for one in alone.candidates] == ["backlash"]
+
+
+def test_a_parameter_that_may_be_anything_in_its_range_is_no_choice():
+    def charged(*errors: float) -> float:
+        known = {
+            f"presliding.w{i}": SimpleNamespace(se=error, determined=error < math.inf)
+            for i, error in enumerate(errors, 1)
+        }
+        fit = SimpleNamespace(params=known, model=SimpleNamespace(coordinate="rotary"))
+        return Candidate("presliding", fit, 0.001, 100.0, 7).charged  # type: ignore[arg-type]
+
+    assert charged() == 7.0
+    # A share lies between 0 and 1: known to e^-6 of that it costs its price of 12, to all of it nothing.
+    assert charged(math.exp(-0.5 * RULE.price)) == pytest.approx(7.0) == charged(1e-9)
+    assert charged(1.0) == pytest.approx(6.0) == charged(50.0)
+    assert charged(math.exp(-0.25 * RULE.price), 1.0) == pytest.approx(5.5)
+    assert charged(math.inf, 0.0) == 7.0
+
+
+def test_another_joint_is_fitted_from_where_the_one_that_came_in_ended(monkeypatch: pytest.MonkeyPatch):
+    first = Known(3.0)
+    ended = Known(1.0, (*BASE, "compliance", "offset"))
+    steps = [SimpleNamespace(fit=one, effects=one.effects, diagnosis=None) for one in (first, ended)]
+    story: Any = SimpleNamespace(ladder=steps, model=SimpleNamespace(coordinate="rotary"))
+    monkeypatch.setattr(contenders, "in_place", lambda fit, other: (fit, other))
+    monkeypatch.setattr(Known, "add", lambda self, effect: (self, effect, "alone"), raising=False)
+    assert contenders._fit(story, ("compliance", "offset")) is ended
+    assert contenders._fit(story, ("offset", "backlash")) == (ended, "backlash")
+    # Beside other effects there is nothing to begin from, nor for what has no joint.
+    assert contenders._fit(story, ("backlash",)) == (first, "backlash", "alone")
+    assert contenders._fit(story, ("offset",)) == (first, "offset", "alone")
