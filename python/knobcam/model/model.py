@@ -18,6 +18,7 @@ from ..base.writing import write
 from ..capture.formats.units import torque_unit_of
 from ..capture.motor import torque_per_unit
 from ..errors import InputError
+from .effects import Effect, effects, of_rows
 from .plugins import load_plugins
 
 if TYPE_CHECKING:
@@ -144,6 +145,10 @@ class Model(showing.Tabled):
     def effects(self) -> tuple[str, ...]:
         """Ids of its effects, in the order of the catalogue."""
         return tuple(self.core.effects)
+
+    def catalogue(self) -> dict[str, Effect]:
+        """Return the catalogue by id, with the laws that the model carries itself in place of their names."""
+        return effects(self.coordinate) | of_rows(self.core.own_rows())
 
     @property
     def params(self) -> Mapping[str, Parameter]:

@@ -256,6 +256,21 @@ impl Id {
         self.law().info()
     }
 
+    /// Whether it calls a function of the user's own, which is given whole columns and may take any time.
+    pub fn calls_out(self) -> bool {
+        matches!(self, Self::User(user) if user.formula().is_none())
+    }
+
+    /// Whether it follows the acceleration in another way than an inertia does.
+    pub fn bends_over_alpha(self) -> bool {
+        let Self::User(user) = self else { return false };
+        user.formula().is_some_and(|law| match law.over_alpha() {
+            formula::OverAlpha::Not => false,
+            formula::OverAlpha::Straight => user.info.touches.contains(&Channel::FrictionScale),
+            formula::OverAlpha::Bent => user.info.place == Place::Load,
+        })
+    }
+
     /// The catalogue in the order of the chain, the effects of the user's own among the loads.
     pub fn all() -> Vec<Self> {
         let mut all: Vec<Self> = Self::BUILT_IN.iter().copied().chain(user::all().map(Self::User)).collect();

@@ -12,6 +12,7 @@ mod recovery;
 mod rendering;
 mod runs;
 mod sides;
+mod stated;
 mod symmetry;
 mod units;
 mod user;
