@@ -62,26 +62,21 @@ def test_the_only_law_of_a_model_needs_no_name_and_people_are_told_what_is_left(
     assert 'Param::linear("a", Unit::of(1, 0, 0)' in (checkout / EFFECTS / "eddy_brake.rs").read_text("utf-8")
 
 
-def test_what_cannot_become_an_effect_is_refused_and_nothing_is_written(checkout: Path, tmp_path: Path) -> None:
+def test_what_cannot_become_an_effect_is_refused_and_nothing_is_written(
+    checkout: Path, tmp_path: Path
+) -> None:
     before = {path: path.read_text("utf-8") for path in (checkout / EFFECTS).iterdir()}
-
-    def call(name: str, *laws: str, more: tuple[str | Path, ...] = ()) -> None:
-        words = more or ("--into", checkout)
-        refused(knobcam("new-effect", name, "--from", model(tmp_path, *laws), *words), *said)
-
-    for name, laws, said in (
-        ("Eddy", (BRAKE,), ("Eddy", "small letters")),
-        ("mod", (BRAKE,), ("mod.rs", "another name")),
-        ("viscous", (BRAKE,), ("viscous", "catalogue")),
-        ("two", (BRAKE, HUM), ("brake, hum", "--law")),
-        ("none", (), ("mine", "no law")),
-        ("worn", (WORN,), ("worn", "by hand")),
+    for name, laws, more, said in (
+        ("Eddy", (BRAKE,), ("--into", checkout), ("Eddy", "small letters")),
+        ("mod", (BRAKE,), ("--into", checkout), ("mod.rs", "another name")),
+        ("viscous", (BRAKE,), ("--into", checkout), ("viscous", "catalogue")),
+        ("two", (BRAKE, HUM), ("--into", checkout), ("brake, hum", "--law")),
+        ("none", (), ("--into", checkout), ("mine", "no law")),
+        ("worn", (WORN,), ("--into", checkout), ("worn", "by hand")),
+        ("eddy", (BRAKE,), ("--into", tmp_path), ("no checkout", "--into")),
+        ("eddy", (BRAKE,), ("--law", "inertia", "--into", checkout), ("'inertia'", "in the catalogue")),
     ):
-        call(name, *laws)
-    said = ("no checkout", "--into")
-    call("eddy", BRAKE, more=("--into", tmp_path))
-    said = ("'inertia'", "in the catalogue")
-    call("eddy", BRAKE, more=("--law", "inertia", "--into", checkout))
+        refused(knobcam("new-effect", name, "--from", model(tmp_path, *laws), *more), *said)
     assert {path: path.read_text("utf-8") for path in (checkout / EFFECTS).iterdir()} == before
 
 

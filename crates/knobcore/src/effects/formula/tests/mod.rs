@@ -1,5 +1,7 @@
 //! Laws as formulas: what is read, what is refused and where, units, derivatives.
 
+mod catalogued;
+
 use super::*;
 use crate::motion::Motion;
 use crate::scalar::Dual;
