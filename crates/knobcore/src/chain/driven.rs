@@ -4,7 +4,7 @@
 //! of the model behind it the shaft is a body between two.
 
 use super::stepper::{Acts, Body};
-use crate::effects::Joint;
+use crate::effects::{BENT, Joint};
 use crate::error::{Error, Result};
 use crate::model::{Model, Rigid};
 use crate::motion::{Load, Motion};
@@ -23,10 +23,6 @@ pub fn steps(dt: f64) -> usize {
     // A rounding error makes no step more.
     ((dt / LONGEST_S * (1.0 - 1e-9)).ceil() as usize).clamp(STEPS, MOST)
 }
-
-/// Why a law that bends over the acceleration has no place where a motion is simulated.
-pub(crate) const BENT: &str = "is not in proportion to alpha, which no motion that is simulated can follow; write it \
-                               as something times alpha, or leave alpha out";
 
 /// What drives the shaft in a step.
 pub enum Drive<'a> {

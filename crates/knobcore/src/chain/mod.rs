@@ -20,7 +20,6 @@ mod stepper;
 
 pub use behind::knob;
 pub use block::Block;
-pub(crate) use driven::BENT;
 pub use driven::{Drive, Driven, steps};
 pub use hidden::{Beside, Hidden, Instant};
 pub use push::{Hand, Pushed, push};

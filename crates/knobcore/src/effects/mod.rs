@@ -64,6 +64,10 @@ pub use survey::{Survey, Wave};
 pub use told::{Base, Over, TakenUp, Words};
 pub use user::{Does, Function, User};
 
+/// Why a law that bends over the acceleration has no place where a motion is simulated.
+pub(crate) const BENT: &str = "is not in proportion to alpha, which no motion that is simulated can follow; write it \
+                               as something times alpha, or leave alpha out";
+
 /// Where in the chain from the motion to the measured torque an effect acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {

@@ -1,8 +1,7 @@
 //! Effects of a user's own in a model: functions that are called beside the chain, and what failed in them.
 
 use super::Model;
-use crate::chain::BENT;
-use crate::effects::{Id, User};
+use crate::effects::{BENT, Id, User};
 use crate::error::{Error, Result};
 use crate::motion::{Load, Motion};
 

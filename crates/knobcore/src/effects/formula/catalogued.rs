@@ -20,6 +20,55 @@ const TAKEN: [&str; 51] = [
 /// Motions in which the file's own test holds it to the formula.
 const MOTIONS: usize = 6;
 
+/// The file, with marks for what differs from law to law; other marks stand in what these stand for.
+const FILE: &str = include_str!("effect.txt");
+const TOUCHES: &str = "    const TOUCHES: &'static [Channel] = &[$these];\n";
+const STARTS: &str = "
+    /// Parts of what the motion goes through.
+    fn starts(survey: &Survey) -> Vec<[f64; $count]> {
+        let starts = formula::starts(&Self::PARAMS, survey).into_iter();
+        starts.filter_map(|values| values.try_into().ok()).collect()
+    }
+";
+const DRIVE: &str = "    #[inline(always)]
+    fn load<T: Scalar>($takes, motion: &Motion<T>) -> Load<T> {
+$lines        Load::drive($answer)
+    }
+}
+";
+const SCALE: &str = "    #[inline(always)]
+    fn load<T: Scalar>($takes, motion: &Motion<T>) -> Load<T> {
+$lines        Load::friction_scale(($answer).max(T::of($least)))
+    }
+}
+";
+const SENSE: &str = "    #[inline(always)]
+    fn sense<T: Scalar>($takes, motion: &Motion<T>, tau: T) -> T {
+$lines        tau + $answer
+    }
+}
+";
+const STRAIGHT: &str = "    /// What is in proportion to the acceleration is an inertia.
+    #[inline(always)]
+    fn load<T: Scalar>(p: &[T; $count], motion: &Motion<T>) -> Load<T> {
+        let drive = Self::torque(p, &Motion { alpha: T::of(0.0), ..*motion });
+        let inertia = Self::torque(p, &Motion { alpha: T::of(1.0), ..*motion }) - drive;
+        Load { drive, inertia, ..Load::none() }
+    }
+}
+
+impl $Name {
+    #[inline(always)]
+    fn torque<T: Scalar>($takes, motion: &Motion<T>) -> T {
+$lines        $answer
+    }
+}
+";
+const STORED: &str = "{
+                let load = $Name::load(&$values, &motion);
+                load.drive + load.inertia * alpha
+            }";
+
 /// The source of an effect.
 #[derive(Debug, Clone)]
 pub struct Source {
@@ -43,108 +92,52 @@ pub fn source(user: &User, id: &str, p: &[f64]) -> Result<Source> {
     if law.remembers() {
         return bad("depends on s, and so on where the knob has been; write it by hand, as presliding.rs is");
     }
-    let (acts, count) = (Acts::of(user.info), law.params().len());
+    let (acts, count) = (Acts::of(user.info), law.params().len().to_string());
     let name: String = id.split('_').map(capital).collect();
-    let own = names(law.params());
-    let (law_text, params) = (law.text(), user.info.params);
+    let params = user.info.params;
     let searched = params.iter().any(|param| param.kind == Kind::Nonlinear);
-    let (kind, list) = match acts {
-        Acts::Sensor => ("SensorEffect", "sensors"),
-        _ => ("LoadEffect", "loads"),
-    };
     let straight = acts == Acts::Load && law.over_alpha() == OverAlpha::Straight;
-    let touches = match acts {
-        Acts::Sensor => String::new(),
-        Acts::Friction => "    const TOUCHES: &'static [Channel] = &[Channel::FrictionScale];\n".into(),
-        Acts::Load if straight => {
-            "    const TOUCHES: &'static [Channel] = &[Channel::Drive, Channel::Inertia];\n".into()
+    let (lines, answer) = written(law, &names(law.params()));
+    let calls = searched || [&lines, &answer].into_iter().any(|text| text.contains("formula::"));
+    let (kind, list) =
+        if acts == Acts::Sensor { ("SensorEffect", "sensors") } else { ("LoadEffect", "loads") };
+    let mut imports = vec!["Effect", kind, "Words"];
+    imports.extend(searched.then_some("Survey"));
+    imports.extend(calls.then_some("formula"));
+    imports.sort_unstable();
+    let (touches, does, asked) = match acts {
+        Acts::Sensor => (None, SENSE, "$Name::sense(&$values, &motion, 0.0)"),
+        Acts::Friction => {
+            (Some("Channel::FrictionScale"), SCALE, "$Name::load(&$values, &motion).friction_scale")
         }
-        Acts::Load => "    const TOUCHES: &'static [Channel] = &[Channel::Drive];\n".into(),
+        Acts::Load if straight => (Some("Channel::Drive, Channel::Inertia"), STRAIGHT, STORED),
+        Acts::Load => (Some("Channel::Drive"), DRIVE, "$Name::load(&$values, &motion).drive"),
     };
-    let rows: String = params.iter().map(row).collect();
-    let starts = if searched {
-        format!(
-            "\n    /// Parts of what the motion goes through.\n    \
-             fn starts(survey: &Survey) -> Vec<[f64; {count}]> {{\n        \
-             let starts = formula::starts(&Self::PARAMS, survey).into_iter();\n        \
-             starts.filter_map(|values| values.try_into().ok()).collect()\n    }}\n"
-        )
-    } else {
-        String::new()
-    };
-    let (lines, answer) = written(law, &own);
-    let mut names = vec!["Effect", kind, "Words"];
-    names.extend(searched.then_some("Survey"));
-    names.extend(
-        (searched || lines.contains("formula::") || answer.contains("formula::")).then_some("formula"),
-    );
-    names.sort_unstable();
-    let of_motion = if acts == Acts::Sensor { "Motion" } else { "{Channel, Load, Motion}" };
-    let takes = format!("&[{}]: &[T; {count}]", own.join(", "));
-    let body = format!("{lines}        {answer}\n");
-    let does = match acts {
-        Acts::Sensor => format!(
-            "    #[inline(always)]\n    fn sense<T: Scalar>({takes}, motion: &Motion<T>, tau: T) -> T {{\n\
-             {lines}        tau + {answer}\n    }}\n"
-        ),
-        Acts::Friction => format!(
-            "    #[inline(always)]\n    fn load<T: Scalar>({takes}, motion: &Motion<T>) -> Load<T> {{\n\
-             {lines}        Load::friction_scale(({answer}).max(T::of({LEAST:?})))\n    }}\n"
-        ),
-        Acts::Load if straight => "    /// What is in proportion to the acceleration is an inertia.\n    \
-             #[inline(always)]\n    fn load<T: Scalar>(p: &[T; COUNT], motion: &Motion<T>) -> Load<T> {\n        \
-             let drive = Self::torque(p, &Motion { alpha: T::of(0.0), ..*motion });\n        \
-             let inertia = Self::torque(p, &Motion { alpha: T::of(1.0), ..*motion }) - drive;\n        \
-             Load { drive, inertia, ..Load::none() }\n    }\n"
-            .replace("COUNT", &count.to_string()),
-        Acts::Load => format!(
-            "    #[inline(always)]\n    fn load<T: Scalar>({takes}, motion: &Motion<T>) -> Load<T> {{\n\
-             {lines}        Load::drive({answer})\n    }}\n"
-        ),
-    };
-    let apart = if straight {
-        format!(
-            "\nimpl {name} {{\n    #[inline(always)]\n    fn torque<T: Scalar>({takes}, motion: &Motion<T>) -> T {{\n\
-             {body}    }}\n}}\n"
-        )
-    } else {
-        String::new()
-    };
-    let asked = match acts {
-        Acts::Sensor => format!("{name}::sense(&{p:?}, &motion, 0.0)"),
-        Acts::Friction => format!("{name}::load(&{p:?}, &motion).friction_scale"),
-        Acts::Load if straight => {
-            format!(
-                "{{\n                let load = {name}::load(&{p:?}, &motion);\n                load.drive + load.inertia * alpha\n            }}"
-            )
-        }
-        Acts::Load => format!("{name}::load(&{p:?}, &motion).drive"),
-    };
-    let cases: String = cases(law, acts, p)
-        .into_iter()
-        .map(|([t, theta, omega, alpha], answer)| {
-            format!("            ([{t:?}, {theta:?}, {omega:?}, {alpha:?}], {answer:?}),\n")
-        })
-        .collect();
-    let text = format!(
-        "//! {id}: say in one line what it is.\n\nuse super::{{{names}}};\nuse crate::motion::{of_motion};\n\
-         use crate::param::{{Param, Unit}};\nuse crate::scalar::Scalar;\n\n/// {law_text}.\n///\n/// Say why that is the law, and \
-         what it leaves out.\npub struct {name};\n\nimpl Effect<{count}> for {name} {{\n    \
-         const ID: &'static str = {id:?};\n    const LAW: &'static str = {law_text:?};\n    \
-         const SOURCE: &'static str = \"author, year and equation\";\n    \
-         const SHOWS: &'static str = \"where in a measurement\";\n{touches}    \
-         const WORDS: Words = Words {{\n        name: \"what a person would say is there ({id})\",\n        \
-         about: \"One sentence of what it is.\",\n        causes: &[\"what usually brings it about\"],\n        \
-         remedies: &[\"what takes it away\"],\n        latex: r{latex},\n    }};\n    \
-         const PARAMS: [Param; {count}] = [\n{rows}    ];\n{starts}}}\n\nimpl {kind}<{count}> for {name} {{\n{does}}}\n\
-         {apart}\n#[cfg(test)]\nmod tests {{\n    use super::*;\n\n    #[test]\n    \
-         fn it_answers_what_the_formula_did_that_it_was_written_from() {{\n        for ([t, theta, omega, alpha], \
-         answer) in [\n{cases}        ] {{\n            let motion = Motion::exact(t, theta, omega, alpha);\n            \
-         let own: f64 = {asked};\n            assert!((own - answer).abs() <= 1e-12 * answer.abs(), \"{{own}} \
-         {{answer}}\");\n        }}\n    }}\n}}\n",
-        names = names.join(", "),
-        latex = format_args!("{law_text:?}"),
-    );
+    let cases = cases(law, acts, p).into_iter().map(|([t, theta, omega, alpha], answer)| {
+        format!("            ([{t:?}, {theta:?}, {omega:?}, {alpha:?}], {answer:?}),\n")
+    });
+    // What a part holds may name others after it.
+    let parts = [
+        ("$does", does.to_owned()),
+        ("$asked", asked.to_owned()),
+        ("$touches", touches.map_or_else(String::new, |these| TOUCHES.replace("$these", these))),
+        ("$starts", if searched { STARTS } else { "" }.to_owned()),
+        ("$motion", if acts == Acts::Sensor { "Motion" } else { "{Channel, Load, Motion}" }.to_owned()),
+        ("$imports", imports.join(", ")),
+        ("$takes", format!("&[{}]: &[T; $count]", names(law.params()).join(", "))),
+        ("$lines", lines),
+        ("$answer", answer),
+        ("$least", format!("{LEAST:?}")),
+        ("$params", params.iter().map(row).collect()),
+        ("$cases", cases.collect()),
+        ("$values", format!("{p:?}")),
+        ("$count", count.clone()),
+        ("$kind", kind.to_owned()),
+        ("$Name", name.clone()),
+        ("$id", id.to_owned()),
+        ("$law", law.text().to_owned()),
+    ];
+    let text = parts.into_iter().fold(FILE.to_owned(), |text, (mark, part)| text.replace(mark, &part));
     Ok(Source { text, line: format!("{id}::{name}({count}),"), list })
 }
 

@@ -17,6 +17,7 @@ mod written;
 use crate::motion::Motion;
 use crate::param::Unit;
 use crate::random::Noise;
+use crate::scalar::Dual;
 pub use catalogued::{Source, source};
 pub(crate) use distance::{STATES, follow};
 pub(crate) use evaluate::Room;
@@ -24,12 +25,20 @@ pub(crate) use evaluate::Room;
 #[allow(unused_imports)]
 pub(crate) use functions::{log, power, raised, sign, tan, tanh};
 pub use parse::Mistake;
+use parse::PARAMETERS;
 use std::collections::HashMap;
 pub(crate) use written::starts;
 pub use written::{Acts, Asked, made, register};
 
 /// Motions in which each parameter of a law is tried.
 const TRIALS: usize = 100;
+
+/// Share by which what cancels may change a value.
+const ROUNDED: f64 = 1e-3;
+
+fn filled(p: &[f64]) -> [f64; PARAMETERS] {
+    std::array::from_fn(|i| p.get(i).copied().unwrap_or(0.0))
+}
 
 /// What of the motion a law looks at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -250,14 +259,16 @@ impl Formula {
         for _ in 0..TRIALS {
             let p: Vec<f64> = self.params.iter().map(|_| any().abs()).collect();
             let motion = Motion::exact(any(), any(), any(), any());
-            let (distance, mut room) = (any().abs(), Room::new());
-            let mut value = |p: &[f64]| self.worked(&mut room, p, &motion, distance);
-            let here = value(&p);
-            for (at, moves) in moves.iter_mut().enumerate() {
+            let distance = any().abs();
+            let (mut steep, mut flat) = (Room::new(), Room::new());
+            let (at, along) = (motion.map(Dual::constant), Dual::constant(distance));
+            let slopes = self.worked(&mut steep, &Dual::<f64, PARAMETERS>::seeds(filled(&p), 0), &at, along);
+            for (i, moves) in moves.iter_mut().enumerate() {
                 let mut other = p.clone();
-                other[at] *= 1.5;
-                // No value is as good as another.
-                *moves |= value(&other).to_bits() != here.to_bits() || !here.is_finite();
+                other[i] *= 1.5;
+                let by = self.worked(&mut flat, &other, &motion, distance) - slopes.v;
+                // What jumps has no slope, and no value is as good as another.
+                *moves |= slopes.d[i] != 0.0 || by.is_nan() || by.abs() > ROUNDED * slopes.v.abs();
             }
         }
         let at = moves.iter().position(|moves| !moves)?;

@@ -13,7 +13,7 @@ use std::cell::Cell;
 use std::ops::Range;
 
 /// Parameters by which it is differentiated at a time.
-const LANES: usize = 3;
+const LANES: usize = 2;
 /// Parameter values that are kept of what fails.
 const TOLD: usize = 12;
 
