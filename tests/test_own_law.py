@@ -11,6 +11,8 @@ import pytest
 from command import knobcam, refused
 
 import knobcam as kc
+from knobcam.rig.emulator import EmulatedRig
+from knobcam.rig.record import record
 
 BRAKE = "2 a (omega/w) / (1 + (omega/w)^2)"
 
@@ -121,6 +123,33 @@ def test_what_a_sensor_adds_is_measured_and_moves_nothing(braked: kc.Capture, tm
     pushed, bare = (kc.simulate(knob, "push", noise="none") for knob in (model, "knob4"))
     np.testing.assert_array_equal(pushed.theta, bare.theta)
     assert np.max(np.abs(pushed.tau - bare.tau)) > 1e-3
+
+
+LAWS = """
+[effects.own_drag]
+law = "a omega |omega| + b direction exp(-s/c)"
+a = 4e-4
+b = 0.004
+c = { value = 0.1, lower = 0.01, upper = 1.0 }
+[effects.own_wear]
+law = "1 + r exp(-t/d)"
+acts = "friction"
+r = 0.6
+d = { value = 2.0, lower = 0.1, upper = 10.0 }
+[effects.own_cable]
+law = "g theta"
+acts = "sensor"
+g = 0.006
+"""
+
+
+def test_an_emulated_rig_has_a_knob_with_the_laws_of_its_model(tmp_path: Path) -> None:
+    bare = kc.Model.load("knob2")
+    stated = kc.Model.parse(bare.text() + LAWS)
+    with EmulatedRig(stated.save(tmp_path / "knob.toml"), speed=20.0, noise=False) as rig:
+        capture = record(rig.port, "sweep", duration_s=3.0, output=tmp_path / "a.kcwire")
+    left = {name: kc.fit(capture, one.frozen()).rmse for name, one in (("bare", bare), ("stated", stated))}
+    assert left["stated"] < 0.1 * left["bare"]
 
 
 def test_a_law_of_the_command_line_explains_what_no_effect_does(braked: kc.Capture, tmp_path: Path) -> None:

@@ -224,7 +224,7 @@ class Model(showing.Tabled):
         """Return the model with a load of it at the shaft, before the backlash or compliance of the model.
 
         Raises InputError for a model without a joint, and for what cannot be there: the base model's loads,
-        sensors, and effects of one's own.
+        sensors, what is an inertia, and functions of one's own.
         """
         return Model(self.core.with_at_shaft(effect))
 

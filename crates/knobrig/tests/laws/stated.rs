@@ -149,6 +149,18 @@ fn what_is_in_proportion_to_the_acceleration_is_inertia() {
 }
 
 #[test]
+fn a_law_at_the_shaft_loads_it_and_does_not_move_the_knob() {
+    for row in LAWS.into_iter().filter(|row| Model::may_be_at_shaft(stated(*row))) {
+        let shaft = with(Some(row), true).with_at_shaft(stated(row)).unwrap();
+        let again = model_file::parse(&model_file::write(&shaft)).unwrap();
+        let models = [&again, &with(None, true), &with(Some(row), false), &with(None, false)];
+        let [whole, joint, rigid, bare] = models.map(|model| torque(model).tau);
+        let sum: Vec<f64> = (0..whole.len()).map(|i| joint[i] + rigid[i] - bare[i]).collect();
+        assert!(most_apart(&whole, &sum, |_| true) < 1e-12, "{}", row.0);
+    }
+}
+
+#[test]
 fn a_law_that_bends_over_the_acceleration_is_refused_where_a_motion_is_simulated() {
     let row: Row = ("bent", "load", "a |alpha|", &[1e-6]);
     let model = with(Some(row), false);
