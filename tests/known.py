@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import Any
 
+import knobcam as kc
 from knobcam.fit.estimate import Estimate
 from knobcam.learn.ladder import LearningStep
 
@@ -40,7 +41,7 @@ class Known:
     @property
     def model(self) -> Any:
         known = {"effects": self.effects, "coordinate": "rotary", "period": self.period, "core": None}
-        return SimpleNamespace(**known)
+        return SimpleNamespace(**known, catalogue=kc.effects)
 
     @property
     def excess(self) -> float:

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from known import BASE, SAMPLES, Known, climbed, comparison, estimate, split
 
+import knobcam as kc
 from knobcam.fit import refit, verdict
 from knobcam.fit.rule import RULE
 from knobcam.learn import exchanged, joined, selection
@@ -271,7 +272,9 @@ def test_what_returns_with_each_of_many_detents_is_no_free_map(monkeypatch: pyte
     period = 0.1
     for crossed, is_map in ((RULE.many * 0.99, True), (RULE.many * 1.01, False)):
         monkeypatch.setattr(selection, "travel", lambda _, crossed=crossed: crossed * 2.0 * math.pi * period)
-        fit = SimpleNamespace(model=SimpleNamespace(coordinate="rotary", period=period), prepared=())
+        fit = SimpleNamespace(
+            model=SimpleNamespace(coordinate="rotary", period=period, catalogue=kc.effects), prepared=()
+        )
         assert selection._is_map("detent_harmonics", fit) == is_map
         # What needs no detents is a map however many there are.
         assert selection._is_map("position_polynomial", fit) and not selection._is_map("stribeck", fit)

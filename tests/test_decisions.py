@@ -229,7 +229,9 @@ def moving(omega: Any, alpha: Any = None) -> Any:
     core = SimpleNamespace(used=len(omega), rate_hz=RATE_HZ)
     one = SimpleNamespace(omega=omega, alpha=alpha, used=used, core=core)
     return SimpleNamespace(
-        prepared=[one], model=SimpleNamespace(coordinate="rotary", period=None), noise_floor=1.0
+        prepared=[one],
+        model=SimpleNamespace(coordinate="rotary", period=None, catalogue=kc.effects),
+        noise_floor=1.0,
     )
 
 

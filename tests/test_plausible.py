@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from known import estimate
 
+import knobcam as kc
 from knobcam.errors import InputError
 from knobcam.fit import plausible
 from knobcam.fit.rule import RULE
@@ -31,7 +32,7 @@ def fitted(rmse: float = 1.0, effects: tuple[str, ...] = EFFECTS, heldout: float
     values = SURE | {name.replace("__", "."): value for name, value in other.items()}
     params = {name: estimate(*value) for name, value in values.items()}
     names = {a: {b: float(a == b) for b in params} for a in params}
-    model = SimpleNamespace(coordinate="rotary", effects=effects)
+    model = SimpleNamespace(coordinate="rotary", effects=effects, catalogue=kc.effects)
     return SimpleNamespace(
         model=model, params=params, rmse=rmse, rmse_heldout=heldout, prepared=(), correlation=names
     )

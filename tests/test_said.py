@@ -226,7 +226,8 @@ def fitted(effects: tuple[str, ...], free: tuple[str, ...], incoherent: Any = No
     params = {name: SimpleNamespace(role="free") for name in free}
     one = SimpleNamespace(core=SimpleNamespace(incoherent=incoherent))
     return SimpleNamespace(
-        model=SimpleNamespace(effects=effects, coordinate="rotary", params=params), prepared=(one,)
+        model=SimpleNamespace(effects=effects, coordinate="rotary", params=params, catalogue=kc.effects),
+        prepared=(one,),
     )
 
 
@@ -308,7 +309,9 @@ def test_motion_shows_where_a_torque_that_needs_it_is_sure():
         params = {}
         for name, (value, se, unit) in values.items():
             params[name.replace("__", ".")] = estimate(value, se)._replace(unit=unit)
-        return SimpleNamespace(model=SimpleNamespace(coordinate="rotary"), params=params)
+        return SimpleNamespace(
+            model=SimpleNamespace(coordinate="rotary", catalogue=kc.effects), params=params
+        )
 
     still = {"coulomb__pos": (1.0, 0.01, "N m")}
     for value, sure in ((3.1, True), (2.9, False), (-3.1, True)):

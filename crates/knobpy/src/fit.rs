@@ -1,6 +1,6 @@
 //! Bindings of the fit.
 use super::convert::{Floats, array, input_error, matrix};
-use super::model::{PyModel, ids};
+use super::model::{PyModel, ids, own_id};
 use super::progress::Progress;
 use super::signals::PySignals;
 use super::user::watched;
@@ -9,7 +9,6 @@ use knobcore::diagnose::{
     exact as exact_core, implausible as implausible_core, in_place as in_place_core, judge as judge_core,
     locate as locate_core, pairs as pairs_core, sets as sets_core,
 };
-use knobcore::effects::Id;
 use knobcore::fit::{Detents, Fit, fit as fit_core, report, sketch};
 use knobcore::floor::{Unheard, unheard as unheard_core};
 use knobcore::rule::{Row, Rule, rule, settle};
@@ -313,7 +312,7 @@ pub fn implausible(
     clipped: bool,
     first: bool,
 ) -> PyResult<Vec<String>> {
-    let id = Id::parse(effect).map_err(input_error)?;
+    let id = own_id(&fit.0.model, effect).map_err(input_error)?;
     let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
     Ok(implausible_core(&signals, &fit.0, id, clipped, first))
 }
@@ -374,7 +373,8 @@ pub fn sets(
     most: usize,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Vec<(Vec<&'static str>, PyFit)>> {
-    let parsed = |(effect, from): &(String, PyRef<'_, PyModel>)| Ok((Id::parse(effect)?, from.0.clone()));
+    let parsed =
+        |(effect, from): &(String, PyRef<'_, PyModel>)| Ok((own_id(&from.0, effect)?, from.0.clone()));
     let pool =
         pool.iter().map(parsed).collect::<Result<Vec<_>, knobcore::error::Error>>().map_err(input_error)?;
     let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();

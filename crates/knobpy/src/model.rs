@@ -5,6 +5,7 @@ use super::user::watched;
 use knobcore::carry::carrier;
 use knobcore::chain::{self, Hand};
 use knobcore::effects::{Base, Id};
+use knobcore::error::Result;
 use knobcore::forward::forward as forward_core;
 use knobcore::model::{Model, Role};
 use knobcore::motion::Motion;
@@ -28,11 +29,16 @@ pub fn axis(name: &str) -> Axis {
 
 /// Effects by their names.
 pub fn ids(effects: &[String]) -> PyResult<Vec<Id>> {
-    effects.iter().map(|id| Id::parse(id)).collect::<Result<_, _>>().map_err(input_error)
+    effects.iter().map(|id| Id::parse(id)).collect::<Result<_>>().map_err(input_error)
+}
+
+/// An effect by its name: one that the model has first, whose law may be its own, then one of the catalogue.
+pub fn own_id(model: &Model, name: &str) -> Result<Id> {
+    model.effects().find(|id| id.info().id == name).map_or_else(|| Id::parse(name), Ok)
 }
 
 impl PyModel {
-    fn changed(&self, change: impl FnOnce(&mut Model) -> knobcore::error::Result<()>) -> PyResult<Self> {
+    fn changed(&self, change: impl FnOnce(&mut Model) -> Result<()>) -> PyResult<Self> {
         let mut model = self.0.clone();
         change(&mut model).map_err(input_error)?;
         Ok(Self(model))
@@ -102,6 +108,12 @@ impl PyModel {
             .collect()
     }
 
+    /// Rows of [`catalogue`] of the effects that the catalogue does not have, or has otherwise.
+    fn own_rows<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        let own = self.0.effects().filter(|id| matches!(id, Id::User(_)));
+        own.map(|id| row(py, id, self.0.axis)).collect()
+    }
+
     fn renamed(&self, name: String) -> Self {
         let mut model = self.0.clone();
         model.name = name;
@@ -160,7 +172,7 @@ impl PyModel {
     }
 
     fn with_at_shaft(&self, id: &str) -> PyResult<Self> {
-        Id::parse(id).and_then(|id| self.0.with_at_shaft(id)).map(Self).map_err(input_error)
+        own_id(&self.0, id).and_then(|id| self.0.with_at_shaft(id)).map(Self).map_err(input_error)
     }
 
     /// Period of its detents over 2 pi, rad, if it has some.
@@ -187,7 +199,7 @@ impl PyModel {
         noise: f64,
         limit: f64,
     ) -> PyResult<Vec<f64>> {
-        let id = Id::parse(id).map_err(input_error)?;
+        let id = own_id(&self.0, id).map_err(input_error)?;
         let signals = &signals.prepared.signals;
         watched(py, &self.0, || id.law().typical(&carrier(&self.0, signals, noise, limit)))
     }
@@ -202,7 +214,7 @@ impl PyModel {
         signals: &PySignals,
         noise: f64,
     ) -> PyResult<Option<[f64; 3]>> {
-        let id = Id::parse(id).map_err(input_error)?;
+        let id = own_id(&self.0, id).map_err(input_error)?;
         let signals = &signals.prepared.signals;
         watched(py, &self.0, || {
             let here = carrier(&self.0, signals, noise, f64::INFINITY);
@@ -212,10 +224,8 @@ impl PyModel {
 
     /// The same parameters, of these effects only.
     fn only(&self, effects: Vec<String>) -> PyResult<Self> {
-        // Its own first: an effect of a user's own may have been registered anew since.
-        let own = |name: &String| self.0.effects().find(|id| id.info().id == name);
-        let ids = effects.iter().map(|name| own(name).map_or_else(|| Id::parse(name), Ok));
-        let ids = ids.collect::<Result<Vec<_>, _>>().map_err(input_error)?;
+        let ids = effects.iter().map(|name| own_id(&self.0, name));
+        let ids = ids.collect::<Result<Vec<_>>>().map_err(input_error)?;
         self.0.only(&ids).map(Self).map_err(input_error)
     }
 
@@ -283,42 +293,44 @@ pub fn forward<'py>(
 #[pyo3(signature = (axis_name="rotary"))]
 pub fn catalogue<'py>(py: Python<'py>, axis_name: &str) -> PyResult<Vec<Bound<'py, PyDict>>> {
     let axis = axis(axis_name);
-    let row = |id: &Id| {
-        let info = id.info();
+    Id::all().into_iter().map(|id| row(py, id, axis)).collect()
+}
+
+/// What an effect says of itself.
+fn row(py: Python<'_>, id: Id, axis: Axis) -> PyResult<Bound<'_, PyDict>> {
+    let info = id.info();
+    let row = PyDict::new(py);
+    row.set_item("id", info.id)?;
+    row.set_item("place", info.place.text())?;
+    row.set_item("law", info.law)?;
+    row.set_item("source", info.source)?;
+    row.set_item("shows", info.shows)?;
+    row.set_item("confused", info.confused)?;
+    row.set_item("needs", info.needs)?;
+    row.set_item("describes", info.describes)?;
+    row.set_item("name", info.words.name)?;
+    row.set_item("about", info.words.about)?;
+    row.set_item("causes", info.words.causes)?;
+    row.set_item("remedies", info.words.remedies)?;
+    row.set_item("latex", info.words.latex)?;
+    row.set_item("over", info.over.text())?;
+    row.set_item("friction", info.is_friction())?;
+    row.set_item("map", info.is_map())?;
+    row.set_item("base", info.base.map(Base::text))?;
+    row.set_item("unsearched", info.unsearched)?;
+    row.set_item("taken_up", info.taken_up.map(|one| (one.by, one.why)))?;
+    row.set_item("clips", info.clips)?;
+    let param = |p: &Param| {
         let row = PyDict::new(py);
-        row.set_item("id", info.id)?;
-        row.set_item("place", info.place.text())?;
-        row.set_item("law", info.law)?;
-        row.set_item("source", info.source)?;
-        row.set_item("shows", info.shows)?;
-        row.set_item("confused", info.confused)?;
-        row.set_item("needs", info.needs)?;
-        row.set_item("describes", info.describes)?;
-        row.set_item("name", info.words.name)?;
-        row.set_item("about", info.words.about)?;
-        row.set_item("causes", info.words.causes)?;
-        row.set_item("remedies", info.words.remedies)?;
-        row.set_item("latex", info.words.latex)?;
-        row.set_item("over", info.over.text())?;
-        row.set_item("friction", info.is_friction())?;
-        row.set_item("map", info.is_map())?;
-        row.set_item("base", info.base.map(Base::text))?;
-        row.set_item("unsearched", info.unsearched)?;
-        row.set_item("taken_up", info.taken_up.map(|one| (one.by, one.why)))?;
-        row.set_item("clips", info.clips)?;
-        let param = |p: &Param| {
-            let row = PyDict::new(py);
-            row.set_item("name", p.name)?;
-            row.set_item("unit", p.unit.text(axis))?;
-            row.set_item("lower", p.lower)?;
-            row.set_item("upper", p.upper)?;
-            row.set_item("neutral", p.neutral)?;
-            row.set_item("plausible", (p.plausible[0], p.plausible[1]))?;
-            row.set_item("meaning", p.meaning)?;
-            PyResult::Ok(row)
-        };
-        row.set_item("params", info.params.iter().map(param).collect::<PyResult<Vec<_>>>()?)?;
-        Ok(row)
+        row.set_item("name", p.name)?;
+        row.set_item("unit", p.unit.text(axis))?;
+        row.set_item("lower", p.lower)?;
+        row.set_item("upper", p.upper)?;
+        row.set_item("neutral", p.neutral)?;
+        row.set_item("plausible", (p.plausible[0], p.plausible[1]))?;
+        row.set_item("meaning", p.meaning)?;
+        PyResult::Ok(row)
     };
-    Id::all().iter().map(row).collect()
+    row.set_item("params", info.params.iter().map(param).collect::<PyResult<Vec<_>>>()?)?;
+    Ok(row)
 }

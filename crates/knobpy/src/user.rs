@@ -1,5 +1,6 @@
 //! Bindings of effects of the user's own.
 use super::convert::{Column, array, input_error};
+use super::model::{PyModel, own_id};
 use knobcore::effects::{Does, Function, Id, Info, Nonlinear, Place, User, formula};
 use knobcore::error::{Error, Result};
 use knobcore::model::Model;
@@ -51,8 +52,9 @@ pub fn register_effect(
     Ok(())
 }
 
-/// Registers a law that is written as a formula, a `load` or a factor on `friction`; of its parameters units (text) and
-/// bounds may be given by name. Answers the names, units and bounds of all, and whether the law is proportional to them.
+/// Registers a law that is written as a formula, a `load`, a factor on `friction` or what a `sensor` adds; of its
+/// parameters units (text) and bounds may be given by name. Answers the names, units, bounds and neutral values of all,
+/// and whether the law is proportional to them.
 #[pyfunction]
 #[allow(clippy::type_complexity)]
 pub fn register_law(
@@ -61,7 +63,7 @@ pub fn register_law(
     law: &str,
     units: HashMap<String, String>,
     bounds: HashMap<String, (f64, f64)>,
-) -> PyResult<Vec<(&'static str, String, f64, f64, bool)>> {
+) -> PyResult<Vec<(&'static str, String, f64, f64, f64, bool)>> {
     let mut asked: HashMap<String, formula::Asked> = HashMap::new();
     for (name, unit) in units {
         let unit = unit_of(id, &name, &unit).map_err(input_error)?;
@@ -73,7 +75,7 @@ pub fn register_law(
     let user = formula::register(id, acts, law, &asked).map_err(input_error)?;
     let row = |param: &Param| {
         let unit = param.unit.text(Axis::Rotary);
-        (param.name, unit, param.lower, param.upper, param.kind == Kind::Linear)
+        (param.name, unit, param.lower, param.upper, param.neutral, param.kind == Kind::Linear)
     };
     Ok(user.info.params.iter().map(row).collect())
 }
@@ -107,6 +109,22 @@ fn called(function: Py<PyAny>) -> Function {
             })
         })
     })
+}
+
+/// The effect of a model that is stated as a formula as the effect `name` of the catalogue: the text of its Rust file, its
+/// line in the registry, and the list there that it belongs to.
+#[pyfunction]
+pub fn effect_source(model: &PyModel, effect: &str, name: &str) -> PyResult<(String, String, &'static str)> {
+    let model = &model.0;
+    let id = own_id(model, effect).map_err(input_error)?;
+    let values = model.values();
+    let p = model.chain(&values).find(|(own, _)| *own == id).map_or_else(Vec::new, |(_, p)| p.to_vec());
+    let Id::User(user) = id else {
+        let why = "is in the catalogue already; name one that the model has as a formula";
+        return Err(input_error(Error::invalid(format!("effect '{effect}'"), why)));
+    };
+    let written = formula::source(user, name, &p).map_err(input_error)?;
+    Ok((written.text, written.line, written.list))
 }
 
 /// Takes an effect out of the catalogue; models that have it keep it. Whether it was there.

@@ -68,7 +68,7 @@ struct Asked<'a> {
 /// # Errors
 /// The term that is most to blame, as the name of the error.
 pub fn check_passive(model: &Model, device: Option<Device>, rate_hz: f64) -> Result<()> {
-    let own = model.effects().any(|id| matches!(id, Id::User(_)));
+    let own = model.effects().any(Id::calls_out);
     let asked = Asked { model, own, range: Range::of(model) };
     let p = model.values();
     let told = asked.signs(&p).and_then(|()| asked.stays(&p)).and_then(|()| asked.cycles(&p, rate_hz));
@@ -86,7 +86,7 @@ pub fn check_passive(model: &Model, device: Option<Device>, rate_hz: f64) -> Res
 
 /// Energy between the highest and the lowest place of a model within its declared range, J.
 pub(super) fn stored(model: &Model, p: &[f64]) -> f64 {
-    let own = model.effects().any(|id| matches!(id, Id::User(_)));
+    let own = model.effects().any(Id::calls_out);
     let (height, _) = Asked { model, own, range: Range::of(model) }.heights(p);
     if own {
         let _ = model.watched(|| ());

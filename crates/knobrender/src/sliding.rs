@@ -13,7 +13,7 @@ pub(super) struct Sliding {
     pub inertia: f64,
 }
 
-/// Brings in what loads the knob, with effects of a user's own if there are any.
+/// Brings in what loads the knob, with functions of a user's own if there are any.
 pub(super) fn add_loads(
     model: &Model,
     p: &[f64],

@@ -118,7 +118,7 @@ impl Renderer {
             fault: None,
         };
         Ok(Self {
-            own: model.effects().any(|id| matches!(id, Id::User(_))),
+            own: model.effects().any(Id::calls_out),
             guarded: !nature.dissipates,
             forced: false,
             tank: f64::INFINITY,
@@ -187,7 +187,7 @@ impl Renderer {
         &self.model
     }
 
-    /// Whether the model has effects that are not of the catalogue: a step then calls a user's own function.
+    /// Whether the model has a function of a user's own, which a step then calls.
     pub fn calls_out(&self) -> bool {
         self.own
     }
@@ -215,7 +215,7 @@ impl Renderer {
         self.advance(sensed, None)
     }
 
-    /// What effects of a user's own do to a knob behind a joint, where there are any.
+    /// What functions of a user's own do to a knob behind a joint, where there are any.
     fn beside(&self, motion: &Motion<f64>) -> Option<Beside<f64>> {
         if !self.own || self.hidden.is_none() {
             return None;

@@ -4,6 +4,7 @@
 use knobcore::effects::{Id, Place};
 use knobcore::error::{Error, Result};
 use knobcore::model::Model;
+use knobcore::model_file;
 use knobcore::param::Axis;
 use knobrender::{Limits, Renderer, Sensed};
 use knobrig::realtime::{Controller, Loop, Plan, Plant, Ticks, VirtualClock};
@@ -42,6 +43,13 @@ fn a_million_steps_of_every_load_and_of_every_joint_ask_for_no_memory() {
         vec![Model::new(&Id::BUILT_IN.iter().filter(loads).copied().collect::<Vec<_>>(), Axis::Rotary)];
     for id in Id::BUILT_IN.iter().filter(|id| id.info().place == Place::Coupling) {
         models.push(Model::equation_1(Axis::Rotary, true).with(*id).unwrap());
+    }
+    let stated = "[effects.brake]\nlaw = \"2 a (omega/w) / (1 + (omega/w)^2)\"\na = 1e-3\nw = 3.0\n\
+                  [effects.grip]\nlaw = \"1 + r exp(-s/b)\"\nacts = \"friction\"\nr = 0.5\nb = 0.1\n";
+    for joint in ["", "[effects.compliance]\nk = 5.0\nd = 1e-3\nshare = 0.5\n"] {
+        let base = "schema = \"knobcam.model/1\"\n[effects.inertia]\nM = 1e-4\n[effects.coulomb]\nneg = 0.02\n\
+                    pos = 0.03\n";
+        models.push(model_file::parse(&format!("{base}{joint}{stated}")).unwrap());
     }
     let open = Limits { torque: 1.0, torque_rate: 1e4, speed: 1000.0 };
     for model in &mut models {

@@ -18,6 +18,7 @@ from . import (
     calibrating,
     capturing,
     catalogue,
+    contributing,
     converting,
     demonstrate,
     designing,
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
 _INTERRUPTED = 130  # what a shell reports for Ctrl-C
 _GROUPS = (
     *(capturing, calibrating, recording, fitting, learning, designing, rendering),
-    *(converting, workbench, catalogue, demonstrate, emulating),
+    *(converting, workbench, catalogue, contributing, demonstrate, emulating),
 )
 
 

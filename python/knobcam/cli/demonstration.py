@@ -12,7 +12,6 @@ from ..errors import InputError
 from ..fit import fit
 from ..learn import learn
 from ..model import Model
-from ..model.effects import effects
 from ..model.hiding import hiding
 from ..rig.emulator import EMULATED, EmulatedRig
 from ..rig.record import record
@@ -135,5 +134,5 @@ def _remove(log: Path) -> None:
 
 def feelable(model: Model) -> Model:
     """Return the model without the effects of the sensor: no hand feels them, they are the rig's."""
-    places = effects(model.coordinate)
+    places = model.catalogue()
     return Model(model.core.only([name for name in model.effects if places[name].place != "sensor"]))

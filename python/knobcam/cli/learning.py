@@ -40,6 +40,11 @@ def register(commands: arguments.Commands) -> None:
     )
     parser.add_argument("--name", metavar="NAME", help="with --law: of the effect; default law, law_2, ...")
     parser.add_argument(
+        "--acts",
+        choices=("load", "friction", "sensor"),
+        help="with --law: a torque (load, the default), a factor on dry friction, or what the sensor adds",
+    )
+    parser.add_argument(
         "--units",
         nargs="+",
         action="extend",
@@ -115,7 +120,7 @@ def run_diagnose(args: Namespace) -> Answer:
 
 def run_add(args: Namespace) -> Answer:
     """Fit a model, add an effect, fit again."""
-    for option in ("name", "units"):
+    for option in ("name", "acts", "units"):
         if getattr(args, option) is not None and args.law is None:
             raise InputError(f"--{option}: is of --law, which is not given; add it, or leave --{option} out")
     check_file(args.output, [*args.captures, args.model])
@@ -136,15 +141,15 @@ def run_add(args: Namespace) -> Answer:
 
 def _law(args: Namespace, model: Model) -> str:
     """Register the law of the command line, and return its name."""
-    from ..model.effects import effects
     from ..model.own_law import own_law
 
-    taken = {*effects(model.coordinate), *model.effects}
+    taken = {*model.catalogue(), *model.effects}
     names = (f"law_{number}" if number > 1 else "law" for number in range(1, 2 + len(taken)))
     name = args.name if args.name is not None else next(one for one in names if one not in taken)
     if name in taken:
         raise InputError(f"--name {name}: is an effect already; choose another name")
-    own_law(name, args.law, units=dict(one.split("=", 1) for one in args.units or ()))
+    units = dict(one.split("=", 1) for one in args.units or ())
+    own_law(name, args.law, acts=args.acts or "load", units=units)
     return str(name)
 
 

@@ -337,7 +337,7 @@ def p_in_words(p_value: float) -> str:
 
 def absent(fit: Fit, without: Collection[str]) -> tuple[list[str], dict[str, str]]:
     """Return the effects that a model could be given but those of `without`, and why others could not."""
-    catalogue = effects(fit.model.coordinate)
+    catalogue = fit.model.catalogue()
     have = fit.model.effects
     coupled = any(catalogue[one].place == "coupling" for one in have)
     free = {name for name, parameter in fit.model.params.items() if parameter.role == "free"}

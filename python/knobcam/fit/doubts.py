@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..model.effects import base_effects, effects
+from ..model.effects import base_effects
 from .plausible import REVERSED
 from .rule import RULE
 
@@ -69,7 +69,7 @@ def _back_emf(fit: Fit) -> list[str]:
 
 def _at_bounds(fit: Fit) -> list[str]:
     """What is said of parameters that the search ended at; at a neutral bound there is just none of it."""
-    catalogue = effects(fit.model.coordinate)
+    catalogue = fit.model.catalogue()
     found = []
     for name, estimate in fit.params.items():
         effect, own = name.split(".", 1)

@@ -14,7 +14,6 @@ from ..base import showing
 from ..base.door import checked
 from ..base.tables import TextTable, text_table
 from ..capture.formats.units import SI
-from ..model.effects import effects
 from . import origin
 from .described import names
 
@@ -125,7 +124,7 @@ class Forward(showing.Tabled):
     def remarks(self) -> tuple[str, ...]:
         """What else there is to say of it, a sentence each."""
         told = []
-        catalogue = effects(self.fit.model.coordinate)
+        catalogue = self.fit.model.catalogue()
         sensors = [one for one in self.fit.model.effects if catalogue[one].place == "sensor"]
         if sensors:
             told.append(f"What {' and '.join(sensors)} did to the reading was taken off the torque first.")

@@ -10,7 +10,6 @@ import numpy as np
 from .. import _core
 from ..base.arrays import FloatArray
 from ..model.effects import base_effects, effects
-from ..model.effects import effect as catalogued
 from .power import gives_back
 from .refit import cores
 from .rule import RULE
@@ -143,7 +142,7 @@ def _unseen(fit: Fit, before: Fit) -> list[str]:
 
 def _out_of_range(effect: str, fit: Fit) -> list[str]:
     said = []
-    for row in catalogued(effect, fit.model.coordinate).params:
+    for row in fit.model.catalogue()[effect].params:
         name = f"{effect}.{row.name}"
         estimate = fit.params.get(name)
         if estimate is None:

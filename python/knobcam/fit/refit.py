@@ -12,7 +12,6 @@ from ..base.tables import text_table
 from ..capture.prepare import prepare
 from ..errors import InputError
 from ..model.effects import effect as catalogued
-from ..model.effects import effects
 from .rule import RULE
 
 if TYPE_CHECKING:
@@ -69,7 +68,7 @@ def drop(fit: Fit, effect: str) -> Fit:
     """
     if effect not in fit.model.effects:
         raise InputError(f"effect '{effect}' is not in the model, which has {', '.join(fit.model.effects)}")
-    catalogue = effects(fit.model.coordinate)
+    catalogue = fit.model.catalogue()
     kept = [one for one in fit.model.effects if one != effect and catalogue[one].needs != effect]
     if not kept:
         raise InputError(f"effect '{effect}' is all that the model has; add another one first")

@@ -13,7 +13,6 @@ from .. import _core
 from ..errors import InputError
 from ..fit.refit import add, converged, cores, gain
 from ..fit.rule import RULE
-from ..model.effects import effects
 from .joined import chance_of
 from .ladder import LearningStep
 
@@ -42,7 +41,7 @@ def exchanged(
     first, last = ladder[0].fit, ladder[-1].fit
     found = _found(first, last)
     diagnosis = next((step.diagnosis for step in ladder if step.diagnosis is not None), None)
-    rows = effects(first.model.coordinate)
+    rows = first.model.catalogue()
     if (
         diagnosis is None
         or len(found) < 2
@@ -90,7 +89,7 @@ def anew(
 
 def _found(first: Fit, last: Fit) -> list[str]:
     """Return what came in, none beside a coupling."""
-    rows = effects(first.model.coordinate)
+    rows = first.model.catalogue()
     if any(rows[one].place == "coupling" for one in last.model.effects):
         return []
     return [one for one in last.model.effects if one not in first.model.effects]

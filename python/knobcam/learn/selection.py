@@ -13,7 +13,7 @@ from ..fit.plausible import columns_at_fault
 from ..fit.refit import converged, cores, gain, needless, with_clipped
 from ..fit.rule import RULE
 from ..fit.verdict import judged, within_law
-from ..model.effects import base_effects_shown, clipping, descriptions, effects
+from ..model.effects import base_effects_shown, clipping, descriptions
 from .cut import Cut, Deadline, OutOfTime
 from .exchanged import anew, exchanged
 from .joined import joined
@@ -182,7 +182,7 @@ def _cut_short(ladder: list[LearningStep], cut: Cut, *, given: bool) -> Selectio
 
 def _is_map(effect: str, fit: Fit) -> bool:
     """Whether an effect draws maps of position, and is not bound to return with each of many detents."""
-    row, period = effects(fit.model.coordinate)[effect], fit.model.period
+    row, period = fit.model.catalogue()[effect], fit.model.period
     crossed = 0.0 if row.needs is None or period is None else travel(fit.prepared) / (2.0 * math.pi * period)
     return row.map and crossed < RULE.many
 
@@ -221,7 +221,7 @@ def without_help(richer: Fit, candidate: Candidate, fit: Fit) -> Fit | None:
 
     The error of a joint is rough: whatever is added to one moves it, and any move may end lower.
     """
-    places = {one: row.place for one, row in effects(fit.model.coordinate).items()}
+    places = {one: row.place for one, row in fit.model.catalogue().items()}
     if candidate.place == "coupling" or all(places[one] != "coupling" for one in fit.model.effects):
         return None
     bare = richer.drop(candidate.effect)

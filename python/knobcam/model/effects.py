@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from .. import _core
 from ..base import showing
@@ -15,6 +15,8 @@ from ..errors import InputError
 from .plugins import load_plugins
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from ..base import pages
     from ..base.showing import Figure
 
@@ -126,7 +128,11 @@ class Effect(showing.Tabled):
 def effects(coordinate: str = "rotary") -> dict[str, Effect]:
     """Return the catalogue by id, units for a rotary or a linear axis; with effects of one's own."""
     load_plugins()
-    rows = _core.catalogue(coordinate)
+    return of_rows(_core.catalogue(coordinate))
+
+
+def of_rows(rows: Iterable[dict[str, Any]]) -> dict[str, Effect]:
+    """Return the effects of rows of a catalogue by id."""
     return {
         row["id"]: Effect(
             **{name: tuple(value) if isinstance(value, list) else value for name, value in row.items()}

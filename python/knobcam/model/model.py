@@ -18,6 +18,7 @@ from ..base.writing import write
 from ..capture.formats.units import torque_unit_of
 from ..capture.motor import torque_per_unit
 from ..errors import InputError
+from .effects import Effect, effects, of_rows
 from .plugins import load_plugins
 
 if TYPE_CHECKING:
@@ -145,6 +146,10 @@ class Model(showing.Tabled):
         """Ids of its effects, in the order of the catalogue."""
         return tuple(self.core.effects)
 
+    def catalogue(self) -> dict[str, Effect]:
+        """Return the catalogue by id, with the laws that the model carries itself in place of their names."""
+        return effects(self.coordinate) | of_rows(self.core.own_rows())
+
     @property
     def params(self) -> Mapping[str, Parameter]:
         """All parameters by `effect.parameter`."""
@@ -219,7 +224,7 @@ class Model(showing.Tabled):
         """Return the model with a load of it at the shaft, before the backlash or compliance of the model.
 
         Raises InputError for a model without a joint, and for what cannot be there: the base model's loads,
-        sensors, and effects of one's own.
+        sensors, what is an inertia, and functions of one's own.
         """
         return Model(self.core.with_at_shaft(effect))
 

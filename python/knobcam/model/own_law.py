@@ -26,14 +26,15 @@ def own_law(
 ) -> dict[str, OwnParameter]:
     """Register a formula as the effect `name` of the catalogue, and return its parameters.
 
-    The motion is `t` (s), `theta` (rad; m), `omega`, `alpha` and `direction` (-1 to 1, also `sign(omega)`);
-    every other name is a parameter. There are `+ - * / ^`, brackets, ``|x|``, pi, and sin, cos, tan, exp,
-    log, sqrt, abs, sign, tanh, min, max; `2 a omega` is a product. It answers the torque that the rig has
-    to apply, N m (N), or, where it `acts` as friction, a factor on the dry friction.
+    The motion is `t` (s), `theta` (rad; m), `omega`, `alpha`, `direction` (-1 to 1, also `sign(omega)`) and
+    `s`, the distance since the last reversal (rad; m); every other name is a parameter. There are
+    `+ - * / ^`, brackets, ``|x|``, pi, and sin, cos, tan, exp, log, sqrt, abs, sign, tanh, min, max;
+    `2 a omega` is a product. As a `load` it answers the torque that the rig has to apply, N m (N), as
+    `friction` a factor on the dry friction, as `sensor` what the torque sensor reads beside the torque, N m.
 
     `units` of parameters, such as `N m/rad`, follow from the law where they are not given; `bounds` keep a
     search out of where the law has no value. Parameters that the law is proportional to are solved for
-    directly, and derivatives are exact. A formula acts as `load` or `friction` alone.
+    directly, and derivatives are exact. What it has in proportion to `alpha` is an inertia.
 
     Raises InputError for what is no formula, by the character, for units that do not agree, for bounds that
     contradict each other, and for a name that is built in or no identifier.
@@ -41,6 +42,6 @@ def own_law(
     check_name("effect", name)
     rows = _core.register_law(name, acts, law, dict(units or {}), dict(bounds or {}))
     return {
-        param: OwnParameter(unit, lower, upper, 0.0 if linear else min(max(1.0, lower), upper), param, linear)
-        for param, unit, lower, upper, linear in rows
+        param: OwnParameter(unit, lower, upper, neutral, param, linear)
+        for param, unit, lower, upper, neutral, linear in rows
     }

@@ -147,7 +147,7 @@ def _branch(branch: Branch) -> pages.Branch:
 
 
 def _parameters(view: View) -> list[pages.Param]:
-    catalogue = effects(view.model.coordinate)
+    catalogue = view.model.catalogue()
     rows: list[pages.Param] = []
     for name, now in view.model.params.items():
         effect, own = name.split(".", 1)

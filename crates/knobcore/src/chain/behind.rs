@@ -68,8 +68,8 @@ fn knobs(model: &Model, p: &[f64], columns: &[Option<usize>], substeps: usize, o
     }
 }
 
-/// The motion of the hidden knob along a shaft's: angle, speed and acceleration at each sample. Effects of a user's own
-/// are left out of it. None without a joint.
+/// The motion of the hidden knob along a shaft's: angle, speed and acceleration at each sample. Functions of a user's
+/// own are left out of it. None without a joint.
 pub fn knob(
     model: &Model,
     p: &[f64],
@@ -179,7 +179,7 @@ impl<T: Carried, B: Fn(usize) -> Option<Beside<T>>, F: FnMut(usize, T)> pulp::Nu
     }
 }
 
-/// What effects of a user's own do to the knob along the shaft's motion: torque and factor on the friction, empty
+/// What functions of a user's own do to the knob along the shaft's motion: torque and factor on the friction, empty
 /// without any; and derivatives by column, those of factors as a share of the factor.
 struct Own {
     drive: Vec<f64>,
@@ -193,7 +193,7 @@ impl Own {
         let samples = motion[0].len();
         for (id, p, columns) in model.parts(p, columns) {
             let Id::User(user) = id else { continue };
-            if user.info.place != Place::Load {
+            if user.info.place != Place::Load || !id.calls_out() {
                 continue;
             }
             own.drive.resize(samples, 0.0);

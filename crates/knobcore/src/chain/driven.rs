@@ -4,7 +4,7 @@
 //! of the model behind it the shaft is a body between two.
 
 use super::stepper::{Acts, Body};
-use crate::effects::Joint;
+use crate::effects::{BENT, Joint};
 use crate::error::{Error, Result};
 use crate::model::{Model, Rigid};
 use crate::motion::{Load, Motion};
@@ -40,8 +40,10 @@ pub struct Driven<'a> {
     joint: Option<Joint<f64>>,
     /// What loads the shaft beside the joint: the difference of the two.
     sides: Option<[Rigid; 2]>,
-    /// Stored inertia, kg m^2.
+    /// Inertia at the start, kg m^2.
     pub inertia: f64,
+    /// That of it which is the same everywhere, of which the joint has a share on either side.
+    stored: f64,
     /// What is driven, and measured.
     pub shaft: Body<f64>,
     /// The same as the shaft where they are one.
@@ -65,9 +67,13 @@ impl<'a> Driven<'a> {
                 ),
             ));
         }
+        if let Some(id) = model.effects().find(|id| id.bends_over_alpha()) {
+            return Err(Error::invalid(format!("effect '{}'", id.info().id), BENT));
+        }
+        let stored = model.inertia().map_or(0.0, |at| p[at]);
         let (start, state) = (Body::at(theta, omega), vec![0.0; model.states()]);
         let (joint, sides) = (model.joint(p), model.rigid_sides(p)?);
-        Ok(Self { model, p, state, joint, sides, inertia, shaft: start, knob: start })
+        Ok(Self { model, p, state, joint, sides, inertia, stored, shaft: start, knob: start })
     }
 
     /// Puts the shaft there; a knob behind a joint keeps its place beside it, and the effects what they remember.
@@ -83,8 +89,9 @@ impl<'a> Driven<'a> {
         let mut load = self.model.load(self.p, &mut self.state, &motion);
         self.model.own_load(self.p, &motion, &mut load);
         let share = self.joint.map_or(1.0, |joint| joint.share);
-        let acts = Acts::of(&load, false, &self.knob, share * self.inertia);
-        let (shaft, knob, own) = (self.shaft, self.knob, (1.0 - share) * self.inertia);
+        let knobs = share * self.stored + (load.inertia - self.stored);
+        let acts = Acts::of(&load, false, &self.knob, knobs);
+        let (shaft, knob, own) = (self.shaft, self.knob, (1.0 - share) * self.stored);
         let Some(joint) = self.joint else {
             let (next, force) = match drive {
                 Drive::Grip(grip, ends) => shaft.stepped(grip, &acts, *ends, h),

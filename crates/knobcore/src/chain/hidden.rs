@@ -13,7 +13,7 @@ use crate::motion::{Load, Motion};
 /// The motion of the shaft at one instant: t, theta, omega, alpha.
 pub type Instant = [f64; 4];
 
-/// What effects of a user's own do to the knob: a torque, N m, and a factor on its dry friction. They are evaluated
+/// What functions of a user's own do to the knob: a torque, N m, and a factor on its dry friction. They are evaluated
 /// along the shaft's motion, as if the joint were not strained, for their laws take whole columns.
 #[derive(Debug, Clone, Copy)]
 pub struct Beside<T> {
@@ -29,13 +29,16 @@ pub struct Hidden<T> {
     joint: Joint<T>,
     knob: Body<T>,
     own: T,
+    /// The inertia that is the same everywhere, of which the joint has a share on either side; what more the loads have
+    /// is the knob's.
+    stored: T,
     /// Inertia on the shaft's side, kg m^2.
     pub shafts: T,
     plain: bool,
     substeps: usize,
     /// Length of a step, s.
     step_s: f64,
-    /// The last instant that it was followed to, and the effects of a user's own there.
+    /// The last instant that it was followed to, and the functions of a user's own there.
     before: Option<(Instant, Option<Beside<T>>)>,
     /// What loads the knob where it is. It stays where it is: to copy one takes longer than most effects.
     load: Load<T>,
@@ -47,14 +50,14 @@ impl<T: Carried> Hidden<T> {
     /// contact begins and ends.
     pub fn new(model: &Model, p: &[T], start: Instant, dt: f64, substeps: usize) -> Option<Self> {
         let joint = model.joint(p)?;
-        let [t, theta, omega, _] = start.map(T::of);
+        let [_, theta, omega, _] = start.map(T::of);
         let knob = Body::at(theta, omega);
-        let mut state = vec![T::of(0.0); model.states()];
-        let inertia = model.load(p, &mut state, &Motion::exact(t, theta, omega, T::of(0.0))).inertia;
-        let shafts = (T::of(1.0) - joint.share) * inertia;
-        let (own, substeps) = (joint.share * inertia, substeps.max(1));
+        let stored = model.inertia().and_then(|at| p.get(at).copied()).unwrap_or(T::of(0.0));
+        let shafts = (T::of(1.0) - joint.share) * stored;
+        let (own, substeps) = (joint.share * stored, substeps.max(1));
         let (plain, step_s) = (model.is_plain(), dt / substeps as f64);
-        Some(Self { joint, knob, own, shafts, plain, substeps, step_s, before: None, load: Load::none() })
+        let load = Load::none();
+        Some(Self { joint, knob, own, stored, shafts, plain, substeps, step_s, before: None, load })
     }
 
     /// Cuts the joint to a stiffness and raises its damping to at least what such a stiffness needs.
@@ -106,11 +109,12 @@ impl<T: Carried> Hidden<T> {
     /// What acts on the knob in a step.
     #[inline(always)]
     fn acts(&self, beside: Option<Beside<T>>) -> Acts<T> {
-        let Some(beside) = beside else { return Acts::of(&self.load, self.plain, &self.knob, self.own) };
+        let own = self.own + (self.load.inertia - self.stored);
+        let Some(beside) = beside else { return Acts::of(&self.load, self.plain, &self.knob, own) };
         let mut load = self.load;
         load.drive = load.drive + beside.drive;
         load.friction_scale = load.friction_scale * beside.friction_scale;
-        Acts::of(&load, self.plain, &self.knob, self.own)
+        Acts::of(&load, self.plain, &self.knob, own)
     }
 
     /// Follows the shaft to its next instant, and answers the torque on it there but for its own inertia, N m.

@@ -64,6 +64,10 @@ pub use survey::{Survey, Wave};
 pub use told::{Base, Over, TakenUp, Words};
 pub use user::{Does, Function, User};
 
+/// Why a law that bends over the acceleration has no place where a motion is simulated.
+pub(crate) const BENT: &str = "is not in proportion to alpha, which no motion that is simulated can follow; write it \
+                               as something times alpha, or leave alpha out";
+
 /// Where in the chain from the motion to the measured torque an effect acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
@@ -254,6 +258,21 @@ impl Id {
     /// What the effect says of itself.
     pub fn info(self) -> &'static Info {
         self.law().info()
+    }
+
+    /// Whether it calls a function of the user's own, which is given whole columns and may take any time.
+    pub fn calls_out(self) -> bool {
+        matches!(self, Self::User(user) if user.formula().is_none())
+    }
+
+    /// Whether it follows the acceleration in another way than an inertia does.
+    pub fn bends_over_alpha(self) -> bool {
+        let Self::User(user) = self else { return false };
+        user.formula().is_some_and(|law| match law.over_alpha() {
+            formula::OverAlpha::Not => false,
+            formula::OverAlpha::Straight => user.info.touches.contains(&Channel::FrictionScale),
+            formula::OverAlpha::Bent => user.info.place == Place::Load,
+        })
     }
 
     /// The catalogue in the order of the chain, the effects of the user's own among the loads.

@@ -116,6 +116,12 @@ impl Info {
         }
     }
 
+    /// Its parameters with these values, to say where it fails.
+    pub(super) fn with_values(&self, p: &[f64]) -> String {
+        let values = self.params.iter().zip(p).map(|(param, x)| format!("{} = {x}", param.name));
+        values.collect::<Vec<_>>().join(", ")
+    }
+
     /// Whether it is a torque of position alone beyond the base model: two of them draw nearly any map of position,
     /// unless they are bound to come again, order by order, within each turn.
     pub fn is_map(&self) -> bool {
@@ -183,7 +189,7 @@ macro_rules! registry {
                     $(Self::$memory => &Remembers::<$memory, $mn, $ms, $mm>(PhantomData),)*
                     $(Self::$late => &Delays::<$late, $tn>(PhantomData),)*
                     $(Self::$sensor => &Senses::<$sensor, $sn, { $sn + 1 }>(PhantomData),)*
-                    Self::User(user) => user,
+                    Self::User(user) => user.law(),
                 }
             }
         }

@@ -1,6 +1,7 @@
 //! Effects of the user's own: registered while the program runs, called over whole columns.
 
 use super::formula::Formula;
+use super::law::{Law, Stated};
 use super::{Id, Info, Joint, Place};
 use crate::error::{Error, Result};
 use crate::motion::{Channel, Motion};
@@ -25,7 +26,7 @@ pub enum Does {
     /// A function of theirs is called.
     Call(Function),
     /// A formula is worked out.
-    Formula(Formula),
+    Formula(Stated),
 }
 
 /// An effect that a user registered. It lives as long as the program, and is one with itself alone.
@@ -42,9 +43,11 @@ pub struct User {
 }
 
 /// The least that a factor on the dry friction leaves of it: friction never pushes.
-const LEAST: f64 = 1e-3;
+pub(super) const LEAST: f64 = 1e-3;
 /// Step of central differences as a share of the parameter, of its scale where it is nought. What is linear may go all the way.
 const STEP: f64 = 1e-5;
+/// The way out where a law has no value.
+pub(super) const NARROW: &str = "narrow the bounds of its parameters";
 
 thread_local! {
     /// What went wrong on this thread, by the order of the effect: two fits at a time do not see each other's.
@@ -65,31 +68,51 @@ impl User {
     /// # Errors
     /// A name of the built-in catalogue; bounds, neutral values or starts that contradict each other.
     pub fn register(info: Info, remembers: bool, starts: Vec<Vec<f64>>, does: Does) -> Result<&'static Self> {
+        let user = Self::made(Box::leak(Box::new(info)), remembers, starts, does)?;
+        user.enter();
+        Ok(user)
+    }
+
+    /// An effect that the catalogue does not have: only models that are given it do.
+    ///
+    /// # Errors
+    /// As of [`User::register`].
+    pub(super) fn made(
+        info: &'static Info,
+        remembers: bool,
+        starts: Vec<Vec<f64>>,
+        does: Does,
+    ) -> Result<&'static Self> {
         if Id::BUILT_IN.iter().any(|own| own.info().id == info.id) {
             let why = "is built in already; choose another name";
             return Err(Error::invalid(format!("effect '{}'", info.id), why));
         }
-        check(&info, &starts)?;
+        check(info, &starts)?;
         let order = ORDER.fetch_add(1, Memory::Relaxed);
-        let info = Box::leak(Box::new(info));
-        let user: &'static Self = Box::leak(Box::new(Self { info, remembers, starts, does, order }));
+        Ok(Box::leak(Box::new(Self { info, remembers, starts, does, order })))
+    }
+
+    /// Takes it into the catalogue, in place of what has its name there.
+    pub(super) fn enter(&'static self) {
         let mut registered = REGISTERED.write().unwrap_or_else(PoisonError::into_inner);
-        registered.retain(|other| other.info.id != info.id);
-        registered.push(user);
-        Ok(user)
+        registered.retain(|other| other.info.id != self.info.id);
+        registered.push(self);
+    }
+
+    /// How the chain meets it.
+    pub(super) fn law(&'static self) -> &'static dyn Law {
+        match &self.does {
+            Does::Call(_) => self,
+            Does::Formula(law) => law,
+        }
     }
 
     /// The formula that it is written as, if it is.
     pub fn formula(&self) -> Option<&Formula> {
         match &self.does {
-            Does::Formula(law) => Some(law),
+            Does::Formula(stated) => Some(&stated.law),
             Does::Call(_) => None,
         }
-    }
-
-    /// The one that is registered under a name.
-    pub(super) fn known(id: &str) -> Option<&'static Self> {
-        all().find(|user| user.info.id == id)
     }
 
     /// Takes an effect out of the catalogue; models that have it keep it. Whether it was there.
@@ -102,13 +125,14 @@ impl User {
 
     /// What went wrong on this thread since this was last asked on it.
     pub fn failure(&self) -> Option<String> {
-        FAILURES.with_borrow_mut(|failures| failures.remove(&self.order))
+        match &self.does {
+            Does::Formula(stated) => stated.failure(),
+            Does::Call(_) => FAILURES.with_borrow_mut(|failures| failures.remove(&self.order)),
+        }
     }
 
     fn fail(&self, p: &[f64], why: &str) {
-        let values = self.info.params.iter().zip(p).map(|(param, x)| format!("{} = {x}", param.name));
-        let values = values.collect::<Vec<_>>().join(", ");
-        let why = format!("{why} (with {values}); mend its function, or narrow the bounds of its parameters");
+        let why = format!("{why} (with {}); mend its function, or {NARROW}", self.info.with_values(p));
         FAILURES.with_borrow_mut(|failures| {
             failures.entry(self.order).or_insert(why);
         });
@@ -121,11 +145,8 @@ impl User {
         if !p.iter().all(|x| x.is_finite()) {
             return vec![f64::NAN; samples];
         }
-        let answer = match &self.does {
-            Does::Call(function) => function(p, columns),
-            Does::Formula(law) => Ok(law.over(p, &motion(columns))),
-        };
-        let checked = answer.and_then(|own| {
+        let Does::Call(function) = &self.does else { return vec![0.0; samples] };
+        let checked = function(p, columns).and_then(|own| {
             if own.len() != samples {
                 return Err(format!("returned {} values for {samples} samples", own.len()));
             }
@@ -200,12 +221,6 @@ impl User {
 
     /// The derivative of what it answers by parameter `i` over columns, by central differences.
     pub fn slope(&self, p: &[f64], i: usize, columns: &[&[f64]]) -> Vec<f64> {
-        if let Does::Formula(law) = &self.does {
-            let mut slope = law.slope(p, i, &motion(columns));
-            // What cannot be worked out is said where its value is.
-            slope.iter_mut().for_each(|x| *x = if x.is_finite() { *x } else { 0.0 });
-            return slope;
-        }
         let [(below, low), (above, high)] = self.beside(p, i).map(|(x, p)| (x, self.over(&p, columns)));
         high.iter().zip(low).map(|(high, low)| (high - low) / (above - below)).collect()
     }
@@ -216,26 +231,10 @@ impl User {
             self.fail(p, "remembers, so it has no torque at one instant, which a simulated motion needs");
             return f64::from(u8::from(self.info.touches.contains(&Channel::FrictionScale)));
         }
-        if let Does::Formula(law) = &self.does {
-            let (answer, factor) = (law.at(p, motion), self.info.touches.contains(&Channel::FrictionScale));
-            return match (answer.is_finite(), factor) {
-                (true, false) => answer,
-                (true, true) => answer.max(LEAST),
-                (false, _) => {
-                    self.fail(p, "is not finite");
-                    f64::from(u8::from(factor))
-                }
-            };
-        }
         let Motion { t, theta, omega, alpha, forward } = motion;
         let columns = [t, theta, omega, alpha, forward].map(std::slice::from_ref);
         self.over(p, &columns).first().copied().unwrap_or(0.0)
     }
-}
-
-/// The columns of the motion.
-fn motion<'a>(columns: &[&'a [f64]]) -> [&'a [f64]; 5] {
-    std::array::from_fn(|i| columns.get(i).copied().unwrap_or(&[]))
 }
 
 /// Bounds, neutral values and starts of every parameter must agree with each other.

@@ -1,14 +1,15 @@
 //! A model: effects of the catalogue with their parameter values, and which of those may move.
 
 mod motor;
+mod own;
 mod roles;
 mod runs;
 mod sides;
 
 use crate::effects::law::{Carried, Law};
-use crate::effects::{Base, Id, Joint, Nonlinear, Place, User};
+use crate::effects::{Base, Id, Joint, Nonlinear, Place};
 use crate::error::{Error, Result};
-use crate::motion::{Load, Motion};
+use crate::motion::{Channel, Load, Motion};
 use crate::param::{Axis, Given, Kind, Param, Usual};
 use std::ops::Range;
 use std::sync::Arc;
@@ -72,7 +73,7 @@ pub struct Model {
     /// How far to both sides of zero and how fast it is turned, rad and rad/s (m and m/s); none where nobody said.
     pub reach: Option<[f64; 2]>,
     parts: Vec<(Id, Range<usize>)>,
-    /// The loads of the catalogue, found once for a render step: each with where its parameters and what it remembers
+    /// The loads but for functions of a user's own, found once for a render step: each with where its parameters and what it remembers
     /// are.
     loads: Vec<Placed>,
     /// Those of them that load the shaft before a joint, and which effects these are.
@@ -133,7 +134,7 @@ impl Model {
             });
         }
         let params = base..self.slots.len();
-        if id.info().place == Place::Load && !matches!(id, Id::User(_)) {
+        if id.info().place == Place::Load && !id.calls_out() {
             let (law, first) = (id.law(), self.states());
             self.loads.push((law, params.clone(), first..first + law.states()));
         }
@@ -162,7 +163,9 @@ impl Model {
             ));
         }
         let effects: Vec<_> = self.effects().chain([id]).collect();
-        self.only(&effects)
+        let model = self.only(&effects)?;
+        model.check_joined()?;
+        Ok(model)
     }
 
     /// The same parameters, of these effects alone.
@@ -275,28 +278,6 @@ impl Model {
         self.effects().map(|id| id.law().states()).sum()
     }
 
-    /// Does work that evaluates the model, on this thread.
-    ///
-    /// # Errors
-    /// An effect of the user's own failed in it, so that its result is void.
-    pub fn watched<R>(&self, work: impl FnOnce() -> R) -> Result<R> {
-        // What failed before, where nobody asked, is not this work's.
-        self.failures().for_each(drop);
-        let done = work();
-        match self.failures().next() {
-            Some((user, why)) => Err(Error::invalid(format!("effect '{}'", user.info.id), why)),
-            None => Ok(done),
-        }
-    }
-
-    /// Effects of the user's own that failed on this thread since this was last asked, as far as it is, and why.
-    pub fn failures(&self) -> impl Iterator<Item = (&'static User, String)> + '_ {
-        self.effects().filter_map(|id| match id {
-            Id::User(user) => Some((user, user.failure()?)),
-            _ => None,
-        })
-    }
-
     /// Whether no effect shapes the friction of others: loads then simply add up.
     pub fn is_plain(&self) -> bool {
         self.plain
@@ -315,13 +296,16 @@ impl Model {
                 let before = slot.effect.info().place == Place::Sensor && slot.effect > id;
                 !before && (!self.at_shaft(slot.effect) || id.info().place != Place::Coupling)
             }
-            Some(Nonlinear::ByLoad) => slot.effect.info().presses || slot.effect.info().stores(),
+            Some(Nonlinear::ByLoad) => {
+                let info = slot.effect.info();
+                info.presses || info.touches.contains(&Channel::Inertia)
+            }
             None => false,
         });
         if bent { Kind::Nonlinear } else { slot.param.kind }
     }
 
-    /// The sum of the loads on the knob, but for those of a user's own ([`Model::own_load`]) and at the shaft; `state` has
+    /// The sum of the loads on the knob, but for functions of a user's own ([`Model::own_load`]) and at the shaft; `state` has
     /// [`Model::states`] numbers, zero at first.
     #[inline]
     pub fn load<T: Carried>(&self, p: &[T], state: &mut [T], motion: &Motion<T>) -> Load<T> {
@@ -336,13 +320,6 @@ impl Model {
         for (law, params, states) in &self.loads {
             let own = state.get_mut(states.clone()).unwrap_or(&mut []);
             T::load(*law, p.get(params.clone()).unwrap_or(&[]), own, motion, sum);
-        }
-    }
-
-    /// Brings the effects of a user's own at one instant into a load.
-    pub fn own_load(&self, p: &[f64], motion: &Motion<f64>, sum: &mut Load<f64>) {
-        for (id, range) in self.parts.iter().filter(|(id, _)| matches!(id, Id::User(_))) {
-            id.law().load(p.get(range.clone()).unwrap_or(&[]), &mut [], motion, sum);
         }
     }
 

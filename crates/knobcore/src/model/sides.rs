@@ -42,12 +42,13 @@ impl Model {
         &self.shaft
     }
 
-    /// Whether an effect may load the shaft: a load of the catalogue that the base model does not have, and that holds
-    /// no knob at rest.
+    /// Whether an effect may load the shaft: a load that the base model does not have, that holds no knob at rest,
+    /// and that is no function of a user's own.
     pub fn may_be_at_shaft(id: Id) -> bool {
         let info = id.info();
         let base = info.base.is_some() || info.stores() || info.touches.contains(&Channel::Stick);
-        info.place == Place::Load && !base && !matches!(id, Id::User(_))
+        let inertia = info.touches.contains(&Channel::Inertia);
+        info.place == Place::Load && !base && !inertia && !id.calls_out()
     }
 
     /// The same model with an effect of it at the shaft.

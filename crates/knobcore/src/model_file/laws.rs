@@ -2,26 +2,36 @@
 //!
 //! ```toml
 //! [effects.eddy_brake]
-//! law = "2 a (omega/w) / (1 + (omega/w)^2)" # N m; or acts = "friction": a factor on the dry friction
+//! law = "2 a (omega/w) / (1 + (omega/w)^2)" # N m; with acts = "friction" a factor on the dry friction, with
+//! # acts = "sensor" what is measured beside the torque
 //! a = 0.01 # what is not said of its unit follows from the law
 //! w = { value = 3.0, unit = "rad/s", lower = 0.1, upper = 100.0, meaning = "speed at which it brakes most" }
 //! ```
 
-use crate::effects::User;
-use crate::effects::formula::{Asked, register};
+use crate::effects::formula::{Acts, Asked, made};
+use crate::effects::{Id, User};
 use crate::error::{Error, Result};
-use crate::motion::Channel;
 use crate::param::{Axis, Param, Unit};
 use std::collections::HashMap;
 use std::fmt::Write;
 use toml::{Table, Value};
 
-/// Registers the laws of a file's effects; what is left of them is as of any effect.
+/// Effects of a file by their names, those with a law of its own before those of the catalogue.
+pub(super) struct Own(HashMap<String, Id>);
+
+impl Own {
+    /// The effect of this name.
+    pub fn id(&self, name: &str) -> Result<Id> {
+        self.0.get(name).copied().map_or_else(|| Id::parse(name), Ok)
+    }
+}
+
+/// Makes the laws of a file's effects, which only its model has; what is left of them is as of any effect.
 ///
 /// # Errors
 /// Names the law and the character, or the parameter, that is wrong.
-pub(crate) fn registered(effects: &Table) -> Result<Table> {
-    let mut effects = effects.clone();
+pub(super) fn own(effects: &Table) -> Result<(Table, Own)> {
+    let (mut effects, mut own) = (effects.clone(), HashMap::new());
     for (id, table) in effects.iter_mut() {
         let Some(table) = table.as_table_mut().filter(|table| table.contains_key("law")) else { continue };
         let bad = |key: &str, why: &str| Error::invalid(format!("'{key}' of effect '{id}'"), why);
@@ -68,9 +78,9 @@ pub(crate) fn registered(effects: &Table) -> Result<Table> {
             asked.insert(name.clone(), one);
         }
         asked.remove("at");
-        register(id, &acts, &law, &asked)?;
+        own.insert(id.clone(), Id::User(made(id, &acts, &law, &asked)?));
     }
-    Ok(effects)
+    Ok((effects, Own(own)))
 }
 
 fn named(id: &str) -> bool {
@@ -83,8 +93,10 @@ fn named(id: &str) -> bool {
 pub(crate) fn written(user: &User) -> Option<String> {
     let law = user.formula()?;
     let mut out = format!("law = {}\n", Value::String(law.text().to_owned()));
-    if user.info.touches.contains(&Channel::FrictionScale) {
-        out.push_str("acts = \"friction\"\n");
+    match Acts::of(user.info) {
+        Acts::Load => {}
+        // Writing to a String cannot fail.
+        acts => _ = writeln!(out, "acts = \"{}\"", acts.name()),
     }
     Some(out)
 }
@@ -123,8 +135,8 @@ mod tests {
         let text = file(
             "[effects.filed_brake]\nlaw = \"2 a (omega/w) / (1 + (omega/w)^2)\"\na = 0.5\n\
              w = { value = 3, lower = 0.1, meaning = \"fastest \\\"braking\\\"\", fixed = true }\n\
-             [effects.filed_tooth]\nlaw = \"1 + h exp(-((theta - c)/s)^2)\"\nacts = \"friction\"\nh = 2\nc = 0.2\n\
-             s = { value = 0.1, lower = 0.01, upper = 1.0 }\n",
+             [effects.filed_tooth]\nlaw = \"1 + h exp(-((theta - c)/b)^2)\"\nacts = \"friction\"\nh = 2\nc = 0.2\n\
+             b = { value = 0.1, lower = 0.01, upper = 1.0 }\n",
         );
         let model = parse(&text).unwrap();
         let again = parse(&write(&model)).unwrap();
@@ -132,7 +144,7 @@ mod tests {
         for model in [&model, &again] {
             let load = |theta: f64, omega: f64| {
                 let mut load = Load::none();
-                model.own_load(&model.values(), &Motion::exact(0.0, theta, omega, 0.0), &mut load);
+                model.add_loads(&model.values(), &mut [], &Motion::exact(0.0, theta, omega, 0.0), &mut load);
                 [load.drive, load.friction_scale]
             };
             assert!((load(0.0, -3.0)[0] + 0.5).abs() < 1e-15);
@@ -141,7 +153,7 @@ mod tests {
             let named = |name: &str| slots.iter().find(|slot| slot.name() == name).unwrap();
             assert_eq!(model.unit(named("filed_brake.w")), "rad/s");
             assert_eq!(model.unit(named("filed_tooth.c")), "rad");
-            assert_eq!(named("filed_tooth.s").param.upper, 1.0);
+            assert_eq!(named("filed_tooth.b").param.upper, 1.0);
             assert_eq!(named("filed_brake.w").param.meaning, "fastest \"braking\"");
         }
     }
@@ -158,7 +170,7 @@ mod tests {
             ("[effects.x_law]\nlaw = \"a theta\"\na = { value = 1, lower = 2.0 }", "x_law.a"),
             ("[effects.x_law]\nlaw = \"a theta\"\na = { value = 1, lower = \"2\" }", "must be a number"),
             ("[effects.x_law]\nlaw = 3", "must be a text"),
-            ("[effects.x_law]\nlaw = \"a theta\"\nacts = \"joint\"\na = 1", "choose load or friction"),
+            ("[effects.x_law]\nlaw = \"a theta\"\nacts = \"joint\"\na = 1", "choose load, friction, sensor"),
             ("[effects.x_law]\nlaw = \"omega\"", "no parameter"),
             ("[effects.viscous]\nlaw = \"a omega\"\na = 1", "built in"),
             ("[effects.\"x law\"]\nlaw = \"a omega\"\na = 1", "letters"),

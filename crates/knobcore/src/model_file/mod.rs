@@ -92,9 +92,10 @@ pub fn parse(text: &str) -> Result<Model> {
     let effects = file.get("effects").and_then(Value::as_table).filter(|table| !table.is_empty());
     let effects =
         effects.ok_or_else(|| bad("effects", "are missing; add a table such as [effects.inertia]"))?;
-    let effects = &laws::registered(effects)?;
-    let ids = effects.keys().map(|id| Id::parse(id)).collect::<Result<Vec<_>>>()?;
+    let (effects, own) = &laws::own(effects)?;
+    let ids = effects.keys().map(|id| own.id(id)).collect::<Result<Vec<_>>>()?;
     let mut model = Model::new(&ids, axis);
+    model.check_joined()?;
     model.given = given;
     model.name = file.get("name").and_then(Value::as_str).unwrap_or_default().to_owned();
     if let Some(captures) = file.get("fitted_to") {
@@ -112,7 +113,7 @@ pub fn parse(text: &str) -> Result<Model> {
             at.as_str()
                 .filter(|at| *at == SHAFT)
                 .ok_or_else(|| bad(&format!("'at' of effect '{id}'"), why))?;
-            model = model.with_at_shaft(Id::parse(id)?)?;
+            model = model.with_at_shaft(own.id(id)?)?;
         }
         let params = params
             .as_table()

@@ -2,7 +2,6 @@
 
 use super::rig::Rig;
 use crate::wire::{Frame, Message, Mode, Point, State, capability, refusal};
-use knobcore::effects::Id;
 use knobcore::model_file;
 use knobrender::{Limits, check_passive};
 
@@ -130,7 +129,7 @@ impl Rig {
             self.complaint = error.to_string();
             refusal::MODEL
         })?;
-        if let Some(own) = model.effects().find(|id| matches!(id, Id::User(own) if own.formula().is_none())) {
+        if let Some(own) = model.effects().find(|id| id.calls_out()) {
             self.complaint = format!("effect '{}' is not in the firmware", own.info().id);
             return Err(refusal::MODEL);
         }

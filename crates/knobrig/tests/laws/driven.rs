@@ -14,7 +14,7 @@ pub fn pushed(model: &Model) -> Pushed {
 }
 
 /// The motion that came out, as a capture.
-fn seen(pushed: &Pushed) -> Signals {
+pub fn seen(pushed: &Pushed) -> Signals {
     let n = pushed.theta.len();
     Signals {
         t: (0..n).map(|i| i as f64 / RATE_HZ).collect(),
@@ -74,7 +74,7 @@ fn a_hand_feels_what_is_predicted_on_the_motion_that_it_makes() {
 
 /// How far the torque of a motion makes another one, rad: over spans long enough to turn round in, short beside the time
 /// in which detents throw a knob off its way.
-fn off(model: &Model, signals: &Signals) -> f64 {
+pub fn off(model: &Model, signals: &Signals) -> f64 {
     let made = forward(model, signals, Some(0.02)).unwrap().theta;
     rms(made.iter().zip(&signals.theta).skip(CYCLE).map(|(made, theta)| made - theta))
 }

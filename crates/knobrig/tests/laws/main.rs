@@ -13,6 +13,7 @@ mod rendering;
 mod runs;
 mod scales;
 mod sides;
+mod stated;
 mod symmetry;
 mod units;
 mod user;

@@ -10,7 +10,6 @@ import numpy as np
 
 from ...capture.motions import MotionTrack
 from ...fit.estimate import Z95
-from ...model.effects import effects
 from ...model.simulate import exact
 
 if TYPE_CHECKING:
@@ -42,7 +41,7 @@ def part_of(effect: Effect) -> Part:
 
 def effects_of(model: Model, part: Part) -> list[str]:
     """Return the ids of a model's effects that belong to a part."""
-    catalogue = effects(model.coordinate)
+    catalogue = model.catalogue()
     return [one for one in model.effects if one in catalogue and part_of(catalogue[one]) == part]
 
 

@@ -1,148 +1,219 @@
-//! A law at work: step by step over numbers, packs of samples, or either with derivatives, without allocation.
+//! A law at work: act by act over numbers, packs of samples, or either with derivatives, without allocation.
 
-use super::parse::DEPTH;
+use super::distance::distance;
+use super::functions::{called, power, raised};
+use super::parse::PARAMETERS;
+use super::program::{Act, KEPT, Source};
 use super::{Formula, Function, Op, Variable};
+use crate::effects::law::{BLOCK, filled};
+use crate::isa;
 use crate::motion::Motion;
-use crate::scalar::{Dual, Packed, Scalar, WIDE, Wide};
+use crate::scalar::{Dual, Scalar, WIDE, Wide};
+use pulp::NullaryFnOnce;
+
+/// What a law is worked out in: kept from sample to sample, for it is larger than what most laws compute.
+#[derive(Debug)]
+pub(crate) struct Room<T>([T; KEPT]);
+
+impl<T: Scalar> Room<T> {
+    /// An empty one.
+    #[inline(always)]
+    pub fn new() -> Self {
+        Self([T::ZERO; KEPT])
+    }
+}
 
 impl Formula {
-    /// What it answers at one instant.
+    /// What it answers at one instant, where the knob has gone `distance` since it turned round.
+    #[inline(always)]
+    pub(crate) fn worked<T: Scalar>(
+        &self,
+        room: &mut Room<T>,
+        p: &[T],
+        motion: &Motion<T>,
+        distance: T,
+    ) -> T {
+        let mut last = T::ZERO;
+        for act in &self.program {
+            let kept = &room.0;
+            let from = |source: Source| match source {
+                Source::Number(x) => T::of(x),
+                Source::Parameter(at) => p.get(usize::from(at)).copied().unwrap_or(T::ZERO),
+                Source::Kept(at) => kept[usize::from(at) % KEPT],
+                Source::Motion(Variable::Time) => motion.t,
+                Source::Motion(Variable::Theta) => motion.theta,
+                Source::Motion(Variable::Omega) => motion.omega,
+                Source::Motion(Variable::Alpha) => motion.alpha,
+                Source::Motion(Variable::Direction) => motion.direction(),
+                Source::Motion(Variable::Distance) => distance,
+            };
+            last = match *act {
+                Act::Take(source) => from(source),
+                Act::Keep(at) => {
+                    room.0[usize::from(at) % KEPT] = last;
+                    last
+                }
+                Act::Add(source) => last + from(source),
+                Act::Subtract(source) => last - from(source),
+                Act::From(source) => from(source) - last,
+                Act::Multiply(source) => last * from(source),
+                Act::Divide(source) => last / from(source),
+                Act::Into(source) => from(source) / last,
+                Act::Least(source) => last.min(from(source)),
+                Act::Most(source) => last.max(from(source)),
+                Act::Negate => -last,
+                Act::Square => last * last,
+                Act::Raise(exponent) => raised(last, exponent),
+                Act::ToThe(source) => power(last, from(source)),
+                Act::Exponent(source) => power(from(source), last),
+                Act::Call(function) => called(function, last),
+            };
+        }
+        last
+    }
+
+    /// What it answers at one instant, right after a reversal.
     #[inline]
     pub fn at<T: Scalar>(&self, p: &[T], motion: &Motion<T>) -> T {
-        let mut stack = Stack { numbers: [T::ZERO; DEPTH], count: 0 };
-        for step in &self.steps {
-            let mut pop = || stack.pop();
-            let answer = match step.op {
-                Op::Number(x) => T::of(x),
-                Op::Parameter(at) => p.get(at).copied().unwrap_or(T::ZERO),
-                Op::Motion(Variable::Time) => motion.t,
-                Op::Motion(Variable::Theta) => motion.theta,
-                Op::Motion(Variable::Omega) => motion.omega,
-                Op::Motion(Variable::Alpha) => motion.alpha,
-                Op::Motion(Variable::Direction) => motion.direction(),
-                Op::Negate => -pop(),
-                Op::Raise(exponent) => raised(pop(), exponent),
-                Op::Call(Function::Min) => pop().min(pop()),
-                Op::Call(Function::Max) => pop().max(pop()),
-                Op::Call(function) => called(function, pop()),
-                binary => {
-                    let (right, left) = (pop(), pop());
-                    match binary {
-                        Op::Add => left + right,
-                        Op::Subtract => left - right,
-                        Op::Multiply => left * right,
-                        Op::Divide => left / right,
-                        _ => power(left, right),
-                    }
-                }
-            };
-            stack.push(answer);
-        }
-        stack.pop()
+        self.worked(&mut Room::new(), p, motion, T::ZERO)
     }
 
     /// What it answers over columns (t, theta, omega, alpha, forward) of one length.
     pub fn over(&self, p: &[f64], columns: &[&[f64]; 5]) -> Vec<f64> {
-        let wide: Vec<Wide> = p.iter().map(|x| Wide::of(*x)).collect();
-        let packs = columns[0].len() / WIDE * WIDE;
         let mut answer = vec![0.0; columns[0].len()];
-        for at in (0..packs).step_by(WIDE) {
-            self.at(&wide, &Motion::over(columns, at)).into_packs(&mut answer, at);
-        }
-        for (at, answer) in answer.iter_mut().enumerate().skip(packs) {
-            *answer = self.at(p, &instant(columns, at));
+        let distance = self.distance(columns);
+        for start in (0..answer.len()).step_by(BLOCK) {
+            let block = start..(start + BLOCK).min(answer.len());
+            let part = columns.map(|column| &column[block.clone()]);
+            let (mut end, mut out) = ([[0.0; BLOCK]; 5], [0.0; BLOCK]);
+            let motion = filled(part, &mut end);
+            self.over_block(p, &motion, distance.get(block.clone()), &mut out);
+            answer[block.clone()].copy_from_slice(&out[..block.len()]);
         }
         answer
     }
 
     /// The derivative of that by a parameter.
     pub fn slope(&self, p: &[f64], by: usize, columns: &[&[f64]; 5]) -> Vec<f64> {
-        let seeds = |i: usize| if i == by { 1.0 } else { 0.0 };
-        let wide: Vec<Dual<Wide, 1>> =
-            p.iter().enumerate().map(|(i, x)| Dual { v: Wide::of(*x), d: [Wide::of(seeds(i))] }).collect();
-        let plain: Vec<Dual<f64, 1>> =
-            p.iter().enumerate().map(|(i, x)| Dual { v: *x, d: [seeds(i)] }).collect();
-        let packs = columns[0].len() / WIDE * WIDE;
         let mut slope = vec![0.0; columns[0].len()];
-        for at in (0..packs).step_by(WIDE) {
-            let motion: Motion<Packed<WIDE>> = Motion::over(columns, at);
-            let [own] = self.at(&wide, &motion.map(Dual::constant)).d;
-            own.into_packs(&mut slope, at);
-        }
-        for (at, slope) in slope.iter_mut().enumerate().skip(packs) {
-            *slope = self.at(&plain, &instant(columns, at).map(Dual::constant)).d[0];
+        let distance = self.distance(columns);
+        for start in (0..slope.len()).step_by(BLOCK) {
+            let block = start..(start + BLOCK).min(slope.len());
+            let part = columns.map(|column| &column[block.clone()]);
+            let (mut end, mut out) = ([[0.0; BLOCK]; 5], [[0.0; BLOCK]; 1]);
+            let motion = filled(part, &mut end);
+            self.slopes_block(p, &[by], &motion, distance.get(block.clone()), &mut out);
+            slope[block.clone()].copy_from_slice(&out[0][..block.len()]);
         }
         slope
     }
+
+    /// How far the knob has gone since it turned round, along columns; empty where the law does not ask.
+    pub(crate) fn distance(&self, [_, theta, _, _, forward]: &[&[f64]; 5]) -> Vec<f64> {
+        if !self.remembers() {
+            return Vec::new();
+        }
+        distance(theta, forward)
+    }
+
+    /// What it answers over packs side by side, and the distance of their samples.
+    pub(crate) fn over_block(
+        &self,
+        p: &[f64],
+        motion: &[&[f64]; 5],
+        distance: Option<&[f64]>,
+        out: &mut [f64; BLOCK],
+    ) {
+        let distance = padded(distance);
+        isa::dispatch_wide(Answered { law: self, p, motion, distance: &distance, out });
+    }
+
+    /// The derivatives of that by some parameters, as many as there is room for.
+    pub(crate) fn slopes_block<const L: usize>(
+        &self,
+        p: &[f64],
+        by: &[usize],
+        motion: &[&[f64]; 5],
+        distance: Option<&[f64]>,
+        out: &mut [[f64; BLOCK]; L],
+    ) {
+        let distance = padded(distance);
+        isa::dispatch_wide(Differentiated { law: self, p, by, motion, distance: &distance, out });
+    }
 }
 
-/// The numbers that are kept while a law is worked out; a law that was read keeps no more than there is room for.
-struct Stack<T> {
-    numbers: [T; DEPTH],
-    count: usize,
+fn padded(distance: Option<&[f64]>) -> [f64; BLOCK] {
+    let mut padded = [0.0; BLOCK];
+    padded.iter_mut().zip(distance.unwrap_or_default()).for_each(|(own, distance)| *own = *distance);
+    padded
 }
 
-impl<T: Scalar> Stack<T> {
-    #[inline]
-    fn push(&mut self, number: T) {
-        if let Some(place) = self.numbers.get_mut(self.count) {
-            *place = number;
-            self.count += 1;
+/// Work as a value, so that its body is compiled for the machine's instruction set.
+struct Answered<'a> {
+    law: &'a Formula,
+    p: &'a [f64],
+    motion: &'a [&'a [f64]; 5],
+    distance: &'a [f64; BLOCK],
+    out: &'a mut [f64; BLOCK],
+}
+
+impl NullaryFnOnce for Answered<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let p: [Wide; PARAMETERS] = std::array::from_fn(|i| Wide::of(self.p.get(i).copied().unwrap_or(0.0)));
+        let mut room = Room::new();
+        for at in (0..self.motion[0].len()).step_by(WIDE) {
+            let (motion, distance) = (Motion::over(self.motion, at), Wide::of_packs(self.distance, at));
+            self.law.worked(&mut room, &p, &motion, distance).into_packs(self.out, at);
         }
     }
-
-    #[inline]
-    fn pop(&mut self) -> T {
-        self.count = self.count.saturating_sub(1);
-        self.numbers.get(self.count).copied().unwrap_or(T::ZERO)
-    }
 }
 
-fn instant([t, theta, omega, alpha, forward]: &[&[f64]; 5], at: usize) -> Motion<f64> {
-    let of = |column: &[f64]| column.get(at).copied().unwrap_or(0.0);
-    Motion { t: of(t), theta: of(theta), omega: of(omega), alpha: of(alpha), forward: of(forward) }
+struct Differentiated<'a, const L: usize> {
+    law: &'a Formula,
+    p: &'a [f64],
+    by: &'a [usize],
+    motion: &'a [&'a [f64]; 5],
+    distance: &'a [f64; BLOCK],
+    out: &'a mut [[f64; BLOCK]; L],
 }
 
-#[inline]
-fn called<T: Scalar>(function: Function, x: T) -> T {
-    let (one, none) = (T::of(1.0), T::of(f64::NAN));
-    let sign = |x: T| x.where_positive(one, (-x).where_positive(-one, T::of(0.0)));
-    match function {
-        Function::Sin => x.sin_cos().0,
-        Function::Cos => x.sin_cos().1,
-        Function::Tan => {
-            let (sin, cos) = x.sin_cos();
-            sin / cos
+impl<const L: usize> NullaryFnOnce for Differentiated<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let lane = |i: usize| self.by.iter().position(|by| *by == i);
+        let p: [Dual<Wide, L>; PARAMETERS] =
+            std::array::from_fn(|i| Dual::seeded(self.p.get(i).copied().unwrap_or(0.0), lane(i)));
+        let mut room = Room::new();
+        for at in (0..self.motion[0].len()).step_by(WIDE) {
+            let motion: Motion<Wide> = Motion::over(self.motion, at);
+            let distance = Dual::constant(Wide::of_packs(self.distance, at));
+            let answer = self.law.worked(&mut room, &p, &motion.map(Dual::constant), distance);
+            for (column, slope) in self.out.iter_mut().zip(answer.d) {
+                slope.into_packs(column, at);
+            }
         }
-        Function::Exp => x.exp(),
-        Function::Log => x.where_positive(x.ln(), none),
-        Function::Sqrt => raised(x, 0.5),
-        Function::Abs => x.abs(),
-        Function::Sign => sign(x),
-        Function::Tanh => {
-            let e = (x.abs() * T::of(-2.0)).exp();
-            sign(x) * (one - e) / (one + e)
-        }
-        Function::Min | Function::Max => x,
     }
 }
 
-/// x to a power that is known: whole ones by multiplication.
-#[inline]
-fn raised<T: Scalar>(x: T, exponent: f64) -> T {
-    let times = exponent.abs();
-    if times.fract() != 0.0 || times > 16.0 {
-        return power(x, T::of(exponent));
+/// One operation, of the first number alone where it takes no other.
+pub(super) fn applied(op: Op, left: f64, right: f64) -> f64 {
+    match op {
+        Op::Add => left + right,
+        Op::Subtract => left - right,
+        Op::Multiply => left * right,
+        Op::Divide => left / right,
+        Op::Negate => -left,
+        Op::Raise(exponent) => raised(left, exponent),
+        Op::Power => power(left, right),
+        Op::Call(Function::Min) => Scalar::min(left, right),
+        Op::Call(Function::Max) => Scalar::max(left, right),
+        Op::Call(function) => called(function, left),
+        Op::Number(x) => x,
+        Op::Motion(_) | Op::Parameter(_) => f64::NAN,
     }
-    let product = (0..times as usize).fold(T::of(1.0), |product, _| product * x);
-    if exponent < 0.0 { T::of(1.0) / product } else { product }
-}
-
-/// x^y of a number from 0 on; of one below it is none.
-#[inline]
-fn power<T: Scalar>(x: T, y: T) -> T {
-    // The logarithm of nothing is kept from the derivatives.
-    let base = x.where_positive(x, T::of(1.0));
-    let zero = y.where_positive(T::of(0.0), (-y).where_positive(T::of(f64::INFINITY), T::of(1.0)));
-    x.where_positive((base.ln() * y).exp(), (-x).where_positive(T::of(f64::NAN), zero))
 }

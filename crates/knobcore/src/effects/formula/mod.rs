@@ -1,19 +1,44 @@
 //! Laws that are written as formulas, `2 a (omega/w) / (1 + (omega/w)^2)`: read, checked for units, evaluated for
 //! numbers, for packs of samples and with exact derivatives. No code of anybody is run.
 //!
-//! Names that stand for the motion are `t`, `theta`, `omega`, `alpha` and `direction` (of the motion, -1 to 1; also
-//! `sign(omega)`); every other name is a parameter.
+//! Names that stand for the motion are `t`, `theta`, `omega`, `alpha`, `direction` (of the motion, -1 to 1; also
+//! `sign(omega)`) and `s` (the distance since the last reversal); every other name is a parameter.
 
+mod catalogued;
+mod distance;
 mod evaluate;
+mod functions;
 mod parse;
+mod program;
+mod tree;
 mod units;
 mod written;
 
+use crate::motion::Motion;
 use crate::param::Unit;
+use crate::random::Noise;
+use crate::scalar::Dual;
+pub use catalogued::{Source, source};
+pub(crate) use distance::{STATES, follow};
+pub(crate) use evaluate::Room;
+// What a file of the catalogue that was written from a formula may call.
+#[allow(unused_imports)]
+pub(crate) use functions::{log, power, raised, sign, tan, tanh};
 pub use parse::Mistake;
+use parse::PARAMETERS;
 use std::collections::HashMap;
 pub(crate) use written::starts;
-pub use written::{Asked, register};
+pub use written::{Acts, Asked, made, register};
+
+/// Motions in which each parameter of a law is tried.
+const TRIALS: usize = 100;
+
+/// Share by which what cancels may change a value.
+const ROUNDED: f64 = 1e-3;
+
+fn filled(p: &[f64]) -> [f64; PARAMETERS] {
+    std::array::from_fn(|i| p.get(i).copied().unwrap_or(0.0))
+}
 
 /// What of the motion a law looks at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,10 +53,13 @@ pub enum Variable {
     Alpha,
     /// The expected sign of the velocity.
     Direction,
+    /// The distance since the last reversal, rad.
+    Distance,
 }
 
 impl Variable {
-    const ALL: [Self; 5] = [Self::Time, Self::Theta, Self::Omega, Self::Alpha, Self::Direction];
+    const ALL: [Self; 6] =
+        [Self::Time, Self::Theta, Self::Omega, Self::Alpha, Self::Direction, Self::Distance];
 
     /// As it is written.
     pub fn name(self) -> &'static str {
@@ -41,6 +69,7 @@ impl Variable {
             Self::Omega => "omega",
             Self::Alpha => "alpha",
             Self::Direction => "direction",
+            Self::Distance => "s",
         }
     }
 
@@ -160,6 +189,8 @@ pub struct Formula {
     text: String,
     steps: Vec<Step>,
     params: Vec<String>,
+    program: Vec<program::Act>,
+    remembers: bool,
 }
 
 impl Formula {
@@ -169,7 +200,9 @@ impl Formula {
     /// What is wrong with it, and at which character.
     pub fn parse(text: &str) -> Result<Self, Mistake> {
         let (steps, params) = parse::parsed(text)?;
-        Ok(Self { text: text.split_whitespace().collect::<Vec<_>>().join(" "), steps, params })
+        let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        let remembers = steps.iter().any(|step| step.op == Op::Motion(Variable::Distance));
+        Ok(Self { text, program: program::program(&steps), steps, params, remembers })
     }
 
     /// As it was written.
@@ -188,6 +221,11 @@ impl Formula {
         Variable::ALL.into_iter().filter(looks).collect()
     }
 
+    /// Whether it depends on where the knob has been.
+    pub fn remembers(&self) -> bool {
+        self.remembers
+    }
+
     /// Units of all parameters, given those of some, where the law answers in `answer`.
     ///
     /// # Errors
@@ -202,7 +240,7 @@ impl Formula {
         let mut class = Class::Free;
         for param in 0..self.params.len() {
             together.push(param);
-            match self.class(&together) {
+            match self.class(|op| matches!(op, Op::Parameter(at) if together.contains(&at))) {
                 Class::Other => {
                     together.pop();
                 }
@@ -212,15 +250,68 @@ impl Formula {
         if class == Class::Proportional { together } else { Vec::new() }
     }
 
-    /// How the law depends on these parameters.
-    fn class(&self, of: &[usize]) -> Class {
+    /// A parameter that changes nothing of what it answers, and where it stands: of a power of nought, or of a difference
+    /// of two that are the same. Tried at values of all sizes.
+    fn idle(&self) -> Option<(usize, &str)> {
+        let mut noise = Noise::new(1);
+        let mut any = || noise.normal().signum() * 10.0_f64.powf(8.0 * noise.uniform() - 4.0);
+        let mut moves = vec![false; self.params.len()];
+        for _ in 0..TRIALS {
+            let p: Vec<f64> = self.params.iter().map(|_| any().abs()).collect();
+            let motion = Motion::exact(any(), any(), any(), any());
+            let distance = any().abs();
+            let (mut steep, mut flat) = (Room::new(), Room::new());
+            let (at, along) = (motion.map(Dual::constant), Dual::constant(distance));
+            let slopes = self.worked(&mut steep, &Dual::<f64, PARAMETERS>::seeds(filled(&p), 0), &at, along);
+            for (i, moves) in moves.iter_mut().enumerate() {
+                let mut other = p.clone();
+                other[i] *= 1.5;
+                let by = self.worked(&mut flat, &other, &motion, distance) - slopes.v;
+                // What jumps has no slope, and no value is as good as another.
+                *moves |= slopes.d[i] != 0.0 || by.is_nan() || by.abs() > ROUNDED * slopes.v.abs();
+            }
+        }
+        let at = moves.iter().position(|moves| !moves)?;
+        let place = self.steps.iter().find(|step| step.op == Op::Parameter(at)).map_or(0, |step| step.at);
+        Some((place, &self.params[at]))
+    }
+
+    /// A parameter at whose nought the law answers just this, whatever the motion and the others are.
+    fn silent_without(&self, answer: f64) -> Option<usize> {
+        let mut noise = Noise::new(2);
+        let mut any = || noise.normal().signum() * 10.0_f64.powf(4.0 * noise.uniform() - 2.0);
+        let mut silent = vec![true; self.params.len()];
+        for _ in 0..TRIALS {
+            let p: Vec<f64> = self.params.iter().map(|_| any().abs()).collect();
+            let motion = Motion::exact(any(), any(), any(), any());
+            for (at, silent) in silent.iter_mut().enumerate() {
+                let mut p = p.clone();
+                p[at] = 0.0;
+                let own = self.worked(&mut Room::new(), &p, &motion, any().abs());
+                *silent &= own == answer;
+            }
+        }
+        silent.iter().position(|silent| *silent)
+    }
+
+    /// How the law follows the acceleration.
+    pub fn over_alpha(&self) -> OverAlpha {
+        match self.class(|op| op == Op::Motion(Variable::Alpha)) {
+            Class::Free => OverAlpha::Not,
+            Class::Proportional | Class::Affine => OverAlpha::Straight,
+            Class::Other => OverAlpha::Bent,
+        }
+    }
+
+    /// How the law depends on these numbers.
+    fn class(&self, of: impl Fn(Op) -> bool) -> Class {
         use Class::{Affine, Free, Other, Proportional};
         let mut stack = Vec::new();
         for step in &self.steps {
             let right = if step.op.takes() > 0 { stack.pop().unwrap_or(Other) } else { Free };
             let left = if step.op.takes() > 1 { stack.pop().unwrap_or(Other) } else { Free };
             stack.push(match step.op {
-                Op::Parameter(at) if of.contains(&at) => Proportional,
+                op if op.takes() == 0 && of(op) => Proportional,
                 Op::Number(_) | Op::Motion(_) | Op::Parameter(_) => Free,
                 Op::Negate => right,
                 Op::Add | Op::Subtract => match (left, right) {
@@ -241,7 +332,18 @@ impl Formula {
     }
 }
 
-/// How a number depends on some parameters together.
+/// How a law follows the acceleration: what is straight over it is an inertia.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OverAlpha {
+    /// Not at all.
+    Not,
+    /// In proportion, beside what does not.
+    Straight,
+    /// In another way.
+    Bent,
+}
+
+/// How a number depends on some others together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Class {
     Free,

@@ -7,9 +7,9 @@ const LONGEST: usize = 1000;
 /// Steps of a law.
 const STEPS: usize = 200;
 /// Numbers that are kept at a time while it is evaluated, and brackets within brackets.
-pub(super) const DEPTH: usize = 32;
+const DEPTH: usize = 32;
 /// Parameters of a law.
-const PARAMETERS: usize = 12;
+pub(super) const PARAMETERS: usize = 12;
 
 /// What is wrong with a law, and from which character on.
 #[derive(Debug, Clone, PartialEq, Eq)]

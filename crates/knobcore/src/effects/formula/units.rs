@@ -18,11 +18,13 @@ const DIMENSIONS: usize = 3;
 struct Powers {
     known: [f64; DIMENSIONS],
     of: Vec<f64>,
+    /// Whether it is a nought that is written there, which is of any unit.
+    nought: bool,
 }
 
 impl Powers {
     fn pure(params: usize) -> Self {
-        Self { known: [0.0; DIMENSIONS], of: vec![0.0; params] }
+        Self { known: [0.0; DIMENSIONS], of: vec![0.0; params], nought: false }
     }
 
     fn plus(mut self, other: &Self, times: f64) -> Self {
@@ -32,7 +34,8 @@ impl Powers {
     }
 
     fn times(self, by: f64) -> Self {
-        Self { known: self.known.map(|x| by * x), of: self.of.into_iter().map(|x| by * x).collect() }
+        let of = self.of.into_iter().map(|x| by * x).collect();
+        Self { known: self.known.map(|x| by * x), of, nought: false }
     }
 
     fn text(&self) -> Option<String> {
@@ -119,18 +122,21 @@ pub(super) fn inferred(
         let right = if step.op.takes() > 0 { stack.pop() } else { None }.unwrap_or(Powers::pure(count));
         let left = if step.op.takes() > 1 { stack.pop() } else { None }.unwrap_or(Powers::pure(count));
         let alike = |checked: &mut Checked, word: &str| {
+            if left.nought || right.nought {
+                return Ok(if left.nought { right.clone() } else { left.clone() });
+            }
             if checked.nought(&left.clone().plus(&right, -1.0), false) {
                 return Ok(left.clone());
             }
             let units = left.text().zip(right.text()).map(|(a, b)| format!(": {a} and {b}"));
             Err(Mistake { at, why: format!("{word} what has other units{}", units.unwrap_or_default()) })
         };
-        stack.push(match step.op {
+        let powers = match step.op {
             Op::Number(_) | Op::Motion(Variable::Direction) => right,
             Op::Motion(variable) => {
                 let known = match variable {
                     Variable::Time => [0.0, 0.0, 1.0],
-                    Variable::Theta => [0.0, 1.0, 0.0],
+                    Variable::Theta | Variable::Distance => [0.0, 1.0, 0.0],
                     Variable::Omega => [0.0, 1.0, -1.0],
                     _ => [0.0, 1.0, -2.0],
                 };
@@ -171,7 +177,8 @@ pub(super) fn inferred(
                 }
                 Powers::pure(count)
             }
-        });
+        };
+        stack.push(Powers { nought: step.op == Op::Number(0.0), ..powers });
     }
     let whole = stack.pop().unwrap_or(Powers::pure(count));
     let wanted = Powers { known: answer.powers().map(f64::from), ..Powers::pure(count) };

@@ -1,12 +1,14 @@
 //! A formula as an effect of the catalogue: units found, parameters that it is proportional to told from the others.
 
-use super::{Formula, Mistake};
+use super::{Formula, Mistake, OverAlpha};
+use crate::effects::law::Stated;
 use crate::effects::user::{Does, User};
 use crate::effects::{Info, Place, Survey};
 use crate::error::{Error, Result};
 use crate::motion::Channel;
 use crate::param::{Kind, Param, Unit};
 use std::collections::HashMap;
+use std::sync::{Mutex, PoisonError};
 
 /// What is known of a parameter of a formula before it is read.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,26 +27,93 @@ impl Default for Asked {
     }
 }
 
-/// How a formula acts, by its word.
-const LOAD: &str = "load";
-/// As a factor on the dry friction.
-const FRICTION: &str = "friction";
 /// Starts of a search at most.
 const STARTS: usize = 27;
 
-/// Registers a formula as the effect `id`, a load or a factor on the friction; the same one is registered once.
+/// Where in the chain a formula acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Acts {
+    /// A torque that the rig has to apply.
+    Load,
+    /// A factor on the dry friction.
+    Friction,
+    /// What the torque sensor reads beside the torque.
+    Sensor,
+}
+
+impl Acts {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Load, Self::Friction, Self::Sensor];
+
+    /// As it is written.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Load => "load",
+            Self::Friction => "friction",
+            Self::Sensor => "sensor",
+        }
+    }
+
+    fn named(id: &str, word: &str) -> Result<Self> {
+        Self::ALL.into_iter().find(|acts| acts.name() == word).ok_or_else(|| {
+            let known = Self::ALL.map(Self::name).join(", ");
+            let why = format!("'{word}' is no way in which a formula acts; choose {known}");
+            Error::invalid(format!("effect '{id}'"), why)
+        })
+    }
+
+    /// How an effect acts that is written as a formula.
+    pub fn of(info: &Info) -> Self {
+        match info.place {
+            Place::Sensor => Self::Sensor,
+            _ if info.touches.contains(&Channel::FrictionScale) => Self::Friction,
+            _ => Self::Load,
+        }
+    }
+
+    /// What it answers where it changes nothing.
+    fn neutral(self) -> f64 {
+        f64::from(u8::from(self == Self::Friction))
+    }
+
+    /// The unit in which it answers.
+    fn unit(self) -> Unit {
+        if self == Self::Friction { Unit::NUMBER } else { Unit::of(1, 0, 0) }
+    }
+
+    fn place(self) -> Place {
+        if self == Self::Sensor { Place::Sensor } else { Place::Load }
+    }
+
+    fn touches(self, law: &Formula) -> &'static [Channel] {
+        match self {
+            Self::Sensor => &[],
+            Self::Friction => &[Channel::FrictionScale],
+            Self::Load if law.over_alpha() == OverAlpha::Straight => &[Channel::Drive, Channel::Inertia],
+            Self::Load => &[Channel::Drive],
+        }
+    }
+}
+
+/// Those that were ever made, each once, however many models have it.
+static MADE: Mutex<Vec<&'static User>> = Mutex::new(Vec::new());
+
+/// Registers a formula as the effect `id` of the catalogue.
+///
+/// # Errors
+/// As of [`made`].
+pub fn register(id: &str, acts: &str, text: &str, asked: &HashMap<String, Asked>) -> Result<&'static User> {
+    let user = made(id, acts, text, asked)?;
+    user.enter();
+    Ok(user)
+}
+
+/// A formula as an effect `id` that only those models have which are given it.
 ///
 /// # Errors
 /// What is wrong with the law and at which character, or with what is said of its parameters.
-pub fn register(id: &str, acts: &str, text: &str, asked: &HashMap<String, Asked>) -> Result<&'static User> {
-    let (answer, channel): (_, &'static [Channel]) = match acts {
-        LOAD => (Unit::of(1, 0, 0), &[Channel::Drive]),
-        FRICTION => (Unit::NUMBER, &[Channel::FrictionScale]),
-        _ => {
-            let why = format!("'{acts}' is no way in which a formula acts; choose {LOAD} or {FRICTION}");
-            return Err(Error::invalid(format!("effect '{id}'"), why));
-        }
-    };
+pub fn made(id: &str, acts: &str, text: &str, asked: &HashMap<String, Asked>) -> Result<&'static User> {
+    let acts = Acts::named(id, acts)?;
     let bad = |mistake: Mistake| Error::invalid(format!("law of effect '{id}'"), marked(text, &mistake));
     let law = Formula::parse(text).map_err(bad)?;
     if let Some(unknown) = asked.keys().find(|name| !law.params().contains(name)) {
@@ -56,8 +125,13 @@ pub fn register(id: &str, acts: &str, text: &str, asked: &HashMap<String, Asked>
         return Err(Error::invalid(format!("law of effect '{id}'"), why));
     }
     let known = asked.iter().filter_map(|(name, one)| Some((name.as_str(), one.unit?))).collect();
-    let units = law.units(&known, answer).map_err(bad)?;
-    let linear = if acts == LOAD { law.linear() } else { Vec::new() };
+    let units = law.units(&known, acts.unit()).map_err(bad)?;
+    if let Some((at, name)) = law.idle() {
+        return Err(bad(Mistake { at, why: format!("'{name}' changes nothing; leave it out") }));
+    }
+    let linear = if acts == Acts::Friction { Vec::new() } else { law.linear() };
+    // A law that is proportional to nothing changes nothing where one of its shapes is nought, as in 1 + a x.
+    let silent = if linear.is_empty() { law.silent_without(acts.neutral()) } else { None };
     let rows: Vec<Row> = law
         .params()
         .iter()
@@ -66,23 +140,29 @@ pub fn register(id: &str, acts: &str, text: &str, asked: &HashMap<String, Asked>
         .map(|(at, (name, unit))| {
             let one = asked.get(name).cloned().unwrap_or_default();
             let unbounded = one.bounds == Asked::default().bounds;
-            Row { name: name.clone(), unit, linear: linear.contains(&at) && unbounded, asked: one }
+            let linear = linear.contains(&at) && unbounded;
+            let neutral = if linear || silent == Some(at) { 0.0 } else { 1.0_f64 };
+            let neutral = neutral.max(one.bounds[0]).min(one.bounds[1]);
+            Row { name: name.clone(), unit, linear, neutral, asked: one }
         })
         .collect();
-    if let Some(user) = User::known(id)
-        && user.formula() == Some(&law)
-        && user.info.touches == channel
-        && rows.len() == user.info.params.len()
-        && rows.iter().zip(user.info.params).all(|(row, param)| row.is(param))
-    {
+    let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
+    let same = |user: &&&User| {
+        let rows_same = rows.len() == user.info.params.len()
+            && rows.iter().zip(user.info.params).all(|(row, param)| row.is(param));
+        user.info.id == id && user.formula() == Some(&law) && Acts::of(user.info) == acts && rows_same
+    };
+    if let Some(user) = made.iter().find(same) {
         return Ok(user);
     }
     let shown = law.text().to_owned().leak();
     let params: Vec<Param> = rows.into_iter().map(Row::param).collect();
     let id: &'static str = id.to_owned().leak();
-    let own = Info::own(id, Place::Load, shown, params.leak(), channel);
-    let info = Info { source: "a formula of one's own", ..own };
-    User::register(info, false, Vec::new(), Does::Formula(law))
+    let own = Info::own(id, acts.place(), shown, params.leak(), acts.touches(&law));
+    let info: &'static Info = Box::leak(Box::new(Info { source: "a formula of one's own", ..own }));
+    let user = User::made(info, law.remembers(), Vec::new(), Does::Formula(Stated::new(info, law)))?;
+    made.push(user);
+    Ok(user)
 }
 
 /// A parameter of a formula.
@@ -90,6 +170,7 @@ struct Row {
     name: String,
     unit: Unit,
     linear: bool,
+    neutral: f64,
     asked: Asked,
 }
 
@@ -111,8 +192,7 @@ impl Row {
     fn param(self) -> Param {
         let (kind, meaning) = (self.kind(), self.meaning().to_owned());
         let [lower, upper] = self.asked.bounds;
-        let neutral = if self.linear { 0.0 } else { 1.0_f64.clamp(lower, upper) };
-        let shape = Param::shape(self.name.leak(), self.unit, [lower, upper], neutral, meaning.leak());
+        let shape = Param::shape(self.name.leak(), self.unit, [lower, upper], self.neutral, meaning.leak());
         Param { kind, ..shape }
     }
 }
@@ -143,7 +223,7 @@ pub(crate) fn starts(params: &[Param], survey: &Survey) -> Vec<Vec<f64>> {
     for param in params {
         let sizes = sizes(param);
         let sizes = if all.len() * sizes.len() > STARTS { &sizes[..1] } else { &sizes[..] };
-        let within = |x: &f64| x.clamp(param.lower, param.upper);
+        let within = |x: &f64| x.max(param.lower).min(param.upper);
         all = all
             .iter()
             .flat_map(|before| sizes.iter().map(|x| [&before[..], &[within(x)]].concat()).collect::<Vec<_>>())

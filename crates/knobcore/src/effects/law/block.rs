@@ -95,7 +95,7 @@ impl Default for Scratch {
 }
 
 /// Columns over a block, filled up with their last sample so that they are packs side by side.
-pub(super) fn filled<'a>(columns: [&'a [f64]; 5], end: &'a mut Motions) -> [&'a [f64]; 5] {
+pub(crate) fn filled<'a>(columns: [&'a [f64]; 5], end: &'a mut Motions) -> [&'a [f64]; 5] {
     if columns[0].len() == BLOCK {
         return columns;
     }
@@ -183,6 +183,13 @@ impl<'a> Totals<'a> {
     pub(super) fn add_column(&mut self, channel: Channel, column: &[f64]) {
         self.by_load |= channel == Channel::Mu;
         for (total, own) in self.channels[channel as usize].iter_mut().zip(&column[self.block.clone()]) {
+            *total = if channel == Channel::FrictionScale { *total * own } else { *total + own };
+        }
+    }
+
+    /// Brings in what was worked out for the block, into one channel.
+    pub(super) fn add_block(&mut self, channel: Channel, own: &[f64; BLOCK]) {
+        for (total, own) in self.channels[channel as usize].iter_mut().zip(own) {
             *total = if channel == Channel::FrictionScale { *total * own } else { *total + own };
         }
     }

@@ -1,6 +1,6 @@
 //! The second half of a response: each effect's own derivatives, by the chain rule through the channels of its load.
 
-use super::block::{CHANNELS, Channels, PLAIN, SCALE, Totals, channels};
+use super::block::{BLOCK, CHANNELS, Channels, PLAIN, SCALE, Totals, channels};
 use super::seeded;
 use crate::effects::LoadEffect;
 use crate::motion::{Channel, Load, Touched};
@@ -103,6 +103,29 @@ impl Gradient<'_> {
         for (column, own) in columns.iter().zip(self.own.iter().take(places)) {
             if let Some(column) = column.and_then(|c| self.slopes.get_mut(c)) {
                 column[self.totals.block.clone()].iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+            }
+        }
+    }
+
+    /// Chain rule through one channel over the block: an effect's derivatives there by the parameters whose columns
+    /// these are, each with a weight, of a factor its inverse.
+    pub(super) fn chain_block(
+        &mut self,
+        channel: Channel,
+        columns: &[Option<usize>],
+        weight: &[f64; BLOCK],
+        slopes: &[[f64; BLOCK]],
+    ) {
+        let (mut through, scale) = (self.by[channel as usize], &self.totals.channels[SCALE]);
+        through.iter_mut().zip(weight).for_each(|(by, weight)| *by *= weight);
+        if channel == Channel::FrictionScale {
+            // The derivative of a product by one of its factors.
+            through.iter_mut().zip(scale).for_each(|(by, scale)| *by *= scale);
+        }
+        for (column, own) in columns.iter().zip(slopes) {
+            if let Some(column) = column.and_then(|c| self.slopes.get_mut(c)) {
+                let sums = column[self.totals.block.clone()].iter_mut().zip(own).zip(&through);
+                sums.for_each(|((sum, own), by)| *sum += own * by);
             }
         }
     }

@@ -10,12 +10,14 @@ mod memory;
 mod own;
 mod place;
 mod response;
+mod stated;
 
 pub use block::Totals;
-pub(crate) use block::{BLOCK, CHANNELS, Channels, Motions, PLAIN, SCALE, Scratch, load_of};
+pub(crate) use block::{BLOCK, CHANNELS, Channels, Motions, PLAIN, SCALE, Scratch, filled, load_of};
 pub(crate) use gradient::Gradient;
 pub(crate) use place::{Couples, Delays, Loads, Remembers, Senses};
 pub use response::Response;
+pub use stated::Stated;
 
 use super::{Carrier, Context, Info, Joint, Survey};
 use crate::motion::{Load, Motion};

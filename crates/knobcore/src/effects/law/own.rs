@@ -1,10 +1,10 @@
-//! An effect of the user's own as a [`Law`]: called for whole columns, differentiated by central differences.
+//! A function of the user's own as a [`Law`]: called for whole columns, differentiated by central differences.
 
 use super::block::Totals;
 use super::gradient::Gradient;
 use super::response::Response;
 use super::{D, Law};
-use crate::effects::{Carrier, Info, Joint, Place, Survey, User, formula};
+use crate::effects::{Carrier, Info, Joint, Place, Survey, User};
 use crate::motion::{Channel, Load, Motion};
 use crate::scalar::Dual;
 
@@ -46,10 +46,7 @@ impl Law for User {
         self.info
     }
 
-    fn starts(&self, survey: &Survey) -> Vec<Vec<f64>> {
-        if self.formula().is_some() {
-            return formula::starts(self.info.params, survey);
-        }
+    fn starts(&self, _: &Survey) -> Vec<Vec<f64>> {
         if self.starts.is_empty() {
             return vec![self.info.params.iter().map(|param| param.neutral).collect()];
         }

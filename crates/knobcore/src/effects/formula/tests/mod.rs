@@ -1,5 +1,7 @@
 //! Laws as formulas: what is read, what is refused and where, units, derivatives.
 
+mod catalogued;
+
 use super::*;
 use crate::motion::Motion;
 use crate::scalar::Dual;
@@ -88,6 +90,8 @@ fn units_of_parameters_follow_from_the_law() {
     assert_eq!(units("a exp(-t/tau) + b"), [TORQUE, Unit::of(0, 0, 1), TORQUE]);
     assert_eq!(units("k sqrt(theta^2 + l^2)"), [Unit::of(1, -1, 0), Unit::of(0, 1, 0)]);
     assert_eq!(units("a (|omega|/w)^p"), [TORQUE, Unit::of(0, 1, -1), Unit::NUMBER]);
+    // A nought is of any unit.
+    assert_eq!(units("g max(theta - c, 0)"), [Unit::of(1, -1, 0), Unit::of(0, 1, 0)]);
     let given = HashMap::from([("b", Unit::of(0, -1, 1))]);
     assert_eq!(law("a b omega").units(&given, TORQUE).unwrap()[0], TORQUE);
     let wrong = HashMap::from([("w", Unit::of(0, 1, 0))]);
