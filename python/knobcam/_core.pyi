@@ -288,6 +288,13 @@ def diagnose(
     effects: Sequence[str],
     progress: Callable[[float], object] | None = None,
 ) -> list[tuple[str, Fit | None, float, int, float, str]]: ...
+def propose(
+    data: Sequence[Signals],
+    model: Model,
+    progress: Callable[[float], object] | None = None,
+) -> tuple[
+    list[tuple[str, list[tuple[str, float]], list[str], float, int]], float, dict[str, Any] | None
+]: ...
 def pairs(
     data: Sequence[Signals],
     model: Model,

@@ -28,3 +28,7 @@ pub use pairs::{Pair, pairs};
 pub use sets::{Set, sets};
 pub use verdict::{Evidence, Judgement, State, complete, exact, judge};
 pub use watch::Tell;
+
+pub(crate) use bins::since_reversal;
+pub(crate) use thinned::{Thinned, orthonormal, project};
+pub(crate) use watch::Watch;
