@@ -87,6 +87,40 @@ def band_brake(rng: Rng, scene: Scene) -> Floats:
     return np.sign(scene.track.omega) * np.exp(-(off**2))
 
 
+def growing_ripple(rng: Rng, scene: Scene) -> Floats:
+    """A ripple over the angle that grows with the speed."""
+    theta = scene.track.theta
+    waves = rng.uniform(3.0, 15.0) * 2.0 * np.pi / np.ptp(theta)
+    return np.abs(scene.track.omega) * np.sin(waves * theta + rng.uniform(0.0, 2.0 * np.pi))
+
+
+def fluid_mass(rng: Rng, scene: Scene) -> Floats:
+    """Fluid that is dragged along: the faster, the more of it."""
+    return np.abs(scene.track.omega) * scene.track.alpha
+
+
+def worn_bump(rng: Rng, scene: Scene) -> Floats:
+    """A bump in the track that wears off."""
+    t = scene.track.t
+    return np.exp(-(_off(rng, scene, 0.1, 0.3) ** 2)) * np.exp(-t / (rng.uniform(0.2, 0.6) * t[-1]))
+
+
+def cam(rng: Rng, scene: Scene) -> Floats:
+    """A cam with two noses, thrown by the speed."""
+    return scene.track.omega**2 * np.cos(2.0 * scene.track.theta + rng.uniform(0.0, 2.0 * np.pi))
+
+
+def gust(rng: Rng, scene: Scene) -> Floats:
+    """Something that leans on the knob once."""
+    t = scene.track.t
+    return np.exp(-(((t - rng.uniform(0.25, 0.75) * t[-1]) / (rng.uniform(0.03, 0.12) * t[-1])) ** 2))
+
+
+def tilted_drag(rng: Rng, scene: Scene) -> Floats:
+    """A gap with oil that is wider on one side: the drag goes round with the angle."""
+    return scene.track.omega * np.sin(scene.track.theta + rng.uniform(0.0, 2.0 * np.pi))
+
+
 def _off(rng: Rng, scene: Scene, narrow: float, wide: float) -> Floats:
     """Distance from an angle within the motion, in widths."""
     theta = scene.track.theta
@@ -116,7 +150,16 @@ VARIABLES: dict[str, tuple[str, ...]] = {
     "slack_spring": ("alpha", "theta"),
     "coriolis": ("omega", "theta"),
     "band_brake": ("omega",),
+    "growing_ripple": ("omega", "theta"),
+    "fluid_mass": ("alpha", "omega"),
+    "worn_bump": ("t", "theta"),
+    "cam": ("omega", "theta"),
+    "gust": ("t",),
+    "tilted_drag": ("omega", "theta"),
 }
 """Of what each law is one; a sign or a magnitude of the velocity counts as the velocity."""
+
+NEVER_LOOKED_AT = ("growing_ripple", "fluid_mass", "worn_bump", "cam", "gust", "tilted_drag")
+"""Of these no capture was looked at while the search was built."""
 
 LAWFUL: dict[str, Kind] = {name: _kind(globals()[name]) for name in VARIABLES}

@@ -56,6 +56,7 @@ class Hidden:
     truth: dict[str, Any]
     misfit: float = 0.0
     chain: Chain | None = None
+    track: Track | None = None
 
     def again(self, track: Track, seed: int) -> dict[str, Floats]:
         """The capture of the same knob on another motion; ValueError for what is a value per sample."""
@@ -120,6 +121,7 @@ def make(
         truth=chain.truth(scene.knob),
         misfit=misfit,
         chain=chain,
+        track=scene.track,
     )
 
 

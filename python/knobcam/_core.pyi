@@ -293,7 +293,7 @@ def propose(
     model: Model,
     progress: Callable[[float], object] | None = None,
 ) -> tuple[
-    list[tuple[str, list[tuple[str, float]], list[str], float, int]], float, dict[str, Any] | None
+    list[tuple[str, list[tuple[str, float]], list[str], float, bool, int]], float, dict[str, Any] | None
 ]: ...
 def pairs(
     data: Sequence[Signals],

@@ -8,8 +8,9 @@ use knobcore::propose::propose as propose_core;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// A law as it goes out: formula, parameters, variables, gain, complexity.
-type LawRow = (String, Vec<(String, f64)>, Vec<&'static str>, f64, usize);
+/// A law as it goes out: formula, parameters, variables, gain, whether it explains as much as the best,
+/// complexity.
+type LawRow = (String, Vec<(String, f64)>, Vec<&'static str>, f64, bool, usize);
 
 /// Laws for what a fitted model leaves, best first, the chance of the first where nothing is missing, and the curve of what
 /// is left (a dict with the fields of `Curve`), if there is one. `progress` as of `diagnose`.
@@ -26,8 +27,10 @@ pub fn propose<'py>(
     let progress = Progress::of(progress);
     let found = watched(py, model, || propose_core(signals, model, &|share| progress.tell(share)))?;
     let found = progress.ended(found)?;
-    let laws =
-        found.laws.into_iter().map(|law| (law.text, law.params, law.variables, law.gain, law.complexity));
+    let laws = found
+        .laws
+        .into_iter()
+        .map(|law| (law.text, law.params, law.variables, law.gain, law.alike, law.complexity));
     let curve = found.curve.map(|curve| {
         let row = PyDict::new(py);
         row.set_item("over", curve.over)?;

@@ -188,13 +188,11 @@ class LearningResult(showing.Tabled):
         Raises InputError for a number that no proposal has, and for a name that is taken.
         """
         name, fit = accepted(proposals, number, name)
-        before = next(
-            step for step in self.ladder if step.fit.model.effects == proposals.beside.model.effects
-        )
-        upto = self.ladder[: self.ladder.index(before) + 1]
+        # What came in badly in the law's place goes.
+        kept = self.ladder if proposals.beside is self.fit else self.ladder[:1]
         step = LearningStep(fit, name, proposals.p_value)
-        last = diagnose(fit, only=())
-        selection = concluded([*upto, step], last, self.ladder[0].fit.model.effects)
+        left = diagnose(fit, only=())
+        selection = concluded([*kept, step], left, self.ladder[0].fit.model.effects)
         return LearningResult(*selection, self.without)
 
     def plot(self) -> Figure:

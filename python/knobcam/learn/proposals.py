@@ -18,8 +18,10 @@ from ..errors import InputError
 from ..fit.beyond import incoherent
 from ..fit.described import documented
 from ..fit.diagnose import p_in_words
+from ..fit.doubts import below_zero
 from ..fit.refit import converged, cores
 from ..fit.rule import RULE
+from ..model.effects import base_effects_shown
 from ..model.own import forget_effect
 from ..model.own_law import free_name, own_law
 
@@ -38,8 +40,8 @@ FITTED = 5
 class Curve(NamedTuple):
     """What is left as a smooth function of `over` times `times`, with half the width of its 95 % band.
 
-    `laws` has a curve for each of the first laws, in the order of the search: what the parameters of the
-    model can absorb is taken off all of them alike.
+    `laws` has the curves of the first laws by their formulas: what the parameters of the model can absorb is
+    taken off all of them alike.
     """
 
     over: str
@@ -47,7 +49,7 @@ class Curve(NamedTuple):
     x: FloatArray
     value: FloatArray
     band: FloatArray
-    laws: tuple[FloatArray, ...]
+    laws: Mapping[str, FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,9 +206,7 @@ def propose(story: LearningResult, progress: Callable[[float], object] | None = 
     last = story.fit
     if why := _needless(story):
         return Proposals(last, why=why)
-    several = {fit.model.effects: fit for fit in (story.ladder[0].fit, last)}
-    if story.verdict != "unexplained":
-        several.pop(last.model.effects)
+    several = {fit.model.effects: fit for fit in _bases(story)}
     found = [(fit, *_core.propose(cores(fit), fit.core.model, progress)) for fit in several.values()]
     # Of what came in without explaining it, nothing is needed if a law explains as much without.
     fit, laws, p_value, curve = max(found, key=lambda one: _speaks(story, one[0], one[1]))
@@ -216,12 +216,22 @@ def propose(story: LearningResult, progress: Callable[[float], object] | None = 
         return replace(none, why=f"{' and '.join(story.found)} explain as much, and have names")
     if not laws:
         return replace(none, why="what is left is no more than chance makes of so many laws, or too little")
-    proposals = tuple(_fitted(fit, row) for row in laws[:FITTED])
-    ordered = _ordered(fit, proposals)
+    ordered = _ordered([(_fitted(fit, row), row[4]) for row in laws[:FITTED]])
     if (name := _named(story, fit, ordered[0])) is not None:
         return replace(none, why=f"{name} explains as much, and has a name")
-    drawn = None if curve is None else _drawn(curve)
+    drawn = None if curve is None else _drawn(curve, [row[0] for row in laws])
     return Proposals(fit, ordered, p_value, drawn)
+
+
+def _bases(story: LearningResult) -> list[Fit]:
+    """The models beside which laws are looked for: the first, without what it need not have, and the last.
+
+    Detents of the first model may be a law's wave, and what came in may have explained it badly.
+    """
+    first, last = story.ladder[0].fit, story.fit
+    shown = base_effects_shown(first.model.coordinate)
+    bare = [first.drop(one) for one in shown if one in first.model.effects]
+    return [first, *bare, *([last] if story.verdict == "unexplained" else [])]
 
 
 def _needless(story: LearningResult) -> str:
@@ -253,7 +263,7 @@ def _speaks(story: LearningResult, fit: Fit, laws: list[Any]) -> float:
 
 def _fitted(fit: Fit, row: Any) -> Proposal:
     """A law of the search, fitted with the whole model."""
-    law, values, variables, _, complexity = row
+    law, values, variables, _, _, complexity = row
     name = free_name(fit.model)
     own_law(name, law)
     try:
@@ -268,39 +278,36 @@ def _fitted(fit: Fit, row: Any) -> Proposal:
     return Proposal(law, name, tuple(sorted(variables)), richer, float(taken), complexity)
 
 
-def _ordered(fit: Fit, proposals: tuple[Proposal, ...]) -> tuple[Proposal, ...]:
-    """Those that explain as much as the best, the shortest first; then the others, the best first."""
-    best = max(proposals, key=lambda one: one.score)
-    more = max((best.rmse / fit.noise_floor) ** 2 - 1.0, 0.0)
-    margin = max(RULE.alike, RULE.relative * more * fit.white_squares)
-    near = [one for one in proposals if best.score - one.score <= margin]
-    far = [one for one in proposals if best.score - one.score > margin]
-    return (
-        *sorted(near, key=lambda one: (one.complexity, -one.gain)),
-        *sorted(far, key=lambda one: -one.score),
-    )
+def _ordered(proposals: list[tuple[Proposal, bool]]) -> tuple[Proposal, ...]:
+    """Laws in the order of the search; of those that explain as much as the best, some later.
+
+    Those that bend what resists below zero beyond doubt.
+    """
+    bent = [(not alike, len(below_zero(one.fit)) if alike else 0) for one, alike in proposals]
+    return tuple(proposals[at][0] for at in sorted(range(len(proposals)), key=bent.__getitem__))
 
 
 def _named(story: LearningResult, fit: Fit, law: Proposal) -> str | None:
     """The effect of the catalogue that explains as much beside the same model, if one does."""
     weighed = story.last if fit is story.fit else story.first_diagnosis
+    came = (weighed.fit.rmse**2 - fit.rmse**2) / fit.noise_floor**2 * fit.white_squares
     margin = max(RULE.alike, RULE.relative * law.gain)
     alike = [
         one
         for one in weighed.candidates
-        if one.beyond_chance and not one.implausible and one.score >= law.score - margin
+        if one.beyond_chance and not one.implausible and one.score >= law.score + came - margin
     ]
     return max(alike, key=lambda one: one.score).effect if alike else None
 
 
-def _drawn(curve: Mapping[str, Any]) -> Curve:
+def _drawn(curve: Mapping[str, Any], laws: list[str]) -> Curve:
     return Curve(
         curve["over"],
         curve["times"],
         np.asarray(curve["x"]),
         np.asarray(curve["value"]),
         np.asarray(curve["band"]),
-        tuple(np.asarray(one) for one in curve["laws"]),
+        {law: np.asarray(one) for law, one in zip(laws, curve["laws"], strict=False)},
     )
 
 

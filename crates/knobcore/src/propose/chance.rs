@@ -1,7 +1,8 @@
 //! What a scan finds where nothing is missing: the largest of all that it looks at, of noise through the whole chain.
 
-use super::grammar::{Factor, Powers, Shape, Term, Variable};
+use super::grammar::{Factor, Powers, Variable};
 use super::rows::Rows;
+use super::scan::Seen;
 use crate::diagnose::Thinned;
 use crate::fit::dot;
 use crate::noise::Noise;
@@ -12,21 +13,22 @@ use crate::signals::Signals;
 const DRAWS: usize = 199;
 /// Columns of the scan that stand for all.
 const MOST: usize = 600;
+/// What is rarer is not told apart.
+const LEAST: f64 = 1e-6;
 /// Frequencies by which a power spectrum is known.
 const FREQUENCIES: usize = 512;
 
-/// Chance that a scan finds as much as `gain` where nothing is missing; `term` is what it found.
-#[allow(clippy::too_many_arguments)]
+/// Chance that a scan finds as much as what it saw where nothing is missing; `rows` is how many tell what is fast.
 pub fn p_value(
     data: &[&Signals],
     noises: &[Noise],
-    fine: &Rows<'_>,
     coarse: &Rows<'_>,
     functions: &[Factor],
-    term: &Term,
-    gain: f64,
+    seen: &Seen,
+    rows: usize,
     white: f64,
 ) -> f64 {
+    let Seen { term, gain } = seen;
     if let Some(sine) = term.sine() {
         // Sines at frequencies a wave over the range apart are independent; each takes off what two numbers of the
         // loudest part of the noise do.
@@ -35,8 +37,8 @@ pub fn p_value(
         };
         let loudest = noises.iter().map(power).fold(white, f64::max);
         let waves = if sine.of == Variable::Time { 3.0 } else { Powers::ALL.len() as f64 };
-        let looks = waves * fine.len() as f64 * 0.5;
-        return (looks * (-0.5 * gain / loudest).exp()).min(1.0);
+        let looks = waves * rows as f64 * 0.5;
+        return (looks * (-0.5 * gain / loudest).exp()).clamp(LEAST, 1.0);
     }
     let every = (Powers::ALL.len() * functions.len()).div_ceil(MOST).max(1);
     let looks = (0..Powers::ALL.len() * functions.len()).step_by(every);
@@ -47,7 +49,6 @@ pub fn p_value(
             let mut column = powers.over(&coarse.motions);
             let x = &coarse.motions[*of as usize];
             column.iter_mut().zip(x).for_each(|(own, x)| *own *= shape.at(*x, *w, *c));
-            debug_assert!(*shape != Shape::Sine);
             let square = dot(&column, &column);
             let mut column = coarse.counted(column);
             let own = dot(&column, &column);
@@ -62,7 +63,7 @@ pub fn p_value(
     let above = (0..DRAWS)
         .filter(|_| {
             let noise = coarse.summed(&drawn(data, noises, &thinned, &mut random));
-            columns.iter().any(|column| dot(column, &noise).powi(2) >= gain)
+            columns.iter().any(|column| dot(column, &noise).powi(2) >= *gain)
         })
         .count();
     (1 + above) as f64 / (1 + DRAWS) as f64

@@ -2,7 +2,7 @@
 //! it did not see (Eilers & Marx 1996, "Flexible smoothing with B-splines and penalties").
 
 use super::follow::{Followed, Reach};
-use super::grammar::{Powers, Shape, Term, Variable};
+use super::grammar::{Powers, Term, Variable};
 use super::rows::Rows;
 use crate::fit::dot;
 use crate::special::Z95;
@@ -21,8 +21,9 @@ const STIFFNESSES: usize = 12;
 const PLACES: usize = 181;
 /// Waves over the range that the spline can still follow.
 const WAVES: f64 = 9.0;
-/// What holds the spline where there are no data, beside the mean of the diagonal.
-const RIDGE: f64 = 1e-7;
+/// What holds the curve near nought where the data ask for nothing, or the model's parameters can say the same, beside the
+/// mean of the diagonal.
+const RIDGE: f64 = 1e-3;
 
 /// A curve of what is left.
 #[derive(Debug, Clone)]
@@ -123,7 +124,8 @@ fn parted(term: &Term, reach: &Reach) -> Option<(Variable, Term)> {
     let mut rest = term.clone();
     let slow = |at: &usize| {
         let factor = &term.factors[*at];
-        factor.shape != Shape::Sine || reach.span(factor.of) / factor.at[0].abs() < WAVES * TAU
+        !factor.shape.is_wave() && factor.shape.count() > 0
+            || reach.span(factor.of) / factor.at[0].abs() < WAVES * TAU
     };
     if let Some(at) = (0..term.factors.len()).find(slow) {
         let over = rest.factors.remove(at).of;

@@ -15,13 +15,26 @@ pub enum Variable {
     Speed,
     /// Acceleration, rad/s^2.
     Alpha,
+    /// The magnitude of the angle.
+    Aside,
+    /// The magnitude of the acceleration.
+    Jolt,
     /// Way since the last reversal, rad.
     Since,
 }
 
 impl Variable {
     /// All of them, in the order of the columns of [`Motions`].
-    pub const ALL: [Self; 6] = [Self::Time, Self::Theta, Self::Omega, Self::Speed, Self::Alpha, Self::Since];
+    pub const ALL: [Self; 8] = [
+        Self::Time,
+        Self::Theta,
+        Self::Omega,
+        Self::Speed,
+        Self::Alpha,
+        Self::Aside,
+        Self::Jolt,
+        Self::Since,
+    ];
 
     /// As it is written.
     pub fn text(self) -> &'static str {
@@ -31,18 +44,25 @@ impl Variable {
             Self::Omega => "omega",
             Self::Speed => "abs(omega)",
             Self::Alpha => "alpha",
+            Self::Aside => "abs(theta)",
+            Self::Jolt => "abs(alpha)",
             Self::Since => "s",
         }
     }
 
     /// What it is counted as.
     pub fn name(self) -> &'static str {
-        if self == Self::Speed { Self::Omega.text() } else { self.text() }
+        match self {
+            Self::Speed => Self::Omega.text(),
+            Self::Aside => Self::Theta.text(),
+            Self::Jolt => Self::Alpha.text(),
+            _ => self.text(),
+        }
     }
 }
 
 /// Columns of the motion: those of [`Variable::ALL`], then the direction.
-pub type Motions = [Vec<f64>; 7];
+pub type Motions = [Vec<f64>; Variable::ALL.len() + 1];
 
 /// A product of powers that has no parameter: the power of each variable, and whether the direction's sign is in it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -88,12 +108,17 @@ impl Powers {
         Self { of: &[(Variable::Time, 1), (Variable::Theta, 1)], signed: false },
         Self { of: &[(Variable::Omega, 1), (Variable::Alpha, 1)], signed: false },
         Self { of: &[(Variable::Speed, 1), (Variable::Alpha, 1)], signed: false },
+        Self { of: &[(Variable::Alpha, 1), (Variable::Jolt, 1)], signed: false },
+        Self { of: &[(Variable::Theta, 1), (Variable::Aside, 1)], signed: false },
+        Self { of: &[(Variable::Aside, 1), (Variable::Omega, 1)], signed: false },
+        Self { of: &[(Variable::Aside, 1), (Variable::Alpha, 1)], signed: false },
+        Self { of: &[(Variable::Aside, 1)], signed: true },
     ];
 
     /// Its value at every row.
     pub fn over(&self, motions: &Motions) -> Vec<f64> {
         let rows = motions[0].len();
-        let mut product = if self.signed { motions[6].clone() } else { vec![1.0; rows] };
+        let mut product = if self.signed { motions[Variable::ALL.len()].clone() } else { vec![1.0; rows] };
         for (variable, power) in self.of {
             for (own, x) in product.iter_mut().zip(&motions[*variable as usize]) {
                 *own *= x.powi(*power);
@@ -129,14 +154,29 @@ pub enum Shape {
     Peaked,
     /// 1/(1 + ((x - c)/w)^2)
     Resonant,
-    /// sin(x/w + phase), of which sine and cosine are linear
+    /// sin(n x) of a whole number n = 1/w
+    Sin,
+    /// cos(n x)
+    Cos,
+    /// sin(n x + phase), of which sine and cosine are linear
+    Turning,
+    /// sin(x/w + phase), alike
     Sine,
 }
 
 impl Shape {
     /// How many parameters it has, the phase of a sine not counted.
     pub fn count(self) -> usize {
-        if matches!(self, Self::Bump | Self::Step | Self::Resonant) { 2 } else { 1 }
+        match self {
+            Self::Bump | Self::Step | Self::Resonant => 2,
+            Self::Sin | Self::Cos | Self::Turning => 0,
+            _ => 1,
+        }
+    }
+
+    /// Whether it has a phase, so that it has two columns.
+    pub fn is_wave(self) -> bool {
+        matches!(self, Self::Sine | Self::Turning)
     }
 
     /// Its value. `w` is its first parameter, `c` its second.
@@ -149,7 +189,8 @@ impl Shape {
             Self::Slow => x / (w + x.abs()),
             Self::Peaked => 2.0 * (x / w) / (1.0 + (x / w).powi(2)),
             Self::Resonant => 1.0 / (1.0 + ((x - c) / w).powi(2)),
-            Self::Sine => (x / w).sin(),
+            Self::Sin | Self::Turning | Self::Sine => (x / w).sin(),
+            Self::Cos => (x / w).cos(),
         }
     }
 }
@@ -191,7 +232,7 @@ impl Term {
 
     /// Its sine, if it has one.
     pub fn sine(&self) -> Option<&Factor> {
-        self.factors.last().filter(|factor| factor.shape == Shape::Sine)
+        self.factors.last().filter(|factor| factor.shape.is_wave())
     }
 
     /// Parameters: amplitude, those of its functions, a phase.
@@ -222,7 +263,7 @@ impl Term {
         let mut product = self.powers.over(motions);
         for Factor { of, shape, at: [w, c] } in &self.factors {
             let x = &motions[*of as usize];
-            if *shape == Shape::Sine {
+            if shape.is_wave() {
                 let cosine = product.iter().zip(x).map(|(own, x)| own * (x / w).cos()).collect();
                 product.iter_mut().zip(x).for_each(|(own, x)| *own *= (x / w).sin());
                 return vec![product, cosine];
@@ -278,6 +319,12 @@ impl Term {
                     let (c, w) = (names("c", *centre), names("w", width.abs()));
                     format!("1/(1 + (({x} - {c})/{w})^2)")
                 }
+                Shape::Sin => format!("sin({})", times(1.0 / width, x)),
+                Shape::Cos => format!("cos({})", times(1.0 / width, x)),
+                Shape::Turning => {
+                    let phase = coefficients.get(1).copied().unwrap_or(0.0).atan2(coefficients[0]);
+                    format!("sin({} + {})", times(1.0 / width, x), names("ph", phase))
+                }
                 Shape::Sine => {
                     let phase = coefficients.get(1).copied().unwrap_or(0.0).atan2(coefficients[0]);
                     if *of == Variable::Time {
@@ -299,4 +346,9 @@ impl Term {
         let product: Vec<String> = std::iter::once("a".to_owned()).chain(texts).collect();
         Written { text: format!("{twice}{}", product.join("*")), params }
     }
+}
+
+/// A whole number times a variable.
+fn times(number: f64, x: &str) -> String {
+    if (number - 1.0).abs() < 1e-9 { x.to_owned() } else { format!("{number:.0}*{x}") }
 }

@@ -10,29 +10,47 @@ mod follow;
 mod grammar;
 mod rows;
 mod scan;
+#[cfg(test)]
+mod tests;
 
 use crate::diagnose::{Tell, Watch};
 use crate::floor::{Floor, noises};
 use crate::model::Model;
 use crate::noise::Noise;
+use crate::param::Axis;
 use crate::rule::rule;
 use crate::signals::Signals;
 pub use curve::Curve;
 use follow::{Followed, Reach};
 use grammar::{Factor, Powers, Term, Variable};
 use rows::Rows;
-use scan::{Seen, functions, scan, sines, widened};
+use scan::{Seen, functions, scan, sines, turning, widened};
 
+/// Rows that tell what is fast.
+const MEDIUM: usize = 8000;
+/// Rows that tell what is slow.
+const COARSE: usize = 2000;
+/// What is slow goes by fewer radians a second.
+const FAST: f64 = 200.0;
+/// Powers that are looked at with waves of time: none, the sign of the velocity, the velocity.
+const TIMED: usize = 3;
 /// Laws of a scan that are followed.
-const FOLLOWED: usize = 24;
+const FOLLOWED: usize = 32;
 /// Of those so many are given one function more.
 const WIDENED: usize = 8;
+/// Laws with one function more that are followed, of each.
+const MORE: usize = 3;
 /// Laws that are followed to their end behind the measurement filter.
 const ENDED: usize = 12;
 /// Laws that are drawn on the curve.
 const DRAWN: usize = 3;
 /// Functions of a law at most.
 const FUNCTIONS: usize = 2;
+/// Of what laws may be off by, the part that a longer one has to explain: together with errors of its parameters the shorter
+/// one is then off by no more than that.
+const OFF: f64 = 0.25;
+/// Of two laws that take off the same to this share, one is the other written anew.
+const SAME: f64 = 1e-6;
 /// Steps that tell how good a law may be.
 const GLANCE: usize = 6;
 /// Steps to its end.
@@ -49,6 +67,8 @@ pub struct Law {
     pub variables: Vec<&'static str>,
     /// What it takes off the sum of squares, in variances of the raw noise.
     pub gain: f64,
+    /// Whether it explains as much as the best.
+    pub alike: bool,
     /// How long it is.
     pub complexity: usize,
 }
@@ -76,34 +96,20 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
         return Some(none);
     }
     let noises: Vec<Noise> = noises.into_iter().map(|noise| noise.unwrap_or(Noise::white(white))).collect();
-    let coarse = fine.coarse();
+    let rows = [fine.coarse(MEDIUM), fine.coarse(COARSE)];
     let reach = Reach::of(&fine);
     let of: Vec<Variable> = Variable::ALL.into_iter().filter(|one| known(*one)).collect();
-    let tried = functions(&reach, &of);
-    let seen = looked(&fine, &coarse, data, &tried, &reach, &watch);
+    let turns = model.axis == Axis::Rotary;
+    let tried = functions(&reach, &of, turns);
+    let search = Search { rows: &rows, reach: &reach, tried: &tried, watch: &watch, white, turns };
+    let seen = search.looked();
     watch.step();
-    let score = |gain: f64, term: &Term| gain / white - rule().price * term.count() as f64;
-    let best = seen.first()?.gain;
-    let mut followed = followed(&coarse, &seen, &reach, &watch, &score);
+    let mut followed = search.followed(&seen);
     watch.step();
-    let wider: Vec<Seen> = watch
-        .each(&followed[..followed.len().min(WIDENED)], |one| {
-            let functions =
-                one.term.factors.iter().filter(|factor| factor.shape != grammar::Shape::Sine).count();
-            let mut wider =
-                if functions < FUNCTIONS { widened(&coarse, &one.term, &tried) } else { Vec::new() };
-            if one.term.sine().is_none() {
-                wider.extend(sines(&coarse, &[one.term.clone()], Variable::Theta, &reach, f64::INFINITY));
-            }
-            wider.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-            wider.truncate(FUNCTIONS + 1);
-            wider
-        })
-        .into_iter()
-        .flatten()
-        .collect();
-    followed.extend(self::followed(&coarse, &wider, &reach, &watch, &score));
-    followed.sort_by(|a, b| score(b.gain, &b.term).total_cmp(&score(a.gain, &a.term)));
+    let wider: Vec<Seen> =
+        watch.each(&followed[..followed.len().min(WIDENED)], |one| search.widened(&one.term)).concat();
+    followed.extend(search.followed(&wider));
+    followed.sort_by(|a, b| search.better(a, b));
     watch.step();
     let mut ended: Vec<Followed> = watch
         .each(&spread(&followed), |one| Some(Followed::at(&fine, one.term.clone())?.best(&fine, END, &reach)))
@@ -113,29 +119,21 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
     if !watch.wanted() {
         return None;
     }
-    ended.sort_by(|a, b| score(b.gain, &b.term).total_cmp(&score(a.gain, &a.term)));
-    let p_value = chance::p_value(data, &noises, &fine, &coarse, &tried, &seen[0].term, best, white);
-    let Some(first) = ended.first() else { return Some(none) };
+    ended.sort_by(|a, b| search.better(a, b));
+    let (Some(found), Some(first)) = (seen.first(), ended.first()) else { return Some(none) };
+    let p_value = chance::p_value(data, &noises, &rows[1], &tried, found, fine.len(), white);
     let excess = squares - floor.squares;
     let enough = first.gain >= rule().share * excess && first.gain >= rule().worth * squares;
-    if p_value > rule().chance || !enough || score(first.gain, &first.term) <= 0.0 {
+    if p_value > rule().chance || !enough || search.score(first) <= 0.0 {
         return Some(Proposed { p_value, ..none });
     }
     // Of those that explain the same the shortest has the best claim.
     let left = (squares - first.gain) / white - floor.squares / white;
-    let margin = rule().alike.max(rule().relative * left);
-    let top = score(first.gain, &first.term);
-    ended.sort_by(|a, b| {
-        let far = |one: &Followed| top - score(one.gain, &one.term) > margin;
-        far(a).cmp(&far(b)).then_with(|| {
-            if far(a) {
-                score(b.gain, &b.term).total_cmp(&score(a.gain, &a.term))
-            } else {
-                a.term.complexity().cmp(&b.term.complexity()).then(b.gain.total_cmp(&a.gain))
-            }
-        })
-    });
+    let off = OFF * rule().law.powi(2) * first.gain / white;
+    let margin = rule().alike.max(rule().relative * left).max(off);
+    let ended = paid(ended, margin, white);
     let curve = curve::of(&fine, &ended[..ended.len().min(DRAWN)]);
+    let top = ended.iter().map(|one| search.score(one)).fold(f64::NEG_INFINITY, f64::max);
     let law = |one: Followed| {
         let written = one.term.written(&one.coefficients);
         Law {
@@ -143,6 +141,7 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
             params: written.params,
             variables: one.term.variables(),
             gain: one.gain / white,
+            alike: top - search.score(&one) <= margin,
             complexity: one.term.complexity(),
         }
     };
@@ -155,46 +154,118 @@ fn known(variable: Variable) -> bool {
     crate::effects::formula::Formula::parse(&text).is_ok_and(|law| law.params().len() == 1)
 }
 
-/// All that a scan sees, best first.
-fn looked(
-    fine: &Rows<'_>,
-    coarse: &Rows<'_>,
-    data: &[&Signals],
-    tried: &[Factor],
-    reach: &Reach,
-    watch: &Watch<'_>,
-) -> Vec<Seen> {
-    let alone = |powers: &Powers| Term { powers: *powers, factors: Vec::new() };
-    let all: Vec<Term> = Powers::ALL.iter().map(alone).collect();
-    let timed: Vec<Term> = all[..3].to_vec();
-    let passes = data.iter().map(|signals| signals.passes_hz()).fold(0.0, f64::max);
-    let mut found = scan(coarse, tried, watch);
-    let waves =
-        [(&all, Variable::Theta, f64::INFINITY), (&timed, Variable::Time, std::f64::consts::TAU * passes)];
-    let waves = watch.each(&waves, |(terms, of, fastest)| sines(fine, terms, *of, reach, *fastest));
-    found.extend(waves.into_iter().flatten());
-    found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    found
+/// Of laws, best first, those that pay for their length: no shorter one explains as much; those that explain as much as the
+/// best stand first, the shortest before the others.
+fn paid(laws: Vec<Followed>, margin: f64, white: f64) -> Vec<Followed> {
+    let score = |one: &Followed| one.gain / white - rule().price * one.term.count() as f64;
+    let top = laws.iter().map(score).fold(f64::NEG_INFINITY, f64::max);
+    let far = |one: &Followed| top - score(one) > margin;
+    let needless = |one: &Followed| {
+        laws.iter().any(|other| {
+            let shorter = other.term.complexity() < one.term.complexity();
+            shorter && ((one.gain - other.gain) / white <= margin || score(other) >= score(one))
+        })
+    };
+    let mut kept: Vec<Followed> = laws.iter().filter(|one| !needless(one)).cloned().collect();
+    kept.sort_by(|a, b| {
+        far(a).cmp(&far(b)).then_with(|| {
+            if far(a) {
+                score(b).total_cmp(&score(a))
+            } else {
+                a.term.complexity().cmp(&b.term.complexity()).then(b.gain.total_cmp(&a.gain))
+            }
+        })
+    });
+    let mut apart: Vec<Followed> = Vec::new();
+    for one in kept {
+        let anew = |other: &Followed| (other.gain / one.gain - 1.0).abs() < SAME;
+        if !apart.iter().any(anew) {
+            apart.push(one);
+        }
+    }
+    apart
 }
 
-/// The best of what was seen, followed a few steps; best first.
-fn followed(
-    rows: &Rows<'_>,
-    seen: &[Seen],
-    reach: &Reach,
-    watch: &Watch<'_>,
-    score: &(impl Fn(f64, &Term) -> f64 + Sync),
-) -> Vec<Followed> {
-    let mut order: Vec<&Seen> = seen.iter().collect();
-    order.sort_by(|a, b| score(b.gain, &b.term).total_cmp(&score(a.gain, &a.term)));
-    order.truncate(FOLLOWED);
-    let mut found: Vec<Followed> = watch
-        .each(&order, |one| Some(Followed::at(rows, one.term.clone())?.best(rows, GLANCE, reach)))
-        .into_iter()
-        .flatten()
-        .collect();
-    found.sort_by(|a, b| score(b.gain, &b.term).total_cmp(&score(a.gain, &a.term)));
-    found
+/// A search among laws.
+struct Search<'a> {
+    /// Rows that tell what is fast, and fewer that tell what is slow.
+    rows: &'a [Rows<'static>; 2],
+    reach: &'a Reach,
+    tried: &'a [Factor],
+    watch: &'a Watch<'a>,
+    white: f64,
+    /// Whether the angle is one, and no way.
+    turns: bool,
+}
+
+impl Search<'_> {
+    fn score(&self, one: &Followed) -> f64 {
+        one.gain / self.white - rule().price * one.term.count() as f64
+    }
+
+    fn better(&self, a: &Followed, b: &Followed) -> std::cmp::Ordering {
+        self.score(b).total_cmp(&self.score(a))
+    }
+
+    /// The rows that tell a law: waves that few rows would not follow need all.
+    fn telling(&self, term: &Term) -> &Rows<'static> {
+        let [medium, coarse] = self.rows;
+        let quick = term.sine().is_some_and(|sine| {
+            let speed = match sine.of {
+                Variable::Time => 1.0,
+                _ => self.reach.far(Variable::Omega),
+            };
+            speed / sine.at[0].abs() > FAST
+        });
+        if quick { medium } else { coarse }
+    }
+
+    /// All that a scan sees, best first.
+    fn looked(&self) -> Vec<Seen> {
+        let [medium, coarse] = self.rows;
+        let alone = |powers: &Powers| Term { powers: *powers, factors: Vec::new() };
+        let all: Vec<Term> = Powers::ALL.iter().map(alone).collect();
+        let mut found = scan(coarse, self.tried, self.watch);
+        let waves = [(&all[..], Variable::Theta), (&all[..TIMED], Variable::Time)];
+        let waves = self.watch.each(&waves, |(terms, of)| sines(medium, terms, *of, self.reach));
+        found.extend(waves.into_iter().flatten());
+        if self.turns {
+            found.extend(turning(coarse, &all));
+        }
+        found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        found
+    }
+
+    /// The best of what was seen, followed a few steps; best first.
+    fn followed(&self, seen: &[Seen]) -> Vec<Followed> {
+        let mut order: Vec<&Seen> = seen.iter().collect();
+        let score = |one: &Seen| one.gain / self.white - rule().price * one.term.count() as f64;
+        order.sort_by(|a, b| score(b).total_cmp(&score(a)));
+        order.truncate(FOLLOWED);
+        let follow = |one: &&Seen| {
+            let rows = self.telling(&one.term);
+            Some(Followed::at(rows, one.term.clone())?.best(rows, GLANCE, self.reach))
+        };
+        let mut found: Vec<Followed> = self.watch.each(&order, follow).into_iter().flatten().collect();
+        found.sort_by(|a, b| self.better(a, b));
+        found
+    }
+
+    /// A law with one function more.
+    fn widened(&self, term: &Term) -> Vec<Seen> {
+        let rows = self.telling(term);
+        let own = term.factors.iter().filter(|factor| !factor.shape.is_wave()).count();
+        let mut wider = if own < FUNCTIONS { widened(rows, term, self.tried) } else { Vec::new() };
+        if term.sine().is_none() {
+            if self.turns {
+                wider.extend(turning(&self.rows[1], std::slice::from_ref(term)));
+            }
+            wider.extend(sines(&self.rows[1], std::slice::from_ref(term), Variable::Theta, self.reach));
+        }
+        wider.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        wider.truncate(MORE);
+        wider
+    }
 }
 
 /// The best, of every kind one; best first.

@@ -7,12 +7,9 @@ use crate::fit::dot;
 use crate::model::{Model, Role};
 use crate::signals::Signals;
 
-/// Rows that a scan looks at.
-const COARSE: usize = 2000;
-
 /// Rows of captures, each with its motion, the residual, and an orthonormal base of the model's derivatives.
 pub struct Rows<'a> {
-    /// Time, angle, velocity, speed, acceleration, way since the reversal, direction.
+    /// The columns of the motion.
     pub motions: Motions,
     /// What a row counts: the root of how many samples it stands for; nought where none of them counts.
     pub scale: Vec<f64>,
@@ -59,6 +56,8 @@ impl<'a> Rows<'a> {
             all(&|at, sample| data[at].omega[sample]),
             all(&|at, sample| data[at].omega[sample].abs()),
             all(&|at, sample| data[at].alpha[sample]),
+            all(&|at, sample| data[at].theta[sample].abs()),
+            all(&|at, sample| data[at].alpha[sample].abs()),
             all(&way),
             all(&|at, sample| data[at].motion(sample).direction()),
         ];
@@ -84,9 +83,9 @@ impl<'a> Rows<'a> {
         )
     }
 
-    /// Fewer rows: the means of neighbours, which keep what is slow.
-    pub fn coarse(&self) -> Rows<'static> {
-        let every = self.scale.len().div_ceil(COARSE).max(1);
+    /// At most so many rows: the means of neighbours, which keep what is slow.
+    pub fn coarse(&self, most: usize) -> Rows<'static> {
+        let every = self.scale.len().div_ceil(most).max(1);
         let mean = |column: &[f64]| -> Vec<f64> {
             column.chunks(every).map(|few| few.iter().sum::<f64>() / few.len() as f64).collect()
         };
@@ -130,8 +129,13 @@ impl<'a> Rows<'a> {
             Some(exact) => {
                 term.columns(&exact.whole).into_iter().map(|column| self.measured(column)).collect()
             }
-            None => term.columns(&self.motions).into_iter().map(|column| self.counted(column)).collect(),
+            None => self.seen(term),
         }
+    }
+
+    /// The same as if there were no filter.
+    pub fn seen(&self, term: &Term) -> Vec<Vec<f64>> {
+        term.columns(&self.motions).into_iter().map(|column| self.counted(column)).collect()
     }
 
     /// The motion of all samples of all segments, where they are known.

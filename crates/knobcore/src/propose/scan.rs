@@ -6,6 +6,7 @@ use super::grammar::{Factor, Powers, Shape, Term, Variable};
 use super::rows::Rows;
 use crate::diagnose::Watch;
 use crate::fit::dot;
+use crate::fourier::Transform;
 use std::f64::consts::TAU;
 
 /// Frequencies of a scan for a wave over all of a range.
@@ -14,6 +15,12 @@ const OVERSAMPLING: f64 = 4.0;
 const MOST: usize = 1500;
 /// Peaks of a scan that are looked at.
 const PEAKS: usize = 3;
+/// Slow waves that are looked at whether they are peaks or not, in steps of a scan.
+const SLOWEST: [f64; 5] = [1.0, 2.0, 3.0, 4.0, 6.0];
+/// Waves a turn that are looked at as whole numbers.
+const ORDERS: u32 = 6;
+/// Cells of a grid of times at most.
+const LONGEST: usize = 1 << 20;
 /// Centres of what acts at a place.
 const CENTRES: usize = 15;
 
@@ -26,9 +33,10 @@ pub struct Seen {
     pub gain: f64,
 }
 
-/// The functions of one variable that are tried, of those variables.
-pub fn functions(reach: &Reach, variables: &[Variable]) -> Vec<Factor> {
-    use Shape::{Bump, Decay, Peaked, Resonant, Saturating, Slow, Step};
+/// The functions of one variable that are tried, of those variables; of a knob that `turns` an angle has whole numbers of
+/// waves a turn.
+pub fn functions(reach: &Reach, variables: &[Variable], turns: bool) -> Vec<Factor> {
+    use Shape::{Bump, Cos, Decay, Peaked, Resonant, Saturating, Sin, Slow, Step};
     use Variable::{Alpha, Omega, Since, Speed, Theta, Time};
     let mut found = Vec::new();
     for &of in variables {
@@ -49,6 +57,11 @@ pub fn functions(reach: &Reach, variables: &[Variable]) -> Vec<Factor> {
         }
         if matches!(of, Speed | Theta) {
             put(Resonant, &of_span(&[0.05, 0.15]), CENTRES);
+        }
+        if of == Theta && turns {
+            let whole: Vec<f64> = (1..=ORDERS).map(|n| 1.0 / f64::from(n)).collect();
+            put(Sin, &whole, 0);
+            put(Cos, &whole, 0);
         }
         match of {
             Time => put(Decay, &of_span(&[0.05, 0.15, 0.4, 1.0, -0.5]), 0),
@@ -168,45 +181,100 @@ fn put(best: &mut Vec<Seen>, one: Seen) {
     }
 }
 
-/// Sines over a variable times each of some laws without one, at the frequencies that stand out.
-pub fn sines(rows: &Rows<'_>, terms: &[Term], of: Variable, reach: &Reach, fastest: f64) -> Vec<Seen> {
-    let x = &rows.motions[of as usize];
-    let span = reach.span(of);
-    let step = TAU / span / OVERSAMPLING;
-    let count = ((fastest / step) as usize).min(if of == Variable::Time { usize::MAX } else { MOST });
+/// Sines over a variable times each of some laws without one, at the frequencies that stand out and the slowest.
+pub fn sines(rows: &Rows<'_>, terms: &[Term], of: Variable, reach: &Reach) -> Vec<Seen> {
     let weights: Vec<Vec<f64>> =
         terms.iter().map(|term| counted(rows, &term.columns(&rows.motions).remove(0))).collect();
-    let squares: Vec<f64> = weights.iter().map(|column| dot(column, column)).collect();
     let loaded: Vec<Vec<f64>> = weights
         .iter()
         .map(|column| column.iter().zip(&rows.residual).map(|(w, r)| w * r).collect())
         .collect();
-    // Phasors of all rows, turned on by one frequency after the other.
-    let (mut re, mut im) = (vec![1.0; x.len()], vec![0.0; x.len()]);
-    let (cos, sin): (Vec<f64>, Vec<f64>) = x.iter().map(|x| ((x * step).cos(), (x * step).sin())).unzip();
-    let mut gains = vec![vec![0.0; count + 1]; terms.len()];
-    for k in 1..=count {
-        for (((re, im), c), s) in re.iter_mut().zip(&mut im).zip(&cos).zip(&sin) {
-            (*re, *im) = (*re * c - *im * s, *re * s + *im * c);
-        }
-        for ((gains, loaded), square) in gains.iter_mut().zip(&loaded).zip(&squares) {
-            gains[k] = (dot(loaded, &re).powi(2) + dot(loaded, &im).powi(2)) / (0.5 * square);
-        }
-    }
+    let (step, powers) =
+        if of == Variable::Time { over_time(rows, &loaded) } else { over_any(rows, &loaded, of, reach) };
     let mut found = Vec::new();
-    for (gains, term) in gains.iter().zip(terms) {
-        let mut peaks: Vec<usize> = (1..count)
-            .filter(|&k| gains[k] >= gains[k - 1] && gains[k] > gains[k + 1] && gains[k].is_finite())
+    for ((powers, weight), term) in powers.iter().zip(&weights).zip(terms) {
+        let mut peaks: Vec<usize> = (1..powers.len().saturating_sub(1))
+            .filter(|&k| powers[k] >= powers[k - 1] && powers[k] > powers[k + 1] && powers[k].is_finite())
             .collect();
-        peaks.sort_by(|a, b| gains[*b].total_cmp(&gains[*a]));
-        // The slowest waves are no peak: over less than one the parameters of the model take most of them.
+        peaks.sort_by(|a, b| powers[*b].total_cmp(&powers[*a]));
         peaks.truncate(PEAKS);
-        peaks.extend([1, 2, 4].into_iter().filter(|k| *k <= count));
-        for k in peaks {
+        let half = 0.5 * dot(weight, weight);
+        let sine = |k: f64| {
             let mut factors = term.factors.clone();
-            factors.push(Factor { of, shape: Shape::Sine, at: [1.0 / (step * k as f64), 0.0] });
-            found.push(Seen { term: Term { powers: term.powers, factors }, gain: gains[k] });
+            factors.push(Factor { of, shape: Shape::Sine, at: [1.0 / (step * k), 0.0] });
+            Term { powers: term.powers, factors }
+        };
+        found.extend(peaks.iter().map(|&k| Seen { term: sine(k as f64), gain: powers[k] / half }));
+        // The slowest waves are no peak: the parameters of the model take most of them, and of none the half.
+        for k in SLOWEST {
+            let slow = sine(k);
+            if let Some((gain, ..)) = rows.explained(&rows.seen(&slow)) {
+                put(&mut found, Seen { term: slow, gain });
+            }
         }
     }
     found
+}
+
+/// Waves of a whole number a turn, times each of some laws without one.
+pub fn turning(rows: &Rows<'_>, terms: &[Term]) -> Vec<Seen> {
+    let mut found = Vec::new();
+    for term in terms {
+        for order in 1..=ORDERS {
+            let mut factors = term.factors.clone();
+            let at = [1.0 / f64::from(order), 0.0];
+            factors.push(Factor { of: Variable::Theta, shape: Shape::Turning, at });
+            let term = Term { powers: term.powers, factors };
+            if let Some((gain, ..)) = rows.explained(&rows.seen(&term)) {
+                put(&mut found, Seen { term, gain });
+            }
+        }
+    }
+    found
+}
+
+/// The step of frequency, and the squared product of each column with waves over a variable at each.
+fn over_any(rows: &Rows<'_>, loaded: &[Vec<f64>], of: Variable, reach: &Reach) -> (f64, Vec<Vec<f64>>) {
+    let x = &rows.motions[of as usize];
+    let step = TAU / reach.span(of) / OVERSAMPLING;
+    // Phasors of all rows, turned on by one frequency after the other.
+    let (mut re, mut im) = (vec![1.0; x.len()], vec![0.0; x.len()]);
+    let (cos, sin): (Vec<f64>, Vec<f64>) = x.iter().map(|x| ((x * step).cos(), (x * step).sin())).unzip();
+    let mut powers = vec![vec![0.0; MOST]; loaded.len()];
+    for k in 1..MOST {
+        for (((re, im), c), s) in re.iter_mut().zip(&mut im).zip(&cos).zip(&sin) {
+            (*re, *im) = (*re * c - *im * s, *re * s + *im * c);
+        }
+        for (powers, loaded) in powers.iter_mut().zip(loaded) {
+            powers[k] = dot(loaded, &re).powi(2) + dot(loaded, &im).powi(2);
+        }
+    }
+    (step, powers)
+}
+
+/// The same over time, where rows lie on a grid: by a Fourier transform.
+fn over_time(rows: &Rows<'_>, loaded: &[Vec<f64>]) -> (f64, Vec<Vec<f64>>) {
+    let t = &rows.motions[Variable::Time as usize];
+    let apart =
+        t.windows(2).map(|pair| pair[1] - pair[0]).filter(|dt| *dt > 0.0).fold(f64::INFINITY, f64::min);
+    let last = t.iter().copied().fold(0.0, f64::max);
+    let cells = ((last / apart).round() as usize + 1).min(LONGEST);
+    let transform = Transform::of((OVERSAMPLING as usize * cells).next_power_of_two());
+    let mut places = transform.rows(1);
+    let length = 2 * places[0].len();
+    let powers = loaded
+        .iter()
+        .map(|column| {
+            places.iter_mut().for_each(|half| half.fill(0.0));
+            for (x, t) in column.iter().zip(t) {
+                let at = (t / apart).round() as usize;
+                if let Some(place) = places[at % 2].get_mut(at / 2) {
+                    *place += x;
+                }
+            }
+            let [re, im] = transform.forward(1, &mut places, 0..length / 2);
+            re.iter().zip(&im).map(|(re, im)| re * re + im * im).collect()
+        })
+        .collect();
+    (TAU / (apart * length as f64), powers)
 }

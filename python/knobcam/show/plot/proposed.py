@@ -37,8 +37,10 @@ def _curve(axis: Axes, proposals: Proposals, curve: Curve) -> None:
     x, value, band = (np.where(known, column, np.nan) for column in (curve.x, curve.value, curve.band))
     axis.fill_between(x, value - band, value + band, color=BAND, alpha=0.4, lw=0.0, label="95 % band")
     axis.plot(x, value, color=BLACK, lw=1.2, label="what is left")
-    for colour, law in zip(_COLOURS, curve.laws[:1], strict=False):
-        axis.plot(curve.x, np.where(known, law, np.nan), color=colour, lw=1.2, ls="--", label="the first law")
+    drawn = [(number, one) for number, one in enumerate(proposals.laws, 1) if one.law in curve.laws]
+    for colour, (number, one) in zip(_COLOURS, drawn, strict=False):
+        law = np.where(known, curve.laws[one.law], np.nan)
+        axis.plot(x, law, color=colour, lw=1.2, ls="--", label=f"law {number}")
     unit = proposals.beside.torque_unit
     axis.set_xlabel(f"{curve.over} ({_UNITS.get(curve.over, '')})")
     axis.set_ylabel(f"residual torque ({unit})" if not curve.times else f"residual / ({curve.times})")
@@ -54,23 +56,23 @@ def _over_time(axis: Axes, proposals: Proposals) -> None:
     middle = 0.5 * (t[0] + t[-1])
     shown = np.abs(t - middle) < 0.1
     line(axis, t[shown], left[shown], color=BLACK, lw=1.0, label="what is left")
-    line(axis, t[shown], (left - with_law)[shown], color=VERMILLION, lw=1.0, label="the first law")
+    line(axis, t[shown], (left - with_law)[shown], color=VERMILLION, lw=1.0, label="law 1")
     axis.set_xlabel("time (s)")
     axis.set_ylabel(f"residual torque ({proposals.beside.torque_unit})")
     legend_above(axis)
 
 
 def _front(axis: Axes, proposals: Proposals) -> None:
-    floor = proposals.beside.noise_floor
-    axis.axhline(floor, color=GREY, lw=1.0, ls=":", label="noise alone")
-    front = proposals.front
-    for one in proposals.laws:
-        axis.plot(one.complexity, one.rmse_heldout, "o", color=GREY, ms=4.0)
-    axis.plot(
-        [one.complexity for one in front], [one.rmse_heldout for one in front], "o-", color=ORANGE, lw=1.0
-    )
+    last = proposals.laws[0].fit if proposals.laws else proposals.beside
+    front = [(0, proposals.beside.rmse_heldout)]
+    front += [(one.complexity, one.rmse_heldout) for one in proposals.front]
+    axis.axhline(last.noise_floor, color=GREY, lw=1.0, ls=":", label="noise alone")
+    axis.plot(*zip(*front, strict=True), "o-", color=ORANGE, lw=1.0, label="no shorter one is as good")
     for number, one in enumerate(proposals.laws, 1):
-        axis.annotate(str(number), (one.complexity, one.rmse_heldout), (3, 3), textcoords="offset points")
+        at = (one.complexity, one.rmse_heldout)
+        axis.plot(*at, "o", color=VERMILLION if number == 1 else GREY, ms=4.0)
+        axis.annotate(str(number), at, (3, 3), textcoords="offset points")
+    axis.set_ylim(bottom=0.0)
     axis.set_xlabel("length of the law")
     axis.set_ylabel(f"error on unseen blocks ({proposals.beside.torque_unit})")
     legend_above(axis)
