@@ -24,6 +24,7 @@ from ..fit.rule import RULE
 from ..model.effects import base_effects_shown
 from ..model.own import forget_effect
 from ..model.own_law import free_name, own_law
+from .selection import with_detents
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -209,7 +210,11 @@ def propose(story: LearningResult, progress: Callable[[float], object] | None = 
     several = {fit.model.effects: fit for fit in _bases(story)}
     found = [(fit, *_core.propose(cores(fit), fit.core.model, progress)) for fit in several.values()]
     # Of what came in without explaining it, nothing is needed if a law explains as much without.
-    fit, laws, p_value, curve = max(found, key=lambda one: _speaks(story, one[0], one[1]))
+    best = max(found, key=lambda one: _speaks(story, one[0], one[1]))
+    if best[1] and (detented := _detented(best[0], best[1][0])) is not None:
+        found.append((detented, *_core.propose(cores(detented), detented.core.model, progress)))
+        best = max(found, key=lambda one: _speaks(story, one[0], one[1]))
+    fit, laws, p_value, curve = best
     none = Proposals(fit, p_value=p_value)
     several_names = story.verdict != "unexplained"
     if several_names and _speaks(story, fit, laws) <= _speaks(story, last, []) + RULE.alike:
@@ -232,6 +237,18 @@ def _bases(story: LearningResult) -> list[Fit]:
     shown = base_effects_shown(first.model.coordinate)
     bare = [first.drop(one) for one in shown if one in first.model.effects]
     return [first, *bare, *([last] if story.verdict == "unexplained" else [])]
+
+
+def _detented(fit: Fit, row: Any) -> Fit | None:
+    """The fit with the detents that only show beside a law; None where there are none."""
+    if fit.model.period is not None or not base_effects_shown(fit.model.coordinate):
+        return None
+    law = _fitted(fit, row)
+    whole = with_detents(law.fit)
+    if whole.model.period is None:
+        return None
+    core = whole.core.model.only([one for one in whole.model.effects if one != law.name])
+    return replace(fit, core=_core.refine(cores(fit), core, False))
 
 
 def _needless(story: LearningResult) -> str:
