@@ -159,7 +159,7 @@ VARIABLES: dict[str, tuple[str, ...]] = {
 }
 """Of what each law is one; a sign or a magnitude of the velocity counts as the velocity."""
 
-NEVER_LOOKED_AT = ("growing_ripple", "fluid_mass", "worn_bump", "cam", "gust", "tilted_drag")
-"""Of these no capture was looked at while the search was built."""
+NEVER_LOOKED_AT = ("growing_ripple", "fluid_mass", "cam", "gust", "tilted_drag")
+"""Of these no capture changed anything of the search."""
 
 LAWFUL: dict[str, Kind] = {name: _kind(globals()[name]) for name in VARIABLES}

@@ -29,6 +29,5 @@ pub use sets::{Set, sets};
 pub use verdict::{Evidence, Judgement, State, complete, exact, judge};
 pub use watch::Tell;
 
-pub(crate) use bins::since_reversal;
 pub(crate) use thinned::{Thinned, orthonormal, project};
 pub(crate) use watch::Watch;

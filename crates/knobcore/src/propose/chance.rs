@@ -18,17 +18,17 @@ const LEAST: f64 = 1e-6;
 /// Frequencies by which a power spectrum is known.
 const FREQUENCIES: usize = 512;
 
-/// Chance that a scan finds as much as what it saw where nothing is missing; `rows` is how many tell what is fast.
+/// Chance that a scan finds as much as what it saw where nothing is missing, with those powers and functions.
 pub fn p_value(
     data: &[&Signals],
     noises: &[Noise],
     coarse: &Rows<'_>,
-    functions: &[Factor],
+    (powers, functions): (&[Powers], &[Factor]),
     seen: &Seen,
-    rows: usize,
     white: f64,
 ) -> f64 {
     let Seen { term, gain } = seen;
+    let thinned = Thinned::of(data, usize::MAX);
     if let Some(sine) = term.sine() {
         // Sines at frequencies a wave over the range apart are independent; each takes off what two numbers of the
         // loudest part of the noise do.
@@ -36,17 +36,17 @@ pub fn p_value(
             (0..FREQUENCIES).map(|k| noise.power(0.5 * k as f64 / FREQUENCIES as f64)).fold(0.0, f64::max)
         };
         let loudest = noises.iter().map(power).fold(white, f64::max);
-        let waves = if sine.of == Variable::Time { 3.0 } else { Powers::ALL.len() as f64 };
-        let looks = waves * rows as f64 * 0.5;
+        let waves = if sine.of == Variable::Time { 3.0 } else { powers.len() as f64 };
+        let looks = waves * thinned.rows() as f64 * 0.5;
         return (looks * (-0.5 * gain / loudest).exp()).clamp(LEAST, 1.0);
     }
-    let every = (Powers::ALL.len() * functions.len()).div_ceil(MOST).max(1);
-    let looks = (0..Powers::ALL.len() * functions.len()).step_by(every);
+    let every = (powers.len() * functions.len()).div_ceil(MOST).max(1);
+    let looks = (0..powers.len() * functions.len()).step_by(every);
     let columns: Vec<Vec<f64>> = looks
         .filter_map(|at| {
-            let (powers, factor) = (&Powers::ALL[at / functions.len()], &functions[at % functions.len()]);
+            let (of_power, factor) = (&powers[at / functions.len()], &functions[at % functions.len()]);
             let Factor { of, shape, at: [w, c] } = factor;
-            let mut column = powers.over(&coarse.motions);
+            let mut column = of_power.over(&coarse.motions);
             let x = &coarse.motions[*of as usize];
             column.iter_mut().zip(x).for_each(|(own, x)| *own *= shape.at(*x, *w, *c));
             let square = dot(&column, &column);
@@ -58,7 +58,6 @@ pub fn p_value(
             })
         })
         .collect();
-    let thinned = Thinned::of(data, usize::MAX);
     let mut random = random::Noise::new(0x6c61_7773);
     let above = (0..DRAWS)
         .filter(|_| {

@@ -113,7 +113,14 @@ impl Powers {
         Self { of: &[(Variable::Aside, 1), (Variable::Omega, 1)], signed: false },
         Self { of: &[(Variable::Aside, 1), (Variable::Alpha, 1)], signed: false },
         Self { of: &[(Variable::Aside, 1)], signed: true },
+        Self { of: &[(Variable::Since, 1)], signed: true },
     ];
+
+    /// Those of some variables and their magnitudes.
+    pub fn among(variables: &[Variable]) -> Vec<Self> {
+        let known = |powers: &&Self| powers.of.iter().all(|(one, _)| variables.contains(one));
+        Self::ALL.iter().filter(known).copied().collect()
+    }
 
     /// Its value at every row.
     pub fn over(&self, motions: &Motions) -> Vec<f64> {

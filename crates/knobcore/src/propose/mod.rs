@@ -34,9 +34,9 @@ const COARSE: usize = 2000;
 const FAST: f64 = 200.0;
 /// Powers that are looked at with waves of time: none, the sign of the velocity, the velocity.
 const TIMED: usize = 3;
-/// Laws of a scan that are followed.
-const FOLLOWED: usize = 32;
-/// Of those so many are given one function more.
+/// Laws of a scan that are followed, beside the best of each kind.
+const FOLLOWED: usize = 24;
+/// Of those so many are given one function more, and the best of each kind.
 const WIDENED: usize = 8;
 /// Laws with one function more that are followed, of each.
 const MORE: usize = 3;
@@ -99,15 +99,17 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
     let rows = [fine.coarse(MEDIUM), fine.coarse(COARSE)];
     let reach = Reach::of(&fine);
     let of: Vec<Variable> = Variable::ALL.into_iter().filter(|one| known(*one)).collect();
+    let powers = Powers::among(&of);
     let turns = model.axis == Axis::Rotary;
     let tried = functions(&reach, &of, turns);
-    let search = Search { rows: &rows, reach: &reach, tried: &tried, watch: &watch, white, turns };
+    let search =
+        Search { rows: &rows, reach: &reach, powers: &powers, tried: &tried, watch: &watch, white, turns };
     let seen = search.looked();
     watch.step();
     let mut followed = search.followed(&seen);
     watch.step();
-    let wider: Vec<Seen> =
-        watch.each(&followed[..followed.len().min(WIDENED)], |one| search.widened(&one.term)).concat();
+    let parents = varied(followed.iter(), |one| &one.term, WIDENED);
+    let wider: Vec<Seen> = watch.each(&parents, |one| search.widened(&one.term)).concat();
     followed.extend(search.followed(&wider));
     followed.sort_by(|a, b| search.better(a, b));
     watch.step();
@@ -121,7 +123,7 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
     }
     ended.sort_by(|a, b| search.better(a, b));
     let (Some(found), Some(first)) = (seen.first(), ended.first()) else { return Some(none) };
-    let p_value = chance::p_value(data, &noises, &rows[1], &tried, found, fine.len(), white);
+    let p_value = chance::p_value(data, &noises, &rows[1], (&powers, &tried), found, white);
     let excess = squares - floor.squares;
     let enough = first.gain >= rule().share * excess && first.gain >= rule().worth * squares;
     if p_value > rule().chance || !enough || search.score(first) <= 0.0 {
@@ -191,6 +193,7 @@ struct Search<'a> {
     /// Rows that tell what is fast, and fewer that tell what is slow.
     rows: &'a [Rows<'static>; 2],
     reach: &'a Reach,
+    powers: &'a [Powers],
     tried: &'a [Factor],
     watch: &'a Watch<'a>,
     white: f64,
@@ -224,8 +227,8 @@ impl Search<'_> {
     fn looked(&self) -> Vec<Seen> {
         let [medium, coarse] = self.rows;
         let alone = |powers: &Powers| Term { powers: *powers, factors: Vec::new() };
-        let all: Vec<Term> = Powers::ALL.iter().map(alone).collect();
-        let mut found = scan(coarse, self.tried, self.watch);
+        let all: Vec<Term> = self.powers.iter().map(alone).collect();
+        let mut found = scan(coarse, self.powers, self.tried, self.watch);
         let waves = [(&all[..], Variable::Theta), (&all[..TIMED], Variable::Time)];
         let waves = self.watch.each(&waves, |(terms, of)| sines(medium, terms, *of, self.reach));
         found.extend(waves.into_iter().flatten());
@@ -241,7 +244,7 @@ impl Search<'_> {
         let mut order: Vec<&Seen> = seen.iter().collect();
         let score = |one: &Seen| one.gain / self.white - rule().price * one.term.count() as f64;
         order.sort_by(|a, b| score(b).total_cmp(&score(a)));
-        order.truncate(FOLLOWED);
+        let order = varied(order.into_iter(), |one| &one.term, FOLLOWED);
         let follow = |one: &&Seen| {
             let rows = self.telling(&one.term);
             Some(Followed::at(rows, one.term.clone())?.best(rows, GLANCE, self.reach))
@@ -266,6 +269,20 @@ impl Search<'_> {
         wider.truncate(MORE);
         wider
     }
+}
+
+/// The first so many, and of the others those whose functions none before has: what is a part of a law may explain less than
+/// much that is none.
+fn varied<'a, T>(sorted: impl Iterator<Item = &'a T>, term: impl Fn(&T) -> &Term, most: usize) -> Vec<&'a T> {
+    let kind =
+        |one: &T| -> Vec<_> { term(one).factors.iter().map(|factor| (factor.of, factor.shape)).collect() };
+    let mut kept: Vec<&T> = Vec::new();
+    for one in sorted {
+        if kept.len() < most || !kept.iter().any(|other| kind(other) == kind(one)) {
+            kept.push(one);
+        }
+    }
+    kept
 }
 
 /// The best, of every kind one; best first.

@@ -2,10 +2,13 @@
 //! parameters of the model can absorb taken off.
 
 use super::grammar::{Motions, Term};
-use crate::diagnose::{Thinned, orthonormal, project, since_reversal};
+use crate::diagnose::{Thinned, orthonormal, project};
 use crate::fit::dot;
 use crate::model::{Model, Role};
 use crate::signals::Signals;
+
+/// Expected sign of the velocity from which on a knob is sure to go that way.
+const SURE: f64 = 0.8;
 
 /// Rows of captures, each with its motion, the residual, and an orthonormal base of the model's derivatives.
 pub struct Rows<'a> {
@@ -40,7 +43,7 @@ impl<'a> Rows<'a> {
         let base = orthonormal(&columns, residual.len());
         let rows = residual.len();
         project(&mut residual, &base, rows);
-        let since: Vec<Vec<f64>> = data.iter().map(|signals| since_reversal(signals)).collect();
+        let since: Vec<Vec<f64>> = data.iter().map(|signals| since_turned(signals)).collect();
         let all = |of: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
             let capture = |(at, signals): (usize, &&Signals)| {
                 let samples = signals.segments.iter().cloned().flatten();
@@ -48,8 +51,6 @@ impl<'a> Rows<'a> {
             };
             data.iter().enumerate().flat_map(capture).collect()
         };
-        // Before the first reversal no way since one is known: none counts.
-        let way = |at: usize, sample: usize| if since[at][sample].is_nan() { 0.0 } else { since[at][sample] };
         let whole: Motions = [
             all(&|at, sample| data[at].t[sample]),
             all(&|at, sample| data[at].theta[sample]),
@@ -58,7 +59,7 @@ impl<'a> Rows<'a> {
             all(&|at, sample| data[at].alpha[sample]),
             all(&|at, sample| data[at].theta[sample].abs()),
             all(&|at, sample| data[at].alpha[sample].abs()),
-            all(&way),
+            all(&|at, sample| since[at][sample]),
             all(&|at, sample| data[at].motion(sample).direction()),
         ];
         let weight = all(&|at, sample| data[at].weight[sample]);
@@ -207,4 +208,26 @@ impl<'a> Rows<'a> {
 /// Sums of neighbours, divided so that noise stays as large.
 fn summed(column: &[f64], every: usize) -> Vec<f64> {
     column.chunks(every).map(|few| few.iter().sum::<f64>() / (every as f64).sqrt()).collect()
+}
+
+/// Distance since the last reversal, or since the first motion of a segment before any, as a formula's `s` is; a knob turns
+/// round where it had come furthest before it was sure to go the other way.
+fn since_turned(signals: &Signals) -> Vec<f64> {
+    let mut since = vec![0.0; signals.len()];
+    for segment in &signals.segments {
+        let (mut way, mut turned, mut far) = (0.0, 0.0, 0.0_f64);
+        for at in segment.clone() {
+            let (sign, theta) = (signals.motion(at).direction(), signals.theta[at]);
+            let now = if sign.abs() > SURE { sign.signum() } else { way };
+            if way == 0.0 {
+                (turned, far) = (theta, theta);
+            } else if now != way {
+                (turned, far) = (far, theta);
+            }
+            way = now;
+            far = if way < 0.0 { far.min(theta) } else { far.max(theta) };
+            since[at] = (way * (theta - turned)).max(0.0);
+        }
+    }
+    since
 }

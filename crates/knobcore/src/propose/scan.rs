@@ -18,7 +18,7 @@ const PEAKS: usize = 3;
 /// Slow waves that are looked at whether they are peaks or not, in steps of a scan.
 const SLOWEST: [f64; 5] = [1.0, 2.0, 3.0, 4.0, 6.0];
 /// Waves a turn that are looked at as whole numbers.
-const ORDERS: u32 = 6;
+const ORDERS: u32 = 12;
 /// Cells of a grid of times at most.
 const LONGEST: usize = 1 << 20;
 /// Centres of what acts at a place.
@@ -83,7 +83,7 @@ pub fn functions(reach: &Reach, variables: &[Variable], turns: bool) -> Vec<Fact
 }
 
 /// Each power with each function, and alone; what best of every kind is.
-pub fn scan(rows: &Rows<'_>, functions: &[Factor], watch: &Watch<'_>) -> Vec<Seen> {
+pub fn scan(rows: &Rows<'_>, powers: &[Powers], functions: &[Factor], watch: &Watch<'_>) -> Vec<Seen> {
     let shapes: Vec<Vec<f64>> = functions
         .iter()
         .map(|Factor { of, shape, at: [w, c] }| {
@@ -91,7 +91,7 @@ pub fn scan(rows: &Rows<'_>, functions: &[Factor], watch: &Watch<'_>) -> Vec<See
         })
         .collect();
     let mut found: Vec<Seen> = watch
-        .each(Powers::ALL, |powers| {
+        .each(powers, |powers| {
             let plain = counted(rows, &powers.over(&rows.motions));
             let mut best: Vec<Seen> = Vec::new();
             let alone = Term { powers: *powers, factors: Vec::new() };
