@@ -293,7 +293,7 @@ impl Term {
             params.push((name.clone(), value));
             name
         };
-        let mut twice = "";
+        let mut times_two = 1;
         for Factor { of, shape, at: [width, centre] } in &self.factors {
             let x = of.text();
             let text = match shape {
@@ -319,7 +319,7 @@ impl Term {
                 }
                 Shape::Peaked => {
                     let w = names("w", *width);
-                    twice = "2*";
+                    times_two *= 2;
                     format!("({x}/{w})/(1 + ({x}/{w})^2)")
                 }
                 Shape::Resonant => {
@@ -350,8 +350,9 @@ impl Term {
                 text
             });
         }
+        let front = if times_two > 1 { format!("{times_two}*") } else { String::new() };
         let product: Vec<String> = std::iter::once("a".to_owned()).chain(texts).collect();
-        Written { text: format!("{twice}{}", product.join("*")), params }
+        Written { text: format!("{front}{}", product.join("*")), params }
     }
 }
 

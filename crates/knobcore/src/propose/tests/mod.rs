@@ -1,5 +1,6 @@
 //! Laws that are in no catalogue are proposed from captures that have them, and from no other.
 
+use super::grammar::Shape;
 use super::*;
 use crate::effects::formula::Formula;
 use crate::fit::refine;
@@ -130,6 +131,48 @@ fn the_curve_of_what_is_left_is_its_law_where_the_model_absorbs_nothing_of_it() 
     for ((x, value), band) in curve.x.iter().zip(&curve.value).zip(&curve.band) {
         if x.abs() < 1.0 {
             assert!((value - 3e-3 * (5.0 * x).sin()).abs() < 3.0 * band + 2e-4, "{x}: {value} {band}");
+        }
+    }
+}
+
+#[test]
+fn every_law_of_the_grammar_is_one_that_formulas_know_and_has_units_and_the_same_value() {
+    let (signals, model) = turned(|_| 0.0, 2);
+    let (rows, _) = Rows::of(&[&signals], &model);
+    let reach = Reach::of(&rows);
+    let of: Vec<Variable> = Variable::ALL.into_iter().filter(|one| known(*one)).collect();
+    let mut kinds: Vec<Factor> = Vec::new();
+    for one in functions(&reach, &of, true) {
+        if !kinds.iter().any(|other| (other.of, other.shape) == (one.of, one.shape)) {
+            kinds.push(one);
+        }
+    }
+    for (variable, shape) in
+        [(Variable::Time, Shape::Sine), (Variable::Theta, Shape::Sine), (Variable::Theta, Shape::Turning)]
+    {
+        kinds.push(Factor { of: variable, shape, at: [0.5, 0.0] });
+    }
+    let motion = [&signals.t[..], &signals.theta, &signals.omega, &signals.alpha, &signals.forward];
+    let mut twos = kinds.iter().skip(3).cycle();
+    for (at, powers) in Powers::among(&of).into_iter().enumerate() {
+        for factor in &kinds {
+            let with = twos.next().filter(|two| at % 2 == 0 && !two.shape.is_wave());
+            let factors: Vec<Factor> = with.into_iter().chain([factor]).copied().collect();
+            let term = Term { powers, factors };
+            let columns = term.columns(&rows.motions);
+            let coefficients = &[0.3, -0.4][..columns.len()];
+            let written = term.written(coefficients);
+            let formula = Formula::parse(&written.text).unwrap();
+            let units = formula.units(&std::collections::HashMap::new(), crate::param::Unit::of(1, 0, 0));
+            assert!(units.is_ok(), "{}: {units:?}", written.text);
+            let named = |name: &String| written.params.iter().find(|(own, _)| own == name).unwrap().1;
+            let p: Vec<f64> = formula.params().iter().map(named).collect();
+            assert_eq!(p.len(), term.count(), "{}", written.text);
+            let value = formula.over(&p, &motion);
+            for at in (0..value.len()).step_by(97) {
+                let sum: f64 = columns.iter().zip(coefficients).map(|(column, by)| column[at] * by).sum();
+                assert!((value[at] - sum).abs() < 1e-9 * (1.0 + sum.abs()), "{}: {at}", written.text);
+            }
         }
     }
 }
