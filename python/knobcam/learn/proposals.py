@@ -17,11 +17,11 @@ from ..base.tables import TextTable, text_table
 from ..errors import InputError
 from ..fit.beyond import incoherent
 from ..fit.described import documented
-from ..fit.diagnose import p_in_words
+from ..fit.diagnose import Diagnosis, diagnose, p_in_words
 from ..fit.doubts import below_zero
 from ..fit.refit import converged, cores
 from ..fit.rule import RULE
-from ..model.effects import base_effects_shown
+from ..model.effects import base_effects_shown, descriptions, effects
 from ..model.own import forget_effect
 from ..model.own_law import free_name, own_law
 from .selection import with_detents
@@ -306,7 +306,7 @@ def _ordered(proposals: list[tuple[Proposal, bool]]) -> tuple[Proposal, ...]:
 
 def _named(story: LearningResult, fit: Fit, law: Proposal) -> str | None:
     """The effect of the catalogue that explains as much beside the same model, if one does."""
-    weighed = story.last if fit is story.fit else story.first_diagnosis
+    weighed = _weighed(story, fit)
     came = (weighed.fit.rmse**2 - fit.rmse**2) / fit.noise_floor**2 * fit.white_squares
     margin = max(RULE.alike, RULE.relative * law.gain)
     alike = [
@@ -315,6 +315,17 @@ def _named(story: LearningResult, fit: Fit, law: Proposal) -> str | None:
         if one.beyond_chance and not one.implausible and one.score >= law.score + came - margin
     ]
     return max(alike, key=lambda one: one.score).effect if alike else None
+
+
+def _weighed(story: LearningResult, fit: Fit) -> Diagnosis:
+    """What was weighed beside a model, or is now where it was none of the story's; joints take too long."""
+    if fit is story.fit:
+        return story.last
+    if fit is story.ladder[0].fit:
+        return story.first_diagnosis
+    catalogue = effects(fit.model.coordinate)
+    joints = {one for one, row in catalogue.items() if row.place == "coupling"}
+    return diagnose(fit, without={*story.without, *descriptions(fit.model.coordinate), *joints})
 
 
 def _drawn(curve: Mapping[str, Any], laws: list[str]) -> Curve:

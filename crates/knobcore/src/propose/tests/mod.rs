@@ -138,7 +138,8 @@ fn the_curve_of_what_is_left_is_its_law_where_the_model_absorbs_nothing_of_it() 
 #[test]
 fn every_law_of_the_grammar_is_one_that_formulas_know_and_has_units_and_the_same_value() {
     let (signals, model) = turned(|_| 0.0, 2);
-    let (rows, _) = Rows::of(&[&signals], &model);
+    let data = [&signals];
+    let (rows, _) = Rows::of(&data, &model);
     let reach = Reach::of(&rows);
     let of: Vec<Variable> = Variable::ALL.into_iter().filter(|one| known(*one)).collect();
     let mut kinds: Vec<Factor> = Vec::new();
