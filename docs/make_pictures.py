@@ -8,6 +8,7 @@ repository: KNOBCAM_SHARED_DATA names the folder that holds them; without it the
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import io
 import os
 import re
@@ -35,6 +36,7 @@ def main() -> None:
     keep(
         folder / "stability.png", plot.stability(kc.check_stability("knob4", kc.Device(delay_samples=1))), 90
     )
+    keep(folder / "proposals.png", kc.learn(braked(), without=["backlash", "compliance"]).propose().plot())
     five_knobs(folder)
     shared = Path(os.environ.get("KNOBCAM_SHARED_DATA", "."))
     absent = [str(name) for name in (EMPS, MOTOR, COGGING) if not (shared / name).is_file()]
@@ -55,6 +57,13 @@ def hidden_spring() -> kc.Capture:
     """Return the capture of the knob of docs/learn.md."""
     knob = kc.Model.load("knob4").with_effect("return_spring").with_value("return_spring.k", 0.004)
     return kc.simulate(knob, "sweep")
+
+
+def braked() -> kc.Capture:
+    """Return the capture of the knob of docs/propose.md."""
+    plain = kc.simulate("knob4", "sweep", duration_s=4.0, seed=3)
+    x = kc.motion("sweep", 4.0).omega / 1.3
+    return dataclasses.replace(plain, tau=plain.tau + 0.016 * x / (1.0 + x**2))
 
 
 def five_knobs(folder: Path) -> None:

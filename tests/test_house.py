@@ -21,7 +21,7 @@ CRATE_ORDER = ["knobcore", "knobrender", "knobrig", "knobpy"]
 RUST_ORDER = [
     *("error", "isa", "random", "scalar", "special", "fourier", "periodogram", "motion", "param"),
     *("effects", "model", "model_file", "chain", "filter", "signals", "smooth", "prepare", "predict"),
-    *("forward", "carry", "noise", "rule", "floor", "fit", "diagnose", "stiction"),
+    *("forward", "carry", "noise", "rule", "floor", "fit", "diagnose", "propose", "stiction"),
 ]
 """Modules of knobcore, each of which knows those before it."""
 MOST = 12

@@ -9,6 +9,7 @@ import numpy as np
 
 from .base import Base
 from .chain import Chain, Grow, Scene, log_uniform, plain_knob
+from .lawful import LAWFUL
 from .likeness import ALIKE, BY_NATURE, NAMES, STRANGE_SHARE, STRANGEST, left_by
 from .loads import Loads
 from .motions import MOTIONS, Floats, Track
@@ -18,13 +19,14 @@ from .shapes import NAMED
 from .strange import STRANGE
 from .stranger import STRANGER
 
-KINDS = NAMED | SERIES | STRANGER | STRANGE
+KINDS = NAMED | SERIES | STRANGER | STRANGE | LAWFUL
 # Alike over less than a turn, and a polynomial is nearly what they are beyond.
 POSITION = ["position_polynomial", "return_spring", "unbalance"]
 ACCEPTED = {name: POSITION if name in POSITION else [name] for name in NAMED | SERIES}
 # The names of the strange kinds that are torques of position alone: a free map of position is their truth.
 ACCEPTED |= {name: [names[0]] for name, names in NAMES.items()}
 ACCEPTED |= {name: ["regional", "wavelet"] if name in ("bump", "rough_map") else [] for name in STRANGE}
+ACCEPTED |= {name: [] for name in LAWFUL}
 
 WEAKEST, STRONGEST = 0.7, 12.0
 PATIENCE = 15  # knobs that are tried before another strength and motion are drawn
@@ -54,6 +56,7 @@ class Hidden:
     truth: dict[str, Any]
     misfit: float = 0.0
     chain: Chain | None = None
+    track: Track | None = None
 
     def again(self, track: Track, seed: int) -> dict[str, Floats]:
         """The capture of the same knob on another motion; ValueError for what is a value per sample."""
@@ -118,6 +121,7 @@ def make(
         truth=chain.truth(scene.knob),
         misfit=misfit,
         chain=chain,
+        track=scene.track,
     )
 
 

@@ -296,6 +296,13 @@ def in_place(
     other: str,
     progress: Callable[[float], object] | None = None,
 ) -> Fit | None: ...
+def propose(
+    data: Sequence[Signals],
+    model: Model,
+    progress: Callable[[float], object] | None = None,
+) -> tuple[
+    list[tuple[str, list[tuple[str, float]], list[str], float, bool, int]], float, dict[str, Any] | None
+]: ...
 def pairs(
     data: Sequence[Signals],
     model: Model,

@@ -43,3 +43,5 @@ pub mod fit;
 pub mod stiction;
 
 pub mod diagnose;
+
+pub mod propose;

@@ -52,6 +52,14 @@ def register(commands: arguments.Commands) -> None:
         metavar="PARAMETER=UNIT",
         help="with --law: units that do not follow from it, as 'k=N m/rad'",
     )
+    parser.add_argument(
+        "--guess",
+        nargs="+",
+        action="extend",
+        type=arguments.assignment,
+        metavar="PARAMETER=VALUE",
+        help="with --law: where its parameters start, as 'f=50'; default a few sizes by the motion",
+    )
     parser.instead = ("law", "effect")
     arguments.add_captures_and_model(parser, "what the model is fitted to")
     arguments.add_output(parser, "model")
@@ -67,6 +75,12 @@ def register(commands: arguments.Commands) -> None:
     parser.add_argument("--report", type=Path, metavar="FILE.html", help="report to write, in one file")
     parser.add_argument(
         "--budget-s", type=float, metavar="SECONDS", help="time for the search, which is then cut short"
+    )
+    parser.add_argument(
+        "--propose", action="store_true", help="laws for what no effect explains, from a grammar of mechanics"
+    )
+    parser.add_argument(
+        "--accept", type=arguments.whole, metavar="N", help="with --propose: take the Nth law into the model"
     )
     arguments.add_output(parser, "model")
     arguments.add_plots(parser)
@@ -120,12 +134,13 @@ def run_diagnose(args: Namespace) -> Answer:
 
 def run_add(args: Namespace) -> Answer:
     """Fit a model, add an effect, fit again."""
-    for option in ("name", "acts", "units"):
+    for option in ("name", "acts", "units", "guess"):
         if getattr(args, option) is not None and args.law is None:
             raise InputError(f"--{option}: is of --law, which is not given; add it, or leave --{option} out")
     check_file(args.output, [*args.captures, args.model])
     check_folder(args.plots, args.output)
     options = arguments.preparation(args)
+    guess = _guess(args)
 
     from ..fit import refit
     from ..model import Model
@@ -133,7 +148,7 @@ def run_add(args: Namespace) -> Answer:
     model = Model.load(args.model)
     effect = args.effect if args.law is None else _law(args, model)
     refit.check(effect, model)
-    fitted = _fitted(args, model, options).add(effect)
+    fitted = refit.add(_fitted(args, model, options), effect, start=guess)
     files = kept(args, fitted)
     text = "\n".join([repr(fitted), *said(files)])
     return answer(args, text, refit.document(fitted) | {"files": files}, fitted)
@@ -141,16 +156,26 @@ def run_add(args: Namespace) -> Answer:
 
 def _law(args: Namespace, model: Model) -> str:
     """Register the law of the command line, and return its name."""
-    from ..model.own_law import own_law
+    from ..model.own_law import free_name, own_law
 
-    taken = {*model.catalogue(), *model.effects}
-    names = (f"law_{number}" if number > 1 else "law" for number in range(1, 2 + len(taken)))
-    name = args.name if args.name is not None else next(one for one in names if one not in taken)
-    if name in taken:
+    name = args.name if args.name is not None else free_name(model)
+    if name in {*model.catalogue(), *model.effects}:
         raise InputError(f"--name {name}: is an effect already; choose another name")
     units = dict(one.split("=", 1) for one in args.units or ())
     own_law(name, args.law, acts=args.acts or "load", units=units)
     return str(name)
+
+
+def _guess(args: Namespace) -> dict[str, float]:
+    """Where the parameters of the law start."""
+    given = {}
+    for one in args.guess or ():
+        name, _, value = one.partition("=")
+        try:
+            given[name.strip()] = float(value)
+        except ValueError:
+            raise InputError(f"--guess {one}: '{value}' is no number; give PARAMETER=VALUE") from None
+    return given
 
 
 def run_learn(args: Namespace) -> Answer:
@@ -188,13 +213,29 @@ def run_learn(args: Namespace) -> Answer:
             raise Unfinished(
                 answer(args, repr(so_far), so_far.document() | {"files": {}}, so_far.fit)
             ) from None
+    said_more, document = [], {}
+    pictures = {}
+    if args.propose:
+        status("looking for laws of what is left")
+        proposals = learned.propose()
+        said_more, document = [repr(proposals)], {"proposals": [one.document() for one in proposals.laws]}
+        if proposals.laws:
+            pictures = {"proposals": proposals.plot}
+        if args.accept is not None:
+            learned = learned.accept(proposals, args.accept)
     files = write(learned, args.report, args.output, args.plots)
-    text = "\n".join([repr(learned), *said(files)])
-    return answer(args, text, learned.document() | {"files": files}, learned.fit)
+    if args.plots is not None and pictures:
+        files["proposals"] = put(pictures, args.plots)
+    text = "\n".join([repr(learned), *said_more, *said(files)])
+    return answer(args, text, learned.document() | document | {"files": files}, learned.fit)
 
 
 def _check_source(args: Namespace) -> None:
     """Refuse a call without captures and without a rig, or with both."""
+    if args.accept is not None and not args.propose:
+        raise InputError("--accept: is of --propose, which is not given; add it, or leave --accept out")
+    if args.propose and args.port is not None:
+        raise InputError("--propose: is for captures; record first, then learn from the files")
     given = [name for name in ("experiments", "records", "limits") if getattr(args, name) is not None]
     if args.port is None and (given or args.clear_fault):
         name = given[0] if given else "clear-fault"

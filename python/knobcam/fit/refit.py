@@ -33,15 +33,26 @@ class Moved(NamedTuple):
 
 
 @checked
-def add(fit: Fit, effect: str, progress: Callable[[float], object] | None = None) -> Fit:
+def add(
+    fit: Fit,
+    effect: str,
+    progress: Callable[[float], object] | None = None,
+    start: Mapping[str, float] | None = None,
+) -> Fit:
     """Return the fit of the same captures with one effect more, every free parameter fitted anew.
 
-    `progress` is asked from time to time; what it raises ends the work. Raises InputError for an effect that
-    the model has already, that the catalogue does not have, or that cannot be fitted beside this model.
+    `start` has values of its parameters to set out from in place of those of its own search. `progress` is
+    asked from time to time; what it raises ends the work. Raises InputError for an effect that the model has
+    already, that the catalogue does not have, or that cannot be fitted beside this model.
     """
     check(effect, fit.model)
     fit.model.with_effect(effect)  # says why not, if it does not go with the model
     fit = with_clipped(fit) if catalogued(effect, fit.model.coordinate).clips else fit
+    if start:
+        model = fit.model.with_effect(effect)
+        for name, value in start.items():
+            model = model.with_value(f"{effect}.{name}", value)
+        return converged(replace(fit, core=_core.refine(cores(fit), model.core, True), before=fit))
     (_, core, _, _, _, note), *_ = _core.diagnose(cores(fit), fit.model.core, [effect], progress)
     if core is None:
         raise InputError(f"effect '{effect}': {note}")

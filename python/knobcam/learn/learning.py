@@ -16,7 +16,7 @@ from ..base.tables import TextTable, text_table
 from ..capture import Capture
 from ..fit import Fit, fit
 from ..fit.beyond import incoherent
-from ..fit.diagnose import Diagnosis, check_effects, p_in_words
+from ..fit.diagnose import Diagnosis, check_effects, diagnose, p_in_words
 from ..fit.refit import percent
 from ..fit.runs import in_words
 from ..fit.verdict import explained
@@ -25,8 +25,9 @@ from .agreement import Disagreement, disagreements
 from .cut import Cut, Deadline, Interrupted
 from .ladder import LearningStep, Unexplained
 from .limitations import Limitation, limitations
+from .proposals import Proposals, accepted, propose
 from .rivals import in_percent, with_choice
-from .selection import select
+from .selection import concluded, select
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -173,6 +174,26 @@ class LearningResult(showing.Tabled):
         if beyond:
             return "Nothing is missing of what passes the torque filter: chance explains that."
         return "Nothing is missing that this capture could show: chance explains the error."
+
+    def propose(self, progress: Callable[[float], object] | None = None) -> Proposals:
+        """Return laws for what no effect explains, the best first; none where nothing is left beyond chance.
+
+        `progress` is told the share of the work that is done; what it raises ends the work.
+        """
+        return propose(self, progress)
+
+    def accept(self, proposals: Proposals, number: int = 1, name: str | None = None) -> LearningResult:
+        """Return the story with a proposed law as an effect called `name`, and what then is left.
+
+        Raises InputError for a number that no proposal has, and for a name that is taken.
+        """
+        name, fit = accepted(proposals, number, name)
+        # What came in badly in the law's place goes.
+        kept = self.ladder if proposals.beside is self.fit else self.ladder[:1]
+        step = LearningStep(fit, name, proposals.p_value)
+        left = diagnose(fit, only=())
+        selection = concluded([*kept, step], left, self.ladder[0].fit.model.effects)
+        return LearningResult(*selection, self.without)
 
     def plot(self) -> Figure:
         """The ladder, the residual before and after, what moved, and what remains."""

@@ -9,10 +9,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from .. import _core
 from ..base.door import checked
 from .own import Acts, OwnParameter, check_name
+
+if TYPE_CHECKING:
+    from .model import Model
 
 
 @checked
@@ -45,3 +49,10 @@ def own_law(
         param: OwnParameter(unit, lower, upper, neutral, param, linear)
         for param, unit, lower, upper, neutral, linear in rows
     }
+
+
+def free_name(model: Model) -> str:
+    """Return the first of law, law_2, ... that neither the catalogue nor a model has."""
+    taken = {*model.catalogue(), *model.effects}
+    names = (f"law_{number}" if number > 1 else "law" for number in range(1, 2 + len(taken)))
+    return next(one for one in names if one not in taken)

@@ -13,6 +13,7 @@ from ..fit.forward import Forward
 from ..fit.stiction import Stiction
 from ..learn import LearningResult
 from ..learn.experiment import Experiment
+from ..learn.proposals import Proposals
 from ..model import Model
 from ..model.effects import Effect
 from ..render import Stability
@@ -56,6 +57,8 @@ def plot(result: object) -> Figure:
             return pictures.learned(result)
         case Experiment():
             return pictures.experiment(result)
+        case Proposals():
+            return pictures.proposals(result)
         case Stability():
             return pictures.stability(result)
         case LoopReport():

@@ -28,3 +28,6 @@ pub use pairs::{Pair, pairs};
 pub use sets::{Set, sets};
 pub use verdict::{Evidence, Judgement, State, complete, exact, judge};
 pub use watch::Tell;
+
+pub(crate) use thinned::{Thinned, orthonormal, project};
+pub(crate) use watch::Watch;

@@ -19,6 +19,7 @@ from .learned import learned, remaining
 from .movements import movements
 from .over_time import capture, overlay, prepared
 from .profile import haptic_profile
+from .proposed import proposals
 from .rest import residual, scan
 from .signature import effect
 from .stability import stability
@@ -45,6 +46,7 @@ __all__ = [
     "overlay",
     "position",
     "prepared",
+    "proposals",
     "remaining",
     "residual",
     "save_all",

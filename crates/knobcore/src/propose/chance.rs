@@ -1,0 +1,86 @@
+//! What a scan finds where nothing is missing: the largest of all that it looks at, of noise through the whole chain.
+
+use super::grammar::{Factor, Powers, Variable};
+use super::rows::Rows;
+use super::scan::Seen;
+use crate::diagnose::Thinned;
+use crate::fit::dot;
+use crate::noise::Noise;
+use crate::random;
+use crate::signals::Signals;
+
+/// Captures of noise alone.
+const DRAWS: usize = 199;
+/// Columns of the scan that stand for all.
+const MOST: usize = 600;
+/// What is rarer is not told apart.
+const LEAST: f64 = 1e-6;
+/// Frequencies by which a power spectrum is known.
+const FREQUENCIES: usize = 512;
+
+/// Chance that a scan finds as much as what it saw where nothing is missing, with those powers and functions.
+pub fn p_value(
+    data: &[&Signals],
+    noises: &[Noise],
+    coarse: &Rows<'_>,
+    (powers, functions): (&[Powers], &[Factor]),
+    seen: &Seen,
+    white: f64,
+) -> f64 {
+    let Seen { term, gain } = seen;
+    let thinned = Thinned::of(data, usize::MAX);
+    if let Some(sine) = term.sine() {
+        // Sines at frequencies a wave over the range apart are independent; each takes off what two numbers of the
+        // loudest part of the noise do.
+        let power = |noise: &Noise| {
+            (0..FREQUENCIES).map(|k| noise.power(0.5 * k as f64 / FREQUENCIES as f64)).fold(0.0, f64::max)
+        };
+        let loudest = noises.iter().map(power).fold(white, f64::max);
+        let waves = if sine.of == Variable::Time { 3.0 } else { powers.len() as f64 };
+        let looks = waves * thinned.rows() as f64 * 0.5;
+        return (looks * (-0.5 * gain / loudest).exp()).clamp(LEAST, 1.0);
+    }
+    let every = (powers.len() * functions.len()).div_ceil(MOST).max(1);
+    let looks = (0..powers.len() * functions.len()).step_by(every);
+    let columns: Vec<Vec<f64>> = looks
+        .filter_map(|at| {
+            let (of_power, factor) = (&powers[at / functions.len()], &functions[at % functions.len()]);
+            let Factor { of, shape, at: [w, c] } = factor;
+            let mut column = of_power.over(&coarse.motions);
+            let x = &coarse.motions[*of as usize];
+            column.iter_mut().zip(x).for_each(|(own, x)| *own *= shape.at(*x, *w, *c));
+            let square = dot(&column, &column);
+            let mut column = coarse.counted(column);
+            let own = dot(&column, &column);
+            (own > 1e-9 * square && own.is_finite()).then(|| {
+                column.iter_mut().for_each(|x| *x /= own.sqrt());
+                column
+            })
+        })
+        .collect();
+    let mut random = random::Noise::new(0x6c61_7773);
+    let above = (0..DRAWS)
+        .filter(|_| {
+            let noise = coarse.summed(&drawn(data, noises, &thinned, &mut random));
+            columns.iter().any(|column| dot(column, &noise).powi(2) >= *gain)
+        })
+        .count();
+    (1 + above) as f64 / (1 + DRAWS) as f64
+}
+
+/// Noise alone, through the measurement filter, thinned.
+fn drawn(data: &[&Signals], noises: &[Noise], thinned: &Thinned, random: &mut random::Noise) -> Vec<f64> {
+    let scale = 12.0_f64.sqrt();
+    let mut whole = Vec::new();
+    for (signals, noise) in data.iter().zip(noises) {
+        let white = (0..signals.len() + noise.warm()).map(|_| scale * (random.uniform() - 0.5)).collect();
+        let raw = noise.colour(white);
+        for segment in &signals.segments {
+            let mut part = raw[segment.clone()].to_vec();
+            signals.measure(&mut [&mut part]);
+            part.iter_mut().zip(&signals.weight[segment.clone()]).for_each(|(x, weight)| *x *= weight);
+            whole.extend(part);
+        }
+    }
+    thinned.pick(data, &whole)
+}

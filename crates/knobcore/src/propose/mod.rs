@@ -1,0 +1,305 @@
+//! Where no name explains what a model leaves: laws that would, from a grammar of mechanics.
+//!
+//! What the model's parameters can absorb is taken off everything first. A scan holds every power and function against the
+//! residual, the best are followed to their parameters, and are given one function more where that pays; what is left
+//! at the end is a front of error against length. Nothing that is proposed is called a cause.
+
+mod chance;
+mod curve;
+mod follow;
+mod grammar;
+mod rows;
+mod scan;
+#[cfg(test)]
+mod tests;
+
+use crate::diagnose::{Tell, Watch};
+use crate::floor::{Floor, noises};
+use crate::model::Model;
+use crate::noise::Noise;
+use crate::param::Axis;
+use crate::rule::rule;
+use crate::signals::Signals;
+pub use curve::Curve;
+use follow::{Followed, Reach};
+use grammar::{Factor, Powers, Term, Variable};
+use rows::Rows;
+use scan::{Seen, functions, scan, sines, turning, widened};
+
+/// Rows that tell what is fast.
+const MEDIUM: usize = 8000;
+/// Rows that tell what is slow.
+const COARSE: usize = 2000;
+/// What is slow goes by fewer radians a second.
+const FAST: f64 = 200.0;
+/// Powers that are looked at with waves of time: none, the sign of the velocity, the velocity.
+const TIMED: usize = 3;
+/// Laws of a scan that are followed, beside the best of each kind.
+const FOLLOWED: usize = 24;
+/// Of those so many are given one function more, and the best of each kind.
+const WIDENED: usize = 8;
+/// Laws with one function more that are followed, of each.
+const MORE: usize = 3;
+/// Laws that are followed to their end behind the measurement filter.
+const ENDED: usize = 12;
+/// Laws that are drawn on the curve.
+const DRAWN: usize = 3;
+/// Functions of a law at most.
+const FUNCTIONS: usize = 2;
+/// Of what laws may be off by, the part that a longer one has to explain: together with errors of its parameters the shorter
+/// one is then off by no more than that.
+const OFF: f64 = 0.25;
+/// Of two laws that take off the same to this share, one is the other written anew.
+const SAME: f64 = 1e-6;
+/// Steps that tell how good a law may be.
+const GLANCE: usize = 6;
+/// Steps to its end.
+const END: usize = 12;
+
+/// A law that could be what is missing.
+#[derive(Debug, Clone)]
+pub struct Law {
+    /// As it is written.
+    pub text: String,
+    /// Its parameters at the start of a fit.
+    pub params: Vec<(String, f64)>,
+    /// What it is a law of.
+    pub variables: Vec<&'static str>,
+    /// What it takes off the sum of squares, in variances of the raw noise.
+    pub gain: f64,
+    /// Whether it explains as much as the best.
+    pub alike: bool,
+    /// How long it is.
+    pub complexity: usize,
+}
+
+/// What could be missing from a model.
+#[derive(Debug, Clone)]
+pub struct Proposed {
+    /// Laws, the one for which most speaks first; none where chance does as well.
+    pub laws: Vec<Law>,
+    /// Chance of what the first takes off, where nothing is missing.
+    pub p_value: f64,
+    /// What is left as a curve over the variable of the first law.
+    pub curve: Option<Curve>,
+}
+
+/// Laws for what a fitted model leaves of captures; None if `tell` no longer wanted it.
+pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Proposed> {
+    let watch = Watch::new(tell, 4);
+    let (fine, squares) = Rows::of(data, model);
+    let noises = noises(data, model);
+    let floor = Floor::with(data, &noises);
+    let none = Proposed { laws: Vec::new(), p_value: 1.0, curve: None };
+    let white = floor.white;
+    if !(white > 0.0 && floor.squares.is_finite()) || fine.len() == 0 {
+        return Some(none);
+    }
+    let noises: Vec<Noise> = noises.into_iter().map(|noise| noise.unwrap_or(Noise::white(white))).collect();
+    let rows = [fine.coarse(MEDIUM), fine.coarse(COARSE)];
+    let reach = Reach::of(&fine);
+    let of: Vec<Variable> = Variable::ALL.into_iter().filter(|one| known(*one)).collect();
+    let powers = Powers::among(&of);
+    let turns = model.axis == Axis::Rotary;
+    let tried = functions(&reach, &of, turns);
+    let search =
+        Search { rows: &rows, reach: &reach, powers: &powers, tried: &tried, watch: &watch, white, turns };
+    let seen = search.looked();
+    watch.step();
+    let mut followed = search.followed(&seen);
+    watch.step();
+    let parents = varied(followed.iter(), |one| &one.term, WIDENED);
+    let wider: Vec<Seen> = watch.each(&parents, |one| search.widened(&one.term)).concat();
+    followed.extend(search.followed(&wider));
+    followed.sort_by(|a, b| search.better(a, b));
+    watch.step();
+    let mut ended: Vec<Followed> = watch
+        .each(&spread(&followed), |one| Some(Followed::at(&fine, one.term.clone())?.best(&fine, END, &reach)))
+        .into_iter()
+        .flatten()
+        .collect();
+    if !watch.wanted() {
+        return None;
+    }
+    ended.sort_by(|a, b| search.better(a, b));
+    let (Some(found), Some(first)) = (seen.first(), ended.first()) else { return Some(none) };
+    let p_value = chance::p_value(data, &noises, &rows[1], (&powers, &tried), found, white);
+    let excess = squares - floor.squares;
+    let enough = first.gain >= rule().share * excess && first.gain >= rule().worth * squares;
+    if p_value > rule().chance || !enough || search.score(first) <= 0.0 {
+        return Some(Proposed { p_value, ..none });
+    }
+    // Of those that explain the same the shortest has the best claim.
+    let left = (squares - first.gain) / white - floor.squares / white;
+    let off = OFF * rule().law.powi(2) * first.gain / white;
+    let margin = rule().alike.max(rule().relative * left).max(off);
+    let ended = paid(ended, margin, white);
+    let curve = curve::of(&fine, &ended[..ended.len().min(DRAWN)]);
+    let top = ended.iter().map(|one| search.score(one)).fold(f64::NEG_INFINITY, f64::max);
+    let law = |one: Followed| {
+        let written = one.term.written(&one.coefficients);
+        Law {
+            text: written.text,
+            params: written.params,
+            variables: one.term.variables(),
+            gain: one.gain / white,
+            alike: top - search.score(&one) <= margin,
+            complexity: one.term.complexity(),
+        }
+    };
+    Some(Proposed { laws: ended.into_iter().map(law).collect(), p_value, curve })
+}
+
+/// Whether a formula knows a variable by its name.
+fn known(variable: Variable) -> bool {
+    let text = format!("a*{}", variable.text());
+    crate::effects::formula::Formula::parse(&text).is_ok_and(|law| law.params().len() == 1)
+}
+
+/// Of laws, best first, those that pay for their length: no shorter one explains as much; those that explain as much as the
+/// best stand first, the shortest before the others.
+fn paid(laws: Vec<Followed>, margin: f64, white: f64) -> Vec<Followed> {
+    let score = |one: &Followed| one.gain / white - rule().price * one.term.count() as f64;
+    let top = laws.iter().map(score).fold(f64::NEG_INFINITY, f64::max);
+    let far = |one: &Followed| top - score(one) > margin;
+    let needless = |one: &Followed| {
+        laws.iter().any(|other| {
+            let shorter = other.term.complexity() < one.term.complexity();
+            shorter && ((one.gain - other.gain) / white <= margin || score(other) >= score(one))
+        })
+    };
+    let mut kept: Vec<Followed> = laws.iter().filter(|one| !needless(one)).cloned().collect();
+    kept.sort_by(|a, b| {
+        far(a).cmp(&far(b)).then_with(|| {
+            if far(a) {
+                score(b).total_cmp(&score(a))
+            } else {
+                a.term.complexity().cmp(&b.term.complexity()).then(b.gain.total_cmp(&a.gain))
+            }
+        })
+    });
+    let mut apart: Vec<Followed> = Vec::new();
+    for one in kept {
+        let anew = |other: &Followed| (other.gain / one.gain - 1.0).abs() < SAME;
+        if !apart.iter().any(anew) {
+            apart.push(one);
+        }
+    }
+    apart
+}
+
+/// A search among laws.
+struct Search<'a> {
+    /// Rows that tell what is fast, and fewer that tell what is slow.
+    rows: &'a [Rows<'static>; 2],
+    reach: &'a Reach,
+    powers: &'a [Powers],
+    tried: &'a [Factor],
+    watch: &'a Watch<'a>,
+    white: f64,
+    /// Whether the angle is one, and no way.
+    turns: bool,
+}
+
+impl Search<'_> {
+    fn score(&self, one: &Followed) -> f64 {
+        one.gain / self.white - rule().price * one.term.count() as f64
+    }
+
+    fn better(&self, a: &Followed, b: &Followed) -> std::cmp::Ordering {
+        self.score(b).total_cmp(&self.score(a))
+    }
+
+    /// The rows that tell a law: waves that few rows would not follow need all.
+    fn telling(&self, term: &Term) -> &Rows<'static> {
+        let [medium, coarse] = self.rows;
+        let quick = term.sine().is_some_and(|sine| {
+            let speed = match sine.of {
+                Variable::Time => 1.0,
+                _ => self.reach.far(Variable::Omega),
+            };
+            speed / sine.at[0].abs() > FAST
+        });
+        if quick { medium } else { coarse }
+    }
+
+    /// All that a scan sees, best first.
+    fn looked(&self) -> Vec<Seen> {
+        let [medium, coarse] = self.rows;
+        let alone = |powers: &Powers| Term { powers: *powers, factors: Vec::new() };
+        let all: Vec<Term> = self.powers.iter().map(alone).collect();
+        let mut found = scan(coarse, self.powers, self.tried, self.watch);
+        let waves = [(&all[..], Variable::Theta), (&all[..TIMED], Variable::Time)];
+        let waves = self.watch.each(&waves, |(terms, of)| sines(medium, terms, *of, self.reach));
+        found.extend(waves.into_iter().flatten());
+        if self.turns {
+            found.extend(turning(coarse, &all));
+        }
+        found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        found
+    }
+
+    /// The best of what was seen, followed a few steps; best first.
+    fn followed(&self, seen: &[Seen]) -> Vec<Followed> {
+        let mut order: Vec<&Seen> = seen.iter().collect();
+        let score = |one: &Seen| one.gain / self.white - rule().price * one.term.count() as f64;
+        order.sort_by(|a, b| score(b).total_cmp(&score(a)));
+        let order = varied(order.into_iter(), |one| &one.term, FOLLOWED);
+        let follow = |one: &&Seen| {
+            let rows = self.telling(&one.term);
+            Some(Followed::at(rows, one.term.clone())?.best(rows, GLANCE, self.reach))
+        };
+        let mut found: Vec<Followed> = self.watch.each(&order, follow).into_iter().flatten().collect();
+        found.sort_by(|a, b| self.better(a, b));
+        found
+    }
+
+    /// A law with one function more.
+    fn widened(&self, term: &Term) -> Vec<Seen> {
+        let rows = self.telling(term);
+        let own = term.factors.iter().filter(|factor| !factor.shape.is_wave()).count();
+        let mut wider = if own < FUNCTIONS { widened(rows, term, self.tried) } else { Vec::new() };
+        if term.sine().is_none() {
+            if self.turns {
+                wider.extend(turning(&self.rows[1], std::slice::from_ref(term)));
+            }
+            wider.extend(sines(&self.rows[1], std::slice::from_ref(term), Variable::Theta, self.reach));
+        }
+        wider.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        wider.truncate(MORE);
+        wider
+    }
+}
+
+/// The first so many, and of the others those whose functions none before has: what is a part of a law may explain less than
+/// much that is none.
+fn varied<'a, T>(sorted: impl Iterator<Item = &'a T>, term: impl Fn(&T) -> &Term, most: usize) -> Vec<&'a T> {
+    let kind =
+        |one: &T| -> Vec<_> { term(one).factors.iter().map(|factor| (factor.of, factor.shape)).collect() };
+    let mut kept: Vec<&T> = Vec::new();
+    for one in sorted {
+        if kept.len() < most || !kept.iter().any(|other| kind(other) == kind(one)) {
+            kept.push(one);
+        }
+    }
+    kept
+}
+
+/// The best, of every kind one; best first.
+fn spread(followed: &[Followed]) -> Vec<Followed> {
+    let kind = |term: &Term| {
+        let mut shapes: Vec<_> =
+            term.factors.iter().map(|factor| (factor.of, factor.shape as usize)).collect();
+        shapes.sort_unstable();
+        shapes
+    };
+    let mut kept: Vec<Followed> = Vec::new();
+    for one in followed {
+        let same =
+            |other: &Followed| other.term.powers == one.term.powers && kind(&other.term) == kind(&one.term);
+        if kept.len() < ENDED && !kept.iter().any(same) {
+            kept.push(one.clone());
+        }
+    }
+    kept
+}

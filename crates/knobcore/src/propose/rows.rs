@@ -1,0 +1,233 @@
+//! What a fitted model leaves, made small: the samples that tell all that passes the measurement filter, with what the
+//! parameters of the model can absorb taken off.
+
+use super::grammar::{Motions, Term};
+use crate::diagnose::{Thinned, orthonormal, project};
+use crate::fit::dot;
+use crate::model::{Model, Role};
+use crate::signals::Signals;
+
+/// Expected sign of the velocity from which on a knob is sure to go that way.
+const SURE: f64 = 0.8;
+
+/// Rows of captures, each with its motion, the residual, and an orthonormal base of the model's derivatives.
+pub struct Rows<'a> {
+    /// The columns of the motion.
+    pub motions: Motions,
+    /// What a row counts: the root of how many samples it stands for; nought where none of them counts.
+    pub scale: Vec<f64>,
+    /// The residual, counted, off the base.
+    pub residual: Vec<f64>,
+    base: Vec<Vec<f64>>,
+    /// Rows that one is the mean of.
+    every: usize,
+    exact: Option<Exact<'a>>,
+}
+
+/// All samples, of which rows are picked behind the measurement filter.
+struct Exact<'a> {
+    data: &'a [&'a Signals],
+    thinned: Thinned,
+    /// The motion of all samples of all segments.
+    whole: Motions,
+    weight: Vec<f64>,
+}
+
+impl<'a> Rows<'a> {
+    /// Of captures beside a fitted model, and their sum of squares.
+    pub fn of(data: &'a [&'a Signals], model: &Model) -> (Self, f64) {
+        let thinned = Thinned::of(data, usize::MAX);
+        let slots = model.slots();
+        let free: Vec<usize> = (0..slots.len()).filter(|&at| slots[at].role == Role::Free).collect();
+        let (columns, mut residual, squares) = thinned.columns(data, model, &free);
+        let base = orthonormal(&columns, residual.len());
+        let rows = residual.len();
+        project(&mut residual, &base, rows);
+        let since: Vec<Vec<f64>> = data.iter().map(|signals| since_turned(signals)).collect();
+        let all = |of: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
+            let capture = |(at, signals): (usize, &&Signals)| {
+                let samples = signals.segments.iter().cloned().flatten();
+                samples.map(|sample| of(at, sample)).collect::<Vec<_>>()
+            };
+            data.iter().enumerate().flat_map(capture).collect()
+        };
+        let whole: Motions = [
+            all(&|at, sample| data[at].t[sample]),
+            all(&|at, sample| data[at].theta[sample]),
+            all(&|at, sample| data[at].omega[sample]),
+            all(&|at, sample| data[at].omega[sample].abs()),
+            all(&|at, sample| data[at].alpha[sample]),
+            all(&|at, sample| data[at].theta[sample].abs()),
+            all(&|at, sample| data[at].alpha[sample].abs()),
+            all(&|at, sample| since[at][sample]),
+            all(&|at, sample| data[at].motion(sample).direction()),
+        ];
+        let weight = all(&|at, sample| data[at].weight[sample]);
+        let scale = thinned.pick(data, &weight);
+        // What is picked is scaled as what is counted is; a motion is not.
+        let one = thinned.pick(data, &vec![1.0; weight.len()]);
+        let motions = whole.each_ref().map(|column| {
+            let mut picked = thinned.pick(data, column);
+            picked.iter_mut().zip(&one).for_each(|(x, one)| *x /= one);
+            picked
+        });
+        (
+            Self {
+                motions,
+                scale,
+                residual,
+                base,
+                every: 1,
+                exact: Some(Exact { data, thinned, whole, weight }),
+            },
+            squares,
+        )
+    }
+
+    /// At most so many rows: the means of neighbours, which keep what is slow.
+    pub fn coarse(&self, most: usize) -> Rows<'static> {
+        let every = self.scale.len().div_ceil(most).max(1);
+        let mean = |column: &[f64]| -> Vec<f64> {
+            column.chunks(every).map(|few| few.iter().sum::<f64>() / few.len() as f64).collect()
+        };
+        // Of rows with the same noise, which a sum divided so has again.
+        let scale = mean(&self.scale).iter().map(|scale| scale * (every as f64).sqrt()).collect::<Vec<_>>();
+        let columns: Vec<Vec<f64>> = self.base.iter().map(|column| summed(column, every)).collect();
+        let base = orthonormal(&columns, scale.len());
+        let mut residual = summed(&self.residual, every);
+        project(&mut residual, &base, scale.len());
+        Rows {
+            motions: self.motions.each_ref().map(|column| mean(column)),
+            scale,
+            residual,
+            base,
+            every,
+            exact: None,
+        }
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.scale.len()
+    }
+
+    /// A column as it counts, off the base.
+    pub fn counted(&self, mut column: Vec<f64>) -> Vec<f64> {
+        column.iter_mut().zip(&self.scale).for_each(|(x, scale)| *x *= scale);
+        project(&mut column, &self.base, self.scale.len());
+        column
+    }
+
+    /// The square of a counted column (not yet off the base) less what the base has of it.
+    pub fn own_square(&self, column: &[f64]) -> f64 {
+        let within: f64 = self.base.iter().map(|direction| dot(direction, column).powi(2)).sum();
+        dot(column, column) - within
+    }
+
+    /// The columns of a law as they count, off the base: behind the measurement filter where all samples are known.
+    pub fn columns(&self, term: &Term) -> Vec<Vec<f64>> {
+        match &self.exact {
+            Some(exact) => {
+                term.columns(&exact.whole).into_iter().map(|column| self.measured(column)).collect()
+            }
+            None => self.seen(term),
+        }
+    }
+
+    /// The same as if there were no filter.
+    pub fn seen(&self, term: &Term) -> Vec<Vec<f64>> {
+        term.columns(&self.motions).into_iter().map(|column| self.counted(column)).collect()
+    }
+
+    /// The motion of all samples of all segments, where they are known.
+    pub fn whole(&self) -> Option<&Motions> {
+        self.exact.as_ref().map(|exact| &exact.whole)
+    }
+
+    /// A column over all samples as it counts behind the measurement filter, off the base; nothing of rows that do not know
+    /// all samples.
+    pub fn measured(&self, mut column: Vec<f64>) -> Vec<f64> {
+        let Some(exact) = &self.exact else { return vec![0.0; self.len()] };
+        let mut from = 0;
+        for signals in exact.data {
+            for segment in &signals.segments {
+                let to = from + segment.len();
+                signals.measure(&mut [&mut column[from..to]]);
+                from = to;
+            }
+        }
+        column.iter_mut().zip(&exact.weight).for_each(|(x, weight)| *x *= weight);
+        let mut picked = exact.thinned.pick(exact.data, &column);
+        let rows = picked.len();
+        project(&mut picked, &self.base, rows);
+        picked
+    }
+
+    /// How many rows count.
+    pub fn counts(&self) -> f64 {
+        self.scale.iter().filter(|scale| **scale > 0.0).count() as f64
+    }
+
+    /// A column of the rows that these are the means of, as these have it.
+    pub fn summed(&self, column: &[f64]) -> Vec<f64> {
+        summed(column, self.every)
+    }
+
+    /// What columns take off the sum of squares, their coefficients, and what is left of the residual. None where they are
+    /// nothing, or no numbers.
+    pub fn explained(&self, columns: &[Vec<f64>]) -> Option<(f64, Vec<f64>, Vec<f64>)> {
+        let squares: Vec<f64> = columns.iter().map(|column| dot(column, column)).collect();
+        if squares.iter().any(|square| !(square.is_finite() && *square > f64::MIN_POSITIVE)) {
+            return None;
+        }
+        let along: Vec<f64> = columns.iter().map(|column| dot(column, &self.residual)).collect();
+        let coefficients = match columns {
+            [_] => vec![along[0] / squares[0]],
+            [first, second] => {
+                let both = dot(first, second);
+                let det = squares[0] * squares[1] - both * both;
+                if det <= 1e-9 * squares[0] * squares[1] {
+                    return None;
+                }
+                vec![
+                    (squares[1] * along[0] - both * along[1]) / det,
+                    (squares[0] * along[1] - both * along[0]) / det,
+                ]
+            }
+            _ => return None,
+        };
+        let gain = coefficients.iter().zip(&along).map(|(x, along)| x * along).sum();
+        let mut left = self.residual.clone();
+        for (column, by) in columns.iter().zip(&coefficients) {
+            left.iter_mut().zip(column).for_each(|(x, column)| *x -= by * column);
+        }
+        Some((gain, coefficients, left))
+    }
+}
+
+/// Sums of neighbours, divided so that noise stays as large.
+fn summed(column: &[f64], every: usize) -> Vec<f64> {
+    column.chunks(every).map(|few| few.iter().sum::<f64>() / (every as f64).sqrt()).collect()
+}
+
+/// Distance since the last reversal, or since the first motion of a segment before any, as a formula's `s` is; a knob turns
+/// round where it had come furthest before it was sure to go the other way.
+fn since_turned(signals: &Signals) -> Vec<f64> {
+    let mut since = vec![0.0; signals.len()];
+    for segment in &signals.segments {
+        let (mut way, mut turned, mut far) = (0.0, 0.0, 0.0_f64);
+        for at in segment.clone() {
+            let (sign, theta) = (signals.motion(at).direction(), signals.theta[at]);
+            let now = if sign.abs() > SURE { sign.signum() } else { way };
+            if way == 0.0 {
+                (turned, far) = (theta, theta);
+            } else if now != way {
+                (turned, far) = (far, theta);
+            }
+            way = now;
+            far = if way < 0.0 { far.min(theta) } else { far.max(theta) };
+            since[at] = (way * (theta - turned)).max(0.0);
+        }
+    }
+    since
+}

@@ -1,0 +1,280 @@
+//! The scan: every power and every function of the grammar at a few widths and centres, held against the residual; sines at
+//! every frequency.
+
+use super::follow::Reach;
+use super::grammar::{Factor, Powers, Shape, Term, Variable};
+use super::rows::Rows;
+use crate::diagnose::Watch;
+use crate::fit::dot;
+use crate::fourier::Transform;
+use std::f64::consts::TAU;
+
+/// Frequencies of a scan for a wave over all of a range.
+const OVERSAMPLING: f64 = 4.0;
+/// Most frequencies over a variable that is not time.
+const MOST: usize = 1500;
+/// Peaks of a scan that are looked at.
+const PEAKS: usize = 3;
+/// Slow waves that are looked at whether they are peaks or not, in steps of a scan.
+const SLOWEST: [f64; 5] = [1.0, 2.0, 3.0, 4.0, 6.0];
+/// Waves a turn that are looked at as whole numbers.
+const ORDERS: u32 = 12;
+/// Cells of a grid of times at most.
+const LONGEST: usize = 1 << 20;
+/// Centres of what acts at a place.
+const CENTRES: usize = 15;
+
+/// A law at a place of the scan, and what it would take off.
+#[derive(Debug, Clone)]
+pub struct Seen {
+    /// The law.
+    pub term: Term,
+    /// What it takes off the sum of squares, about, (N m)^2.
+    pub gain: f64,
+}
+
+/// The functions of one variable that are tried, of those variables; of a knob that `turns` an angle has whole numbers of
+/// waves a turn.
+pub fn functions(reach: &Reach, variables: &[Variable], turns: bool) -> Vec<Factor> {
+    use Shape::{Bump, Cos, Decay, Peaked, Resonant, Saturating, Sin, Slow, Step};
+    use Variable::{Alpha, Omega, Since, Speed, Theta, Time};
+    let mut found = Vec::new();
+    for &of in variables {
+        let ([low, _], span, far) = (reach.ranges[of as usize], reach.span(of), reach.far(of));
+        let mut put = |shape, widths: &[f64], centres: usize| {
+            for width in widths {
+                for k in 0..centres.max(1) {
+                    let centre = low + span * (k as f64 + 0.5) / centres.max(1) as f64;
+                    found.push(Factor { of, shape, at: [*width, if centres > 0 { centre } else { 0.0 }] });
+                }
+            }
+        };
+        let of_span = |shares: &[f64]| shares.iter().map(|share| share * span).collect::<Vec<_>>();
+        let of_far = |shares: &[f64]| shares.iter().map(|share| share * far).collect::<Vec<_>>();
+        if matches!(of, Theta | Speed | Time) {
+            put(Bump, &of_span(&[0.03, 0.08, 0.2]), CENTRES);
+            put(Step, &of_span(&[0.02, 0.1]), CENTRES);
+        }
+        if matches!(of, Speed | Theta) {
+            put(Resonant, &of_span(&[0.05, 0.15]), CENTRES);
+        }
+        if of == Theta && turns {
+            let whole: Vec<f64> = (1..=ORDERS).map(|n| 1.0 / f64::from(n)).collect();
+            put(Sin, &whole, 0);
+            put(Cos, &whole, 0);
+        }
+        match of {
+            Time => put(Decay, &of_span(&[0.05, 0.15, 0.4, 1.0, -0.5]), 0),
+            Since => put(Decay, &of_span(&[0.01, 0.03, 0.1, 0.3]), 0),
+            Speed => put(Decay, &of_far(&[0.03, 0.1, 0.3, -0.5]), 0),
+            Theta => put(Decay, &of_span(&[0.2, -0.2, 0.6, -0.6]), 0),
+            _ => {}
+        }
+        if matches!(of, Omega | Theta | Alpha) {
+            put(Saturating, &of_far(&[0.05, 0.15, 0.4]), 0);
+            put(Slow, &of_far(&[0.05, 0.2, 0.6]), 0);
+            put(Peaked, &of_far(&[0.03, 0.08, 0.2, 0.5]), 0);
+        }
+        if of == Since {
+            put(Saturating, &of_far(&[0.02, 0.08, 0.3]), 0);
+        }
+    }
+    found
+}
+
+/// Each power with each function, and alone; what best of every kind is.
+pub fn scan(rows: &Rows<'_>, powers: &[Powers], functions: &[Factor], watch: &Watch<'_>) -> Vec<Seen> {
+    let shapes: Vec<Vec<f64>> = functions
+        .iter()
+        .map(|Factor { of, shape, at: [w, c] }| {
+            rows.motions[*of as usize].iter().map(|x| shape.at(*x, *w, *c)).collect()
+        })
+        .collect();
+    let mut found: Vec<Seen> = watch
+        .each(powers, |powers| {
+            let plain = counted(rows, &powers.over(&rows.motions));
+            let mut best: Vec<Seen> = Vec::new();
+            let alone = Term { powers: *powers, factors: Vec::new() };
+            best.extend(taken(rows, &plain).map(|gain| Seen { term: alone.clone(), gain }));
+            keep_best(rows, &alone, &plain, functions, &shapes, &mut best);
+            best
+        })
+        .into_iter()
+        .flatten()
+        .collect();
+    found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    found
+}
+
+/// A law with each function more, of every kind the best.
+pub fn widened(rows: &Rows<'_>, term: &Term, functions: &[Factor]) -> Vec<Seen> {
+    let mut best = Vec::new();
+    if term.sine().is_none() {
+        let plain = counted(rows, &term.columns(&rows.motions).remove(0));
+        let shapes: Vec<Vec<f64>> = functions
+            .iter()
+            .map(|Factor { of, shape, at: [w, c] }| {
+                rows.motions[*of as usize].iter().map(|x| shape.at(*x, *w, *c)).collect()
+            })
+            .collect();
+        keep_best(rows, term, &plain, functions, &shapes, &mut best);
+        return best;
+    }
+    let [sine, cosine] = &term.columns(&rows.motions)[..] else { return best };
+    for factor in functions {
+        let Factor { of, shape, at: [w, c] } = factor;
+        let x = &rows.motions[*of as usize];
+        let times = |column: &Vec<f64>| {
+            let product = column.iter().zip(x).map(|(own, x)| own * shape.at(*x, *w, *c)).collect();
+            rows.counted(product)
+        };
+        if let Some((gain, ..)) = rows.explained(&[times(sine), times(cosine)]) {
+            let mut wider = term.clone();
+            wider.factors.insert(wider.factors.len() - 1, *factor);
+            put(&mut best, Seen { term: wider, gain });
+        }
+    }
+    best
+}
+
+fn counted(rows: &Rows<'_>, column: &[f64]) -> Vec<f64> {
+    column.iter().zip(&rows.scale).map(|(x, scale)| x * scale).collect()
+}
+
+/// What a column (counted, not off the base) takes off.
+fn taken(rows: &Rows<'_>, column: &[f64]) -> Option<f64> {
+    let (square, own) = (dot(column, column), rows.own_square(column));
+    (own > 1e-6 * square && own.is_finite()).then(|| dot(column, &rows.residual).powi(2) / own)
+}
+
+fn keep_best(
+    rows: &Rows<'_>,
+    term: &Term,
+    plain: &[f64],
+    functions: &[Factor],
+    shapes: &[Vec<f64>],
+    best: &mut Vec<Seen>,
+) {
+    let mut product = vec![0.0; plain.len()];
+    for (factor, shape) in functions.iter().zip(shapes) {
+        product.iter_mut().zip(plain).zip(shape).for_each(|((x, a), b)| *x = a * b);
+        if let Some(gain) = taken(rows, &product) {
+            let mut factors = term.factors.clone();
+            factors.push(*factor);
+            put(best, Seen { term: Term { powers: term.powers, factors }, gain });
+        }
+    }
+}
+
+/// Keeps the best of each kind: powers, and of the last function variable and shape.
+fn put(best: &mut Vec<Seen>, one: Seen) {
+    let kinds = |term: &Term| -> Vec<(Variable, Shape)> {
+        term.factors.iter().map(|factor| (factor.of, factor.shape)).collect()
+    };
+    match best
+        .iter_mut()
+        .find(|other| other.term.powers == one.term.powers && kinds(&other.term) == kinds(&one.term))
+    {
+        Some(other) if other.gain < one.gain => *other = one,
+        Some(_) => {}
+        None => best.push(one),
+    }
+}
+
+/// Sines over a variable times each of some laws without one, at the frequencies that stand out and the slowest.
+pub fn sines(rows: &Rows<'_>, terms: &[Term], of: Variable, reach: &Reach) -> Vec<Seen> {
+    let weights: Vec<Vec<f64>> =
+        terms.iter().map(|term| counted(rows, &term.columns(&rows.motions).remove(0))).collect();
+    let loaded: Vec<Vec<f64>> = weights
+        .iter()
+        .map(|column| column.iter().zip(&rows.residual).map(|(w, r)| w * r).collect())
+        .collect();
+    let (step, powers) =
+        if of == Variable::Time { over_time(rows, &loaded) } else { over_any(rows, &loaded, of, reach) };
+    let mut found = Vec::new();
+    for ((powers, weight), term) in powers.iter().zip(&weights).zip(terms) {
+        let mut peaks: Vec<usize> = (1..powers.len().saturating_sub(1))
+            .filter(|&k| powers[k] >= powers[k - 1] && powers[k] > powers[k + 1] && powers[k].is_finite())
+            .collect();
+        peaks.sort_by(|a, b| powers[*b].total_cmp(&powers[*a]));
+        peaks.truncate(PEAKS);
+        let half = 0.5 * dot(weight, weight);
+        let sine = |k: f64| {
+            let mut factors = term.factors.clone();
+            factors.push(Factor { of, shape: Shape::Sine, at: [1.0 / (step * k), 0.0] });
+            Term { powers: term.powers, factors }
+        };
+        found.extend(peaks.iter().map(|&k| Seen { term: sine(k as f64), gain: powers[k] / half }));
+        // The slowest waves are no peak: the parameters of the model take most of them, and of none the half.
+        for k in SLOWEST {
+            let slow = sine(k);
+            if let Some((gain, ..)) = rows.explained(&rows.seen(&slow)) {
+                put(&mut found, Seen { term: slow, gain });
+            }
+        }
+    }
+    found
+}
+
+/// Waves of a whole number a turn, times each of some laws without one.
+pub fn turning(rows: &Rows<'_>, terms: &[Term]) -> Vec<Seen> {
+    let mut found = Vec::new();
+    for term in terms {
+        for order in 1..=ORDERS {
+            let mut factors = term.factors.clone();
+            let at = [1.0 / f64::from(order), 0.0];
+            factors.push(Factor { of: Variable::Theta, shape: Shape::Turning, at });
+            let term = Term { powers: term.powers, factors };
+            if let Some((gain, ..)) = rows.explained(&rows.seen(&term)) {
+                put(&mut found, Seen { term, gain });
+            }
+        }
+    }
+    found
+}
+
+/// The step of frequency, and the squared product of each column with waves over a variable at each.
+fn over_any(rows: &Rows<'_>, loaded: &[Vec<f64>], of: Variable, reach: &Reach) -> (f64, Vec<Vec<f64>>) {
+    let x = &rows.motions[of as usize];
+    let step = TAU / reach.span(of) / OVERSAMPLING;
+    // Phasors of all rows, turned on by one frequency after the other.
+    let (mut re, mut im) = (vec![1.0; x.len()], vec![0.0; x.len()]);
+    let (cos, sin): (Vec<f64>, Vec<f64>) = x.iter().map(|x| ((x * step).cos(), (x * step).sin())).unzip();
+    let mut powers = vec![vec![0.0; MOST]; loaded.len()];
+    for k in 1..MOST {
+        for (((re, im), c), s) in re.iter_mut().zip(&mut im).zip(&cos).zip(&sin) {
+            (*re, *im) = (*re * c - *im * s, *re * s + *im * c);
+        }
+        for (powers, loaded) in powers.iter_mut().zip(loaded) {
+            powers[k] = dot(loaded, &re).powi(2) + dot(loaded, &im).powi(2);
+        }
+    }
+    (step, powers)
+}
+
+/// The same over time, where rows lie on a grid: by a Fourier transform.
+fn over_time(rows: &Rows<'_>, loaded: &[Vec<f64>]) -> (f64, Vec<Vec<f64>>) {
+    let t = &rows.motions[Variable::Time as usize];
+    let apart =
+        t.windows(2).map(|pair| pair[1] - pair[0]).filter(|dt| *dt > 0.0).fold(f64::INFINITY, f64::min);
+    let last = t.iter().copied().fold(0.0, f64::max);
+    let cells = ((last / apart).round() as usize + 1).min(LONGEST);
+    let transform = Transform::of((OVERSAMPLING as usize * cells).next_power_of_two());
+    let mut places = transform.rows(1);
+    let length = 2 * places[0].len();
+    let powers = loaded
+        .iter()
+        .map(|column| {
+            places.iter_mut().for_each(|half| half.fill(0.0));
+            for (x, t) in column.iter().zip(t) {
+                let at = (t / apart).round() as usize;
+                if let Some(place) = places[at % 2].get_mut(at / 2) {
+                    *place += x;
+                }
+            }
+            let [re, im] = transform.forward(1, &mut places, 0..length / 2);
+            re.iter().zip(&im).map(|(re, im)| re * re + im * im).collect()
+        })
+        .collect();
+    (TAU / (apart * length as f64), powers)
+}

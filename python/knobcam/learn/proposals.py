@@ -1,0 +1,358 @@
+"""Where no name explains what is left: laws that would, each fitted like an effect and held out on blocks.
+
+Nothing that is proposed is a cause: the verdict stays, until somebody takes a law under a name.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from .. import _core
+from ..base import showing
+from ..base.tables import TextTable, text_table
+from ..errors import InputError
+from ..fit.beyond import incoherent
+from ..fit.described import documented
+from ..fit.diagnose import Diagnosis, diagnose, p_in_words
+from ..fit.doubts import below_zero
+from ..fit.refit import converged, cores
+from ..fit.rule import RULE
+from ..model.effects import base_effects_shown, descriptions, effects
+from ..model.own import forget_effect
+from ..model.own_law import free_name, own_law
+from .selection import with_detents
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from ..base.arrays import FloatArray
+    from ..base.showing import Figure
+    from ..fit import Estimate, Fit
+    from .learning import LearningResult
+
+FITTED = 5
+"""Laws that are fitted with the whole model, and so end up in the front."""
+
+
+class Curve(NamedTuple):
+    """What is left as a smooth function of `over` times `times`, with half the width of its 95 % band.
+
+    `laws` has the curves of the first laws by their formulas: what the parameters of the model can absorb is
+    taken off all of them alike.
+    """
+
+    over: str
+    times: str
+    x: FloatArray
+    value: FloatArray
+    band: FloatArray
+    laws: Mapping[str, FloatArray]
+
+
+@dataclass(frozen=True, eq=False)
+class Proposal:
+    """A law that could be what is missing: `fit` is the whole model fitted with it under the name `name`.
+
+    `gain` is what it takes off the sum of squares in variances of the raw noise, `complexity` how long it is.
+    """
+
+    law: str
+    name: str
+    variables: tuple[str, ...]
+    fit: Fit
+    gain: float
+    complexity: int
+
+    @property
+    def params(self) -> Mapping[str, Estimate]:
+        """Its parameters, by their names in the formula."""
+        own = f"{self.name}."
+        return {name.removeprefix(own): e for name, e in self.fit.params.items() if name.startswith(own)}
+
+    @property
+    def rmse(self) -> float:
+        """RMS error with it, N m."""
+        return self.fit.rmse
+
+    @property
+    def rmse_heldout(self) -> float:
+        """The same on blocks that the fit did not see, N m."""
+        return self.fit.rmse_heldout
+
+    @property
+    def score(self) -> float:
+        """Its gain less the price of its parameters."""
+        return self.gain - RULE.price * len(self.params)
+
+    @property
+    def start(self) -> dict[str, float]:
+        """Values to start a fit from."""
+        return {name: float(f"{e.value:.5g}") for name, e in self.params.items()}
+
+    @property
+    def option(self) -> str:
+        """What `knobcam add` is told to add it."""
+        start = " ".join(f"{name}={value:g}" for name, value in self.start.items())
+        return f"--law '{self.law}' --guess {start}"
+
+    def document(self) -> dict[str, Any]:
+        """Return it as `proposals` of `knobcam learn --json` has it."""
+        return {
+            "law": self.law,
+            "variables": list(self.variables),
+            "params": documented(self.params),
+            "rmse": self.rmse,
+            "rmse_heldout": self.rmse_heldout,
+            "complexity": self.complexity,
+        }
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Proposals(showing.Tabled):
+    """Laws for what a story leaves unexplained, the one for which most speaks first; immutable.
+
+    `beside` is the fit that they were looked for beside, `why` says why there are none, `p_value` how often
+    chance gives as much as the first.
+    """
+
+    beside: Fit
+    laws: tuple[Proposal, ...] = ()
+    p_value: float = 1.0
+    curve: Curve | None = None
+    why: str = ""
+
+    def __len__(self) -> int:
+        return len(self.laws)
+
+    @property
+    def headline(self) -> str:
+        """What is proposed, in one sentence."""
+        if not self.laws:
+            return f"No law is proposed: {self.why}."
+        first = self.laws[0]
+        beside = ", ".join(self.beside.model.effects)
+        return (
+            f"Beside {beside}, {first.law} would leave {first.rmse:.4g} of {self.beside.rmse:.4g} "
+            f"{self.beside.torque_unit} (noise alone {self.beside.noise_floor:.4g}); "
+            f"chance gives as much with p {p_in_words(self.p_value)}. It is proposed, not found."
+        )
+
+    @cached_property
+    def front(self) -> tuple[Proposal, ...]:
+        """Those that no shorter one is as good as, the shortest first."""
+        kept: list[Proposal] = []
+        for one in sorted(self.laws, key=lambda one: (one.complexity, one.rmse)):
+            if all(one.rmse < other.rmse for other in kept):
+                kept.append(one)
+        return tuple(kept)
+
+    @property
+    def head(self) -> tuple[str, ...]:
+        """What the columns of `rows` are."""
+        unit = self.beside.torque_unit
+        return (
+            "",
+            "law",
+            "of",
+            "length",
+            f"RMS error ({unit})",
+            f"on unseen blocks ({unit})",
+            "on the front",
+        )
+
+    def rows(self) -> list[tuple[str, ...]]:
+        """The laws as rows of text, under the words of `head`."""
+        return [
+            (
+                str(number),
+                one.law,
+                ", ".join(one.variables),
+                str(one.complexity),
+                f"{one.rmse:.4g}",
+                f"{one.rmse_heldout:.4g}",
+                "yes" if one in self.front else "",
+            )
+            for number, one in enumerate(self.laws, 1)
+        ]
+
+    def _parameters(self) -> list[tuple[str, str, str, str]]:
+        first = self.laws[0]
+        return [(name, f"{e.value:.6g}", e.interval, e.unit) for name, e in first.params.items()]
+
+    def __repr__(self) -> str:
+        if not self.laws:
+            return self.headline
+        parameters = text_table(("of the first", "value", "95 % interval", "unit"), self._parameters())
+        keep = f"To keep one: --accept N, or knobcam add CAPTURE MODEL -o BETTER {self.laws[0].option}"
+        return "\n".join([self.headline, text_table(self.head, self.rows()), parameters, keep])
+
+    def tables(self) -> tuple[TextTable, ...]:
+        """What it says of itself, as text."""
+        return (TextTable(self.headline, self.head, self.rows()),)
+
+    def plot(self) -> Figure:
+        """The residual as a curve over what it needs, the formulas on it, and error over length."""
+        return showing.plot(self)
+
+
+def propose(story: LearningResult, progress: Callable[[float], object] | None = None) -> Proposals:
+    """Return laws for what a story leaves unexplained, none where a name or chance explains as much.
+
+    `progress` is told the share of the work that is done; what it raises ends the work.
+    """
+    last = story.fit
+    if why := _needless(story):
+        return Proposals(last, why=why)
+    several = {fit.model.effects: fit for fit in _bases(story)}
+    found = [(fit, *_core.propose(cores(fit), fit.core.model, progress)) for fit in several.values()]
+    # Of what came in without explaining it, nothing is needed if a law explains as much without.
+    best = max(found, key=lambda one: _speaks(story, one[0], one[1]))
+    if best[1] and (detented := _detented(best[0], best[1][0])) is not None:
+        found.append((detented, *_core.propose(cores(detented), detented.core.model, progress)))
+        best = max(found, key=lambda one: _speaks(story, one[0], one[1]))
+    fit, laws, p_value, curve = best
+    none = Proposals(fit, p_value=p_value)
+    several_names = story.verdict != "unexplained"
+    if several_names and _speaks(story, fit, laws) <= _speaks(story, last, []) + RULE.alike:
+        return replace(none, why=f"{' and '.join(story.found)} explain as much, and have names")
+    if not laws:
+        return replace(none, why="what is left is no more than chance makes of so many laws, or too little")
+    ordered = _ordered([(_fitted(fit, row), row[4]) for row in laws[:FITTED]])
+    if (name := _named(story, fit, ordered[0])) is not None:
+        return replace(none, why=f"{name} explains as much, and has a name")
+    drawn = None if curve is None else _drawn(curve, [row[0] for row in laws])
+    return Proposals(fit, ordered, p_value, drawn)
+
+
+def _bases(story: LearningResult) -> list[Fit]:
+    """The models beside which laws are looked for: the first, without what it need not have, and the last.
+
+    Detents of the first model may be a law's wave, and what came in may have explained it badly.
+    """
+    first, last = story.ladder[0].fit, story.fit
+    shown = base_effects_shown(first.model.coordinate)
+    bare = [first.drop(one) for one in shown if one in first.model.effects]
+    return [first, *bare, *([last] if story.verdict == "unexplained" else [])]
+
+
+def _detented(fit: Fit, row: Any) -> Fit | None:
+    """The fit with the detents that only show beside a law; None where there are none."""
+    if fit.model.period is not None or not base_effects_shown(fit.model.coordinate):
+        return None
+    law = _fitted(fit, row)
+    whole = with_detents(law.fit)
+    if whole.model.period is None:
+        return None
+    core = whole.core.model.only([one for one in whole.model.effects if one != law.name])
+    return replace(fit, core=_core.refine(cores(fit), core, False))
+
+
+def _needless(story: LearningResult) -> str:
+    """Why there is nothing to propose; empty where there is."""
+    if story.verdict != "unexplained" and len(story.found) < 2:
+        return f"{story.found[0]} explains what is missing" if story.found else "chance explains what is left"
+    if story.cut is not None:
+        return "the search for names was cut short"
+    fit = story.fit
+    if fit.log_fault is not None:
+        return "the log is to be mended first"
+    if not fit.noise_floor > 0.0:
+        return "how much of the error is noise is not known"
+    if incoherent(fit):
+        return "what is left cannot be told from errors of the recorded motion"
+    if story.verdict == "unexplained" and story.after.complete:
+        return "what is left is chance"
+    return ""
+
+
+def _speaks(story: LearningResult, fit: Fit, laws: list[Any]) -> float:
+    """What speaks for a model with the first of some laws, beside that of the first step."""
+    first = story.ladder[0].fit
+    effects = len(fit.core.free) - len(first.core.free)
+    own = laws[0][3] - RULE.price * len(laws[0][1]) if laws else 0.0
+    came = (first.rmse**2 - fit.rmse**2) / first.noise_floor**2 * first.white_squares
+    return float(came - RULE.price * effects + own)
+
+
+def _fitted(fit: Fit, row: Any) -> Proposal:
+    """A law of the search, fitted with the whole model."""
+    law, values, variables, _, _, complexity = row
+    name = free_name(fit.model)
+    own_law(name, law)
+    try:
+        model = fit.model.with_effect(name)
+        for param, value in values:
+            model = model.with_value(f"{name}.{param}", value)
+        core = _core.refine(cores(fit), model.core, True)
+    finally:
+        forget_effect(name)
+    richer = replace(fit, core=core, before=fit)
+    taken = (fit.rmse**2 - richer.rmse**2) / fit.noise_floor**2 * fit.white_squares
+    return Proposal(law, name, tuple(sorted(variables)), richer, float(taken), complexity)
+
+
+def _ordered(proposals: list[tuple[Proposal, bool]]) -> tuple[Proposal, ...]:
+    """Laws in the order of the search; of those that explain as much as the best, some later.
+
+    Those that bend what resists below zero beyond doubt.
+    """
+    bent = [(not alike, len(below_zero(one.fit)) if alike else 0) for one, alike in proposals]
+    return tuple(proposals[at][0] for at in sorted(range(len(proposals)), key=bent.__getitem__))
+
+
+def _named(story: LearningResult, fit: Fit, law: Proposal) -> str | None:
+    """The effect of the catalogue that explains as much beside the same model, if one does."""
+    weighed = _weighed(story, fit)
+    came = (weighed.fit.rmse**2 - fit.rmse**2) / fit.noise_floor**2 * fit.white_squares
+    margin = max(RULE.alike, RULE.relative * law.gain)
+    alike = [
+        one
+        for one in weighed.candidates
+        if one.beyond_chance and not one.implausible and one.score >= law.score + came - margin
+    ]
+    return max(alike, key=lambda one: one.score).effect if alike else None
+
+
+def _weighed(story: LearningResult, fit: Fit) -> Diagnosis:
+    """What was weighed beside a model, or is now where it was none of the story's; joints take too long."""
+    if fit is story.fit:
+        return story.last
+    if fit is story.ladder[0].fit:
+        return story.first_diagnosis
+    catalogue = effects(fit.model.coordinate)
+    joints = {one for one, row in catalogue.items() if row.place == "coupling"}
+    return diagnose(fit, without={*story.without, *descriptions(fit.model.coordinate), *joints})
+
+
+def _drawn(curve: Mapping[str, Any], laws: list[str]) -> Curve:
+    return Curve(
+        curve["over"],
+        curve["times"],
+        np.asarray(curve["x"]),
+        np.asarray(curve["value"]),
+        np.asarray(curve["band"]),
+        {law: np.asarray(one) for law, one in zip(laws, curve["laws"], strict=False)},
+    )
+
+
+def accepted(proposals: Proposals, number: int, name: str | None = None) -> tuple[str, Fit]:
+    """Register a proposed law under a name, and return the name and the fit with it.
+
+    Raises InputError for a number that no law has.
+    """
+    if not 1 <= number <= len(proposals.laws):
+        have = f"there are {len(proposals.laws)}" if proposals.laws else f"there are none: {proposals.why}"
+        raise InputError(f"--accept {number}: no proposal has that number; {have}")
+    one = proposals.laws[number - 1]
+    fit = proposals.beside
+    name = name or free_name(fit.model)
+    own_law(name, one.law)
+    model = fit.model.with_effect(name)
+    for param, estimate in one.params.items():
+        model = model.with_value(f"{name}.{param}", estimate.value)
+    core = _core.refine(cores(fit), model.core, True)
+    return name, converged(replace(fit, core=core, before=fit))

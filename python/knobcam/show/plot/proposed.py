@@ -1,0 +1,78 @@
+"""What no name explains: as a curve over what it needs, the proposed formulas on it, and what length buys."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .over_time import line
+from .style import BAND, BLACK, BLUE, GREEN, GREY, ORANGE, VERMILLION, Picture, legend_above, plain, styled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from ...learn.proposals import Curve, Proposals
+
+_COLOURS = (VERMILLION, BLUE, GREEN)
+_UNITS = {"t": "s", "theta": "rad", "omega": "rad/s", "alpha": "rad/s^2", "s": "rad"}
+
+
+@styled
+def proposals(proposals: Proposals) -> Picture:
+    """The residual over the variable of the first law with its band, the laws on it; error over length."""
+    figure = Picture(8.5, 3.8, plain(proposals.headline, 400))
+    grid = figure.add_gridspec(1, 2, width_ratios=[1.6, 1.0])
+    axis = figure.add_subplot(grid[0])
+    if proposals.curve is not None:
+        _curve(axis, proposals, proposals.curve)
+    else:
+        _over_time(axis, proposals)
+    _front(figure.add_subplot(grid[1]), proposals)
+    return figure
+
+
+def _curve(axis: Axes, proposals: Proposals, curve: Curve) -> None:
+    known = curve.band < 4.0 * np.nanmedian(curve.band)  # elsewhere the motion hardly went
+    x, value, band = (np.where(known, column, np.nan) for column in (curve.x, curve.value, curve.band))
+    axis.fill_between(x, value - band, value + band, color=BAND, alpha=0.4, lw=0.0, label="95 % band")
+    axis.plot(x, value, color=BLACK, lw=1.2, label="what is left")
+    drawn = [(number, one) for number, one in enumerate(proposals.laws, 1) if one.law in curve.laws]
+    for colour, (number, one) in zip(_COLOURS, drawn, strict=False):
+        law = np.where(known, curve.laws[one.law], np.nan)
+        axis.plot(x, law, color=colour, lw=1.2, ls="--", label=f"law {number}")
+    unit = proposals.beside.torque_unit
+    axis.set_xlabel(f"{curve.over} ({_UNITS.get(curve.over, '')})")
+    axis.set_ylabel(f"residual torque ({unit})" if not curve.times else f"residual / ({curve.times})")
+    legend_above(axis)
+
+
+def _over_time(axis: Axes, proposals: Proposals) -> None:
+    """A stretch of the residual, and the first law, where they are too fast for a curve."""
+    signals = proposals.beside.prepared[0]
+    left = proposals.beside.residuals[0]
+    with_law = proposals.laws[0].fit.residuals[0] if proposals.laws else left
+    t = signals.capture.t
+    middle = 0.5 * (t[0] + t[-1])
+    shown = np.abs(t - middle) < 0.1
+    line(axis, t[shown], left[shown], color=BLACK, lw=1.0, label="what is left")
+    line(axis, t[shown], (left - with_law)[shown], color=VERMILLION, lw=1.0, label="law 1")
+    axis.set_xlabel("time (s)")
+    axis.set_ylabel(f"residual torque ({proposals.beside.torque_unit})")
+    legend_above(axis)
+
+
+def _front(axis: Axes, proposals: Proposals) -> None:
+    last = proposals.laws[0].fit if proposals.laws else proposals.beside
+    front = [(0, proposals.beside.rmse_heldout)]
+    front += [(one.complexity, one.rmse_heldout) for one in proposals.front]
+    axis.axhline(last.noise_floor, color=GREY, lw=1.0, ls=":", label="noise alone")
+    axis.plot(*zip(*front, strict=True), "o-", color=ORANGE, lw=1.0, label="no shorter one is as good")
+    for number, one in enumerate(proposals.laws, 1):
+        at = (one.complexity, one.rmse_heldout)
+        axis.plot(*at, "o", color=VERMILLION if number == 1 else GREY, ms=4.0)
+        axis.annotate(str(number), at, (3, 3), textcoords="offset points")
+    axis.set_ylim(bottom=0.0)
+    axis.set_xlabel("length of the law")
+    axis.set_ylabel(f"error on unseen blocks ({proposals.beside.torque_unit})")
+    legend_above(axis)

@@ -1,0 +1,111 @@
+"""Laws for what no effect explains: proposed where they are, fitted as any effect, and never called found."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command import knobcam, refused
+
+import knobcam as kc
+
+COUPLINGS = ("backlash", "compliance")
+"""Not looked for here: they take by far the longest."""
+
+
+@pytest.fixture(autouse=True)
+def forgotten() -> Iterator[None]:
+    """Each test leaves the catalogue as it was."""
+    before = set(kc.effects())
+    yield
+    for name in set(kc.effects()) - before:
+        kc.forget_effect(name)
+
+
+@pytest.fixture(scope="module")
+def braked() -> kc.Capture:
+    """A knob with a brake that no effect of the catalogue is, made without this program's law."""
+    plain = kc.simulate("knob4", "sweep", duration_s=4.0, seed=3)
+    omega = kc.motion("sweep", 4.0).omega
+    return dataclasses.replace(plain, tau=plain.tau + 0.016 * (omega / 1.3) / (1.0 + (omega / 1.3) ** 2))
+
+
+@pytest.fixture(scope="module")
+def story(braked: kc.Capture) -> kc.LearningResult:
+    return kc.learn(braked, without=COUPLINGS)
+
+
+def test_a_brake_that_has_no_name_is_proposed_by_its_law(story: kc.LearningResult) -> None:
+    assert story.verdict == "unexplained"
+    before = set(kc.effects())
+    found = story.propose()
+    first = found.laws[0]
+    assert first.variables == ("omega",) and found.p_value < 0.01
+    omega = np.linspace(-4.0, 4.0, 801)
+    a, w = first.params["a"].value, first.params["w"].value
+    torque = eval(first.law.replace("^", "**"), {"a": a, "w": w, "omega": omega})
+    truth = 0.016 * (omega / 1.3) / (1.0 + (omega / 1.3) ** 2)
+    assert np.sqrt(np.mean((torque - truth) ** 2)) < 0.03 * np.sqrt(np.mean(truth**2))
+    assert first.rmse_heldout < 1.03 * story.noise_floor
+    low, high = first.params["w"].ci95
+    assert low < 1.3 < high and first.params["w"].unit == "rad/s"
+    # Nobody else's search knows of it, and nothing was found.
+    assert set(kc.effects()) == before and story.verdict == "unexplained"
+
+
+def test_what_is_proposed_says_so_and_draws_itself(story: kc.LearningResult) -> None:
+    found = story.propose()
+    said = repr(found)
+    assert "proposed, not found" in said and f"--law '{found.laws[0].law}'" in said
+    assert found.plot().axes
+    complexities = [one.complexity for one in found.front]
+    errors = [one.rmse for one in found.front]
+    assert complexities == sorted(complexities) and errors == sorted(errors, reverse=True)
+
+
+def test_who_takes_a_law_has_it_in_the_model(story: kc.LearningResult, tmp_path: Path) -> None:
+    taken = story.accept(story.propose(), 1, "eddy")
+    assert taken.found == ("eddy",) and taken.verdict == "missing"
+    taken.model.save(tmp_path / "eddy.toml")
+    kc.forget_effect("eddy")
+    assert "eddy" in kc.Model.load(tmp_path / "eddy.toml").effects
+    with pytest.raises(kc.InputError, match="no proposal has that number"):
+        story.accept(story.propose(), 99)
+
+
+def test_what_is_printed_is_what_the_command_line_adds(
+    braked: kc.Capture, story: kc.LearningResult, tmp_path: Path
+) -> None:
+    first = story.propose().laws[0]
+    braked.save(tmp_path / "log.npz")
+    story.ladder[0].fit.model.save(tmp_path / "base.toml")
+    guess = [f"{name}={value}" for name, value in first.start.items()]
+    ended = knobcam(
+        *("add", "--law", first.law, tmp_path / "log.npz", tmp_path / "base.toml", "--json"),
+        *("--guess", *guess),
+    )
+    assert ended.code == 0, ended.err
+    for name, estimate in first.params.items():
+        assert ended.document["params"][f"law.{name}"]["value"] == pytest.approx(estimate.value, rel=1e-3)
+
+
+def test_nothing_is_proposed_for_a_knob_of_which_nothing_is_missing() -> None:
+    story = kc.learn(kc.simulate("knob4", "sweep", duration_s=3.0, seed=5), without=COUPLINGS)
+    found = story.propose()
+    assert found.laws == () and "No law is proposed" in repr(found)
+
+
+def test_where_a_name_explains_it_the_name_comes_first() -> None:
+    knob = kc.Model.load("knob4").with_effect("quadratic_drag").with_value("quadratic_drag.d", 5e-4)
+    story = kc.learn(kc.simulate(knob, "sweep", duration_s=3.0, seed=6), without=COUPLINGS)
+    assert story.found == ("quadratic_drag",)
+    assert story.propose().laws == ()
+
+
+def test_options_of_proposals_without_them_are_refused() -> None:
+    refused(knobcam("learn", "log.npz", "--accept", "1"), "--propose")
+    refused(knobcam("add", "stribeck", "log.npz", "knob4", "--guess", "a=1"), "--law")
+    refused(knobcam("add", "log.npz", "knob4", "--law", "a omega", "--guess", "a=x"), "no number")
