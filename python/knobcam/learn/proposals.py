@@ -216,9 +216,8 @@ def propose(story: LearningResult, progress: Callable[[float], object] | None = 
         best = max(found, key=lambda one: _speaks(story, one[0], one[1]))
     fit, laws, p_value, curve = best
     none = Proposals(fit, p_value=p_value)
-    several_names = story.verdict != "unexplained"
-    if several_names and _speaks(story, fit, laws) <= _speaks(story, last, []) + RULE.alike:
-        return replace(none, why=f"{' and '.join(story.found)} explain as much, and have names")
+    if _closed(story) and _speaks(story, fit, laws) <= _speaks(story, last, []) + RULE.alike:
+        return replace(none, why="what came in explains as much, and has names")
     if not laws:
         return replace(none, why="what is left is no more than chance makes of so many laws, or too little")
     ordered = _ordered([(_fitted(fit, row), row[4]) for row in laws[:FITTED]])
@@ -236,7 +235,7 @@ def _bases(story: LearningResult) -> list[Fit]:
     first, last = story.ladder[0].fit, story.fit
     shown = base_effects_shown(first.model.coordinate)
     bare = [first.drop(one) for one in shown if one in first.model.effects]
-    return [first, *bare, *([last] if story.verdict == "unexplained" else [])]
+    return [first, *bare, *([] if _closed(story) else [last])]
 
 
 def _detented(fit: Fit, row: Any) -> Fit | None:
@@ -249,6 +248,11 @@ def _detented(fit: Fit, row: Any) -> Fit | None:
         return None
     core = whole.core.model.only([one for one in whole.model.effects if one != law.name])
     return replace(fit, core=_core.refine(cores(fit), core, False))
+
+
+def _closed(story: LearningResult) -> bool:
+    """Whether names leave chance alone, though it may take so many that they are no explanation."""
+    return story.verdict != "unexplained" or story.after.complete
 
 
 def _needless(story: LearningResult) -> str:
@@ -264,7 +268,7 @@ def _needless(story: LearningResult) -> str:
         return "how much of the error is noise is not known"
     if incoherent(fit):
         return "what is left cannot be told from errors of the recorded motion"
-    if story.verdict == "unexplained" and story.after.complete:
+    if story.after.complete and len(story.ladder) == 1:
         return "what is left is chance"
     return ""
 
