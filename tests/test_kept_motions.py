@@ -69,9 +69,7 @@ def test_of_motions_and_what_they_would_tell(monkeypatch: pytest.MonkeyPatch) ->
     story = kc.learn(weak, without=JOINTS)
     rivals = contenders(story, ["base", "stribeck"])
     asks = Telling(rivals, 3)
-    told.put(
-        "asks", [asks.white, asks.edge_hz or 0.0, asks.omega_sd, *(one.name for one in rivals)]
-    )
+    told.put("asks", [asks.white, asks.edge_hz or 0.0, asks.omega_sd, *(one.name for one in rivals)])
     for pieces in motions[:6]:
         track = motion_space.plan(pieces, LIMITS).track(1000.0)
         try:

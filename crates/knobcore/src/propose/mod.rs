@@ -98,7 +98,7 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
     let noises: Vec<Noise> = noises.into_iter().map(|noise| noise.unwrap_or(Noise::white(white))).collect();
     let rows = [fine.coarse(MEDIUM), fine.coarse(COARSE)];
     let reach = Reach::of(&fine);
-    let of: Vec<Variable> = Variable::ALL.into_iter().filter(|one| known(*one)).collect();
+    let of = Variable::ALL;
     let powers = Powers::among(&of);
     let turns = model.axis == Axis::Rotary;
     let tried = functions(&reach, &of, turns);
@@ -148,12 +148,6 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
         }
     };
     Some(Proposed { laws: ended.into_iter().map(law).collect(), p_value, curve })
-}
-
-/// Whether a formula knows a variable by its name.
-fn known(variable: Variable) -> bool {
-    let text = format!("a*{}", variable.text());
-    crate::effects::formula::Formula::parse(&text).is_ok_and(|law| law.params().len() == 1)
 }
 
 /// Of laws, best first, those that pay for their length: no shorter one explains as much; those that explain as much as the

@@ -3,12 +3,10 @@
 
 use super::grammar::{Motions, Term};
 use crate::diagnose::{Thinned, orthonormal, project};
+use crate::effects::formula::{STATES, follow};
 use crate::fit::dot;
 use crate::model::{Model, Role};
 use crate::signals::Signals;
-
-/// Expected sign of the velocity from which on a knob is sure to go that way.
-const SURE: f64 = 0.8;
 
 /// Rows of captures, each with its motion, the residual, and an orthonormal base of the model's derivatives.
 pub struct Rows<'a> {
@@ -210,24 +208,12 @@ fn summed(column: &[f64], every: usize) -> Vec<f64> {
     column.chunks(every).map(|few| few.iter().sum::<f64>() / (every as f64).sqrt()).collect()
 }
 
-/// Distance since the last reversal, or since the first motion of a segment before any, as a formula's `s` is; a knob turns
-/// round where it had come furthest before it was sure to go the other way.
+/// What formulas know as `s`; every segment begins anew.
 fn since_turned(signals: &Signals) -> Vec<f64> {
     let mut since = vec![0.0; signals.len()];
     for segment in &signals.segments {
-        let (mut way, mut turned, mut far) = (0.0, 0.0, 0.0_f64);
-        for at in segment.clone() {
-            let (sign, theta) = (signals.motion(at).direction(), signals.theta[at]);
-            let now = if sign.abs() > SURE { sign.signum() } else { way };
-            if way == 0.0 {
-                (turned, far) = (theta, theta);
-            } else if now != way {
-                (turned, far) = (far, theta);
-            }
-            way = now;
-            far = if way < 0.0 { far.min(theta) } else { far.max(theta) };
-            since[at] = (way * (theta - turned)).max(0.0);
-        }
+        let mut state = [0.0; STATES];
+        segment.clone().for_each(|at| since[at] = follow(&mut state, &signals.motion(at)));
     }
     since
 }

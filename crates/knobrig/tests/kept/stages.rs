@@ -198,6 +198,7 @@ pub fn diagnosed(
         all.push(Evidence {
             gain: one.gain,
             parameters: one.parameters,
+            charged: one.parameters as f64,
             p_value: one.p_value,
             rmse,
             felt: 1.0 - (rmse / before.rmse).powi(2),

@@ -141,7 +141,7 @@ fn every_law_of_the_grammar_is_one_that_formulas_know_and_has_units_and_the_same
     let data = [&signals];
     let (rows, _) = Rows::of(&data, &model);
     let reach = Reach::of(&rows);
-    let of: Vec<Variable> = Variable::ALL.into_iter().filter(|one| known(*one)).collect();
+    let of = Variable::ALL;
     let mut kinds: Vec<Factor> = Vec::new();
     for one in functions(&reach, &of, true) {
         if !kinds.iter().any(|other| (other.of, other.shape) == (one.of, one.shape)) {
