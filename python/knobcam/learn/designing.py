@@ -34,6 +34,7 @@ _SEARCH_S = 5.0
 _CHANGE_S = 3.0  # for all limits that might be wider, together
 _KEPT = 5
 _FINALISTS = 3
+_SHORTEST = 64  # samples, fewer than which no filter takes
 _NOTHING = 1.0  # variance of the noise: what tells no more of any pair tells nothing
 _EASE = 0.75
 _EASINGS = 12
@@ -244,10 +245,24 @@ class _Design:
             if self.by_hand and not hand_can(steps_by_hand(made, self.telling.coordinate)):
                 return None
             track = made.track(rate)
-            if self.limits.hold(track) and self.telling.peak(track, draws=draws) <= self.limits.torque_Nm:
+            if len(track.theta) < _SHORTEST:
+                return None
+            asked = self.telling.peak(track, draws=draws) * (1.0 if draws else self._doubt)
+            if self.limits.hold(track) and asked <= self.limits.torque_Nm:
                 return made, track
             eased *= _EASE
         return None
+
+    @cached_property
+    def _doubt(self) -> float:
+        """How much more torque rivals may ask for than as fitted.
+
+        A search up to the limit of what is fitted finds motions that have to be made small at last, when
+        little is left of what they tell.
+        """
+        track = plan(bank()[0], self.limits, 1.0).track(self._search_hz())
+        fitted, drawn = (self.telling.peak(track, draws=draws) for draws in (False, True))
+        return drawn / fitted if fitted > 0.0 else 1.0
 
     def _standard(self, rate_hz: float) -> list[MotionTrack]:
         """Return the standard motions, each as large as the limits and the torque let it be."""
