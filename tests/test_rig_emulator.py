@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -123,3 +124,22 @@ def test_a_learned_model_comes_back_from_the_device_that_renders_it(tmp_path: Pa
         now = back["ladder"][-1]["params"][name]
         close = abs(now["value"] / was["value"] - 1.0) < 0.05
         assert close or now["ci95"][0] <= was["value"] <= now["ci95"][1], name
+
+
+def test_whoever_asks_for_its_state_while_its_time_goes_by_waits() -> None:
+    rig = Emulation("knob2").rig()
+    asked = threading.Event()
+
+    def clock() -> None:
+        now = 0
+        while not asked.is_set():
+            rig.advance(now := now + 1_000_000)
+
+    ticking = threading.Thread(target=clock)
+    ticking.start()
+    try:
+        for _ in range(200):
+            assert (rig.state, rig.motor_torque) == ("idle", 0.0)
+    finally:
+        asked.set()
+        ticking.join()
