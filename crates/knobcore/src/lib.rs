@@ -11,6 +11,7 @@ pub mod scalar;
 pub mod special;
 
 mod fourier;
+mod order;
 mod periodogram;
 
 pub mod motion;

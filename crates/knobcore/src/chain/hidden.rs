@@ -133,51 +133,47 @@ impl<T: Carried> Hidden<T> {
         missed: usize,
         beside: Option<Beside<T>>,
     ) -> T {
-        let last = self.carry(model, p, state, to, missed, beside);
-        self.load(model, p, state, to[0]);
+        let (from, was) = self.before.unwrap_or((to, beside));
+        let time = to[0] - from[0];
+        let carried = if time > 0.0 { self.substeps * (missed + 1) } else { 0 };
+        let (h, share) = (time / carried as f64, |steps: usize| steps as f64 / carried as f64);
+        let (mut last, mut next, mut angle) = (None, T::of(0.0), from[1]);
+        // One loop for the steps between the instants and the one that is tried, so that a step is compiled once.
+        for step in 0..=carried {
+            let tried = step == carried;
+            if tried || step > 0 {
+                let t = if tried { to[0] } else { from[0] + step as f64 * h };
+                self.load(model, p, state, t);
+            }
+            let (h, reached, beside) = if tried {
+                let ([_, theta, omega, alpha], h) = (to, self.step_s);
+                angle = theta;
+                (h, theta + h * (omega + 0.5 * h * alpha), beside)
+            } else {
+                let reached = hermite([from[1], to[1]], [from[2] * time, to[2] * time], share(step + 1));
+                (h, reached, between(was, beside, share(step)))
+            };
+            let shaft = [T::of(angle), T::of(reached)];
+            let (knob, force) = self.knob.stepped(&self.joint, &self.acts(beside), shaft, h);
+            last = (step > 0).then_some(next);
+            next = force;
+            if !tried {
+                (self.knob, angle) = (knob, reached);
+            }
+        }
         self.before = Some((to, beside));
-        let ([_, theta, omega, alpha], h) = (to, self.step_s);
-        let shaft = [T::of(theta), T::of(theta + h * (omega + 0.5 * h * alpha))];
-        let (_, next) = self.knob.stepped(&self.joint, &self.acts(beside), shaft, h);
         last.map_or(next, |last| T::of(0.5) * (last + next))
     }
+}
 
-    /// Carries the knob along to the next instant; the joint's torque in the last step, none over no time.
-    #[inline(always)]
-    fn carry(
-        &mut self,
-        model: &Model,
-        p: &[T],
-        state: &mut [T],
-        to: Instant,
-        missed: usize,
-        beside: Option<Beside<T>>,
-    ) -> Option<T> {
-        let (from, was) = self.before?;
-        let time = to[0] - from[0];
-        if time.is_nan() || time <= 0.0 {
-            return None;
-        }
-        let substeps = self.substeps * (missed + 1);
-        let h = time / substeps as f64;
-        let share = |steps: usize| steps as f64 / substeps as f64;
-        let (mut last, mut angle) = (None, from[1]);
-        for step in 0..substeps {
-            if step > 0 {
-                self.load(model, p, state, from[0] + step as f64 * h);
-            }
-            let next = hermite([from[1], to[1]], [from[2] * time, to[2] * time], share(step + 1));
-            let between = was.zip(beside).map(|(was, now)| Beside {
-                drive: was.drive + T::of(share(step)) * (now.drive - was.drive),
-                friction_scale: was.friction_scale
-                    + T::of(share(step)) * (now.friction_scale - was.friction_scale),
-            });
-            let (knob, force) =
-                self.knob.stepped(&self.joint, &self.acts(between), [T::of(angle), T::of(next)], h);
-            (self.knob, last, angle) = (knob, Some(force), next);
-        }
-        last
-    }
+/// What functions of a user's own do after a share `u` of a sample.
+#[inline(always)]
+fn between<T: Carried>(was: Option<Beside<T>>, now: Option<Beside<T>>, u: f64) -> Option<Beside<T>> {
+    let (was, now) = (was?, now?);
+    Some(Beside {
+        drive: was.drive + T::of(u) * (now.drive - was.drive),
+        friction_scale: was.friction_scale + T::of(u) * (now.friction_scale - was.friction_scale),
+    })
 }
 
 /// The angle of the shaft after a share `u` of a sample, by the cubic through its angles and speeds.

@@ -1,11 +1,12 @@
 //! What is missing beside a coupling: a descent there takes a hundred times as long as beside a rigid shaft, so that of
 //! all starts of all effects only those are followed that the first step promises most of.
 
-use super::coupled::{Ways, led, on};
+use super::coupled::{Ways, cost, led, on};
 use super::screen::{Screen, Start};
 use crate::effects::Id;
 use crate::fit::{Found, glance, sketch};
 use crate::model::Model;
+use crate::order::Ascending;
 use crate::rule::rule;
 
 /// Starts that are looked at by a few steps, and those of them that are followed.
@@ -21,20 +22,20 @@ pub fn beside(screen: &Screen<'_>, effects: &[Id]) -> Vec<Ways> {
         let before = screen.at_shaft(*id, &starts);
         (*id, starts, before)
     });
-    started.sort_by_key(|(id, ..)| *id);
+    started.sort_by_cached_key(|(id, ..)| *id);
     let promise = |start: &Start| screen.squares - start.predicted;
     let mut first: Vec<(usize, &Start)> = Vec::new();
     for (of, (_, starts, before)) in started.iter().enumerate() {
         first.extend([starts.first(), before.first()].into_iter().flatten().map(|start| (of, start)));
     }
-    first.sort_by(|(_, a), (_, b)| a.predicted.total_cmp(&b.predicted));
+    first.sort_by_cached_key(|(_, start)| Ascending(start.predicted));
     let most = first.first().map_or(0.0, |(_, start)| promise(start));
     let least = (rule().rival_beside * most).max(rule().worth_following * screen.squares);
     first.retain(|(_, start)| promise(start) >= least);
     first.truncate(LOOKED);
     let mut looked: Vec<(usize, (Model, Found))> =
         watch.each(&first, |(of, start)| (*of, on(&start.model, |model| glance(data, model))));
-    looked.sort_by(|(_, (_, a)), (_, (_, b))| a.cost.total_cmp(&b.cost));
+    looked.sort_by_cached_key(cost);
     looked.truncate(FOLLOWED);
     let ends = watch.each(&looked, |(of, (model, _))| (*of, on(model, |model| sketch(data, model))));
     let mut ways: Vec<Ways> =

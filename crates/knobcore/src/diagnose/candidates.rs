@@ -10,6 +10,7 @@ use crate::fit::{Fit, Found, differ, report, sketch};
 use crate::floor::{Floor, noises};
 use crate::model::{Model, Role, Slot};
 use crate::noise::Noise;
+use crate::order::descending;
 use crate::rule::rule;
 use crate::signals::Signals;
 
@@ -66,7 +67,7 @@ pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_
     if quick.is_empty() || left.is_nan() || floor.squares.is_nan() || !explained {
         found.extend(coupled(&screen, &slow).into_iter().map(told));
     }
-    found.sort_by_key(|(candidate, _)| candidate.id);
+    found.sort_by_cached_key(|(candidate, _)| candidate.id);
     let noises: Vec<Noise> = noises.into_iter().map(|noise| noise.unwrap_or(Noise::white(white))).collect();
     let null = Null::of(
         &screen,
@@ -81,7 +82,7 @@ pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_
         .into_iter()
         .map(|(candidate, _)| Candidate { p_value: null.p_value(candidate.id, candidate.gain), ..candidate })
         .collect();
-    candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    candidates.sort_by_cached_key(|one| descending(one.gain));
     Some(candidates)
 }
 

@@ -9,6 +9,7 @@ use super::null::Chance;
 use super::screen::Screen;
 use crate::effects::{Id, Wave};
 use crate::fit::{band, dot};
+use crate::order::descending;
 use crate::random::Noise;
 use std::f64::consts::{FRAC_PI_3, LN_10};
 
@@ -62,7 +63,7 @@ fn bands(screen: &Screen<'_>, chance: &Chance<'_>, white: f64, id: Id) -> Vec<Ba
 fn drawn(bands: &[Band], noise: &mut Noise) -> f64 {
     let luckiest = |band: &Band, noise: &mut Noise| band.noise * 2.0 * exceeded(band.many, noise.uniform());
     let mut best: Vec<(f64, &Band)> = bands.iter().map(|band| (luckiest(band, noise), band)).collect();
-    best.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+    best.sort_by_cached_key(|(wave, _)| descending(*wave));
     let Some((wave, band)) = best.first() else { return 0.0 };
     // A wave with its period and phase is two columns, whatever it is written as.
     if band.columns <= WAVE + 1 {

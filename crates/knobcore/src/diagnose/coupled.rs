@@ -11,6 +11,7 @@ use crate::effects::{Id, Place};
 use crate::error::Result;
 use crate::fit::{Fit, Found, glance, refine, report, settled, sketch};
 use crate::model::{Model, Slot};
+use crate::order::{Ascending, descending};
 use crate::rule::rule;
 use crate::signals::Signals;
 
@@ -58,11 +59,11 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id]) -> Vec<Ways> {
         ways.push(Ways { id: *id, starts, end: None });
     }
     let mut seen = watch.each(&looked, |(of, model)| (*of, on(model, |m| glance(&coarse, m))));
-    seen.sort_by(|(_, (_, a)), (_, (_, b))| a.cost.total_cmp(&b.cost));
+    seen.sort_by_cached_key(cost);
     let few = |of: usize| seen.iter().filter(move |(own, _)| *own == of).take(FOLLOWED);
     let few: Vec<&(usize, (Model, Found))> = (0..ways.len()).flat_map(few).collect();
     let mut ends = watch.each(&few, |(of, (model, _))| (*of, on(model, |m| sketch(&coarse, m))));
-    ends.sort_by(|(_, (_, a)), (_, (_, b))| a.cost.total_cmp(&b.cost));
+    ends.sort_by_cached_key(cost);
     let floor = floor(&first, COARSE_HZ, &coarse, base);
     // Without a floor nothing can be said to be too little.
     let (floor, excess) = if floor.is_nan() { (0.0, 0.0) } else { (floor, screen.squares - floor) };
@@ -75,7 +76,7 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id]) -> Vec<Ways> {
     let middle = slowed(data, MIDDLE_HZ);
     let middle: Vec<&Signals> = middle.iter().collect();
     let mut between = watch.each(&ends, |(of, (model, _))| (*of, on(model, |m| sketch(&middle, m))));
-    between.sort_by(|(_, (_, a)), (_, (_, b))| a.cost.total_cmp(&b.cost));
+    between.sort_by_cached_key(cost);
     others(&mut between, RIVAL);
     let mut fine = watch.each(&between, |(of, (model, _))| (*of, on(model, |m| sketch(data, m))));
     fine.retain(|(_, (_, found))| found.cost.is_finite());
@@ -129,7 +130,7 @@ pub fn in_place(data: &[&Signals], model: &Model, other: Id, tell: &Tell<'_>) ->
     let watch = Watch::new(tell, starts.len());
     let looked = watch.each(&starts, |start| on(start, |model| glance(data, model)));
     let mut looked: Vec<(usize, (Model, Found))> = looked.into_iter().map(|end| (0, end)).collect();
-    looked.sort_by(|(_, (_, a)), (_, (_, b))| a.cost.total_cmp(&b.cost));
+    looked.sort_by_cached_key(cost);
     others(&mut looked, RIVAL);
     looked.truncate(PLACED);
     let ends = watch.each(&looked, |(_, (model, _))| on(model, |model| sketch(data, model)));
@@ -167,10 +168,15 @@ fn others(ends: &mut Vec<(usize, (Model, Found))>, within: f64) {
     });
 }
 
+/// What an end is sorted by.
+pub(super) fn cost((_, (_, found)): &(usize, (Model, Found))) -> Ascending {
+    Ascending(found.cost)
+}
+
 /// Gives each of the ways the best of the ends that are its own, by its place among them.
 pub(super) fn led(ways: &mut [Ways], mut ends: Vec<(usize, (Model, Found))>) {
     // The best last, so that it stays.
-    ends.sort_by(|(_, (_, a)), (_, (_, b))| b.cost.total_cmp(&a.cost));
+    ends.sort_by_cached_key(|(_, (_, found))| descending(found.cost));
     for (of, end) in ends {
         ways[of].end = Some(end);
     }

@@ -8,6 +8,7 @@ use super::spectrum::split_frequency;
 use crate::floor::noises;
 use crate::model::Model;
 use crate::noise::Noise;
+use crate::order::descending;
 use crate::predict::torque;
 use crate::random;
 use crate::rule::rule;
@@ -211,7 +212,7 @@ fn regions(rest: &Rest<'_>, bins: &Bins, sums: &[f64], fails: impl Fn(usize) -> 
             bin += 1;
         }
     }
-    regions.sort_by(|a, b| b.share.total_cmp(&a.share));
+    regions.sort_by_cached_key(|region| descending(region.share));
     regions
 }
 

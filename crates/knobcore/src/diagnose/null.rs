@@ -55,7 +55,7 @@ impl Null {
             let (id, start) = starts[*at];
             (*at, id, chance.signature(id, &start.model))
         });
-        signed.sort_by_key(|(at, ..)| *at);
+        signed.sort_by_cached_key(|(at, ..)| *at);
         let mut groups: Vec<(Id, std::ops::Range<usize>)> = Vec::new();
         let mut columns: Vec<Vec<f64>> = Vec::new();
         let mut of: BTreeMap<Id, usize> = BTreeMap::new();

@@ -11,6 +11,7 @@ use super::watch::{Tell, Watch};
 use crate::effects::{Id, Place};
 use crate::fit::{Fit, Found, glance, report, sketch};
 use crate::model::Model;
+use crate::order::Ascending;
 use crate::signals::Signals;
 
 /// Starts of pairs that are looked at by a few steps, those of these that are followed through the coarse filter, and
@@ -93,7 +94,7 @@ pub fn pairs(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_>) 
         Some(Pair { coupling: way.coupling, companion: way.companion, fit })
     });
     let mut ends: Vec<Pair> = ends.into_iter().flatten().collect();
-    ends.sort_by(|a, b| a.fit.rmse.total_cmp(&b.fit.rmse));
+    ends.sort_by_cached_key(|end| Ascending(end.fit.rmse));
     watch.wanted().then_some(ends)
 }
 
@@ -125,7 +126,7 @@ fn beside(rigid: &Screen<'_>, companion: Id, couplings: &[Id]) -> Vec<Way> {
 
 /// The best of them, so many of a kind at most.
 fn best_of(mut ways: Vec<Way>, most: usize, alike: usize) -> Vec<Way> {
-    ways.sort_by(|a, b| a.squares.total_cmp(&b.squares));
+    ways.sort_by_cached_key(|way| Ascending(way.squares));
     let mut seen = Vec::new();
     ways.retain(|way| {
         let kind = (way.coupling, way.companion);

@@ -10,6 +10,7 @@ use crate::chain;
 use crate::effects::{Id, Place, Survey, Wave};
 use crate::fit::{beside_orders, dot, glance, runs, waves};
 use crate::model::{Model, Role};
+use crate::order::Ascending;
 use crate::param::{Axis, Usual};
 use crate::predict;
 use crate::signals::Signals;
@@ -112,7 +113,7 @@ impl<'a> Screen<'a> {
             return without;
         }
         with.extend(without);
-        with.sort_by(|a, b| a.predicted.total_cmp(&b.predicted));
+        with.sort_by_cached_key(|start| Ascending(start.predicted));
         with
     }
 
@@ -182,7 +183,7 @@ impl<'a> Screen<'a> {
             .map(|model| Start { predicted: self.predicted(id, &model), model })
             .filter(|start| start.predicted.is_finite())
             .collect();
-        starts.sort_by(|a, b| a.predicted.total_cmp(&b.predicted));
+        starts.sort_by_cached_key(|start| Ascending(start.predicted));
         starts
     }
 

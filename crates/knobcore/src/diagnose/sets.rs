@@ -9,6 +9,7 @@ use crate::effects::Id;
 use crate::fit::{Fit, Found, report, sketch};
 use crate::floor::Floor;
 use crate::model::{Model, Role};
+use crate::order::Ascending;
 use crate::rule::rule;
 use crate::signals::Signals;
 
@@ -53,7 +54,7 @@ pub fn sets(
         .flatten()
         .filter(|(cost, ..)| cost.is_finite())
         .collect();
-    ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+    ends.sort_by_cached_key(|(cost, ..)| Ascending(*cost));
     let told = ends.into_iter().take(TOLD).filter_map(|(_, effects, model, found)| {
         report(data, &model, found).ok().map(|fit| Set { effects, fit })
     });

@@ -1,6 +1,7 @@
 //! The error along frequency: periodograms of the residual beside those of noise alone.
 
 use super::locate::{Region, Rest, Split};
+use crate::order::descending;
 use crate::periodogram::{Periodogram, windows};
 use crate::rule::rule;
 use crate::signals::Signals;
@@ -79,7 +80,7 @@ pub fn split_frequency(rest: &Rest<'_>) -> Split {
             cell += 1;
         }
     }
-    regions.sort_by(|a, b| b.share.total_cmp(&a.share));
+    regions.sort_by_cached_key(|region| descending(region.share));
     Split {
         axis: "frequency",
         low: (0..cells).map(|c| hz(c as f64 - 0.5)).collect(),

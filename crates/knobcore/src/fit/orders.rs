@@ -9,6 +9,7 @@ use super::separable::Layout;
 use crate::effects::{Id, Wave};
 use crate::fourier::Transform;
 use crate::model::{Model, Role};
+use crate::order::descending;
 use crate::param::Axis;
 use crate::predict::Seeds;
 use crate::signals::Signals;
@@ -230,7 +231,7 @@ impl Products {
             gains[at].0 > median / LN_2 * likely
         };
         let mut by_gain: Vec<usize> = (0..gains.len()).collect();
-        by_gain.sort_by(|a, b| gains[*b].0.total_cmp(&gains[*a].0));
+        by_gain.sort_by_cached_key(|at| descending(gains[*at].0));
         let (_, order, wave) = by_gain.into_iter().find(|at| stands_out(*at)).map(|at| gains[at])?;
         Some((order, wave))
     }

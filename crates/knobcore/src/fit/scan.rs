@@ -11,6 +11,7 @@ use crate::effects::Wave;
 use crate::fourier::Transform;
 use crate::isa;
 use crate::model::Model;
+use crate::order::descending;
 use crate::param::Axis;
 use crate::predict::Seeds;
 use crate::scalar::{LANES, Pack, Scalar, WIDE, Wide};
@@ -76,7 +77,7 @@ impl Scan {
         {
             peaks.push(peak(0, *k));
         }
-        peaks.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        peaks.sort_by_cached_key(|peak| descending(peak.gain));
         peaks
     }
 

@@ -17,6 +17,7 @@ use crate::diagnose::{Tell, Watch};
 use crate::floor::{Floor, noises};
 use crate::model::Model;
 use crate::noise::Noise;
+use crate::order::descending;
 use crate::param::Axis;
 use crate::rule::rule;
 use crate::signals::Signals;
@@ -111,7 +112,7 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
     let parents = varied(followed.iter(), |one| &one.term, WIDENED);
     let wider: Vec<Seen> = watch.each(&parents, |one| search.widened(&one.term)).concat();
     followed.extend(search.followed(&wider));
-    followed.sort_by(|a, b| search.better(a, b));
+    followed.sort_by_cached_key(|one| descending(search.score(one)));
     watch.step();
     let mut ended: Vec<Followed> = watch
         .each(&spread(&followed), |one| Some(Followed::at(&fine, one.term.clone())?.best(&fine, END, &reach)))
@@ -121,7 +122,7 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
     if !watch.wanted() {
         return None;
     }
-    ended.sort_by(|a, b| search.better(a, b));
+    ended.sort_by_cached_key(|one| descending(search.score(one)));
     let (Some(found), Some(first)) = (seen.first(), ended.first()) else { return Some(none) };
     let p_value = chance::p_value(data, &noises, &rows[1], (&powers, &tried), found, white);
     let excess = squares - floor.squares;
@@ -200,10 +201,6 @@ impl Search<'_> {
         one.gain / self.white - rule().price * one.term.count() as f64
     }
 
-    fn better(&self, a: &Followed, b: &Followed) -> std::cmp::Ordering {
-        self.score(b).total_cmp(&self.score(a))
-    }
-
     /// The rows that tell a law: waves that few rows would not follow need all.
     fn telling(&self, term: &Term) -> &Rows<'static> {
         let [medium, coarse] = self.rows;
@@ -229,7 +226,7 @@ impl Search<'_> {
         if self.turns {
             found.extend(turning(coarse, &all));
         }
-        found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        found.sort_by_cached_key(|one| descending(one.gain));
         found
     }
 
@@ -237,14 +234,14 @@ impl Search<'_> {
     fn followed(&self, seen: &[Seen]) -> Vec<Followed> {
         let mut order: Vec<&Seen> = seen.iter().collect();
         let score = |one: &Seen| one.gain / self.white - rule().price * one.term.count() as f64;
-        order.sort_by(|a, b| score(b).total_cmp(&score(a)));
+        order.sort_by_cached_key(|one| descending(score(one)));
         let order = varied(order.into_iter(), |one| &one.term, FOLLOWED);
         let follow = |one: &&Seen| {
             let rows = self.telling(&one.term);
             Some(Followed::at(rows, one.term.clone())?.best(rows, GLANCE, self.reach))
         };
         let mut found: Vec<Followed> = self.watch.each(&order, follow).into_iter().flatten().collect();
-        found.sort_by(|a, b| self.better(a, b));
+        found.sort_by_cached_key(|one| descending(self.score(one)));
         found
     }
 
@@ -259,7 +256,7 @@ impl Search<'_> {
             }
             wider.extend(sines(&self.rows[1], std::slice::from_ref(term), Variable::Theta, self.reach));
         }
-        wider.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        wider.sort_by_cached_key(|one| descending(one.gain));
         wider.truncate(MORE);
         wider
     }

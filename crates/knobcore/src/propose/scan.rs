@@ -7,6 +7,7 @@ use super::rows::Rows;
 use crate::diagnose::Watch;
 use crate::fit::dot;
 use crate::fourier::Transform;
+use crate::order::descending;
 use std::f64::consts::TAU;
 
 /// Frequencies of a scan for a wave over all of a range.
@@ -102,7 +103,7 @@ pub fn scan(rows: &Rows<'_>, powers: &[Powers], functions: &[Factor], watch: &Wa
         .into_iter()
         .flatten()
         .collect();
-    found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    found.sort_by_cached_key(|one| descending(one.gain));
     found
 }
 
@@ -196,7 +197,7 @@ pub fn sines(rows: &Rows<'_>, terms: &[Term], of: Variable, reach: &Reach) -> Ve
         let mut peaks: Vec<usize> = (1..powers.len().saturating_sub(1))
             .filter(|&k| powers[k] >= powers[k - 1] && powers[k] > powers[k + 1] && powers[k].is_finite())
             .collect();
-        peaks.sort_by(|a, b| powers[*b].total_cmp(&powers[*a]));
+        peaks.sort_by_cached_key(|at| descending(powers[*at]));
         peaks.truncate(PEAKS);
         let half = 0.5 * dot(weight, weight);
         let sine = |k: f64| {

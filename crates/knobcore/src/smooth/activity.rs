@@ -1,6 +1,7 @@
 //! Which parts of a capture stand for the whole.
 
 use super::sensors::Sensors;
+use crate::order::Ascending;
 use std::ops::Range;
 
 /// Number of stretches.
@@ -17,7 +18,7 @@ pub fn stretches<'a>(sensors: &Sensors<'a>, length: usize) -> Vec<Sensors<'a>> {
         .map(|part| part * length..(part + 1) * length)
         .map(|rows| (liveliness(&sensors.theta[rows.clone()]), rows))
         .collect();
-    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    ranked.sort_by_cached_key(|(lively, _)| Ascending(*lively));
     (0..STRETCHES).map(|i| sensors.rows(ranked[(parts - 1) * (i + 1) / STRETCHES].1.clone())).collect()
 }
 

@@ -1,0 +1,50 @@
+//! Numbers as keys to sort by.
+//!
+//! With `sort_by_cached_key` whatever is sorted shares one compiled sort, of keys and places; each `sort_by` with a
+//! comparison of its own compiles another, some 5 KB of machine code and a quarter of a second of the compiler's time.
+
+use std::cmp::Ordering;
+
+/// A number that sorts from the least to the largest, NaN last.
+#[derive(Clone, Copy)]
+pub(crate) struct Ascending(pub(crate) f64);
+
+/// Sorts from the largest to the least, NaN first.
+pub(crate) fn descending(value: f64) -> Ascending {
+    Ascending(-value)
+}
+
+impl Ord for Ascending {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.0.total_cmp(&other.0)
+    }
+}
+
+impl PartialOrd for Ascending {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Ascending {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Ascending {}
+
+#[cfg(test)]
+mod tests {
+    use super::{Ascending, descending};
+
+    #[test]
+    fn equals_keep_their_order_both_ways_and_nan_is_the_largest() {
+        let mut rows = [(2.0, 0), (f64::NAN, 1), (-1.0, 2), (2.0, 3), (f64::INFINITY, 4)];
+        rows.sort_by_cached_key(|(key, _)| Ascending(*key));
+        assert_eq!(rows.map(|(_, at)| at), [2, 0, 3, 4, 1]);
+        rows.sort_by_cached_key(|(_, at)| *at);
+        rows.sort_by_cached_key(|(key, _)| descending(*key));
+        assert_eq!(rows.map(|(_, at)| at), [1, 4, 0, 3, 2]);
+    }
+}
