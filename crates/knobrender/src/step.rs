@@ -210,6 +210,7 @@ impl Renderer {
     /// The torque by which the knob answers, N m; call it once a sample.
     ///
     /// A quantity that is not finite, or a motion that no handle makes, gives zero torque, then and until a reset.
+    #[inline]
     pub fn step(&mut self, sensed: Sensed) -> f64 {
         self.advance(sensed, None)
     }
