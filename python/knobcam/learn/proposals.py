@@ -19,7 +19,7 @@ from ..fit.beyond import incoherent
 from ..fit.described import documented
 from ..fit.diagnose import Diagnosis, diagnose, p_in_words
 from ..fit.doubts import below_zero
-from ..fit.refit import converged, cores
+from ..fit.refit import converged, cores, gain
 from ..fit.rule import RULE
 from ..model.effects import base_effects_shown, descriptions, effects
 from ..model.own import forget_effect
@@ -278,25 +278,28 @@ def _speaks(story: LearningResult, fit: Fit, laws: list[Any]) -> float:
     first = story.ladder[0].fit
     effects = len(fit.core.free) - len(first.core.free)
     own = laws[0][3] - RULE.price * len(laws[0][1]) if laws else 0.0
-    came = (first.rmse**2 - fit.rmse**2) / first.noise_floor**2 * first.white_squares
-    return float(came - RULE.price * effects + own)
+    return float(gain(first, fit, first) - RULE.price * effects + own)
 
 
 def _fitted(fit: Fit, row: Any) -> Proposal:
     """A law of the search, fitted with the whole model."""
     law, values, variables, _, _, complexity = row
     name = free_name(fit.model)
-    own_law(name, law)
     try:
-        model = fit.model.with_effect(name)
-        for param, value in values:
-            model = model.with_value(f"{name}.{param}", value)
-        core = _core.refine(cores(fit), model.core, True)
+        richer = _with_law(fit, name, law, dict(values))
     finally:
         forget_effect(name)
-    richer = replace(fit, core=core, before=fit)
-    taken = (fit.rmse**2 - richer.rmse**2) / fit.noise_floor**2 * fit.white_squares
+    taken = gain(fit, richer, fit)
     return Proposal(law, name, tuple(sorted(variables)), richer, float(taken), complexity)
+
+
+def _with_law(fit: Fit, name: str, law: str, start: Mapping[str, float]) -> Fit:
+    """The fit with a law, registered under a name and started from these values."""
+    own_law(name, law)
+    model = fit.model.with_effect(name)
+    for param, value in start.items():
+        model = model.with_value(f"{name}.{param}", value)
+    return replace(fit, core=_core.refine(cores(fit), model.core, True), before=fit)
 
 
 def _ordered(proposals: list[tuple[Proposal, bool]]) -> tuple[Proposal, ...]:
@@ -311,7 +314,7 @@ def _ordered(proposals: list[tuple[Proposal, bool]]) -> tuple[Proposal, ...]:
 def _named(story: LearningResult, fit: Fit, law: Proposal) -> str | None:
     """The effect of the catalogue that explains as much beside the same model, if one does."""
     weighed = _weighed(story, fit)
-    came = (weighed.fit.rmse**2 - fit.rmse**2) / fit.noise_floor**2 * fit.white_squares
+    came = gain(weighed.fit, fit, fit)
     margin = max(RULE.alike, RULE.relative * law.gain)
     alike = [
         one
@@ -352,11 +355,6 @@ def accepted(proposals: Proposals, number: int, name: str | None = None) -> tupl
         have = f"there are {len(proposals.laws)}" if proposals.laws else f"there are none: {proposals.why}"
         raise InputError(f"--accept {number}: no proposal has that number; {have}")
     one = proposals.laws[number - 1]
-    fit = proposals.beside
-    name = name or free_name(fit.model)
-    own_law(name, one.law)
-    model = fit.model.with_effect(name)
-    for param, estimate in one.params.items():
-        model = model.with_value(f"{name}.{param}", estimate.value)
-    core = _core.refine(cores(fit), model.core, True)
-    return name, converged(replace(fit, core=core, before=fit))
+    name = name or free_name(proposals.beside.model)
+    start = {param: estimate.value for param, estimate in one.params.items()}
+    return name, converged(_with_law(proposals.beside, name, one.law, start))
