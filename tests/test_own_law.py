@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
+from brake import braked_knob
 from command import knobcam, refused
 
 import knobcam as kc
@@ -17,21 +17,9 @@ from knobcam.rig.record import record
 BRAKE = "2 a (omega/w) / (1 + (omega/w)^2)"
 
 
-@pytest.fixture(autouse=True)
-def forgotten() -> Iterator[None]:
-    """Each test leaves the catalogue as it was."""
-    before = set(kc.effects())
-    yield
-    for name in set(kc.effects()) - before:
-        kc.forget_effect(name)
-
-
 @pytest.fixture(scope="module")
 def braked() -> kc.Capture:
-    """A knob with a brake that no effect of the catalogue is, made without this program's law."""
-    plain = kc.simulate("knob4", "sweep", duration_s=4.0, seed=3)
-    omega = kc.motion("sweep", 4.0).omega
-    return dataclasses.replace(plain, tau=plain.tau + 0.008 * (omega / 2.0) / (1.0 + (omega / 2.0) ** 2))
+    return braked_knob(0.008, 2.0)
 
 
 def test_a_law_that_repeats_an_effect_is_that_effect() -> None:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
+from brake import braked_knob
 from command import knobcam, refused
 
 import knobcam as kc
@@ -16,21 +15,9 @@ COUPLINGS = ("backlash", "compliance")
 """Not looked for here: they take by far the longest."""
 
 
-@pytest.fixture(autouse=True)
-def forgotten() -> Iterator[None]:
-    """Each test leaves the catalogue as it was."""
-    before = set(kc.effects())
-    yield
-    for name in set(kc.effects()) - before:
-        kc.forget_effect(name)
-
-
 @pytest.fixture(scope="module")
 def braked() -> kc.Capture:
-    """A knob with a brake that no effect of the catalogue is, made without this program's law."""
-    plain = kc.simulate("knob4", "sweep", duration_s=4.0, seed=3)
-    omega = kc.motion("sweep", 4.0).omega
-    return dataclasses.replace(plain, tau=plain.tau + 0.016 * (omega / 1.3) / (1.0 + (omega / 1.3) ** 2))
+    return braked_knob(0.016, 1.3)
 
 
 @pytest.fixture(scope="module")
