@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from brake import braked_knob
 
 import knobcam as kc
 from knobcam.model.typical import with_typical
@@ -141,6 +142,14 @@ def test_a_capture_is_made_in_the_page_and_grows_before_the_eyes(tmp_path: Path,
     assert 0.0 < seen["stopped"]["done"] < 1.0
     assert simulated["samples"] == 20_000
     assert seen["updates"]["median"] < 30.0
+
+
+def test_a_law_is_looked_for_and_taken_in_the_browser(tmp_path: Path, pictures: Path) -> None:
+    with workbench(braked_knob(0.016, 1.3).save(tmp_path / "braked.npz")) as address:
+        seen = script("laws.js", address, pictures)
+    before, after = seen["rmse"]
+    assert after < 0.4 * before
+    assert seen["ladder"] == ["first model", "+ eddy"]
 
 
 def test_what_cannot_be_told_is_designed_recorded_and_told_in_the_browser(

@@ -10,6 +10,7 @@ import { opening, saving } from "./files.js";
 import { showHidden, unhiding } from "./hidden.js";
 import { showLadder } from "./ladder.js";
 import { latest } from "./latest.js";
+import { Laws } from "./laws.js";
 import { columnsOf } from "./contents.js";
 import { Looking, showLeft } from "./going.js";
 import { Linked } from "./linked.js";
@@ -56,13 +57,18 @@ class App {
       drop: (effect) => this.ask("drop", { effect }, "drop"),
     });
     const deeds = {
-      look: (/** @type {string | null} */ effect) => this.look(effect),
+      look: (/** @type {string | null} */ effect) => this.look(effect, "signature", { effect: effect ?? "" }),
       take: (/** @type {string} */ effect) => this.ask("add", { effect }, "add"),
       ask: () => this.ask("diagnose"),
       about,
       apart: (/** @type {string[]} */ effects) => this.next.design(effects),
     };
     this.candidates = new Candidates(byId("candidates"), deeds, "Add");
+    this.laws = new Laws(byId("laws"), {
+      ask: () => this.ask("propose"),
+      look: (number) => this.look(number === null ? null : `law ${number}`, "law", { number: String(number) }),
+      take: (number, name) => this.ask("accept", { number, name }, "add"),
+    });
     this.any = new AnyEffect((effect) => this.ask("add", { effect }, "add"));
     this.looking = new AbortController();
     /** @type {string | null} */
@@ -191,6 +197,7 @@ class App {
     this.showBranches(state);
     this.params.show(state.params);
     this.candidates.show(state);
+    this.laws.show(state);
     this.any.show(state.absent);
     this.next.show(state);
     showUntold(byId("untold"), state, (effects) => this.next.design(effects));
@@ -262,24 +269,26 @@ class App {
   }
 
   /**
-   * Show what an effect would explain.
-   * @param {string | null} effect
+   * Show what something would explain: an effect or a law, by what it is called and how it is asked for.
+   * @param {string | null} what
+   * @param {string} [verb]
+   * @param {Record<string, string>} [asked]
    */
-  async look(effect) {
-    if (effect === this.looked) return;
-    this.looked = effect;
+  async look(what, verb = "", asked = {}) {
+    if (what === this.looked) return;
+    this.looked = what;
     this.looking.abort();
     this.looking = new AbortController();
     const { signal } = this.looking;
-    byId("looked").textContent = effect ? `what ${effect} would explain` : "";
-    byId("looked").toggleAttribute("hidden", effect === null);
+    byId("looked").textContent = what ? `what ${what} would explain` : "";
+    byId("looked").toggleAttribute("hidden", what === null);
     const node = this.state?.node;
-    if (!effect || !node) return timed("look away", () => this.linked.overlay(null));
+    if (!what || !node) return timed("look away", () => this.linked.overlay(null));
     const start = performance.now();
     await new Promise((resolve) => setTimeout(resolve, LOOK_MS));
     if (signal.aborted || this.state?.node !== node) return;
     try {
-      const column = await this.store.signature(node, this.state.active, effect, signal);
+      const column = await this.store.explained(node, this.state.active, what, { verb, asked }, signal);
       if (!signal.aborted) timed("look", () => this.linked.overlay(column), start);
     } catch (reason) {
       if (!signal.aborted) this.failed(reason);

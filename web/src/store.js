@@ -56,27 +56,27 @@ export class Store {
   }
 
   /**
-   * What an effect would explain of the residual.
+   * What an effect or a law would explain of the residual; kept, for a pointer comes back.
    * @param {string} node
    * @param {string[]} captures
-   * @param {string} effect
+   * @param {string} what it is called
+   * @param {{verb: string, asked: Record<string, string>}} how it is asked for
    * @param {AbortSignal} [signal]
    * @returns {Promise<Float32Array>}
    */
-  async signature(node, captures, effect, signal) {
+  async explained(node, captures, what, { verb, asked }, signal) {
+    const name = `signature of ${what}`;
     const parts = await Promise.all(
       captures.map(async (capture) => {
         const key = `${capture} ${node}`;
-        const name = `signature of ${effect}`;
         const known = this.kept.get(key)?.[name];
         if (known) return { [name]: known };
-        const fetched = decode(await fetchBytes("/api/signature", { node, capture, effect }, signal));
+        const fetched = decode(await fetchBytes(`/api/${verb}`, { node, capture, ...asked }, signal));
         const column = Object.values(fetched)[0];
         this.keep(key, { [name]: column });
         return { [name]: column };
       }),
     );
-    const name = `signature of ${effect}`;
     return joined(parts, [name])[name];
   }
 

@@ -64,6 +64,11 @@
  */
 
 /**
+ * A formula that would explain what no effect does; its parameters and what it is of, in words.
+ * @typedef {{label: string, rmse: number, rmse_heldout: number | null, words: string[]}} Law
+ */
+
+/**
  * What is being done; `done` from 0 to 1, null while nobody can tell.
  * @typedef {{id: string, what: string, done: number | null, recording: boolean}} Job
  */
@@ -80,24 +85,23 @@
  */
 
 /**
- * A motion that would tell rivals apart, from D = `told` on.
+ * A motion that tells rivals apart from D = `told` on; `verdict` is what its recording `capture` told.
  *
- * `source` is what it can be recorded from at once, in words; `capture` the recording, `verdict` what that
- * told.
+ * `source` is what it can be recorded from at once, in words.
  * @typedef {{id: string, rivals: string[], headline: string, separable: boolean, seconds: number,
  *   limits: Record<string, number>, pairs: Pair[], told: number, by_hand: boolean, steps: HandStep[],
  *   source: string | null, capture: string | null, verdict: string | null}} Experiment
  */
 
 /**
- * What a session has; before the first capture there is no node.
+ * What a session has; before the first capture there is no node, `proposed` is null until it is asked.
  *
  * `untold` are effects of which one is in the model, and the captures could not tell which.
  * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, params: Param[],
  *   rmse: number | null, rmse_heldout: number | null, verdict_text: string, ladder: LadderStep[],
  *   candidates: Candidates, warnings: string[], limitations: string[], absent: Effect[], untold: string[][],
- *   experiment: Experiment | null}} Session
+ *   proposed: Law[] | null, proposed_text: string, experiment: Experiment | null}} Session
  */
 
 /**
@@ -127,8 +131,8 @@
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, params: Param[],
  *   rmse: number | null, rmse_heldout: number | null, verdict_text: string, ladder: LadderStep[],
  *   candidates: Candidates, warnings: string[], limitations: string[], absent: Effect[], untold: string[][],
- *   experiment: Experiment | null, job: Job | null, recording: boolean, looked: Looked | null, left: Left[],
- *   notes: string[]}} State
+ *   proposed: Law[] | null, proposed_text: string, experiment: Experiment | null, job: Job | null,
+ *   recording: boolean, looked: Looked | null, left: Left[], notes: string[]}} State
  */
 
 /**
@@ -205,17 +209,16 @@
  */
 
 /**
- * The same where `n` of the samples are carried along.
- * @typedef {{unit: string, coordinate: "rotary" | "linear", noise: number | null, all: number, steps: ShownStep[],
- *   n: number}} Head
+ * A column in few letters: `deflated` is base64 of n 32-bit differences, all lowest bytes first.
+ *
+ * A difference has its sign in its lowest bit; of the steps that they sum up to, 0 is NaN and 1 is `low`.
+ * @typedef {{low: number, step: number, deflated: string}} Packed
  */
 
 /**
- * A column in few letters.
- *
- * `deflated` is base64 of the bytes of n 32-bit differences, all lowest bytes first; a difference has its
- * sign in its lowest bit. Of the steps that they sum up to, 0 is "not a number" and 1 is `low`.
- * @typedef {{low: number, step: number, deflated: string}} Packed
+ * The same where `n` of the samples are carried along.
+ * @typedef {{unit: string, coordinate: "rotary" | "linear", noise: number | null, all: number, steps: ShownStep[],
+ *   n: number}} Head
  */
 
 /**

@@ -121,6 +121,12 @@ class Candidates(TypedDict):
     left_out: dict[str, str]
 
 
+class Law(LadderStep):
+    """A formula that would explain what no effect does; its parameters and what it is of, in words."""
+
+    words: list[str]
+
+
 class Job(TypedDict):
     """What is being done; `done` from 0 to 1, null while nobody can tell."""
 
@@ -150,10 +156,9 @@ class HandStep(TypedDict):
 
 
 class Experiment(TypedDict):
-    """A motion that would tell rivals apart, from D = `told` on.
+    """A motion that tells rivals apart from D = `told` on; `verdict` is what its recording `capture` told.
 
-    `source` is what it can be recorded from at once, in words; `capture` the recording, `verdict` what that
-    told.
+    `source` is what it can be recorded from at once, in words.
     """
 
     id: str
@@ -172,7 +177,7 @@ class Experiment(TypedDict):
 
 
 class Session(TypedDict):
-    """What a session has; before the first capture there is no node.
+    """What a session has; before the first capture there is no node, `proposed` is null until it is asked.
 
     `untold` are effects of which one is in the model, and the captures could not tell which.
     """
@@ -196,6 +201,8 @@ class Session(TypedDict):
     limitations: list[str]
     absent: list[Effect]
     untold: list[list[str]]
+    proposed: list[Law] | None
+    proposed_text: str
     experiment: Experiment | None
 
 
@@ -365,22 +372,21 @@ class Shown(TypedDict):
     steps: list[ShownStep]
 
 
-class Head(Shown):
-    """The same where `n` of the samples are carried along."""
-
-    n: int
-
-
 class Packed(TypedDict):
-    """A column in few letters.
+    """A column in few letters: `deflated` is base64 of n 32-bit differences, all lowest bytes first.
 
-    `deflated` is base64 of the bytes of n 32-bit differences, all lowest bytes first; a difference has its
-    sign in its lowest bit. Of the steps that they sum up to, 0 is "not a number" and 1 is `low`.
+    A difference has its sign in its lowest bit; of the steps that they sum up to, 0 is NaN and 1 is `low`.
     """
 
     low: float
     step: float
     deflated: str
+
+
+class Head(Shown):
+    """The same where `n` of the samples are carried along."""
+
+    n: int
 
 
 class Kept(Head):

@@ -151,6 +151,11 @@ class Model(showing.Tabled):
         return effects(self.coordinate) | of_rows(self.core.own_rows())
 
     @property
+    def laws(self) -> Mapping[str, str]:
+        """The formulas that the model carries itself, by the name of the effect that each is."""
+        return {name: row.law for name, row in of_rows(self.core.own_rows()).items()}
+
+    @property
     def params(self) -> Mapping[str, Parameter]:
         """All parameters by `effect.parameter`."""
         return {row[0]: Parameter(*row) for row in self.core.rows()}

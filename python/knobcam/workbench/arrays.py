@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from ..base.arrays import FloatArray
     from ..fit.diagnose import Candidate
+    from ..model import Model
     from .view import View
 
 _MOTION = ("t", "theta", "omega", "alpha", "tau", "tau_raw")
@@ -49,9 +50,14 @@ def columns(view: View, at: int, names: Sequence[str]) -> bytes:
 
 def signature(candidate: Candidate, view: View, at: int) -> bytes:
     """Return what an effect would explain of the residual on a capture, N m: one column, its id the name."""
+    return explained(candidate.effect, candidate.fit.model, view, at)
+
+
+def explained(name: str, model: Model, view: View, at: int) -> bytes:
+    """Return what another model would explain of the residual on a capture, N m, as a column of this name."""
     signals = view.fit.prepared[at]
-    step = candidate.fit.model.core.torque(signals.core) - view.model.core.torque(signals.core)
-    return packed({candidate.effect: signals.on_capture(step)})
+    step = model.core.torque(signals.core) - view.model.core.torque(signals.core)
+    return packed({name: signals.on_capture(step)})
 
 
 def packed(found: Mapping[str, FloatArray], live: pages.Live | None = None) -> bytes:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import time
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -248,12 +248,17 @@ def _fit_again(told: Record, found: Again, start: Start) -> None:
 
 
 def _fitted(told: Record, before: Node | None, found: Again, start: Start) -> Fit:
+    captures = [found.captures[one].capture for one in told["captures"]]
     if told["how"] == "added" and before is not None:
-        return before.fit.add(told["effect"])
+        known = Model.parse(told["model"])
+        if told["effect"] not in known.laws:
+            return before.fit.add(told["effect"])
+        # A formula has no start of its own: it begins where it came to.
+        return replace(fit(captures, known, **start.options), before=before.fit)
     if told["how"] == "dropped" and before is not None:
         return before.fit.drop(told["effect"])
     model = before.fit.model if before is not None and told["onward"] else start.model
-    return fit([found.captures[one].capture for one in told["captures"]], model, **start.options)
+    return fit(captures, model, **start.options)
 
 
 def _branch_again(told: Record, found: Again, was: Told, journal: Journal) -> None:

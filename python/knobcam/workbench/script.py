@@ -9,7 +9,7 @@ from .._core import __version__
 from .sources import PARSED
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from .tree import Node, Opened, Start
 
@@ -41,6 +41,8 @@ def _load(opened: Opened) -> str:
 
 
 def _step(node: Node, names: Mapping[str, str], start: Start) -> str:
+    if node.how == "added" and node.effect is not None and node.effect in node.fit.model.laws:
+        return "\n".join(_law(node, node.effect, [names[one] for one in node.captures], start))
     if node.how == "added":
         return f"fit = fit.add({node.effect!r})"
     if node.how == "dropped":
@@ -52,3 +54,18 @@ def _step(node: Node, names: Mapping[str, str], start: Start) -> str:
         given.append(f"kc.Model.load({start.name!r})")
     given += [f"{name}={value!r}" for name, value in start.options.items()]
     return f"fit = kc.fit({', '.join(given)})"
+
+
+def _law(node: Node, name: str, captures: Sequence[str], start: Start) -> Iterator[str]:
+    """A formula, begun where it came to: it has no start of its own."""
+    model = node.fit.model
+    yield f"kc.own_law({name!r}, {model.laws[name]!r})"
+    yield f"model = fit.model.with_effect({name!r})"
+    own = [param for param in model.params if param.startswith(f"{name}.")]
+    yield from (f"model = model.with_value({one!r}, {model.params[one].value!r})" for one in own)
+    given = [
+        f"[{', '.join(captures)}]",
+        "model",
+        *(f"{key}={value!r}" for key, value in start.options.items()),
+    ]
+    yield f"fit = kc.fit({', '.join(given)})"

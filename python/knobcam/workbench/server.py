@@ -36,6 +36,7 @@ from .designing import Designing
 from .guard import Guard
 from .jobs import Cancelled, Job
 from .preview import Unmapped, explained
+from .proposing import Proposing
 from .recording import Recording
 from .shared import Shared
 
@@ -63,7 +64,7 @@ def application(bench: Bench, token: str, port: int, upload_bytes: int = UPLOAD_
     """Return the server of a bench, which answers to those alone who have the token."""
     files = page_files()
     server, recording = _Server(bench, files, upload_bytes), Recording(bench)
-    designing = Designing(bench)
+    designing, proposing = Designing(bench), Proposing(bench)
     posts: dict[str, Answers] = {
         **{"add": server.add, "drop": server.drop, "undo": server.undo, "redo": server.redo},
         **{"branch": server.branch, "switch": server.switch, "params": server.params, "snap": server.snap},
@@ -71,12 +72,14 @@ def application(bench: Bench, token: str, port: int, upload_bytes: int = UPLOAD_
         **{"open": server.open, "upload": server.upload, "save": server.save, **recording.posts},
         **Continuing(bench).posts,
         **designing.posts,
+        **proposing.posts,
     }
     gets: dict[str, Answers] = {
         **{"state": server.state, "arrays": server.arrays, "signature": server.signature},
         **{"events": server.events, "download": server.download, "picture": server.picture},
         **recording.gets,
         **designing.gets,
+        **proposing.gets,
     }
     routes = [
         Route("/", server.page),

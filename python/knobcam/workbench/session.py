@@ -22,6 +22,7 @@ from .view import View
 if TYPE_CHECKING:
     from ..capture import Capture
     from ..capture.formats.columnmap import ColumnMap
+    from ..learn.proposals import Proposals
     from .designed import Designed
     from .kept import Again
 
@@ -61,6 +62,7 @@ class Session:
         self._views: dict[str, View] = {}
         self._diagnoses: dict[str, Diagnosis] = {}
         self.designs: dict[str, Designed] = {}
+        self.proposals: dict[str, Proposals] = {}
         self.made = 0
         self.looked: Mapping[str, Any] | None = None
 
@@ -229,6 +231,17 @@ class Session:
         barer = node.fit.drop(effect)
         tell(f"putting the model without {effect} in place", last=True)
         self._put(self._node(barer, node.captures, "dropped", effect), branch, node)
+
+    def propose(self, node: Node, proposals: Proposals) -> None:
+        """Take in the laws that were looked for at a node."""
+        with self.lock:
+            self.proposals[node.id] = proposals
+            self._touch()
+
+    def accept(self, effect: str, richer: Fit, p_value: float) -> None:
+        """Put the fit with a law in place, which is an effect of this name by now."""
+        node = self._node(richer, self.node.captures, "added", effect, p_value=p_value)
+        self._put(node, self.branch, self.node)
 
     def weigh(self, tell: Tell = _quiet, node: Node | None = None) -> Diagnosis:
         """Return which effects could be missing at a node, by default here; weighed once for each."""

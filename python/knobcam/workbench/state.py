@@ -11,6 +11,7 @@ from ..learn import LearningResult
 from ..learn.limitations import limitations
 from ..model.effects import effects
 from ..show.samples import candidates
+from . import proposing
 from .designing import origin
 from .learned import conclusion, in_vain, ladder
 
@@ -37,7 +38,7 @@ def document(session: Session) -> pages.Session:
             return known
         branch, view = session.branch, session.view
         diagnosis = session.diagnosis_of(branch.node.id)
-        shown = session.experiment
+        shown, laws = session.experiment, session.proposals.get(branch.node.id)
     fitted = view.fit
     steps = ladder(branch.done)
     # Where something is left to be added nothing is concluded yet.
@@ -69,6 +70,8 @@ def document(session: Session) -> pages.Session:
         "limitations": [f"{one.message}; {one.record}" for one in limitations(fitted)],
         "absent": [one.document() for one in absent(fitted.model)],
         "untold": _untold(steps),
+        "proposed": proposing.document(laws),
+        "proposed_text": "" if laws is None else laws.headline,
         "experiment": None if shown is None else shown.document(_source(session, shown)),
     }
 
@@ -110,6 +113,8 @@ def _nothing(session: Session) -> pages.Session:
         "limitations": [],
         "absent": [],
         "untold": [],
+        "proposed": None,
+        "proposed_text": "",
         "experiment": None,
     }
 

@@ -689,6 +689,70 @@ function latest(work) {
   };
 }
 
+// src/laws.js
+var Laws = class {
+  /**
+   * @param {HTMLElement} place
+   * @param {{ask: () => void, look: (number: number | null) => void, take: (number: number, name: string) => void}} deeds
+   */
+  constructor(place3, deeds) {
+    this.place = place3;
+    this.deeds = deeds;
+    this.shown = "";
+  }
+  /** @param {Pick<State, "candidates" | "proposed" | "proposed_text" | "node" | "job" | "rmse">} state */
+  show({ candidates, proposed, proposed_text, node, job, rmse }) {
+    const shown = JSON.stringify([candidates.ready, proposed, node, job === null]);
+    if (shown === this.shown) return;
+    this.shown = shown;
+    if (!candidates.ready || node === null) {
+      this.place.replaceChildren();
+    } else if (proposed === null) {
+      const ask2 = make("button", {
+        ...{ type: "button", text: "Look for a law…", disabled: job !== null },
+        ...{ title: "formulas that would explain what is left, where no effect does", on: { click: () => this.deeds.ask() } }
+      });
+      this.place.replaceChildren(make("p", {}, ask2));
+    } else {
+      const list = proposed.map((law, at) => this.item(law, at + 1, rmse ?? law.rmse));
+      this.place.replaceChildren(
+        make("p", { class: "soft", text: proposed_text, role: "status" }),
+        ...list.length > 0 ? [make("ul", { class: "laws", "aria-label": "laws that are proposed" }, ...list)] : []
+      );
+    }
+  }
+  /** @param {Law} row @param {number} number @param {number} rmse what is left without it */
+  item({ label, words: words3, rmse: left }, number2, rmse) {
+    const take = make("button", {
+      ...{ type: "submit", text: "Add", "aria-label": `add law ${number2}` },
+      ...{ title: "fit it with the model, as an effect of this name" }
+    });
+    const name = make("input", {
+      ...{ type: "text", name: "name", size: 8, placeholder: "law", spellcheck: "false", autocomplete: "off" },
+      "aria-label": `name of law ${number2}`
+    });
+    const form = make("form", {}, name, take);
+    form.addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.deeds.take(
+        number2,
+        /** @type {HTMLInputElement} */
+        name.value
+      );
+    });
+    const look = () => this.deeds.look(number2);
+    const away = () => this.deeds.look(null);
+    return make(
+      "li",
+      { class: "law", on: { pointerenter: look, pointerleave: away, focusin: look, focusout: away } },
+      make("code", { text: label }),
+      make("span", { class: "figure", text: percent(left / rmse - 1), title: "fall of the RMS error" }),
+      form,
+      make("span", { class: "soft", text: words3.join("; ") })
+    );
+  }
+};
+
 // src/axes.js
 var MARGIN = { left: 52, right: 10, top: 22, bottom: 34 };
 function drawAxes(brush, size, { x, y, title, colours, noise }) {
@@ -1553,27 +1617,27 @@ var Store = class {
     return joined(parts, names);
   }
   /**
-   * What an effect would explain of the residual.
+   * What an effect or a law would explain of the residual; kept, for a pointer comes back.
    * @param {string} node
    * @param {string[]} captures
-   * @param {string} effect
+   * @param {string} what it is called
+   * @param {{verb: string, asked: Record<string, string>}} how it is asked for
    * @param {AbortSignal} [signal]
    * @returns {Promise<Float32Array>}
    */
-  async signature(node, captures, effect, signal) {
+  async explained(node, captures, what, { verb, asked }, signal) {
+    const name = `signature of ${what}`;
     const parts = await Promise.all(
       captures.map(async (capture) => {
         const key2 = `${capture} ${node}`;
-        const name2 = `signature of ${effect}`;
-        const known = this.kept.get(key2)?.[name2];
-        if (known) return { [name2]: known };
-        const fetched = decode(await fetchBytes("/api/signature", { node, capture, effect }, signal));
+        const known = this.kept.get(key2)?.[name];
+        if (known) return { [name]: known };
+        const fetched = decode(await fetchBytes(`/api/${verb}`, { node, capture, ...asked }, signal));
         const column = Object.values(fetched)[0];
-        this.keep(key2, { [name2]: column });
-        return { [name2]: column };
+        this.keep(key2, { [name]: column });
+        return { [name]: column };
       })
     );
-    const name = `signature of ${effect}`;
     return joined(parts, [name])[name];
   }
   /** @param {string} node @param {string} capture @param {string[]} names */
@@ -2653,13 +2717,18 @@ var App = class {
       drop: (effect) => this.ask("drop", { effect }, "drop")
     });
     const deeds = {
-      look: (effect) => this.look(effect),
+      look: (effect) => this.look(effect, "signature", { effect: effect ?? "" }),
       take: (effect) => this.ask("add", { effect }, "add"),
       ask: () => this.ask("diagnose"),
       about,
       apart: (effects) => this.next.design(effects)
     };
     this.candidates = new Candidates(byId("candidates"), deeds, "Add");
+    this.laws = new Laws(byId("laws"), {
+      ask: () => this.ask("propose"),
+      look: (number2) => this.look(number2 === null ? null : `law ${number2}`, "law", { number: String(number2) }),
+      take: (number2, name) => this.ask("accept", { number: number2, name }, "add")
+    });
     this.any = new AnyEffect((effect) => this.ask("add", { effect }, "add"));
     this.looking = new AbortController();
     this.looked = null;
@@ -2788,6 +2857,7 @@ var App = class {
     this.showBranches(state);
     this.params.show(state.params);
     this.candidates.show(state);
+    this.laws.show(state);
     this.any.show(state.absent);
     this.next.show(state);
     showUntold(byId("untold"), state, (effects) => this.next.design(effects));
@@ -2854,24 +2924,26 @@ var App = class {
     byId("beside-name").textContent = name ?? "";
   }
   /**
-   * Show what an effect would explain.
-   * @param {string | null} effect
+   * Show what something would explain: an effect or a law, by what it is called and how it is asked for.
+   * @param {string | null} what
+   * @param {string} [verb]
+   * @param {Record<string, string>} [asked]
    */
-  async look(effect) {
-    if (effect === this.looked) return;
-    this.looked = effect;
+  async look(what, verb = "", asked = {}) {
+    if (what === this.looked) return;
+    this.looked = what;
     this.looking.abort();
     this.looking = new AbortController();
     const { signal } = this.looking;
-    byId("looked").textContent = effect ? `what ${effect} would explain` : "";
-    byId("looked").toggleAttribute("hidden", effect === null);
+    byId("looked").textContent = what ? `what ${what} would explain` : "";
+    byId("looked").toggleAttribute("hidden", what === null);
     const node = this.state?.node;
-    if (!effect || !node) return timed("look away", () => this.linked.overlay(null));
+    if (!what || !node) return timed("look away", () => this.linked.overlay(null));
     const start = performance.now();
     await new Promise((resolve) => setTimeout(resolve, LOOK_MS));
     if (signal.aborted || this.state?.node !== node) return;
     try {
-      const column = await this.store.signature(node, this.state.active, effect, signal);
+      const column = await this.store.explained(node, this.state.active, what, { verb, asked }, signal);
       if (!signal.aborted) timed("look", () => this.linked.overlay(column), start);
     } catch (reason) {
       if (!signal.aborted) this.failed(reason);

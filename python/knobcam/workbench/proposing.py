@@ -1,0 +1,120 @@
+"""The answers about laws for what no effect explains: looked for, held against the samples, taken."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from starlette.concurrency import run_in_threadpool
+
+from ..errors import InputError
+from ..learn.proposals import accepted
+from ..model.own import forget_effect
+from . import arrays
+from .answers import answered, bytes_answer, finished
+from .bodies import read_json, text, whole
+from .learned import learned
+
+if TYPE_CHECKING:
+    from starlette.requests import Request
+    from starlette.responses import Response
+
+    from ..base import pages
+    from ..learn.proposals import Proposal, Proposals
+    from .bench import Bench
+    from .jobs import Job
+    from .session import Session, Tell
+    from .tree import Node
+
+_MOST = 99
+
+
+class Proposing:
+    """The answers, one method for each name of the interface."""
+
+    def __init__(self, bench: Bench) -> None:
+        self.bench = bench
+        self.gets = {"law": self.law}
+        self.posts = {"propose": self.propose, "accept": self.accept}
+
+    async def propose(self, _: Request) -> Response:
+        """Look for laws of what is left where the branch is."""
+        session = self.bench.session
+        await finished(self.bench.work.start("looking for a law", lambda job: looked_for(session, job.tell)))
+        return answered(session)
+
+    async def law(self, request: Request) -> Response:
+        """What a law would explain of a capture's residual."""
+        asked, session = request.query_params, self.bench.session
+        view = session.view_of(asked.get("node", ""))
+        at = session.place(view, asked.get("capture", ""))
+        found = proposals_of(session, view.node)
+        number = int(asked["number"]) if asked.get("number", "").isdecimal() else 0
+        if not 1 <= number <= len(found.laws):
+            raise InputError(f"number: give one from 1 to {len(found.laws)}")
+        model = found.laws[number - 1].fit.model
+        return bytes_answer(await run_in_threadpool(arrays.explained, f"law {number}", model, view, at))
+
+    async def accept(self, request: Request) -> Response:
+        """Take a law into the model, as an effect of this name."""
+        body = await read_json(request)
+        number, name = whole(body, "number", 1, 1, _MOST), text(body, "name", "").strip()
+        session = self.bench.session
+
+        def work(job: Job) -> None:
+            taken(session, number, name, job.tell)
+
+        await finished(self.bench.work.start(f"taking law {number}", work))
+        await run_in_threadpool(self.bench.flush)
+        return answered(session)
+
+
+def looked_for(session: Session, tell: Tell) -> None:
+    """Look for laws of what is left where the branch is, unless that was done."""
+    node, done = session.node, session.branch.done
+    if node.id in session.proposals:
+        return
+    story = learned(done, session.weigh(tell))
+    doing = "looking for a law"
+    tell(doing)
+    found = story.propose(lambda share: tell(doing, share))
+    tell("putting the laws in place", last=True)
+    session.propose(node, found)
+
+
+def taken(session: Session, number: int, name: str, tell: Tell) -> None:
+    """Take a law into the model as an effect of this name, by default the first that is free.
+
+    What the law was found to make needless goes. Raises InputError for a number that none has, for a name
+    that is taken, and where no laws were looked for.
+    """
+    node = session.node
+    found = proposals_of(session, node)
+    tell("fitting the law")
+    name, richer = accepted(found, number, name or None)
+    try:
+        for effect in [one for one in node.fit.model.effects if one not in richer.model.effects]:
+            session.drop(effect, tell)
+        tell(f"putting {name} in place", last=True)
+        session.accept(name, richer, found.p_value)
+    except BaseException:
+        forget_effect(name)
+        raise
+
+
+def proposals_of(session: Session, node: Node) -> Proposals:
+    """Return the laws of a node. Raises InputError where none were looked for."""
+    if node.id not in session.proposals:
+        raise InputError("no laws were looked for here; ask for them first")
+    return session.proposals[node.id]
+
+
+def document(found: Proposals | None) -> list[pages.Law] | None:
+    """Return what a page is told of laws, the one first for which most speaks; None: not looked for."""
+    return None if found is None else [_law(one, one in found.front) for one in found.laws]
+
+
+def _law(one: Proposal, front: bool) -> pages.Law:
+    words = [f"{name} = {e.value:.4g} {e.unit} ({e.interval})" for name, e in one.params.items()]
+    words.append(f"of {', '.join(one.variables)}")
+    words += ["no shorter law is as good"] if front else []
+    return {"label": one.law, "rmse": one.rmse, "rmse_heldout": one.rmse_heldout, "words": words}

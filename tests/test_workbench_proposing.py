@@ -1,0 +1,134 @@
+"""Laws for what no effect explains at the workbench: looked for, laid over the residuals, taken, kept."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import httpx
+import numpy as np
+import pytest
+from brake import braked_knob
+from workbench_server import served, wrong
+
+import knobcam as kc
+from knobcam.workbench.bench import Bench
+from knobcam.workbench.proposing import looked_for, taken
+from knobcam.workbench.script import script
+from knobcam.workbench.session import Session
+
+
+@pytest.fixture(scope="module")
+def braked() -> kc.Capture:
+    return braked_knob(0.016, 1.3)
+
+
+@pytest.fixture
+def asked(client: httpx.Client, bench: Bench, braked: kc.Capture) -> httpx.Client:
+    """Laws were looked for beside the first model of the knob."""
+    bench.session.take(braked, "braked")
+    assert state(client)["proposed"] is None
+    assert client.post("/api/propose", json={}).status_code == 200
+    return client
+
+
+def quiet(_: str, __: float | None = None, *, last: bool = False) -> None:
+    return
+
+
+def state(client: httpx.Client) -> dict[str, Any]:
+    told: dict[str, Any] = client.get("/api/state").json()
+    return told
+
+
+def test_a_law_is_proposed_laid_over_the_residual_and_taken_under_a_name(
+    asked: httpx.Client, bench: Bench
+) -> None:
+    told = state(asked)
+    first = told["proposed"][0]
+    assert first["words"][-2:] == ["of omega", "no shorter law is as good"]
+    assert first["rmse"] < 1.02 * told["noise_floor"] < 0.5 * told["rmse"]
+    assert "proposed, not found" in told["proposed_text"]
+    assert any(value.startswith("w = 1.3") and "rad/s" in value for value in first["words"])
+    there = {"node": told["node"], "capture": told["active"][0], "number": "1"}
+    answer = asked.get("/api/law", params=there)
+    head = answer.content.split(b"\n")[0]
+    assert json.loads(head)["names"] == ["law 1"]
+    overlay = np.frombuffer(answer.content[-4 * json.loads(head)["n"] :], dtype="<f4")
+    residual = bench.session.view.residual(0)
+    used = ~np.isnan(residual)
+    assert np.std(residual[used] - overlay[used]) == pytest.approx(first["rmse"], rel=0.02)
+    assert asked.post("/api/accept", json={"number": 1, "name": "eddy"}).status_code == 200
+    after = state(asked)
+    assert [step["label"] for step in after["ladder"]] == ["first model", "+ eddy"]
+    assert after["rmse"] == pytest.approx(first["rmse"], rel=1e-6)
+    assert {"eddy.a", "eddy.w"} <= {one["name"] for one in after["params"]}
+    assert after["proposed"] is None
+    # Back, what was looked for is there still; forth, the law is.
+    asked.post("/api/undo", json={})
+    assert state(asked)["proposed"] == told["proposed"]
+    asked.post("/api/redo", json={})
+    assert state(asked)["rmse"] == after["rmse"]
+
+
+def test_a_session_with_a_law_goes_on(braked: kc.Capture, tmp_path: Path) -> None:
+    path = str(braked.save(tmp_path / "braked.npz"))
+    there = Bench(kept_in=tmp_path / "sessions")
+    there.session.open(path)
+    with served(there) as client:
+        client.post("/api/propose", json={})
+        client.post("/api/accept", json={"number": 1, "name": "eddy"})
+        assert client.post("/api/add", json={"effect": "return_spring"}).status_code == 200
+        before = state(client)
+    kc.forget_effect("eddy")
+    with served(Bench(kept_in=tmp_path / "sessions")) as client:
+        client.post("/api/continue", json={"session": state(client)["left"][0]["id"]})
+        after = state(client)
+        assert client.post("/api/drop", json={"effect": "eddy"}).status_code == 200
+    assert [step["label"] for step in after["ladder"]] == ["first model", "+ eddy", "+ return_spring"]
+    for one, other in zip(before["ladder"], after["ladder"], strict=True):
+        assert one["rmse"] == pytest.approx(other["rmse"], rel=1e-6)
+    for one, other in zip(before["params"], after["params"], strict=True):
+        assert one["name"] == other["name"] and one["value"] == pytest.approx(other["value"], rel=1e-3)
+
+
+def test_the_script_of_a_session_makes_the_law_again(braked: kc.Capture, tmp_path: Path) -> None:
+    session = Session()
+    session.open(str(braked.save(tmp_path / "braked.npz")))
+    looked_for(session, quiet)
+    taken(session, 1, "eddy", quiet)
+    session.drop("detent")
+    lines = script(session.branch.done, session.captures, session.start)
+    kc.forget_effect("eddy")
+    told: dict[str, Any] = {}
+    exec(lines, told)
+    assert told["fit"].model.laws == session.node.fit.model.laws
+    assert told["fit"].rmse == pytest.approx(session.node.fit.rmse, rel=1e-9)
+
+
+def test_where_an_effect_explains_as_much_none_is_proposed(opened: httpx.Client) -> None:
+    opened.post("/api/propose", json={})
+    told = state(opened)
+    assert told["proposed"] == [] and "No law is proposed" in told["proposed_text"]
+    wrong(opened.post("/api/accept", json={"number": 1}), 400, "no proposal has that number")
+
+
+def test_what_cannot_be_taken_is_refused_and_changes_nothing(asked: httpx.Client) -> None:
+    before = state(asked)
+    there = {"node": before["node"], "capture": before["active"][0]}
+    for number in ("0", "99", "one", ""):
+        wrong(asked.get("/api/law", params=there | {"number": number}), 400, "number: give one from 1 to")
+    wrong(asked.post("/api/accept", json={"number": 98}), 400, "no proposal has that number")
+    wrong(asked.post("/api/accept", json={"number": "first"}), 400, "number")
+    wrong(asked.post("/api/accept", json={"number": 1, "name": "coulomb"}), 400, "'coulomb'")
+    wrong(asked.post("/api/accept", json={"number": 1, "name": "no name"}), 400, "name")
+    assert state(asked) == before
+
+
+def test_before_it_was_asked_there_is_no_law(opened: httpx.Client) -> None:
+    wrong(opened.post("/api/accept", json={"number": 1}), 400, "no laws were looked for")
+
+
+def test_before_a_capture_there_is_nothing_to_propose(client: httpx.Client) -> None:
+    wrong(client.post("/api/propose", json={}), 400, "open one first")

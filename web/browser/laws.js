@@ -1,0 +1,41 @@
+/**
+ * A law for what no effect explains, in a browser: `node laws.js CHROMIUM ADDRESS FOLDER`.
+ *
+ * The workbench at ADDRESS has a capture open that no effect explains. It is looked for, laid over the residuals by
+ * pointing and by key, and taken. Pictures go to FOLDER; what was seen is printed as JSON.
+ */
+
+import assert from "node:assert/strict";
+import { join } from "node:path";
+
+import { done, opened, painted, stateOf } from "./session.js";
+
+const [chrome, address, folder] = process.argv.slice(2);
+const { browser, page, complaints } = await opened(chrome, address);
+page.setDefaultTimeout(120_000);
+await page.setViewportSize({ width: 1440, height: 900 });
+const picture = (name) => page.screenshot({ path: join(folder, `${name}.png`) });
+await painted(page, "first picture");
+
+await page.getByRole("button", { name: "Look for a law…" }).click();
+const law = page.locator(".law").first();
+await law.waitFor();
+const looked = page.locator("#looked");
+assert.ok(await looked.isHidden());
+await law.hover();
+await painted(page, "look");
+assert.equal(await looked.textContent(), "what law 1 would explain");
+await picture("31-law");
+await page.mouse.move(1, 1);
+await looked.waitFor({ state: "hidden" });
+
+const before = await stateOf(page);
+await page.getByLabel("name of law 1").fill("eddy");
+assert.equal(await looked.textContent(), "what law 1 would explain"); // for the keys are there
+const figures = { add: await done(page, "add", () => page.keyboard.press("Enter")) };
+const after = await stateOf(page);
+await picture("32-law-taken");
+assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth));
+assert.deepEqual(complaints, []);
+console.log(JSON.stringify({ figures, rmse: [before.rmse, after.rmse], ladder: after.ladder.map(({ label }) => label) }));
+await browser.close();

@@ -1,0 +1,68 @@
+/** Laws for what no effect explains: looked for when asked, laid over the residuals, taken under a name. */
+
+import { make } from "./dom.js";
+import { percent } from "./numbers.js";
+
+/** @typedef {import("./types.js").Law} Law */
+/** @typedef {import("./types.js").State} State */
+
+export class Laws {
+  /**
+   * @param {HTMLElement} place
+   * @param {{ask: () => void, look: (number: number | null) => void, take: (number: number, name: string) => void}} deeds
+   */
+  constructor(place, deeds) {
+    this.place = place;
+    this.deeds = deeds;
+    this.shown = "";
+  }
+
+  /** @param {Pick<State, "candidates" | "proposed" | "proposed_text" | "node" | "job" | "rmse">} state */
+  show({ candidates, proposed, proposed_text, node, job, rmse }) {
+    const shown = JSON.stringify([candidates.ready, proposed, node, job === null]);
+    if (shown === this.shown) return;
+    this.shown = shown;
+    if (!candidates.ready || node === null) {
+      this.place.replaceChildren();
+    } else if (proposed === null) {
+      const ask = make("button", {
+        ...{ type: "button", text: "Look for a law…", disabled: job !== null },
+        ...{ title: "formulas that would explain what is left, where no effect does", on: { click: () => this.deeds.ask() } },
+      });
+      this.place.replaceChildren(make("p", {}, ask));
+    } else {
+      const list = proposed.map((law, at) => this.item(law, at + 1, rmse ?? law.rmse));
+      this.place.replaceChildren(
+        make("p", { class: "soft", text: proposed_text, role: "status" }),
+        ...(list.length > 0 ? [make("ul", { class: "laws", "aria-label": "laws that are proposed" }, ...list)] : []),
+      );
+    }
+  }
+
+  /** @param {Law} row @param {number} number @param {number} rmse what is left without it */
+  item({ label, words, rmse: left }, number, rmse) {
+    const take = make("button", {
+      ...{ type: "submit", text: "Add", "aria-label": `add law ${number}` },
+      ...{ title: "fit it with the model, as an effect of this name" },
+    });
+    const name = make("input", {
+      ...{ type: "text", name: "name", size: 8, placeholder: "law", spellcheck: "false", autocomplete: "off" },
+      "aria-label": `name of law ${number}`,
+    });
+    const form = make("form", {}, name, take);
+    form.addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.deeds.take(number, /** @type {HTMLInputElement} */ (name).value);
+    });
+    const look = () => this.deeds.look(number);
+    const away = () => this.deeds.look(null);
+    return make(
+      "li",
+      { class: "law", on: { pointerenter: look, pointerleave: away, focusin: look, focusout: away } },
+      make("code", { text: label }),
+      make("span", { class: "figure", text: percent(left / rmse - 1), title: "fall of the RMS error" }),
+      form,
+      make("span", { class: "soft", text: words.join("; ") }),
+    );
+  }
+}
