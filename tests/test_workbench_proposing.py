@@ -132,3 +132,37 @@ def test_before_it_was_asked_there_is_no_law(opened: httpx.Client) -> None:
 
 def test_before_a_capture_there_is_nothing_to_propose(client: httpx.Client) -> None:
     wrong(client.post("/api/propose", json={}), 400, "open one first")
+
+
+def test_a_formula_is_typed_fitted_and_undone(client: httpx.Client, bench: Bench, braked: kc.Capture) -> None:
+    bench.session.take(braked, "braked")
+    before = state(client)
+    body = {"law": "2 a (omega/w) / (1 + (omega/w)^2)", "name": "eddy", "guess": "a=0.01, w=1"}
+    assert client.post("/api/formula", json=body).status_code == 200
+    after = state(client)
+    assert after["ladder"][-1]["label"] == "+ eddy" and after["rmse"] < 1.02 * after["noise_floor"]
+    assert next(one for one in after["params"] if one["name"] == "eddy.w")["value"] == pytest.approx(
+        1.3, abs=0.1
+    )
+    client.post("/api/undo", json={})
+    assert state(client)["rmse"] == before["rmse"]
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        ({"law": "2 a (omega"}, "character"),
+        ({"law": "a omega", "name": "coulomb"}, "coulomb"),
+        ({"law": "a omega", "guess": "a"}, "start a: '' is no number"),
+        ({"law": "a sin(omega)"}, "rad"),
+        ({"law": "a sin(k theta)", "guess": "b=1"}, "b"),
+        ({"law": 3}, "law"),
+        ({}, "law"),
+    ],
+)
+def test_what_is_no_formula_is_refused_and_changes_nothing(
+    opened: httpx.Client, body: dict[str, Any], words: str
+) -> None:
+    before, there = state(opened), set(kc.effects())
+    wrong(opened.post("/api/formula", json=body), 400, words)
+    assert state(opened) == before and set(kc.effects()) == there

@@ -35,6 +35,23 @@ assert.equal(await looked.textContent(), "what law 1 would explain"); // for the
 const figures = { add: await done(page, "add", () => page.keyboard.press("Enter")) };
 const after = await stateOf(page);
 await picture("32-law-taken");
+
+// The same as a formula of one's own, first with a bracket too few.
+await done(page, "undo", () => page.keyboard.press("Control+z"));
+await page.getByText("A formula of your own").click();
+const form = page.locator("#own-form");
+await form.getByLabel("Torque").fill("2 b (omega/w) / (1 + (omega/w)^2");
+await form.getByLabel("starts at").fill("b=0.01 w=1");
+await form.getByLabel("called").fill("brake");
+await page.keyboard.press("Enter");
+await page.waitForFunction(() => /character/.test(document.getElementById("said").textContent));
+await picture("33-formula-refused");
+assert.equal(complaints.splice(0).length, 2); // the refusal, as the browser tells it and as it came
+await form.getByLabel("Torque").fill("2 b (omega/w) / (1 + (omega/w)^2)");
+figures.formula = await done(page, "add", () => page.keyboard.press("Enter"), figures.add);
+const typed = await stateOf(page);
+assert.equal(typed.ladder.at(-1).label, "+ brake");
+assert.ok(Math.abs(typed.rmse / after.rmse - 1) < 1e-3);
 assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth));
 assert.deepEqual(complaints, []);
 console.log(JSON.stringify({ figures, rmse: [before.rmse, after.rmse], ladder: after.ladder.map(({ label }) => label) }));

@@ -68,6 +68,7 @@ class App {
       ask: () => this.ask("propose"),
       look: (number) => this.look(number === null ? null : `law ${number}`, "law", { number: String(number) }),
       take: (number, name) => this.ask("accept", { number, name }, "add"),
+      add: async (formula) => (await this.ask("formula", formula, "add")) !== null,
     });
     this.any = new AnyEffect((effect) => this.ask("add", { effect }, "add"));
     this.looking = new AbortController();

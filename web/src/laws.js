@@ -1,6 +1,6 @@
 /** Laws for what no effect explains: looked for when asked, laid over the residuals, taken under a name. */
 
-import { make } from "./dom.js";
+import { byId, make } from "./dom.js";
 import { percent } from "./numbers.js";
 
 /** @typedef {import("./types.js").Law} Law */
@@ -9,12 +9,18 @@ import { percent } from "./numbers.js";
 export class Laws {
   /**
    * @param {HTMLElement} place
-   * @param {{ask: () => void, look: (number: number | null) => void, take: (number: number, name: string) => void}} deeds
+   * @param {{ask: () => void, look: (number: number | null) => void, take: (number: number, name: string) => void,
+   *   add: (formula: object) => Promise<boolean>}} deeds
    */
   constructor(place, deeds) {
     this.place = place;
     this.deeds = deeds;
     this.shown = "";
+    const form = /** @type {HTMLFormElement} */ (byId("own-form"));
+    form.addEventListener("submit", async (event) => {
+      event.preventDefault();
+      if (await this.deeds.add(Object.fromEntries(new FormData(form)))) form.reset();
+    });
   }
 
   /** @param {Pick<State, "candidates" | "proposed" | "proposed_text" | "node" | "job" | "rmse">} state */
@@ -22,6 +28,7 @@ export class Laws {
     const shown = JSON.stringify([candidates.ready, proposed, node, job === null]);
     if (shown === this.shown) return;
     this.shown = shown;
+    byId("own").hidden = node === null;
     if (!candidates.ready || node === null) {
       this.place.replaceChildren();
     } else if (proposed === null) {

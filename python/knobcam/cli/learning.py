@@ -140,10 +140,12 @@ def run_add(args: Namespace) -> Answer:
     check_file(args.output, [*args.captures, args.model])
     check_folder(args.plots, args.output)
     options = arguments.preparation(args)
-    guess = _guess(args)
 
     from ..fit import refit
     from ..model import Model
+    from ..model.own_law import guesses
+
+    guess = guesses(args.guess or (), "--guess")
 
     model = Model.load(args.model)
     effect = args.effect if args.law is None else _law(args, model)
@@ -164,18 +166,6 @@ def _law(args: Namespace, model: Model) -> str:
     units = dict(one.split("=", 1) for one in args.units or ())
     own_law(name, args.law, acts=args.acts or "load", units=units)
     return str(name)
-
-
-def _guess(args: Namespace) -> dict[str, float]:
-    """Where the parameters of the law start."""
-    given = {}
-    for one in args.guess or ():
-        name, _, value = one.partition("=")
-        try:
-            given[name.strip()] = float(value)
-        except ValueError:
-            raise InputError(f"--guess {one}: '{value}' is no number; give PARAMETER=VALUE") from None
-    return given
 
 
 def run_learn(args: Namespace) -> Answer:

@@ -49,14 +49,19 @@ def add(
     fit.model.with_effect(effect)  # says why not, if it does not go with the model
     fit = with_clipped(fit) if catalogued(effect, fit.model.coordinate).clips else fit
     if start:
-        model = fit.model.with_effect(effect)
-        for name, value in start.items():
-            model = model.with_value(f"{effect}.{name}", value)
-        return converged(replace(fit, core=_core.refine(cores(fit), model.core, True), before=fit))
+        return converged(started(fit, effect, start))
     (_, core, _, _, _, note), *_ = _core.diagnose(cores(fit), fit.model.core, [effect], progress)
     if core is None:
         raise InputError(f"effect '{effect}': {note}")
     return converged(replace(fit, core=core, before=fit))
+
+
+def started(fit: Fit, effect: str, start: Mapping[str, float]) -> Fit:
+    """Return the fit with one effect more, its parameters started from these values; not converged yet."""
+    model = fit.model.with_effect(effect)
+    for name, value in start.items():
+        model = model.with_value(f"{effect}.{name}", value)
+    return replace(fit, core=_core.refine(cores(fit), model.core, True), before=fit)
 
 
 def cores(fit: Fit) -> list[_core.Signals]:

@@ -19,7 +19,7 @@ from ..fit.beyond import incoherent
 from ..fit.described import documented
 from ..fit.diagnose import Diagnosis, diagnose, p_in_words
 from ..fit.doubts import below_zero
-from ..fit.refit import converged, cores, gain
+from ..fit.refit import converged, cores, gain, started
 from ..fit.rule import RULE
 from ..model.effects import base_effects_shown, descriptions, effects
 from ..model.own import forget_effect
@@ -285,21 +285,13 @@ def _fitted(fit: Fit, row: Any) -> Proposal:
     """A law of the search, fitted with the whole model."""
     law, values, variables, _, _, complexity = row
     name = free_name(fit.model)
+    own_law(name, law)
     try:
-        richer = _with_law(fit, name, law, dict(values))
+        richer = started(fit, name, dict(values))
     finally:
         forget_effect(name)
     taken = gain(fit, richer, fit)
     return Proposal(law, name, tuple(sorted(variables)), richer, float(taken), complexity)
-
-
-def _with_law(fit: Fit, name: str, law: str, start: Mapping[str, float]) -> Fit:
-    """The fit with a law, registered under a name and started from these values."""
-    own_law(name, law)
-    model = fit.model.with_effect(name)
-    for param, value in start.items():
-        model = model.with_value(f"{name}.{param}", value)
-    return replace(fit, core=_core.refine(cores(fit), model.core, True), before=fit)
 
 
 def _ordered(proposals: list[tuple[Proposal, bool]]) -> tuple[Proposal, ...]:
@@ -357,4 +349,5 @@ def accepted(proposals: Proposals, number: int, name: str | None = None) -> tupl
     one = proposals.laws[number - 1]
     name = name or free_name(proposals.beside.model)
     start = {param: estimate.value for param, estimate in one.params.items()}
-    return name, converged(_with_law(proposals.beside, name, one.law, start))
+    own_law(name, one.law)
+    return name, converged(started(proposals.beside, name, start))

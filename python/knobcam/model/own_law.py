@@ -8,11 +8,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 from .. import _core
 from ..base.door import checked
+from ..errors import InputError
 from .own import Acts, OwnParameter, check_name
 
 if TYPE_CHECKING:
@@ -56,3 +57,18 @@ def free_name(model: Model) -> str:
     taken = {*model.catalogue(), *model.effects}
     names = (f"law_{number}" if number > 1 else "law" for number in range(1, 2 + len(taken)))
     return next(one for one in names if one not in taken)
+
+
+def guesses(words: Iterable[str], of: str) -> dict[str, float]:
+    """Return where the parameters of a law start, of words such as `f=50`; `of` is what gave them, in errors.
+
+    Raises InputError for a word that is none, or no number.
+    """
+    given = {}
+    for one in words:
+        name, _, value = one.partition("=")
+        try:
+            given[name.strip()] = float(value)
+        except ValueError:
+            raise InputError(f"{of} {one}: '{value}' is no number; give PARAMETER=VALUE") from None
+    return given

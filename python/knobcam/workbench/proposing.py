@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from starlette.concurrency import run_in_threadpool
 
 from ..errors import InputError
+from ..fit import refit
 from ..learn.proposals import accepted
 from ..model.own import forget_effect
+from ..model.own_law import free_name, guesses, own_law
 from . import arrays
 from .answers import answered, bytes_answer, finished
 from .bodies import read_json, text, whole
 from .learned import learned
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from starlette.requests import Request
     from starlette.responses import Response
 
@@ -34,7 +39,7 @@ class Proposing:
     def __init__(self, bench: Bench) -> None:
         self.bench = bench
         self.gets = {"law": self.law}
-        self.posts = {"propose": self.propose, "accept": self.accept}
+        self.posts = {"propose": self.propose, "accept": self.accept, "formula": self.formula}
 
     async def propose(self, _: Request) -> Response:
         """Look for laws of what is left where the branch is."""
@@ -67,6 +72,20 @@ class Proposing:
         await run_in_threadpool(self.bench.flush)
         return answered(session)
 
+    async def formula(self, request: Request) -> Response:
+        """Take a formula of the user's own into the model, as an effect of this name."""
+        body = await read_json(request)
+        law, name = text(body, "law").strip(), text(body, "name", "").strip()
+        start = guesses(text(body, "guess", "").replace(",", " ").split(), "start")
+        session = self.bench.session
+
+        def work(job: Job) -> None:
+            typed(session, law, name, start, job.tell)
+
+        await finished(self.bench.work.start("fitting a formula", work))
+        await run_in_threadpool(self.bench.flush)
+        return answered(session)
+
 
 def looked_for(session: Session, tell: Tell) -> None:
     """Look for laws of what is left where the branch is, unless that was done."""
@@ -96,6 +115,29 @@ def taken(session: Session, number: int, name: str, tell: Tell) -> None:
             session.drop(effect, tell)
         tell(f"putting {name} in place", last=True)
         session.accept(name, richer, found.p_value)
+    except BaseException:
+        forget_effect(name)
+        raise
+
+
+def typed(session: Session, law: str, name: str, start: Mapping[str, float], tell: Tell) -> None:
+    """Take a formula into the model as an effect of this name, by default the first that is free.
+
+    `start` is where its parameters start. Raises InputError for what is no formula, by the character, for a
+    name that is taken, and for a formula that cannot be fitted.
+    """
+    node = session.node
+    model = node.fit.model
+    name = name or free_name(model)
+    if name in {*model.catalogue(), *model.effects}:
+        raise InputError(f"name {name}: is an effect already; choose another name")
+    own_law(name, law)
+    try:
+        doing = f"fitting {name}"
+        tell(doing)
+        richer = refit.add(node.fit, name, lambda share: tell(doing, share), start)
+        tell(f"putting {name} in place", last=True)
+        session.accept(name, richer, math.nan)
     except BaseException:
         forget_effect(name)
         raise

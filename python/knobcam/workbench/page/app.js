@@ -693,18 +693,28 @@ function latest(work) {
 var Laws = class {
   /**
    * @param {HTMLElement} place
-   * @param {{ask: () => void, look: (number: number | null) => void, take: (number: number, name: string) => void}} deeds
+   * @param {{ask: () => void, look: (number: number | null) => void, take: (number: number, name: string) => void,
+   *   add: (formula: object) => Promise<boolean>}} deeds
    */
   constructor(place3, deeds) {
     this.place = place3;
     this.deeds = deeds;
     this.shown = "";
+    const form = (
+      /** @type {HTMLFormElement} */
+      byId("own-form")
+    );
+    form.addEventListener("submit", async (event) => {
+      event.preventDefault();
+      if (await this.deeds.add(Object.fromEntries(new FormData(form)))) form.reset();
+    });
   }
   /** @param {Pick<State, "candidates" | "proposed" | "proposed_text" | "node" | "job" | "rmse">} state */
   show({ candidates, proposed, proposed_text, node, job, rmse }) {
     const shown = JSON.stringify([candidates.ready, proposed, node, job === null]);
     if (shown === this.shown) return;
     this.shown = shown;
+    byId("own").hidden = node === null;
     if (!candidates.ready || node === null) {
       this.place.replaceChildren();
     } else if (proposed === null) {
@@ -2727,7 +2737,8 @@ var App = class {
     this.laws = new Laws(byId("laws"), {
       ask: () => this.ask("propose"),
       look: (number2) => this.look(number2 === null ? null : `law ${number2}`, "law", { number: String(number2) }),
-      take: (number2, name) => this.ask("accept", { number: number2, name }, "add")
+      take: (number2, name) => this.ask("accept", { number: number2, name }, "add"),
+      add: async (formula) => await this.ask("formula", formula, "add") !== null
     });
     this.any = new AnyEffect((effect) => this.ask("add", { effect }, "add"));
     this.looking = new AbortController();
