@@ -38,8 +38,10 @@ await picture("32-law-taken");
 
 // The same as a formula of one's own, first with a bracket too few.
 await done(page, "undo", () => page.keyboard.press("Control+z"));
-await page.getByText("A formula of your own").click();
 const form = page.locator("#own-form");
+await page.getByRole("button", { name: "edit law 1" }).click();
+assert.equal(await form.getByLabel("Torque").inputValue(), "2*a*(omega/w)/(1 + (omega/w)^2)");
+assert.match(await form.getByLabel("starts at").inputValue(), /^a=0\.00\d+ w=1\.\d+$/);
 await form.getByLabel("Torque").fill("2 b (omega/w) / (1 + (omega/w)^2");
 await form.getByLabel("starts at").fill("b=0.01 w=1");
 await form.getByLabel("called").fill("brake");

@@ -47,7 +47,11 @@ export class Laws {
   }
 
   /** @param {Law} row @param {number} number @param {number} rmse what is left without it */
-  item({ label, words, rmse: left }, number, rmse) {
+  item({ label, words, rmse: left, start }, number, rmse) {
+    const edit = make("button", {
+      ...{ type: "button", text: "Edit…", "aria-label": `edit law ${number}`, title: "as a formula of your own" },
+      on: { click: () => edited(label, start) },
+    });
     const take = make("button", {
       ...{ type: "submit", text: "Add", "aria-label": `add law ${number}` },
       ...{ title: "fit it with the model, as an effect of this name" },
@@ -56,7 +60,7 @@ export class Laws {
       ...{ type: "text", name: "name", size: 8, placeholder: "law", spellcheck: "false", autocomplete: "off" },
       "aria-label": `name of law ${number}`,
     });
-    const form = make("form", {}, name, take);
+    const form = make("form", {}, edit, name, take);
     form.addEventListener("submit", (event) => {
       event.preventDefault();
       this.deeds.take(number, /** @type {HTMLInputElement} */ (name).value);
@@ -68,8 +72,19 @@ export class Laws {
       { class: "law", on: { pointerenter: look, pointerleave: away, focusin: look, focusout: away } },
       make("code", { text: label }),
       make("span", { class: "figure", text: percent(left / rmse - 1), title: "fall of the RMS error" }),
-      form,
       make("span", { class: "soft", text: words.join("; ") }),
+      form,
     );
   }
+}
+
+/** Put a law where formulas are typed. @param {string} law @param {string} start */
+function edited(law, start) {
+  const form = /** @type {HTMLFormElement} */ (byId("own-form"));
+  /** @type {HTMLDetailsElement} */ (byId("own")).open = true;
+  for (const [name, value] of Object.entries({ law, guess: start, name: "" })) {
+    const typed = form.elements.namedItem(name);
+    if (typed instanceof HTMLInputElement) typed.value = value;
+  }
+  /** @type {HTMLInputElement} */ (form.elements.namedItem("law")).focus();
 }

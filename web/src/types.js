@@ -64,8 +64,8 @@
  */
 
 /**
- * A formula that would explain what no effect does; its parameters and what it is of, in words.
- * @typedef {{label: string, rmse: number, rmse_heldout: number | null, words: string[]}} Law
+ * A formula that would explain what no effect does, in words; its values as one types them to `start`.
+ * @typedef {{label: string, rmse: number, rmse_heldout: number | null, words: string[], start: string}} Law
  */
 
 /**

@@ -122,9 +122,10 @@ class Candidates(TypedDict):
 
 
 class Law(LadderStep):
-    """A formula that would explain what no effect does; its parameters and what it is of, in words."""
+    """A formula that would explain what no effect does, in words; its values as one types them to `start`."""
 
     words: list[str]
+    start: str
 
 
 class Job(TypedDict):

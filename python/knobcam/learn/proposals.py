@@ -94,10 +94,14 @@ class Proposal:
         return {name: float(f"{e.value:.5g}") for name, e in self.params.items()}
 
     @property
+    def guess(self) -> str:
+        """The same as it is typed."""
+        return " ".join(f"{name}={value:g}" for name, value in self.start.items())
+
+    @property
     def option(self) -> str:
         """What `knobcam add` is told to add it."""
-        start = " ".join(f"{name}={value:g}" for name, value in self.start.items())
-        return f"--law '{self.law}' --guess {start}"
+        return f"--law '{self.law}' --guess {self.guess}"
 
     def document(self) -> dict[str, Any]:
         """Return it as `proposals` of `knobcam learn --json` has it."""

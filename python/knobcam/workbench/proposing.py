@@ -159,4 +159,10 @@ def _law(one: Proposal, front: bool) -> pages.Law:
     words = [f"{name} = {e.value:.4g} {e.unit} ({e.interval})" for name, e in one.params.items()]
     words.append(f"of {', '.join(one.variables)}")
     words += ["no shorter law is as good"] if front else []
-    return {"label": one.law, "rmse": one.rmse, "rmse_heldout": one.rmse_heldout, "words": words}
+    return {
+        "label": one.law,
+        "rmse": one.rmse,
+        "rmse_heldout": one.rmse_heldout,
+        "words": words,
+        "start": one.guess,
+    }

@@ -732,7 +732,11 @@ var Laws = class {
     }
   }
   /** @param {Law} row @param {number} number @param {number} rmse what is left without it */
-  item({ label, words: words3, rmse: left }, number2, rmse) {
+  item({ label, words: words3, rmse: left, start }, number2, rmse) {
+    const edit = make("button", {
+      ...{ type: "button", text: "Edit…", "aria-label": `edit law ${number2}`, title: "as a formula of your own" },
+      on: { click: () => edited(label, start) }
+    });
     const take = make("button", {
       ...{ type: "submit", text: "Add", "aria-label": `add law ${number2}` },
       ...{ title: "fit it with the model, as an effect of this name" }
@@ -741,7 +745,7 @@ var Laws = class {
       ...{ type: "text", name: "name", size: 8, placeholder: "law", spellcheck: "false", autocomplete: "off" },
       "aria-label": `name of law ${number2}`
     });
-    const form = make("form", {}, name, take);
+    const form = make("form", {}, edit, name, take);
     form.addEventListener("submit", (event) => {
       event.preventDefault();
       this.deeds.take(
@@ -757,11 +761,23 @@ var Laws = class {
       { class: "law", on: { pointerenter: look, pointerleave: away, focusin: look, focusout: away } },
       make("code", { text: label }),
       make("span", { class: "figure", text: percent(left / rmse - 1), title: "fall of the RMS error" }),
-      form,
-      make("span", { class: "soft", text: words3.join("; ") })
+      make("span", { class: "soft", text: words3.join("; ") }),
+      form
     );
   }
 };
+function edited(law, start) {
+  const form = (
+    /** @type {HTMLFormElement} */
+    byId("own-form")
+  );
+  byId("own").open = true;
+  for (const [name, value] of Object.entries({ law, guess: start, name: "" })) {
+    const typed = form.elements.namedItem(name);
+    if (typed instanceof HTMLInputElement) typed.value = value;
+  }
+  form.elements.namedItem("law").focus();
+}
 
 // src/axes.js
 var MARGIN = { left: 52, right: 10, top: 22, bottom: 34 };
