@@ -70,6 +70,9 @@ def test_a_law_is_proposed_laid_over_the_residual_and_taken_under_a_name(
     assert state(asked)["proposed"] == told["proposed"]
     asked.post("/api/redo", json={})
     assert state(asked)["rmse"] == after["rmse"]
+    asked.post("/api/undo", json={})
+    assert asked.post("/api/accept", json={"number": 2, "name": "eddy"}).status_code == 200
+    assert bench.session.node.fit.model.laws == {"eddy": told["proposed"][1]["label"]}
 
 
 def test_a_session_with_a_law_goes_on(braked: kc.Capture, tmp_path: Path) -> None:
@@ -144,8 +147,14 @@ def test_a_formula_is_typed_fitted_and_undone(client: httpx.Client, bench: Bench
     assert next(one for one in after["params"] if one["name"] == "eddy.w")["value"] == pytest.approx(
         1.3, abs=0.1
     )
+    wrong(client.post("/api/formula", json=body), 400, "is an effect already")
     client.post("/api/undo", json={})
     assert state(client)["rmse"] == before["rmse"]
+    # Undone it may come otherwise under its name; what it was is no more.
+    assert client.post("/api/formula", json=body | {"law": "a tanh(omega/w)"}).status_code == 200
+    again = state(client)
+    assert again["ladder"][-1]["label"] == "+ eddy" and again["rmse"] != after["rmse"]
+    assert bench.session.node.fit.model.laws == {"eddy": "a tanh(omega/w)"}
 
 
 @pytest.mark.parametrize(

@@ -129,7 +129,9 @@ def typed(session: Session, law: str, name: str, start: Mapping[str, float], tel
     node = session.node
     model = node.fit.model
     name = name or free_name(model)
-    if name in {*model.catalogue(), *model.effects}:
+    # A formula that was undone may come again, and otherwise: each model carries its own.
+    undone = {one for other in session.branch.steps for one in other.fit.model.laws}
+    if name in model.effects or name in {*model.catalogue()} - undone:
         raise InputError(f"name {name}: is an effect already; choose another name")
     own_law(name, law)
     try:
