@@ -92,6 +92,12 @@ def test_where_a_name_explains_it_the_name_comes_first() -> None:
     assert story.propose().laws == ()
 
 
+def test_where_names_end_the_way_on_is_said(braked: kc.Capture, tmp_path: Path) -> None:
+    without = [word for name in (*COUPLINGS, "torque_drift", "presliding") for word in ("--without", name)]
+    ended = knobcam("learn", braked.save(tmp_path / "log.npz"), *without)
+    assert ended.code == 0 and "the same with --propose" in ended.out
+
+
 def test_options_of_proposals_without_them_are_refused() -> None:
     refused(knobcam("learn", "log.npz", "--accept", "1"), "--propose")
     refused(knobcam("add", "stribeck", "log.npz", "knob4", "--guess", "a=1"), "--law")

@@ -213,6 +213,8 @@ def run_learn(args: Namespace) -> Answer:
             pictures = {"proposals": proposals.plot}
         if args.accept is not None:
             learned = learned.accept(proposals, args.accept)
+    elif learned.verdict == "unexplained" and learned.cut is None:
+        said_more = ["Formulas that would explain it, beside all names: the same with --propose."]
     files = write(learned, args.report, args.output, args.plots)
     if args.plots is not None and pictures:
         files["proposals"] = put(pictures, args.plots)
