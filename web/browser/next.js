@@ -89,7 +89,11 @@ await button("Record from a rig…").click();
 await page.getByRole("dialog", { name: "Record from a rig" }).locator("[name=port]").fill("/dev/no_such_rig");
 await picture("26-from-a-rig");
 await page.getByRole("dialog", { name: "Record from a rig" }).getByRole("button", { name: "Record" }).click();
-await page.waitForFunction(() => /no such port/.test(document.getElementById("rig-said").textContent));
+const refused = page.locator("#rig-said", { hasText: "no such port" });
+await refused.waitFor().catch(async (reason) => {
+  const said = await Promise.all(["#rig-said", "#said", "#live-said", "#job"].map((id) => page.locator(id).textContent()));
+  throw new Error(`instead of a refusal: ${JSON.stringify([said, complaints])}`, { cause: reason });
+});
 await page.getByRole("dialog", { name: "Record from a rig" }).getByRole("button", { name: "Close" }).click();
 
 await button("Record it").click();
