@@ -92,11 +92,12 @@ pub fn dispatch<W: WithSimd>(work: W) -> W::Output {
 }
 
 /// Does work that is compiled for vectors of eight numbers (AVX-512) too. That is a third copy to compile: for what is
-/// short, and waits for what it has computed last.
+/// short, and waits for what it has computed last. Where assertions are compiled in, somebody waits for one effect's tests,
+/// and there is none.
 #[inline]
 pub fn dispatch_wide<W: WithSimd>(work: W) -> W::Output {
     match Found::here() {
-        #[cfg(target_arch = "x86_64")]
+        #[cfg(all(target_arch = "x86_64", not(debug_assertions)))]
         Found::Avx512(_, avx512) => Simd::vectorize(avx512, work),
         _ => dispatch(work),
     }
