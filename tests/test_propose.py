@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -77,6 +78,33 @@ def test_what_is_printed_is_what_the_command_line_adds(
     assert ended.code == 0, ended.err
     for name, estimate in first.params.items():
         assert ended.document["params"][f"law.{name}"]["value"] == pytest.approx(estimate.value, rel=1e-3)
+
+
+def test_where_no_formula_fits_the_curve_itself_is_a_law(tmp_path: Path) -> None:
+    plain = kc.simulate("knob4", "sweep", duration_s=5.0, seed=3)
+    motion = kc.motion("sweep", 5.0)
+    pads = ((3.0, -0.8, 0.12), (1.5, -0.35, 0.1), (3.5, 0.35, 0.1), (2.0, 0.8, 0.15))
+    drag = sum(1e-3 * high * np.exp(-(((motion.theta - at) / wide) ** 2)) for high, at, wide in pads)
+    worn = dataclasses.replace(plain, tau=plain.tau + drag * motion.omega)
+    story = kc.learn(worn, without=COUPLINGS)
+    found = story.propose()
+    *formulas, last = found.laws
+    assert last.document()["law"] is None and last.label == "a curve over theta, times omega"
+    assert last.label in repr(found) and found.plot().axes
+    assert min(one.rmse for one in formulas) > 1.3 * story.noise_floor
+    assert last.rmse < 1.02 * story.noise_floor and last.rmse < last.rmse_heldout < 1.05 * story.noise_floor
+    assert last in found.front and last.complexity > max(one.complexity for one in formulas)
+    taken = story.accept(found, len(found), "worn")
+    assert taken.after.complete and taken.fit.rmse_heldout < 1.05 * story.noise_floor
+    taken.model.save(tmp_path / "worn.toml")
+    kc.forget_effect("worn")
+    # What another session reads from the file is the drag that was there, and can be felt.
+    model = kc.Model.load(tmp_path / "worn.toml")
+    learned, clean = (kc.simulate(one, "sweep", duration_s=5.0, noise="none") for one in (model, "knob4"))
+    off = learned.tau - clean.tau - drag * motion.omega
+    assert np.sqrt(np.mean(off**2)) < 0.3 * story.noise_floor
+    hand = kc.Renderer(model, 5000.0)
+    assert all(np.isfinite(hand.step(0.3, 2.0)) for _ in range(500))
 
 
 def test_nothing_is_proposed_for_a_knob_of_which_nothing_is_missing() -> None:

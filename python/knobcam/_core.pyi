@@ -296,13 +296,14 @@ def in_place(
     other: str,
     progress: Callable[[float], object] | None = None,
 ) -> Fit | None: ...
+
+_Law = tuple[str, list[tuple[str, float]], list[str], float, bool, int]
+
 def propose(
     data: Sequence[Signals],
     model: Model,
     progress: Callable[[float], object] | None = None,
-) -> tuple[
-    list[tuple[str, list[tuple[str, float]], list[str], float, bool, int]], float, dict[str, Any] | None
-]: ...
+) -> tuple[list[_Law], float, dict[str, Any] | None, tuple[_Law, float] | None]: ...
 def pairs(
     data: Sequence[Signals],
     model: Model,

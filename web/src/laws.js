@@ -47,10 +47,10 @@ export class Laws {
   }
 
   /** @param {Law} row @param {number} number @param {number} rmse what is left without it */
-  item({ label, words, rmse: left, start }, number, rmse) {
+  item({ label, law, words, rmse: left, start }, number, rmse) {
     const edit = make("button", {
       ...{ type: "button", text: "Edit…", "aria-label": `edit law ${number}`, title: "as a formula of your own" },
-      on: { click: () => edited(label, start) },
+      on: { click: () => edited(law, start) },
     });
     const take = make("button", {
       ...{ type: "submit", text: "Add", "aria-label": `add law ${number}` },

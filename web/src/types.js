@@ -64,8 +64,9 @@
  */
 
 /**
- * A formula that would explain what no effect does, in words; its values as one types them to `start`.
- * @typedef {{label: string, rmse: number, rmse_heldout: number | null, words: string[], start: string}} Law
+ * What would explain what no effect does, in words; `law` and its values as one types them to `start`.
+ * @typedef {{label: string, rmse: number, rmse_heldout: number | null, law: string, words: string[],
+ *   start: string}} Law
  */
 
 /**

@@ -4,7 +4,7 @@ use super::model::PyModel;
 use super::progress::Progress;
 use super::signals::PySignals;
 use super::user::watched;
-use knobcore::propose::propose as propose_core;
+use knobcore::propose::{Law, propose as propose_core};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -12,8 +12,12 @@ use pyo3::types::PyDict;
 /// complexity.
 type LawRow = (String, Vec<(String, f64)>, Vec<&'static str>, f64, bool, usize);
 
-/// Laws for what a fitted model leaves, best first, the chance of the first where nothing is missing, and the curve of what
-/// is left (a dict with the fields of `Curve`), if there is one. `progress` as of `diagnose`.
+/// Laws, the chance of the first, what is left as a curve, and the spline that is a law with what it leaves.
+type Answer<'py> = (Vec<LawRow>, f64, Option<Bound<'py, PyDict>>, Option<(LawRow, f64)>);
+
+/// Laws for what a fitted model leaves, best first, the chance of the first where nothing is missing, the curve of what
+/// is left (a dict with the fields of `Curve`), if there is one, and a spline that explains more than each law with what it
+/// leaves on blocks that it did not see, as a share, if one does. `progress` as of `diagnose`.
 #[pyfunction]
 #[pyo3(signature = (data, model, progress=None))]
 pub fn propose<'py>(
@@ -21,25 +25,24 @@ pub fn propose<'py>(
     data: Vec<PyRef<'py, PySignals>>,
     model: &PyModel,
     progress: Option<Py<PyAny>>,
-) -> PyResult<(Vec<LawRow>, f64, Option<Bound<'py, PyDict>>)> {
+) -> PyResult<Answer<'py>> {
     let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
     let (model, signals) = (&model.0, &signals[..]);
     let progress = Progress::of(progress);
     let found = watched(py, model, || propose_core(signals, model, &|share| progress.tell(share)))?;
     let found = progress.ended(found)?;
-    let laws = found
-        .laws
-        .into_iter()
-        .map(|law| (law.text, law.params, law.variables, law.gain, law.alike, law.complexity));
+    let row = |law: Law| (law.text, law.params, law.variables, law.gain, law.alike, law.complexity);
+    let laws = found.laws.into_iter().map(row);
     let curve = found.curve.map(|curve| {
-        let row = PyDict::new(py);
-        row.set_item("over", curve.over)?;
-        row.set_item("times", curve.times)?;
+        let told = PyDict::new(py);
+        told.set_item("over", curve.over)?;
+        told.set_item("times", curve.times)?;
         for (name, column) in [("x", &curve.x), ("value", &curve.value), ("band", &curve.band)] {
-            row.set_item(name, array(py, column))?;
+            told.set_item(name, array(py, column))?;
         }
-        row.set_item("laws", curve.laws.iter().map(|law| array(py, law)).collect::<Vec<_>>())?;
-        Ok::<_, PyErr>(row)
+        told.set_item("laws", curve.laws.iter().map(|law| array(py, law)).collect::<Vec<_>>())?;
+        Ok::<_, PyErr>(told)
     });
-    Ok((laws.collect(), found.p_value, curve.transpose()?))
+    let spline = found.spline.map(|spline| (row(spline.law), spline.heldout));
+    Ok((laws.collect(), found.p_value, curve.transpose()?, spline))
 }

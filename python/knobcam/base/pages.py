@@ -122,8 +122,9 @@ class Candidates(TypedDict):
 
 
 class Law(LadderStep):
-    """A formula that would explain what no effect does, in words; its values as one types them to `start`."""
+    """What would explain what no effect does, in words; `law` and its values as one types them to `start`."""
 
+    law: str
     words: list[str]
     start: str
 

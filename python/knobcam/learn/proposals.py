@@ -58,6 +58,8 @@ class Proposal:
     """A law that could be what is missing: `fit` is the whole model fitted with it under the name `name`.
 
     `gain` is what it takes off the sum of squares in variances of the raw noise, `complexity` how long it is.
+    Of a curve without a formula `law` is a spline, `complexity` how many numbers the data decide of it, and
+    `unseen` its RMS error on blocks that were left out while it was drawn, N m; None for a formula.
     """
 
     law: str
@@ -66,6 +68,16 @@ class Proposal:
     fit: Fit
     gain: float
     complexity: int
+    unseen: float | None = None
+
+    @property
+    def label(self) -> str:
+        """The formula, or of what the curve is one, N m."""
+        if self.unseen is None:
+            return self.law
+        before, _, inside = self.law.partition("*spline((")
+        times = before.removeprefix("a").removeprefix("*")
+        return f"a curve over {inside.partition(' - from')[0]}" + (f", times {times}" if times else "")
 
     @property
     def params(self) -> Mapping[str, Estimate]:
@@ -81,12 +93,12 @@ class Proposal:
     @property
     def rmse_heldout(self) -> float:
         """The same on blocks that the fit did not see, N m."""
-        return self.fit.rmse_heldout
+        return self.fit.rmse_heldout if self.unseen is None else self.unseen
 
     @property
     def score(self) -> float:
         """Its gain less the price of its parameters."""
-        return self.gain - RULE.price * len(self.params)
+        return self.gain - RULE.price * (len(self.params) if self.unseen is None else self.complexity)
 
     @property
     def start(self) -> dict[str, float]:
@@ -106,7 +118,8 @@ class Proposal:
     def document(self) -> dict[str, Any]:
         """Return it as `proposals` of `knobcam learn --json` has it."""
         return {
-            "law": self.law,
+            "law": self.law if self.unseen is None else None,
+            "written": self.law,
             "variables": list(self.variables),
             "params": documented(self.params),
             "rmse": self.rmse,
@@ -140,7 +153,7 @@ class Proposals(showing.Tabled):
         first = self.laws[0]
         beside = ", ".join(self.beside.model.effects)
         return (
-            f"Beside {beside}, {first.law} would leave {first.rmse:.4g} of {self.beside.rmse:.4g} "
+            f"Beside {beside}, {first.label} would leave {first.rmse:.4g} of {self.beside.rmse:.4g} "
             f"{self.beside.torque_unit} (noise alone {self.beside.noise_floor:.4g}); "
             f"chance gives as much with p {p_in_words(self.p_value)}. It is proposed, not found."
         )
@@ -173,7 +186,7 @@ class Proposals(showing.Tabled):
         return [
             (
                 str(number),
-                one.law,
+                one.label,
                 ", ".join(one.variables),
                 str(one.complexity),
                 f"{one.rmse:.4g}",
@@ -218,7 +231,7 @@ def propose(story: LearningResult, progress: Callable[[float], object] | None = 
     if best[1] and (detented := _detented(best[0], best[1][0])) is not None:
         found.append((detented, *_core.propose(cores(detented), detented.core.model, progress)))
         best = max(found, key=lambda one: _speaks(story, one[0], one[1]))
-    fit, laws, p_value, curve = best
+    fit, laws, p_value, curve, spline = best
     none = Proposals(fit, p_value=p_value)
     if _closed(story) and _speaks(story, fit, laws) <= _speaks(story, last, []) + RULE.alike:
         return replace(none, why="what came in explains as much, and has names")
@@ -227,6 +240,9 @@ def propose(story: LearningResult, progress: Callable[[float], object] | None = 
     ordered = _ordered([(_fitted(fit, row), row[4]) for row in laws[:FITTED]])
     if (name := _named(story, fit, ordered[0])) is not None:
         return replace(none, why=f"{name} explains as much, and has a name")
+    if spline is not None:
+        row, unseen = spline
+        ordered = (*ordered, replace(_fitted(fit, row), unseen=unseen * fit.rmse))
     drawn = None if curve is None else _drawn(curve, [row[0] for row in laws])
     return Proposals(fit, ordered, p_value, drawn)
 

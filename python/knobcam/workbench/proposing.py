@@ -162,7 +162,8 @@ def _law(one: Proposal, front: bool) -> pages.Law:
     words.append(f"of {', '.join(one.variables)}")
     words += ["no shorter law is as good"] if front else []
     return {
-        "label": one.law,
+        "label": one.label,
+        "law": one.law,
         "rmse": one.rmse,
         "rmse_heldout": one.rmse_heldout,
         "words": words,

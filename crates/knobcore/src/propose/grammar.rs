@@ -78,16 +78,20 @@ impl Powers {
     pub const NONE: Self = Self { of: &[], signed: false };
     /// The sign of the velocity.
     pub const SIGN: Self = Self { of: &[], signed: true };
+    /// The velocity.
+    pub const OMEGA: Self = Self { of: &[(Variable::Omega, 1)], signed: false };
+    /// The acceleration.
+    pub const ALPHA: Self = Self { of: &[(Variable::Alpha, 1)], signed: false };
     /// Those that mechanics knows: stiffness, drag, inertia and what pushes with the square of the speed.
     pub const ALL: &'static [Self] = &[
         Self::NONE,
         Self::SIGN,
-        Self { of: &[(Variable::Omega, 1)], signed: false },
+        Self::OMEGA,
         Self { of: &[(Variable::Speed, 1)], signed: false },
         Self { of: &[(Variable::Omega, 2)], signed: false },
         Self { of: &[(Variable::Omega, 1), (Variable::Speed, 1)], signed: false },
         Self { of: &[(Variable::Omega, 3)], signed: false },
-        Self { of: &[(Variable::Alpha, 1)], signed: false },
+        Self::ALPHA,
         Self { of: &[(Variable::Alpha, 2)], signed: false },
         Self { of: &[(Variable::Alpha, 3)], signed: false },
         Self { of: &[(Variable::Theta, 1)], signed: false },

@@ -10,6 +10,7 @@ mod follow;
 mod grammar;
 mod rows;
 mod scan;
+mod spline;
 #[cfg(test)]
 mod tests;
 
@@ -26,6 +27,7 @@ use follow::{Followed, Reach};
 use grammar::{Factor, Powers, Term, Variable};
 use rows::Rows;
 use scan::{Seen, functions, scan, sines, turning, widened};
+pub use spline::Written;
 
 /// Rows that tell what is fast.
 const MEDIUM: usize = 8000;
@@ -83,6 +85,8 @@ pub struct Proposed {
     pub p_value: f64,
     /// What is left as a curve over the variable of the first law.
     pub curve: Option<Curve>,
+    /// A spline that explains more than each of the laws, if one does.
+    pub spline: Option<Written>,
 }
 
 /// Laws for what a fitted model leaves of captures; None if `tell` no longer wanted it.
@@ -91,7 +95,7 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
     let (fine, squares) = Rows::of(data, model);
     let noises = noises(data, model);
     let floor = Floor::with(data, &noises);
-    let none = Proposed { laws: Vec::new(), p_value: 1.0, curve: None };
+    let none = Proposed { laws: Vec::new(), p_value: 1.0, curve: None, spline: None };
     let white = floor.white;
     if !(white > 0.0 && floor.squares.is_finite()) || fine.len() == 0 {
         return Some(none);
@@ -148,7 +152,9 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
             complexity: one.term.complexity(),
         }
     };
-    Some(Proposed { laws: ended.into_iter().map(law).collect(), p_value, curve })
+    let laws: Vec<Law> = ended.into_iter().map(law).collect();
+    let spline = spline::beyond(&laws, [&fine, &rows[1]], &of, &reach, white);
+    Some(Proposed { laws, p_value, curve, spline })
 }
 
 /// Of laws, best first, those that pay for their length: no shorter one explains as much; those that explain as much as the

@@ -124,22 +124,20 @@ impl<'a> Rows<'a> {
 
     /// The columns of a law as they count, off the base: behind the measurement filter where all samples are known.
     pub fn columns(&self, term: &Term) -> Vec<Vec<f64>> {
+        self.over(|motions| term.columns(motions))
+    }
+
+    /// The same of any columns of the motion.
+    pub fn over(&self, columns: impl Fn(&Motions) -> Vec<Vec<f64>>) -> Vec<Vec<f64>> {
         match &self.exact {
-            Some(exact) => {
-                term.columns(&exact.whole).into_iter().map(|column| self.measured(column)).collect()
-            }
-            None => self.seen(term),
+            Some(exact) => columns(&exact.whole).into_iter().map(|column| self.measured(column)).collect(),
+            None => columns(&self.motions).into_iter().map(|column| self.counted(column)).collect(),
         }
     }
 
     /// The same as if there were no filter.
     pub fn seen(&self, term: &Term) -> Vec<Vec<f64>> {
         term.columns(&self.motions).into_iter().map(|column| self.counted(column)).collect()
-    }
-
-    /// The motion of all samples of all segments, where they are known.
-    pub fn whole(&self) -> Option<&Motions> {
-        self.exact.as_ref().map(|exact| &exact.whole)
     }
 
     /// A column over all samples as it counts behind the measurement filter, off the base; nothing of rows that do not know

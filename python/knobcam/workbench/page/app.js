@@ -732,10 +732,10 @@ var Laws = class {
     }
   }
   /** @param {Law} row @param {number} number @param {number} rmse what is left without it */
-  item({ label, words: words3, rmse: left, start }, number2, rmse) {
+  item({ label, law, words: words3, rmse: left, start }, number2, rmse) {
     const edit = make("button", {
       ...{ type: "button", text: "Edit…", "aria-label": `edit law ${number2}`, title: "as a formula of your own" },
-      on: { click: () => edited(label, start) }
+      on: { click: () => edited(law, start) }
     });
     const take = make("button", {
       ...{ type: "submit", text: "Add", "aria-label": `add law ${number2}` },

@@ -212,7 +212,7 @@ fn written(law: &Formula, names: &[String]) -> (String, String) {
     let mut texts: Vec<(String, u8)> = Vec::new();
     let (mut lines, mut kept) = (String::new(), 0);
     for (node, uses) in nodes.iter().zip(uses) {
-        let mut text = said(node, &texts, names);
+        let mut text = said(node, &texts, names, &law.splines);
         if uses > 1 && !node.is_leaf() {
             kept += 1;
             lines.push_str(&format!("        let part_{kept} = {};\n", text.0));
@@ -229,7 +229,7 @@ const PRODUCT: u8 = 1;
 const SIGNED: u8 = 2;
 const ATOM: u8 = 3;
 
-fn said(node: &Node, texts: &[(String, u8)], names: &[String]) -> (String, u8) {
+fn said(node: &Node, texts: &[(String, u8)], names: &[String], splines: &[Vec<f64>]) -> (String, u8) {
     let [left, right] = node.of.map(|at| texts.get(at).cloned().unwrap_or_default());
     let within = |(text, holds): &(String, u8), least: u8| {
         if *holds < least { format!("({text})") } else { text.clone() }
@@ -261,5 +261,9 @@ fn said(node: &Node, texts: &[(String, u8)], names: &[String]) -> (String, u8) {
         Op::Call(Function::Min) => method(&format!("min({})", plain(&right))),
         Op::Call(Function::Max) => method(&format!("max({})", plain(&right))),
         Op::Call(function) => called(function.name()),
+        Op::Spline(at) => {
+            let high = splines.get(at).map(Vec::as_slice).unwrap_or_default();
+            (format!("formula::spline(&{high:?}, {})", plain(&left)), ATOM)
+        }
     }
 }

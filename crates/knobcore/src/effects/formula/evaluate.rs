@@ -1,7 +1,7 @@
 //! A law at work: act by act over numbers, packs of samples, or either with derivatives, without allocation.
 
 use super::distance::distance;
-use super::functions::{called, power, raised};
+use super::functions::{called, power, raised, spline};
 use super::parse::PARAMETERS;
 use super::program::{Act, KEPT, Source};
 use super::{Formula, Function, Op, Variable};
@@ -67,6 +67,7 @@ impl Formula {
                 Act::ToThe(source) => power(last, from(source)),
                 Act::Exponent(source) => power(from(source), last),
                 Act::Call(function) => called(function, last),
+                Act::Spline(at) => spline(self.splines.get(usize::from(at)).map_or(&[], Vec::as_slice), last),
             };
         }
         last
@@ -214,6 +215,6 @@ pub(super) fn applied(op: Op, left: f64, right: f64) -> f64 {
         Op::Call(Function::Max) => Scalar::max(left, right),
         Op::Call(function) => called(function, left),
         Op::Number(x) => x,
-        Op::Motion(_) | Op::Parameter(_) => f64::NAN,
+        Op::Motion(_) | Op::Parameter(_) | Op::Spline(_) => f64::NAN,
     }
 }

@@ -67,3 +67,19 @@ pub(crate) fn power<T: Scalar>(x: T, y: T) -> T {
     let zero = y.where_positive(T::of(0.0), (-y).where_positive(T::of(f64::INFINITY), T::of(1.0)));
     x.where_positive((base.ln() * y).exp(), (-x).where_positive(T::of(f64::NAN), zero))
 }
+
+/// A sum of cubic B-splines (Schoenberg 1946), one at each whole number from 0 on, so many times high: nought from two
+/// beyond the first and the last on.
+#[inline(always)]
+pub(crate) fn spline<T: Scalar>(high: &[f64], x: T) -> T {
+    let cubed = |x: T| x * x * x;
+    let (mut sum, mut from) = (T::ZERO, x);
+    for high in high {
+        let far = from.abs();
+        let wide = cubed((T::of(2.0) - far).max(T::ZERO));
+        let narrow = cubed((T::of(1.0) - far).max(T::ZERO));
+        sum = sum + (wide - narrow * T::of(4.0)) * T::of(high / 6.0);
+        from = from - T::of(1.0);
+    }
+    sum
+}

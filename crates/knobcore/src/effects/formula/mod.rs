@@ -2,7 +2,8 @@
 //! numbers, for packs of samples and with exact derivatives. No code of anybody is run.
 //!
 //! Names that stand for the motion are `t`, `theta`, `omega`, `alpha`, `direction` (of the motion, -1 to 1; also
-//! `sign(omega)`) and `s` (the distance since the last reversal); every other name is a parameter.
+//! `sign(omega)`) and `s` (the distance since the last reversal); every other name is a parameter. What no formula says is
+//! written as a spline through numbers.
 
 mod catalogued;
 mod distance;
@@ -23,7 +24,7 @@ pub(crate) use distance::{STATES, follow};
 pub(crate) use evaluate::Room;
 // What a file of the catalogue that was written from a formula may call.
 #[allow(unused_imports)]
-pub(crate) use functions::{log, power, raised, sign, tan, tanh};
+pub(crate) use functions::{log, power, raised, sign, spline, tan, tanh};
 pub use parse::Mistake;
 use parse::PARAMETERS;
 use std::collections::HashMap;
@@ -161,6 +162,8 @@ enum Op {
     Raise(f64),
     /// To any power.
     Power,
+    /// A spline through values that are written there.
+    Spline(usize),
     Call(Function),
 }
 
@@ -169,7 +172,7 @@ impl Op {
     fn takes(self) -> usize {
         match self {
             Self::Number(_) | Self::Motion(_) | Self::Parameter(_) => 0,
-            Self::Negate | Self::Raise(_) => 1,
+            Self::Negate | Self::Raise(_) | Self::Spline(_) => 1,
             Self::Add | Self::Subtract | Self::Multiply | Self::Divide | Self::Power => 2,
             Self::Call(function) => function.takes(),
         }
@@ -189,6 +192,8 @@ pub struct Formula {
     text: String,
     steps: Vec<Step>,
     params: Vec<String>,
+    /// Values of its splines.
+    splines: Vec<Vec<f64>>,
     program: Vec<program::Act>,
     remembers: bool,
 }
@@ -199,10 +204,10 @@ impl Formula {
     /// # Errors
     /// What is wrong with it, and at which character.
     pub fn parse(text: &str) -> Result<Self, Mistake> {
-        let (steps, params) = parse::parsed(text)?;
+        let parse::Parsed { steps, params, splines } = parse::parsed(text)?;
         let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
         let remembers = steps.iter().any(|step| step.op == Op::Motion(Variable::Distance));
-        Ok(Self { text, program: program::program(&steps), steps, params, remembers })
+        Ok(Self { text, program: program::program(&steps), steps, params, splines, remembers })
     }
 
     /// As it was written.

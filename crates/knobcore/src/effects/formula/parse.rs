@@ -8,6 +8,10 @@ const LONGEST: usize = 1000;
 const STEPS: usize = 200;
 /// Numbers that are kept at a time while it is evaluated, and brackets within brackets.
 const DEPTH: usize = 32;
+/// Values of a spline: at least those of one piece, and no more than anybody looks at.
+const VALUES: std::ops::RangeInclusive<usize> = 4..=64;
+/// How a spline is written.
+pub(super) const SPLINE: &str = "spline";
 /// Parameters of a law.
 pub(super) const PARAMETERS: usize = 12;
 
@@ -20,8 +24,17 @@ pub struct Mistake {
     pub why: String,
 }
 
-/// The steps of a law, and its parameters in the order in which they stand there.
-pub(super) fn parsed(text: &str) -> Result<(Vec<Step>, Vec<String>), Mistake> {
+/// What a law was read as.
+pub(super) struct Parsed {
+    pub steps: Vec<Step>,
+    /// Its parameters in the order in which they stand there.
+    pub params: Vec<String>,
+    /// Values of its splines.
+    pub splines: Vec<Vec<f64>>,
+}
+
+/// Reads a law.
+pub(super) fn parsed(text: &str) -> Result<Parsed, Mistake> {
     let count = text.chars().count();
     if count > LONGEST {
         return Err(Mistake { at: LONGEST, why: format!("has {count} characters; {LONGEST} are the most") });
@@ -32,13 +45,14 @@ pub(super) fn parsed(text: &str) -> Result<(Vec<Step>, Vec<String>), Mistake> {
         end: count,
         steps: Vec::new(),
         params: Vec::new(),
+        splines: Vec::new(),
         deep: 0,
         kept: 0,
         bar: false,
     };
     reader.sum()?;
     match reader.peek() {
-        None => Ok((reader.steps, reader.params)),
+        None => Ok(Parsed { steps: reader.steps, params: reader.params, splines: reader.splines }),
         Some(_) => Err(reader
             .mistake("has nothing to stand for here; an operator is missing, or a bracket is one too many")),
     }
@@ -100,6 +114,7 @@ struct Reader {
     end: usize,
     steps: Vec<Step>,
     params: Vec<String>,
+    splines: Vec<Vec<f64>>,
     deep: usize,
     kept: usize,
     /// Whether what was opened last is a bar, which the next one then closes.
@@ -273,7 +288,35 @@ impl Reader {
         Err(self.mistake(&format!("wants the '{sign}' of what opened at character {}", opened + 1)))
     }
 
+    /// spline(x, 0.1, -0.2, ...): what goes through numbers that are written there.
+    fn spline(&mut self, at: usize) -> Result<(), Mistake> {
+        if !self.takes('(') {
+            return Err(self.mistake("wants (spline of what, and its values?): write spline(x, 0, 1, ...)"));
+        }
+        self.within(false)?;
+        let mut values = Vec::new();
+        while self.takes(',') {
+            let sign = if self.takes('-') { -1.0 } else { 1.0 };
+            let Some(&Token::Number(x)) = self.peek() else {
+                return Err(self.mistake("wants a number: the values of a spline are written out"));
+            };
+            self.at += 1;
+            values.push(sign * x);
+        }
+        self.close(')', at)?;
+        if !VALUES.contains(&values.len()) {
+            let (least, most) = (VALUES.start(), VALUES.end());
+            let why = format!("a spline of {} values; it takes {least} to {most}", values.len());
+            return Err(Mistake { at, why });
+        }
+        self.splines.push(values);
+        self.put(at, Op::Spline(self.splines.len() - 1))
+    }
+
     fn named(&mut self, at: usize, name: String) -> Result<(), Mistake> {
+        if name == SPLINE {
+            return self.spline(at);
+        }
         if let Some(function) = Function::named(&name) {
             if !self.takes('(') {
                 return Err(self.mistake(&format!("wants ({name} of what?): write {name}(...)")));
@@ -305,7 +348,7 @@ impl Reader {
         }
         if self.peek() == Some(&Token::Sign('(')) && name.len() > 1 && !self.params.contains(&name) {
             let known: Vec<&str> = Function::ALL.iter().map(|function| function.name()).collect();
-            let why = format!("'{name}' is no function; known are {}", known.join(", "));
+            let why = format!("'{name}' is no function; known are {}, {SPLINE}", known.join(", "));
             return Err(Mistake { at, why });
         }
         let place = self.params.iter().position(|known| *known == name).unwrap_or(self.params.len());

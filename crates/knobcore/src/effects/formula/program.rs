@@ -38,6 +38,7 @@ pub(super) enum Act {
     ToThe(Source),
     Exponent(Source),
     Call(Function),
+    Spline(u8),
 }
 
 /// The acts of a law, in the order in which they are done.
@@ -111,6 +112,7 @@ impl Writer<'_> {
                 Op::Raise(2.0) => Act::Square,
                 Op::Raise(exponent) => Act::Raise(exponent),
                 Op::Call(function) => Act::Call(function),
+                Op::Spline(place) => Act::Spline(place as u8),
                 _ => return,
             }
         };

@@ -37,7 +37,7 @@ pub(super) fn tree(steps: &[Step]) -> Vec<Node> {
             _ => None,
         };
         let op = match (step.op.takes(), number(of[0]), number(of[1])) {
-            (1, Some(x), _) => Op::Number(applied(step.op, x, x)),
+            (1, Some(x), _) if !matches!(step.op, Op::Spline(_)) => Op::Number(applied(step.op, x, x)),
             (2, Some(left), Some(right)) => Op::Number(applied(step.op, left, right)),
             _ => step.op,
         };

@@ -4,6 +4,7 @@
 //! what a function is asked of must be a pure number (an angle too for sine and cosine), the whole must be the answer's:
 //! linear equations, solved one after the other so that the first that cannot hold is named.
 
+use super::parse::SPLINE;
 use super::{Formula, Function, Mistake, Op, Variable};
 use crate::param::{Axis, Unit};
 use std::collections::HashMap;
@@ -167,13 +168,19 @@ pub(super) fn inferred(
                 }
                 Powers::pure(count)
             }
-            Op::Call(function) => {
-                let angle = matches!(function, Function::Sin | Function::Cos | Function::Tan);
+            Op::Call(_) | Op::Spline(_) => {
+                let (name, angle) = match step.op {
+                    Op::Call(function @ (Function::Sin | Function::Cos | Function::Tan)) => {
+                        (function.name(), true)
+                    }
+                    Op::Call(function) => (function.name(), false),
+                    _ => (SPLINE, false),
+                };
                 if !checked.nought(&right, angle) {
                     let of =
                         right.text().map_or_else(|| "what has a unit".into(), |text| format!("of {text}"));
                     let want = if angle { "an angle or a pure number" } else { "a pure number" };
-                    return Err(Mistake { at, why: format!("{} {of}: it takes {want}", function.name()) });
+                    return Err(Mistake { at, why: format!("{name} {of}: it takes {want}") });
                 }
                 Powers::pure(count)
             }

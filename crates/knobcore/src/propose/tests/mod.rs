@@ -5,8 +5,11 @@ use super::*;
 use crate::effects::formula::Formula;
 use crate::fit::refine;
 use crate::model::Run;
+use crate::motion::Motion;
+use crate::param::Unit;
 use crate::predict;
 use crate::random;
+use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 const RATE_HZ: f64 = 1000.0;
@@ -133,6 +136,40 @@ fn the_curve_of_what_is_left_is_its_law_where_the_model_absorbs_nothing_of_it() 
             assert!((value - 3e-3 * (5.0 * x).sin()).abs() < 3.0 * band + 2e-4, "{x}: {value} {band}");
         }
     }
+}
+
+#[test]
+fn what_no_formula_says_is_written_as_a_spline_and_what_one_does_is_not() {
+    let bump = |x: f64, c: f64, w: f64| (-((x - c) / w).powi(2)).exp();
+    let relief = |x: f64| {
+        6e-3 * bump(x, -0.9, 0.15) - 5e-3 * bump(x, -0.2, 0.2) + 7e-3 * bump(x, 0.4, 0.1)
+            - 4e-3 * bump(x, 0.8, 0.3)
+    };
+    let (signals, model) = turned(|(_, theta, omega, _)| relief(theta) * omega, 9);
+    let found = propose(&[&signals], &model, &|_| true).unwrap();
+    let Written { law, heldout } = found.spline.unwrap();
+    let formula = Formula::parse(&law.text).unwrap();
+    assert_eq!(formula.params(), ["a", "from", "step"]);
+    assert_eq!(law.variables, ["omega", "theta"]);
+    assert_eq!(formula.units(&HashMap::new(), Unit::of(1, 0, 0)).unwrap()[0], Unit::of(1, -1, 1));
+    let p: Vec<f64> = law.params.iter().map(|(_, value)| *value).collect();
+    for x in (-9..=9).map(|at| 0.1 * f64::from(at)) {
+        let own = formula.at(&p, &Motion::exact(0.0, x, 2.0, 0.0)) / 2.0;
+        assert!((own - relief(x)).abs() < 7e-4, "{x}: {own} {}", relief(x));
+    }
+    assert!((10..=39).contains(&law.complexity), "{}", law.complexity);
+    // Blocks at the ends of the motion are told less surely.
+    let unseen = heldout.powi(2) * squares(&signals, &model) / (SD * SD);
+    assert!((1.0..1.08).contains(&unseen), "{unseen}");
+    let (signals, model) = turned(|(_, theta, omega, _)| 3e-3 * omega * (5.0 * theta).sin(), 9);
+    assert!(propose(&[&signals], &model, &|_| true).unwrap().spline.is_none());
+}
+
+/// The mean square of what a model leaves.
+fn squares(signals: &Signals, model: &Model) -> f64 {
+    let off =
+        predict::torque_raw(model, signals).into_iter().zip(&signals.tau_raw).map(|(a, b)| (a - b).powi(2));
+    off.sum::<f64>() / signals.len() as f64
 }
 
 #[test]

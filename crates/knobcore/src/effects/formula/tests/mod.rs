@@ -43,6 +43,8 @@ fn formulas_are_read_as_people_write_them() {
         ("tanh(0.5)", 0.5_f64.tanh()),
         ("tan(0.5) - log(2.5)", 0.5_f64.tan() - 2.5_f64.ln()),
         (".5alpha", 3.5),
+        ("spline(theta, 0, -3, 0, 0)", -(5.832 - 2.048) / 2.0),
+        ("spline(2 theta, 1, 1, 1, 1, 1, 1) + spline(-theta - 0.8, 1, 1, 1, 1)", 1.0),
     ] {
         assert!((value(text, &[]) - is).abs() < 1e-13, "{text}: {} {is}", value(text, &[]));
     }
@@ -75,6 +77,10 @@ fn what_is_no_law_is_refused_at_its_place() {
         ("theta", 0, "another unit"),
         ("a b omega", 0, "does not follow"),
         ("a sin(omega)", 2, "sin of rad/s"),
+        ("a spline(theta)", 2, "0 values"),
+        ("a spline(theta/w, 1, 2, b)", 24, "written out"),
+        ("a spline theta", 9, "spline("),
+        ("a spline(theta, 1, 2, 3, 4)", 2, "spline of rad"),
     ] {
         let found = mistake(text);
         assert!(found.at == at && found.why.contains(said), "{}: {found:?}", &text[..text.len().min(40)]);
@@ -115,7 +121,9 @@ fn parameters_that_the_law_is_proportional_to_are_found() {
 
 #[test]
 fn derivatives_are_exact_and_packs_answer_as_single_samples() {
-    let law = law("a sin(n theta) exp(-t/tau) + b tanh(omega/w)/(1 + |alpha|^1.5 c)");
+    let law = law(
+        "a sin(n theta) exp(-t/tau) + b tanh(omega/w)/(1 + |alpha|^1.5 c) + b spline(theta/w, 1, -2, 1, 3)",
+    );
     let p = [0.3, 5.0, 0.7, 0.2, 1.1, 0.4];
     let columns: [Vec<f64>; 5] = std::array::from_fn(|i| {
         (0..21_u32).map(|k| (f64::from(k) * 0.37 + i as f64).sin() + 1.5 * f64::from(i == 0)).collect()
