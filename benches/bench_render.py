@@ -83,6 +83,26 @@ def step_works(model: kc.Model) -> tuple[Callable[[], float], Callable[[], float
     return ours, python
 
 
+def formula_works() -> dict[str, Callable[[], np.ndarray]]:
+    """The sweep of knob 4 with a drag that is written as a formula, and with the same of the catalogue."""
+    motion, knob = sweep(), kc.Model.load("knob4")
+    kc.own_law("drag_by_formula", "d omega |omega|")
+    drags = {"as a formula": "drag_by_formula", "of the catalogue": "quadratic_drag"}
+
+    def work(name: str) -> Callable[[], np.ndarray]:
+        renderer = kc.Renderer(knob.with_effect(name).with_value(f"{name}.d", 1e-4), RATE_HZ)
+
+        def along() -> np.ndarray:
+            renderer.reset()
+            return renderer.along(*motion)
+
+        return along
+
+    works = {said: work(name) for said, name in drags.items()}
+    np.testing.assert_allclose(works["as a formula"](), works["of the catalogue"](), rtol=1e-9, atol=1e-15)
+    return works
+
+
 SHARES = {"presliding.w1": 0.3, "presliding.w3": 0.2, "presliding.w5": 0.1, "presliding.s": 0.05}
 
 
@@ -145,6 +165,12 @@ def test_single_steps(benchmark, name):
     benchmark(ours if name == "knobcam" else python)
 
 
+@pytest.mark.parametrize("name", ["as a formula", "of the catalogue"])
+def test_formula(benchmark, name):
+    benchmark.group = f"render {SAMPLES} samples with a drag"
+    benchmark(formula_works()[name])
+
+
 @pytest.mark.parametrize("name", ["knobcam", "odeint, numba right-hand side", "numba loop"])
 def test_presliding(benchmark, name):
     check_presliding()
@@ -166,6 +192,9 @@ def rows() -> Iterator[Row]:
     ours_steps, python = step_works(knobs()["knob 4"])
     work = f"{STEPS:,} single steps from Python"
     yield Row(work, "plain Python", *ratio(ours_steps, python, 30), 2.0)
+    formula, catalogued = formula_works().values()
+    work = f"render {SAMPLES:,} samples with a drag as a formula"
+    yield Row(work, "the same of the catalogue", *ratio(formula, catalogued, 30), 0.5)
     check_presliding()
     ours, peers = presliding_works()
     reach = {"odeint, numba right-hand side": 30.0, "numba loop": 2.0}

@@ -121,6 +121,12 @@ def tilted_drag(rng: Rng, scene: Scene) -> Floats:
     return scene.track.omega * np.sin(scene.track.theta + rng.uniform(0.0, 2.0 * np.pi))
 
 
+def grease(rng: Rng, scene: Scene) -> Floats:
+    """A grease that thins as it is sheared (a power-law fluid): the drag grows with a root of the speed."""
+    omega = scene.track.omega
+    return np.sign(omega) * np.abs(omega) ** rng.uniform(0.4, 0.7)
+
+
 def _off(rng: Rng, scene: Scene, narrow: float, wide: float) -> Floats:
     """Distance from an angle within the motion, in widths."""
     theta = scene.track.theta
@@ -156,10 +162,11 @@ VARIABLES: dict[str, tuple[str, ...]] = {
     "cam": ("omega", "theta"),
     "gust": ("t",),
     "tilted_drag": ("omega", "theta"),
+    "grease": ("omega",),
 }
 """Of what each law is one; a sign or a magnitude of the velocity counts as the velocity."""
 
-NEVER_LOOKED_AT = ("growing_ripple", "fluid_mass", "cam", "gust", "tilted_drag")
+NEVER_LOOKED_AT = ("growing_ripple", "fluid_mass", "cam", "gust", "tilted_drag", "grease")
 """Of these no capture changed anything of the search."""
 
 LAWFUL: dict[str, Kind] = {name: _kind(globals()[name]) for name in VARIABLES}

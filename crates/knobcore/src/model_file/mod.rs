@@ -278,11 +278,13 @@ pub fn write(model: &Model) -> String {
     for place in [Place::Coupling, Place::Load, Place::Sensor] {
         for id in model.at(place) {
             let info = id.info();
-            let _ = write!(out, "\n[effects.{}] # {}\n", info.id, info.law);
+            let law = if let Id::User(user) = id { laws::written(user) } else { None };
+            // A law of its own has a line.
+            let said = if law.is_none() { format!(" # {}", info.law) } else { String::new() };
+            let _ = write!(out, "\n[effects.{}]{said}\n", info.id);
             if model.at_shaft(id) {
                 let _ = writeln!(out, "at = {SHAFT:?} # not on the knob behind the joint");
             }
-            let law = if let Id::User(user) = id { laws::written(user) } else { None };
             out.push_str(law.as_deref().unwrap_or_default());
             let own = model.slots().iter().enumerate().filter(|(_, slot)| slot.effect == id);
             for (at, slot) in own.filter(|(at, _)| !model.is_idle(*at)) {
