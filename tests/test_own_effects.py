@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import pickle
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -358,9 +359,9 @@ def from_plugin(motion, k):
 """
 
 
-@pytest.fixture
-def installed(tmp_path: Path) -> Path:
-    """A folder with an installed package that brings one effect, and one that is broken."""
+@pytest.fixture(params=["folder", "archive"])
+def installed(tmp_path: Path, request: pytest.FixtureRequest) -> Path:
+    """Where a package is installed that brings one effect, and one that is broken."""
     (tmp_path / "goodplug.py").write_text(PLUGIN)
     (tmp_path / "badplug.py").write_text("raise OSError('no magnet')")
     for name in ("goodplug", "badplug"):
@@ -368,6 +369,8 @@ def installed(tmp_path: Path) -> Path:
         about.mkdir()
         (about / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n")
         (about / "entry_points.txt").write_text(f"[knobcam.effects]\nmagnets = {name}\n")
+    if request.param == "archive":
+        return Path(shutil.make_archive(str(tmp_path / "packages"), "zip", tmp_path))
     return tmp_path
 
 

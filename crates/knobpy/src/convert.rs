@@ -24,13 +24,14 @@ pub fn input_error(error: Error) -> PyErr {
 
 /// A number as it comes in, by its name; NaN is one.
 pub fn number(name: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
-    value.extract().map_err(|_| {
-        let kind = value.get_type().name().map_or_else(|_| "value".to_owned(), |name| name.to_string());
-        input_error(Error::invalid(
-            name,
-            format!("is a {kind} and no number that a float holds; give one in SI"),
-        ))
-    })
+    value.extract().map_err(|_| no_number(name, value))
+}
+
+#[cold] // a render loop asks for numbers 5000 times a second, and gets them
+fn no_number(name: &str, value: &Bound<'_, PyAny>) -> PyErr {
+    let kind = value.get_type().name().map_or_else(|_| "value".to_owned(), |name| name.to_string());
+    let why = format!("is a {kind} and no number that a float holds; give one in SI");
+    input_error(Error::invalid(name, why))
 }
 
 /// A copy that Python owns.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 import stat
 from pathlib import Path
@@ -79,6 +78,8 @@ def parse_toml(path: str | os.PathLike[str], text: str, what: str, advice: str) 
 
 def digest(path: str | os.PathLike[str]) -> str:
     """Return the SHA-256 of a file, or of a folder's files with their names. InputError for anything else."""
+    import hashlib  # late, as above
+
     total = hashlib.sha256()
     if is_folder(path):
         try:

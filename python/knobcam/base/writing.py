@@ -11,8 +11,6 @@ from __future__ import annotations
 import errno
 import io
 import os
-import secrets
-import shutil
 import stat
 import threading
 from collections.abc import Callable, Iterator
@@ -296,6 +294,8 @@ def _keep(file: Path, kept: Path) -> None:
     try:
         os.link(file, kept)
     except OSError:
+        import shutil  # slow to load, and hardly ever needed
+
         shutil.copy2(file, kept)
 
 
@@ -315,7 +315,7 @@ def _take_after(path: Path, descriptor: int, old: os.stat_result) -> None:
 
 def _neighbour(file: Path) -> Path:
     # Short, as the name itself may be as long as a name can be.
-    return file.with_name(f".knobcam-{secrets.token_hex(8)}.part")
+    return file.with_name(f".knobcam-{os.urandom(8).hex()}.part")
 
 
 def _put(file: IO[bytes], content: Content) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -178,6 +177,8 @@ def read_all(args: argparse.Namespace) -> list[Capture]:
         captures.append(read(path, args))
     if len(captures) == 1:
         return captures
+    from dataclasses import replace
+
     named = zip(captures, args.captures, strict=True)
     return [replace(one, meta={**one.meta, "source": str(path)}) for one, path in named]
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..base.writing import make_folder, together
 from . import arguments
 from .output import Answer, check_file, check_folder, status
 
@@ -37,6 +36,7 @@ def register(commands: arguments.Commands) -> None:
 
 def run(args: Namespace) -> Answer:
     """Run a test, merge it with what is known of the rig, keep it."""
+    from ..base.writing import make_folder, together
     from ..rig.calibrate import calibrate
     from ..rig.calibration import Calibration, usual_path
     from ..rig.port import BAUD

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..base.writing import make_folder, together
 from ..errors import InputError
 from . import arguments
 from .output import Answer, check_file, check_folder, status
@@ -36,6 +35,7 @@ def run(args: Namespace) -> Answer:
     pictures = _targets(args.output, args.plots, args.id)
 
     from ..base.tables import text_table
+    from ..base.writing import together
     from ..model.effects import effect, effects
 
     catalogue = effects(args.coordinate)
@@ -73,6 +73,8 @@ def _targets(picture: Path | None, folder: Path | None, name: str | None) -> Cal
 
 
 def _draw(effect: Effect, path: Path) -> str:
+    from ..base.writing import make_folder
+
     status(f"drawing {effect.id}")
     make_folder(path.parent)
     effect.plot().savefig(path)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..base.writing import together
 from ..errors import InputError
 from . import arguments
 from .fitting import answer, put, said
@@ -52,6 +51,7 @@ def run_next(args: Namespace) -> Answer:
     options = arguments.preparation(args)
     rivals = [] if args.rivals is None else [one.strip() for one in args.rivals.split(",")]
 
+    from ..base.writing import together
     from ..capture.by_hand import by_hand, hand_can, in_words
     from ..learn import learn
     from ..learn.designing import next_experiment

@@ -5,7 +5,6 @@ from __future__ import annotations
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
-from ..base.writing import make_folder, together
 from ..errors import InputError
 from . import arguments
 from .output import Answer, about, check_file, check_folder, findings, status
@@ -180,6 +179,8 @@ def draw(
 
 def kept(args: Namespace, fitted: Fit) -> dict[str, object]:
     """Write the model and the pictures that were asked for, all or none, and return the paths."""
+    from ..base.writing import together
+
     files: dict[str, object] = {}
     with together():
         if args.output is not None:
@@ -191,6 +192,8 @@ def kept(args: Namespace, fitted: Fit) -> dict[str, object]:
 
 def put(pictures: Mapping[str, Callable[[], Figure]], folder: Path) -> list[str]:
     """Write pictures by name as PNG into a folder, all or none, and return the paths."""
+    from ..base.writing import make_folder, together
+
     paths = [folder / f"{name}.png" for name in pictures]
     with together():
         make_folder(folder)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..base.writing import together
 from ..errors import InputError
 from . import arguments
 from .fitting import answer, kept, put, said
@@ -263,6 +262,8 @@ def write(
     learned: LearningResult, report: Path | None, model: Path | None, folder: Path | None
 ) -> dict[str, object]:
     """Write what was asked for of what was learned, all or nothing, and return the paths."""
+    from ..base.writing import together
+
     files: dict[str, object] = {}
     with together():
         if model is not None:

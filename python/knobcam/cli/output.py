@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..base.reading import is_folder
-from ..base.writing import place
 from ..errors import InputError
 
 if TYPE_CHECKING:
@@ -54,6 +53,8 @@ def check_file(output: Path | None, inputs: Iterable[str | Path] = ()) -> None:
     """Refuse a file that cannot be written, or is one of the inputs, before any work is done."""
     if output is None:
         return
+    from ..base.writing import place
+
     there = place(output)
     if there.through or there.old is None:
         return
@@ -66,6 +67,8 @@ def check_folder(folder: Path | None, file: Path | None = None) -> None:
     if folder is None:
         return
     if not is_folder(folder):
+        from ..base.writing import place
+
         if place(folder).old is not None:
             raise InputError(f"{folder}: is a file, a folder for pictures is needed; choose another name")
     elif not os.access(folder, os.W_OK):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -67,6 +66,8 @@ def run(args: Namespace) -> Answer:
     if args.time == "virtual" and args.rt == "enforce":
         raise InputError("--rt enforce: virtual time has no priority to enforce; leave one of them out")
 
+    from dataclasses import asdict
+
     from ..model import Model
     from ..render import Device, Renderer, check_rotary, check_stability
     from ..render.emulated import EmulatedHandle, to_and_fro
@@ -108,6 +109,8 @@ def run(args: Namespace) -> Answer:
 
 def _on_a_rig(args: Namespace) -> Answer:
     """Let the device render by its own loop, and record what a person feels."""
+    from dataclasses import asdict
+
     from ..model import Model
     from ..rig.feel import feel
 

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import html
 import os
 import sys
-import tempfile
 import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -59,6 +57,8 @@ def run(args: Namespace) -> Answer:
 
     for package in ("starlette", "uvicorn"):
         require(package, "the workbench", "all")
+
+    import tempfile
 
     from ..base.writing import remove_parts
     from ..workbench.bench import Bench
@@ -136,6 +136,7 @@ def _show(address: str, folder: Path) -> None:
 
     The address has the token in it, and every user of a machine can read every command line.
     """
+    import html
     import webbrowser
 
     from ..base.writing import write

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
 import stat
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -10,9 +9,9 @@ from typing import IO, Any, cast
 
 from ...base.arrays import BoolArray, FloatArray
 from ...base.reading import look, open_file
-from ...base.writing import write
+from ...base.writing import RECORDING, write
 from ...errors import InputError
-from . import inflate, rosbag
+from . import inflate, magic
 from .table import DEFAULT_MAX_BYTES, Table, check_joint
 from .text import read_text, write_text
 
@@ -29,7 +28,9 @@ def read_table(path: Path, max_bytes: int = DEFAULT_MAX_BYTES, joint: str | None
     found = look(path)
     is_folder, size = stat.S_ISDIR(found.st_mode), found.st_size
     head = b"" if is_folder or size > max_bytes else _head(path)
-    if is_folder and rosbag.is_bag(path):
+    if is_folder and (path / "metadata.yaml").is_file():  # as a recorder of ROS 2 makes them
+        from . import rosbag
+
         return _guarded(path, lambda: rosbag.read_bag(str(path), rosbag.files_in(path), max_bytes, joint))
     if is_folder:
         runs = runs_in(path)
@@ -93,42 +94,61 @@ def _head(path: Path) -> bytes:
 
 
 def _read(path: Path, head: bytes, max_bytes: int, joint: str | None) -> Table:
-    from . import hdf5, json_files, matlab, numpy_files, parquet, wire
-
+    # A file loads its own reader and no other: they are half the start of a process together.
     budget = inflate.Budget(str(path), path.stat().st_size, max_bytes)
-    if head.startswith(inflate.MAGIC):
+    if head.startswith(magic.GZIP):
+        import gzip
+
         with open_file(path) as file, gzip.GzipFile(fileobj=file) as stream:
             return _read_text("CSV gzip", cast("IO[bytes]", stream), budget, joint)
-    if json_files.is_json(head):
+    if magic.is_json(head):
         with open_file(path) as file:
             return _read_text("CSV", file, budget, joint)
-    if head.startswith((rosbag.MCAP_MAGIC, rosbag.SQLITE_MAGIC)):
+    if magic.is_bag(head):
+        from . import rosbag
+
         return rosbag.read_bag(str(path), [path], max_bytes, joint)
-    if head.startswith(rosbag.ROS1_MAGIC):
+    if head.startswith(magic.ROS1):
         raise InputError(f"{path}: a bag of ROS 1; convert it to ROS 2, for example with rosbags-convert")
     check_joint(str(path), joint)
-    if head.startswith(numpy_files.NPY_MAGIC):
-        return numpy_files.read_npy(path, max_bytes)
-    if head.startswith(numpy_files.ZIP_MAGIC):
-        return numpy_files.read_npz(path, max_bytes)
-    if head.startswith(matlab.MAGIC):
-        return matlab.read_mat5(path, max_bytes)
-    if hdf5.MAGIC in (head[:8], head[hdf5.USER_BLOCK : hdf5.USER_BLOCK + 8]):
-        return hdf5.read_hdf5(path, max_bytes)
-    if head.startswith(parquet.MAGIC):
-        return parquet.read_parquet(path, max_bytes)
-    if head.startswith(wire.MAGIC):
-        return wire.read_wire(path)
+    if (binary := _binary(path, head, max_bytes)) is not None:
+        return binary
     with open_file(path) as file:
         return read_text("CSV", file, budget)
 
 
-def _read_text(kind: str, stream: IO[bytes], budget: inflate.Budget, joint: str | None) -> Table:
-    from . import json_files
+def _binary(path: Path, head: bytes, max_bytes: int) -> Table | None:
+    """Read what is neither text nor a bag; None for text."""
+    if head.startswith((magic.NPY, magic.ZIP)):
+        from . import numpy_files
 
+        is_array = head.startswith(magic.NPY)
+        return (numpy_files.read_npy if is_array else numpy_files.read_npz)(path, max_bytes)
+    if head.startswith(magic.MATLAB):
+        from .matlab import read_mat5
+
+        return read_mat5(path, max_bytes)
+    if magic.is_hdf5(head):
+        from .hdf5 import read_hdf5
+
+        return read_hdf5(path, max_bytes)
+    if head.startswith(magic.PARQUET):
+        from .parquet import read_parquet
+
+        return read_parquet(path, max_bytes)
+    if head.startswith(RECORDING):
+        from .wire import read_wire
+
+        return read_wire(path)
+    return None
+
+
+def _read_text(kind: str, stream: IO[bytes], budget: inflate.Budget, joint: str | None) -> Table:
     head = inflate.peek(stream, _HEAD_BYTES, budget)
-    if json_files.is_json(head):
-        return json_files.read_json(stream, budget, joint)
+    if magic.is_json(head):
+        from .json_files import read_json
+
+        return read_json(stream, budget, joint)
     check_joint(budget.source, joint)
     return read_text(kind, stream, budget)
 

@@ -18,10 +18,6 @@ from ...errors import InputError
 from .inflate import Budget
 from .table import Table, add_array, check_width
 
-MAGIC = b"\x89HDF\r\n\x1a\n"
-USER_BLOCK = 512
-"""Bytes of text that MATLAB puts before the HDF5 content."""
-
 _DOCUMENT = "knobcam"
 
 _MAX_DEFLATE = 1032  # zlib cannot shrink by more, so a larger claim is false (Deutsch & Gailly, RFC 1951)

@@ -14,8 +14,6 @@ import numpy as np
 from ...errors import InputError
 from .table import DEFAULT_MAX_BYTES
 
-MAGIC = b"\x1f\x8b"
-
 _ALWAYS = 2**26  # bytes that may come out of anything
 _MOST_TIMES = 100  # that logs shrink beyond that; theirs is 3 to 20, of noise and digits
 _FED = 2**13

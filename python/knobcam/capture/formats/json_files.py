@@ -15,7 +15,6 @@ from ...errors import InputError
 from .inflate import Budget, survey
 from .table import MOST_COLUMNS, Table, add_array, check_joint, choose
 
-_STARTS = re.compile(rb"\s*(\{|\[\s*[\[{])")
 _DEEPEST = 16
 _PLAIN, _SAFE = (float, int), 2**53
 _BLOCK = 2**18  # bytes that are parsed at once
@@ -23,11 +22,6 @@ _LARGEST = 24_000_000  # bytes of one document or line, whose objects can take f
 _TVIEW = {"controller", "timestamp", "channel", "data"}
 _SERVO = "servo_stats"  # the channel of tview that has the motion
 _XL330_PWM = 885.0  # counts at a duty of 1: ROBOTIS e-Manual of the XL330-M288, PWM Limit
-
-
-def is_json(head: bytes) -> bool:
-    """Whether text begins as an object, or as a list of objects or of lists."""
-    return _STARTS.match(head.removeprefix(b"\xef\xbb\xbf")) is not None
 
 
 def read_json(stream: IO[bytes], budget: Budget, joint: str | None = None) -> Table:

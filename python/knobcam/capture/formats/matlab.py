@@ -19,10 +19,9 @@ import numpy as np
 from ...base.arrays import FloatArray
 from ...base.optional import require
 from ...errors import InputError
+from . import magic
 from .inflate import Budget, unpack
 from .table import Table, add_array
-
-MAGIC = b"MATLAB 5.0 MAT-file"
 
 _DOCUMENT = "knobcam"
 _TEXT = 116  # bytes of text at the start of a file
@@ -143,5 +142,5 @@ def write_mat5(file: IO[bytes], columns: Mapping[str, FloatArray], document: Map
     content[_DOCUMENT] = json.dumps(document)
     require("scipy.io", "writing a MATLAB file").savemat(file, content)
     # In place of the hour and the computer: equal captures are equal files.
-    file.seek(len(MAGIC))
-    file.write(b", written by knobcam".ljust(_TEXT - len(MAGIC)))
+    file.seek(len(magic.MATLAB))
+    file.write(b", written by knobcam".ljust(_TEXT - len(magic.MATLAB)))

@@ -17,8 +17,6 @@ from ...errors import InputError
 from .inflate import Budget
 from .table import Table, add_array, check_width
 
-NPY_MAGIC = b"\x93NUMPY"
-ZIP_MAGIC = b"PK\x03\x04"
 _DOCUMENT = "knobcam"
 _MASK = "mask"
 

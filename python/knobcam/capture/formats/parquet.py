@@ -16,7 +16,6 @@ from .inflate import Budget
 from .parquet_pages import check_pages
 from .table import Table, check_width
 
-MAGIC = b"PAR1"
 _DOCUMENT = b"knobcam"
 _MOST_PARTS = 100_000  # of a list in the file's description, such as columns times row groups
 

@@ -14,21 +14,13 @@ from ...base.optional import require
 from ...base.reading import open_file
 from ...errors import InputError
 from ..finding import Finding
+from . import magic
 from .inflate import Budget
 from .joint_states import TYPES, JointStates
 from .table import Table
 
-MCAP_MAGIC = b"\x89MCAP0\r\n"
-SQLITE_MAGIC = b"SQLite format 3\0"
-ROS1_MAGIC = b"#ROSBAG V"
-
 _LARGEST_CHUNK = 2**26  # bytes when inflated; recorders write a megabyte or a few
 _CUT = "the bag ends in the middle, as where a recorder was killed; what came before is used"
-
-
-def is_bag(folder: Path) -> bool:
-    """Whether a folder is one that a ROS 2 recorder made."""
-    return (folder / "metadata.yaml").is_file()
 
 
 def files_in(folder: Path) -> list[Path]:
@@ -47,7 +39,7 @@ def read_bag(source: str, paths: list[Path], max_bytes: int, joint: str | None) 
     whole = True
     for path in paths:
         with open_file(path) as file:
-            is_sqlite = file.read(len(SQLITE_MAGIC)) == SQLITE_MAGIC
+            is_sqlite = file.read(len(magic.SQLITE)) == magic.SQLITE
         if is_sqlite:
             _read_sqlite(path, states, topics)
         else:

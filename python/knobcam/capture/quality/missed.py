@@ -131,7 +131,9 @@ def _leaps(t: FloatArray, rest: FloatArray, told: FloatArray, rate_hz: float, le
     noise = max(_noise(values), _ROUNDED * least)
     surely = max(_SURE * seen.spread, _COUNTS * least, _NOISE * noise)
     peaks = _peaks(np.abs(seen.size), surely, seen.reach)
-    places = np.union1d(peaks, _stands(values, surely))
+    is_place = np.zeros(len(values), dtype=bool)
+    is_place[peaks] = is_place[_stands(values, surely)] = True
+    places = np.flatnonzero(is_place)
     if not places.size or len(places) > _PLACES:
         return []
     theta, longest = rest + told, _LONGEST[int(told.any())]
