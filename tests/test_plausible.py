@@ -65,6 +65,20 @@ def test_an_inertia_below_zero_is_none_where_it_makes_more_torque_than_is_left(
     assert plausible.impossible(fitted(inertia__M=(-1e-4, math.inf))) is None
 
 
+def test_a_term_is_none_that_another_takes_away(torques: dict[str, float]):
+    torques["coulomb.pos"] = 10.1
+    tau = np.array([0.8, -1.2, 9.0])
+    measured = (SimpleNamespace(tau=tau, used=np.array([True, True, False])),)
+    for error, rms, said in ((0.9, 1.0, True), (0.4, 1.0, False), (0.9, 1.1, False)):
+        fit = fitted(coulomb__pos=(1.0, error))
+        fit.prepared = measured
+        tau[:2] = rms, -rms
+        words = (
+            "coulomb.pos makes many times the torque that was measured, which others take away again"
+        )
+        assert plausible.impossible(fit) == (words if said else None)
+
+
 def test_friction_below_zero_is_told_by_its_power_alone(
     monkeypatch: pytest.MonkeyPatch, torques: dict[str, float]
 ):

@@ -15,7 +15,7 @@ from .refit import cores
 from .rule import RULE
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from ..capture.prepare import Prepared
     from .diagnose import Candidate
@@ -27,6 +27,10 @@ _FAULTS = ("unit", "sign", "contradiction", "swapped")
 
 _STRAIGHT = 1e-3
 """A position this near to a straight line over time, of its range, has one velocity."""
+
+
+_MANY = 10.0
+"""Times the measured torque, RMS, that no term makes of which nobody knows whether it is there."""
 
 
 def implausible(candidate: Candidate, before: Fit) -> tuple[str, ...]:
@@ -64,15 +68,17 @@ def reversed_torque(fit: Fit) -> bool:
 def impossible(fit: Fit) -> str | None:
     """Return what of a model no knob has, beyond doubt, so that it is not the knob's however small its error.
 
-    That is an inertia below zero, friction that gives power back over the whole motion, or an effect beside
-    these that ended out of its range. An offset takes one direction's friction below zero, and what falls
-    with the speed a viscous term: these are left alone.
+    That is an inertia below zero, friction that gives power back over the whole motion, a term that another
+    takes away, or an effect beside these that ended out of its range. An offset takes the friction of one
+    direction below zero, and what falls with the speed a viscous term: these are left alone.
     """
     base = base_effects(fit.model.coordinate)
     beside = [one for one in fit.model.effects if one not in base]
     if outside := [said for one in beside for said in _out_of_range(one, fit)]:
         return outside[0]
     told = {name: fit.params[name] for name in _never_negative(fit.model.coordinate) if name in fit.params}
+    if (name := _taken_away(told, fit)) is not None:
+        return f"{name} makes many times the torque that was measured, which others take away again"
     negative = [name for name, e in told.items() if e.determined and e.value + RULE.surely * e.se < 0.0]
     if not negative:
         return None
@@ -85,6 +91,16 @@ def impossible(fit: Fit) -> str | None:
         return f"{' and '.join(stores)} came out negative, which no knob has"
     power, error = _friction_power(fit)
     return "friction gives power back, which no knob does" if power + RULE.surely * error < 0.0 else None
+
+
+def _taken_away(told: Mapping[str, Estimate], fit: Fit) -> str | None:
+    """Return a parameter that is as large as may be, because others make up for it."""
+    unknown = [name for name, e in told.items() if e.determined and abs(e.value) < RULE.sure * e.se]
+    if not unknown:
+        return None
+    squares = np.concatenate([np.square(one.tau[one.used]) for one in fit.prepared])
+    most = _MANY * float(np.sqrt(np.mean(squares)))
+    return next((name for name in unknown if _torque_of(fit, name) > most), None)
 
 
 def _friction(coordinate: str) -> list[str]:

@@ -60,7 +60,7 @@ def exchanged(
         if set(names) == set(found):
             return None
         fit = converged(replace(last, core=core, before=None))
-        if _score(fit, first) > _score(last, first) + RULE.price:
+        if fit.impossible is None and _score(fit, first) > _score(last, first) + RULE.price:
             return _steps(fit, names, ladder[0], diagnosis)
     return None
 

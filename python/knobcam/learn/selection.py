@@ -143,6 +143,7 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
         # What is wrong is the log, not the knob.
         return Selection(tuple(ladder), (), last, Unexplained("load", 1.0, fault))
     unexplained = None if within_law(ladder[-1].fit) else _unexplained(last.comparison)
+    mainly = {step.added for step in ladder if _mainly(step)}
     # Torques of position alone: two of them together draw nearly any map, so together they name no cause.
     maps = [one for one in found if _is_map(one, ladder[-1].fit)]
     if len(maps) > 1:
@@ -151,15 +152,15 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
         before = next(step.diagnosis for step in ladder if step.added in maps)
         seen = last if unexplained or before is None else before
         share = seen.comparison["position"].share
-        found = tuple(one for one in found if one not in maps)
+        found = tuple(one for one in found if one not in maps and one in mainly)
         unexplained = Unexplained("position", share, words)
     elif unexplained is not None:
-        found = tuple(one for one in found if any(step.added == one and _mainly(step) for step in ladder))
+        found = tuple(one for one in found if one in mainly)
     wrong = ladder[-1].fit.impossible
     # Within less than a detent its pull counts as inertia: that is said as what such a motion cannot tell.
     if unexplained is None and wrong is not None and width(ladder[-1].fit) is None:
         # However little it leaves, it is not this knob that it explains.
-        found = tuple(one for one in found if any(step.added == one and _mainly(step) for step in ladder))
+        found = tuple(one for one in found if one in mainly)
         unexplained = Unexplained("load", 1.0, wrong)
     if unexplained is None and (beyond := ladder[-1].fit.beyond) is not None:
         unexplained = Unexplained(beyond.axis, beyond.share, beyond.words)
