@@ -73,9 +73,7 @@ def test_a_term_is_none_that_another_takes_away(torques: dict[str, float]):
         fit = fitted(coulomb__pos=(1.0, error))
         fit.prepared = measured
         tau[:2] = rms, -rms
-        words = (
-            "coulomb.pos makes many times the torque that was measured, which others take away again"
-        )
+        words = "coulomb.pos makes many times the torque that was measured, which others take away again"
         assert plausible.impossible(fit) == (words if said else None)
 
 

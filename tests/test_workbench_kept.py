@@ -13,6 +13,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
@@ -306,18 +307,27 @@ def test_whoever_starts_anew_is_not_asked_again(root: Path, small: Path) -> None
 
 
 def test_the_page_is_told_how_it_looked(client: httpx.Client) -> None:
-    looked = {"view": {"isolated": True, "band": True, "held": False}, "beside": "b2"}
+    view = {"axes": ["history", "velocity", "load"], "isolated": True, "band": True, "held": False}
+    looked: dict[str, Any] = {"view": view, "beside": "b2"}
     looked["brush"] = {"plot": 3, "x": [0.0, 1.5], "y": [-1.0, 1.0]}
     assert client.post("/api/look", json=looked).status_code == 200
     assert client.get("/api/state").json()["looked"] == looked
     for spoiled in (
         {"view": 3},
+        *(
+            {"view": view | {"axes": axes}}
+            for axes in ("time", ["time"], ["time", "mass", "load"], [1, 2, 3])
+        ),
         {"brush": {"plot": -1}},
         {"brush": {"plot": 0, "x": [1], "y": [0, 1]}},
         {"beside": 3},
     ):
         wrong(client.post("/api/look", json=looked | spoiled), 400, "")
     assert client.get("/api/state").json()["looked"] == looked
+    # A session of before there were axes to choose.
+    assert client.post("/api/look", json=looked | {"view": {"band": True}}).status_code == 200
+    usual = {"axes": ["position", "velocity", "time"], "isolated": False, "band": True, "held": True}
+    assert client.get("/api/state").json()["looked"]["view"] == usual
 
 
 @contextmanager

@@ -69,6 +69,9 @@ def test_candidates_come_by_themselves(opened: httpx.Client, bench: Bench):
     assert state["candidates"]["ready"]
     top = state["candidates"]["rows"][0]
     assert top["effect"] == "return_spring"
+    (place,) = state["places"]
+    assert f"worst at {place['words']}" in state["verdict_text"]
+    assert f"most along {place['axis']}" in state["verdict_text"] and place["low"] < place["high"]
     query = {"node": state["node"], "capture": state["active"][0], "effect": top["effect"]}
     assert opened.get("/api/signature", params=query).status_code == 200
     wrong(opened.get("/api/signature", params=query | {"effect": HOSTILE}), 400, "is not weighed")

@@ -230,7 +230,8 @@ def test_a_fit_that_comes_after_the_session_moved_on_is_not_put_in_place(session
 
 
 def test_columns_are_those_of_the_fit(session: Session):
-    content = arrays.columns(session.view, 0, ["theta", "residual", "model", "tau", "position_part", "band"])
+    names = ["theta", "residual", "model", "tau", "position_part", "band", "history"]
+    content = arrays.columns(session.view, 0, names)
     line, _, _ = content.partition(b"\n")
     head = json.loads(line)
     start = -(-(len(line) + 1) // 4) * 4
@@ -242,6 +243,7 @@ def test_columns_are_those_of_the_fit(session: Session):
     counts = np.isfinite(fit.residual)
     np.testing.assert_allclose((found["tau"] - found["model"])[counts], fit.residual[counts], atol=1e-7)
     assert np.nanstd(found["position_part"]) > 0.0
+    assert np.isnan(found["history"][0]) and 0.0 <= np.nanmin(found["history"]) < 0.1 * np.ptp(found["theta"])
     for names in (["nope"], []):
         with pytest.raises(InputError, match="names"):
             arrays.columns(session.view, 0, names)

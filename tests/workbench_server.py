@@ -10,7 +10,7 @@ from contextlib import contextmanager
 import httpx
 import told
 
-from knobcam.base import pages
+from knobcam.base import pages, pages_sources
 from knobcam.workbench.bench import Bench
 from knobcam.workbench.guard import HEADER
 from knobcam.workbench.server import application
@@ -47,11 +47,12 @@ def as_the_schema_says(answer: httpx.Response) -> None:
     """Assert that an answer is what the pages are told to expect."""
     kind = answer.headers.get("content-type", "")
     if kind == "application/json":
-        shape = {"/api/state": pages.State, "/api/sources": pages.Sources}.get(answer.url.path, pages.Answer)
+        shapes = {"/api/state": pages.State, "/api/sources": pages_sources.Sources}
+        shape = shapes.get(answer.url.path, pages.Answer)
         answer.read()
-        told.check(answer.json(), shape if answer.is_success else pages.Refused)
+        told.check(answer.json(), shape if answer.is_success else pages_sources.Refused)
     elif kind == "application/octet-stream" and "content-disposition" not in answer.headers:
-        told.check(json.loads(answer.read().partition(b"\n")[0]), pages.ColumnsHead)
+        told.check(json.loads(answer.read().partition(b"\n")[0]), pages_sources.ColumnsHead)
 
 
 def wrong(answer: httpx.Response, status: int, words: str) -> None:

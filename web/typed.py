@@ -1,4 +1,4 @@
-"""Prints `src/types.js`: the types of what Python tells the page, of `python/knobcam/base/pages.py`.
+"""Prints `src/types.js`: the types of what Python tells the page, of `pages.py` and `pages_sources.py`.
 
 Needs nothing but Python, so that the page is built where the package is not installed.
 """
@@ -11,9 +11,11 @@ import types
 from pathlib import Path
 from typing import Any, Literal, NotRequired, Union, get_args, get_origin, get_type_hints, is_typeddict
 
-SCHEMA = Path(__file__).resolve().parents[1] / "python" / "knobcam" / "base" / "pages.py"
+BASE = Path(__file__).resolve().parents[1] / "python" / "knobcam" / "base"
+SCHEMA = (BASE / "pages.py", BASE / "pages_sources.py")
 HEAD = """/**
- * What the server and the reports tell. Made by `python3 dev.py page` of python/knobcam/base/pages.py.
+ * What the server and the reports tell. Made by `python3 dev.py page` of pages.py and pages_sources.py
+ * in python/knobcam/base.
  */
 """
 PLAIN = {str: "string", int: "number", float: "number", bool: "boolean", type(None): "null"}
@@ -57,7 +59,7 @@ def typedef(shape: Any) -> str:
 
 def module() -> str:
     """Return the whole file."""
-    shapes = [one for one in runpy.run_path(str(SCHEMA)).values() if is_typeddict(one)]
+    shapes = [one for file in SCHEMA for one in runpy.run_path(str(file)).values() if is_typeddict(one)]
     return "\n".join([HEAD, *(f"{typedef(shape)}\n" for shape in shapes), "export {};\n"])
 
 

@@ -30,6 +30,23 @@ await candidates.or(page.getByRole("button", { name: "What is missing?" })).firs
 if ((await candidates.count()) === 0) await page.getByRole("button", { name: "What is missing?" }).click();
 await candidates.first().waitFor({ timeout: 60_000 });
 assert.equal(await candidates.first().getAttribute("data-effect"), effect);
+
+await page.getByRole("button", { name: "Clear" }).click();
+const lead = page.locator("#verdict .leads");
+const [low] = /-?[\d.]+/.exec(await lead.textContent()) ?? [];
+await lead.click();
+await page.locator(".brush:visible").waitFor();
+assert.match(await page.locator("#chosen").textContent(), /samples chosen, .* of the squared error/);
+const marked = await page.evaluate(() => globalThis.knobcam.app.linked.brushed);
+assert.ok(Math.abs(marked.x[0] - Number(low)) < 1e-3 * (1 + Math.abs(marked.x[0])), `${marked.x} is not from ${low} on`);
+for (const axis of ["acceleration", "load", "history"]) {
+  await done(page, "data", () => page.getByLabel("axis of row 3").selectOption(axis));
+  assert.equal(await page.evaluate(() => globalThis.knobcam.app.linked.axes[2]), axis);
+  const over = page.getByRole("img", { name: /^residual over (acceleration|load|way since)/ });
+  assert.equal(await over.filter({ visible: true }).count(), 1);
+}
+await picture("2-led-by-the-verdict");
+await done(page, "data", () => page.getByLabel("axis of row 3").selectOption("time"));
 figures.look = await done(page, "look", () => candidates.first().hover());
 await picture("3-looked-at");
 await candidates.first().focus();

@@ -11,7 +11,7 @@ import { showHidden, unhiding } from "./hidden.js";
 import { showLadder } from "./ladder.js";
 import { latest } from "./latest.js";
 import { Laws } from "./laws.js";
-import { columnsOf } from "./contents.js";
+import { USUAL, columnsOf } from "./contents.js";
 import { Looking, showLeft } from "./going.js";
 import { Linked } from "./linked.js";
 import { Live } from "./live.js";
@@ -21,6 +21,7 @@ import { preparing, sources } from "./sources.js";
 import { Store } from "./store.js";
 import { themed } from "./theme.js";
 import { timed, times } from "./timing.js";
+import { showVerdict } from "./verdict.js";
 
 /** @typedef {import("./types.js").State} State */
 /** @typedef {import("./types.js").Job} Job */
@@ -34,7 +35,10 @@ class App {
     this.state = null;
     /** @type {Job | null} what the server is busy with */
     this.job = null;
-    this.view = { isolated: false, band: false, held: true };
+    /** @type {import("./types.js").Seen} */
+    this.view = { axes: USUAL, isolated: false, band: false, held: true };
+    /** @type {import("./types.js").Place | null} what is marked once it is drawn */
+    this.place = null;
     this.drawn = "";
     /** @type {string | null} the branch that is shown beside the current one */
     this.beside = null;
@@ -43,10 +47,14 @@ class App {
     this.looks = new Looking(() => ({ view: this.view, beside: this.beside, brush: this.linked.brushed }));
     /** @type {import("./types.js").Brush | null} what was brushed when the session was left */
     this.brushedThen = null;
-    this.linked = new Linked((words) => {
-      byId("chosen").textContent = words ?? BRUSH_HINT;
-      this.looks.changed();
-    });
+    this.linked = new Linked(
+      (words) => {
+        byId("chosen").textContent = words ?? BRUSH_HINT;
+        this.looks.changed();
+      },
+      (axes) => this.see({ axes }),
+      { fetched: true },
+    );
     byId("plots").append(this.linked.element);
     this.refresh = latest((/** @type {number} */ revision) => this.load(revision));
     this.drag = latest(async (/** @type {Record<string, number>} */ values) => {
@@ -129,13 +137,30 @@ class App {
     byId("new-branch").addEventListener("click", () => this.ask("branch"));
     byId("clear").addEventListener("click", () => this.linked.clear());
     byId("closer").addEventListener("click", () => this.linked.lookCloser());
-    for (const option of /** @type {(keyof App["view"])[]} */ (["isolated", "band", "held"])) {
+    for (const option of /** @type {const} */ (["isolated", "band", "held"])) {
       const box = /** @type {HTMLInputElement} */ (byId(option));
-      box.addEventListener("change", () => {
-        this.view = { ...this.view, [option]: box.checked };
-        this.looks.changed();
-        this.refresh(Infinity);
-      });
+      box.addEventListener("change", () => this.see({ [option]: box.checked }));
+    }
+  }
+
+  /** See the samples in another way. @param {Partial<App["view"]>} change */
+  see(change) {
+    this.view = { ...this.view, ...change };
+    this.looks.changed();
+    this.refresh(Infinity);
+  }
+
+  /**
+   * Go where a verdict says that the model fails: the axis comes into the first row where no row has it.
+   * @param {import("./types.js").Place} place
+   */
+  go(place) {
+    const { axes } = this.view;
+    if (axes.includes(place.axis)) {
+      this.linked.mark(place);
+    } else {
+      this.place = place;
+      this.see({ axes: [place.axis, ...axes.slice(1)] });
     }
   }
 
@@ -179,7 +204,7 @@ class App {
     if (!this.state?.node && state.node !== null && state.looked) this.lookAgain(state.looked);
     this.state = state;
     byId("welcome").toggleAttribute("hidden", state.node !== null);
-    byId("verdict").textContent = state.verdict_text;
+    showVerdict(byId("verdict"), state, (place) => this.go(place));
     if (state.recording) this.live?.follow();
     showHidden(state);
     showLeft(state.left, {
@@ -212,9 +237,9 @@ class App {
 
   /** Look at a session as it was looked at. @param {import("./types.js").Looked} looked */
   lookAgain({ view, beside, brush }) {
-    this.view = view;
-    for (const [option, value] of Object.entries(view)) {
-      /** @type {HTMLInputElement} */ (byId(option)).checked = value;
+    this.view = { ...this.view, ...view };
+    for (const option of /** @type {const} */ (["isolated", "band", "held"])) {
+      /** @type {HTMLInputElement} */ (byId(option)).checked = view[option];
     }
     this.beside = beside;
     this.brushedThen = brush;
@@ -246,6 +271,8 @@ class App {
     timed(what, () => {
       this.linked.show(data, view);
       if (brush) this.linked.brushAgain(brush);
+      if (this.place) this.linked.mark(this.place);
+      this.place = null;
     }, start);
   }
 

@@ -5,6 +5,7 @@ import { torqueScale, torqueWord } from "./numbers.js";
 
 /** @typedef {import("./store.js").Columns} Columns */
 /** @typedef {import("./plot.js").Contents} Contents */
+/** @typedef {import("./types.js").Seen["axes"][number]} Along */
 
 /**
  * What the plots are made of.
@@ -13,16 +14,26 @@ import { torqueScale, torqueWord } from "./numbers.js";
  * `columns`: t, theta, omega, tau, residual; for isolated components also position_part and velocity_part; for
  * the band also band. `fitted`: no parameter is dragged away from the fit. `name`: of the branch
  * @typedef {{name: string, residual: Float32Array}} Beside another branch of the same captures
- * @typedef {{isolated: boolean, band: boolean, held: boolean}} View
+ * @typedef {import("./types.js").Seen} View
  * `held`: the residuals keep the scale of the worst fit, so that they are seen to fall
- * @typedef {{torque: Contents, residual: Contents, beside: Contents | null}} Row over one coordinate
+ * @typedef {{torque: Contents, residual: Contents, beside: Contents | null}} Row over one axis
+ * @typedef {{words: string, column: string | null, part: string | null, units: [string, string] | null}} AxisOf
+ * `column`: null for the torque of the model itself; `part`: what of the model depends on it alone; `units` rotary
+ * and linear, null for a torque
  */
 
-export const ROWS = /** @type {const} */ ([
-  { over: "position", column: "theta", part: "position_part", units: { linear: "m", rotary: "rad" } },
-  { over: "velocity", column: "omega", part: "velocity_part", units: { linear: "m/s", rotary: "rad/s" } },
-  { over: "time", column: "t", part: null, units: { linear: "s", rotary: "s" } },
-]);
+/** What torques and residuals can be drawn over: the axes that an error is split along and that samples have. */
+export const AXES = /** @type {Record<Along, AxisOf>} */ ({
+  position: { words: "position", column: "theta", part: "position_part", units: ["rad", "m"] },
+  velocity: { words: "velocity", column: "omega", part: "velocity_part", units: ["rad/s", "m/s"] },
+  acceleration: { words: "acceleration", column: "alpha", part: null, units: ["rad/s²", "m/s²"] },
+  load: { words: "load (modelled torque)", column: null, part: null, units: null },
+  history: { words: "way since a reversal", column: "history", part: null, units: ["rad", "m"] },
+  time: { words: "time", column: "t", part: null, units: ["s", "s"] },
+});
+
+/** What they are drawn over before a person chooses. @type {Along[]} */
+export const USUAL = ["position", "velocity", "time"];
 
 const NAME = 32; // letters of a branch's name in a title
 
@@ -33,6 +44,7 @@ const NAME = 32; // letters of a branch's name in a title
  */
 export function columnsOf(view) {
   const needed = ["t", "theta", "omega", "tau", "residual"];
+  for (const { column } of view.axes.map((along) => AXES[along])) if (column && !needed.includes(column)) needed.push(column);
   if (view.isolated) needed.push("position_part", "velocity_part");
   if (view.band) needed.push("band");
   return needed;
@@ -55,15 +67,15 @@ export function reachOf({ columns, beside, noise }) {
  * @returns {Row[]}
  */
 export function rowsOf(data, view, widest) {
-  const { columns, beside, coordinate } = data;
+  const { columns, beside } = data;
   const word = torqueWord(data.unit);
   const model = less(columns.tau, columns.residual);
   const other = beside ? less(columns.tau, beside.residual) : null;
-  return ROWS.map((row) => {
-    const x = columns[row.column];
-    const [low, high] = limits([x], { air: 0.01 });
-    const common = { x, xAxis: { low, high, factor: 1, label: `${row.over}, ${row.units[coordinate]}` }, picked: 0 };
-    const part = view.isolated && row.part ? columns[row.part] : null;
+  return view.axes.map((along) => {
+    const axis = AXES[along];
+    const x = axis.column ? columns[axis.column] : model;
+    const common = { x, xAxis: axisOf(along, x, data), picked: 0 };
+    const part = view.isolated && axis.part ? columns[axis.part] : null;
     const { measured, modelled } = part ? isolated(columns, part) : { measured: columns.tau, modelled: model };
     const series = [
       { colour: "--measured", chosen: "--chosen", y: measured, strength: 0.4 },
@@ -75,8 +87,9 @@ export function rowsOf(data, view, widest) {
     const scale = torqueScale(data.unit, Math.max(-lowest, highest));
     const torque = {
       ...common,
+      xAxis: { ...common.xAxis, label: "" }, // where it is chosen it stands already
       yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}, ${scale.unit}` },
-      title: part ? `what depends on ${row.over} alone` : `${word} over ${row.over}`,
+      title: part ? `what depends on ${along} alone` : `${word} over ${axis.words}`,
       series,
       noise: null,
     };
@@ -95,6 +108,44 @@ export function rowsOf(data, view, widest) {
       beside: beside ? rest(beside.residual, "--beside", `residual, ${short(beside.name)}`) : null,
     };
   });
+}
+
+/**
+ * An axis that holds all values of a column.
+ * @param {Along} along
+ * @param {Float32Array} x
+ * @param {Data} data
+ */
+function axisOf(along, x, data) {
+  const [low, high] = limits([x], { air: 0.01 });
+  return { low, high, factor: 1, label: labelOf(along, data) };
+}
+
+/**
+ * An axis with its unit, in words.
+ * @param {Along} along
+ * @param {{unit: string, coordinate: "rotary" | "linear"}} data
+ */
+export function labelOf(along, { unit, coordinate }) {
+  const { words, units } = AXES[along];
+  return `${words}, ${units ? units[coordinate === "linear" ? 1 : 0] : unit}`;
+}
+
+/**
+ * The samples that lie between two values of an axis, moving forward (1), backward (-1) or either way (0).
+ * @param {Data} data
+ * @param {{axis: Along, low: number, high: number, direction: number}} place
+ * @returns {Uint32Array}
+ */
+export function samplesIn({ columns }, { axis, low, high, direction }) {
+  const { column } = AXES[axis];
+  const x = column ? columns[column] : less(columns.tau, columns.residual);
+  const found = [];
+  for (let i = 0; i < x.length; i++) {
+    const counts = columns.residual[i] === columns.residual[i] && x[i] >= low && x[i] <= high;
+    if (counts && (direction === 0 || Math.sign(columns.omega[i]) === direction)) found.push(i);
+  }
+  return Uint32Array.from(found);
 }
 
 /** @param {Float32Array} from @param {Float32Array} what */

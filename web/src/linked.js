@@ -1,7 +1,7 @@
-/** The linked plots: torque over position, velocity and time, the residual of each beside it. */
+/** The linked plots: torque over three axes that a person chooses, the residual of each beside it. */
 
 import { brushable } from "./brush.js";
-import { ROWS, reachOf, rowsOf } from "./contents.js";
+import { AXES, USUAL, labelOf, reachOf, rowsOf, samplesIn } from "./contents.js";
 import { make } from "./dom.js";
 import { number, percent, torqueScale } from "./numbers.js";
 import { Plot } from "./plot.js";
@@ -10,22 +10,33 @@ import { panned, zoomable, zoomed } from "./zoom.js";
 
 /** @typedef {import("./plot.js").Region} Region */
 /** @typedef {import("./contents.js").Data} Data */
+/** @typedef {import("./contents.js").Along} Along */
 /** @typedef {import("./contents.js").Row} Row */
 /** @typedef {import("./contents.js").View} View */
 /** @typedef {import("./zoom.js").Range} Range */
 
 export class Linked {
-  /** @param {(words: string | null) => void} told about the chosen samples; null when none are */
-  constructor(told) {
+  /**
+   * @param {(words: string | null) => void} told about the chosen samples; null when none are
+   * @param {(axes: Along[]) => void} picked what the rows shall be drawn over; they are once they are shown
+   * @param {{fetched?: boolean}} [columns] `fetched`: there is a column for every axis, as soon as it is asked for
+   */
+  constructor(told, picked, { fetched = false } = {}) {
     this.told = told;
+    this.fetched = fetched;
     const brushed = (/** @type {Plot} */ plot, /** @type {Region | null} */ region) => this.brush(plot, region);
-    const plots = (/** @type {(over: string) => string} */ name) => ROWS.map(({ over }) => new Plot(name(over), brushed));
-    this.torques = plots((over) => `torque over ${over}, measured and modelled`);
-    this.residuals = plots((over) => `residual over ${over}`);
-    this.besides = plots((over) => `residual over ${over} of the branch beside`);
-    this.rows = ROWS.map((_, at) => [this.torques[at], this.residuals[at], this.besides[at]]);
+    const column = () => USUAL.map(() => new Plot("", brushed));
+    this.torques = column();
+    this.residuals = column();
+    this.besides = column();
+    this.rows = USUAL.map((_, at) => [this.torques[at], this.residuals[at], this.besides[at]]);
     this.plots = this.rows.flat();
-    this.element = make("div", { class: "linked" }, ...this.plots.map(({ element }) => element));
+    this.pickers = USUAL.map((_, at) => picker(at, (along) => picked(this.axes.with(at, along))));
+    this.element = make("div", { class: "linked" }, ...this.plots.map(({ element }) => element), ...this.pickers);
+    for (const [at, { element }] of this.plots.entries()) {
+      element.classList.toggle("beside", at % 3 === 2);
+      element.style.gridArea = `${Math.floor(at / 3) + 1} / ${(at % 3) + 1}`;
+    }
     const deeds = {
       zoom: (/** @type {Plot} */ plot, /** @type {number} */ at, /** @type {number} */ factor) =>
         this.look(plot, (seen, whole) => zoomed(seen, whole, at, factor)),
@@ -41,8 +52,10 @@ export class Linked {
     this.data = null;
     /** @type {Row[]} */
     this.shown = [];
+    /** @type {Along[]} */
+    this.axes = USUAL;
     /** @type {(Range | null)[]} what is seen of each row's x axis; null: everything */
-    this.seen = ROWS.map(() => null);
+    this.seen = USUAL.map(() => null);
     /** @type {Map<Plot, Range>} what is seen of a plot's y axis, where not everything is */
     this.heights = new Map();
     /** @type {Uint32Array | null} */
@@ -70,6 +83,7 @@ export class Linked {
       this.heights.clear();
       this.widest = 0;
     }
+    this.drawOver(view.axes, data);
     this.data = data;
     this.signature = null;
     this.squares = squaresOf(columns.residual);
@@ -78,9 +92,43 @@ export class Linked {
     this.element.classList.toggle("both", Boolean(data.beside));
     if (!data.beside) for (const plot of this.besides) plot.setRegion(null);
     this.shown = rowsOf(data, view, view.held ? Math.max(this.widest, reach) : reach);
-    for (const at of ROWS.keys()) this.drawRow(at);
+    for (const at of this.rows.keys()) this.drawRow(at);
     this.tell();
     this.drawLight();
+  }
+
+  /**
+   * Let the rows be drawn over these axes: of another one everything is seen, and no rectangle is on it.
+   * @param {Along[]} axes
+   * @param {Data} data
+   */
+  drawOver(axes, data) {
+    const kinds = ["torque over %, measured and modelled", "residual over %", "residual over % of the branch beside"];
+    const all = /** @type {Along[]} */ (Object.keys(AXES));
+    const offered = all.filter((one) => this.fetched || (AXES[one].column ?? "tau") in data.columns);
+    for (const [at, along] of axes.entries()) {
+      showPicked(this.pickers[at], offered, { along, data });
+      for (const [kind, plot] of this.rows[at].entries()) {
+        plot.element.setAttribute("aria-label", kinds[kind].replace("%", AXES[along].words));
+        if (along === this.axes[at]) continue;
+        plot.setRegion(null);
+        this.heights.delete(plot);
+      }
+      if (along !== this.axes[at]) this.seen[at] = null;
+    }
+    this.axes = axes;
+  }
+
+  /**
+   * Choose what lies where a verdict says that the model fails, and mark it on the residuals over that axis.
+   * @param {import("./types.js").Place} place
+   */
+  mark(place) {
+    const at = this.axes.indexOf(place.axis);
+    if (!this.data || at < 0) return;
+    this.choose(samplesIn(this.data, place));
+    const { low, high } = this.shown[at].residual.yAxis;
+    this.residuals[at].setRegion({ x: [place.low, place.high], y: [low, high] });
   }
 
   /** @param {number} at which row */
@@ -129,7 +177,7 @@ export class Linked {
       this.heights.clear();
     }
     this.later("zoom", () => {
-      if (this.data) for (const row of ROWS.keys()) this.drawRow(row);
+      if (this.data) for (const row of this.rows.keys()) this.drawRow(row);
       this.drawLight();
     });
   }
@@ -232,6 +280,33 @@ export class Linked {
     }
     return this.told(words);
   }
+}
+
+/**
+ * What a row is drawn over, to be chosen where the name of its axis stands.
+ * @param {number} at which row
+ * @param {(along: Along) => void} picked
+ */
+function picker(at, picked) {
+  const choice = make("select", {
+    ...{ class: "along", "aria-label": `axis of row ${at + 1}`, title: "what this row is drawn over" },
+    on: { change: () => picked(/** @type {Along} */ (choice.value)) },
+  });
+  choice.style.gridArea = `${at + 1} / 1`;
+  return choice;
+}
+
+/**
+ * @param {HTMLSelectElement} choice
+ * @param {Along[]} offered
+ * @param {{along: Along, data: Data}} shown
+ */
+function showPicked(choice, offered, { along, data }) {
+  const texts = offered.map((one) => labelOf(one, data));
+  if ([...choice.options].map(({ text }) => text).join() !== texts.join()) {
+    choice.replaceChildren(...offered.map((value, at) => make("option", { value, text: texts[at] })));
+  }
+  choice.value = along;
 }
 
 /**

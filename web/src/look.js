@@ -1,6 +1,7 @@
 /** The linked plots of a report and of a notebook: steps to choose from, what could be missing beside them. */
 
 import { Candidates } from "./candidates.js";
+import { USUAL } from "./contents.js";
 import { make } from "./dom.js";
 import { Linked } from "./linked.js";
 import { number, torqueScale } from "./numbers.js";
@@ -27,10 +28,19 @@ export class Look {
     /** @type {string | null} the candidate that stays laid over the residuals when the pointer leaves it */
     this.held = null;
     const words = make("p", { class: "soft", "aria-live": "polite", text: HINT });
-    this.linked = new Linked((said) => {
-      words.textContent = said ?? HINT;
-      deeds.chosen?.();
-    });
+    /** @type {import("./types.js").Seen} */
+    this.view = { axes: USUAL, isolated: false, band: false, held: true };
+    this.step = 0;
+    this.linked = new Linked(
+      (said) => {
+        words.textContent = said ?? HINT;
+        deeds.chosen?.();
+      },
+      (axes) => {
+        this.view = { ...this.view, axes };
+        this.show(this.step);
+      },
+    );
     this.buttons = head.steps.map(({ label, rmse }, at) => {
       const scale = torqueScale(head.unit, rmse);
       const text = `${label}: ${number(rmse * scale.factor)} ${scale.unit}`;
@@ -64,12 +74,13 @@ export class Look {
   show(step) {
     const { head, measured, residuals } = this;
     const columns = { ...measured, residual: residuals[step] };
+    this.step = step;
     this.held = null;
     for (const [at, button] of this.buttons.entries()) button.setAttribute("aria-pressed", String(at === step));
     const { candidates } = head.steps[step];
     this.missing.hidden = candidates === null;
     if (candidates) this.candidates.show({ candidates, node: String(step), job: null });
-    timed("data", () => this.linked.show({ ...head, columns, fitted: true }, { isolated: false, band: false, held: true }));
+    timed("data", () => this.linked.show({ ...head, columns, fitted: true }, this.view));
   }
 
   /**

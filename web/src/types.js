@@ -1,5 +1,6 @@
 /**
- * What the server and the reports tell. Made by `python3 dev.py page` of python/knobcam/base/pages.py.
+ * What the server and the reports tell. Made by `python3 dev.py page` of pages.py and pages_sources.py
+ * in python/knobcam/base.
  */
 
 /**
@@ -95,19 +96,28 @@
  */
 
 /**
+ * Where a verdict says that a model fails: `words` of its text, from `low` to `high` along an axis.
+ *
+ * `direction` is 1 forward, -1 backward, 0 both.
+ * @typedef {{words: string, axis: "position" | "velocity" | "acceleration" | "load" | "history" | "time",
+ *   low: number, high: number, direction: number}} Place
+ */
+
+/**
  * What a session has; before the first capture there is no node, `proposed` is null until it is asked.
  *
  * `untold` are effects of which one is in the model, and the captures could not tell which.
  * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, params: Param[],
- *   rmse: number | null, rmse_heldout: number | null, verdict_text: string, ladder: LadderStep[],
+ *   rmse: number | null, rmse_heldout: number | null, verdict_text: string, places: Place[], ladder: LadderStep[],
  *   candidates: Candidates, warnings: string[], limitations: string[], absent: Effect[], untold: string[][],
  *   proposed: Law[] | null, proposed_text: string, experiment: Experiment | null}} Session
  */
 
 /**
- * What is drawn: isolated parts, the 95 % band, residuals held at one scale.
- * @typedef {{isolated: boolean, band: boolean, held: boolean}} Seen
+ * What is drawn: along which axes, isolated parts, the 95 % band, residuals held at one scale.
+ * @typedef {{axes: ("position" | "velocity" | "acceleration" | "load" | "history" | "time")[], isolated: boolean,
+ *   band: boolean, held: boolean}} Seen
  */
 
 /**
@@ -130,10 +140,52 @@
  * The answer of `GET /api/state`: a session, what is being done to it, and what can go on.
  * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, params: Param[],
- *   rmse: number | null, rmse_heldout: number | null, verdict_text: string, ladder: LadderStep[],
+ *   rmse: number | null, rmse_heldout: number | null, verdict_text: string, places: Place[], ladder: LadderStep[],
  *   candidates: Candidates, warnings: string[], limitations: string[], absent: Effect[], untold: string[][],
  *   proposed: Law[] | null, proposed_text: string, experiment: Experiment | null, job: Job | null,
  *   recording: boolean, looked: Looked | null, left: Left[], notes: string[]}} State
+ */
+
+/**
+ * What an answer may say besides the revision.
+ * @typedef {{job?: string, path?: string, log?: string, share?: number, hidden?: string[], cancelled?: boolean}}
+ *   More
+ */
+
+/**
+ * What a request is answered that changes or asks something.
+ * @typedef {{job?: string, path?: string, log?: string, share?: number, hidden?: string[], cancelled?: boolean,
+ *   revision: number}} Answer
+ */
+
+/**
+ * A model that linked plots show, and what could be missing from it where that was weighed.
+ * @typedef {{label: string, rmse: number, candidates: Candidates | null}} ShownStep
+ */
+
+/**
+ * What linked plots show: models held against captures of `all` samples.
+ * @typedef {{unit: string, coordinate: "rotary" | "linear", noise: number | null, all: number,
+ *   steps: ShownStep[]}} Shown
+ */
+
+/**
+ * A column in few letters: `deflated` is base64 of n 32-bit differences, all lowest bytes first.
+ *
+ * A difference has its sign in its lowest bit; of the steps that they sum up to, 0 is NaN and 1 is `low`.
+ * @typedef {{low: number, step: number, deflated: string}} Packed
+ */
+
+/**
+ * The same where `n` of the samples are carried along.
+ * @typedef {{unit: string, coordinate: "rotary" | "linear", noise: number | null, all: number, steps: ShownStep[],
+ *   n: number}} Head
+ */
+
+/**
+ * What a page holds in itself: columns, of each step its residual and what each candidate explains.
+ * @typedef {{unit: string, coordinate: "rotary" | "linear", noise: number | null, all: number, steps: ShownStep[],
+ *   n: number, columns: Record<string, Packed>, residuals: Packed[], signatures: Record<string, Packed>[]}} Kept
  */
 
 /**
@@ -166,18 +218,6 @@
  */
 
 /**
- * What an answer may say besides the revision.
- * @typedef {{job?: string, path?: string, log?: string, share?: number, hidden?: string[], cancelled?: boolean}}
- *   More
- */
-
-/**
- * What a request is answered that changes or asks something.
- * @typedef {{job?: string, path?: string, log?: string, share?: number, hidden?: string[], cancelled?: boolean,
- *   revision: number}} Answer
- */
-
-/**
  * A column of a file that is no capture yet; `outline` is lowest and highest of its pieces, 0 to 1.
  * @typedef {{name: string, rows: number, low: number | null, high: number | null, outline: [number, number][]}}
  *   FileColumn
@@ -196,36 +236,6 @@
 /**
  * What is wrong with a request.
  * @typedef {{columns?: FileColumn[], fault?: Fault, error: string}} Refused
- */
-
-/**
- * A model that linked plots show, and what could be missing from it where that was weighed.
- * @typedef {{label: string, rmse: number, candidates: Candidates | null}} ShownStep
- */
-
-/**
- * What linked plots show: models held against captures of `all` samples.
- * @typedef {{unit: string, coordinate: "rotary" | "linear", noise: number | null, all: number,
- *   steps: ShownStep[]}} Shown
- */
-
-/**
- * A column in few letters: `deflated` is base64 of n 32-bit differences, all lowest bytes first.
- *
- * A difference has its sign in its lowest bit; of the steps that they sum up to, 0 is NaN and 1 is `low`.
- * @typedef {{low: number, step: number, deflated: string}} Packed
- */
-
-/**
- * The same where `n` of the samples are carried along.
- * @typedef {{unit: string, coordinate: "rotary" | "linear", noise: number | null, all: number, steps: ShownStep[],
- *   n: number}} Head
- */
-
-/**
- * What a page holds in itself: columns, of each step its residual and what each candidate explains.
- * @typedef {{unit: string, coordinate: "rotary" | "linear", noise: number | null, all: number, steps: ShownStep[],
- *   n: number, columns: Record<string, Packed>, residuals: Packed[], signatures: Record<string, Packed>[]}} Kept
  */
 
 export {};

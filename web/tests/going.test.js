@@ -19,7 +19,7 @@ test("how the page looks is told when it rests, and once", async () => {
     return { ok: true, json: async () => ({}) };
   });
   let plot = 0;
-  const view = { isolated: false, band: false, held: true };
+  const view = { axes: ["position", "velocity", "time"], isolated: false, band: false, held: true };
   const looking = new Looking(() => ({ view, beside: null, brush: { plot, x: [0, 1], y: [0, 1] } }));
   for (plot = 0; plot < 5; plot++) looking.changed();
   await new Promise((resolve) => setTimeout(resolve, 400));

@@ -3,6 +3,7 @@ import { test } from "node:test";
 
 import { limits } from "../src/axes.js";
 import { latest } from "../src/latest.js";
+import { parted } from "../src/verdict.js";
 import { number, percent, ticks, torqueScale, torqueWord } from "../src/numbers.js";
 
 test("numbers have a true minus and as many digits as they need", () => {
@@ -48,4 +49,13 @@ test("of requests that pile up only the newest is made", async () => {
   for (const value of [1, 2, 3, 4]) ask(value);
   await new Promise((resolve) => setTimeout(resolve, 40));
   assert.deepEqual(made, [1, 4]);
+});
+
+test("a verdict is parted into the places that it names and what stands between", () => {
+  const place = { words: "1 to 2 rad forward", axis: /** @type {const} */ ("position"), low: 1, high: 2, direction: 1 };
+  const gone = { ...place, words: "nowhere in it" };
+  assert.deepEqual(parted("worst at 1 to 2 rad forward.", [gone, place]), ["worst at ", place, "."]);
+  assert.deepEqual(parted("1 to 2 rad forward", [place]), [place]);
+  assert.deepEqual(parted("nothing", []), ["nothing"]);
+  assert.deepEqual(parted("", [place]), []);
 });

@@ -1,6 +1,7 @@
 //! Bindings of preparation.
 use super::convert::{Column, Floats, array, input_error};
 use super::model::axis;
+use knobcore::diagnose::since_reversal;
 use knobcore::error::Error;
 use knobcore::model::Run;
 use knobcore::param::Axis;
@@ -21,7 +22,7 @@ pub struct PySignals {
 #[pymethods]
 impl PySignals {
     /// One column by name: t, theta, omega, alpha, forward, tau, tau_raw, weight, or a standard deviation
-    /// omega_sd, theta_sd, alpha_sd (None where it is not known).
+    /// omega_sd, theta_sd, alpha_sd (None where it is not known), or history, the distance since the last reversal.
     fn column<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Floats<'py>>> {
         let s = &self.prepared.signals;
         let sd = self.prepared.uncertainty.as_ref();
@@ -34,6 +35,7 @@ impl PySignals {
             "tau" => &s.tau,
             "tau_raw" => &s.tau_raw,
             "weight" => &s.weight,
+            "history" => &since_reversal(s),
             "omega_sd" if sd.is_some() => &s.omega_sd,
             "theta_sd" | "alpha_sd" | "omega_sd" => match sd {
                 Some([theta, alpha]) => {

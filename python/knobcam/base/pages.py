@@ -1,10 +1,11 @@
 """What the pages are told, as JSON: one schema for Python, which writes it, and for `web/`, which reads it.
 
-`python3 dev.py page` makes `web/src/types.js` of it. A number that may be none (NaN) is `float | None`, since
-JSON has null for it. Torques in N m, or forces in N on a linear axis; all else in SI too.
+`python3 dev.py page` makes `web/src/types.js` of it and of `pages_sources.py`: where captures come from. A
+number that may be none (NaN) is `float | None`, since JSON has null for it. Torques in N m, or forces in N on a
+linear axis; all else in SI too.
 """
 
-from typing import Literal, NotRequired, TypedDict
+from typing import Literal, TypedDict
 
 Word = Literal["missing", "part", "alike", "less", "implausible", "too_little", "unpaid", "chance", "untold"]
 """What is said of an effect that could be missing; those first that speak most for it."""
@@ -178,6 +179,26 @@ class Experiment(TypedDict):
     verdict: str | None
 
 
+Along = Literal["position", "velocity", "acceleration", "load", "history", "time"]
+"""What torques and residuals are drawn over; there is a value of it for every sample."""
+
+USUAL: tuple[Along, ...] = ("position", "velocity", "time")
+"""What they are drawn over before a person chooses."""
+
+
+class Place(TypedDict):
+    """Where a verdict says that a model fails: `words` of its text, from `low` to `high` along an axis.
+
+    `direction` is 1 forward, -1 backward, 0 both.
+    """
+
+    words: str
+    axis: Along
+    low: float
+    high: float
+    direction: int
+
+
 class Session(TypedDict):
     """What a session has; before the first capture there is no node, `proposed` is null until it is asked.
 
@@ -197,6 +218,7 @@ class Session(TypedDict):
     rmse: float | None
     rmse_heldout: float | None
     verdict_text: str
+    places: list[Place]
     ladder: list[LadderStep]
     candidates: Candidates
     warnings: list[str]
@@ -209,7 +231,9 @@ class Session(TypedDict):
 
 
 class Seen(TypedDict):
-    """What is drawn: isolated parts, the 95 % band, residuals held at one scale."""
+    """What is drawn: along which axes, isolated parts, the 95 % band, residuals held at one scale."""
+
+    axes: list[Along]
 
     isolated: bool
     band: bool
@@ -253,62 +277,6 @@ class State(Session):
     notes: list[str]
 
 
-class Knob(TypedDict):
-    """A knob that can be simulated, and the effects that it can hide."""
-
-    name: str
-    words: str
-    hideable: list[str]
-
-
-class FoundPort(TypedDict):
-    """A serial port, and what is plugged in there."""
-
-    port: str
-    words: str
-
-
-class Sources(TypedDict):
-    """The answer of `GET /api/sources`: what captures can be made of; names with words for them."""
-
-    knobs: list[Knob]
-    effects: dict[str, str]
-    motions: dict[str, dict[str, str]]
-    no_emulated_rig: str | None
-    ports: list[FoundPort]
-    folder: str
-
-
-class Live(TypedDict):
-    """How a recording goes; what is not required comes with the first figures."""
-
-    what: str
-    log: str
-    every: int
-    done: float | None
-    ended: bool
-    error: str | None
-    capture: str | None
-    elapsed_s: NotRequired[float]
-    total_s: NotRequired[float]
-    received: NotRequired[int]
-    missing: NotRequired[int]
-    rate_hz: NotRequired[float]
-    peak_torque: NotRequired[float | None]
-    torque_limit: NotRequired[float]
-    clipped: NotRequired[dict[str, int]]
-    temperature: NotRequired[float | None]
-
-
-class ColumnsHead(TypedDict):
-    """The line in front of columns of bytes: their names, their length; `live` of a recording."""
-
-    names: list[str]
-    n: int
-    dtype: Literal["f32"]
-    live: NotRequired[Live]
-
-
 class More(TypedDict, total=False):
     """What an answer may say besides the revision."""
 
@@ -324,36 +292,6 @@ class Answer(More):
     """What a request is answered that changes or asks something."""
 
     revision: int
-
-
-class FileColumn(TypedDict):
-    """A column of a file that is no capture yet; `outline` is lowest and highest of its pieces, 0 to 1."""
-
-    name: str
-    rows: int
-    low: float | None
-    high: float | None
-    outline: list[tuple[float, float]]
-
-
-class Fault(TypedDict):
-    """What a rig has latched, in words: its cause, and how long ago; `code` is by which it is cleared."""
-
-    code: int
-    told: str
-
-
-class Why(TypedDict, total=False):
-    """What more there may be to say: `columns` of a file that could not be taken for a capture, a `fault`."""
-
-    columns: list[FileColumn]
-    fault: Fault
-
-
-class Refused(Why):
-    """What is wrong with a request."""
-
-    error: str
 
 
 class ShownStep(TypedDict):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 
 from starlette.responses import Response
 
-from ..base import pages
+from ..base import pages, pages_sources
 from ..base.strict_json import as_json
 
 if TYPE_CHECKING:
@@ -28,9 +28,9 @@ def answered(session: Session, **more: Unpack[pages.More]) -> Response:
     return json_answer(answer)
 
 
-def refusal(said: str, status: int, **more: Unpack[pages.Why]) -> Response:
+def refusal(said: str, status: int, **more: Unpack[pages_sources.Why]) -> Response:
     """Return what is wrong, and what else there is to say of it."""
-    refused: pages.Refused = {"error": said, **more}
+    refused: pages_sources.Refused = {"error": said, **more}
     return json_answer(refused, status)
 
 

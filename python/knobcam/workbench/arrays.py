@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..base import pages
+from ..base import pages_sources
 from ..base.strict_json import as_json
 from ..errors import InputError
 
@@ -22,6 +22,7 @@ _MOTION = ("t", "theta", "omega", "alpha", "tau", "tau_raw")
 _MODEL: Mapping[str, Callable[[View, int], FloatArray]] = {
     "model": lambda view, at: view.torque(at),
     "residual": lambda view, at: view.residual(at),
+    "history": lambda view, at: view.since_reversal(at),
     "band": lambda view, at: view.band(at),
     "position_part": lambda view, at: view.part(at, "position"),
     "velocity_part": lambda view, at: view.part(at, "velocity"),
@@ -60,10 +61,10 @@ def explained(name: str, model: Model, view: View, at: int) -> bytes:
     return packed({name: signals.on_capture(step)})
 
 
-def packed(found: Mapping[str, FloatArray], live: pages.Live | None = None) -> bytes:
+def packed(found: Mapping[str, FloatArray], live: pages_sources.Live | None = None) -> bytes:
     """Return columns of one length as a header line, filled up to whole floats, and their values."""
     n = len(next(iter(found.values())))
-    told: pages.ColumnsHead = {"names": list(found), "n": n, "dtype": "f32"}
+    told: pages_sources.ColumnsHead = {"names": list(found), "n": n, "dtype": "f32"}
     if live is not None:
         told["live"] = live
     head = as_json(told, indent=None).encode() + b"\n"

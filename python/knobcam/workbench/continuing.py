@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 from starlette.concurrency import run_in_threadpool
 
@@ -55,6 +55,7 @@ def _looked(body: Mapping[str, Any]) -> pages.Looked:
     if not isinstance(view, dict) or not isinstance(brush, dict | None):
         raise InputError(f"view={view!r}, brush={brush!r}: give objects")
     seen: pages.Seen = {
+        "axes": _axes(view.get("axes", list(pages.USUAL))),
         "isolated": flag(view, "isolated", False),
         "band": flag(view, "band", False),
         "held": flag(view, "held", True),
@@ -64,6 +65,13 @@ def _looked(body: Mapping[str, Any]) -> pages.Looked:
         "beside": None if beside is None else text(body, "beside")[:20],
         "brush": None if brush is None else _brush(brush),
     }
+
+
+def _axes(told: object) -> list[pages.Along]:
+    known, rows = get_args(pages.Along), len(pages.USUAL)
+    if not isinstance(told, list) or len(told) != rows or not all(one in known for one in told):
+        raise InputError(f"axes={told!r}: give {rows} of {', '.join(known)}")
+    return told
 
 
 def _brush(told: Mapping[str, Any]) -> pages.Brush:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..base import pages
+from ..base import pages_sources
 from ..rig.tail import Tail
 from .arrays import packed
 from .jobs import Cancelled
@@ -77,8 +77,8 @@ class Live:
             columns = self._thinned.since(since) or {name: np.zeros(0) for name in _COLUMNS}
             return packed(columns, live=self._told())
 
-    def _told(self) -> pages.Live:
-        told: pages.Live = {
+    def _told(self) -> pages_sources.Live:
+        told: pages_sources.Live = {
             "what": self.what,
             "log": str(self.log),
             "every": self._thinned.every,

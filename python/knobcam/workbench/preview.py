@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-    from ..base import pages
+    from ..base import pages_sources
     from ..base.arrays import FloatArray
 
 _MOST = 60  # columns; what has more was not meant to be looked at
@@ -24,7 +24,7 @@ _WIDE = 60  # pieces of a column's outline
 class Unmapped(InputError):
     """A file that has columns, but not those of a capture; `columns` describes them."""
 
-    def __init__(self, said: str, columns: list[pages.FileColumn]) -> None:
+    def __init__(self, said: str, columns: list[pages_sources.FileColumn]) -> None:
         super().__init__(said)
         self.columns = columns
 
@@ -44,7 +44,7 @@ def explained(error: InputError, path: Path, options: Mapping[str, Any], max_byt
     return error
 
 
-def _described(name: str, column: FloatArray) -> pages.FileColumn:
+def _described(name: str, column: FloatArray) -> pages_sources.FileColumn:
     """A column's name, rows, range, and its outline: lowest and highest of each piece, from 0 to 1."""
     finite = column[np.isfinite(column)]
     if not len(finite):

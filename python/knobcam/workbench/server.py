@@ -20,7 +20,7 @@ from starlette.responses import Response, StreamingResponse
 from starlette.routing import Route
 from starlette.types import ASGIApp
 
-from ..base import pages
+from ..base import pages, pages_sources
 from ..base.strict_json import as_json
 from ..capture import load
 from ..capture.formats import DEFAULT_MAX_BYTES
@@ -99,7 +99,7 @@ def new_token() -> str:
 
 
 async def _wrong(_: Request, error: Exception) -> Response:
-    more: pages.Why = {}
+    more: pages_sources.Why = {}
     if isinstance(error, Unmapped):
         more["columns"] = error.columns
     if isinstance(error, Latched):

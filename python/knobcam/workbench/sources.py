@@ -10,7 +10,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Protocol
 
-from ..base import pages
+from ..base import pages_sources
 from ..capture.motion_plan import MotionPlan
 from ..errors import InputError
 from ..model import KNOBS, Model
@@ -241,7 +241,7 @@ def _asked(
     return (BY_HAND, LED_S + plan.seconds + _LATE_S) if by_hand else (plan, seconds)
 
 
-def document() -> pages.Sources:
+def document() -> pages_sources.Sources:
     """Return what there is to choose from."""
     laws = effects()
     return {

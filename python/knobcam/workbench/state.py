@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast, get_args
 
 from ..base import pages
 from ..errors import InputError
@@ -57,6 +57,7 @@ def document(session: Session) -> pages.Session:
         "rmse": view.rmse,
         "rmse_heldout": view.rmse_heldout,
         "verdict_text": _verdict(steps, diagnosis, end),
+        "places": [] if diagnosis is None else _places(diagnosis),
         "ladder": [
             {
                 "label": "first model" if step.added is None else f"+ {step.added}",
@@ -107,6 +108,7 @@ def _nothing(session: Session) -> pages.Session:
         "rmse": None,
         "rmse_heldout": None,
         "verdict_text": "Open a capture to begin.",
+        "places": [],
         "ladder": [],
         "candidates": {"ready": False, "rows": [], "unexplained": None, "left_out": {}},
         "warnings": [],
@@ -217,3 +219,20 @@ def _verdict(steps: list[LearningStep], diagnosis: Diagnosis | None, end: Select
     if end is None:
         return said + diagnosis.summary
     return f"{said}{LearningResult(*end).headline} {diagnosis.comparison.summary}"
+
+
+def _places(diagnosis: Diagnosis) -> list[pages.Place]:
+    """Return the places that a verdict names, each with its words; along frequency no sample has one."""
+    worst = diagnosis.comparison.worst
+    if worst is None or worst.axis not in get_args(pages.Along):
+        return []
+    region = worst.regions[0]
+    return [
+        {
+            "words": worst.where(),
+            "axis": cast("pages.Along", worst.axis),
+            "low": region.start,
+            "high": region.end,
+            "direction": region.direction,
+        }
+    ]

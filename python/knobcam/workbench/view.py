@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -68,6 +68,11 @@ class View:
         signals = self.fit.prepared[at]
         rest = np.where(signals.used, signals.tau - self.model.core.torque(signals.core), np.nan)
         return signals.on_capture(rest)
+
+    def since_reversal(self, at: int) -> FloatArray:
+        """Distance travelled on a capture since the direction last changed, rad (m); NaN before it did."""
+        signals = self.fit.prepared[at]
+        return signals.on_capture(cast("FloatArray", signals.core.column("history")))
 
     def part(self, at: int, part: Part) -> FloatArray:
         """Torque of the position or velocity part alone, N m, through the same filter."""

@@ -145,7 +145,7 @@ fn logarithmic(first: f64, last: f64) -> Vec<f64> {
 
 /// Distance travelled since the direction last changed, rad; NaN before the first change. A change counts
 /// when the new sign of the velocity is certain to three standard deviations.
-fn since_reversal(signals: &Signals) -> Vec<f64> {
+pub fn since_reversal(signals: &Signals) -> Vec<f64> {
     let mut direction = 0.0;
     let mut turned_at = f64::NAN;
     let mut extreme: Option<f64> = None;

@@ -20,6 +20,7 @@ mod thinned;
 mod verdict;
 mod watch;
 
+pub use bins::since_reversal;
 pub use candidates::{Candidate, diagnose};
 pub use coupled::{converge, in_place};
 pub use implausible::implausible;

@@ -850,17 +850,22 @@ function limits(columns, { air = 0.03, around = NaN } = {}) {
 }
 
 // src/contents.js
-var ROWS = (
-  /** @type {const} */
-  [
-    { over: "position", column: "theta", part: "position_part", units: { linear: "m", rotary: "rad" } },
-    { over: "velocity", column: "omega", part: "velocity_part", units: { linear: "m/s", rotary: "rad/s" } },
-    { over: "time", column: "t", part: null, units: { linear: "s", rotary: "s" } }
-  ]
+var AXES = (
+  /** @type {Record<Along, AxisOf>} */
+  {
+    position: { words: "position", column: "theta", part: "position_part", units: ["rad", "m"] },
+    velocity: { words: "velocity", column: "omega", part: "velocity_part", units: ["rad/s", "m/s"] },
+    acceleration: { words: "acceleration", column: "alpha", part: null, units: ["rad/s²", "m/s²"] },
+    load: { words: "load (modelled torque)", column: null, part: null, units: null },
+    history: { words: "way since a reversal", column: "history", part: null, units: ["rad", "m"] },
+    time: { words: "time", column: "t", part: null, units: ["s", "s"] }
+  }
 );
+var USUAL = ["position", "velocity", "time"];
 var NAME = 32;
 function columnsOf(view) {
   const needed = ["t", "theta", "omega", "tau", "residual"];
+  for (const { column } of view.axes.map((along) => AXES[along])) if (column && !needed.includes(column)) needed.push(column);
   if (view.isolated) needed.push("position_part", "velocity_part");
   if (view.band) needed.push("band");
   return needed;
@@ -870,15 +875,15 @@ function reachOf({ columns, beside, noise }) {
   return Math.max(-low, high, 2 * (noise ?? 0));
 }
 function rowsOf(data, view, widest) {
-  const { columns, beside, coordinate } = data;
+  const { columns, beside } = data;
   const word = torqueWord(data.unit);
   const model = less(columns.tau, columns.residual);
   const other = beside ? less(columns.tau, beside.residual) : null;
-  return ROWS.map((row) => {
-    const x = columns[row.column];
-    const [low, high] = limits([x], { air: 0.01 });
-    const common = { x, xAxis: { low, high, factor: 1, label: `${row.over}, ${row.units[coordinate]}` }, picked: 0 };
-    const part = view.isolated && row.part ? columns[row.part] : null;
+  return view.axes.map((along) => {
+    const axis2 = AXES[along];
+    const x = axis2.column ? columns[axis2.column] : model;
+    const common = { x, xAxis: axisOf(along, x, data), picked: 0 };
+    const part = view.isolated && axis2.part ? columns[axis2.part] : null;
     const { measured, modelled } = part ? isolated(columns, part) : { measured: columns.tau, modelled: model };
     const series = [
       { colour: "--measured", chosen: "--chosen", y: measured, strength: 0.4 },
@@ -890,8 +895,10 @@ function rowsOf(data, view, widest) {
     const scale = torqueScale(data.unit, Math.max(-lowest, highest));
     const torque = {
       ...common,
+      xAxis: { ...common.xAxis, label: "" },
+      // where it is chosen it stands already
       yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}, ${scale.unit}` },
-      title: part ? `what depends on ${row.over} alone` : `${word} over ${row.over}`,
+      title: part ? `what depends on ${along} alone` : `${word} over ${axis2.words}`,
       series,
       noise: null
     };
@@ -910,6 +917,24 @@ function rowsOf(data, view, widest) {
       beside: beside ? rest(beside.residual, "--beside", `residual, ${short(beside.name)}`) : null
     };
   });
+}
+function axisOf(along, x, data) {
+  const [low, high] = limits([x], { air: 0.01 });
+  return { low, high, factor: 1, label: labelOf(along, data) };
+}
+function labelOf(along, { unit, coordinate }) {
+  const { words: words3, units } = AXES[along];
+  return `${words3}, ${units ? units[coordinate === "linear" ? 1 : 0] : unit}`;
+}
+function samplesIn({ columns }, { axis: axis2, low, high, direction }) {
+  const { column } = AXES[axis2];
+  const x = column ? columns[column] : less(columns.tau, columns.residual);
+  const found2 = [];
+  for (let i = 0; i < x.length; i++) {
+    const counts = columns.residual[i] === columns.residual[i] && x[i] >= low && x[i] <= high;
+    if (counts && (direction === 0 || Math.sign(columns.omega[i]) === direction)) found2.push(i);
+  }
+  return Uint32Array.from(found2);
 }
 function less(from, what) {
   return from.map((value, i) => value - what[i]);
@@ -1127,7 +1152,7 @@ function place(xs, ys, frame) {
   }
   return pixels;
 }
-var USUAL = 4;
+var USUAL2 = 4;
 function drawCloud(image, pixels, frame, colour, strength) {
   const counts = new Uint16Array(image.length);
   let [points, hit] = [0, 0];
@@ -1140,7 +1165,7 @@ function drawCloud(image, pixels, frame, colour, strength) {
     }
     points += dot2 * dot2;
   }
-  const full = Math.max(2, Math.ceil(USUAL * points / Math.max(1, hit)));
+  const full = Math.max(2, Math.ceil(USUAL2 * points / Math.max(1, hit)));
   const rise = (1 - strength) / Math.log(full);
   const weights = Float32Array.from({ length: full + 1 }, (_, n) => strength + rise * Math.log(Math.max(1, n)));
   for (let at = 0; at < counts.length; at++) {
@@ -1400,17 +1425,27 @@ function within([low, high], [lowest, highest]) {
 
 // src/linked.js
 var Linked = class {
-  /** @param {(words: string | null) => void} told about the chosen samples; null when none are */
-  constructor(told) {
+  /**
+   * @param {(words: string | null) => void} told about the chosen samples; null when none are
+   * @param {(axes: Along[]) => void} picked what the rows shall be drawn over; they are once they are shown
+   * @param {{fetched?: boolean}} [columns] `fetched`: there is a column for every axis, as soon as it is asked for
+   */
+  constructor(told, picked, { fetched = false } = {}) {
     this.told = told;
+    this.fetched = fetched;
     const brushed = (plot, region) => this.brush(plot, region);
-    const plots = (name) => ROWS.map(({ over }) => new Plot(name(over), brushed));
-    this.torques = plots((over) => `torque over ${over}, measured and modelled`);
-    this.residuals = plots((over) => `residual over ${over}`);
-    this.besides = plots((over) => `residual over ${over} of the branch beside`);
-    this.rows = ROWS.map((_, at) => [this.torques[at], this.residuals[at], this.besides[at]]);
+    const column = () => USUAL.map(() => new Plot("", brushed));
+    this.torques = column();
+    this.residuals = column();
+    this.besides = column();
+    this.rows = USUAL.map((_, at) => [this.torques[at], this.residuals[at], this.besides[at]]);
     this.plots = this.rows.flat();
-    this.element = make("div", { class: "linked" }, ...this.plots.map(({ element }) => element));
+    this.pickers = USUAL.map((_, at) => picker(at, (along) => picked(this.axes.with(at, along))));
+    this.element = make("div", { class: "linked" }, ...this.plots.map(({ element }) => element), ...this.pickers);
+    for (const [at, { element }] of this.plots.entries()) {
+      element.classList.toggle("beside", at % 3 === 2);
+      element.style.gridArea = `${Math.floor(at / 3) + 1} / ${at % 3 + 1}`;
+    }
     const deeds = {
       zoom: (plot, at, factor) => this.look(plot, (seen, whole) => zoomed(seen, whole, at, factor)),
       pan: (plot, share) => this.look(plot, (seen, whole) => panned(seen, whole, share)),
@@ -1422,7 +1457,8 @@ var Linked = class {
     }
     this.data = null;
     this.shown = [];
-    this.seen = ROWS.map(() => null);
+    this.axes = USUAL;
+    this.seen = USUAL.map(() => null);
     this.heights = /* @__PURE__ */ new Map();
     this.chosen = null;
     this.signature = null;
@@ -1445,6 +1481,7 @@ var Linked = class {
       this.heights.clear();
       this.widest = 0;
     }
+    this.drawOver(view.axes, data);
     this.data = data;
     this.signature = null;
     this.squares = squaresOf(columns.residual);
@@ -1453,9 +1490,44 @@ var Linked = class {
     this.element.classList.toggle("both", Boolean(data.beside));
     if (!data.beside) for (const plot of this.besides) plot.setRegion(null);
     this.shown = rowsOf(data, view, view.held ? Math.max(this.widest, reach) : reach);
-    for (const at of ROWS.keys()) this.drawRow(at);
+    for (const at of this.rows.keys()) this.drawRow(at);
     this.tell();
     this.drawLight();
+  }
+  /**
+   * Let the rows be drawn over these axes: of another one everything is seen, and no rectangle is on it.
+   * @param {Along[]} axes
+   * @param {Data} data
+   */
+  drawOver(axes, data) {
+    const kinds = ["torque over %, measured and modelled", "residual over %", "residual over % of the branch beside"];
+    const all = (
+      /** @type {Along[]} */
+      Object.keys(AXES)
+    );
+    const offered = all.filter((one) => this.fetched || (AXES[one].column ?? "tau") in data.columns);
+    for (const [at, along] of axes.entries()) {
+      showPicked(this.pickers[at], offered, { along, data });
+      for (const [kind, plot] of this.rows[at].entries()) {
+        plot.element.setAttribute("aria-label", kinds[kind].replace("%", AXES[along].words));
+        if (along === this.axes[at]) continue;
+        plot.setRegion(null);
+        this.heights.delete(plot);
+      }
+      if (along !== this.axes[at]) this.seen[at] = null;
+    }
+    this.axes = axes;
+  }
+  /**
+   * Choose what lies where a verdict says that the model fails, and mark it on the residuals over that axis.
+   * @param {import("./types.js").Place} place
+   */
+  mark(place3) {
+    const at = this.axes.indexOf(place3.axis);
+    if (!this.data || at < 0) return;
+    this.choose(samplesIn(this.data, place3));
+    const { low, high } = this.shown[at].residual.yAxis;
+    this.residuals[at].setRegion({ x: [place3.low, place3.high], y: [low, high] });
   }
   /** @param {number} at which row */
   drawRow(at) {
@@ -1500,7 +1572,7 @@ var Linked = class {
       this.heights.clear();
     }
     this.later("zoom", () => {
-      if (this.data) for (const row of ROWS.keys()) this.drawRow(row);
+      if (this.data) for (const row of this.rows.keys()) this.drawRow(row);
       this.drawLight();
     });
   }
@@ -1594,6 +1666,24 @@ var Linked = class {
     return this.told(words3);
   }
 };
+function picker(at, picked) {
+  const choice = make("select", {
+    ...{ class: "along", "aria-label": `axis of row ${at + 1}`, title: "what this row is drawn over" },
+    on: { change: () => picked(
+      /** @type {Along} */
+      choice.value
+    ) }
+  });
+  choice.style.gridArea = `${at + 1} / 1`;
+  return choice;
+}
+function showPicked(choice, offered, { along, data }) {
+  const texts = offered.map((one) => labelOf(one, data));
+  if ([...choice.options].map(({ text }) => text).join() !== texts.join()) {
+    choice.replaceChildren(...offered.map((value, at) => make("option", { value, text: texts[at] })));
+  }
+  choice.value = along;
+}
 function within2(axis2, seen) {
   return axis2 && seen ? { ...axis2, low: seen[0], high: seen[1], part: true } : axis2;
 }
@@ -1612,7 +1702,7 @@ function chosenSquares(residual, chosen) {
 }
 
 // src/store.js
-var MOTION = /* @__PURE__ */ new Set(["t", "theta", "omega", "alpha", "tau"]);
+var MOTION = /* @__PURE__ */ new Set(["t", "theta", "omega", "alpha", "tau", "history"]);
 var NODES_KEPT = 32;
 function decode(buffer) {
   return unpacked(buffer).columns;
@@ -2716,6 +2806,27 @@ function themed(changed) {
   system.addEventListener("change", changed);
 }
 
+// src/verdict.js
+function showVerdict(element, { verdict_text: text, places }, go) {
+  const key2 = JSON.stringify([text, places]);
+  if (element.dataset.told === key2) return;
+  element.dataset.told = key2;
+  element.replaceChildren(
+    ...parted(text, places).map(
+      (part) => typeof part === "string" ? part : make("button", { ...LEADS, text: part.words, on: { click: () => go(part) } })
+    )
+  );
+}
+var LEADS = { type: "button", class: "leads", title: "show its samples in every plot" };
+function parted(text, places) {
+  const [first, ...others] = places;
+  if (!first) return text === "" ? [] : [text];
+  const at = text.lastIndexOf(first.words);
+  if (first.words === "" || at < 0) return parted(text, others);
+  const [before, after] = [text.slice(0, at), text.slice(at + first.words.length)];
+  return [...parted(before, others), first, ...parted(after, others)];
+}
+
 // src/app.js
 var LOOK_MS = 60;
 var App = class {
@@ -2723,16 +2834,21 @@ var App = class {
     this.store = new Store();
     this.state = null;
     this.job = null;
-    this.view = { isolated: false, band: false, held: true };
+    this.view = { axes: USUAL, isolated: false, band: false, held: true };
+    this.place = null;
     this.drawn = "";
     this.beside = null;
     this.deed = { what: "first picture", start: 0 };
     this.looks = new Looking(() => ({ view: this.view, beside: this.beside, brush: this.linked.brushed }));
     this.brushedThen = null;
-    this.linked = new Linked((words3) => {
-      byId("chosen").textContent = words3 ?? BRUSH_HINT;
-      this.looks.changed();
-    });
+    this.linked = new Linked(
+      (words3) => {
+        byId("chosen").textContent = words3 ?? BRUSH_HINT;
+        this.looks.changed();
+      },
+      (axes) => this.see({ axes }),
+      { fetched: true }
+    );
     byId("plots").append(this.linked.element);
     this.refresh = latest((revision) => this.load(revision));
     this.drag = latest(async (values) => {
@@ -2813,18 +2929,33 @@ var App = class {
     byId("closer").addEventListener("click", () => this.linked.lookCloser());
     for (
       const option of
-      /** @type {(keyof App["view"])[]} */
+      /** @type {const} */
       ["isolated", "band", "held"]
     ) {
       const box = (
         /** @type {HTMLInputElement} */
         byId(option)
       );
-      box.addEventListener("change", () => {
-        this.view = { ...this.view, [option]: box.checked };
-        this.looks.changed();
-        this.refresh(Infinity);
-      });
+      box.addEventListener("change", () => this.see({ [option]: box.checked }));
+    }
+  }
+  /** See the samples in another way. @param {Partial<App["view"]>} change */
+  see(change) {
+    this.view = { ...this.view, ...change };
+    this.looks.changed();
+    this.refresh(Infinity);
+  }
+  /**
+   * Go where a verdict says that the model fails: the axis comes into the first row where no row has it.
+   * @param {import("./types.js").Place} place
+   */
+  go(place3) {
+    const { axes } = this.view;
+    if (axes.includes(place3.axis)) {
+      this.linked.mark(place3);
+    } else {
+      this.place = place3;
+      this.see({ axes: [place3.axis, ...axes.slice(1)] });
     }
   }
   /**
@@ -2865,7 +2996,7 @@ var App = class {
     if (!this.state?.node && state.node !== null && state.looked) this.lookAgain(state.looked);
     this.state = state;
     byId("welcome").toggleAttribute("hidden", state.node !== null);
-    byId("verdict").textContent = state.verdict_text;
+    showVerdict(byId("verdict"), state, (place3) => this.go(place3));
     if (state.recording) this.live?.follow();
     showHidden(state);
     showLeft(state.left, {
@@ -2897,9 +3028,13 @@ var App = class {
   }
   /** Look at a session as it was looked at. @param {import("./types.js").Looked} looked */
   lookAgain({ view, beside, brush }) {
-    this.view = view;
-    for (const [option, value] of Object.entries(view)) {
-      byId(option).checked = value;
+    this.view = { ...this.view, ...view };
+    for (
+      const option of
+      /** @type {const} */
+      ["isolated", "band", "held"]
+    ) {
+      byId(option).checked = view[option];
     }
     this.beside = beside;
     this.brushedThen = brush;
@@ -2930,6 +3065,8 @@ var App = class {
     timed(what, () => {
       this.linked.show(data, view);
       if (brush) this.linked.brushAgain(brush);
+      if (this.place) this.linked.mark(this.place);
+      this.place = null;
     }, start);
   }
   /** @param {State} state */
