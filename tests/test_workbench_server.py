@@ -10,7 +10,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 from urllib.parse import quote
 
 import httpx
@@ -20,6 +20,7 @@ from command import knobcam, refused
 from workbench_server import HOSTILE, wrong
 
 import knobcam as kc
+from knobcam.base import pages
 from knobcam.errors import InputError
 from knobcam.workbench.bench import Bench
 from knobcam.workbench.guard import HEADER
@@ -86,6 +87,20 @@ def test_samples_come_as_a_line_of_json_and_floats(opened: httpx.Client, sprung:
     assert len(content) % 4 == 0
     for change in ({"node": "n99"}, {"capture": HOSTILE}, {"names": HOSTILE}, {"names": ""}):
         wrong(opened.get("/api/arrays", params=query | change), 400, "")
+
+
+def test_where_the_error_lies_is_told_of_every_axis_that_samples_have(opened: httpx.Client):
+    node = opened.get("/api/state").json()["node"]
+    splits = opened.get("/api/splits", params={"node": node}).json()["splits"]
+    assert {one["axis"] for one in splits} == set(get_args(pages.Along))
+    for one in splits:
+        bins = zip(one["low"], one["high"], one["direction"], one["mean"], one["band"], strict=True)
+        assert all(low <= high and side in (-1, 0, 1) and band > 0.0 for low, high, side, _, band in bins)
+    opened.post("/api/params", json={"viscous.pos": 0.01})
+    moved = opened.get("/api/state").json()["node"]
+    assert opened.get("/api/splits", params={"node": moved}).json() == {"splits": []}
+    wrong(opened.get("/api/splits", params={"node": HOSTILE}), 400, "")
+    opened.post("/api/snap")
 
 
 def test_a_dragged_parameter_has_a_node_of_its_own_to_fetch(opened: httpx.Client):

@@ -47,7 +47,9 @@ def as_the_schema_says(answer: httpx.Response) -> None:
     """Assert that an answer is what the pages are told to expect."""
     kind = answer.headers.get("content-type", "")
     if kind == "application/json":
-        shapes = {"/api/state": pages.State, "/api/sources": pages_sources.Sources}
+        shapes = {"/api/state": pages.State, "/api/sources": pages_sources.Sources} | {
+            "/api/splits": pages.Splits
+        }
         shape = shapes.get(answer.url.path, pages.Answer)
         answer.read()
         told.check(answer.json(), shape if answer.is_success else pages_sources.Refused)

@@ -42,11 +42,21 @@ assert.ok(Math.abs(marked.x[0] - Number(low)) < 1e-3 * (1 + Math.abs(marked.x[0]
 for (const axis of ["acceleration", "load", "history"]) {
   await done(page, "data", () => page.getByLabel("axis of row 3").selectOption(axis));
   assert.equal(await page.evaluate(() => globalThis.knobcam.app.linked.axes[2]), axis);
-  const over = page.getByRole("img", { name: /^residual over (acceleration|load|way since)/ });
+  const over = page.getByRole("img", { name: /^residual over (acceleration|modelled torque|distance since)/ });
   assert.equal(await over.filter({ visible: true }).count(), 1);
 }
 await picture("2-led-by-the-verdict");
 await done(page, "data", () => page.getByLabel("axis of row 3").selectOption("time"));
+for (const width of [800, 1280, 1440, 1920]) {
+  await page.setViewportSize({ width, height: 950 });
+  await page.locator("h1").hover();
+  const plots = await page.locator("#plots").boundingBox();
+  await candidates.first().hover();
+  await page.locator("#looked:visible").waitFor();
+  assert.deepEqual(await page.locator("#plots").boundingBox(), plots, `the plots move at ${width} px`);
+}
+await page.setViewportSize({ width: 1500, height: 950 });
+await page.locator("h1").hover();
 figures.look = await done(page, "look", () => candidates.first().hover());
 await picture("3-looked-at");
 await candidates.first().focus();

@@ -268,12 +268,15 @@ class App {
     const data = { columns, unit, coordinate, noise: state.noise_floor, fitted, name, beside };
     const brush = this.brushedThen;
     this.brushedThen = null;
+    const splits = fitted ? this.store.splitsOf(node).catch(() => []) : []; // without them all else is there
     timed(what, () => {
       this.linked.show(data, view);
       if (brush) this.linked.brushAgain(brush);
       if (this.place) this.linked.mark(this.place);
       this.place = null;
     }, start);
+    const found = await splits;
+    if (this.state?.node === node) timed("bins", () => this.linked.lay(found));
   }
 
   /** @param {State} state */

@@ -2,6 +2,8 @@
 
 import { number, ticks } from "./numbers.js";
 
+/** @typedef {import("./types.js").Split} Split */
+
 /** Room around the points, in CSS pixels. */
 export const MARGIN = { left: 52, right: 10, top: 22, bottom: 34 };
 
@@ -14,10 +16,10 @@ export const MARGIN = { left: 52, right: 10, top: 22, bottom: 34 };
  * Draw ticks, grid lines and labels above the points.
  * @param {CanvasRenderingContext2D} brush with one unit per CSS pixel
  * @param {{width: number, height: number}} size of the whole plot, CSS pixels
- * @param {{x: Axis, y: Axis, title: string, colours: {ink: string, soft: string, line: string},
- *   noise: number | null}} plot `noise`: a torque that chance reaches, drawn as a pair of lines
+ * @param {{x: Axis, y: Axis, title: string, colours: {ink: string, soft: string, line: string, band: string},
+ *   noise: number | null, bins?: Split | null}} plot `noise`: a torque that chance reaches, drawn as a pair of lines
  */
-export function drawAxes(brush, size, { x, y, title, colours, noise }) {
+export function drawAxes(brush, size, { x, y, title, colours, noise, bins }) {
   const { left, top } = MARGIN;
   const [right, bottom] = [size.width - MARGIN.right, size.height - MARGIN.bottom];
   brush.clearRect(0, 0, size.width, size.height);
@@ -52,6 +54,14 @@ export function drawAxes(brush, size, { x, y, title, colours, noise }) {
     }
     brush.restore();
   }
+  if (bins) {
+    brush.save();
+    brush.beginPath();
+    brush.rect(left, top, right - left, bottom - top);
+    brush.clip();
+    drawBins(brush, bins, across, up, colours);
+    brush.restore();
+  }
   brush.strokeStyle = colours.soft;
   stroke(brush, left + 0.5, top, left + 0.5, bottom);
   stroke(brush, left, bottom + 0.5, right, bottom + 0.5);
@@ -65,6 +75,32 @@ export function drawAxes(brush, size, { x, y, title, colours, noise }) {
   brush.font = "600 12px system-ui, 'DejaVu Sans', sans-serif";
   brush.textAlign = "right";
   brush.fillText(title, right, top - 4);
+}
+
+/**
+ * Draw the mean of each bin over the band that chance gives it: a line where the knob moves forward or either way,
+ * dashes where it moves backward.
+ * @param {CanvasRenderingContext2D} brush
+ * @param {Split} bins
+ * @param {(value: number) => number} across
+ * @param {(value: number) => number} up
+ * @param {{ink: string, band: string}} colours
+ */
+function drawBins(brush, bins, across, up, { ink, band }) {
+  const edges = bins.low.map((low, at) => [across(low), across(bins.high[at])]);
+  brush.globalAlpha = 0.35;
+  brush.fillStyle = band;
+  for (const [at, [from, to]] of edges.entries()) {
+    const half = bins.band[at];
+    if (half) brush.fillRect(from, up(half), to - from, up(-half) - up(half));
+  }
+  brush.globalAlpha = 1;
+  brush.strokeStyle = ink;
+  brush.lineWidth = 2;
+  for (const [at, [from, to]] of edges.entries()) {
+    brush.setLineDash(bins.direction[at] < 0 ? [3, 2] : []);
+    stroke(brush, from, up(bins.mean[at]), to, up(bins.mean[at]));
+  }
 }
 
 /**

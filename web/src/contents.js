@@ -10,9 +10,10 @@ import { torqueScale, torqueWord } from "./numbers.js";
 /**
  * What the plots are made of.
  * @typedef {{columns: Columns, unit: string, coordinate: "rotary" | "linear", noise: number | null, fitted: boolean,
- *   name?: string, beside?: Beside | null}} Data
+ *   name?: string, beside?: Beside | null, splits?: import("./types.js").Split[] | null}} Data
  * `columns`: t, theta, omega, tau, residual; for isolated components also position_part and velocity_part; for
- * the band also band. `fitted`: no parameter is dragged away from the fit. `name`: of the branch
+ * the band also band. `fitted`: no parameter is dragged away from the fit. `name`: of the branch. `splits`: where the
+ * error lies, as soon as that is known
  * @typedef {{name: string, residual: Float32Array}} Beside another branch of the same captures
  * @typedef {import("./types.js").Seen} View
  * `held`: the residuals keep the scale of the worst fit, so that they are seen to fall
@@ -27,8 +28,8 @@ export const AXES = /** @type {Record<Along, AxisOf>} */ ({
   position: { words: "position", column: "theta", part: "position_part", units: ["rad", "m"] },
   velocity: { words: "velocity", column: "omega", part: "velocity_part", units: ["rad/s", "m/s"] },
   acceleration: { words: "acceleration", column: "alpha", part: null, units: ["rad/s²", "m/s²"] },
-  load: { words: "load (modelled torque)", column: null, part: null, units: null },
-  history: { words: "way since a reversal", column: "history", part: null, units: ["rad", "m"] },
+  load: { words: "modelled torque", column: null, part: null, units: null },
+  history: { words: "distance since reversal", column: "history", part: null, units: ["rad", "m"] },
   time: { words: "time", column: "t", part: null, units: ["s", "s"] },
 });
 

@@ -134,11 +134,23 @@ export class Linked {
   /** @param {number} at which row */
   drawRow(at) {
     const row = this.shown[at];
-    for (const [column, contents] of [row.torque, row.residual, row.beside].entries()) {
+    const bins = this.data?.splits?.find(({ axis }) => axis === this.axes[at]) ?? null;
+    for (const [column, contents] of [row.torque, { ...row.residual, bins }, row.beside].entries()) {
       const plot = this.rows[at][column];
       const [xAxis, yAxis] = [within(contents?.xAxis, this.seen[at]), within(contents?.yAxis, this.heights.get(plot))];
       if (contents && xAxis && yAxis) plot.show({ ...contents, xAxis, yAxis });
     }
+  }
+
+  /**
+   * Draw where the error lies, in bins beside what chance gives them, over the residuals.
+   * @param {import("./types.js").Split[]} splits
+   */
+  lay(splits) {
+    if (!this.data) return;
+    this.data = { ...this.data, splits };
+    for (const at of this.rows.keys()) this.drawRow(at);
+    this.drawLight();
   }
 
   /** Draw everything anew, for another size or other colours. */

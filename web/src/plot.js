@@ -12,8 +12,8 @@ import { drawCloud, drawPoints, pixelColour, place } from "./raster.js";
  * @typedef {{colour: string, chosen: string | null, y: Float32Array, strength: number}} Series
  * `colour`, `chosen`: names in the style sheet of the cloud and of its chosen points (null: these are not drawn)
  * @typedef {{title: string, x: Float32Array, xAxis: import("./axes.js").Axis, yAxis: import("./axes.js").Axis,
- *   series: Series[], picked: number, noise: number | null}} Contents
- * `picked`: the series whose points the brush takes
+ *   series: Series[], picked: number, noise: number | null, bins?: import("./types.js").Split | null}} Contents
+ * `picked`: the series whose points the brush takes; `bins`: means of it, and what chance gives them
  * @typedef {{x: [number, number], y: [number, number]}} Region in data units
  */
 
@@ -108,10 +108,11 @@ export class Plot {
     this.axes.height = Math.round(height * this.scale);
     const brush = this.axes.getContext("2d");
     if (!brush || !this.contents) return;
-    const { title, xAxis, yAxis, noise } = this.contents;
-    const colours = { ink: this.colour("--ink"), soft: this.colour("--soft"), line: this.colour("--grid") };
+    const { title, xAxis, yAxis, noise, bins } = this.contents;
+    const [ink, soft, line, band] = ["--ink", "--soft", "--grid", "--band"].map((name) => this.colour(name));
+    const colours = { ink, soft, line, band };
     brush.scale(this.scale, this.scale);
-    drawAxes(brush, { width, height }, { x: xAxis, y: yAxis, title, colours, noise });
+    drawAxes(brush, { width, height }, { x: xAxis, y: yAxis, title, colours, noise, bins });
   }
 
   /**

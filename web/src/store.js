@@ -1,6 +1,6 @@
 /** The samples: fetched once, kept per capture and per node of the session. */
 
-import { fetchBytes } from "./api.js";
+import { ask, fetchBytes } from "./api.js";
 
 /**
  * Columns of samples, all captures one after the other.
@@ -41,6 +41,23 @@ export class Store {
   constructor() {
     /** @type {Map<string, Columns>} columns by capture, or by capture and node */
     this.kept = new Map();
+    /** @type {Map<string, import("./types.js").Split[]>} where the error lies, by node */
+    this.splits = new Map();
+  }
+
+  /**
+   * Return where the error of a node lies along every axis.
+   * @param {string} node
+   * @returns {Promise<import("./types.js").Split[]>}
+   */
+  async splitsOf(node) {
+    const known = this.splits.get(node);
+    if (known) return known;
+    /** @type {import("./types.js").Splits} */
+    const { splits } = await ask("splits", { node });
+    this.splits.set(node, splits);
+    for (const old of [...this.splits.keys()].slice(0, -NODES_KEPT)) this.splits.delete(old);
+    return splits;
   }
 
   /**

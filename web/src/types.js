@@ -104,6 +104,19 @@
  */
 
 /**
+ * The mean residual in bins of an axis, and the half-width of the 95 % band that chance gives it.
+ *
+ * `direction` is whose motion a bin holds: 1 forward, -1 backward, 0 both.
+ * @typedef {{axis: "position" | "velocity" | "acceleration" | "load" | "history" | "time", low: number[],
+ *   high: number[], direction: number[], mean: number[], band: (number | null)[]}} Split
+ */
+
+/**
+ * The answer of `GET /api/splits`: the error of a fit along every axis.
+ * @typedef {{splits: Split[]}} Splits
+ */
+
+/**
  * What a session has; before the first capture there is no node, `proposed` is null until it is asked.
  *
  * `untold` are effects of which one is in the model, and the captures could not tell which.

@@ -1,8 +1,8 @@
 """What the pages are told, as JSON: one schema for Python, which writes it, and for `web/`, which reads it.
 
-`python3 dev.py page` makes `web/src/types.js` of it and of `pages_sources.py`: where captures come from. A
-number that may be none (NaN) is `float | None`, since JSON has null for it. Torques in N m, or forces in N on a
-linear axis; all else in SI too.
+`python3 dev.py page` makes `web/src/types.js` of it and of `pages_sources.py`, the other half.
+A number that may be none (NaN) is `float | None`, as JSON has null for it. Torques in N m, or forces in N
+on a linear axis; all else in SI too.
 """
 
 from typing import Literal, TypedDict
@@ -197,6 +197,26 @@ class Place(TypedDict):
     low: float
     high: float
     direction: int
+
+
+class Split(TypedDict):
+    """The mean residual in bins of an axis, and the half-width of the 95 % band that chance gives it.
+
+    `direction` is whose motion a bin holds: 1 forward, -1 backward, 0 both.
+    """
+
+    axis: Along
+    low: list[float]
+    high: list[float]
+    direction: list[int]
+    mean: list[float]
+    band: list[float | None]
+
+
+class Splits(TypedDict):
+    """The answer of `GET /api/splits`: the error of a fit along every axis."""
+
+    splits: list[Split]
 
 
 class Session(TypedDict):

@@ -75,7 +75,12 @@ def application(bench: Bench, token: str, port: int, upload_bytes: int = UPLOAD_
         **proposing.posts,
     }
     gets: dict[str, Answers] = {
-        **{"state": server.state, "arrays": server.arrays, "signature": server.signature},
+        **{
+            "state": server.state,
+            "arrays": server.arrays,
+            "splits": server.splits,
+            "signature": server.signature,
+        },
         **{"events": server.events, "download": server.download, "picture": server.picture},
         **recording.gets,
         **designing.gets,
@@ -151,6 +156,11 @@ class _Server:
         at = self.session.place(view, asked.get("capture", ""))
         names = [name for name in asked.get("names", "").split(",") if name]
         return bytes_answer(await run_in_threadpool(arrays.columns, view, at, names))
+
+    async def splits(self, request: Request) -> Response:
+        """The error at a node along every axis."""
+        view = self.session.view_of(request.query_params.get("node", ""))
+        return json_answer({"splits": await run_in_threadpool(view.splits)})
 
     async def signature(self, request: Request) -> Response:
         """What a weighed effect would explain of a capture's residual."""

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, cast, get_args
 
 import numpy as np
 
+from ..base import pages
 from ..show.plot.components import effects_of
 
 if TYPE_CHECKING:
@@ -73,6 +74,22 @@ class View:
         """Distance travelled on a capture since the direction last changed, rad (m); NaN before it did."""
         signals = self.fit.prepared[at]
         return signals.on_capture(cast("FloatArray", signals.core.column("history")))
+
+    def splits(self) -> list[pages.Split]:
+        """Return the error along every axis that samples have; none of a model that a hand has moved."""
+        known = get_args(pages.Along)
+        found = [] if self.dragged else [one for one in self.fit.compare().splits if one.axis in known]
+        return [
+            {
+                "axis": cast("pages.Along", one.axis),
+                "low": one.low.tolist(),
+                "high": one.high.tolist(),
+                "direction": one.direction.tolist(),
+                "mean": one.mean.tolist(),
+                "band": one.band.tolist(),
+            }
+            for one in found
+        ]
 
     def part(self, at: int, part: Part) -> FloatArray:
         """Torque of the position or velocity part alone, N m, through the same filter."""

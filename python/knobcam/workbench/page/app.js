@@ -781,7 +781,7 @@ function edited(law, start) {
 
 // src/axes.js
 var MARGIN = { left: 52, right: 10, top: 22, bottom: 34 };
-function drawAxes(brush, size, { x, y, title, colours, noise }) {
+function drawAxes(brush, size, { x, y, title, colours, noise, bins }) {
   const { left, top } = MARGIN;
   const [right, bottom] = [size.width - MARGIN.right, size.height - MARGIN.bottom];
   brush.clearRect(0, 0, size.width, size.height);
@@ -815,6 +815,14 @@ function drawAxes(brush, size, { x, y, title, colours, noise }) {
     }
     brush.restore();
   }
+  if (bins) {
+    brush.save();
+    brush.beginPath();
+    brush.rect(left, top, right - left, bottom - top);
+    brush.clip();
+    drawBins(brush, bins, across, up, colours);
+    brush.restore();
+  }
   brush.strokeStyle = colours.soft;
   stroke(brush, left + 0.5, top, left + 0.5, bottom);
   stroke(brush, left, bottom + 0.5, right, bottom + 0.5);
@@ -827,6 +835,22 @@ function drawAxes(brush, size, { x, y, title, colours, noise }) {
   brush.font = "600 12px system-ui, 'DejaVu Sans', sans-serif";
   brush.textAlign = "right";
   brush.fillText(title, right, top - 4);
+}
+function drawBins(brush, bins, across, up, { ink, band: band2 }) {
+  const edges = bins.low.map((low, at) => [across(low), across(bins.high[at])]);
+  brush.globalAlpha = 0.35;
+  brush.fillStyle = band2;
+  for (const [at, [from, to]] of edges.entries()) {
+    const half = bins.band[at];
+    if (half) brush.fillRect(from, up(half), to - from, up(-half) - up(half));
+  }
+  brush.globalAlpha = 1;
+  brush.strokeStyle = ink;
+  brush.lineWidth = 2;
+  for (const [at, [from, to]] of edges.entries()) {
+    brush.setLineDash(bins.direction[at] < 0 ? [3, 2] : []);
+    stroke(brush, from, up(bins.mean[at]), to, up(bins.mean[at]));
+  }
 }
 function stroke(brush, x0, y0, x1, y1) {
   brush.beginPath();
@@ -856,8 +880,8 @@ var AXES = (
     position: { words: "position", column: "theta", part: "position_part", units: ["rad", "m"] },
     velocity: { words: "velocity", column: "omega", part: "velocity_part", units: ["rad/s", "m/s"] },
     acceleration: { words: "acceleration", column: "alpha", part: null, units: ["rad/s²", "m/s²"] },
-    load: { words: "load (modelled torque)", column: null, part: null, units: null },
-    history: { words: "way since a reversal", column: "history", part: null, units: ["rad", "m"] },
+    load: { words: "modelled torque", column: null, part: null, units: null },
+    history: { words: "distance since reversal", column: "history", part: null, units: ["rad", "m"] },
     time: { words: "time", column: "t", part: null, units: ["s", "s"] }
   }
 );
@@ -1277,10 +1301,11 @@ var Plot = class {
     this.axes.height = Math.round(height * this.scale);
     const brush = this.axes.getContext("2d");
     if (!brush || !this.contents) return;
-    const { title, xAxis, yAxis, noise } = this.contents;
-    const colours = { ink: this.colour("--ink"), soft: this.colour("--soft"), line: this.colour("--grid") };
+    const { title, xAxis, yAxis, noise, bins } = this.contents;
+    const [ink, soft, line, band2] = ["--ink", "--soft", "--grid", "--band"].map((name) => this.colour(name));
+    const colours = { ink, soft, line, band: band2 };
     brush.scale(this.scale, this.scale);
-    drawAxes(brush, { width, height }, { x: xAxis, y: yAxis, title, colours, noise });
+    drawAxes(brush, { width, height }, { x: xAxis, y: yAxis, title, colours, noise, bins });
   }
   /**
    * Draw the second layer.
@@ -1532,11 +1557,22 @@ var Linked = class {
   /** @param {number} at which row */
   drawRow(at) {
     const row = this.shown[at];
-    for (const [column, contents] of [row.torque, row.residual, row.beside].entries()) {
+    const bins = this.data?.splits?.find(({ axis: axis2 }) => axis2 === this.axes[at]) ?? null;
+    for (const [column, contents] of [row.torque, { ...row.residual, bins }, row.beside].entries()) {
       const plot = this.rows[at][column];
       const [xAxis, yAxis] = [within2(contents?.xAxis, this.seen[at]), within2(contents?.yAxis, this.heights.get(plot))];
       if (contents && xAxis && yAxis) plot.show({ ...contents, xAxis, yAxis });
     }
+  }
+  /**
+   * Draw where the error lies, in bins beside what chance gives them, over the residuals.
+   * @param {import("./types.js").Split[]} splits
+   */
+  lay(splits) {
+    if (!this.data) return;
+    this.data = { ...this.data, splits };
+    for (const at of this.rows.keys()) this.drawRow(at);
+    this.drawLight();
   }
   /** Draw everything anew, for another size or other colours. */
   redraw() {
@@ -1720,6 +1756,20 @@ function unpacked(buffer) {
 var Store = class {
   constructor() {
     this.kept = /* @__PURE__ */ new Map();
+    this.splits = /* @__PURE__ */ new Map();
+  }
+  /**
+   * Return where the error of a node lies along every axis.
+   * @param {string} node
+   * @returns {Promise<import("./types.js").Split[]>}
+   */
+  async splitsOf(node) {
+    const known = this.splits.get(node);
+    if (known) return known;
+    const { splits } = await ask("splits", { node });
+    this.splits.set(node, splits);
+    for (const old of [...this.splits.keys()].slice(0, -NODES_KEPT)) this.splits.delete(old);
+    return splits;
   }
   /**
    * Return columns over all captures, one after the other.
@@ -3062,12 +3112,15 @@ var App = class {
     const data = { columns, unit, coordinate, noise: state.noise_floor, fitted, name, beside };
     const brush = this.brushedThen;
     this.brushedThen = null;
+    const splits = fitted ? this.store.splitsOf(node).catch(() => []) : [];
     timed(what, () => {
       this.linked.show(data, view);
       if (brush) this.linked.brushAgain(brush);
       if (this.place) this.linked.mark(this.place);
       this.place = null;
     }, start);
+    const found2 = await splits;
+    if (this.state?.node === node) timed("bins", () => this.linked.lay(found2));
   }
   /** @param {State} state */
   showBranches(state) {
