@@ -80,7 +80,7 @@ def test_loops_stay_within_their_size_at_each_of_their_places():
     counts = [nearest.count(place) for place in dict.fromkeys(nearest)]
     assert max(counts) - min(counts) <= 2
     wide, said = made("loops", 1.0, 1.0, 0.0, 1.0, 0.0)
-    assert "within 1.5 rad" in said and "at 1 places" in said
+    assert "within 1.5 rad" in said and "at one place" in said
     assert {round(move.to, 9) for move in wide} == {0.5, 1.25, -0.25}
 
 

@@ -124,6 +124,11 @@ def _times(n: int) -> str:
     return "once" if n == 1 else f"{n} times"
 
 
+def _of(n: int, what: str) -> str:
+    """Return a number of things for people."""
+    return f"one {what}" if n == 1 else f"{n} {what}s"
+
+
 class _Filling:
     """Moves one after the other until their time is over."""
 
@@ -199,19 +204,19 @@ def _loops(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) 
     places = 1 + round(6 * u[2])
     low, high = _span(1.0 - size / (2.0 * limits.half), 0.5, limits)
     filling = _Filling(at, seconds)
-    loops = 0
+    moves = reached = 0
     for place in range(places):
         there = low + (high - low) * (place + 0.5) / places
         until = seconds * (places - place - 1) / places
         if not filling.put(Move(there, swift, eased * limits.alpha_rad_s2)):
             break
-        side = 1.0
+        side, before = 1.0, moves
         while filling.left > until and filling.put(Move(there + side * 0.5 * size, speed, hard)):
-            side, loops = -side, loops + 1
+            side, moves = -side, moves + 1
+        reached += moves > before
     degrees = f"{math.degrees(size):.3g} degrees" if size < 1.0 else f"{size:.3g} rad"
-    return filling.parts, (
-        f"slow to and fro within {degrees} at {speed:.3g} rad/s, {_times(loops // 2)}, at {places} places"
-    )
+    times = f"{_of(moves, 'move')} at {_of(reached, 'place')}"
+    return filling.parts, f"slow to and fro within {degrees} at {speed:.3g} rad/s, {times}"
 
 
 def _rests(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) -> tuple[list[Part], str]:
