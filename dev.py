@@ -228,7 +228,7 @@ def page(options: list[str]) -> None:
     if "--check" not in options:
         types.write_text(told, "utf-8")
     elif types.read_text("utf-8") != told:
-        sys.exit("dev.py: web/src/types.js: not what base/pages*.py say; run `python3 dev.py page` and commit it")
+        sys.exit("dev.py: web/src/types.js: not what pages*.py say; run `python3 dev.py page` and commit it")
     run("npm", "run", "--prefix", WEB, "--silent", "types")
     run("npm", "test", "--prefix", WEB, "--silent")
     if "--check" not in options:

@@ -111,18 +111,11 @@ def ask(knob: hidden.Hidden, without: tuple[str, ...]) -> dict[str, Any]:
         return kc.learn(kc.load(path), without=without).document()
 
 
-def examine(case: Case) -> dict[str, Any]:
-    """The marks of one capture."""
-    knob = case.make()
-    left_out = case.sitting == "left-out"
-    return {"case": str(case), **known(case, knob), **marked(knob, case.without, left_out)}
-
-
-def sit(case: Stratum) -> Iterator[dict[str, Any]]:
-    """A stratum's row: what is known of the knob, then the marks."""
+def sit(case: Case | Stratum) -> Iterator[dict[str, Any]]:
+    """The row of a capture: what is known of the knob, then the marks."""
     knob = case.make()
     yield known(case, knob)
-    yield marked(knob)
+    yield marked(knob, case.without if isinstance(case, Case) else ())
 
 
 def known(case: Case | Stratum, knob: hidden.Hidden) -> dict[str, Any]:
@@ -139,7 +132,7 @@ def known(case: Case | Stratum, knob: hidden.Hidden) -> dict[str, Any]:
     }
 
 
-def marked(knob: hidden.Hidden, without: tuple[str, ...] = (), left_out: bool = False) -> dict[str, Any]:
+def marked(knob: hidden.Hidden, without: tuple[str, ...] = ()) -> dict[str, Any]:
     """Ask, and judge the answer."""
     start = time.perf_counter()
     try:
@@ -151,7 +144,7 @@ def marked(knob: hidden.Hidden, without: tuple[str, ...] = (), left_out: bool = 
             "ladder": [],
             "noise_floor": np.nan,
         }
-    return {"seconds": round(time.perf_counter() - start, 2), **judged(knob, document, left_out)}
+    return {"seconds": round(time.perf_counter() - start, 2), **judged(knob, document, bool(without))}
 
 
 def judged(knob: hidden.Hidden, document: dict[str, Any], left_out: bool) -> dict[str, Any]:

@@ -14,18 +14,26 @@ from typing import Any
 
 # One thread each: the captures are examined beside one another.
 THREADS = ("OPENBLAS_NUM_THREADS", "RAYON_NUM_THREADS")
-RESULTS = Path(__file__).with_name("results")
+HERE = Path(__file__).resolve().parent
+PROGRAM = HERE.parent / "python" / "knobcam"
+RESULTS = HERE / "results"
+KEPT = RESULTS / "hidden.jsonl"  # a run of an hour that was killed goes on where it stopped
+CAP_S = 600.0  # of the processor, for a capture
 
 
 def run(seeds: int, first: int, jobs: int, only: str = "") -> list[dict[str, Any]]:
     """Examine `seeds` knobs per effect, from seed `first` on; `only` a sitting, or a sitting/effect."""
-    from examiner import cases, examine
-    from pooled import pooled
+    from examiner import SILENT, cases, sit
+    from resumed import resumed, version
 
     chosen = [case for case in cases(seeds, first) if only in ("", case.sitting, case.kind)]
     if not chosen:
         raise SystemExit(f"--only {only}: no such sitting; there are {', '.join(sittings())}")
-    return pooled(examine, chosen, jobs, "case")
+    about = {"program": version(PROGRAM), "knobs": version(HERE / "examiner.py", HERE / "hidden")}
+    # Compiled once, here, and not in each process that starts from this one.
+    for first_of_kind in {case.kind: case for case in chosen}.values():
+        first_of_kind.make()
+    return resumed(sit, chosen, KEPT, about, jobs, CAP_S, SILENT | {"seconds": CAP_S})
 
 
 def sittings() -> list[str]:
