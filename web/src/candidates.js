@@ -34,19 +34,21 @@ export class Candidates {
     this.shown = shown;
     this.inside ||= this.place.contains(document.activeElement);
     this.at = 0;
-    this.rows = candidates.rows;
-    this.items = candidates.rows.map((row, at) => this.item(row, at));
+    const could = candidates.rows.filter((row) => row.could_be);
+    this.rows = [...could, ...candidates.rows.filter((row) => !row.could_be)];
+    this.items = this.rows.map((row, at) => this.item(row, at));
+    const others = this.items.slice(could.length);
     const ask = make("button", {
       ...{ type: "button", text: "What is missing?", disabled: job !== null || node === null },
       on: { click: () => this.deeds.ask?.() },
     });
-    const list = make("ul", { role: "listbox", "aria-label": "candidates", class: "candidates" }, ...this.items);
     this.place.replaceChildren(
       ...(candidates.ready ? [] : [make("p", { class: "soft" }, job ? `${job.what} …` : ask)]),
       ...(candidates.ready && this.items.length === 0
         ? [make("p", { class: "well", text: "Nothing is left to be weighed." })]
         : []),
-      list,
+      make("ul", { "aria-label": "candidates", class: "candidates" }, ...this.items.slice(0, could.length)),
+      others.length > 0 ? folded(others, could.length === 0) : "",
       ...remainder(candidates.unexplained),
     );
     if (this.inside && document.activeElement === document.body) (this.items[0] ?? ask).focus();
@@ -69,8 +71,8 @@ export class Candidates {
     return make(
       "li",
       {
-        ...{ class: `candidate${chance}`, role: "option", tabindex: at === 0 ? 0 : -1, "data-effect": row.effect },
-        "aria-label": `${row.effect}: error falls by ${percent(Math.max(0, row.error_fall))}, p ${number(row.p_value, 2)}`,
+        ...{ class: `candidate${chance}`, tabindex: at === 0 ? 0 : -1, "data-effect": row.effect },
+        "aria-label": `${row.effect}, ${row.name}: error falls by ${percent(Math.max(0, row.error_fall))}, ${evidence(row)}`,
         on: {
           pointerenter: () => this.deeds.look(row.effect),
           pointerleave: () => this.deeds.look(null),
@@ -82,6 +84,7 @@ export class Candidates {
       make("span", { class: "track" }, bar),
       make("span", { class: "figure", text: percent(-Math.max(0, row.error_fall)), title: "fall of the RMS error" }),
       make("span", { class: "deeds" }, this.deeds.about ? about : null, take),
+      make("span", { class: "alike", text: row.name }),
       make("span", { class: "evidence soft", text: evidence(row) }),
       this.untold(row),
       ...remarks(row).map((text) => make("span", { class: "alike soft", text })),
@@ -108,7 +111,8 @@ export class Candidates {
     this.at = at;
     for (const [other, item] of this.items.entries()) {
       item.tabIndex = other === at ? 0 : -1;
-      item.setAttribute("aria-selected", String(other === at));
+      if (other === at) item.setAttribute("aria-current", "true");
+      else item.removeAttribute("aria-current");
     }
     this.deeds.look(this.items[at].dataset.effect ?? null);
   }
@@ -118,7 +122,10 @@ export class Candidates {
     const moves = { ArrowDown: this.at + 1, ArrowUp: this.at - 1, Home: 0, End: this.items.length - 1 };
     if (event.key in moves) {
       const to = moves[/** @type {keyof typeof moves} */ (event.key)];
-      this.items[Math.min(this.items.length - 1, Math.max(0, to))]?.focus();
+      const item = this.items[Math.min(this.items.length - 1, Math.max(0, to))];
+      const fold = item?.closest("details");
+      if (fold) fold.open = true; // what is folded away takes no focus
+      item?.focus();
       event.preventDefault();
     } else if (event.key === "Enter" && event.target === this.items[this.at]) {
       this.deeds.take(this.items[this.at].dataset.effect ?? "");
@@ -127,6 +134,16 @@ export class Candidates {
       if (this.rows[this.at]) this.deeds.about?.(this.rows[this.at]);
     }
   }
+}
+
+/**
+ * What is no more than chance, or too little, or not by its values: there for those who ask.
+ * @param {HTMLElement[]} items
+ * @param {boolean} open
+ */
+function folded(items, open) {
+  const words = `${items.length} weighed in vain: too little, or chance`;
+  return make("details", { open }, make("summary", { class: "soft", text: words }), make("ul", { class: "candidates" }, ...items));
 }
 
 /** @param {Candidate} row */

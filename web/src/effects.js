@@ -34,7 +34,7 @@ export class AnyEffect {
     byId("any").hidden = absent.length === 0;
     const names = (/** @type {Effect[]} */ effects) => effects.map(({ effect }) => effect).join();
     if (names(absent) !== names(this.absent)) {
-      this.select.replaceChildren(...absent.map(({ effect }) => make("option", { value: effect, text: effect })));
+      this.select.replaceChildren(...absent.map(({ effect, name }) => make("option", { value: effect, text: `${effect}: ${name}` })));
     }
     this.absent = absent;
   }

@@ -15,7 +15,7 @@ export class Params {
   constructor(place, deeds) {
     this.place = place;
     this.deeds = deeds;
-    /** @type {Map<string, {slider: HTMLInputElement, value: HTMLElement, low: number, high: number}>} */
+    /** @type {Map<string, {slider: HTMLInputElement, value: HTMLElement, error: HTMLElement, low: number, high: number}>} */
     this.rows = new Map();
     /** @type {string} */
     this.shape = "";
@@ -30,6 +30,7 @@ export class Params {
       const row = this.rows.get(param.name);
       if (!row) continue;
       row.value.textContent = number(param.value, 4);
+      row.error.hidden = param.dragged; // of the fitted value, not of one that a hand gave
       row.slider.setAttribute("aria-valuetext", `${number(param.value, 4)} ${param.unit}`);
       row.value.classList.toggle("moved", param.dragged);
       if (document.activeElement !== row.slider) row.slider.value = String(place(param.value, row));
@@ -69,7 +70,8 @@ export class Params {
       on: { input: () => this.drag(param.name) },
     });
     const value = make("span", { class: "figure" });
-    this.rows.set(param.name, { slider, value, low, high });
+    const error = make("span", { class: "error soft figure", text: plusMinus(param) });
+    this.rows.set(param.name, { slider, value, error, low, high });
     const between = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
     const doubt = param.doubt ? make("span", { class: "doubt", text: " ⚠", "aria-label": param.doubt }) : null;
     const about = [param.name, param.meaning, param.doubt].filter(Boolean).join(": ");
@@ -77,8 +79,8 @@ export class Params {
       "tr",
       {},
       make("th", { scope: "row", title: about }, param.name.split(".").slice(1).join("."), doubt),
-      make("td", {}, slider),
-      make("td", { class: "value", title: `95 % interval ${between} ${param.unit}` }, value),
+      make("td", { class: "slide" }, interval(param.ci95, { low, high }), slider),
+      make("td", { class: "value", title: `95 % interval ${between} ${param.unit}` }, value, " ", error),
       make("td", { class: "soft unit", text: param.unit, title: param.unit }),
     );
   }
@@ -102,6 +104,29 @@ function span({ fitted, ci95, lower, upper }) {
   const half = ci95 ? 2 * Math.abs(ci95[1] - ci95[0]) : 0;
   const reach = Math.max(Math.abs(fitted), half, 1e-9);
   return { low: Math.max(fitted - reach, lower ?? -Infinity), high: Math.min(fitted + reach, upper ?? Infinity) };
+}
+
+/**
+ * Half the 95 % interval, in as many digits as it is known to.
+ * @param {Pick<Param, "ci95" | "role">} param
+ */
+export function plusMinus({ ci95, role }) {
+  if (!ci95) return role === "fixed" ? "fixed" : "± ?";
+  return ci95[1] > ci95[0] ? `± ${number(0.5 * (ci95[1] - ci95[0]), 2)}` : "";
+}
+
+/**
+ * The interval as a bar below the slider, as far as the slider reaches; nothing where there is none.
+ * @param {Param["ci95"]} ci95
+ * @param {{low: number, high: number}} reach
+ */
+function interval(ci95, { low, high }) {
+  if (!ci95 || !(high > low)) return null;
+  const [from, to] = ci95.map((end) => Math.min(1, Math.max(0, (end - low) / (high - low))));
+  const bar = make("span", { class: "interval" });
+  bar.style.left = `calc(var(--thumb) / 2 + ${from} * (100% - var(--thumb)))`;
+  bar.style.width = `calc(${to - from} * (100% - var(--thumb)))`;
+  return bar;
 }
 
 /** @param {number} value @param {{low: number, high: number}} row */

@@ -3,6 +3,7 @@ import { test } from "node:test";
 
 import { limits } from "../src/axes.js";
 import { latest } from "../src/latest.js";
+import { plusMinus } from "../src/params.js";
 import { parted } from "../src/verdict.js";
 import { number, percent, ticks, torqueScale, torqueWord } from "../src/numbers.js";
 
@@ -58,4 +59,11 @@ test("a verdict is parted into the places that it names and what stands between"
   assert.deepEqual(parted("1 to 2 rad forward", [place]), [place]);
   assert.deepEqual(parted("nothing", []), ["nothing"]);
   assert.deepEqual(parted("", [place]), []);
+});
+
+test("a parameter says half its interval, that it is fixed, or that nothing determines it", () => {
+  assert.equal(plusMinus({ ci95: [0.9, 1.1], role: "free" }), "± 0.1");
+  assert.equal(plusMinus({ ci95: null, role: "fixed" }), "fixed");
+  assert.equal(plusMinus({ ci95: null, role: "free" }), "± ?");
+  assert.equal(plusMinus({ ci95: [1, 1], role: "free" }), "");
 });

@@ -213,17 +213,19 @@ var Candidates = class {
     this.shown = shown;
     this.inside ||= this.place.contains(document.activeElement);
     this.at = 0;
-    this.rows = candidates.rows;
-    this.items = candidates.rows.map((row, at) => this.item(row, at));
+    const could = candidates.rows.filter((row) => row.could_be);
+    this.rows = [...could, ...candidates.rows.filter((row) => !row.could_be)];
+    this.items = this.rows.map((row, at) => this.item(row, at));
+    const others = this.items.slice(could.length);
     const ask2 = make("button", {
       ...{ type: "button", text: "What is missing?", disabled: job !== null || node === null },
       on: { click: () => this.deeds.ask?.() }
     });
-    const list = make("ul", { role: "listbox", "aria-label": "candidates", class: "candidates" }, ...this.items);
     this.place.replaceChildren(
       ...candidates.ready ? [] : [make("p", { class: "soft" }, job ? `${job.what} …` : ask2)],
       ...candidates.ready && this.items.length === 0 ? [make("p", { class: "well", text: "Nothing is left to be weighed." })] : [],
-      list,
+      make("ul", { "aria-label": "candidates", class: "candidates" }, ...this.items.slice(0, could.length)),
+      others.length > 0 ? folded(others, could.length === 0) : "",
       ...remainder(candidates.unexplained)
     );
     if (this.inside && document.activeElement === document.body) (this.items[0] ?? ask2).focus();
@@ -245,8 +247,8 @@ var Candidates = class {
     return make(
       "li",
       {
-        ...{ class: `candidate${chance}`, role: "option", tabindex: at === 0 ? 0 : -1, "data-effect": row.effect },
-        "aria-label": `${row.effect}: error falls by ${percent(Math.max(0, row.error_fall))}, p ${number(row.p_value, 2)}`,
+        ...{ class: `candidate${chance}`, tabindex: at === 0 ? 0 : -1, "data-effect": row.effect },
+        "aria-label": `${row.effect}, ${row.name}: error falls by ${percent(Math.max(0, row.error_fall))}, ${evidence(row)}`,
         on: {
           pointerenter: () => this.deeds.look(row.effect),
           pointerleave: () => this.deeds.look(null),
@@ -258,6 +260,7 @@ var Candidates = class {
       make("span", { class: "track" }, bar),
       make("span", { class: "figure", text: percent(-Math.max(0, row.error_fall)), title: "fall of the RMS error" }),
       make("span", { class: "deeds" }, this.deeds.about ? about2 : null, take),
+      make("span", { class: "alike", text: row.name }),
       make("span", { class: "evidence soft", text: evidence(row) }),
       this.untold(row),
       ...remarks(row).map((text) => make("span", { class: "alike soft", text })),
@@ -282,7 +285,8 @@ var Candidates = class {
     this.at = at;
     for (const [other, item] of this.items.entries()) {
       item.tabIndex = other === at ? 0 : -1;
-      item.setAttribute("aria-selected", String(other === at));
+      if (other === at) item.setAttribute("aria-current", "true");
+      else item.removeAttribute("aria-current");
     }
     this.deeds.look(this.items[at].dataset.effect ?? null);
   }
@@ -294,7 +298,10 @@ var Candidates = class {
         /** @type {keyof typeof moves} */
         event.key
       ];
-      this.items[Math.min(this.items.length - 1, Math.max(0, to))]?.focus();
+      const item = this.items[Math.min(this.items.length - 1, Math.max(0, to))];
+      const fold = item?.closest("details");
+      if (fold) fold.open = true;
+      item?.focus();
       event.preventDefault();
     } else if (event.key === "Enter" && event.target === this.items[this.at]) {
       this.deeds.take(this.items[this.at].dataset.effect ?? "");
@@ -304,6 +311,10 @@ var Candidates = class {
     }
   }
 };
+function folded(items, open) {
+  const words3 = `${items.length} weighed in vain: too little, or chance`;
+  return make("details", { open }, make("summary", { class: "soft", text: words3 }), make("ul", { class: "candidates" }, ...items));
+}
 function evidence(row) {
   const chance = row.p_value <= 1e-3 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
   return `${row.said} (${chance})`;
@@ -346,7 +357,7 @@ var AnyEffect = class {
     byId("any").hidden = absent.length === 0;
     const names = (effects) => effects.map(({ effect }) => effect).join();
     if (names(absent) !== names(this.absent)) {
-      this.select.replaceChildren(...absent.map(({ effect }) => make("option", { value: effect, text: effect })));
+      this.select.replaceChildren(...absent.map(({ effect, name }) => make("option", { value: effect, text: `${effect}: ${name}` })));
     }
     this.absent = absent;
   }
@@ -2614,6 +2625,7 @@ var Params = class {
       const row = this.rows.get(param.name);
       if (!row) continue;
       row.value.textContent = number(param.value, 4);
+      row.error.hidden = param.dragged;
       row.slider.setAttribute("aria-valuetext", `${number(param.value, 4)} ${param.unit}`);
       row.value.classList.toggle("moved", param.dragged);
       if (document.activeElement !== row.slider) row.slider.value = String(place2(param.value, row));
@@ -2650,7 +2662,8 @@ var Params = class {
       on: { input: () => this.drag(param.name) }
     });
     const value = make("span", { class: "figure" });
-    this.rows.set(param.name, { slider, value, low, high });
+    const error = make("span", { class: "error soft figure", text: plusMinus(param) });
+    this.rows.set(param.name, { slider, value, error, low, high });
     const between3 = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
     const doubt = param.doubt ? make("span", { class: "doubt", text: " ⚠", "aria-label": param.doubt }) : null;
     const about2 = [param.name, param.meaning, param.doubt].filter(Boolean).join(": ");
@@ -2658,8 +2671,8 @@ var Params = class {
       "tr",
       {},
       make("th", { scope: "row", title: about2 }, param.name.split(".").slice(1).join("."), doubt),
-      make("td", {}, slider),
-      make("td", { class: "value", title: `95 % interval ${between3} ${param.unit}` }, value),
+      make("td", { class: "slide" }, interval(param.ci95, { low, high }), slider),
+      make("td", { class: "value", title: `95 % interval ${between3} ${param.unit}` }, value, " ", error),
       make("td", { class: "soft unit", text: param.unit, title: param.unit })
     );
   }
@@ -2677,6 +2690,18 @@ function span2({ fitted, ci95, lower, upper }) {
   const half = ci95 ? 2 * Math.abs(ci95[1] - ci95[0]) : 0;
   const reach = Math.max(Math.abs(fitted), half, 1e-9);
   return { low: Math.max(fitted - reach, lower ?? -Infinity), high: Math.min(fitted + reach, upper ?? Infinity) };
+}
+function plusMinus({ ci95, role }) {
+  if (!ci95) return role === "fixed" ? "fixed" : "± ?";
+  return ci95[1] > ci95[0] ? `± ${number(0.5 * (ci95[1] - ci95[0]), 2)}` : "";
+}
+function interval(ci95, { low, high }) {
+  if (!ci95 || !(high > low)) return null;
+  const [from, to] = ci95.map((end) => Math.min(1, Math.max(0, (end - low) / (high - low))));
+  const bar = make("span", { class: "interval" });
+  bar.style.left = `calc(var(--thumb) / 2 + ${from} * (100% - var(--thumb)))`;
+  bar.style.width = `calc(${to - from} * (100% - var(--thumb)))`;
+  return bar;
 }
 function place2(value, { low, high }) {
   return high > low ? Math.round(STEPS * (value - low) / (high - low)) : 0;
