@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from command import knobcam, process
+from command import knobcam, process, refused
 
 import knobcam as kc
 from knobcam import cli, show
@@ -35,9 +35,13 @@ def pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pictures that cost nothing: what is drawn is the business of other tests."""
 
     def save_all(
-        fit: kc.Fit, folder: Path, comparison: kc.Comparison | None = None, forward: object = None
+        fit: kc.Fit,
+        folder: Path,
+        comparison: kc.Comparison | None = None,
+        forward: object = None,
+        kind: str = "png",
     ) -> list[Path]:
-        name = "fit.png" if comparison is None else "comparison.png"
+        name = f"fit.{kind}" if comparison is None else f"comparison.{kind}"
         folder.mkdir(exist_ok=True)
         (folder / name).write_bytes(b"picture")
         return [folder / name]
@@ -45,7 +49,7 @@ def pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     def effect(effect: kc.Effect) -> Any:
         return SimpleNamespace(savefig=lambda path: Path(path).write_text(effect.id))
 
-    def save_learning(story: kc.LearningResult, folder: Path, rendered: kc.Fit | None = None) -> list[Path]:
+    def save_learning(story: kc.LearningResult, folder: Path, *_: object, **__: object) -> list[Path]:
         folder.mkdir(exist_ok=True)
         (folder / "story.png").write_bytes(b"picture")
         return [folder / "story.png"]
@@ -216,6 +220,11 @@ def test_pictures_go_where_the_call_says(capture: Path, tmp_path: Path) -> None:
     assert compared["files"]["pictures"] == [str(plots / "comparison.png")]
     assert shown["files"]["pictures"] == [str(plots / "coulomb.png"), str(one)]
     assert one.read_text() == "coulomb"
+    printed = knobcam("fit", capture, "--plots", plots, "--format", "pdf", "--json").document
+    drawn = knobcam("effects", "coulomb", "--plots", plots, "--format", "svg", "--json").document
+    assert printed["files"]["pictures"] == [str(plots / "fit.pdf")]
+    assert drawn["files"]["pictures"] == [str(plots / "coulomb.svg")]
+    refused(knobcam("fit", capture, "--plots", plots, "--format", "gif"), "--format", "svg")
 
 
 @pytest.mark.usefixtures("pictures")

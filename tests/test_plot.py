@@ -298,6 +298,8 @@ def test_save_all_writes_numbered_pictures_and_returns_their_paths(fit: kc.Fit, 
     assert [path.name[:3] for path in paths] == [f"{n:02d}-" for n in range(1, len(paths) + 1)]
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in paths)
     assert {"fit", "comparison", "scan"} <= {path.stem[3:] for path in paths}
+    drawn = plot.save_all(fit, tmp_path / "drawn", kind="svg")
+    assert all(path.suffix == ".svg" and path.read_bytes().startswith(b"<?xml") for path in drawn)
 
 
 def test_a_joint_fit_of_two_captures_is_drawn_whole(capture: kc.Capture) -> None:

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     Commands = argparse._SubParsersAction[Any]  # argparse has no public name for it
 
 
+PICTURES = ("png", "svg", "pdf")
+"""The kinds of pictures that are written."""
+
 _LARGEST = 2**53  # whole numbers that a program of any language tells apart
 
 
@@ -229,8 +232,14 @@ def add_output(parser: argparse.ArgumentParser, what: str, required: bool = Fals
 
 
 def add_plots(parser: argparse.ArgumentParser) -> None:
-    """Add `--plots`, the folder for pictures."""
+    """Add `--plots`, the folder for pictures, and `--format`, their kind."""
     parser.add_argument("--plots", type=Path, metavar="FOLDER", help="folder for pictures, made if need be")
+    parser.add_argument(
+        "--format",
+        choices=PICTURES,
+        default="png",
+        help="of the pictures; default png",
+    )
 
 
 def add_fault(parser: argparse._ActionsContainer) -> None:

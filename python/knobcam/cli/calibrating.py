@@ -63,6 +63,7 @@ def run(args: Namespace) -> Answer:
         files = {"calibration": str(found.save(target))}
         if args.plots is not None:
             make_folder(args.plots)
-            found.plot().savefig(args.plots / "calibration.png", dpi=130)
-            files["picture"] = str(args.plots / "calibration.png")
+            picture = args.plots / f"calibration.{args.format}"
+            found.plot().savefig(picture, dpi=130)
+            files["picture"] = str(picture)
     return Answer(f"{found!r}\nkept in {target}", found.document() | {"files": files})

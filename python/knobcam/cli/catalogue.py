@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ..model.effects import Effect
 
 _HEAD = ("effect", "acts on", "it says that", "law")
-_PICTURES = (".png", ".svg", ".pdf")
+_PICTURES = tuple(f".{kind}" for kind in arguments.PICTURES)
 
 
 def register(commands: arguments.Commands) -> None:
@@ -32,7 +32,7 @@ def register(commands: arguments.Commands) -> None:
 
 def run(args: Namespace) -> Answer:
     """Show the catalogue or one effect, and draw signatures."""
-    pictures = _targets(args.output, args.plots, args.id)
+    pictures = _targets(args, args.output, args.plots)
 
     from ..base.tables import text_table
     from ..base.writing import together
@@ -56,17 +56,17 @@ def run(args: Namespace) -> Answer:
     return Answer(text, document)
 
 
-def _targets(picture: Path | None, folder: Path | None, name: str | None) -> Callable[[Effect], list[Path]]:
+def _targets(args: Namespace, picture: Path | None, folder: Path | None) -> Callable[[Effect], list[Path]]:
     """Return where the pictures of an effect go, after checking that they can be written there."""
     check_file(picture)
     check_folder(folder, picture)
-    if picture is not None and name is None:
+    if picture is not None and args.id is None:
         raise InputError(f"{picture}: is one picture; name the effect, or give --plots FOLDER for all")
     if picture is not None and picture.suffix.lower() not in _PICTURES:
         raise InputError(f"{picture}: is no picture by its name; end it in {', '.join(_PICTURES)}")
 
     def targets(effect: Effect) -> list[Path]:
-        in_folder = [] if folder is None else [folder / f"{effect.id}.png"]
+        in_folder = [] if folder is None else [folder / f"{effect.id}.{args.format}"]
         return in_folder + ([] if picture is None else [picture])
 
     return targets

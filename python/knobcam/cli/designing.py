@@ -67,7 +67,7 @@ def run_next(args: Namespace) -> Answer:
         if args.output is not None:
             files["motion"] = str(designed.save(args.output))
         if args.plots is not None:
-            files["pictures"] = put({"experiment": designed.plot}, args.plots)
+            files["pictures"] = put(args, {"experiment": designed.plot})
     steps = by_hand(designed.plan, story.model.coordinate)
     hand = {"possible": hand_can(steps), "steps": [one._asdict() for one in steps]}
     lines = [repr(designed), in_words(steps)]

@@ -12,7 +12,6 @@ from .output import Answer, about, check_file, check_folder, findings, status
 if TYPE_CHECKING:
     from argparse import Namespace
     from collections.abc import Callable, Mapping
-    from pathlib import Path
 
     from ..base.showing import Figure
     from ..fit import Fit
@@ -148,7 +147,7 @@ def run_compare(args: Namespace) -> Answer:
 
     files: dict[str, object] = {}
     if args.plots is not None:
-        files["pictures"] = draw(held, args.plots, comparison, forward)
+        files["pictures"] = draw(args, held, comparison, forward)
     document = comparison.document() | {"model": args.model, "refitted": args.refit, "files": files}
     if forward is not None:
         document["forward"] = forward.document()
@@ -167,13 +166,13 @@ def answer(args: Namespace, text: str, document: dict[str, Any], fitted: Fit) ->
 
 
 def draw(
-    fitted: Fit, folder: Path, comparison: Comparison | None = None, forward: Forward | None = None
+    args: Namespace, fitted: Fit, comparison: Comparison | None = None, forward: Forward | None = None
 ) -> list[str]:
-    """Write every picture of a fit and return the paths."""
+    """Write every picture of a fit where the call wants them, and return the paths."""
     status("drawing")
     from ..show import plot
 
-    drawn = plot.save_all(fitted, folder, comparison=comparison, forward=forward)
+    drawn = plot.save_all(fitted, args.plots, comparison, forward, kind=args.format)
     return [str(path) for path in drawn]
 
 
@@ -186,17 +185,17 @@ def kept(args: Namespace, fitted: Fit) -> dict[str, object]:
         if args.output is not None:
             files["model"] = str(fitted.model.save(args.output))
         if args.plots is not None:
-            files["pictures"] = draw(fitted, args.plots)
+            files["pictures"] = draw(args, fitted)
     return files
 
 
-def put(pictures: Mapping[str, Callable[[], Figure]], folder: Path) -> list[str]:
-    """Write pictures by name as PNG into a folder, all or none, and return the paths."""
+def put(args: Namespace, pictures: Mapping[str, Callable[[], Figure]]) -> list[str]:
+    """Write pictures by name where the call wants them, all or none, and return the paths."""
     from ..base.writing import make_folder, together
 
-    paths = [folder / f"{name}.png" for name in pictures]
+    paths = [args.plots / f"{name}.{args.format}" for name in pictures]
     with together():
-        make_folder(folder)
+        make_folder(args.plots)
         for path, picture in zip(paths, pictures.values(), strict=True):
             picture().savefig(path)
     return [str(path) for path in paths]

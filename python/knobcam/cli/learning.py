@@ -126,7 +126,7 @@ def run_diagnose(args: Namespace) -> Answer:
     files: dict[str, object] = {}
     if args.plots is not None:
         pictures = {"diagnosis": diagnosis.plot, "comparison": diagnosis.comparison.plot}
-        files["pictures"] = put(pictures, args.plots)
+        files["pictures"] = put(args, pictures)
     text = "\n".join([repr(diagnosis), *said(files)])
     return answer(args, text, diagnosis.document() | {"files": files}, fitted)
 
@@ -214,9 +214,9 @@ def run_learn(args: Namespace) -> Answer:
             learned = learned.accept(proposals, args.accept)
     elif learned.verdict == "unexplained" and learned.cut is None:
         said_more = ["Formulas that would explain it, beside all names: the same with --propose."]
-    files = write(learned, args.report, args.output, args.plots)
+    files = write(args, learned)
     if args.plots is not None and pictures:
-        files["proposals"] = put(pictures, args.plots)
+        files["proposals"] = put(args, pictures)
     text = "\n".join([repr(learned), *said_more, *said(files)])
     return answer(args, text, learned.document() | document | {"files": files}, learned.fit)
 
@@ -253,29 +253,28 @@ def _experimented(args: Namespace, model: Model | None, options: dict[str, Any])
         **options,
     )
     args.captures = [str(log) for log in done.logs]
-    files = write(done.learned, args.report, args.output, args.plots)
+    files = write(args, done.learned)
     text = "\n".join([repr(done), *said(files)])
     return answer(args, text, done.document() | {"files": files}, done.learned.fit)
 
 
-def write(
-    learned: LearningResult, report: Path | None, model: Path | None, folder: Path | None
-) -> dict[str, object]:
+def write(args: Namespace, learned: LearningResult) -> dict[str, object]:
     """Write what was asked for of what was learned, all or nothing, and return the paths."""
     from ..base.writing import together
 
     files: dict[str, object] = {}
     with together():
-        if model is not None:
-            files["model"] = str(learned.model.save(model))
-        if folder is not None:
+        if args.output is not None:
+            files["model"] = str(learned.model.save(args.output))
+        if args.plots is not None:
             from ..show import plot
 
             status("drawing")
-            files["pictures"] = [str(path) for path in plot.save_learning(learned, folder)]
-        if report is not None:
+            drawn = plot.save_learning(learned, args.plots, kind=args.format)
+            files["pictures"] = [str(path) for path in drawn]
+        if args.report is not None:
             status("writing the report")
-            files["report"] = str(learned.report(report))
+            files["report"] = str(learned.report(args.report))
     return files
 
 

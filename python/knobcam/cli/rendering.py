@@ -167,4 +167,4 @@ def _draw(
         "felt": lambda: plot.felt(report, model, device),
         "stability": lambda: plot.stability(stability),
     }
-    return put(pictures, args.plots)
+    return put(args, pictures)

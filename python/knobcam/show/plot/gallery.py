@@ -40,10 +40,11 @@ def save_all(
     folder: str | os.PathLike[str],
     comparison: Comparison | None = None,
     forward: Forward | None = None,
+    kind: str = "png",
 ) -> list[Path]:
-    """Write the standard pictures of a fit as PNG into a folder, made if need be, and return their paths.
+    """Write the standard pictures of a fit into a folder, made if need be, and return their paths.
 
-    Of several captures the first is shown over time.
+    `kind` is png, svg or pdf. Of several captures the first is shown over time.
     """
     first = fit.prepared[0]
     pictures: dict[str, Callable[[], Picture]] = {
@@ -64,15 +65,18 @@ def save_all(
         pictures["comparison"] = lambda: draw_comparison(comparison)
     if forward is not None:
         pictures["forward"] = lambda: draw_forward(forward)
-    return _save(pictures, Path(folder))
+    return _save(pictures, Path(folder), kind)
 
 
 def save_learning(
-    learned: LearningResult, folder: str | os.PathLike[str], rendered: Fit | None = None
+    learned: LearningResult,
+    folder: str | os.PathLike[str],
+    rendered: Fit | None = None,
+    kind: str = "png",
 ) -> list[Path]:
-    """Write the pictures of what was learned as PNG into a folder, made if need be, and return their paths.
+    """Write the pictures of what was learned into a folder, made if need be, and return their paths.
 
-    `rendered` is the fit of what a device rendered of it, if one did.
+    `rendered` is the fit of what a device rendered of it, if one did; `kind` is png, svg or pdf.
     """
     pictures: dict[str, Callable[[], Picture]] = {
         "story": lambda: draw_learned(learned),
@@ -87,11 +91,11 @@ def save_learning(
         pictures["rendered"] = lambda: position(rendered)
     if len(learned.ladder) == 1:
         del pictures["movements"], pictures["diagnosis-first"]
-    return _save(pictures, Path(folder))
+    return _save(pictures, Path(folder), kind)
 
 
-def _save(pictures: Mapping[str, Callable[[], Picture]], folder: Path) -> list[Path]:
-    paths = [folder / f"{number:02d}-{name}.png" for number, name in enumerate(pictures, start=1)]
+def _save(pictures: Mapping[str, Callable[[], Picture]], folder: Path, kind: str) -> list[Path]:
+    paths = [folder / f"{number:02d}-{name}.{kind}" for number, name in enumerate(pictures, start=1)]
     with together():
         make_folder(folder)
         for path, draw in zip(paths, pictures.values(), strict=True):
