@@ -89,6 +89,17 @@ def test_samples_come_as_a_line_of_json_and_floats(opened: httpx.Client, sprung:
         wrong(opened.get("/api/arrays", params=query | change), 400, "")
 
 
+def test_captures_of_one_name_are_told_apart(tmp_path: Path):
+    files = [tmp_path / folder / "knob.npz" for folder in ("a", "b", "c")]
+    for number, file in enumerate(files):
+        file.parent.mkdir()
+        kc.simulate("knob1", "sweep", duration_s=2, seed=number).save(file)
+    session = Bench().session
+    session.open(*map(str, files[:2]))
+    session.open(str(files[2]))
+    assert [one.name for one in session.captures.values()] == ["knob.npz", "knob.npz (2)", "knob.npz (3)"]
+
+
 def test_where_the_error_lies_is_told_of_every_axis_that_samples_have(opened: httpx.Client):
     node = opened.get("/api/state").json()["node"]
     splits = opened.get("/api/splits", params={"node": node}).json()["splits"]

@@ -206,8 +206,8 @@ def test_a_temporary_is_never_opened_through_what_somebody_put_there(
 ) -> None:
     victim = tmp_path / "victim"
     victim.write_text("kept")
-    monkeypatch.setattr(writing.secrets, "token_hex", lambda _: "guessed")
-    (tmp_path / ".knobcam-guessed.part").symlink_to(victim)
+    monkeypatch.setattr(writing.os, "urandom", bytes)
+    (tmp_path / f".knobcam-{bytes(8).hex()}.part").symlink_to(victim)
     with pytest.raises(InputError, match="cannot be written"):
         write(tmp_path / "new", "text")
     assert victim.read_text() == "kept"

@@ -65,6 +65,12 @@ await page.waitForFunction(() => document.querySelector("#about img")?.naturalWi
 await picture("3-about");
 await page.getByRole("button", { name: "Close" }).click();
 
+await page.locator("#save summary").click();
+await page.getByRole("button", { name: "Report" }).waitFor();
+await page.keyboard.press("Escape");
+assert.equal(await page.locator("#save[open]").count(), 0, "Escape closes the menu");
+assert.ok(await page.locator(".brush:visible").count(), "and nothing else");
+
 await page.keyboard.press("Escape");
 assert.equal(await page.locator(".brush:visible").count(), 0);
 await candidates.first().focus();

@@ -351,6 +351,9 @@ class App {
     const key = event.key.toLowerCase();
     if (event.key === "Escape" && this.live?.following) {
       this.live.stop(true); // a motor turns, and Escape is what a hand finds without looking
+    } else if (event.key === "Escape" && document.querySelector("details.menu[open]")) {
+      byId("save").removeAttribute("open");
+      byId("save").querySelector("summary")?.focus();
     } else if (event.key === "Escape") {
       this.linked.clear();
     } else if (!control && !event.altKey && key === "z") {

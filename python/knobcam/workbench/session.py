@@ -16,7 +16,7 @@ from ..capture import load
 from ..errors import InputError
 from ..fit import Fit, fit, refit
 from ..fit.diagnose import Diagnosis, diagnose
-from .tree import Branch, How, Node, Opened, Start
+from .tree import Branch, How, Node, Opened, Start, told_apart
 from .view import View
 
 if TYPE_CHECKING:
@@ -165,7 +165,7 @@ class Session:
     def _take(
         self, opened: Sequence[Opened], tell: Tell, together: bool = True, onward: bool = False
     ) -> None:
-        new = {one.id: one for one in opened}
+        new = {one.id: one for one in told_apart(opened, self.captures.values())}
         active = self.node.captures if self.branches and together else ()
         every = {**self.captures, **new}
         node, branch = self._fitted([*active, *new], every, tell, together, onward)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from itertools import chain, count
 from typing import TYPE_CHECKING, Any, Literal
 
 from ..errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
     from ..capture import Capture
     from ..fit import Fit
@@ -39,6 +40,16 @@ class Opened:
     sha256: str = ""
     simulated: Mapping[str, Any] | None = None
     rig: Mapping[str, Any] | None = None
+
+
+def told_apart(new: Iterable[Opened], others: Iterable[Opened]) -> Iterator[Opened]:
+    """Yield captures under names that no other has: the second `a.csv` is `a.csv (2)`."""
+    taken = {one.name for one in others}
+    for one in new:
+        counted = (f"{one.name} ({n})" for n in count(2))
+        name = next(name for name in chain([one.name], counted) if name not in taken)
+        taken.add(name)
+        yield replace(one, name=name)
 
 
 @dataclass(frozen=True, eq=False)

@@ -3217,6 +3217,9 @@ var App = class {
     const key2 = event.key.toLowerCase();
     if (event.key === "Escape" && this.live?.following) {
       this.live.stop(true);
+    } else if (event.key === "Escape" && document.querySelector("details.menu[open]")) {
+      byId("save").removeAttribute("open");
+      byId("save").querySelector("summary")?.focus();
     } else if (event.key === "Escape") {
       this.linked.clear();
     } else if (!control && !event.altKey && key2 === "z") {
