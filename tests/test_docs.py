@@ -191,7 +191,7 @@ def test_every_snippet_of_a_page_runs_and_prints_what_is_shown(
     page: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # The pictures that --plots makes are the business of other tests, and take seconds.
-    monkeypatch.setattr("knobcam.show.plot.save_all", lambda fit, folder, **_: [folder / "fit.png"])
+    monkeypatch.setattr("knobcam.show.plot.save_all", lambda fit, folder, *_, **__: [folder / "fit.png"])
     run_page(page)
 
 
