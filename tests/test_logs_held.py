@@ -5,6 +5,7 @@ Knobs, motions and logs are of the simulator that shares nothing with the core.
 
 from __future__ import annotations
 
+import zlib
 from functools import cache
 
 import hidden
@@ -54,6 +55,28 @@ def test_counts_that_were_missed_are_put_back_and_the_floor_stays(motion: str) -
     fit = kc.fit(log)
     assert fit.noise_floor == pytest.approx(knob(motion).noise_floor, rel=0.1)
     assert off(fit, motion) < 0.02
+
+
+@pytest.mark.parametrize("seed", [1005, 1013, 1027])
+def test_counts_that_a_slow_knob_misses_are_put_back_be_they_close_by_each_other(seed: int) -> None:
+    # Less than a count a row: it stands for 20 to 90 rows; some leap meanwhile, or right after.
+    slow = hidden.make(seed, (), "hand" if seed == 1027 else "multisine")
+    rng = np.random.default_rng([seed, zlib.crc32(b"missed counts")])
+    log = capture(FAULTS["missed counts"][0].put(rng, slow.capture))
+    assert [finding.kind for finding in log.findings] == ["missed"]
+    fit = kc.fit(log)
+    estimate, true = fit.params["inertia.M"], slow.knob["inertia.M"]
+    assert estimate.value == pytest.approx(true, rel=0.03)
+    assert estimate.ci95[1] - estimate.ci95[0] < 0.15 * true
+    assert fit.noise_floor == pytest.approx(slow.noise_floor, rel=0.05)
+
+
+@pytest.mark.parametrize("motion", ["hand", "multisine", "chirp", "turns"])
+def test_a_slow_encoder_that_misses_none_is_not_said_to(motion: str) -> None:
+    for seed in (1005, 1027, 1033):
+        counts = FAULTS["16384 counts, angle only"][0].put
+        log = capture(counts(np.random.default_rng(seed), hidden.make(seed, (), motion).capture))
+        assert not [finding for finding in log.findings if finding.kind in ("missed", "jump", "spike")]
 
 
 def test_a_slip_of_the_knob_itself_is_no_count_that_was_missed() -> None:

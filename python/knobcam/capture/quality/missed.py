@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
-from ...base.arrays import BoolArray, FloatArray, IntArray, groups, runs
+from ...base.arrays import BoolArray, FloatArray, IntArray, groups
 from ..finding import Finding, Rows, rows_in_words, spans
 from .order import quantile
+from .stands import Leap, holes, together
 
 _REACH = (8, 16, 32)  # rows to either side through which one cubic goes; those that tell a leap best
 _FEWEST = 400  # rows
@@ -44,15 +45,6 @@ class Missed:
     findings: tuple[Finding, ...]
 
 
-@dataclass(frozen=True)
-class _Leap:
-    """After sample `before`, and as far as sample `after`, the angle goes `size` too far."""
-
-    before: int
-    after: int
-    size: float
-
-
 def check_missed(
     columns: dict[str, FloatArray],
     theta: FloatArray,
@@ -66,18 +58,22 @@ def check_missed(
     The angle leaps, at once or while it stands for a few rows, and one cubic goes through what is before and
     after it but for that; a knob that did so would have taken far more acceleration than it ever has. Where a
     velocity is measured it is looked for in what the angle has beside that, and the velocity says how the
-    knob went on meanwhile. `least` is a count. What is wide, what is a bend of the motion, and a leap ahead
-    by a whole number of steps, as where rows are missing, are other things.
+    knob went on meanwhile; an angle alone says by itself where it stands or steps aside (`stands`), and leaps
+    that lie close by each other are weighed together. `least` is a count. What is wide, what is a bend of the
+    motion, and a leap ahead by a whole number of steps, as where rows are missing, are other things.
     """
     bad = np.zeros(len(theta), dtype=np.bool_)
     t, told = columns["t"][index], _told(columns, theta, index)
     rest = theta[index] - told
-    leaps: list[_Leap] = []
+    leaps: list[Leap] = []
     for _ in range(_ROUNDS):
         found = _leaps(t, rest, told, rate_hz, least)
         if not found:
             break
         leaps += found
+        for leap in found:
+            if leap.between.size:
+                rest[leap.before + 1 : leap.after] = leap.between
         for leap in found:
             rest[leap.after :] -= leap.size
     if not leaps:
@@ -116,7 +112,7 @@ def _told(columns: dict[str, FloatArray], theta: FloatArray, index: IntArray) ->
     return told if goes(way - told) < _TOLD * goes(way) else nothing
 
 
-def _leaps(t: FloatArray, rest: FloatArray, told: FloatArray, rate_hz: float, least: float) -> list[_Leap]:
+def _leaps(t: FloatArray, rest: FloatArray, told: FloatArray, rate_hz: float, least: float) -> list[Leap]:
     """Return the leaps of `rest` that stand alone; none where it is full of what is like them.
 
     The angle is `rest` and `told`, the way that the velocity tells of.
@@ -130,20 +126,31 @@ def _leaps(t: FloatArray, rest: FloatArray, told: FloatArray, rate_hz: float, le
     seen = min((_seen(values, reach) for reach in _REACH), key=lambda seen: seen.spread)
     noise = max(_noise(values), _ROUNDED * least)
     surely = max(_SURE * seen.spread, _COUNTS * least, _NOISE * noise)
-    peaks = _peaks(np.abs(seen.size), surely, seen.reach)
-    is_place = np.zeros(len(values), dtype=bool)
-    is_place[peaks] = is_place[_stands(values, surely)] = True
-    places = np.flatnonzero(is_place)
-    if not places.size or len(places) > _PLACES:
-        return []
     theta, longest = rest + told, _LONGEST[int(told.any())]
     swiftest = _swiftest(values, seen.reach)
     widest = _SMALL * float(np.ptp(theta))
+
+    def counted(leap: Leap) -> Leap:
+        return replace(leap, size=round(leap.size / least) * least) if least > noise else leap
+
+    if not told.any():
+        plain = together(t * rate_hz, theta, holes(theta, noise, least, surely), seen.reach, noise)
+        if plain := [
+            counted(leap)
+            for leap in plain
+            if surely <= abs(leap.size) <= widest
+            and _impulse(theta, leap, surely) > _IMPULSE * swiftest
+            and not _rows_ahead(theta, leap, seen.reach, surely)
+        ]:
+            return plain
+    peaks = _peaks(np.abs(seen.size), surely, seen.reach)
+    if len(peaks) > _PLACES:
+        return []
     found, unlike, last = [], 0, -1
-    for place, peak in zip(np.searchsorted(t, even[places]).tolist(), np.isin(places, peaks), strict=True):
+    for place in np.searchsorted(t, even[peaks]).tolist():
         leap = _fitted(t * rate_hz, rest, place, seen.reach, noise, longest)
         if leap is None:
-            unlike += int(peak)
+            unlike += 1
             continue
         if abs(leap.size) < surely or leap.before <= last:
             continue
@@ -155,10 +162,9 @@ def _leaps(t: FloatArray, rest: FloatArray, told: FloatArray, rate_hz: float, le
         else:
             own = _impulse(theta, leap, surely) > _IMPULSE * swiftest
         if abs(leap.size) > widest or not own or _rows_ahead(theta, leap, seen.reach, surely):
-            unlike += int(peak)
+            unlike += 1
             continue
-        counts = round(leap.size / least) * least if least > noise else leap.size
-        found.append(_Leap(leap.before, leap.after, counts))
+        found.append(counted(leap))
         last = leap.after + seen.reach
     return found if unlike <= len(found) else []
 
@@ -204,19 +210,9 @@ def _peaks(size: FloatArray, least: float, reach: int) -> IntArray:
     return np.array([rows[np.argmax(size[rows])] for rows in around], dtype=np.intp)
 
 
-def _stands(values: FloatArray, least: float) -> IntArray:
-    """Return the middles of where the angle stands while before and after it it goes on by `least`."""
-    first, end = runs(np.diff(values) == 0.0)
-    rows = np.maximum(1, end - first)
-    before = (values[first] - values[np.maximum(0, first - rows)]) / rows
-    after = (values[np.minimum(len(values) - 1, end + rows)] - values[end]) / rows
-    goes_on = (before * after > 0.0) & (np.minimum(np.abs(before), np.abs(after)) * rows > least)
-    return np.asarray((first + end)[goes_on & (rows <= _LONGEST[0])] // 2, dtype=np.intp)
-
-
 def _fitted(
     rows: FloatArray, theta: FloatArray, place: int, reach: int, noise: float, longest: int
-) -> _Leap | None:
+) -> Leap | None:
     """Return the leap near `place` but for which a cubic goes through all rows around; None where none does.
 
     `rows` are the times, in rows. Where the cubic with a bend goes through them as well it is none either.
@@ -256,10 +252,10 @@ def _fitted(
     kept = np.abs(around - (before + 0.5 * hole)) <= reach + 0.5 * hole
     bends = (np.maximum(0.0, away - bend) for bend in np.linspace(-0.6, 0.6, 13))
     bent = min(left(kept, shape)[0] for shape in bends)
-    return _Leap(before, before + hole, size) if bent > variance * kept.sum() + _PLAIN * noise**2 else None
+    return Leap(before, before + hole, size) if bent > variance * kept.sum() + _PLAIN * noise**2 else None
 
 
-def _impulse(theta: FloatArray, leap: _Leap, unsure: float) -> float:
+def _impulse(theta: FloatArray, leap: Leap, unsure: float) -> float:
     """The acceleration that a leap would have taken as a motion, rad a row squared.
 
     To where it stands a motion stops, and goes on from there, in two rows.
@@ -269,7 +265,7 @@ def _impulse(theta: FloatArray, leap: _Leap, unsure: float) -> float:
     return abs(leap.size) / rows / (2.0 if stands else 0.25 * rows)
 
 
-def _beside_the_way(theta: FloatArray, told: FloatArray, leap: _Leap, reach: int) -> float:
+def _beside_the_way(theta: FloatArray, told: FloatArray, leap: Leap, reach: int) -> float:
     """How far the angle goes in a leap beyond what the velocities before and after it let expect.
 
     Where it is a velocity that was wrong meanwhile that is nothing.
@@ -283,7 +279,7 @@ def _beside_the_way(theta: FloatArray, told: FloatArray, leap: _Leap, reach: int
     return float(theta[after] - theta[before] - 0.5 * sum(speeds) * (after - before))
 
 
-def _rows_ahead(theta: FloatArray, leap: _Leap, reach: int, unsure: float) -> bool:
+def _rows_ahead(theta: FloatArray, leap: Leap, reach: int, unsure: float) -> bool:
     """Whether the angle leaps ahead by a whole number of its steps, as where rows are missing."""
     before, after = leap.before, leap.after
     step = 0.5 * (
