@@ -82,9 +82,8 @@ def judged(name: str, knob: Hidden, document: dict[str, Any]) -> Row:
     wanted = frozenset().union(*(fault.said for fault in faults))
     if "saturation" in knob.effects:
         wanted |= {"clipped"}
-    # A fit names no effect.
-    found = set(document.get("found", []))
-    sayable = [fault for fault in faults if fault.said and not (fault.effects and "found" not in document)]
+    found = set(document.get("found", []))  # a fit names no effect
+    sayable = [fault for fault in faults if fault.said]
     last = document["ladder"][-1:] if "ladder" in document else [document]
     estimate = last[0]["params"].get("inertia.M") if last else None
     true, floor = knob.knob["inertia.M"], document["noise_floor"]

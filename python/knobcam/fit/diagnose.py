@@ -16,6 +16,7 @@ from ..errors import InputError
 from ..model.effects import clipping, descriptions, effects
 from ..model.effects import effect as catalogued
 from .beyond import incoherent
+from .described import documented
 from .plausible import implausible
 from .refit import cores, describe, percent, with_clipped
 from .rule import RULE
@@ -152,7 +153,7 @@ class Candidate:
 
     def document(self) -> dict[str, Any]:
         """Return it as the diagnosis's document has it."""
-        params = self.fit.document()["params"]
+        params = documented(self.fit.params)
         own = {name: params[name] for name in self.parameters}
         older = {"unphysical": list(self.implausible)}  # its name until now, for one version
         return {**self.evidence(), **older, "rmse": self.rmse, "params": own}

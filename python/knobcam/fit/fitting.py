@@ -23,6 +23,7 @@ from ..errors import InputError
 from ..model import Model
 from ..model.effects import base_effects, base_effects_shown
 from . import refit, runs
+from .ahead import ahead
 from .alike import check_captures, check_unit
 from .beyond import Beyond, beyond
 from .described import described, documented, said, sign
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
 
     from ..base.arrays import FloatArray
     from ..base.showing import Figure, Look
+    from ..capture.finding import Finding
     from .compare import Comparison
     from .diagnose import Diagnosis
     from .forward import Forward
@@ -257,6 +259,7 @@ class Fit(showing.Tabled):
             "findings": [
                 *said(self.prepared),
                 *([sign(self.prepared)] if self.log_fault == REVERSED else []),
+                *([self.ahead.document()] if self.ahead else []),
             ],
             "unit": self.torque_unit,
             "rmse": self.rmse,
@@ -290,6 +293,11 @@ class Fit(showing.Tabled):
     def log_fault(self) -> str | None:
         """What is wrong with the log, so that no model of it is one of the knob; None where nothing is."""
         return log_fault(self)
+
+    @cached_property
+    def ahead(self) -> Finding | None:
+        """The finding that the torque stands in the log before the motion that it makes; None otherwise."""
+        return ahead(self)
 
     @cached_property
     def impossible(self) -> str | None:

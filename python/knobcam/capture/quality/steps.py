@@ -30,6 +30,7 @@ _LEAP = 5.0  # times the longest steps but for one in a thousand
 _RARE = 0.1  # of the rows that repeat, those that chance would make
 _ALONE = 0.5  # of the leap there and back, that the steps beside it may be off
 _COUNTS = 1.5  # of an encoder, beyond which a step is not what its neighbours let expect
+_FAST = 1.5  # counts a row, from which each row has another
 _FEW = 3  # rows that repeat, fewer than which tell nothing unless the angle itself does
 _WHOLE = 0.15  # a step of lost rows is a whole number of steps, to this share of one
 
@@ -243,18 +244,21 @@ def _stale(
     theta = columns["theta"][index]
     row = np.arange(1, len(theta))
     wide = theta[np.minimum(row + REACH, len(theta) - 1)] - theta[np.maximum(row - REACH, 0)]
-    moving = np.abs(wide) >= 2.0 * least
-    # Columns that repeat by chance, each as often as where another does not, would do so together this often.
-    alone = [
-        (np.sum(one & ~repeats & moving) + 1.0)
-        / (np.sum(moving & ~np.delete(same, k, axis=0).all(axis=0)) + 1.0)
-        for k, one in enumerate(same)
-    ]
-    by_chance = moving.sum() * float(np.prod(alone))
-    found: BoolArray = np.logical_and(repeats, moving)
-    if found.sum() >= _FEW and by_chance < _RARE * found.sum():
-        return found
-    return np.logical_and(repeats, clear)
+    fast = np.abs(wide) >= 2.0 * _FAST * REACH * least
+    # A count is passed in less than a row there, and the angle never stands by itself.
+    told: BoolArray = np.logical_and(repeats, clear)
+    for moving in (fast, ~fast & (np.abs(wide) >= 2.0 * least)):
+        # Columns that repeat by chance, each as often as where another does not, do so together this often.
+        alone = [
+            (np.sum(one & ~repeats & moving) + 1.0)
+            / (np.sum(moving & ~np.delete(same, k, axis=0).all(axis=0)) + 1.0)
+            for k, one in enumerate(same)
+        ]
+        by_chance = moving.sum() * float(np.prod(alone))
+        found = repeats & moving
+        if found.sum() >= _FEW and by_chance < _RARE * found.sum():
+            told |= found
+    return told
 
 
 def _there_and_back(off: FloatArray, clear: float) -> BoolArray:
