@@ -71,6 +71,37 @@ def test_counts_that_a_slow_knob_misses_are_put_back_be_they_close_by_each_other
     assert fit.noise_floor == pytest.approx(slow.noise_floor, rel=0.05)
 
 
+@pytest.mark.parametrize("motion", ["multisine", "turns"])
+def test_a_fit_says_that_its_torque_is_ahead_and_by_how_much(motion: str) -> None:
+    fit = kc.fit(spoiled("torque ahead 5 rows", motion))
+    (late,) = [one for one in fit.document()["findings"] if one["kind"] == "late_column"]
+    assert late["column"] == "tau" and late["done"] == "none"
+    delay = float(late["message"].split(" ms")[0].rsplit(" ", 1)[1])
+    assert delay == pytest.approx(1.0, abs=0.1)  # 5 rows of 0.2 ms
+    assert late["message"] in fit.warnings
+    assert fit.add("actuation_delay").ahead is None
+
+
+@pytest.mark.parametrize("effects", [(), ("stribeck",), ("torque_lag",), ("directional_detent",)])
+def test_a_torque_that_is_in_its_place_is_not_said_to_be_ahead(effects: tuple[str, ...]) -> None:
+    log = capture(knob("multisine", effects, 6.0 if effects else None).capture)
+    assert kc.fit(log).ahead is None
+
+
+def test_rows_that_repeat_a_count_and_a_torque_are_told_where_the_angle_never_stands() -> None:
+    # At 4 to 7 counts a row; the torque, in steps of its own, repeats by chance now and then.
+    turning = hidden.make(1134, (), "turns")
+    columns = FAULTS["16384 counts, angle only"][0].put(np.random.default_rng(1), turning.capture)
+    fast = np.flatnonzero(np.abs(turning.capture["omega_rad_s"][:-1]) > 4.0)
+    at = np.sort(np.random.default_rng(2).choice(fast[::25], 30, replace=False)) + 1
+    for name in ("theta_rad", "tau_Nm"):
+        columns[name][at] = columns[name][at - 1]
+    log = capture(columns)
+    (stale,) = [finding for finding in log.findings if finding.kind == "stale"]
+    rows = {row for first, last in stale.spans for row in range(first, last + 1)}
+    assert rows == set((at + 1).tolist())
+
+
 @pytest.mark.parametrize("motion", ["hand", "multisine", "chirp", "turns"])
 def test_a_slow_encoder_that_misses_none_is_not_said_to(motion: str) -> None:
     for seed in (1005, 1027, 1033):

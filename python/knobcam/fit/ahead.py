@@ -12,9 +12,7 @@ if TYPE_CHECKING:
     from .fitting import Fit
 
 _EFFECT = "actuation_delay"
-_NOTICED = (
-    1.02  # times the noise floor, below which a delay is not worth the time that it takes to look for it
-)
+_NOTICED = 1.02  # times the noise floor, below which a delay is not looked for: it takes its time
 _ROWS = 0.6  # below which nobody can tell a delay from how a derivative is taken
 
 
