@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
 FITTED = 5
 """Laws that are fitted with the whole model, and so end up in the front."""
+NAMED = 2
+"""Parameters that a sum of laws has to do without before it takes the place of a name."""
 
 
 class Curve(NamedTuple):
@@ -294,16 +296,21 @@ def _needless(story: LearningResult) -> str:
 
 
 def _speaks(story: LearningResult, fit: Fit, laws: list[Any]) -> float:
-    """What speaks for a model with the first of some laws, beside that of the first step."""
+    """What speaks for a model with the first of some laws, beside that of the first step.
+
+    A sum of laws in place of what came in under a name has to explain it with less.
+    """
     first = story.ladder[0].fit
     effects = len(fit.core.free) - len(first.core.free)
     own = laws[0][3] - RULE.price * len(laws[0][1]) if laws else 0.0
+    if laws and laws[0][6] > 1 and story.found and fit is not story.fit:
+        own -= NAMED * RULE.price
     return float(gain(first, fit, first) - RULE.price * effects + own)
 
 
 def _fitted(fit: Fit, row: Any) -> Proposal:
     """A law of the search, fitted with the whole model."""
-    law, values, variables, _, _, complexity = row
+    law, values, variables, _, _, complexity, _ = row
     name = free_name(fit.model)
     own_law(name, law)
     try:
