@@ -227,11 +227,11 @@ def propose(story: LearningResult, progress: Callable[[float], object] | None = 
     if why := _needless(story):
         return Proposals(last, why=why)
     several = {fit.model.effects: fit for fit in _bases(story)}
-    found = [(fit, *_core.propose(cores(fit), fit.core.model, progress)) for fit in several.values()]
+    found = [_found(story, fit, progress) for fit in several.values()]
     # Of what came in without explaining it, nothing is needed if a law explains as much without.
     best = max(found, key=lambda one: _speaks(story, one[0], one[1]))
     if best[1] and (detented := _detented(best[0], best[1][0])) is not None:
-        found.append((detented, *_core.propose(cores(detented), detented.core.model, progress)))
+        found.append(_found(story, detented, progress))
         best = max(found, key=lambda one: _speaks(story, one[0], one[1]))
     fit, laws, p_value, curve, spline = best
     none = Proposals(fit, p_value=p_value)
@@ -247,6 +247,13 @@ def propose(story: LearningResult, progress: Callable[[float], object] | None = 
         ordered = (*ordered, replace(_fitted(fit, row), unseen=unseen * fit.rmse))
     drawn = None if curve is None else _drawn(curve, [row[0] for row in laws])
     return Proposals(fit, ordered, p_value, drawn)
+
+
+def _found(story: LearningResult, fit: Fit, progress: Callable[[float], object] | None) -> tuple[Any, ...]:
+    """What the core proposes beside a model, after it; no sum of which a part is what the first model has."""
+    laws, *others = _core.propose(cores(fit), fit.core.model, progress)
+    whole = {*story.ladder[0].fit.model.effects} <= {*fit.model.effects}
+    return (fit, [law for law in laws if whole or law[6] == 1], *others)
 
 
 def _bases(story: LearningResult) -> list[Fit]:
