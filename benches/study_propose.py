@@ -47,14 +47,26 @@ class Case(NamedTuple):
 def torque(law: dict[str, Any], track: Track) -> Floats:
     """A proposed law on a motion."""
     params = {name: one["value"] for name, one in law["params"].items()}
-    names = KNOWN | track._asdict() | params
+    names = KNOWN | track._asdict() | {"s": since_turned(track)} | params
     value = eval(law["law"].replace("^", "**"), {"__builtins__": {}}, names)
     return np.broadcast_to(np.asarray(value, float), track.t.shape)
 
 
+def lawful(kind: str) -> tuple[str, ...]:
+    """The variables of a law, or of the sum of two; none of what has a name."""
+    return tuple(sorted({name for one in kind.split("+") for name in VARIABLES.get(one, ())}))
+
+
+def since_turned(track: Track) -> Floats:
+    """Way since the velocity last changed its sign, which formulas know as `s`."""
+    turned = np.flatnonzero(np.diff(np.sign(track.omega), prepend=0.0))
+    last = turned[np.maximum(np.searchsorted(turned, np.arange(len(track.t)), side="right") - 1, 0)]
+    return np.abs(track.theta - track.theta[last])
+
+
 def examine(case: Case) -> Iterator[dict[str, Any]]:
     """What is proposed, and how right it is."""
-    effects = [] if case.kind == NOTHING else [case.kind]
+    effects = [] if case.kind == NOTHING else case.kind.split("+")
     strength = None if case.kind in NAMED or not effects else STRENGTHS
     try:
         knob = hidden.make(case.seed, effects, strength=strength)
@@ -75,7 +87,7 @@ def examine(case: Case) -> Iterator[dict[str, Any]]:
         "why": found.why,
         "seconds": round(seconds, 2),
     }
-    if laws and case.kind in VARIABLES:
+    if laws and laws[0] and lawful(case.kind):
         track = knob.track
         truth = knob.chain.strange
         base = Base(track, knob.chain.loads)
@@ -104,6 +116,7 @@ def table(rows: list[dict[str, Any]]) -> str:
         "all looked at": looked,
         "never looked at": [row for row in marked if row["kind"] in NEVER_LOOKED_AT],
         "all": [row for row in marked if row["kind"] in VARIABLES],
+        "sums of two": [row for row in marked if "+" in row["kind"]],
     }
     for name, group in groups.items():
         if not group:
@@ -111,7 +124,7 @@ def table(rows: list[dict[str, Any]]) -> str:
         share = lambda test, group=group: f"{100.0 * sum(map(test, group)) / len(group):4.0f} %"  # noqa: E731
         lines.append(
             f"{name:16} | {len(group):2} | "
-            + share(lambda row: tuple(row.get("variables", ())) == VARIABLES[row["kind"]])
+            + share(lambda row: tuple(row.get("variables", ())) == lawful(row["kind"]))
             + " | "
             + share(lambda row: row.get("off", 1.0) < RIGHT)
             + " | "
@@ -135,6 +148,7 @@ def main() -> None:
     """Examine, and print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--laws", type=int, default=5, help="knobs of each law")
+    parser.add_argument("--sums", type=int, default=20, help="knobs with two laws at once")
     parser.add_argument("--faultless", type=int, default=60)
     parser.add_argument("--named", type=int, default=2, help="knobs of each named effect")
     parser.add_argument("--first", type=int, default=40_000)
@@ -143,6 +157,11 @@ def main() -> None:
     args = parser.parse_args()
     named = [name for name in NAMED if name not in COUPLINGS]
     cases = [Case(kind, args.first + seed) for seed in range(args.laws) for kind in VARIABLES]
+    pairs = np.random.default_rng(args.first)
+    cases += [
+        Case("+".join(pairs.choice(list(VARIABLES), 2, replace=False)), args.first + seed)
+        for seed in range(args.sums)
+    ]
     cases += [Case(NOTHING, args.first + seed) for seed in range(args.faultless)]
     cases += [Case(kind, args.first + seed) for seed in range(args.named) for kind in named]
     about = {"program": version(Path(kc.__file__).parent)}

@@ -138,7 +138,7 @@ def _kind(shape: Callable[[Rng, Scene], Floats]) -> Kind:
     def draw(rng: Rng, scene: Scene) -> Grow:
         drawn = shape(rng, scene)
         unit = drawn / np.sqrt(np.mean(drawn**2))
-        return lambda chain, size: chain._replace(strange=size * unit)
+        return lambda chain, size: chain._replace(strange=chain.strange + size * unit)
 
     return Kind("law", draw, (1e-5, 0.1))
 

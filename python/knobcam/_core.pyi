@@ -297,7 +297,7 @@ def in_place(
     progress: Callable[[float], object] | None = None,
 ) -> Fit | None: ...
 
-_Law = tuple[str, list[tuple[str, float]], list[str], float, bool, int]
+_Law = tuple[str, list[tuple[str, float]], list[str], float, bool, int, int]
 
 def propose(
     data: Sequence[Signals],

@@ -9,8 +9,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 /// A law as it goes out: formula, parameters, variables, gain, whether it explains as much as the best,
-/// complexity.
-type LawRow = (String, Vec<(String, f64)>, Vec<&'static str>, f64, bool, usize);
+/// complexity, how many laws are added in it.
+type LawRow = (String, Vec<(String, f64)>, Vec<&'static str>, f64, bool, usize, usize);
 
 /// Laws, the chance of the first, what is left as a curve, and the spline that is a law with what it leaves.
 type Answer<'py> = (Vec<LawRow>, f64, Option<Bound<'py, PyDict>>, Option<(LawRow, f64)>);
@@ -31,7 +31,8 @@ pub fn propose<'py>(
     let progress = Progress::of(progress);
     let found = watched(py, model, || propose_core(signals, model, &|share| progress.tell(share)))?;
     let found = progress.ended(found)?;
-    let row = |law: Law| (law.text, law.params, law.variables, law.gain, law.alike, law.complexity);
+    let row =
+        |law: Law| (law.text, law.params, law.variables, law.gain, law.alike, law.complexity, law.terms);
     let laws = found.laws.into_iter().map(row);
     let curve = found.curve.map(|curve| {
         let told = PyDict::new(py);

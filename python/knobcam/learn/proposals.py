@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
 FITTED = 5
 """Laws that are fitted with the whole model, and so end up in the front."""
+NAMED = 2
+"""Parameters that a sum of laws has to do without before it takes the place of a name."""
 
 
 class Curve(NamedTuple):
@@ -225,11 +227,11 @@ def propose(story: LearningResult, progress: Callable[[float], object] | None = 
     if why := _needless(story):
         return Proposals(last, why=why)
     several = {fit.model.effects: fit for fit in _bases(story)}
-    found = [(fit, *_core.propose(cores(fit), fit.core.model, progress)) for fit in several.values()]
+    found = [_found(story, fit, progress) for fit in several.values()]
     # Of what came in without explaining it, nothing is needed if a law explains as much without.
     best = max(found, key=lambda one: _speaks(story, one[0], one[1]))
     if best[1] and (detented := _detented(best[0], best[1][0])) is not None:
-        found.append((detented, *_core.propose(cores(detented), detented.core.model, progress)))
+        found.append(_found(story, detented, progress))
         best = max(found, key=lambda one: _speaks(story, one[0], one[1]))
     fit, laws, p_value, curve, spline = best
     none = Proposals(fit, p_value=p_value)
@@ -245,6 +247,13 @@ def propose(story: LearningResult, progress: Callable[[float], object] | None = 
         ordered = (*ordered, replace(_fitted(fit, row), unseen=unseen * fit.rmse))
     drawn = None if curve is None else _drawn(curve, [row[0] for row in laws])
     return Proposals(fit, ordered, p_value, drawn)
+
+
+def _found(story: LearningResult, fit: Fit, progress: Callable[[float], object] | None) -> tuple[Any, ...]:
+    """What the core proposes beside a model, after it; no sum of which a part is what the first model has."""
+    laws, *others = _core.propose(cores(fit), fit.core.model, progress)
+    whole = {*story.ladder[0].fit.model.effects} <= {*fit.model.effects}
+    return (fit, [law for law in laws if whole or law[6] == 1], *others)
 
 
 def _bases(story: LearningResult) -> list[Fit]:
@@ -294,16 +303,21 @@ def _needless(story: LearningResult) -> str:
 
 
 def _speaks(story: LearningResult, fit: Fit, laws: list[Any]) -> float:
-    """What speaks for a model with the first of some laws, beside that of the first step."""
+    """What speaks for a model with the first of some laws, beside that of the first step.
+
+    A sum of laws in place of what came in under a name has to explain it with less.
+    """
     first = story.ladder[0].fit
     effects = len(fit.core.free) - len(first.core.free)
     own = laws[0][3] - RULE.price * len(laws[0][1]) if laws else 0.0
+    if laws and laws[0][6] > 1 and story.found and fit is not story.fit:
+        own -= NAMED * RULE.price
     return float(gain(first, fit, first) - RULE.price * effects + own)
 
 
 def _fitted(fit: Fit, row: Any) -> Proposal:
     """A law of the search, fitted with the whole model."""
-    law, values, variables, _, _, complexity = row
+    law, values, variables, _, _, complexity, _ = row
     name = free_name(fit.model)
     own_law(name, law)
     try:

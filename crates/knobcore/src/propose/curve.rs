@@ -4,6 +4,7 @@ use super::follow::{Followed, Reach};
 use super::grammar::{Powers, Term, Variable};
 use super::rows::Rows;
 use super::spline::Smooth;
+use super::sum::Sum;
 use std::f64::consts::TAU;
 
 /// Places at which the curve is told.
@@ -28,17 +29,18 @@ pub struct Curve {
     pub laws: Vec<Vec<f64>>,
 }
 
-/// The curve over the variable of a law, with some laws on it. None for a law that is faster than a spline.
+/// The curve over the variable of the first of some laws that is no sum, with them on it. None for a law that is faster than a spline.
 pub fn of(rows: &Rows<'_>, laws: &[Followed]) -> Option<Curve> {
     let reach = Reach::of(rows);
-    let (over, rest) = parted(&laws.first()?.term, &reach)?;
-    let times = if rest == Term::none() { String::new() } else { rest.written(&[1.0]).text };
+    let (over, rest) = parted(laws.iter().find_map(|one| one.law.alone())?, &reach)?;
+    let times =
+        if rest == Term::none() { String::new() } else { Sum::from(rest.clone()).written(&[1.0]).text };
     let smooth = Smooth::of(rows, over, rest, &reach)?;
     let [low, high] = reach.ranges[over as usize];
     let x: Vec<f64> = (0..PLACES).map(|at| low + (high - low) * at as f64 / (PLACES - 1) as f64).collect();
     let torque = |law: &Followed| {
         let mut torque = vec![0.0; rows.len()];
-        for (column, by) in rows.columns(&law.term).iter().zip(&law.coefficients) {
+        for (column, by) in rows.columns(&law.law).iter().zip(&law.coefficients) {
             torque.iter_mut().zip(column).for_each(|(sum, x)| *sum += by * x);
         }
         smooth.over(&x, &smooth.like(&torque))

@@ -1,8 +1,9 @@
 //! A law followed from where a scan found it to its best parameters: variable projection with steps of Levenberg and
 //! Marquardt. What is linear is solved for at every step.
 
-use super::grammar::{Shape, Term, Variable};
+use super::grammar::{Factor, Shape, Variable};
 use super::rows::Rows;
+use super::sum::Sum;
 use crate::fit::dot;
 use nalgebra::{DMatrix, DVector};
 
@@ -17,7 +18,7 @@ const DIFFERENCE: f64 = 1e-4;
 #[derive(Debug, Clone)]
 pub struct Followed {
     /// The law.
-    pub term: Term,
+    pub law: Sum,
     /// What it takes off the sum of squares, (N m)^2.
     pub gain: f64,
     /// Its linear coefficients.
@@ -27,9 +28,10 @@ pub struct Followed {
 
 impl Followed {
     /// A law as it is.
-    pub fn at(rows: &Rows<'_>, term: Term) -> Option<Self> {
-        let (gain, coefficients, left) = rows.explained(&rows.columns(&term))?;
-        Some(Self { term, gain, coefficients, left })
+    pub fn at(rows: &Rows<'_>, law: impl Into<Sum>) -> Option<Self> {
+        let law = law.into();
+        let (gain, coefficients, left) = rows.explained(&rows.columns(&law))?;
+        Some(Self { law, gain, coefficients, left })
     }
 
     /// The law at its best parameters near to those that it has; `reach` bounds the widths by each variable's range.
@@ -37,13 +39,13 @@ impl Followed {
         let mut here = self;
         let mut damping = 1e-2;
         for _ in 0..steps.min(STEPS) {
-            let places = free(&here.term);
+            let places = free(&here.law);
             if places.is_empty() {
                 break;
             }
             let mut slopes = Vec::new();
             for place in &places {
-                let step = moved(&here.term, &[*place], &[DIFFERENCE], reach);
+                let step = moved(&here.law, &[*place], &[DIFFERENCE], reach);
                 let Some(beside) = Self::at(rows, step) else { return here };
                 let slope: Vec<f64> =
                     beside.left.iter().zip(&here.left).map(|(b, a)| (b - a) / DIFFERENCE).collect();
@@ -58,7 +60,7 @@ impl Followed {
                 let Some(step) = damped.cholesky().map(|factor| factor.solve(&right)) else { return here };
                 // A width changes by no more than a half at a time.
                 let held: Vec<f64> = step.iter().map(|x| x.clamp(-0.7, 0.7)).collect();
-                let next = Self::at(rows, moved(&here.term, &places, &held, reach));
+                let next = Self::at(rows, moved(&here.law, &places, &held, reach));
                 let before = here.gain;
                 match next {
                     Some(next) if next.gain > before => {
@@ -108,20 +110,23 @@ impl Reach {
     }
 }
 
-/// A parameter of a law: which function's, and which of it.
-type Place = (usize, usize);
+/// A parameter of a law: of which term, which function's, and which of it.
+type Place = [usize; 3];
 
-fn free(term: &Term) -> Vec<Place> {
-    let of = |(at, factor): (usize, &super::grammar::Factor)| (0..factor.shape.count()).map(move |i| (at, i));
-    term.factors.iter().enumerate().flat_map(of).collect()
+fn free(law: &Sum) -> Vec<Place> {
+    let of = |term: usize, at: usize, factor: &Factor| (0..factor.shape.count()).map(move |i| [term, at, i]);
+    let terms = law.0.iter().enumerate();
+    terms
+        .flat_map(|(term, own)| own.factors.iter().enumerate().flat_map(move |(at, one)| of(term, at, one)))
+        .collect()
 }
 
 /// The law with some of its parameters moved: widths by a factor, centres by a part of the width, the frequency of a sine by
 /// a part of a wave over the whole range.
-fn moved(term: &Term, places: &[Place], steps: &[f64], reach: &Reach) -> Term {
-    let mut term = term.clone();
-    for ((at, i), step) in places.iter().zip(steps) {
-        let factor = &mut term.factors[*at];
+fn moved(law: &Sum, places: &[Place], steps: &[f64], reach: &Reach) -> Sum {
+    let mut law = law.clone();
+    for ([term, at, i], step) in places.iter().zip(steps) {
+        let factor = &mut law.0[*term].factors[*at];
         let (span, far) = (reach.span(factor.of), reach.far(factor.of));
         let [w, c] = &mut factor.at;
         match (factor.shape, i) {
@@ -134,5 +139,5 @@ fn moved(term: &Term, places: &[Place], steps: &[f64], reach: &Reach) -> Term {
             }
         }
     }
-    term
+    law
 }

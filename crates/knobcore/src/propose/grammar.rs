@@ -217,22 +217,13 @@ pub struct Factor {
     pub at: [f64; 2],
 }
 
-/// A law: an amplitude times powers times functions; of the functions one at most is a sine, and that comes last.
+/// An amplitude times powers times functions; of the functions one at most is a sine, and that comes last.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Term {
     /// What has no parameter.
     pub powers: Powers,
     /// What has.
     pub factors: Vec<Factor>,
-}
-
-/// A law as it is written, with its parameters.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Written {
-    /// The formula.
-    pub text: String,
-    /// Names and values of its parameters.
-    pub params: Vec<(String, f64)>,
 }
 
 impl Term {
@@ -284,12 +275,11 @@ impl Term {
         vec![product]
     }
 
-    /// As it is written, with these linear coefficients (two with a sine).
-    pub fn written(&self, coefficients: &[f64]) -> Written {
+    /// As it is written, with these linear coefficients (two with a sine), its parameters put to those that have a name
+    /// already.
+    pub fn written(&self, coefficients: &[f64], params: &mut Vec<(String, f64)>) -> String {
         let amplitude = coefficients.iter().map(|x| x * x).sum::<f64>().sqrt();
         let amplitude = if coefficients.len() == 1 { coefficients[0] } else { amplitude };
-        let mut params = vec![("a".to_owned(), amplitude)];
-        let mut texts = self.powers.factors();
         let mut names = |wish: &str, value: f64| {
             let taken =
                 params.iter().filter(|(name, _)| name.trim_end_matches(char::is_numeric) == wish).count();
@@ -297,6 +287,8 @@ impl Term {
             params.push((name.clone(), value));
             name
         };
+        let first = names("a", amplitude);
+        let mut texts = self.powers.factors();
         let mut times_two = 1;
         for Factor { of, shape, at: [width, centre] } in &self.factors {
             let x = of.text();
@@ -355,8 +347,8 @@ impl Term {
             });
         }
         let front = if times_two > 1 { format!("{times_two}*") } else { String::new() };
-        let product: Vec<String> = std::iter::once("a".to_owned()).chain(texts).collect();
-        Written { text: format!("{front}{}", product.join("*")), params }
+        let product: Vec<String> = std::iter::once(first).chain(texts).collect();
+        format!("{front}{}", product.join("*"))
     }
 }
 

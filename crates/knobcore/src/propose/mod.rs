@@ -8,9 +8,11 @@ mod chance;
 mod curve;
 mod follow;
 mod grammar;
+mod pairs;
 mod rows;
 mod scan;
 mod spline;
+mod sum;
 #[cfg(test)]
 mod tests;
 
@@ -24,10 +26,11 @@ use crate::rule::rule;
 use crate::signals::Signals;
 pub use curve::Curve;
 use follow::{Followed, Reach};
-use grammar::{Factor, Powers, Term, Variable};
+use grammar::{Factor, Powers, Shape, Term, Variable};
 use rows::Rows;
 use scan::{Seen, functions, scan, sines, turning, widened};
 pub use spline::Written;
+use sum::Sum;
 
 /// Rows that tell what is fast.
 const MEDIUM: usize = 8000;
@@ -74,6 +77,8 @@ pub struct Law {
     pub alike: bool,
     /// How long it is.
     pub complexity: usize,
+    /// How many laws are added in it.
+    pub terms: usize,
 }
 
 /// What could be missing from a model.
@@ -91,7 +96,7 @@ pub struct Proposed {
 
 /// Laws for what a fitted model leaves of captures; None if `tell` no longer wanted it.
 pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Proposed> {
-    let watch = Watch::new(tell, 4);
+    let watch = Watch::new(tell, 5);
     let (fine, squares) = Rows::of(data, model);
     let noises = noises(data, model);
     let floor = Floor::with(data, &noises);
@@ -113,28 +118,49 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
     watch.step();
     let mut followed = search.followed(&seen);
     watch.step();
-    let parents = varied(followed.iter(), |one| &one.term, WIDENED);
-    let wider: Vec<Seen> = watch.each(&parents, |one| search.widened(&one.term)).concat();
+    let parents = varied(followed.iter(), |one| kinds(one.law.factors()), WIDENED);
+    let parents: Vec<&Term> = parents.into_iter().filter_map(|one| one.law.alone()).collect();
+    let wider: Vec<Seen> = watch.each(&parents, |term| search.widened(term)).concat();
     followed.extend(search.followed(&wider));
     followed.sort_by_cached_key(|one| descending(search.score(one)));
     watch.step();
     let mut ended: Vec<Followed> = watch
-        .each(&spread(&followed), |one| Some(Followed::at(&fine, one.term.clone())?.best(&fine, END, &reach)))
+        .each(&spread(&followed), |one| Some(Followed::at(&fine, one.law.clone())?.best(&fine, END, &reach)))
         .into_iter()
         .flatten()
         .collect();
-    if !watch.wanted() {
-        return None;
-    }
+    watch.step();
     ended.sort_by_cached_key(|one| descending(search.score(one)));
     let (Some(found), Some(first)) = (seen.first(), ended.first()) else { return Some(none) };
     let p_value = chance::p_value(data, &noises, &rows[1], (&powers, &tried), found, white);
     let excess = squares - floor.squares;
     let enough = first.gain >= rule().share * excess && first.gain >= rule().worth * squares;
     if p_value > rule().chance || !enough || search.score(first) <= 0.0 {
-        return Some(Proposed { p_value, ..none });
+        return watch.wanted().then_some(Proposed { p_value, ..none });
+    }
+    if squares - first.gain > rule().explained * floor.squares {
+        let left = squares - first.gain;
+        let more = |pair: &Followed| pair.gain - first.gain;
+        let worth = |pair: &Followed| {
+            more(pair) >= rule().share * (left - floor.squares) && more(pair) >= rule().worth * left
+        };
+        let by_chance = |pair: &Followed| {
+            pair.law.0.iter().any(|term| {
+                let second = Seen { term: term.clone(), gain: more(pair) };
+                let p = chance::p_value(data, &noises, &rows[1], (&powers, &tried), &second, white);
+                p > rule().chance
+            })
+        };
+        let pairs = search.pairs(&followed, &seen, &fine);
+        let pairs: Vec<Followed> = pairs.into_iter().filter(|pair| worth(pair) && !by_chance(pair)).collect();
+        ended.extend(pairs);
+        ended.sort_by_cached_key(|one| descending(search.score(one)));
+    }
+    if !watch.wanted() {
+        return None;
     }
     // Of those that explain the same the shortest has the best claim.
+    let Some(first) = ended.first() else { return Some(none) };
     let left = (squares - first.gain) / white - floor.squares / white;
     let off = OFF * rule().law.powi(2) * first.gain / white;
     let margin = rule().alike.max(rule().relative * left).max(off);
@@ -142,14 +168,15 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
     let curve = curve::of(&fine, &ended[..ended.len().min(DRAWN)]);
     let top = ended.iter().map(|one| search.score(one)).fold(f64::NEG_INFINITY, f64::max);
     let law = |one: Followed| {
-        let written = one.term.written(&one.coefficients);
+        let written = one.law.written(&one.coefficients);
         Law {
             text: written.text,
             params: written.params,
-            variables: one.term.variables(),
+            variables: one.law.variables(),
             gain: one.gain / white,
             alike: top - search.score(&one) <= margin,
-            complexity: one.term.complexity(),
+            complexity: one.law.complexity(),
+            terms: one.law.0.len(),
         }
     };
     let laws: Vec<Law> = ended.into_iter().map(law).collect();
@@ -160,12 +187,12 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
 /// Of laws, best first, those that pay for their length: no shorter one explains as much; those that explain as much as the
 /// best stand first, the shortest before the others.
 fn paid(laws: Vec<Followed>, margin: f64, white: f64) -> Vec<Followed> {
-    let score = |one: &Followed| one.gain / white - rule().price * one.term.count() as f64;
+    let score = |one: &Followed| one.gain / white - rule().price * one.law.count() as f64;
     let top = laws.iter().map(score).fold(f64::NEG_INFINITY, f64::max);
     let far = |one: &Followed| top - score(one) > margin;
     let needless = |one: &Followed| {
         laws.iter().any(|other| {
-            let shorter = other.term.complexity() < one.term.complexity();
+            let shorter = other.law.complexity() < one.law.complexity();
             shorter && ((one.gain - other.gain) / white <= margin || score(other) >= score(one))
         })
     };
@@ -175,7 +202,7 @@ fn paid(laws: Vec<Followed>, margin: f64, white: f64) -> Vec<Followed> {
             if far(a) {
                 score(b).total_cmp(&score(a))
             } else {
-                a.term.complexity().cmp(&b.term.complexity()).then(b.gain.total_cmp(&a.gain))
+                a.law.complexity().cmp(&b.law.complexity()).then(b.gain.total_cmp(&a.gain))
             }
         })
     });
@@ -204,20 +231,25 @@ struct Search<'a> {
 
 impl Search<'_> {
     fn score(&self, one: &Followed) -> f64 {
-        one.gain / self.white - rule().price * one.term.count() as f64
+        one.gain / self.white - rule().price * one.law.count() as f64
+    }
+
+    /// What the parameters of a term cost, in variances of the raw noise.
+    fn price(&self, term: &Term) -> f64 {
+        rule().price * term.count() as f64
     }
 
     /// The rows that tell a law: waves that few rows would not follow need all.
-    fn telling(&self, term: &Term) -> &Rows<'static> {
+    fn telling(&self, law: &Sum) -> &Rows<'static> {
         let [medium, coarse] = self.rows;
-        let quick = term.sine().is_some_and(|sine| {
+        let quick = |sine: &Factor| {
             let speed = match sine.of {
                 Variable::Time => 1.0,
                 _ => self.reach.far(Variable::Omega),
             };
             speed / sine.at[0].abs() > FAST
-        });
-        if quick { medium } else { coarse }
+        };
+        if law.0.iter().filter_map(Term::sine).any(quick) { medium } else { coarse }
     }
 
     /// All that a scan sees, best first.
@@ -239,12 +271,13 @@ impl Search<'_> {
     /// The best of what was seen, followed a few steps; best first.
     fn followed(&self, seen: &[Seen]) -> Vec<Followed> {
         let mut order: Vec<&Seen> = seen.iter().collect();
-        let score = |one: &Seen| one.gain / self.white - rule().price * one.term.count() as f64;
+        let score = |one: &Seen| one.gain / self.white - self.price(&one.term);
         order.sort_by_cached_key(|one| descending(score(one)));
-        let order = varied(order.into_iter(), |one| &one.term, FOLLOWED);
+        let order = varied(order.into_iter(), |one| kinds(one.term.factors.iter()), FOLLOWED);
         let follow = |one: &&Seen| {
-            let rows = self.telling(&one.term);
-            Some(Followed::at(rows, one.term.clone())?.best(rows, GLANCE, self.reach))
+            let law = Sum::from(one.term.clone());
+            let rows = self.telling(&law);
+            Some(Followed::at(rows, law)?.best(rows, GLANCE, self.reach))
         };
         let mut found: Vec<Followed> = self.watch.each(&order, follow).into_iter().flatten().collect();
         found.sort_by_cached_key(|one| descending(self.score(one)));
@@ -253,7 +286,7 @@ impl Search<'_> {
 
     /// A law with one function more.
     fn widened(&self, term: &Term) -> Vec<Seen> {
-        let rows = self.telling(term);
+        let rows = self.telling(&term.clone().into());
         let own = term.factors.iter().filter(|factor| !factor.shape.is_wave()).count();
         let mut wider = if own < FUNCTIONS { widened(rows, term, self.tried) } else { Vec::new() };
         if term.sine().is_none() {
@@ -268,11 +301,18 @@ impl Search<'_> {
     }
 }
 
+/// Of functions what they are of, and which.
+fn kinds<'a>(factors: impl Iterator<Item = &'a Factor>) -> Vec<(Variable, Shape)> {
+    factors.map(|factor| (factor.of, factor.shape)).collect()
+}
+
 /// The first so many, and of the others those whose functions none before has: what is a part of a law may explain less than
 /// much that is none.
-fn varied<'a, T>(sorted: impl Iterator<Item = &'a T>, term: impl Fn(&T) -> &Term, most: usize) -> Vec<&'a T> {
-    let kind =
-        |one: &T| -> Vec<_> { term(one).factors.iter().map(|factor| (factor.of, factor.shape)).collect() };
+fn varied<'a, T>(
+    sorted: impl Iterator<Item = &'a T>,
+    kind: impl Fn(&T) -> Vec<(Variable, Shape)>,
+    most: usize,
+) -> Vec<&'a T> {
     let mut kept: Vec<&T> = Vec::new();
     for one in sorted {
         if kept.len() < most || !kept.iter().any(|other| kind(other) == kind(one)) {
@@ -284,17 +324,15 @@ fn varied<'a, T>(sorted: impl Iterator<Item = &'a T>, term: impl Fn(&T) -> &Term
 
 /// The best, of every kind one; best first.
 fn spread(followed: &[Followed]) -> Vec<Followed> {
-    let kind = |term: &Term| {
-        let mut shapes: Vec<_> =
-            term.factors.iter().map(|factor| (factor.of, factor.shape as usize)).collect();
+    let kind = |law: &Sum| {
+        let powers: Vec<Powers> = law.0.iter().map(|term| term.powers).collect();
+        let mut shapes: Vec<_> = law.factors().map(|factor| (factor.of, factor.shape as usize)).collect();
         shapes.sort_unstable();
-        shapes
+        (powers, shapes)
     };
     let mut kept: Vec<Followed> = Vec::new();
     for one in followed {
-        let same =
-            |other: &Followed| other.term.powers == one.term.powers && kind(&other.term) == kind(&one.term);
-        if kept.len() < ENDED && !kept.iter().any(same) {
+        if kept.len() < ENDED && !kept.iter().any(|other| kind(&other.law) == kind(&one.law)) {
             kept.push(one.clone());
         }
     }

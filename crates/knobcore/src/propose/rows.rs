@@ -2,11 +2,16 @@
 //! parameters of the model can absorb taken off.
 
 use super::grammar::{Motions, Term};
+use super::sum::Sum;
 use crate::diagnose::{Thinned, orthonormal, project};
 use crate::effects::formula::{STATES, follow};
 use crate::fit::dot;
 use crate::model::{Model, Role};
 use crate::signals::Signals;
+use nalgebra::{DMatrix, DVector};
+
+/// What a column has of its own beside others, at least, as a share.
+const APART: f64 = 3e-5;
 
 /// Rows of captures, each with its motion, the residual, and an orthonormal base of the model's derivatives.
 pub struct Rows<'a> {
@@ -123,8 +128,8 @@ impl<'a> Rows<'a> {
     }
 
     /// The columns of a law as they count, off the base: behind the measurement filter where all samples are known.
-    pub fn columns(&self, term: &Term) -> Vec<Vec<f64>> {
-        self.over(|motions| term.columns(motions))
+    pub fn columns(&self, law: &Sum) -> Vec<Vec<f64>> {
+        self.over(|motions| law.columns(motions))
     }
 
     /// The same of any columns of the motion.
@@ -177,21 +182,7 @@ impl<'a> Rows<'a> {
             return None;
         }
         let along: Vec<f64> = columns.iter().map(|column| dot(column, &self.residual)).collect();
-        let coefficients = match columns {
-            [_] => vec![along[0] / squares[0]],
-            [first, second] => {
-                let both = dot(first, second);
-                let det = squares[0] * squares[1] - both * both;
-                if det <= 1e-9 * squares[0] * squares[1] {
-                    return None;
-                }
-                vec![
-                    (squares[1] * along[0] - both * along[1]) / det,
-                    (squares[0] * along[1] - both * along[0]) / det,
-                ]
-            }
-            _ => return None,
-        };
+        let coefficients = solved(columns, &squares, &along)?;
         let gain = coefficients.iter().zip(&along).map(|(x, along)| x * along).sum();
         let mut left = self.residual.clone();
         for (column, by) in columns.iter().zip(&coefficients) {
@@ -199,6 +190,21 @@ impl<'a> Rows<'a> {
         }
         Some((gain, coefficients, left))
     }
+}
+
+/// The coefficients of columns with these squares, of products with these. None where one is as good as another.
+fn solved(columns: &[Vec<f64>], squares: &[f64], along: &[f64]) -> Option<Vec<f64>> {
+    if let ([square], [along]) = (squares, along) {
+        return Some(vec![along / square]);
+    }
+    let k = columns.len();
+    let sizes = DVector::from_iterator(k, squares.iter().map(|square| square.sqrt()));
+    let gram = DMatrix::from_fn(k, k, |i, j| {
+        if i == j { 1.0 } else { dot(&columns[i], &columns[j]) / (sizes[i] * sizes[j]) }
+    });
+    let factor = gram.cholesky().filter(|factor| factor.l_dirty().diagonal().min() > APART)?;
+    let scaled = factor.solve(&DVector::from_column_slice(along).component_div(&sizes));
+    Some(scaled.component_div(&sizes).as_slice().to_vec())
 }
 
 /// Sums of neighbours, divided so that noise stays as large.

@@ -6,6 +6,7 @@ use super::Law;
 use super::follow::Reach;
 use super::grammar::{Powers, Term, Variable};
 use super::rows::Rows;
+use super::sum::Sum;
 use crate::fit::dot;
 use crate::rule::rule;
 use crate::special::Z95;
@@ -148,7 +149,7 @@ impl Smooth {
         let largest = self.high.amax();
         let rounded = |x: &f64| format!("{}", (x / largest * ROUNDED).round() / ROUNDED);
         let values: Vec<String> = self.high.iter().map(rounded).collect();
-        let before = self.rest.written(&[largest]);
+        let before = Sum::from(self.rest.clone()).written(&[largest]);
         let step = (self.range[1] - self.range[0]) / PIECES as f64;
         let own = [("from".to_owned(), self.range[0] - step), ("step".to_owned(), step)];
         let mut variables = self.rest.variables();
@@ -167,6 +168,7 @@ impl Smooth {
             gain: self.gain() / white,
             alike: false,
             complexity: self.free().ceil() as usize,
+            terms: 1,
         }
     }
 }

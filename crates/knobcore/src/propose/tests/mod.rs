@@ -197,15 +197,17 @@ fn every_law_of_the_grammar_is_one_that_formulas_know_and_has_units_and_the_same
             let with = twos.next().filter(|two| at % 2 == 0 && !two.shape.is_wave());
             let factors: Vec<Factor> = with.into_iter().chain([factor]).copied().collect();
             let term = Term { powers, factors };
-            let columns = term.columns(&rows.motions);
+            let count = term.count();
+            let law = Sum::from(term);
+            let columns = law.columns(&rows.motions);
             let coefficients = &[0.3, -0.4][..columns.len()];
-            let written = term.written(coefficients);
+            let written = law.written(coefficients);
             let formula = Formula::parse(&written.text).unwrap();
             let units = formula.units(&std::collections::HashMap::new(), crate::param::Unit::of(1, 0, 0));
             assert!(units.is_ok(), "{}: {units:?}", written.text);
             let named = |name: &String| written.params.iter().find(|(own, _)| own == name).unwrap().1;
             let p: Vec<f64> = formula.params().iter().map(named).collect();
-            assert_eq!(p.len(), term.count(), "{}", written.text);
+            assert_eq!(p.len(), count, "{}", written.text);
             let value = formula.over(&p, &motion);
             for at in (0..value.len()).step_by(97) {
                 let sum: f64 = columns.iter().zip(coefficients).map(|(column, by)| column[at] * by).sum();
@@ -213,4 +215,24 @@ fn every_law_of_the_grammar_is_one_that_formulas_know_and_has_units_and_the_same
             }
         }
     }
+}
+
+#[test]
+fn two_laws_at_once_are_proposed_as_their_sum_and_one_is_not() {
+    let both =
+        |(t, theta, omega, _): Instant| 4e-4 * omega * omega * theta.sin() + 3e-3 * (TAU * 50.0 * t).sin();
+    let (law, off) = first(both);
+    assert_eq!(law.text, "a*omega^2*sin(theta) + a2*sin(2*pi*f*t + ph)");
+    assert_eq!((&law.variables[..], law.terms), (&["omega", "t", "theta"][..], 2));
+    assert!(off < 0.03, "{off}");
+    // Neither explains much alone: each is in the other's way.
+    let (law, off) = first(|(_, theta, omega, alpha): Instant| {
+        let bump = |c: f64, w: f64| (-((theta - c) / w).powi(2)).exp();
+        5e-3 * omega * bump(-0.5, 0.2) - 3e-4 * alpha * bump(0.4, 0.3)
+    });
+    assert_eq!(law.terms, 2, "{}", law.text);
+    assert!(off < 0.04, "{off}: {}", law.text);
+    let (law, _) =
+        first(|(_, theta, omega, _): Instant| 4e-3 * omega * (-((theta - 0.4) / 0.3_f64).powi(2)).exp());
+    assert_eq!(law.terms, 1);
 }
