@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING
 
 from ..base.ended import Ended, asked, by_exception
 from ..base.strict_json import as_json
-from ..errors import InputError, KnobcamWarning
+from ..errors import KnobcamError, KnobcamWarning
 from . import (
+    batching,
     calibrating,
     capturing,
     catalogue,
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
 
 _INTERRUPTED = 130  # what a shell reports for Ctrl-C
 _GROUPS = (
-    *(capturing, calibrating, recording, fitting, learning, designing, rendering),
+    *(capturing, calibrating, recording, fitting, learning, designing, batching, rendering),
     *(converting, workbench, catalogue, contributing, demonstrate, emulating),
 )
 
@@ -92,7 +93,7 @@ def _run(words: list[str]) -> int:
 
             status(None)
             traceback.print_exc()
-        if isinstance(error, InputError):
+        if isinstance(error, KnobcamError):
             return _end(str(error), error.exit_code)
         what = " ".join(f"{type(error).__name__}: {error}".split())
         return _end(f"the program failed ({what}); --traceback shows where, please report it", 1)
@@ -100,7 +101,7 @@ def _run(words: list[str]) -> int:
     if answer is None:  # it has said all while it ran
         return 0
     _say(answer, as_document=args.json)
-    return 0
+    return int(answer.code)
 
 
 def _say(answer: Answer, *, as_document: bool) -> None:

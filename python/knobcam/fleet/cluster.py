@@ -1,0 +1,148 @@
+"""The workers of a batch, by Dask: processes of this machine, or an existing cluster's, one thread each."""
+
+from __future__ import annotations
+
+import logging
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from typing import Any
+
+from ..base.optional import require
+from ..errors import InputError, KnobcamError
+from .row import Row, lost, row_of
+from .settings import Settings
+from .sources import Source
+
+CHUNK = 8
+"""Captures of a task: what Dask asks for a task is shared by them, and no more is lost with a worker."""
+_AHEAD = 3  # tasks that wait for each worker, so that none waits for a task
+_THREADS = ("OMP", "OPENBLAS", "MKL")
+
+Task = tuple[Source, str | None]
+"""A capture, and the digest of its content where that is done already."""
+Rows = list[Row | None]
+
+
+class Gone(KnobcamError):
+    """The scheduler went away in the midst of a batch."""
+
+
+def work(tasks: Sequence[Task], settings: Settings, learned: bool) -> Rows:
+    """Return the rows of some captures, on a worker. RuntimeError where it has another version."""
+    from .._core import __version__, at_most
+
+    at_most(1)  # each worker has a core
+    if __version__ != settings.version:
+        raise RuntimeError(f"a worker has knobcam {__version__}, this process {settings.version}")
+    return [row_of(source, settings, learned, known) for source, known in tasks]
+
+
+@contextmanager
+def workers(scheduler: str | None) -> Iterator[Any]:
+    """Give a client of an existing scheduler, or of one of this process with a worker for each core."""
+    distributed = require("distributed", "a batch", "fleet")
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what happens is said by the batch
+    if scheduler is not None:
+        with _client(distributed, scheduler) as client:
+            yield client
+        return
+    with distributed.LocalCluster(n_workers=0, dashboard_address=None, silence_logs=False) as cluster:
+        own = _started(cluster.scheduler_address, cores())
+        try:
+            with _client(distributed, cluster.scheduler_address) as client:
+                yield client
+        finally:
+            own.terminate()
+            with suppress(subprocess.TimeoutExpired):
+                own.wait(5.0)
+            own.kill()
+
+
+def cores() -> int:
+    """How many processors this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _started(address: str, count: int) -> subprocess.Popen[bytes]:
+    """Start workers that Ctrl-C at this terminal leaves to this process, and that end with its scheduler."""
+    words = [sys.executable, "-m", "distributed.cli.dask_worker", address, "--no-dashboard"]
+    words += ["--nworkers", str(count), "--nthreads", "1", "--death-timeout", "10"]
+    environment = os.environ | {f"{name}_NUM_THREADS": "1" for name in _THREADS}
+    quiet = subprocess.DEVNULL
+    return subprocess.Popen(
+        words, env=environment, stdin=quiet, stdout=quiet, stderr=quiet, start_new_session=True
+    )
+
+
+@contextmanager
+def _client(distributed: Any, address: str) -> Iterator[Any]:
+    try:
+        client = distributed.Client(address, timeout=5.0, set_as_default=False)
+    except (OSError, ValueError, TypeError) as error:
+        raise InputError(
+            f"--scheduler {address}: no scheduler answers there ({type(error).__name__}); "
+            "start one with: dask scheduler"
+        ) from None
+    try:
+        yield client
+    finally:
+        with suppress(Exception):
+            client.close(timeout=2.0)
+
+
+def run(
+    client: Any,
+    tasks: Sequence[Task],
+    settings: Settings,
+    learned: bool,
+    take: Callable[[list[Task], Rows], object],
+) -> None:
+    """Have tasks done; `take` gets what is done, in any order, with its rows.
+
+    A worker that dies costs what it was at. A capture with which workers die gets a row that says so. Raises
+    Gone where the scheduler goes away.
+    """
+    distributed = require("distributed", "a batch", "fleet")
+    size = 1 if learned else CHUNK
+    waiting = [list(tasks[at : at + size]) for at in range(0, len(tasks), size)][::-1]
+    under_way: dict[Any, list[Task]] = {}
+    done = distributed.as_completed(loop=client.loop)
+    try:
+        while waiting or under_way:
+            while waiting and len(under_way) < _AHEAD * max(len(client.nthreads()), 1):
+                some = waiting.pop()
+                future = client.submit(work, some, settings, learned, pure=False)
+                under_way[future] = some
+                done.add(future)
+            future = next(done)
+            some = under_way.pop(future)
+            if future.status == "finished":
+                take(some, future.result())
+            elif future.status == "error":
+                waiting += _again(some, future.exception(), settings, learned, take)
+            else:
+                raise Gone("the scheduler went away")
+    except (OSError, TimeoutError) as error:
+        raise Gone("the scheduler went away") from error
+
+
+def _again(
+    some: list[Task],
+    error: Any,
+    settings: Settings,
+    learned: bool,
+    take: Callable[[list[Task], Rows], object],
+) -> list[list[Task]]:
+    """Return what to do once more after a task failed as a whole: each capture by itself."""
+    if not isinstance(error, require("distributed", "a batch", "fleet").KilledWorker):
+        raise KnobcamError(" ".join(str(error).split())) from error
+    if len(some) > 1:
+        return [[one] for one in some]
+    take(
+        some,
+        [lost(some[0][0], settings, learned, "its workers ended while they were at it; is it too large?")],
+    )
+    return []

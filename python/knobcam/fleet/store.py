@@ -1,0 +1,148 @@
+"""RESULTS: a folder with the table of a batch, and, while it runs, the parts of what is done.
+
+A part is a small file that appears whole or not at all; whatever ends a batch, what stands in parts is not
+done again. At the end the table is made of all rows, by their names: the same rows make the same bytes.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from .._core import __version__
+from ..base.reading import is_folder
+from ..base.strict_json import as_json
+from ..base.writing import make_folder, together, write
+from ..errors import InputError
+from . import table
+from .row import Row
+
+SCHEMA = "knobcam.batch/1"
+_ABOUT = "_batch.json"
+_PARTS = "_parts"
+_PARTITIONS = ("lot", "station", "date")
+
+
+@dataclass
+class Store:
+    """The rows of a batch by the names of their captures, and where they are kept."""
+
+    folder: Path
+    settings: str
+    rows: dict[str, Row] = field(default_factory=dict)
+    _number: int = 0
+
+    @classmethod
+    def open(cls, folder: Path, settings: str) -> Store:
+        """Return the store in a folder, which is made with the first row.
+
+        InputError where nothing can be written there, or it is of another batch or kind.
+        """
+        there = next(one for one in (folder, *folder.absolute().parents) if one.exists())
+        if not is_folder(there):
+            raise InputError(f"{there}: is a file, a folder is needed; choose another name")
+        if not os.access(there, os.W_OK):
+            raise InputError(f"{there}: the folder cannot be written to; choose another place")
+        if (folder / _ABOUT).exists():
+            known = _about(folder)
+            if known.get("settings") != settings:
+                raise InputError(
+                    f"{folder}: holds a batch with another model, other options or of another version "
+                    f"({known.get('version')}); choose another folder, or remove this one"
+                )
+        elif there == folder and any(folder.iterdir()):
+            raise InputError(f"{folder}: is not empty and no results of a batch; choose another folder")
+        rows, number = _kept(folder)
+        return cls(folder, settings, rows, number)
+
+    def _begin(self) -> None:
+        """Make the folder what it is, if it is not yet."""
+        about = make_folder(self.folder) / _ABOUT
+        if not about.exists():
+            write(about, as_json({"schema": SCHEMA, "settings": self.settings, "version": __version__}))
+
+    def put(self, rows: list[Row]) -> None:
+        """Keep rows, in a part."""
+        if not rows:
+            return
+        lines = [as_json(one, None) for one in rows]
+        self._begin()
+        make_folder(self.folder / _PARTS)
+        self._number += 1
+        write(self.folder / _PARTS / f"{self._number:08d}.json", "\n".join(lines))
+        # As they would be read again: whether a batch was interrupted makes no difference.
+        self.rows |= {one["capture"]: one for one in map(json.loads, lines)}
+
+    def finish(self, judged: list[Row]) -> None:
+        """Write the table of all rows, as judged, in the place of the one before, and remove the parts."""
+        self._begin()
+        schema = table.schema_of(judged)
+        groups: dict[str, list[Row]] = {}
+        for row in sorted(judged, key=lambda one: str(one["capture"])):
+            groups.setdefault(_partition(row), []).append(row)
+        before = set(_files(self.folder))
+        with together():
+            for where, rows in sorted(groups.items()):
+                make_folder(self.folder / where)
+                path = self.folder / where / "rows.parquet"
+                write(path, table.content(rows, schema))
+                before.discard(path)
+        for old in before:
+            old.unlink()
+        shutil.rmtree(self.folder / _PARTS, ignore_errors=True)
+        self._number = 0
+
+
+def read(folder: str | os.PathLike[str]) -> list[Row]:
+    """Return the rows in a folder of results, sorted by capture; InputError where there are none."""
+    path = Path(folder)
+    if not is_folder(path) or not (path / _ABOUT).is_file():
+        raise InputError(f"{path}: holds no results of knobcam batch; name the folder that it wrote")
+    _about(path)
+    rows, _ = _kept(path)
+    if not rows:
+        raise InputError(f"{path}: has no row yet; run knobcam batch first")
+    return [rows[name] for name in sorted(rows)]
+
+
+def _about(folder: Path) -> dict[str, Any]:
+    try:
+        known = json.loads((folder / _ABOUT).read_text("utf-8"))
+        if known["schema"] == SCHEMA:
+            return dict(known)
+    except (OSError, ValueError, TypeError, KeyError):
+        pass
+    raise InputError(f"{folder}: its {_ABOUT} is damaged or of another version; choose another folder")
+
+
+def _kept(folder: Path) -> tuple[dict[str, Row], int]:
+    """Return the rows of the table and, over them, those of the parts; and the number of the last part."""
+    rows: dict[str, Row] = {}
+    for path in _files(folder):
+        rows |= {one["capture"]: one for one in table.rows_in(path)}
+    number = 0
+    for part in sorted((folder / _PARTS).glob("*.json")):
+        number = int(part.stem)
+        try:
+            done = [json.loads(line) for line in part.read_text("utf-8").splitlines()]
+        except (OSError, ValueError) as error:
+            raise InputError(
+                f"{part}: is damaged ({error}); remove it, its captures are done again"
+            ) from None
+        rows |= {one["capture"]: one for one in done}
+    return rows, number
+
+
+def _files(folder: Path) -> list[Path]:
+    return sorted(folder.rglob("rows.parquet"))
+
+
+def _partition(row: Row) -> str:
+    """Return the folder of a row in the table, by what it belongs to."""
+    parts = [f"{name}-{quote(str(row[name]), safe=' ')}" for name in _PARTITIONS if row.get(name) is not None]
+    return "/".join(parts)
