@@ -28,6 +28,7 @@ from . import (
     learning,
     recording,
     rendering,
+    reporting,
     workbench,
 )
 from .arguments import Parser, VersionAction
@@ -40,8 +41,8 @@ if TYPE_CHECKING:
 
 _INTERRUPTED = 130  # what a shell reports for Ctrl-C
 _GROUPS = (
-    *(capturing, calibrating, recording, fitting, learning, designing, batching, rendering),
-    *(converting, workbench, catalogue, contributing, demonstrate, emulating),
+    *(capturing, calibrating, recording, fitting, learning, designing, batching),
+    *(reporting, rendering, converting, workbench, catalogue, contributing, demonstrate, emulating),
 )
 
 

@@ -58,7 +58,7 @@ def batch(
     checks = None if limits is None else Limits.load(limits, asked, learned=learn != "none")
     folder = Path(results)
     given = [captures] if isinstance(captures, str | os.PathLike) else list(captures)
-    store = Store.open(folder, settings.digest)
+    store = Store.open(folder, settings)
     found = sources(given, besides=folder)
     work = _Work(store, settings, found, progress or (lambda _: None))
     with cluster.workers(scheduler) as client:
@@ -69,8 +69,8 @@ def batch(
             some = [one for one in found if one.name in unlike and not store.rows[one.name]["learned"]]
             work.do(client, some, learned=True)
     rows = judged(list(store.rows.values()), checks)
-    store.finish(rows)
-    return BatchResult(folder, tuple(rows), frozenset(one.name for one in found), len(work.fresh))
+    store.finish(rows, None if checks is None else checks.text)
+    return BatchResult(folder, tuple(rows), frozenset(one.name for one in found), len(work.fresh), checks)
 
 
 class _Work:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..base.reading import read_toml
+from ..base.reading import parse_toml, read_text
 from ..errors import InputError
 from ..model import Model
 from ..model.effects import base_effects, base_effects_shown, effects
@@ -19,6 +19,7 @@ from .row import Row
 
 _MOST_BYTES = 1_000_000
 _ADVICE = "write lines such as coulomb.pos = { min = 0.008, max = 0.010 } below [parameters]"
+_WHAT = "file of limits"
 _KINDS = ("parameters", "curve", "effects")
 _KEYS = ("min", "max", "reference", "percent", "jnd", "period_deg")
 _DIRECTIONS = ("forward", "backward")
@@ -100,9 +101,10 @@ class Without:
 
 @dataclass(frozen=True)
 class Limits:
-    """All limits of a file."""
+    """All limits of a file, and its text."""
 
     checks: tuple[Between | Band | Without, ...]
+    text: str = ""
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], model: Model | None, *, learned: bool) -> Limits:
@@ -110,14 +112,21 @@ class Limits:
 
         `model` is what is fitted, None for the base model; `learned` is whether effects are looked for.
         """
-        content = read_toml(path, "file of limits", _MOST_BYTES, _ADVICE)
+        return cls.parse(read_text(path, _WHAT, _MOST_BYTES), path, model, learned=learned)
+
+    @classmethod
+    def parse(cls, text: str, path: str | os.PathLike[str], model: Model | None, *, learned: bool) -> Limits:
+        """Return the limits in the text of a file, as `load` does."""
+        content = parse_toml(path, text, _WHAT, _ADVICE)
         try:
-            return cls._parsed(content, model, learned)
+            return cls(cls._checks(content, model, learned), text)
         except InputError as error:
             raise InputError(f"{path}: {error}") from None
 
     @classmethod
-    def _parsed(cls, content: Mapping[str, Any], model: Model | None, learned: bool) -> Limits:
+    def _checks(
+        cls, content: Mapping[str, Any], model: Model | None, learned: bool
+    ) -> tuple[Between | Band | Without, ...]:
         if unknown := [name for name in content if name not in _KINDS]:
             raise InputError(f"[{unknown[0]}]: is no kind of limit; known are {', '.join(_KINDS)}")
         coordinate = "rotary" if model is None else model.coordinate
@@ -137,7 +146,7 @@ class Limits:
             checks.append(_without(_table("effects", content["effects"]), coordinate))
         if not checks:
             raise InputError(f"has no limit; {_ADVICE}")
-        return cls(tuple(checks))
+        return tuple(checks)
 
     def failed(self, row: Row) -> list[Failed]:
         """Return the limits that the row of a capture is beyond; none for one that was not read."""

@@ -6,13 +6,16 @@ import os
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..base import showing
 from ..base.tables import TextTable, text_table
 from .judged import mixed
-from .store import read
+from .limits import Limits
+from .store import limits_of, read
+from .study import Study
 from .table import arrow_table, schema_of
 
 if TYPE_CHECKING:
@@ -25,24 +28,32 @@ _SHOWN = 10  # captures that could not be read, in a text
 class BatchResult(showing.Tabled):
     """The rows of a table of results, by capture; immutable.
 
-    `asked` are the captures of the call that made it, `fresh` how many of them were not done before.
+    `asked` are the captures of the call that made it, `fresh` how many of them were not done before
+    (None: this is read), `limits` those by which they are judged.
     """
 
     folder: Path
     rows: tuple[dict[str, Any], ...]
     asked: frozenset[str]
-    fresh: int = 0
+    fresh: int | None = None
+    limits: Limits | None = None
 
     @classmethod
     def read(cls, folder: str | os.PathLike[str]) -> BatchResult:
         """Return the results in a folder. InputError where there are none."""
         rows = tuple(read(folder))
-        return cls(Path(folder), rows, frozenset(str(row["capture"]) for row in rows))
+        asked = frozenset(str(row["capture"]) for row in rows)
+        return cls(Path(folder), rows, asked, limits=limits_of(folder))
 
     @property
     def failed(self) -> tuple[dict[str, Any], ...]:
         """The rows of captures that were asked for and could not be read or fitted."""
         return tuple(row for row in self.rows if row["capture"] in self.asked and row["error"] is not None)
+
+    @cached_property
+    def study(self) -> Study:
+        """What lots and stations tell."""
+        return Study.of(self.rows, self.limits)
 
     def table(self) -> Any:
         """Return the rows as a table of pyarrow, as the Parquet dataset in the folder has them."""
@@ -106,7 +117,8 @@ class BatchResult(showing.Tabled):
     def headline(self) -> str:
         """How many captures there are, and what of them, in a sentence."""
         n = self._counts()
-        said = [f"{n['captures']} captures, {n['fresh']} of them fitted now", f"{n['complete']} complete"]
+        now = "" if self.fresh is None else f", {self.fresh} of them fitted now"
+        said = [f"{n['captures']} captures{now}", f"{n['complete']} complete"]
         said += [f"{n[name]} {name}" for name in ("missing", "unexplained") if n[name]]
         said += [f"{n['ok']} OK, {n['not_ok']} NOK"] if n["ok"] is not None else []
         said += [f"{n['failed']} could not be read or fitted"] if n["failed"] else []

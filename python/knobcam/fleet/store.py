@@ -15,16 +15,21 @@ from typing import Any
 from urllib.parse import quote
 
 from .._core import __version__
-from ..base.reading import is_folder
+from ..base.reading import is_folder, read_text
 from ..base.strict_json import as_json
 from ..base.writing import make_folder, together, write
 from ..errors import InputError
+from ..model import Model
 from . import table
+from .limits import Limits
 from .row import Row
+from .settings import Settings
 
 SCHEMA = "knobcam.batch/1"
 _ABOUT = "_batch.json"
 _PARTS = "_parts"
+_LIMITS = "_limits.toml"
+_MOST_BYTES = 1_000_000
 _PARTITIONS = ("lot", "station", "date")
 
 
@@ -33,12 +38,12 @@ class Store:
     """The rows of a batch by the names of their captures, and where they are kept."""
 
     folder: Path
-    settings: str
+    settings: Settings
     rows: dict[str, Row] = field(default_factory=dict)
     _number: int = 0
 
     @classmethod
-    def open(cls, folder: Path, settings: str) -> Store:
+    def open(cls, folder: Path, settings: Settings) -> Store:
         """Return the store in a folder, which is made with the first row.
 
         InputError where nothing can be written there, or it is of another batch or kind.
@@ -50,7 +55,7 @@ class Store:
             raise InputError(f"{there}: the folder cannot be written to; choose another place")
         if (folder / _ABOUT).exists():
             known = _about(folder)
-            if known.get("settings") != settings:
+            if known.get("settings") != settings.digest:
                 raise InputError(
                     f"{folder}: holds a batch with another model, other options or of another version "
                     f"({known.get('version')}); choose another folder, or remove this one"
@@ -64,7 +69,8 @@ class Store:
         """Make the folder what it is, if it is not yet."""
         about = make_folder(self.folder) / _ABOUT
         if not about.exists():
-            write(about, as_json({"schema": SCHEMA, "settings": self.settings, "version": __version__}))
+            known = {"settings": self.settings.digest, "model": self.settings.model, "version": __version__}
+            write(about, as_json({"schema": SCHEMA, **known}))
 
     def put(self, rows: list[Row]) -> None:
         """Keep rows, in a part."""
@@ -78,8 +84,8 @@ class Store:
         # As they would be read again: whether a batch was interrupted makes no difference.
         self.rows |= {one["capture"]: one for one in map(json.loads, lines)}
 
-    def finish(self, judged: list[Row]) -> None:
-        """Write the table of all rows, as judged, in the place of the one before, and remove the parts."""
+    def finish(self, judged: list[Row], limits: str | None) -> None:
+        """Write the table of all rows, as judged by limits, over the one before; remove the parts."""
         self._begin()
         schema = table.schema_of(judged)
         groups: dict[str, list[Row]] = {}
@@ -87,6 +93,7 @@ class Store:
             groups.setdefault(_partition(row), []).append(row)
         before = set(_files(self.folder))
         with together():
+            write(self.folder / _LIMITS, limits or "")
             for where, rows in sorted(groups.items()):
                 make_folder(self.folder / where)
                 path = self.folder / where / "rows.parquet"
@@ -108,6 +115,15 @@ def read(folder: str | os.PathLike[str]) -> list[Row]:
     if not rows:
         raise InputError(f"{path}: has no row yet; run knobcam batch first")
     return [rows[name] for name in sorted(rows)]
+
+
+def limits_of(folder: str | os.PathLike[str]) -> Limits | None:
+    """Return the limits by which the table in a folder is judged; None where there are none."""
+    path = Path(folder) / _LIMITS
+    if not path.is_file() or not (text := read_text(path, "file of limits", _MOST_BYTES)):
+        return None
+    model = _about(Path(folder)).get("model")
+    return Limits.parse(text, path, None if model is None else Model.parse(model), learned=True)
 
 
 def _about(folder: Path) -> dict[str, Any]:

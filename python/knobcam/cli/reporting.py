@@ -1,0 +1,43 @@
+"""`knobcam report`: what a batch found, as one page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from . import arguments
+from .output import Answer, check_file, status
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
+
+def register(commands: arguments.Commands) -> None:
+    """Add the command of this file."""
+    parser = arguments.add_command(
+        commands,
+        "report",
+        run,
+        "Show what a batch found: one page with pictures, and statistics of its lots.",
+    )
+    parser.add_argument("results", type=Path, metavar="RESULTS", help="folder that knobcam batch wrote")
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="FILE.html", help="page to write; default report.html in RESULTS"
+    )
+
+
+def run(args: Namespace) -> Answer:
+    """Write the page, and say what lots and stations tell."""
+    from ..fleet import BatchResult
+
+    output = args.output or args.results / "report.html"
+    status("reading the results")
+    result = BatchResult.read(args.results)
+    check_file(output)
+    status("comparing lots")
+    study = result.study
+    status("drawing")
+    path = result.report(output)
+    text = "\n".join([repr(result), *study.said, f"report: {path}"])
+    document = result.document() | {"schema": "knobcam.report/1", "study": study.document()}
+    return Answer(text, document | {"files": {"report": str(path)}})
