@@ -29,6 +29,7 @@ from . import (
     recording,
     rendering,
     reporting,
+    watching,
     workbench,
 )
 from .arguments import Parser, VersionAction
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
 _INTERRUPTED = 130  # what a shell reports for Ctrl-C
 _GROUPS = (
     *(capturing, calibrating, recording, fitting, learning, designing, batching),
-    *(reporting, rendering, converting, workbench, catalogue, contributing, demonstrate, emulating),
+    *(watching, reporting, rendering, converting, workbench, catalogue, contributing, demonstrate, emulating),
 )
 
 
@@ -99,8 +100,8 @@ def _run(words: list[str]) -> int:
         what = " ".join(f"{type(error).__name__}: {error}".split())
         return _end(f"the program failed ({what}); --traceback shows where, please report it", 1)
     status(None)
-    if answer is None:  # it has said all while it ran
-        return 0
+    if answer is None or isinstance(answer, int):  # it has said all while it ran
+        return answer or 0
     _say(answer, as_document=args.json)
     return int(answer.code)
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from functools import cache
 from pathlib import Path
 from typing import Any, Literal, get_args
 
@@ -16,7 +18,7 @@ from .judged import judged
 from .limits import Limits
 from .outliers import outliers
 from .result import BatchResult
-from .row import Row
+from .row import Row, is_known
 from .settings import Settings
 from .sources import Source, sources
 from .store import Store
@@ -24,6 +26,7 @@ from .store import Store
 Learn = Literal["none", "outliers", "all"]
 _PART_S = 1.0  # of work, that is lost at most
 _PART_ROWS = 256
+_QUICK_BYTES = 2**30  # that are read again sooner than workers are there
 
 
 @checked
@@ -61,7 +64,8 @@ def batch(
     store = Store.open(folder, settings)
     found = sources(given, besides=folder)
     work = _Work(store, settings, found, progress or (lambda _: None))
-    with cluster.workers(scheduler) as client:
+    with ExitStack() as stack:
+        client = cache(lambda: stack.enter_context(cluster.workers(scheduler)))  # when there is work for it
         work.do(client, found, learned=learn == "all")
         if learn == "outliers":
             fails = (lambda row: bool(checks.failed(row))) if checks else (lambda row: False)
@@ -86,11 +90,13 @@ class _Work:
         self._held: list[Row] = []
         self._last = time.monotonic()
 
-    def do(self, client: Any, some: Sequence[Source], *, learned: bool) -> None:
+    def do(self, client: Callable[[], Any], some: Sequence[Source], *, learned: bool) -> None:
         """Have the rows of captures made and kept, but for those whose content is done already."""
-        if not some:
-            return
         tasks = [(one, self._known(one, learned)) for one in some]
+        if sum(one.bytes for one, known in tasks if known is not None) <= _QUICK_BYTES:
+            tasks = [(one, known) for one, known in tasks if known is None or not is_known(one, known)]
+        if not tasks:
+            return
         begun, ready = time.monotonic(), 0
         what = "learning" if learned else "fitting"
         self.tell(f"{what} {len(tasks)} captures")
@@ -107,7 +113,7 @@ class _Work:
             self.tell(f"{what} {ready} of {len(tasks)} captures, {_in_words(left)} left")
 
         try:
-            cluster.run(client, tasks, self.settings, learned, take)
+            cluster.run(client(), tasks, self.settings, learned, take)
         except KeyboardInterrupt as interrupt:
             raise KeyboardInterrupt(f"{self._so_far()}; the same command goes on from there") from interrupt
         except cluster.Gone as gone:

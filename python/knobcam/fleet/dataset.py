@@ -21,10 +21,12 @@ Inside = tuple[str, tuple[int, int], dict[str, str]]
 """Key of a capture, its first row and their number, and what it belongs to."""
 
 
-def captures_in(place: str) -> list[Inside] | None:
+@lru_cache(maxsize=4096)  # a station asks again and again
+def captures_in(place: str, stamp: str) -> tuple[Inside, ...] | None:
     """Return the captures in a Parquet file that has a column `capture`; None for any other file.
 
-    A damaged file is a capture that cannot be read, which is said when it is.
+    `stamp` tells another content of it. A damaged file is a capture that cannot be read, which is said when
+    it is.
     """
     parquet = require("pyarrow.parquet", "a Parquet file", "fleet")
     with places.opened(place) as stream:
@@ -34,7 +36,7 @@ def captures_in(place: str) -> list[Inside] | None:
                 return None
         except Exception:  # whatever a damaged file makes of it
             return None
-        return list(_listed(place, file))
+        return tuple(_listed(place, file))
 
 
 def _listed(place: str, file: Any) -> Iterator[Inside]:

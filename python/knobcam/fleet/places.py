@@ -26,6 +26,7 @@ class Found:
     modified: float | None
     """When it was written, s since 1970; None where the store does not say."""
     stamp: str
+    bytes: int
 
 
 def is_address(place: str) -> bool:
@@ -101,7 +102,8 @@ def _described(head: str, info: dict[str, Any]) -> Found:
     if isinstance(modified, datetime):
         modified = modified.timestamp()
     known = float(modified) if isinstance(modified, int | float) else None
-    return Found(head + str(info["name"]).lstrip("/"), known, f"{info.get('size')} {known}")
+    size = int(info.get("size") or 0)
+    return Found(head + str(info["name"]).lstrip("/"), known, f"{size} {known}", size)
 
 
 @contextmanager

@@ -68,6 +68,16 @@ def row_of(source: Source, settings: Settings, learned: bool, known: str | None)
     return row
 
 
+def is_known(source: Source, digest: str) -> bool:
+    """Whether a file of this machine has the content of a digest."""
+    if source.rows is not None or places.is_address(source.place):
+        return False
+    try:
+        return _digest(Path(source.place)) == digest
+    except OSError:
+        return False
+
+
 def lost(source: Source, settings: Settings, learned: bool, why: str) -> Row:
     """Return the row of a capture with which its worker ended."""
     return _identity(source, settings, learned) | {"error": f"{source.name}: {why}"}
@@ -90,6 +100,7 @@ def _identity(source: Source, settings: Settings, learned: bool) -> Row:
         "version": settings.version,
         "headline": None,
         "first": None,
+        **dict.fromkeys(("rmse", "rmse_heldout", "noise_floor", "coordinate", "unit", "samples")),
         "params": {},
         "units": {},
         "curve": None,

@@ -34,6 +34,7 @@ class Source:
     stamp: str
     modified: float | None
     labels: Mapping[str, str]
+    bytes: int = 0
     rows: tuple[int, int] | None = None
     error: str | None = None
     """Why there is none."""
@@ -92,15 +93,16 @@ def _below(path: Path, root: Path, besides: Path | None) -> Iterator[Source]:
     known = path.stat()
     stamp = f"{known.st_size} {known.st_mtime_ns}"
     within = path.relative_to(root).as_posix() if path != root else path.name
-    yield from _of_file(Found(str(path), known.st_mtime, stamp), within)
+    yield from _of_file(Found(str(path), known.st_mtime, stamp, known.st_size), within)
 
 
 def _of_file(file: Found, within: str) -> Iterator[Source]:
     labels = of_path(file.place, within)
     place = file.place if places.is_address(file.place) else str(Path(file.place).absolute())
-    whole = Source(file.place, place, file.stamp, file.modified, labels)
+    whole = Source(file.place, place, file.stamp, file.modified, labels, file.bytes)
     try:
-        inside = dataset.captures_in(file.place) if file.place.lower().endswith(".parquet") else None
+        several = file.place.lower().endswith(".parquet")
+        inside = dataset.captures_in(file.place, file.stamp) if several else None
     except InputError as error:
         yield replace(whole, error=str(error))
         return
