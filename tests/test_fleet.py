@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import shutil
@@ -10,6 +11,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -46,20 +48,26 @@ def lot(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder.parents[1]
 
 
-@pytest.fixture(scope="module")
-def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """A scheduler of Dask and two workers, each a process of its own."""
-    file = tmp_path_factory.mktemp("dask") / "scheduler.json"
+@contextmanager
+def cluster(folder: Path, workers: int) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
+    """A scheduler of Dask and some workers, each a process of its own."""
+    file = folder / "scheduler.json"
     about = ("--no-dashboard", "--scheduler-file", str(file))
     running = [started("scheduler", "--port", "0", "--host", "127.0.0.1", *about)]
     try:
         wait_for(file.is_file)
-        running += [started("worker", "--nthreads", "1", "--no-nanny", *about) for _ in range(2)]
-        yield json.loads(file.read_text())["address"]
+        running += [started("worker", "--nthreads", "1", "--no-nanny", *about) for _ in range(workers)]
+        yield json.loads(file.read_text())["address"], running
     finally:
         for one in running[::-1]:
             one.terminate()
             one.wait(20.0)
+
+
+@pytest.fixture(scope="module")
+def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    with cluster(tmp_path_factory.mktemp("dask"), 2) as (address, _):
+        yield address
 
 
 def started(what: str, *words: str) -> subprocess.Popen[bytes]:
@@ -172,6 +180,37 @@ def test_ctrl_c_keeps_what_is_done_and_a_killed_worker_costs_no_more_than_what_i
     assert 0 < len(rows) < 40 and not any(row["error"] for row in rows)
     psutil.wait_procs([nanny], timeout=10.0)
     assert not nanny.is_running()
+
+
+def test_a_scheduler_that_goes_away_costs_one_line_and_nothing_that_was_done(tmp_path: Path):
+    for seed in range(30):
+        part(seed).save(tmp_path / f"{seed:02d}.npz")
+    with cluster(tmp_path, 1) as (address, processes):
+        words = ["batch", str(tmp_path / "*.npz"), "-o", str(tmp_path / "r"), "--learn", "all"]
+        command = [sys.executable, "-m", "knobcam", *words, "--scheduler", address]
+        running = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+        wait_for(lambda: any(tmp_path.glob("r/_parts/*.json")))
+        processes[0].kill()
+        _, said = running.communicate(timeout=60.0)
+    assert running.returncode == 1
+    assert said.startswith("knobcam: the scheduler went away; the rows of ") and said.count("\n") == 1
+    assert len(kc.BatchResult.read(tmp_path / "r").rows) > 0
+
+
+def test_a_full_disk_is_one_line_and_what_was_kept_stays(
+    lot: Path, scheduler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """The disk is full when the table is written: its rows stand in parts by then."""
+    words = ("batch", lot, "-o", tmp_path / "r", "--scheduler", scheduler, "--learn", "none")
+
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with monkeypatch.context() as patched:
+        patched.setattr(pq, "write_table", full)
+        refused(knobcam(*words), "rows.parquet", "No space left")
+    assert len(kc.BatchResult.read(tmp_path / "r").rows) == 13
+    assert knobcam(*words, "--json").document["fresh"] == 0
 
 
 def test_captures_lie_in_parquet_datasets_with_a_key(lot: Path, scheduler: str, tmp_path: Path):

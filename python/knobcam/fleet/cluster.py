@@ -44,12 +44,14 @@ def work(tasks: Sequence[Task], settings: Settings, learned: bool) -> Rows:
 def workers(scheduler: str | None) -> Iterator[Any]:
     """Give a client of an existing scheduler, or of one of this process with a worker for each core."""
     distributed = require("distributed", "a batch", "fleet")
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what happens is said by the batch
     if scheduler is not None:
-        with _client(distributed, scheduler) as client:
+        with _quiet(), _client(distributed, scheduler) as client:
             yield client
         return
-    with distributed.LocalCluster(n_workers=0, dashboard_address=None, silence_logs=False) as cluster:
+    with (
+        _quiet(),
+        distributed.LocalCluster(n_workers=0, dashboard_address=None, silence_logs=False) as cluster,
+    ):
         own = _started(cluster.scheduler_address, cores())
         try:
             with _client(distributed, cluster.scheduler_address) as client:
@@ -59,6 +61,24 @@ def workers(scheduler: str | None) -> Iterator[Any]:
             with suppress(subprocess.TimeoutExpired):
                 own.wait(5.0)
             own.kill()
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Let Dask log nothing: what happens is said by the batch, in a line."""
+    loggers = [logging.getLogger(name) for name in logging.root.manager.loggerDict if _of_dask(name)]
+    levels = [one.level for one in loggers]
+    for one in loggers:
+        one.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        for one, level in zip(loggers, levels, strict=True):
+            one.setLevel(level)
+
+
+def _of_dask(name: str) -> bool:
+    return name.partition(".")[0] in ("distributed", "tornado", "asyncio")
 
 
 def cores() -> int:

@@ -37,7 +37,6 @@ def is_address(place: str) -> bool:
 def find(address: str) -> list[Found]:
     """Return the files behind an address: of a pattern, of all below a folder, or the one itself."""
     store, path = _store(address)
-    head = address[: len(address) - len(path)] if address.endswith(path) else address.split("://")[0] + "://"
     with _refusals(address):
         if any(letter in path for letter in "*?["):
             names = store.glob(path)
@@ -46,7 +45,7 @@ def find(address: str) -> list[Found]:
         else:
             names = [path] if store.exists(path) else []
         found = [store.info(name) for name in sorted(names)]
-    return [_described(head, one) for one in found if one["type"] == "file"]
+    return [_described(_named(address, store, one["name"]), one) for one in found if one["type"] == "file"]
 
 
 @contextmanager
@@ -97,13 +96,19 @@ def _before_pattern(address: str) -> str:
     return address[: address.index("*")].rpartition("/")[0]
 
 
-def _described(head: str, info: dict[str, Any]) -> Found:
+def _named(address: str, store: Any, path: str) -> str:
+    """Return the address of a path in the same store."""
+    protocol = address.partition("://")[0]
+    return f"{protocol}://{path}" if protocol in _BY_ARROW else str(store.unstrip_protocol(path))
+
+
+def _described(name: str, info: dict[str, Any]) -> Found:
     modified = info.get("mtime", info.get("LastModified", info.get("created")))
     if isinstance(modified, datetime):
         modified = modified.timestamp()
     known = float(modified) if isinstance(modified, int | float) else None
     size = int(info.get("size") or 0)
-    return Found(head + str(info["name"]).lstrip("/"), known, f"{size} {known}", size)
+    return Found(name, known, f"{size} {known}", size)
 
 
 @contextmanager
