@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from . import arguments
+from .fitting import said
 from .output import Answer, check_file, status
 
 if TYPE_CHECKING:
@@ -24,20 +25,28 @@ def register(commands: arguments.Commands) -> None:
     parser.add_argument(
         "-o", "--output", type=Path, metavar="FILE.html", help="page to write; default report.html in RESULTS"
     )
+    parser.add_argument(
+        "--dfq", type=Path, metavar="FILE.dfq", help="parameters and limits for statistics programs (AQDEF)"
+    )
 
 
 def run(args: Namespace) -> Answer:
     """Write the page, and say what lots and stations tell."""
+    from ..base.writing import together
     from ..fleet import BatchResult
 
     output = args.output or args.results / "report.html"
     status("reading the results")
     result = BatchResult.read(args.results)
     check_file(output)
+    check_file(args.dfq)
     status("comparing lots")
     study = result.study
     status("drawing")
-    path = result.report(output)
-    text = "\n".join([repr(result), *study.said, f"report: {path}"])
+    with together():
+        files: dict[str, object] = {"report": str(result.report(output))}
+        if args.dfq is not None:
+            files["dfq"] = str(result.dfq(args.dfq))
+    text = "\n".join([repr(result), *study.said, *said(files)])
     document = result.document() | {"schema": "knobcam.report/1", "study": study.document()}
-    return Answer(text, document | {"files": {"report": str(path)}})
+    return Answer(text, document | {"files": files})

@@ -14,6 +14,7 @@ from ..base.reading import parse_toml, read_text
 from ..errors import InputError
 from ..model import Model
 from ..model.effects import base_effects, base_effects_shown, effects
+from .aqdef import is_dfq, parse
 from .noticeable import difference
 from .row import Row
 
@@ -108,7 +109,7 @@ class Limits:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], model: Model | None, *, learned: bool) -> Limits:
-        """Read a file of limits; InputError for what is none, and for what the model lacks.
+        """Read a file of limits, TOML or AQDEF; InputError for what is none, and for what the model lacks.
 
         `model` is what is fitted, None for the base model; `learned` is whether effects are looked for.
         """
@@ -117,7 +118,7 @@ class Limits:
     @classmethod
     def parse(cls, text: str, path: str | os.PathLike[str], model: Model | None, *, learned: bool) -> Limits:
         """Return the limits in the text of a file, as `load` does."""
-        content = parse_toml(path, text, _WHAT, _ADVICE)
+        content = _of_dfq(text, str(path)) if is_dfq(text) else parse_toml(path, text, _WHAT, _ADVICE)
         try:
             return cls(cls._checks(content, model, learned), text)
         except InputError as error:
@@ -169,6 +170,16 @@ def _parameters(model: Model | None) -> dict[str, str]:
         return {name: one.unit for name, one in model.params.items()}
     base = Model.of((*base_effects("rotary"), *base_effects_shown("rotary")), "rotary")
     return {name: one.unit for name, one in base.params.items()}
+
+
+def _of_dfq(text: str, path: str) -> dict[str, Any]:
+    """Return the limits of a file of AQDEF, K2110 and K2111 of what K2002 names, as those of TOML."""
+    found = {}
+    for one in parse(text, path):
+        ends = {key: edge for key, edge in (("min", one.low), ("max", one.high)) if edge is not None}
+        if ends:
+            found[one.name] = ends
+    return {"parameters": found}
 
 
 def _flat(entries: object, head: str = "") -> dict[str, Mapping[str, Any]]:

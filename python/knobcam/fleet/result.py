@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections import Counter
 from collections.abc import Mapping
@@ -12,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 from ..base import showing
 from ..base.tables import TextTable, text_table
+from ..base.writing import write
+from . import aqdef
 from .judged import mixed
 from .limits import Limits
 from .store import limits_of, read
@@ -136,6 +139,24 @@ class BatchResult(showing.Tabled):
     def tables(self) -> tuple[TextTable, ...]:
         """What it says of itself, as text."""
         return (TextTable(self.headline, self.HEAD, self.text_rows()),)
+
+    def dfq(self, path: str | os.PathLike[str]) -> Path:
+        """Write the parameters of all parts with their limits for statistics programs (AQDEF); return the path.
+
+        Parts that could not be read are left out; what a capture does not determine is marked as missing.
+        """
+        good = [row for row in self.rows if row["error"] is None]
+        held = {name: self.limits.of(name) if self.limits else None for name in self.study.units}
+        every = [
+            aqdef.Characteristic(
+                name,
+                unit,
+                one.low if (one := held[name]) and math.isfinite(one.low) else None,
+                one.high if one and math.isfinite(one.high) else None,
+            )
+            for name, unit in self.study.units.items()
+        ]
+        return write(path, aqdef.text(good, every, self.folder.name))
 
     def plot(self) -> Figure:
         """Parameters over the captures, by lot."""
