@@ -10,6 +10,7 @@ import argparse
 import resource
 import tempfile
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,7 @@ from knobcam.fleet.settings import Settings
 from knobcam.fleet.sources import sources
 
 SAMPLES = 30_000
+EMPTY = 2000  # captures that cost nothing but what Dask does for each
 SPREAD = 0.02  # of a parameter from part to part, relative
 FRICTION = ("coulomb_neg", "coulomb_pos")
 
@@ -120,15 +122,19 @@ def cost(count: int, rounds: int) -> None:
         alone = (time.process_time() - begun) / count
         print(f"{count} captures of {SAMPLES} samples, {size / 1e3:.0f} kB each as Parquet with zstd")
         print(f"  read and fitted in this process: {1e3 * alone:.1f} ms of processor time a capture")
-        own, spent, walls = [], [], {1: [], 2: []}
+        empty = [replace(found[0], name=str(at), error="not read") for at in range(EMPTY)]
+        for workers in (1, 2):  # the first is to have all imported
+            own, others, _ = timed(empty, workers)
+        print(f"  Dask in this process, with its scheduler: {1e3 * own / EMPTY:.2f} ms a capture")
+        print(f"  Dask in the workers: {1e3 * others / EMPTY:.2f} ms a capture")
+        spent: list[float] = []
+        walls: dict[int, list[float]] = {1: [], 2: []}
         for _ in range(rounds):
             for workers in (1, 2):
-                driver, others, wall = timed(found, workers)
-                own.append(driver / count)
-                spent.append(others / count - alone)
+                _, others, wall = timed(found, workers)
+                spent.append(others / count)
                 walls[workers].append(wall)
-        print(f"  Dask, its scheduler and this process: {1e3 * np.median(own):.1f} ms a capture")
-        print(f"  workers, beyond that: {1e3 * np.median(spent):.1f} ms a capture")
+        print(f"  by workers: {1e3 * np.median(spent):.1f} ms of processor time a capture")
         ratio = [one / two for one, two in zip(walls[1], walls[2], strict=True)]
         ends = f"({min(ratio):.2f} to {max(ratio):.2f}), load {psutil.getloadavg()[0]:.1f}"
         print(f"  two workers are {np.median(ratio):.2f} times one {ends}")

@@ -24,6 +24,7 @@ _ENVIRONMENT = {
     # Dask's own would give every freed block back to the system, for half as much time again by page faults.
     "MALLOC_TRIM_THRESHOLD_": str(2**27),
     "MALLOC_MMAP_THRESHOLD_": str(2**25),
+    "DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED": "False",  # looks at every thread each 10 ms
 }
 """Of a worker, unless the user's own says otherwise."""
 
@@ -56,7 +57,7 @@ def workers(scheduler: str | None) -> Iterator[Any]:
         return
     with (
         _quiet(),
-        distributed.LocalCluster(n_workers=0, dashboard_address=None, silence_logs=False) as cluster,
+        distributed.LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0", silence_logs=False) as cluster,
     ):
         own = _started(cluster.scheduler_address, cores())
         try:

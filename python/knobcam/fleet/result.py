@@ -141,7 +141,7 @@ class BatchResult(showing.Tabled):
         return (TextTable(self.headline, self.HEAD, self.text_rows()),)
 
     def dfq(self, path: str | os.PathLike[str]) -> Path:
-        """Write the parameters of all parts with their limits for statistics programs (AQDEF); return the path.
+        """Write parameters of all parts, and their limits, for statistics programs (AQDEF); return the path.
 
         Parts that could not be read are left out; what a capture does not determine is marked as missing.
         """
