@@ -155,3 +155,13 @@ def test_what_holds_no_results_is_refused(tmp_path: Path):
     with pytest.raises(InputError, match="not empty"):
         (tmp_path / "x").write_text("")
         Store.open(tmp_path, Settings())
+
+
+def test_two_that_write_to_one_folder_are_kept_apart(tmp_path: Path):
+    one, other = (Store.open(tmp_path / "r", Settings()) for _ in range(2))
+    rows = several(np.random.default_rng(1), 2)
+    one.put(rows[:1])
+    with pytest.raises(InputError, match="another batch or watch writes there"):
+        other.put(rows[1:])
+    one.close()
+    other.put(rows[1:])

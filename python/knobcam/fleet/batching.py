@@ -65,6 +65,7 @@ def batch(
     found = sources(given, besides=folder)
     work = _Work(store, settings, found, progress or (lambda _: None))
     with ExitStack() as stack:
+        stack.callback(store.close)
         client = cache(lambda: stack.enter_context(cluster.workers(scheduler)))  # when there is work for it
         work.do(client, found, learned=learn == "all")
         if learn == "outliers":
@@ -72,8 +73,8 @@ def batch(
             unlike = outliers(list(store.rows.values()), fails)
             some = [one for one in found if one.name in unlike and not store.rows[one.name]["learned"]]
             work.do(client, some, learned=True)
-    rows = judged(list(store.rows.values()), checks)
-    store.finish(rows, None if checks is None else checks.text)
+        rows = judged(list(store.rows.values()), checks)
+        store.finish(rows, None if checks is None else checks.text)
     return BatchResult(folder, tuple(rows), frozenset(one.name for one in found), len(work.fresh), checks)
 
 

@@ -18,6 +18,7 @@ from .sources import Source
 
 CHUNK = 8
 """Captures of a task: what Dask asks for a task is shared by them, and no more is lost with a worker."""
+_ANSWERS_S, _ARRIVES_S = 5.0, 60.0  # a scheduler, and its first worker
 _AHEAD = 3  # tasks that wait for each worker, so that none waits for a task
 _ENVIRONMENT = {
     **{f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL")},
@@ -107,17 +108,28 @@ def _started(address: str, count: int) -> subprocess.Popen[bytes]:
 @contextmanager
 def _client(distributed: Any, address: str) -> Iterator[Any]:
     try:
-        client = distributed.Client(address, timeout=5.0, set_as_default=False)
+        client = distributed.Client(address, timeout=_ANSWERS_S, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
         raise InputError(
             f"--scheduler {address}: no scheduler answers there ({type(error).__name__}); "
             "start one with: dask scheduler"
         ) from None
     try:
+        _wait(client, address)
         yield client
     finally:
         with suppress(Exception):
             client.close(timeout=2.0)
+
+
+def _wait(client: Any, address: str) -> None:
+    """Wait for the first worker; a batch without one would wait for ever."""
+    try:
+        client.wait_for_workers(1, timeout=_ARRIVES_S)
+    except TimeoutError:
+        raise InputError(
+            f"--scheduler {address}: has no worker; start one with: dask worker {address} --nthreads 1"
+        ) from None
 
 
 def run(

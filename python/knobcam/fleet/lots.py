@@ -19,10 +19,8 @@ FEWEST = 5
 """Captures of a lot or of a station, for its mean to be compared."""
 LEVEL = 0.01
 """Chance of saying of any lot or station of a table that it moved where none did."""
-_STEEP, _WIDE = (
-    0.2,
-    2.7,
-)  # of the moving average: Montgomery, Introduction to Statistical Quality Control, 9.2
+# Of the moving average: Montgomery, Introduction to Statistical Quality Control, 9.2.
+_STEEP, _WIDE = 0.2, 2.7
 
 
 class Capable(NamedTuple):

@@ -15,6 +15,7 @@ from typing import Any
 from urllib.parse import quote
 
 from .._core import __version__
+from ..base.lock import hold
 from ..base.reading import is_folder, read_text
 from ..base.strict_json import as_json
 from ..base.writing import make_folder, together, write
@@ -28,6 +29,7 @@ from .settings import Settings
 SCHEMA = "knobcam.batch/1"
 _ABOUT = "_batch.json"
 _PARTS = "_parts"
+_LOCK = "_lock"
 _LIMITS = "_limits.toml"
 _MOST_BYTES = 1_000_000
 _PARTITIONS = ("lot", "station", "date")
@@ -41,6 +43,7 @@ class Store:
     settings: Settings
     rows: dict[str, Row] = field(default_factory=dict)
     _number: int = 0
+    _lock: int = -1
 
     @classmethod
     def open(cls, folder: Path, settings: Settings) -> Store:
@@ -71,6 +74,27 @@ class Store:
         if not about.exists():
             known = {"settings": self.settings.digest, "model": self.settings.model, "version": __version__}
             write(about, as_json({"schema": SCHEMA, **known}))
+        self._hold()
+
+    def _hold(self) -> None:
+        """Keep others from writing there at the same time."""
+        if self._lock >= 0:
+            return
+        lock = os.open(self.folder / _LOCK, os.O_RDWR | os.O_CREAT, 0o666)
+        try:
+            hold(lock)
+        except OSError:
+            os.close(lock)
+            raise InputError(
+                f"{self.folder}: another batch or watch writes there; wait for its end"
+            ) from None
+        self._lock = lock
+
+    def close(self) -> None:
+        """Let others write there."""
+        if self._lock >= 0:
+            os.close(self._lock)
+            self._lock = -1
 
     def put(self, rows: list[Row]) -> None:
         """Keep rows, in a part."""

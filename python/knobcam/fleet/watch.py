@@ -134,6 +134,7 @@ class Watch:
         """Make the table of all rows, as a batch does, and return it."""
         rows = judged(list(self.store.rows.values()), self.limits)
         self.store.finish(rows, None if self.limits is None else self.limits.text)
+        self.store.close()
         asked = frozenset(str(row["capture"]) for row in rows)
         return BatchResult(self.store.folder, tuple(rows), asked, len(self.fresh), self.limits)
 
