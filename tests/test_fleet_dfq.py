@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command import knobcam
 from test_fleet_lots import several
 
 from knobcam.errors import InputError
+from knobcam.fleet import BatchResult
 from knobcam.fleet.aqdef import parse, read
 from knobcam.fleet.limits import Limits
 from knobcam.fleet.settings import Settings
@@ -26,8 +26,7 @@ def test_values_limits_and_lots_are_read_as_they_were_written(tmp_path: Path):
     store = Store.open(tmp_path / "r", Settings())
     store.put(rows)
     store.finish(rows, LIMITS)
-    ended = knobcam("report", tmp_path / "r", "--dfq", tmp_path / "x.dfq", "--json")
-    assert ended.code == 0, ended.err
+    BatchResult.read(tmp_path / "r").dfq(tmp_path / "x.dfq")
     assert (
         (tmp_path / "x.dfq")
         .read_bytes()

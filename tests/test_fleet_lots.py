@@ -141,17 +141,18 @@ def test_the_report_is_one_page_with_what_failed_and_why_and_nothing_in_it_is_ma
     ended = knobcam("report", tmp_path / "r", "--json")
     assert ended.code == 0, ended.err
     assert {one["parameter"] for one in ended.document["study"]["shifts"]} == {"coulomb.neg", "coulomb.pos"}
-    page = (tmp_path / "r" / "report.html").read_text()
+    page = (tmp_path / "r.html").read_text()
     assert page.count("data:image/svg+xml") == 4 and "http://" not in page and "https://" not in page
     assert "coulomb.pos is &lt;script&gt; high" in page and "A/005: is empty" in page
     assert "<script" not in page and "<b>B" not in page
-    before = (tmp_path / "r" / "report.html").read_bytes()
+    before = (tmp_path / "r.html").read_bytes()
     BatchResult.read(tmp_path / "r").report(tmp_path / "again.html")
     assert (tmp_path / "again.html").read_bytes() == before
 
 
 def test_what_holds_no_results_is_refused(tmp_path: Path):
     refused(knobcam("report", tmp_path), "holds no results")
+    refused(knobcam("report", tmp_path, "-o", tmp_path / "x.html"), "is within the table")
     with pytest.raises(InputError, match="not empty"):
         (tmp_path / "x").write_text("")
         Store.open(tmp_path, Settings())

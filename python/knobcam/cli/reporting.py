@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..errors import InputError
 from . import arguments
 from .fitting import said
 from .output import Answer, check_file, status
@@ -23,7 +24,7 @@ def register(commands: arguments.Commands) -> None:
     )
     parser.add_argument("results", type=Path, metavar="RESULTS", help="folder that knobcam batch wrote")
     parser.add_argument(
-        "-o", "--output", type=Path, metavar="FILE.html", help="page to write; default report.html in RESULTS"
+        "-o", "--output", type=Path, metavar="FILE.html", help="page to write; default RESULTS.html"
     )
     parser.add_argument(
         "--dfq", type=Path, metavar="FILE.dfq", help="parameters and limits for statistics programs (AQDEF)"
@@ -35,7 +36,10 @@ def run(args: Namespace) -> Answer:
     from ..base.writing import together
     from ..fleet import BatchResult
 
-    output = args.output or args.results / "report.html"
+    output = args.output or args.results.absolute().with_name(f"{args.results.absolute().name}.html")
+    for path in (output, args.dfq):
+        if path is not None and path.absolute().is_relative_to(args.results.absolute()):
+            raise InputError(f"{path}: is within the table, which is read as a whole; write it elsewhere")
     status("reading the results")
     result = BatchResult.read(args.results)
     check_file(output)

@@ -15,6 +15,7 @@ from ..base import showing
 from ..base.tables import TextTable, text_table
 from ..base.writing import write
 from . import aqdef
+from .frame import parameters
 from .judged import mixed
 from .limits import Limits
 from .store import limits_of, read
@@ -146,7 +147,8 @@ class BatchResult(showing.Tabled):
         Parts that could not be read are left out; what a capture does not determine is marked as missing.
         """
         good = [row for row in self.rows if row["error"] is None]
-        held = {name: self.limits.of(name) if self.limits else None for name in self.study.units}
+        units = parameters(self.rows)
+        held = {name: self.limits.of(name) if self.limits else None for name in units}
         every = [
             aqdef.Characteristic(
                 name,
@@ -154,7 +156,7 @@ class BatchResult(showing.Tabled):
                 one.low if (one := held[name]) and math.isfinite(one.low) else None,
                 one.high if one and math.isfinite(one.high) else None,
             )
-            for name, unit in self.study.units.items()
+            for name, unit in units.items()
         ]
         return write(path, aqdef.text(good, every, self.folder.name))
 
