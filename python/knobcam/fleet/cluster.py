@@ -18,7 +18,7 @@ from .sources import Source
 
 CHUNK = 8
 """Captures of a task: what Dask asks for a task is shared by them, and no more is lost with a worker."""
-_ANSWERS_S, _ARRIVES_S = 5.0, 60.0  # a scheduler, and its first worker
+_ANSWERS_S, _ARRIVES_S = 5.0, 120.0  # a scheduler, and its first worker
 _AHEAD = 3  # tasks that wait for each worker, so that none waits for a task
 _ENVIRONMENT = {
     **{f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL")},
@@ -97,7 +97,7 @@ def cores() -> int:
 def _started(address: str, count: int) -> subprocess.Popen[bytes]:
     """Start workers that Ctrl-C at this terminal leaves to this process, and that end with its scheduler."""
     words = [sys.executable, "-m", "distributed.cli.dask_worker", address, "--no-dashboard"]
-    words += ["--nworkers", str(count), "--nthreads", "1", "--death-timeout", "10"]
+    words += ["--nworkers", str(count), "--nthreads", "1", "--death-timeout", "60"]
     environment = _ENVIRONMENT | os.environ
     quiet = subprocess.DEVNULL
     return subprocess.Popen(
