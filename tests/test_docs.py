@@ -19,6 +19,7 @@ import pytest
 from command import knobcam
 
 import knobcam as kc
+from knobcam.fleet.limits import Limits as PartLimits
 from knobcam.rig.emulator import EmulatedRig
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -130,6 +131,9 @@ def read_toml(text: str, where: str) -> None:
     elif "schema" in text:
         assert kc.Model.parse(text).effects, where
         Path("model.toml").write_text(text)
+    elif "[parameters]" in text:  # of parts, in a batch
+        Path("limits.toml").write_text(text)
+        assert PartLimits.load("limits.toml", None, learned=True).checks, where
     else:
         Path("limits.toml").write_text(text)
         usual = kc.Limits(1.0, 1.0, 1.0, 0.0, 1.0, sample_rate_hz=1000.0)

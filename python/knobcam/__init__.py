@@ -14,6 +14,7 @@ capture         captures: formats, faults of logs, motions, prepared signals
 model           models, the catalogue of effects, effects of one's own, the five knobs, simulated captures
 fit             the fit, where it fails, what each effect more would change
 learn           the loop to a verdict: what comes in, when to stop, what the captures cannot tell
+fleet           batches of many captures, limits, lots, a station that watches a folder
 render          the step of a rendered model, its loop, what a device allows
 rig             the port, the wire log, recording, calibration, an emulated rig
 show            pictures, linked plots, tables, reports: what results are shown by, and know nothing of
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
     from .fit.forward import Forward
     from .fit.refit import Moved
     from .fit.stiction import Stiction, stiction
+    from .fleet import BatchResult, batch
     from .learn import LearningResult, learn
     from .learn.agreement import Disagreement
     from .learn.cut import Cut, Interrupted
@@ -73,6 +75,7 @@ if TYPE_CHECKING:
 __all__ = [
     "KNOBS",
     "MOTIONS",
+    "BatchResult",
     "Candidate",
     "Capture",
     "Comparison",
@@ -111,6 +114,7 @@ __all__ = [
     "Unexplained",
     "WireLog",
     "__version__",
+    "batch",
     "check_stability",
     "compare",
     "diagnose",
@@ -139,6 +143,7 @@ __all__ = [
 _HOME = {
     "KNOBS": "model",
     "MOTIONS": "capture.motions",
+    "BatchResult": "fleet",
     "Candidate": "fit.diagnose",
     "Capture": "capture",
     "Comparison": "fit.compare",
@@ -177,6 +182,7 @@ _HOME = {
     "Unexplained": "learn.ladder",
     "WireLog": "rig.wirelog",
     "__version__": "_core",
+    "batch": "fleet",
     "check_stability": "render",
     "compare": "fit.compare",
     "diagnose": "fit.diagnose",

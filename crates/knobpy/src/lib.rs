@@ -28,6 +28,12 @@ fn instruction_set() -> PyResult<&'static str> {
     used().map_err(|error| PyImportError::new_err(error.to_string()))
 }
 
+/// Let the work of this process have at most so many threads from now on.
+#[pyfunction]
+fn at_most(threads: usize) {
+    knobcore::diagnose::at_most(threads);
+}
+
 #[pymodule]
 fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     drop(std::hint::black_box(Vec::<u8>::with_capacity(KEPT_BYTES)));
@@ -38,6 +44,7 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     }
     instruction_set()?;
     m.add_function(wrap_pyfunction!(instruction_set, m)?)?;
+    m.add_function(wrap_pyfunction!(at_most, m)?)?;
     filter::register(m)?;
     wire::register(m)?;
     m.add_class::<model::PyModel>()?;

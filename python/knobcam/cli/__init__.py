@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING
 
 from ..base.ended import Ended, asked, by_exception
 from ..base.strict_json import as_json
-from ..errors import InputError, KnobcamWarning
+from ..errors import KnobcamError, KnobcamWarning
 from . import (
+    batching,
     calibrating,
     capturing,
     catalogue,
@@ -27,6 +28,8 @@ from . import (
     learning,
     recording,
     rendering,
+    reporting,
+    watching,
     workbench,
 )
 from .arguments import Parser, VersionAction
@@ -39,8 +42,8 @@ if TYPE_CHECKING:
 
 _INTERRUPTED = 130  # what a shell reports for Ctrl-C
 _GROUPS = (
-    *(capturing, calibrating, recording, fitting, learning, designing, rendering),
-    *(converting, workbench, catalogue, contributing, demonstrate, emulating),
+    *(capturing, calibrating, recording, fitting, learning, designing, batching),
+    *(watching, reporting, rendering, converting, workbench, catalogue, contributing, demonstrate, emulating),
 )
 
 
@@ -92,15 +95,15 @@ def _run(words: list[str]) -> int:
 
             status(None)
             traceback.print_exc()
-        if isinstance(error, InputError):
+        if isinstance(error, KnobcamError):
             return _end(str(error), error.exit_code)
         what = " ".join(f"{type(error).__name__}: {error}".split())
         return _end(f"the program failed ({what}); --traceback shows where, please report it", 1)
     status(None)
-    if answer is None:  # it has said all while it ran
-        return 0
+    if answer is None or isinstance(answer, int):  # it has said all while it ran
+        return answer or 0
     _say(answer, as_document=args.json)
-    return 0
+    return int(answer.code)
 
 
 def _say(answer: Answer, *, as_document: bool) -> None:

@@ -103,7 +103,7 @@ class VersionAction(argparse.Action):
 
 
 def add_command(
-    commands: Commands, name: str, run: Callable[[argparse.Namespace], Answer | None], about: str
+    commands: Commands, name: str, run: Callable[[argparse.Namespace], Answer | int | None], about: str
 ) -> Parser:
     """Return the parser of a new command, with what every command takes."""
     parser: Parser = commands.add_parser(name, help=about.replace("%", "%%"), description=about)

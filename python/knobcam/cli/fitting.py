@@ -203,6 +203,6 @@ def put(args: Namespace, pictures: Mapping[str, Callable[[], Figure]]) -> list[s
 
 def said(files: dict[str, object]) -> list[str]:
     """Return the lines that name written files."""
-    lines = [f"{kind}: {files[kind]}" for kind in ("model", "report") if kind in files]
+    lines = [f"{kind}: {files[kind]}" for kind in ("model", "report", "dfq") if kind in files]
     pictures = files.get("pictures")
     return lines + [f"picture: {path}" for path in pictures] if isinstance(pictures, list) else lines

@@ -20,12 +20,14 @@ if TYPE_CHECKING:
 class Answer(NamedTuple):
     """A finished command: text for people, the document for programs, messages for standard error.
 
-    Messages wait until the command has succeeded: a wrong call says one line and nothing else.
+    Messages wait until the command has succeeded: a wrong call says one line and nothing else. `code` is 1
+    where a part of what was asked for failed, as the answer says.
     """
 
     text: str
     document: Mapping[str, Any]
     messages: tuple[str, ...] = ()
+    code: int = 0
 
 
 class Unfinished(KeyboardInterrupt):

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import io
 import math
 import os
 from html import escape
@@ -17,14 +15,10 @@ from ..base.writing import write as write_file
 from ..fit.refit import percent
 from ..model.effects import effect as catalogued
 from .look_page import section
+from .markup import bullets, figure, paragraph, style, wide_table
 from .samples import steps
-from .tables import html_table
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
-    from matplotlib.figure import Figure
-
     from ..fit.diagnose import Diagnosis
     from ..learn import LearningResult
     from ..learn.ladder import LearningStep
@@ -45,9 +39,10 @@ def html(learned: LearningResult) -> str:
         facts=escape(_facts(learned)),
         verdict=learned.verdict,
         headline=escape(learned.headline),
-        learned=_figure(
+        learned=figure(
             learned.plot(), "Error ladder, residual before and after, parameters that moved, the rest."
         ),
+        style=style(),
         look=look.markup,
         look_style=look.style,
         look_hash=look.script_hash,
@@ -81,22 +76,24 @@ def _found(learned: LearningResult) -> str:
     if not learned.found:
         tried = " and ".join(step.added for step in learned.ladder if step.added)
         why = f"{tried} came in, but cannot be named as the cause" if tried else "no effect was added"
-        return _paragraph(f"Nothing of the catalogue: {why}.")
+        return paragraph(f"Nothing of the catalogue: {why}.")
     parts = []
     for step in learned.ladder:
         if step.added not in learned.found:
             continue
         entry = catalogued(step.added, learned.model.coordinate)
         parts.append(f"<h3>{escape(step.added)}</h3>")
-        parts.append(_paragraph(f"{entry.law}. Acts on the {entry.place}; shows {entry.shows}."))
-        parts.append(_paragraph(_evidence(step)))
-        parts.append(_paragraph(f"Source: {entry.source}.", "soft"))
+        parts.append(paragraph(f"{entry.law}. Acts on the {entry.place}; shows {entry.shows}."))
+        parts.append(paragraph(_evidence(step)))
+        parts.append(paragraph(f"Source: {entry.source}.", "soft"))
         rows = [
             (name, f"{e.value:.5g}" if e.determined else "-", e.interval, e.unit)
             for name, e in learned.fit.params.items()
             if name.split(".", 1)[0] == step.added
         ]
-        parts.append(_table("As fitted in the end", ("parameter", "value", "95 % interval", "unit"), rows))
+        parts.append(
+            wide_table("As fitted in the end", ("parameter", "value", "95 % interval", "unit"), rows)
+        )
     return "\n".join(parts)
 
 
@@ -119,9 +116,9 @@ def _why(learned: LearningResult) -> str:
     said = "Where the first model failed: the residual along every axis, beside the band of chance."
     return "\n".join(
         [
-            _paragraph(f"The first model: {learned.before.summary}"),
-            _figure(learned.before.plot(), said),
-            _table("The error ladder", learned.head, learned.rows()),
+            paragraph(f"The first model: {learned.before.summary}"),
+            figure(learned.before.plot(), said),
+            wide_table("The error ladder", learned.head, learned.rows()),
         ]
     )
 
@@ -137,47 +134,49 @@ def _alternatives(learned: LearningResult) -> str:
             names = [step.added, *step.equivalent]
             shows = [f"{name} shows {catalogued(name, learned.model.coordinate).shows}" for name in names]
             parts.append(
-                _paragraph("This capture cannot tell them apart. Record a motion in which they differ:")
+                paragraph("This capture cannot tell them apart. Record a motion in which they differ:")
             )
-            parts.append(_list(shows))
+            parts.append(bullets(shows))
         else:
-            parts.append(_paragraph("No other effect of the catalogue explains the capture as well."))
+            parts.append(paragraph("No other effect of the catalogue explains the capture as well."))
         parts.append(_weighed(step.diagnosis))
     parts.append("<h3>Weighed in the end, and not added</h3>")
     parts.append(_weighed(learned.last))
     if learned.without:
-        parts.append(_paragraph(f"Not weighed at all: {', '.join(learned.without)}."))
+        parts.append(paragraph(f"Not weighed at all: {', '.join(learned.without)}."))
     return "\n".join(parts)
 
 
 def _weighed(diagnosis: Diagnosis) -> str:
     if not diagnosis.candidates:
-        return _paragraph("There was nothing to weigh: the catalogue has no other effect.")
-    table = _table("Every absent effect, best first", diagnosis.HEAD, diagnosis.rows(diagnosis.candidates))
-    left_out = _list(f"{one}, left out: {why}" for one, why in diagnosis.left_out.items())
-    picture = _figure(diagnosis.plot(), "Solid bars: could be missing. Linked: alike in this capture.")
+        return paragraph("There was nothing to weigh: the catalogue has no other effect.")
+    table = wide_table(
+        "Every absent effect, best first", diagnosis.HEAD, diagnosis.rows(diagnosis.candidates)
+    )
+    left_out = bullets(f"{one}, left out: {why}" for one, why in diagnosis.left_out.items())
+    picture = figure(diagnosis.plot(), "Solid bars: could be missing. Linked: alike in this capture.")
     return picture + table + (left_out if diagnosis.left_out else "")
 
 
 def _remains(learned: LearningResult) -> str:
-    parts = [_paragraph(learned.after.summary)]
+    parts = [paragraph(learned.after.summary)]
     if learned.unexplained is not None:
         what = learned.unexplained
         parts.append(
-            _paragraph(
+            paragraph(
                 f"Unexplained: {100.0 * what.share:.0f} % of the remaining error variance lies along "
                 f"{what.axis}; {what.hint}. No effect of the catalogue does that."
             )
         )
     said = "Where the last model fails: the residual along every axis, beside the band of chance."
     if len(learned.ladder) > 1:
-        parts.append(_figure(learned.after.plot(), said))
+        parts.append(figure(learned.after.plot(), said))
     if learned.disagreements:
         parts.append("<h3>Where the captures disagree</h3>")
-        parts.append(_list(f"{one}." for one in learned.disagreements))
+        parts.append(bullets(f"{one}." for one in learned.disagreements))
     if learned.limitations:
         parts.append("<h3>What this capture cannot tell</h3>")
-        parts.append(_list(f"{one.message}; {one.record}." for one in learned.limitations))
+        parts.append(bullets(f"{one.message}; {one.record}." for one in learned.limitations))
     return "\n".join(parts)
 
 
@@ -185,11 +184,11 @@ def _sure(learned: LearningResult) -> str:
     fit = learned.fit
     unit = fit.torque_unit
     parts = [
-        _paragraph(
+        paragraph(
             f"The sensor's noise alone would leave {fit.noise_floor:.4g} {unit}; the last model leaves "
             f"{fit.rmse:.4g} {unit}, and {fit.rmse_heldout:.4g} {unit} on blocks that the fit did not see."
         ),
-        _table("All parameters of the last model", fit.HEAD, fit.rows()),
+        wide_table("All parameters of the last model", fit.HEAD, fit.rows()),
     ]
     said = [f"{name}: {why}" for name, why in fit.undetermined.items()]
     said += fit.warnings
@@ -197,7 +196,7 @@ def _sure(learned: LearningResult) -> str:
         said += signals.notes
         said += [str(finding) for finding in signals.findings]
     if said:
-        parts += ["<h3>Remarks</h3>", _list(said)]
+        parts += ["<h3>Remarks</h3>", bullets(said)]
     return "\n".join(parts)
 
 
@@ -205,25 +204,3 @@ def _made(learned: LearningResult) -> str:
     signals = learned.fit.signals
     options = "".join(f", {name}={value:g}" for name, value in signals.options.items())
     return f"Made by knobcam {__version__}; signals prepared by '{signals.method}'{options}. SI units."
-
-
-def _paragraph(text: str, kind: str = "") -> str:
-    return f'<p class="{kind}">{escape(text)}</p>' if kind else f"<p>{escape(text)}</p>"
-
-
-def _list(items: Iterable[str]) -> str:
-    return "<ul>" + "".join(f"<li>{escape(item)}</li>" for item in items) + "</ul>"
-
-
-def _table(caption: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    return f'<div class="wide">{html_table(caption, head, rows)}</div>'
-
-
-def _figure(figure: Figure, caption: str) -> str:
-    """Return a picture as an image within the file: what is written in it can never become markup."""
-    stream = io.BytesIO()
-    figure.savefig(stream, format="svg", metadata={"Date": None})
-    data = base64.b64encode(stream.getvalue()).decode("ascii")
-    said = escape(caption)
-    image = f'<img alt="{said}" src="data:image/svg+xml;base64,{data}">'
-    return f"<figure>{image}<figcaption>{said}</figcaption></figure>"

@@ -11,6 +11,7 @@ from ..fit.compare import Comparison
 from ..fit.diagnose import Diagnosis
 from ..fit.forward import Forward
 from ..fit.stiction import Stiction
+from ..fleet import BatchResult
 from ..learn import LearningResult
 from ..learn.experiment import Experiment
 from ..learn.proposals import Proposals
@@ -65,6 +66,8 @@ def plot(result: object) -> Figure:
             return pictures.timing(result)
         case Calibration():
             return pictures.calibration(result)
+        case BatchResult():
+            return pictures.batch_parameters(result)
     raise TypeError(f"{type(result).__name__} has no picture")
 
 
@@ -82,8 +85,11 @@ def look(result: object) -> Look:
 
 def report(result: object, path: str | os.PathLike[str]) -> Path:
     """Write the report of what was learned and return its path."""
-    from .report import write
+    from . import batch_report, report
 
-    if not isinstance(result, LearningResult):
-        raise TypeError(f"{type(result).__name__} has no report")
-    return write(result, path)
+    match result:
+        case LearningResult():
+            return report.write(result, path)
+        case BatchResult():
+            return batch_report.write(result, path)
+    raise TypeError(f"{type(result).__name__} has no report")

@@ -13,7 +13,6 @@ import os
 import re
 import shutil
 import stat
-import sys
 import zlib
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -22,6 +21,7 @@ from typing import Any, Self
 
 import platformdirs
 
+from ..base.lock import hold
 from ..base.reading import open_file
 from ..base.strict_json import as_json
 from ..base.writing import write
@@ -145,7 +145,7 @@ class Journal:
         except OSError as error:
             raise _unwritable(folder, error) from error
         try:
-            _hold(lock)
+            hold(lock)
         except OSError as error:
             os.close(lock)
             if error.errno in (errno.EACCES, errno.EAGAIN, errno.EDEADLK):
@@ -270,17 +270,6 @@ def _make_private(folder: Path) -> None:
         raise PermissionError(errno.EPERM, "belongs to another user")
     if stat.S_IMODE(found.st_mode) & 0o077:
         folder.chmod(0o700)
-
-
-def _hold(lock: int) -> None:
-    if sys.platform == "win32":
-        import msvcrt
-
-        msvcrt.locking(lock, msvcrt.LK_NBLCK, 1)
-    else:
-        import fcntl
-
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
 def _unwritable(place: Path, error: OSError) -> InputError:

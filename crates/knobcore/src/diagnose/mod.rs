@@ -28,7 +28,7 @@ pub use locate::{Region, Split, locate};
 pub use pairs::{Pair, pairs};
 pub use sets::{Set, sets};
 pub use verdict::{Evidence, Judgement, State, complete, exact, judge};
-pub use watch::Tell;
+pub use watch::{Tell, at_most};
 
 pub(crate) use thinned::{Thinned, orthonormal, project};
 pub(crate) use watch::Watch;

@@ -7,6 +7,14 @@ use std::time::{Duration, Instant};
 /// Who waits is not asked more often than this: an answer may take a lock that others need.
 const APART: Duration = Duration::from_millis(20);
 
+/// Threads that share some work: more than these gain nothing.
+static MOST: AtomicUsize = AtomicUsize::new(8);
+
+/// Lets work have at most so many threads from now on, in all of this process: where each process of several has a core.
+pub fn at_most(threads: usize) {
+    MOST.store(threads.max(1), Ordering::Relaxed);
+}
+
 /// Told the share that is done, 0 to 1, from any thread; answers whether the rest is still wanted.
 pub type Tell<'a> = dyn Fn(f64) -> bool + Sync + 'a;
 
@@ -62,7 +70,8 @@ impl<'a> Watch<'a> {
                 }
             }
         };
-        let workers = std::thread::available_parallelism().map_or(1, usize::from).min(8);
+        let workers =
+            std::thread::available_parallelism().map_or(1, usize::from).min(MOST.load(Ordering::Relaxed));
         std::thread::scope(|scope| {
             for _ in 1..workers.min(things.len()) {
                 scope.spawn(worker);

@@ -16,6 +16,7 @@ from .gallery import save_all, save_learning
 from .ladder import ladder
 from .laws import model
 from .learned import learned, remaining
+from .lots import batch, batch_charts, batch_curves, batch_parameters
 from .movements import movements
 from .over_time import capture, overlay, prepared
 from .profile import haptic_profile
@@ -28,6 +29,10 @@ from .timing import timing
 from .torques import fit, position, velocity, zoom
 
 __all__ = [
+    "batch",
+    "batch_charts",
+    "batch_curves",
+    "batch_parameters",
     "before_after",
     "calibration",
     "capture",

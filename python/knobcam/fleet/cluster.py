@@ -1,0 +1,187 @@
+"""The workers of a batch, by Dask: processes of this machine, or an existing cluster's, one thread each."""
+
+from __future__ import annotations
+
+import logging
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from typing import Any
+
+from ..base.optional import require
+from ..errors import InputError, KnobcamError
+from .row import Row, lost, row_of
+from .settings import Settings
+from .sources import Source
+
+CHUNK = 8
+"""Captures of a task: what Dask asks for a task is shared by them, and no more is lost with a worker."""
+_ANSWERS_S, _ARRIVES_S = 5.0, 120.0  # a scheduler, and its first worker
+_AHEAD = 3  # tasks that wait for each worker, so that none waits for a task
+_ENVIRONMENT = {
+    **{f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL")},
+    # Dask's own would give every freed block back to the system, for half as much time again by page faults.
+    "MALLOC_TRIM_THRESHOLD_": str(2**27),
+    "MALLOC_MMAP_THRESHOLD_": str(2**25),
+    "DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED": "False",  # looks at every thread each 10 ms
+}
+"""Of a worker, unless the user's own says otherwise."""
+
+Task = tuple[Source, str | None]
+"""A capture, and the digest of its content where that is done already."""
+Rows = list[Row | None]
+
+
+class Gone(KnobcamError):
+    """The scheduler went away in the midst of a batch."""
+
+
+def work(tasks: Sequence[Task], settings: Settings, learned: bool) -> Rows:
+    """Return the rows of some captures, on a worker. RuntimeError where it has another version."""
+    from .._core import __version__, at_most
+
+    at_most(1)  # each worker has a core
+    if __version__ != settings.version:
+        raise RuntimeError(f"a worker has knobcam {__version__}, this process {settings.version}")
+    return [row_of(source, settings, learned, known) for source, known in tasks]
+
+
+@contextmanager
+def workers(scheduler: str | None) -> Iterator[Any]:
+    """Give a client of an existing scheduler, or of one of this process with a worker for each core."""
+    distributed = require("distributed", "a batch", "fleet")
+    if scheduler is not None:
+        with _quiet(), _client(distributed, scheduler) as client:
+            yield client
+        return
+    with (
+        _quiet(),
+        distributed.LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0", silence_logs=False) as cluster,
+    ):
+        own = _started(cluster.scheduler_address, cores())
+        try:
+            with _client(distributed, cluster.scheduler_address) as client:
+                yield client
+        finally:
+            own.terminate()
+            with suppress(subprocess.TimeoutExpired):
+                own.wait(5.0)
+            own.kill()
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Let Dask log nothing: what happens is said by the batch, in a line."""
+    loggers = [logging.getLogger(name) for name in logging.root.manager.loggerDict if _of_dask(name)]
+    levels = [one.level for one in loggers]
+    for one in loggers:
+        one.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        for one, level in zip(loggers, levels, strict=True):
+            one.setLevel(level)
+
+
+def _of_dask(name: str) -> bool:
+    return name.partition(".")[0] in ("distributed", "tornado", "asyncio")
+
+
+def cores() -> int:
+    """How many processors this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _started(address: str, count: int) -> subprocess.Popen[bytes]:
+    """Start workers that Ctrl-C at this terminal leaves to this process, and that end with its scheduler."""
+    words = [sys.executable, "-m", "distributed.cli.dask_worker", address, "--no-dashboard"]
+    words += ["--nworkers", str(count), "--nthreads", "1", "--death-timeout", "60"]
+    environment = _ENVIRONMENT | os.environ
+    quiet = subprocess.DEVNULL
+    return subprocess.Popen(
+        words, env=environment, stdin=quiet, stdout=quiet, stderr=quiet, start_new_session=True
+    )
+
+
+@contextmanager
+def _client(distributed: Any, address: str) -> Iterator[Any]:
+    try:
+        client = distributed.Client(address, timeout=_ANSWERS_S, set_as_default=False)
+    except (OSError, ValueError, TypeError) as error:
+        raise InputError(
+            f"--scheduler {address}: no scheduler answers there ({type(error).__name__}); "
+            "start one with: dask scheduler"
+        ) from None
+    try:
+        _wait(client, address)
+        yield client
+    finally:
+        with suppress(Exception):
+            client.close(timeout=2.0)
+
+
+def _wait(client: Any, address: str) -> None:
+    """Wait for the first worker; a batch without one would wait for ever."""
+    try:
+        client.wait_for_workers(1, timeout=_ARRIVES_S)
+    except TimeoutError:
+        raise InputError(
+            f"--scheduler {address}: has no worker; start one with: dask worker {address} --nthreads 1"
+        ) from None
+
+
+def run(
+    client: Any,
+    tasks: Sequence[Task],
+    settings: Settings,
+    learned: bool,
+    take: Callable[[list[Task], Rows], object],
+) -> None:
+    """Have tasks done; `take` gets what is done, in any order, with its rows.
+
+    A worker that dies costs what it was at. A capture with which workers die gets a row that says so. Raises
+    Gone where the scheduler goes away.
+    """
+    distributed = require("distributed", "a batch", "fleet")
+    size = 1 if learned else CHUNK
+    waiting = [list(tasks[at : at + size]) for at in range(0, len(tasks), size)][::-1]
+    under_way: dict[Any, list[Task]] = {}
+    done = distributed.as_completed(loop=client.loop)
+    try:
+        while waiting or under_way:
+            while waiting and len(under_way) < _AHEAD * max(len(client.nthreads()), 1):
+                some = waiting.pop()
+                future = client.submit(work, some, settings, learned, pure=False)
+                under_way[future] = some
+                done.add(future)
+            future = next(done)
+            some = under_way.pop(future)
+            if future.status == "finished":
+                take(some, future.result())
+            elif future.status == "error":
+                waiting += _again(some, future.exception(), settings, learned, take)
+            else:
+                raise Gone("the scheduler went away")
+    except (OSError, TimeoutError) as error:
+        raise Gone("the scheduler went away") from error
+
+
+def _again(
+    some: list[Task],
+    error: Any,
+    settings: Settings,
+    learned: bool,
+    take: Callable[[list[Task], Rows], object],
+) -> list[list[Task]]:
+    """Return what to do once more after a task failed as a whole: each capture by itself."""
+    if not isinstance(error, require("distributed", "a batch", "fleet").KilledWorker):
+        raise KnobcamError(" ".join(str(error).split())) from error
+    if len(some) > 1:
+        return [[one] for one in some]
+    take(
+        some,
+        [lost(some[0][0], settings, learned, "its workers ended while they were at it; is it too large?")],
+    )
+    return []

@@ -1,0 +1,228 @@
+"""What lots and stations tell: how capable a process is, whether it moved, what a lot has more of."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..base.arrays import FloatArray
+from ..base.optional import require
+from ..fit.estimate import Z95
+from .limits import Between
+from .outliers import deviations
+from .row import Row
+
+FEWEST = 5
+"""Captures of a lot or of a station, for its mean to be compared."""
+LEVEL = 0.01
+"""Chance of saying of any lot or station of a table that it moved where none did."""
+# Of the moving average: Montgomery, Introduction to Statistical Quality Control, 9.2.
+_STEEP, _WIDE = 0.2, 2.7
+
+
+class Capable(NamedTuple):
+    """How well a process stays within limits: Cp and Cpk with 95 % intervals; None with one limit only."""
+
+    parameter: str
+    lot: str
+    captures: int
+    mean: float
+    deviation: float
+    cp: tuple[float, float, float] | None
+    cpk: tuple[float, float, float]
+
+
+def capable(values: FloatArray, limits: Between, lot: str) -> Capable | None:
+    """Return the capability of a lot's parameter; None of fewer than `FEWEST` values.
+
+    The interval of Cp is that of the variance (chi-squared), that of Cpk Bissell's (1990) approximation.
+    """
+    some = values[np.isfinite(values)]
+    n = len(some)
+    if n < FEWEST:
+        return None
+    chi2 = require("scipy.stats", "intervals of Cp", "fleet").chi2
+    mean, deviation = float(np.mean(some)), float(np.std(some, ddof=1)) or math.nan
+    cp = None
+    if math.isfinite(limits.low) and math.isfinite(limits.high):
+        wide = (limits.high - limits.low) / (6.0 * deviation)
+        low, high = (wide * math.sqrt(float(chi2.ppf(at, n - 1)) / (n - 1)) for at in (0.025, 0.975))
+        cp = (wide, low, high)
+    cpk = min(limits.high - mean, mean - limits.low) / (3.0 * deviation)
+    half = Z95 * math.sqrt(1.0 / (9.0 * n) + cpk**2 / (2.0 * (n - 1)))
+    return Capable(limits.name, lot, n, mean, deviation, cp, (cpk, cpk - half, cpk + half))
+
+
+class Chart(NamedTuple):
+    """A control chart: the exponentially weighted mean of a parameter, and where chance lets it be."""
+
+    parameter: str
+    values: FloatArray
+    mean: FloatArray
+    middle: float
+    half: FloatArray
+
+    @property
+    def out(self) -> list[int]:
+        """Where the mean is beyond chance."""
+        return np.flatnonzero(np.abs(self.mean - self.middle) > self.half).tolist()
+
+
+def chart(values: FloatArray, parameter: str, begun: int) -> Chart:
+    """Return the EWMA chart of a parameter in the order in which captures were made.
+
+    Its middle and width are those of the first `begun` values, by medians: what a process was at first.
+    """
+    pandas = require("pandas", "control charts", "fleet")
+    first = values[:begun]
+    middle = float(np.nanmedian(first))
+    deviation = 1.4826 * float(np.nanmedian(np.abs(first - middle)))
+    series = pandas.Series([middle, *values]).ewm(alpha=_STEEP, adjust=False, ignore_na=True).mean()
+    at = np.arange(1, len(values) + 1)
+    half = _WIDE * deviation * np.sqrt(_STEEP / (2.0 - _STEEP) * (1.0 - (1.0 - _STEEP) ** (2 * at)))
+    return Chart(parameter, values, series.to_numpy()[1:], middle, half)
+
+
+class Shift(NamedTuple):
+    """A lot, or a station, whose mean differs from that of all others beyond chance."""
+
+    by: str
+    name: str
+    parameter: str
+    percent: float
+    ci95: tuple[float, float]
+    p_value: float
+
+    def __str__(self) -> str:
+        low, high = self.ci95
+        return (
+            f"{self.by} {self.name}: {self.parameter} is {self.percent:+.1f} % ({low:+.1f} to {high:+.1f}) "
+            "of the others'"
+        )
+
+
+def shifts(table: Any, names: Sequence[str], by: str) -> list[Shift]:
+    """Return which lots or stations differ from the rest in what, the surest first.
+
+    Welch's test without those far from their own middle, which are said one by one; Holm's correction over
+    all that is compared.
+    """
+    stats = require("scipy.stats", "comparing lots", "fleet")
+    holm = require("statsmodels.stats.multitest", "comparing lots", "fleet").multipletests
+    found = []
+    every = list(dict.fromkeys(table[by]))
+    for name in every[len(every) <= 2 :]:  # of two, the later is told by the first
+        mine = table[by] == name
+        for parameter in names:
+            a, b = (_usual(table.loc[some, parameter].to_numpy(dtype=float)) for some in (mine, ~mine))
+            if len(a) < FEWEST or len(b) < FEWEST or not np.mean(b):
+                continue
+            if np.ptp(a) == np.ptp(b) == 0.0:
+                continue
+            test = stats.ttest_ind(a, b, equal_var=False)
+            ends = test.confidence_interval(0.95)
+            scale = 100.0 / abs(float(np.mean(b)))
+            change = float(np.mean(a) - np.mean(b)) * scale
+            found.append(
+                Shift(by, name, parameter, change, (ends.low * scale, ends.high * scale), float(test.pvalue))
+            )
+    if not found:
+        return []
+    sure = holm([one.p_value for one in found], alpha=LEVEL, method="holm")[0]
+    return sorted((one for one, yes in zip(found, sure, strict=True) if yes), key=lambda one: one.p_value)
+
+
+def _usual(values: FloatArray) -> FloatArray:
+    some = values[np.isfinite(values)]
+    if len(some) < FEWEST:
+        return some
+    return some[np.abs(deviations(some, np.zeros(len(some)))) < 4.0]
+
+
+class Gain(NamedTuple):
+    """All torques of a lot or station are off by one factor: the sensor's, and not the parts'."""
+
+    by: str
+    name: str
+    percent: float
+    ci95: tuple[float, float]
+
+    def __str__(self) -> str:
+        low, high = self.ci95
+        return (
+            f"{self.by} {self.name}: all that is in proportion to the torque is {self.percent:+.1f} % "
+            f"({low:+.1f} to {high:+.1f}) of the others': look at the gain of its torque sensor first"
+        )
+
+
+def gains(table: Any, units: dict[str, str], found: Sequence[Shift]) -> list[Gain]:
+    """Return of which lots and stations all torques are off by one factor, which no part would be.
+
+    It is so where three parameters or more are in proportion to the torque and differ by no more than chance
+    from one factor, which itself is beyond chance, and what is not in proportion to it did not move.
+    """
+    stats = require("scipy.stats", "comparing stations", "fleet")
+    said = []
+    for by, name in sorted({(one.by, one.name) for one in found}):
+        mine = table[by] == name
+        ratios, errors = [], []
+        for parameter, unit in units.items():
+            a, b = (_usual(table.loc[some, parameter].to_numpy(dtype=float)) for some in (mine, ~mine))
+            if "N" not in unit.split() or min(len(a), len(b)) < FEWEST or not np.mean(a) * np.mean(b) > 0.0:
+                continue
+            ratios.append(math.log(np.mean(a) / np.mean(b)))
+            errors.append(
+                math.hypot(*(float(np.std(x, ddof=1)) / abs(np.mean(x)) / math.sqrt(len(x)) for x in (a, b)))
+            )
+        others = [
+            one
+            for one in found
+            if (one.by, one.name) == (by, name) and "N" not in units[one.parameter].split()
+        ]
+        if len(ratios) < 3 or others or not min(errors) > 0.0:
+            continue
+        weight = np.array(errors) ** -2
+        factor, error = float(np.sum(weight * ratios) / np.sum(weight)), float(np.sum(weight)) ** -0.5
+        spread = float(np.sum(weight * (np.array(ratios) - factor) ** 2))
+        known = sum(abs(one) > 2.0 * e for one, e in zip(ratios, errors, strict=True))
+        if known >= 2 and stats.chi2.sf(spread, len(ratios) - 1) > LEVEL and abs(factor) > 3.0 * error:
+            low, mid, high = (100.0 * math.expm1(factor + k * error) for k in (-Z95, 0.0, Z95))
+            said.append(Gain(by, name, mid, (low, high)))
+    return said
+
+
+class More(NamedTuple):
+    """An effect that a lot has more often than the others."""
+
+    lot: str
+    effect: str
+    here: tuple[int, int]
+    there: tuple[int, int]
+    p_value: float
+
+    def __str__(self) -> str:
+        (a, n), (b, m) = self.here, self.there
+        return f"lot {self.lot}: {self.effect} is missing in {a} of {n} captures, in {b} of {m} of the others"
+
+
+def more(rows: Sequence[Row]) -> list[More]:
+    """Return what some lots have more often than the rest (Fisher's exact test, Holm's correction)."""
+    stats = require("scipy.stats", "comparing lots", "fleet")
+    holm = require("statsmodels.stats.multitest", "comparing lots", "fleet").multipletests
+    good = [row for row in rows if row["error"] is None and row["learned"]]
+    found = []
+    for lot in sorted({row["lot"] or "" for row in good}):
+        for effect in sorted({name for row in good for name in row["found"]}):
+            has = [
+                [effect in row["found"] for row in good if ((row["lot"] or "") == lot) is here]
+                for here in (True, False)
+            ]
+            (a, n), (b, m) = ((sum(some), len(some)) for some in has)
+            if min(n, m) >= 3:
+                test = stats.fisher_exact([[a, n - a], [b, m - b]], alternative="greater")
+                found.append(More(lot, effect, (a, n), (b, m), float(float(test.pvalue))))
+    sure = holm([one.p_value for one in found], alpha=0.05, method="holm")[0] if found else []
+    return [one for one, yes in zip(found, sure, strict=True) if yes]

@@ -1,0 +1,182 @@
+"""One capture's row: read, fitted, on demand learned, or why it cannot be."""
+
+from __future__ import annotations
+
+import hashlib
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..capture import load
+from ..capture.capture import of_table
+from ..capture.formats.document import digest as digest_of
+from ..capture.reading import Reading
+from ..errors import InputError
+from ..fit import fit
+from ..learn import learn
+from . import places
+from .curve import curve
+from .dataset import table_of
+from .sources import of_meta
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from ..capture import Capture
+    from ..fit import Estimate, Fit
+    from .settings import Settings
+    from .sources import Source
+
+Row = dict[str, Any]
+"""A capture's row as JSON has it; `params` by name are value, low and high, `units` theirs."""
+
+
+def row_of(source: Source, settings: Settings, learned: bool, known: str | None) -> Row | None:
+    """Return the row of a capture; None where its content is the one `known` by its digest.
+
+    Whatever is wrong with one capture is said in its row: it never ends a batch.
+    """
+    row = _identity(source, settings, learned)
+    try:
+        if source.error is not None:
+            raise InputError(source.error)
+        if source.rows is None:
+            with places.on_disk(source.place) as path:
+                row["sha256"] = _digest(path)
+                if row["sha256"] == known:
+                    return None
+                capture = _loaded(path, source, settings)
+        else:
+            table = table_of(source, *source.rows)
+            row["sha256"] = digest_of(table.columns)
+            if row["sha256"] == known:
+                return None
+            capture = of_table(Path(source.place), table, _reading(settings))
+        row |= {name: label for name, label in of_meta(capture.meta).items() if row[name] is None}
+        row |= _described(capture)
+        row |= _learned(capture, settings) if learned else _fitted(capture, settings)
+    except (KeyboardInterrupt, SystemExit):
+        raise
+    except InputError as error:
+        said = str(error)
+        row["error"] = said if source.name in said else f"{source.name}: {said}"
+    except BaseException as error:  # a panic of the core is no Exception
+        what = " ".join(f"{type(error).__name__}: {error}".split())
+        row["error"] = f"{source.name}: the program failed on it ({what}); please report it"
+    return row
+
+
+def is_known(source: Source, digest: str) -> bool:
+    """Whether a file of this machine has the content of a digest."""
+    if source.rows is not None or places.is_address(source.place):
+        return False
+    try:
+        return _digest(Path(source.place)) == digest
+    except OSError:
+        return False
+
+
+def lost(source: Source, settings: Settings, learned: bool, why: str) -> Row:
+    """Return the row of a capture with which its worker ended."""
+    return _identity(source, settings, learned) | {"error": f"{source.name}: {why}"}
+
+
+def _identity(source: Source, settings: Settings, learned: bool) -> Row:
+    time = None if source.modified is None else datetime.fromtimestamp(source.modified, UTC)
+    return {
+        "capture": source.name,
+        "sha256": None,
+        **{name: source.labels.get(name) for name in ("lot", "station", "part", "date")},
+        "time": None if time is None else time.isoformat(timespec="seconds"),
+        "verdict": None,
+        "found": [],
+        "weights": [],
+        "findings": [],
+        "error": None,
+        "learned": learned,
+        "settings": settings.digest,
+        "version": settings.version,
+        "headline": None,
+        "first": None,
+        **dict.fromkeys(("rmse", "rmse_heldout", "noise_floor", "coordinate", "unit", "samples")),
+        "params": {},
+        "units": {},
+        "curve": None,
+    }
+
+
+def _digest(path: Path) -> str:
+    if path.is_dir():  # a bag
+        total = hashlib.sha256()
+        for one in sorted(path.rglob("*")):
+            if one.is_file():
+                total.update(f"{one.relative_to(path).as_posix()} ".encode() + _digest(one).encode())
+        return total.hexdigest()
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _reading(settings: Settings) -> Reading:
+    given = {name: value for name, value in settings.reading.items() if name not in ("kt", "resistance_ohm")}
+    return Reading(**given)
+
+
+def _loaded(path: Path, source: Source, settings: Settings) -> Capture:
+    try:
+        return load(path, **settings.reading)
+    except InputError as error:  # which names the copy of what lies elsewhere
+        raise InputError(str(error).replace(str(path), source.name)) from error
+
+
+def _described(capture: Capture) -> Row:
+    return {
+        "samples": capture.samples,
+        "masked": int(np.sum(~capture.mask)),
+        "duration_s": capture.duration_s,
+        "sample_rate_hz": capture.rate_hz,
+        "coordinate": capture.coordinate,
+        "unit": capture.torque_unit,
+        "findings": sorted({one.kind for one in capture.findings}),
+    }
+
+
+def _fitted(capture: Capture, settings: Settings) -> Row:
+    fitted = fit(capture, settings.parsed(), **settings.how())
+    # Whether anything is missing is only known where chance explains all that is left.
+    complete = fitted.compare().complete and fitted.log_fault is None and fitted.impossible is None
+    return {"verdict": "complete" if complete else None, **_numbers(fitted, fitted.params)}
+
+
+def _learned(capture: Capture, settings: Settings) -> Row:
+    story = learn(capture, settings.parsed(), **settings.how())
+    weights = {step.added: step.weights.get(step.added or "") for step in story.ladder}
+    first = _numbers(story.ladder[0].fit, story.ladder[0].fit.params)
+    return {
+        "verdict": story.verdict,
+        "found": list(story.found),
+        "weights": [weights.get(name) for name in story.found],
+        "headline": story.headline,
+        # By the first model a lot is compared: all of its captures have it.
+        "first": {name: first[name] for name in ("rmse", "noise_floor", "params")},
+        **_numbers(story.fit, story.params),
+    }
+
+
+def _numbers(fitted: Fit, params: Mapping[str, Estimate]) -> Row:
+    return {
+        "rmse": fitted.rmse,
+        "rmse_heldout": fitted.rmse_heldout,
+        "noise_floor": None if np.isnan(fitted.noise_floor) else fitted.noise_floor,
+        "findings": sorted({one.kind for signals in fitted.prepared for one in signals.findings}),
+        "effects": list(fitted.model.effects),
+        "params": {name: _estimate(one) for name, one in params.items()},
+        "units": {name: one.unit for name, one in params.items()},
+        "curve": curve(fitted),
+    }
+
+
+def _estimate(one: Estimate) -> list[float | None]:
+    """Value and interval; nothing of what the capture does not determine."""
+    return [one.value, *one.ci95] if one.determined else [None, None, None]

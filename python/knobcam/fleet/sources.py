@@ -1,0 +1,136 @@
+"""The captures of a batch: in folders, by patterns, as files, in Parquet datasets, behind addresses."""
+
+from __future__ import annotations
+
+import glob
+import os
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from ..base.reading import is_folder, look
+from ..errors import InputError
+from . import dataset, places
+from .places import Found
+
+LABELS = ("lot", "station", "part", "date")
+"""What a capture belongs to, as its path, its table or its own description says."""
+_LABEL = re.compile(rf"({'|'.join(LABELS)})[=_-](.+)", re.IGNORECASE)
+_DATE = re.compile(r"\d{4}-\d{2}-\d{2}")
+
+
+@dataclass(frozen=True)
+class Source:
+    """One capture: `name` is what the table calls it, `place` where it is read.
+
+    `rows` are those of a Parquet file that holds several, the first and how many; None: the whole file.
+    `stamp` tells another content of the file without reading it, `modified` is when it was written, s.
+    """
+
+    name: str
+    place: str
+    stamp: str
+    modified: float | None
+    labels: Mapping[str, str]
+    bytes: int = 0
+    rows: tuple[int, int] | None = None
+    error: str | None = None
+    """Why there is none."""
+
+
+def sources(given: Sequence[str | os.PathLike[str]], besides: Path | None = None) -> list[Source]:
+    """Return the captures that paths, patterns and addresses name, each once, by their names.
+
+    `besides` is a folder whose files are none, as the results are. InputError for what names nothing.
+    """
+    found: dict[str, Source] = {}
+    places_seen: set[tuple[str, tuple[int, int] | None]] = set()
+    for one in given:
+        some = list(_named(os.fspath(one), besides))
+        if not some:
+            raise InputError(f"{one}: no capture is there; check the name, or the pattern")
+        for source in some:
+            if (source.place, source.rows) in places_seen:
+                continue
+            places_seen.add((source.place, source.rows))
+            if source.name in found:  # keys of two datasets
+                source = replace(source, name=f"{source.place}#{source.name}")
+            found[source.name] = source
+    if not found:
+        raise InputError("SOURCES: names nothing; give folders, files, patterns or addresses")
+    return [found[name] for name in sorted(found)]
+
+
+def _named(given: str, besides: Path | None) -> Iterator[Source]:
+    if places.is_address(given):
+        head = given.split("*")[0].rstrip("/") + "/"
+        for one in places.find(given):
+            yield from _of_file(one, one.place.removeprefix(head))
+        return
+    path = Path(given)
+    if path.exists() or not glob.has_magic(given):
+        look(path)
+        yield from _below(path, path, besides)
+        return
+    first = next(at for at, part in enumerate(path.parts) if glob.has_magic(part))
+    root = Path(*path.parts[:first])
+    for each in sorted(root.glob("/".join(path.parts[first:]))):
+        if not each.name.startswith((".", "_")):
+            yield from _below(each, root, besides)
+
+
+def _below(path: Path, root: Path, besides: Path | None) -> Iterator[Source]:
+    """Yield the captures of a file, or of all files below a folder; a bag is a folder and one capture."""
+    if besides is not None and path.absolute() == besides.absolute():
+        return
+    if is_folder(path) and not (path / "metadata.yaml").is_file():
+        for one in sorted(path.iterdir()):
+            if not one.name.startswith((".", "_")):
+                yield from _below(one, root, besides)
+        return
+    known = path.stat()
+    stamp = f"{known.st_size} {known.st_mtime_ns}"
+    within = path.relative_to(root).as_posix() if path != root else path.name
+    yield from _of_file(Found(str(path), known.st_mtime, stamp, known.st_size), within)
+
+
+def _of_file(file: Found, within: str) -> Iterator[Source]:
+    labels = of_path(file.place, within)
+    place = file.place if places.is_address(file.place) else str(Path(file.place).absolute())
+    whole = Source(file.place, place, file.stamp, file.modified, labels, file.bytes)
+    try:
+        several = file.place.lower().endswith(".parquet")
+        inside = dataset.captures_in(file.place, file.stamp) if several else None
+    except InputError as error:
+        yield replace(whole, error=str(error))
+        return
+    if inside is None:
+        yield whole
+        return
+    for key, rows, own in inside:
+        yield replace(whole, name=key, labels={**labels, **own}, rows=rows)
+
+
+def of_path(place: str, within: str) -> dict[str, str]:
+    """Return what a path says a capture belongs to.
+
+    Folders such as `lot=7`, `lot-7` or `lot_7` say it by name, one that is a date is a date. Where no folder
+    names a lot, the first one below the source is the lot, and the next one the station.
+    """
+    labels: dict[str, str] = {}
+    for part in PurePosixPath(place.replace(os.sep, "/")).parts[:-1]:
+        if (found := _LABEL.fullmatch(part)) is not None:
+            labels[found[1].lower()] = found[2]
+        elif _DATE.fullmatch(part):
+            labels["date"] = part
+    own = [p for p in PurePosixPath(within).parts[:-1] if not _LABEL.fullmatch(p) and not _DATE.fullmatch(p)]
+    if "lot" not in labels:
+        labels |= dict(zip(("lot", "station"), own, strict=False)) | labels
+    return labels
+
+
+def of_meta(meta: Mapping[str, Any]) -> dict[str, str]:
+    """Return what a capture's own description says that it belongs to."""
+    return {name: str(meta[name]) for name in LABELS if meta.get(name) is not None}

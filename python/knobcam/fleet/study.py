@@ -1,0 +1,86 @@
+"""All that statistics tell of a batch: what its report draws, and a document of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from .frame import frame, parameters
+from .gauge import Gauge, gauge
+from .limits import Between, Limits
+from .lots import FEWEST, Capable, Chart, Gain, More, Shift, capable, chart, gains, more, shifts
+from .row import Row
+
+_BEGUN = 20  # captures, where there is one lot alone
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """Statistics of a batch; `table` is a frame of pandas in the order in which captures were made."""
+
+    table: Any
+    units: dict[str, str]
+    charts: tuple[Chart, ...]
+    capability: tuple[Capable, ...]
+    shifts: tuple[Shift, ...]
+    gains: tuple[Gain, ...]
+    more: tuple[More, ...]
+    gauges: tuple[Gauge, ...]
+
+    @classmethod
+    def of(cls, rows: Sequence[Row], limits: Limits | None) -> Study:
+        """Return the statistics of rows; those for which there is too little are left out."""
+        units = parameters(rows)
+        table = frame(rows)
+        if table.empty:
+            return cls(table, {}, (), (), (), (), (), ())
+        names = list(units)
+        moved = [one for by in ("lot", "station") for one in shifts(table, names, by)]
+        lots = list(dict.fromkeys(table["lot"]))
+        held = [one for one in (limits.checks if limits else ()) if isinstance(one, Between)]
+        able = [
+            capable(table.loc[table["lot"] == lot, one.name].to_numpy(dtype=float), one, lot)
+            for one in held
+            if one.name in units
+            for lot in lots
+        ]
+        return cls(
+            table,
+            units,
+            tuple(chart(table[name].to_numpy(dtype=float), name, _begun(table, lots)) for name in names),
+            tuple(one for one in able if one is not None),
+            tuple(moved),
+            tuple(gains(table, units, moved)),
+            tuple(more(rows)),
+            tuple(one for name in names if (one := gauge(table, name)) is not None),
+        )
+
+    @property
+    def said(self) -> list[str]:
+        """What is to be known of lots and stations, a sentence each, the gravest first."""
+        by_gain = {(one.by, one.name) for one in self.gains}
+        single = [one for one in self.shifts if (one.by, one.name) not in by_gain]
+        return [f"{one}." for one in (*self.gains, *self.more, *single)]
+
+    def document(self) -> dict[str, Any]:
+        """Return them as documents have them."""
+        return {
+            "lots": list(dict.fromkeys(self.table["lot"])) if len(self.table) else [],
+            "shifts": [one._asdict() for one in self.shifts],
+            "gains": [one._asdict() for one in self.gains],
+            "more": [one._asdict() for one in self.more],
+            "capability": [one._asdict() for one in self.capability],
+            "out_of_control": {
+                one.parameter: [self.table["capture"].iloc[at] for at in one.out] for one in self.charts
+            },
+            "gauges": [
+                {**one._asdict(), "percent": one.percent, "distinct": one.distinct} for one in self.gauges
+            ],
+        }
+
+
+def _begun(table: Any, lots: Sequence[str]) -> int:
+    """Return how many captures later ones are held by: those of the first lot, or half of one alone."""
+    first = int((table["lot"] == lots[0]).sum())
+    return first if len(lots) > 1 and first >= FEWEST else max(len(table) // 2, min(_BEGUN, len(table)))

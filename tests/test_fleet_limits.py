@@ -1,0 +1,163 @@
+"""Limits of a part: in its unit, in per cent, by what a hand notices, along its curve, by what is missing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from small import detents, recorded
+
+import knobcam as kc
+from knobcam.errors import InputError
+from knobcam.fleet.judged import judged, mixed
+from knobcam.fleet.limits import Limits
+from knobcam.fleet.noticeable import SHARE, ripple
+from knobcam.fleet.outliers import outliers
+from knobcam.fleet.row import Row, row_of
+from knobcam.fleet.settings import Settings
+from knobcam.fleet.sources import of_path, sources
+
+
+@pytest.fixture(scope="module")
+def row(tmp_path_factory: pytest.TempPathFactory) -> Row:
+    path = tmp_path_factory.mktemp("one") / "knob.npz"
+    recorded(1, detents).save(path)
+    found = row_of(sources([path])[0], Settings(), False, None)
+    assert found is not None and found["error"] is None
+    return found
+
+
+def limits(tmp_path: Path, text: str, model: kc.Model | None = None, *, learned: bool = True) -> Limits:
+    file = tmp_path / "limits.toml"
+    file.write_text(text)
+    return Limits.load(file, model, learned=learned)
+
+
+def failed(given: Limits, row: Row) -> list[str]:
+    return [one.limit for one in given.failed(row)]
+
+
+def test_a_parameter_is_held_in_its_unit_and_in_per_cent_of_a_reference(row: Row, tmp_path: Path):
+    value = row["params"]["coulomb.pos"][0]
+    held = limits(tmp_path, f"[parameters]\ncoulomb.pos = {{ min = {0.9 * value}, max = {1.1 * value} }}")
+    assert failed(held, row) == []
+    less = limits(tmp_path, f'[parameters]\n"coulomb.pos" = {{ reference = {1.2 * value}, percent = 10 }}')
+    assert failed(less, row) == ["coulomb.pos"]
+    assert "below" in less.failed(row)[0].why and "N m" in less.failed(row)[0].why
+
+
+def test_what_a_hand_notices_is_a_tenth_of_friction_and_of_a_ripple_what_its_period_makes_of_it(
+    row: Row, tmp_path: Path
+):
+    value = row["params"]["coulomb.pos"][0]
+    for factor, beyond in ((1.0 + 0.9 * SHARE, []), (1.0 + 1.3 * SHARE, ["coulomb.pos"])):
+        text = f"[parameters]\ncoulomb.pos = {{ reference = {factor * value}, jnd = 1 }}"
+        assert failed(limits(tmp_path, text), row) == beyond
+    assert ripple(180.0) == pytest.approx(0.2617 * 0.030)
+    assert ripple(2.8) == pytest.approx(0.0037 * 0.030)
+    depth = row["params"]["detent.A"][0]
+    text = "[parameters]\ndetent.A = {{ reference = {}, jnd = 1, period_deg = 28.8 }}"
+    assert failed(limits(tmp_path, text.format(depth + 0.9 * ripple(28.8))), row) == []
+    assert failed(limits(tmp_path, text.format(depth + 1.1 * ripple(28.8))), row) == ["detent.A"]
+
+
+def test_a_band_holds_the_curve_of_its_direction_alone(row: Row, tmp_path: Path):
+    band = "[curve.{}]\ntheta = [-0.8, 0.8]\nmin = [{low}, {low}]\nmax = [{high}, {high}]"
+    forward = np.array(row["curve"]["forward"], dtype=float)
+    high = float(np.nanmax(forward)) + 1e-3
+    assert failed(limits(tmp_path, band.format("forward", low=-1.0, high=high)), row) == []
+    cut = limits(tmp_path, band.format("forward", low=-1.0, high=high - 4e-3))
+    assert failed(cut, row) == ["curve.forward"]
+    assert "above" in cut.failed(row)[0].why
+
+
+def test_the_curve_goes_by_direction_and_has_no_inertia_in_it(row: Row):
+    forward, backward = (np.array(row["curve"][name], dtype=float) for name in ("forward", "backward"))
+    both = np.isfinite(forward) & np.isfinite(backward)
+    # Dry friction either way, and viscous friction up to 8 rad/s.
+    assert 17e-3 < np.mean(forward[both] - backward[both]) < 17e-3 + 9e-4 * 8.0
+
+
+def test_an_effect_that_may_not_be_there_fails_a_part_by_its_name(row: Row, tmp_path: Path):
+    text = '[effects]\nforbidden = ["backlash"]\nunexplained = false'
+    found = {**row, "found": ["backlash"], "verdict": "missing"}
+    assert failed(limits(tmp_path, text), found) == ["effects.backlash"]
+    assert failed(limits(tmp_path, text), {**row, "verdict": "unexplained"}) == ["effects.unexplained"]
+    assert failed(limits(tmp_path, '[effects]\nforbidden = "any"'), found) == ["effects.backlash"]
+    told = judged([found], limits(tmp_path, text))[0]
+    assert told["ok"] is False and told["cause"].startswith("backlash: ")
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("[parameters]\nspring.k = { max = 1 }", "spring.k: the model has no such parameter"),
+        ("[parameters]\ninertia.M = { max = 'much' }", "inertia.M: max: is 'much'; give a number"),
+        ("[parameters]\ninertia.M = { percent = 3 }", "give reference"),
+        ("[parameters]\ninertia.M = { min = 2, max = 1 }", "give min below max"),
+        ("[parameters]\ndetent.P = { reference = 1, jnd = 1 }", "nobody measured"),
+        ("[parameters]\ndetent.A = { reference = 1, jnd = 1 }", "add period_deg"),
+        ("[curve.up]\ntheta = []", "is no direction"),
+        ("[curve.forward]\ntheta = [0, 1]\nmin = [0]\nmax = [1, 1]", "have 2, 1 and 2 numbers"),
+        ("[effects]\nforbidden = ['magic']", "'magic' is no effect"),
+        ("[torque]\nmax = 1", "no kind of limit"),
+        ("", "has no limit"),
+        ("nonsense", "is no file of limits"),
+    ],
+)
+def test_a_file_of_limits_that_says_nothing_sensible_is_refused_in_one_line(
+    text: str, words: str, tmp_path: Path
+):
+    with pytest.raises(InputError, match=r"limits\.toml: ") as refused:
+        limits(tmp_path, text)
+    assert words in str(refused.value) and "\n" not in str(refused.value)
+
+
+def test_limits_are_those_of_the_model_that_is_fitted(tmp_path: Path):
+    text = "[parameters]\nreturn_spring.k = { max = 1 }"
+    model = kc.Model.load("knob4").with_effect("return_spring")
+    assert limits(tmp_path, text, model).checks
+    with pytest.raises(InputError, match="--learn outliers"):
+        limits(tmp_path, "[effects]\nforbidden = []", learned=False)
+
+
+def made(number: int, lot: str, row: Row, **change: object) -> Row:
+    rng = np.random.default_rng(number)
+    params = {
+        name: [value + rng.normal(0, 1e-4), value - 1e-4, value + 1e-4]
+        for name, (value, *_) in row["params"].items()
+    }
+    return {
+        **row,
+        "capture": f"{lot}/{number:02d}",
+        "sha256": f"{number}",
+        "lot": lot,
+        "params": params,
+        **change,
+    }
+
+
+def test_one_that_is_unlike_its_lot_is_found_and_its_neighbours_are_not(row: Row):
+    rows = [made(number, "a", row, verdict="complete") for number in range(30)]
+    rows[7]["params"]["coulomb.pos"] = [0.02, 0.0199, 0.0201]
+    rows[9] = {**rows[9], "rmse": 3.0 * row["rmse"]}
+    assert outliers(rows, lambda _: False) == {"a/07": ["coulomb.pos"], "a/09": ["rmse"]}
+    for one in rows:
+        one["verdict"] = None
+    assert sum(why == ["typical"] for why in outliers(rows, lambda _: False).values()) == 1
+
+
+def test_a_lot_of_several_kinds_of_axis_says_so_and_compares_only_what_is_alike(row: Row):
+    rows = [made(number, "a", row) for number in range(4)]
+    rows[2] |= {"coordinate": "linear", "unit": "N"}
+    assert [one["capture"] for one in judged(rows, None) if "mixed" in one["findings"]] == ["a/02"]
+    assert "1 linear in N, 3 rotary in N m" in mixed(rows)[0]
+
+
+def test_folders_say_what_a_capture_belongs_to():
+    assert of_path("x/lot=7/station-2/2026-11-24/a.csv", "lot=7/a.csv") == {
+        **{"lot": "7", "station": "2", "date": "2026-11-24"}
+    }
+    assert of_path("x/spring/left/a.csv", "spring/left/a.csv") == {"lot": "spring", "station": "left"}
+    assert of_path("x/a.csv", "a.csv") == {}
