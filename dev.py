@@ -32,6 +32,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent
 WEB = ROOT / "web"
 PAGE = ROOT / "python" / "knobcam" / "workbench" / "page"
+LIBRARY = ROOT / "python" / "knobcam" / "render" / "lib"
 VENV = ROOT / ".venv"
 BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
 PYTHON = BIN / ("python.exe" if os.name == "nt" else "python")
@@ -115,7 +116,21 @@ def setup(tools: str = "dev", profile: str = "develop") -> None:
         done("metadata", metadata)
     elif changed("rust", rust) or not compiled:
         run(*develop, "--skip-install")
+    if changed("library", rust):
+        library(LIBRARY, profile)
+        done("library", rust)
     done("rust", rust)
+
+
+def library(folder: Path, profile: str, target: str = "", builder: tuple[str | Path, ...] = ("cargo", "build")) -> None:
+    """The render step for programs in C and for simulators, which `knobcam convert` hands out."""
+    only = ("--target", target) if target else ()
+    run(*builder, "--profile", profile, "--locked", "--package", "knobstep", *only)
+    built = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / target.partition(".")[0] / profile
+    folder.mkdir(exist_ok=True)
+    for name in ("libknobstep.a", "libknobstep.so", "libknobstep.dylib", "knobstep.dll", "knobstep.lib"):
+        if (built / name).is_file():
+            shutil.copy(built / name, folder / name)
 
 
 def demo(options: list[str]) -> None:

@@ -1,0 +1,122 @@
+"""Anti-cogging tables: the torque by position of one turn, as motor drives add it to what they command.
+
+moteus (mjbots, `motor.cogging_dq_comp`) has 1024 whole numbers from -127 to 127 around a turn of the rotor,
+which it joins by straight lines and multiplies by a scale to a current in A. A CSV map, as ODrive and others
+take it, has the torque at positions in turns.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...errors import InputError
+from ...model import Model
+from .conversion import Fate, Form
+from .target import BY_PLACE, OF_THE_SENSOR, Options, Target
+from .terms import EXACT, Term
+
+if TYPE_CHECKING:
+    from ...base.arrays import FloatArray
+
+_MOTEUS, _LARGEST = 1024, 127
+_CSV_ROWS = 3600  # a tenth of a degree each
+_TURN = 2.0 * math.pi
+_REPEATS = 1e3 * EXACT
+
+
+def judge(model: Model, terms: Mapping[str, Term], options: Options) -> tuple[Fate, ...]:
+    """Judge each effect: a table has what repeats with every turn, as finely as it can."""
+    if model.coordinate != "rotary":
+        raise InputError(f"model '{model.name}': is of a linear axis, and a table is of a turn; give a rotary one")
+    return tuple(_fate(term) for term in terms.values())
+
+
+def _fate(term: Term) -> Fate:
+    if term.place == "sensor":
+        return Fate(term.effect, "impossible", OF_THE_SENSOR)
+    if not term.by_position:
+        return Fate(term.effect, "impossible", f"follows more than the angle, and {BY_PLACE}")
+    theta = np.linspace(-_TURN, _TURN, 1001)
+    torque = term.curve(theta)
+    if np.abs(term.curve(theta + _TURN) - torque).max() > _REPEATS * np.abs(torque).max():
+        return Fate(term.effect, "impossible", "does not repeat after a turn, as a table does")
+    return Fate(term.effect, "approximate", "table")
+
+
+def write(model: Model, terms: Mapping[str, Term], options: Options) -> Form:
+    """Write the table, and say what its steps cost."""
+    csv = options.suffix.lower() == ".csv"
+    rows = _CSV_ROWS if csv else _MOTEUS
+    theta = np.arange(rows) * _TURN / rows
+    curves = {name: term.curve(theta) for name, term in terms.items()}
+    torque = np.sum(list(curves.values()), axis=0)
+    if csv:
+        step, text, remarks = 0.0, _csv(options, torque), ()
+    else:
+        step, text, remarks = _moteus(model, options, torque)
+    lost = {name: _bent(terms[name].curve, theta[1], options) for name in terms}
+    fates = tuple(
+        Fate(name, "approximate", f"{rows} entries, joined by straight lines", lost[name]) for name in terms
+    )
+    # Between two entries a straight line has 2/3 of the variance of either; those of rounding are step^2 / 12.
+    bent = _bent(lambda at: np.sum([term.curve(at) for term in terms.values()], axis=0), theta[1], options)
+    error = math.sqrt(step**2 / 18.0 + bent**2)
+    return Form(fates, {"cogging.csv" if csv else "cogging.cfg": text}, error, remarks)
+
+
+def _bent(curve, spacing: float, options: Options) -> float:  # type: ignore[no-untyped-def]
+    """Return what straight lines between entries miss of a curve along the motion, RMS, N m.
+
+    A line misses f'' s (h - s) / 2 at s between entries h apart, h^2 f'' / sqrt(120) RMS.
+    """
+    theta = options.motion.theta
+    second = (curve(theta + spacing) - 2.0 * curve(theta) + curve(theta - spacing)) / spacing**2
+    return float(spacing**2 * np.sqrt(np.mean(second**2) / 120.0))
+
+
+def _csv(options: Options, torque: FloatArray) -> str:
+    lines = [f"# {line}" for line in options.header]
+    lines.append("position_turns,torque_Nm")
+    lines += [f"{i / len(torque):.9g},{value:.9g}" for i, value in enumerate(torque)]
+    return "\n".join(lines) + "\n"
+
+
+def _moteus(model: Model, options: Options, torque: FloatArray) -> tuple[float, str, tuple[str, ...]]:
+    """Return the torque of a step, the commands that set the table, and what its user has to know."""
+    if options.kt is None or not options.kt > 0.0 or not math.isfinite(options.kt):
+        raise InputError(
+            f"kt={options.kt}: moteus has its table in A; give the motor's torque constant, N m/A, with --kt, "
+            "or write a map in N m to a file that ends in .csv"
+        )
+    peak = float(np.abs(torque).max())
+    if not peak > 0.0:
+        raise InputError(f"model '{model.name}': has no torque by position that a table could hold; fit one")
+    step = peak / _LARGEST
+    lines = [f"# {line}" for line in options.header]
+    lines.append(f"conf set motor.cogging_dq_scale {step / options.kt!r}")
+    lines += [f"conf set motor.cogging_dq_comp.{i} {n}" for i, n in enumerate(np.rint(torque / step).astype(int))]
+    percent = 100.0 * step / math.sqrt(12.0) / float(np.sqrt(np.mean(torque**2)))
+    loss = f"Rounded to 8 bits: steps of {step:.3g} N m, {percent:.2g} % of the table's torque RMS."
+    return step, "\n".join(lines) + "\n", (loss, "The model's angle 0 is the drive's rotor position 0.")
+
+
+def measure(form: Form, model: Model, options: Options) -> FloatArray:
+    """Return the torque that the written table has along the motion, N m."""
+    (written,) = form.files.values()
+    text = str(written)
+    if options.suffix.lower() == ".csv":
+        rows = [line.split(",") for line in text.splitlines() if line[:1].isdigit()]
+        table = np.array([float(torque) for _, torque in rows])
+    else:
+        scale = float(re.findall(r"cogging_dq_scale (\S+)", text)[0]) * (options.kt or 1.0)
+        table = scale * np.array([int(n) for n in re.findall(r"cogging_dq_comp\.\d+ (\S+)", text)])
+    place = np.mod(options.motion.theta / _TURN, 1.0) * len(table)
+    return np.interp(place, np.arange(len(table) + 1), np.append(table, table[0]))
+
+
+TARGET = Target("an anti-cogging table: commands for moteus, or a CSV map", judge, write, measure)
