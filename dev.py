@@ -122,7 +122,9 @@ def setup(tools: str = "dev", profile: str = "develop") -> None:
     done("rust", rust)
 
 
-def library(folder: Path, profile: str, target: str = "", builder: tuple[str | Path, ...] = ("cargo", "build")) -> None:
+def library(
+    folder: Path, profile: str, target: str = "", builder: tuple[str | Path, ...] = ("cargo", "build")
+) -> None:
     """The render step for programs in C and for simulators, which `knobcam convert` hands out."""
     only = ("--target", target) if target else ()
     run(*builder, "--profile", profile, "--locked", "--package", "knobstep", *only)

@@ -17,6 +17,7 @@ from ..learn.proposals import Proposals
 from ..model import Model
 from ..model.effects import Effect
 from ..render import Stability
+from ..render.convert import Conversion
 from ..render.loop_report import LoopReport
 from ..rig.calibration import Calibration
 from .linked import Look
@@ -63,6 +64,8 @@ def plot(result: object) -> Figure:
             return pictures.stability(result)
         case LoopReport():
             return pictures.timing(result)
+        case Conversion():
+            return pictures.converted(result)
         case Calibration():
             return pictures.calibration(result)
     raise TypeError(f"{type(result).__name__} has no picture")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from importlib import import_module
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -69,8 +68,7 @@ def convert(
     target: Target = import_module(f".{TARGETS[to]}", __name__).TARGET
     track = make_motion(motion, rate_hz=rate_hz) if isinstance(motion, str) else motion
     options = Options(rate_hz, kt, suffix, track)
-    fates = _judged(model, target, options, without, to)
-    kept = _without(model.frozen(), [fate.effect for fate in fates if fate.left_out], to)
+    fates, kept = _judged(model, target, options, without, to)
     form = target.write(kept, terms_of(kept), options._replace(header=_header(model, fates)))
     errors = {fate.effect: fate for fate in form.fates}
     form = form._replace(fates=tuple(errors.get(fate.effect, fate) for fate in fates))
@@ -80,33 +78,37 @@ def convert(
 
 def _judged(
     model: Model, target: Target, options: Options, without: Sequence[str], to: str
-) -> tuple[Fate, ...]:
-    """Return what becomes of each effect; what is impossible and not left out is refused."""
-    terms = terms_of(model)
-    fates = tuple(
-        Fate(fate.effect, "exact", "its values are those at which it does nothing")
-        if fate.kind == "impossible" and terms[fate.effect].neutral
-        else fate
-        for fate in target.judge(model, terms, options)
-    )
-    impossible = [fate for fate in fates if fate.kind == "impossible"]
-    refused = [fate for fate in impossible if fate.effect not in without and EVERY not in without]
+) -> tuple[tuple[Fate, ...], Model]:
+    """Return what becomes of each effect, and the model of those that come along.
+
+    It is frozen, so that no parameter is tied to one that does not. What is impossible and is not to be left
+    out is refused.
+    """
+    fates, terms, kept = [], terms_of(model), []
+    for fate in target.judge(model, terms, options):
+        impossible = fate.kind == "impossible"
+        if fate.effect in without or (impossible and EVERY in without):
+            fates.append(fate._replace(kind="impossible", left_out=True))
+        elif impossible and terms[fate.effect].neutral:
+            fates.append(Fate(fate.effect, "exact", "nothing: its values are those at which it does nothing"))
+        else:
+            fates.append(fate)
+            kept.append(fate.effect)
+    refused = [fate for fate in fates if fate.kind == "impossible" and not fate.left_out]
     if refused:
-        said = "; ".join(f"{fate.effect} {fate.how}" for fate in refused)
         raise InputError(
-            f"model '{model.name}': impossible in {to}: {said}; leave out what has no place there with "
-            f"--without {' '.join(fate.effect for fate in refused)}, or --without {EVERY}"
+            f"model '{model.name}': impossible in {to}: {_reasons(refused)}; leave them out by name with "
+            f"--without, or all of them with --without {EVERY}"
         )
-    dropped = {fate.effect for fate in impossible} | {name for name in without if name != EVERY}
-    return tuple(fate._replace(kind="impossible", left_out=True) if fate.effect in dropped else fate for fate in fates)
-
-
-def _without(model: Model, dropped: Sequence[str], to: str) -> Model:
-    """Return the model without these effects; it is frozen, so that no parameter is tied to one of them."""
-    kept = [name for name in model.effects if name not in dropped]
     if not kept:
-        raise InputError(f"model '{model.name}': nothing of it is left that {to} could have; see {to} in the docs")
-    return Model(model.core.only(kept))
+        raise InputError(f"model '{model.name}': {to} can have nothing of it: {_reasons(fates)}")
+    return tuple(fates), Model(model.frozen().core.only(kept))
+
+
+def _reasons(fates: Sequence[Fate]) -> str:
+    """Return the effects by why they are impossible."""
+    names = {fate.how: [one.effect for one in fates if one.how == fate.how] for fate in fates}
+    return "; ".join(f"{', '.join(found)} ({how})" for how, found in names.items())
 
 
 def _header(model: Model, fates: tuple[Fate, ...]) -> tuple[str, ...]:

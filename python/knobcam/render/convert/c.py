@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 _HEADER = """\
 /* {about}
 
-   The render step of knobcam: compile with a C or C++ compiler and link the library knobstep, static or shared:
+   The render step of knobcam: compile as C or C++ and link the library knobstep, static or shared:
 
        {link}
 
@@ -36,8 +36,8 @@ extern "C" {{
 
 typedef struct knobcam_knob knobcam_knob;
 
-/* NULL where the model cannot be rendered; `why` (of `room` bytes, or NULL) then says so. `held`: 0 on a handle
-   that a hand turns or that a simulation moves by the torque, 1 where the motion is imposed. */
+/* NULL where the model cannot be rendered; `why` (of `room` bytes, or NULL) then says so. `held`: 0 on a
+   handle that a hand turns or that a simulation moves by the torque, 1 where the motion is imposed. */
 knobcam_knob *knobcam_new(const char *model, double rate_hz, int held, char *why, size_t room);
 /* The torque that a hand has to apply, {torque}; the motor applies its negative. {motion}.
    Call it once a sample. */
@@ -73,7 +73,7 @@ def checked_text(model: Model, rate_hz: float) -> str:
 
 
 def literal(text: str) -> str:
-    """Return a text as a constant of C, a line of it on each; JSON escapes alike, but for what is not ASCII."""
+    """Return a text as a constant of C, line by line; JSON escapes alike, but for what is not ASCII."""
     plain = "".join(one if one.isascii() else "?" for one in text)
     return "\n".join(f"    {json.dumps(line)}" for line in plain.splitlines(keepends=True))
 

@@ -32,7 +32,9 @@ _REPEATS = 1e3 * EXACT
 def judge(model: Model, terms: Mapping[str, Term], options: Options) -> tuple[Fate, ...]:
     """Judge each effect: a table has what repeats with every turn, as finely as it can."""
     if model.coordinate != "rotary":
-        raise InputError(f"model '{model.name}': is of a linear axis, and a table is of a turn; give a rotary one")
+        raise InputError(
+            f"model '{model.name}': is of a linear axis, and a table of a turn; give a rotary one"
+        )
     return tuple(_fate(term) for term in terms.values())
 
 
@@ -52,45 +54,50 @@ def write(model: Model, terms: Mapping[str, Term], options: Options) -> Form:
     """Write the table, and say what its steps cost."""
     csv = options.suffix.lower() == ".csv"
     rows = _CSV_ROWS if csv else _MOTEUS
-    theta = np.arange(rows) * _TURN / rows
-    curves = {name: term.curve(theta) for name, term in terms.items()}
-    torque = np.sum(list(curves.values()), axis=0)
-    if csv:
-        step, text, remarks = 0.0, _csv(options, torque), ()
-    else:
-        step, text, remarks = _moteus(model, options, torque)
-    lost = {name: _bent(terms[name].curve, theta[1], options) for name in terms}
-    fates = tuple(
-        Fate(name, "approximate", f"{rows} entries, joined by straight lines", lost[name]) for name in terms
-    )
-    # Between two entries a straight line has 2/3 of the variance of either; those of rounding are step^2 / 12.
-    bent = _bent(lambda at: np.sum([term.curve(at) for term in terms.values()], axis=0), theta[1], options)
-    error = math.sqrt(step**2 / 18.0 + bent**2)
-    return Form(fates, {"cogging.csv" if csv else "cogging.cfg": text}, error, remarks)
+    theta = np.arange(rows) * (_TURN / rows)
+    torque = np.sum([term.curve(theta) for term in terms.values()], axis=0)
+    rounded, text, remarks = _csv(options, torque) if csv else _moteus(model, options, torque)
+    bent = {name: _bent(term, _TURN / rows, options) for name, term in terms.items()}
+    how = f"{rows} entries, joined by straight lines"
+    fates = tuple(Fate(name, "approximate", how, _rms(lost)) for name, lost in bent.items())
+    lost = _looked_up(rounded - torque, options) + np.sum(list(bent.values()), axis=0)
+    return Form(fates, {"cogging.csv" if csv else "cogging.cfg": text}, _rms(lost), remarks)
 
 
-def _bent(curve, spacing: float, options: Options) -> float:  # type: ignore[no-untyped-def]
-    """Return what straight lines between entries miss of a curve along the motion, RMS, N m.
+def _bent(term: Term, spacing: float, options: Options) -> FloatArray:
+    """Return what straight lines between entries `spacing` rad apart add to a torque along the motion, N m.
 
-    A line misses f'' s (h - s) / 2 at s between entries h apart, h^2 f'' / sqrt(120) RMS.
+    At s behind an entry that is f'' s (spacing - s) / 2.
     """
     theta = options.motion.theta
-    second = (curve(theta + spacing) - 2.0 * curve(theta) + curve(theta - spacing)) / spacing**2
-    return float(spacing**2 * np.sqrt(np.mean(second**2) / 120.0))
+    before, here, behind = (term.curve(theta + step) for step in (-spacing, 0.0, spacing))
+    since = np.mod(theta, spacing)
+    return 0.5 * (behind - 2.0 * here + before) / spacing**2 * since * (spacing - since)
 
 
-def _csv(options: Options, torque: FloatArray) -> str:
+def _looked_up(table: FloatArray, options: Options) -> FloatArray:
+    """Return what a drive makes of the entries of a turn along the motion."""
+    place = np.mod(options.motion.theta / _TURN, 1.0) * len(table)
+    return np.asarray(np.interp(place, np.arange(len(table) + 1), np.append(table, table[0])))
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _csv(options: Options, torque: FloatArray) -> tuple[FloatArray, str, tuple[str, ...]]:
+    """Return the torques that are written, the map, and what its user has to know."""
     lines = [f"# {line}" for line in options.header]
     lines.append("position_turns,torque_Nm")
     lines += [f"{i / len(torque):.9g},{value:.9g}" for i, value in enumerate(torque)]
-    return "\n".join(lines) + "\n"
+    return torque, "\n".join(lines) + "\n", ("The model's angle 0 is the map's position 0.",)
 
 
-def _moteus(model: Model, options: Options, torque: FloatArray) -> tuple[float, str, tuple[str, ...]]:
-    """Return the torque of a step, the commands that set the table, and what its user has to know."""
+def _moteus(model: Model, options: Options, torque: FloatArray) -> tuple[FloatArray, str, tuple[str, ...]]:
+    """Return the torques that are written, the commands that set them, and what its user has to know."""
     if options.kt is None or not options.kt > 0.0 or not math.isfinite(options.kt):
         raise InputError(
-            f"kt={options.kt}: moteus has its table in A; give the motor's torque constant, N m/A, with --kt, "
+            f"kt={options.kt}: moteus has its table in A; give the torque constant of the motor with --kt, "
             "or write a map in N m to a file that ends in .csv"
         )
     peak = float(np.abs(torque).max())
@@ -99,10 +106,17 @@ def _moteus(model: Model, options: Options, torque: FloatArray) -> tuple[float, 
     step = peak / _LARGEST
     lines = [f"# {line}" for line in options.header]
     lines.append(f"conf set motor.cogging_dq_scale {step / options.kt!r}")
-    lines += [f"conf set motor.cogging_dq_comp.{i} {n}" for i, n in enumerate(np.rint(torque / step).astype(int))]
-    percent = 100.0 * step / math.sqrt(12.0) / float(np.sqrt(np.mean(torque**2)))
-    loss = f"Rounded to 8 bits: steps of {step:.3g} N m, {percent:.2g} % of the table's torque RMS."
-    return step, "\n".join(lines) + "\n", (loss, "The model's angle 0 is the drive's rotor position 0.")
+    numbers = np.rint(torque / step).astype(int)
+    lines += [f"conf set motor.cogging_dq_comp.{i} {n}" for i, n in enumerate(numbers)]
+    percent = 100.0 * _rms(numbers * step - torque) / _rms(torque)
+    loss = (
+        f"Rounded to 8 bits, in steps of {step:.3g} N m: {percent:.2g} % of the table's torque RMS is lost."
+    )
+    return (
+        numbers * step,
+        "\n".join(lines) + "\n",
+        (loss, "The model's angle 0 is the drive's rotor position 0."),
+    )
 
 
 def measure(form: Form, model: Model, options: Options) -> FloatArray:
@@ -115,8 +129,7 @@ def measure(form: Form, model: Model, options: Options) -> FloatArray:
     else:
         scale = float(re.findall(r"cogging_dq_scale (\S+)", text)[0]) * (options.kt or 1.0)
         table = scale * np.array([int(n) for n in re.findall(r"cogging_dq_comp\.\d+ (\S+)", text)])
-    place = np.mod(options.motion.theta / _TURN, 1.0) * len(table)
-    return np.interp(place, np.arange(len(table) + 1), np.append(table, table[0]))
+    return _looked_up(table, options)
 
 
 TARGET = Target("an anti-cogging table: commands for moteus, or a CSV map", judge, write, measure)

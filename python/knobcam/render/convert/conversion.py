@@ -12,7 +12,7 @@ import numpy as np
 from ...base import showing
 from ...base.door import checked
 from ...base.tables import TextTable, text_table
-from ...base.writing import place, together, write
+from ...base.writing import together, write
 
 if TYPE_CHECKING:
     import os
@@ -119,13 +119,10 @@ class Conversion(showing.Tabled):
         """Write the files, all of them or none, and return their paths; the first is `path`."""
         path = Path(path)
         with together():
-            return tuple(write(path if i == 0 else path.with_name(name), content)
-                         for i, (name, content) in enumerate(self.form.files.items()))
-
-    def check(self, path: str | os.PathLike[str]) -> None:
-        """Raise InputError where the files could not be written."""
-        for i, name in enumerate(self.form.files):
-            place(path if i == 0 else Path(path).with_name(name))
+            return tuple(
+                write(path if i == 0 else path.with_name(name), content)
+                for i, (name, content) in enumerate(self.form.files.items())
+            )
 
     def plot(self) -> Figure:
         """The torque of the model and of the other form along the motion, and their difference."""

@@ -29,8 +29,8 @@ def shared() -> Path:
     path = _FOLDER / _SHARED.get(sys.platform, "libknobstep.so")
     if not path.is_file():
         raise InputError(
-            f"{path}: is missing, and with it what runs a model outside of Python; build it in a checkout with "
-            f"`{_BUILD}` and put it there"
+            f"{path}: is missing, and with it what runs a model outside of Python; build it in a checkout "
+            f"with `{_BUILD}` and put it there"
         )
     return path
 
@@ -43,9 +43,10 @@ def static() -> Path | None:
 
 def fmi_platform() -> str:
     """Return the folder of an FMU of FMI 2.0 that this platform's library belongs in."""
-    if platform.machine().lower() in ("x86_64", "amd64"):
+    machine = platform.machine().lower()
+    if machine in ("x86_64", "amd64"):
         return {"darwin": "darwin64", "win32": "win64"}.get(sys.platform, "linux64")
-    return f"{platform.machine().lower()}-{ {'darwin': 'darwin', 'win32': 'windows'}.get(sys.platform, 'linux') }"
+    return f"{machine}-{ {'win32': 'windows'}.get(sys.platform, sys.platform) }"
 
 
 @cache

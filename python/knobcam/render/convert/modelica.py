@@ -35,7 +35,7 @@ block Knob {about}
   Modelica.Blocks.Interfaces.RealInput theta "{motion}";
   Modelica.Blocks.Interfaces.RealInput omega;
   Modelica.Blocks.Interfaces.RealInput alpha;
-  Modelica.Blocks.Interfaces.RealOutput tau(start = 0.0, fixed = true) "torque that a hand has to apply, {torque}";
+  Modelica.Blocks.Interfaces.RealOutput tau(start = 0.0, fixed = true) "torque of a hand, {torque}";
 protected
   constant Real rate_hz = {rate!r};
   constant String model_text =

@@ -1,13 +1,13 @@
 """MuJoCo: a joint with what MJCF says exactly, and the rest by a callback of the render step.
 
 MJCF of MuJoCo 3.6 and later has, of a joint, `armature`, `damping` as a polynomial a v + b v |v| + c v^3 and
-`stiffness` as a x + b x^2 + c x^3 about `springref`, and passive `dcmotor` actuators whose `cogging` is a sine
-of the angle. Its `frictionloss` creeps below the friction that it stands for, so nothing is made of it.
+`stiffness` as a x + b x^2 + c x^3 about `springref`, and passive `dcmotor` actuators whose `cogging` is a
+sine of the angle. Its `frictionloss` creeps below the friction that it stands for, so nothing is made of it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 from xml.sax.saxutils import escape, quoteattr
 
@@ -54,7 +54,7 @@ def _native(terms: Mapping[str, Term]) -> _Native:
             continue
         if term.inertia is not None and not joined and not by_load:
             armature, how[name] = armature + term.inertia, "armature"
-        if joined or by_load and term.presses:
+        if joined or (by_load and term.presses):
             continue
         if (speed := term.damping()) is not None:
             damping, how[name] = damping + speed, "damping"
@@ -75,14 +75,16 @@ def _sprung(series: FloatArray) -> tuple[float, tuple[float, float, float]] | No
     if not series.any():
         return 0.0, (0.0, 0.0, 0.0)
     polynomial = np.polynomial.Polynomial(series)
-    roots = [root for root in polynomial.trim().roots() if abs(root.imag) <= EXACT * max(1.0, abs(root))]
-    if series[0] == 0.0:
-        roots = [0.0]
+    roots = [0.0] if series[0] == 0.0 else _real(polynomial.trim().roots())
     if not roots:
         return None
-    at = float(min(roots, key=abs).real)
+    at = min(roots, key=abs)
     a, b, c = (float(polynomial.deriv(n)(at)) / f for n, f in ((1, 1.0), (2, 2.0), (3, 6.0)))
     return at, (a, b, c)
+
+
+def _real(roots: Iterable[complex]) -> list[float]:
+    return [float(root.real) for root in map(complex, roots) if abs(root.imag) <= EXACT * max(1.0, abs(root))]
 
 
 def judge(model: Model, terms: Mapping[str, Term], options: Options) -> tuple[Fate, ...]:
@@ -233,7 +235,7 @@ def measure(form: Form, model: Model, options: Options) -> FloatArray:
 
 
 def callback(model: Any, joint: str = JOINT, *, imposed: bool = False) -> Callback:
-    """Return what `mujoco.set_mjcb_passive` takes, for a joint that `knobcam convert` wrote; see `Callback`."""
+    """Return what `mujoco.set_mjcb_passive` takes, for a joint that was converted; see `Callback`."""
     return Callback(model, joint, imposed=imposed)
 
 

@@ -24,7 +24,7 @@ BY_PLACE = "a torque by position alone is all that it has"
 
 
 class Options(NamedTuple):
-    """What a caller may choose: steps a second, the motor's torque constant, the file's suffix, the motion."""
+    """What a caller may choose: steps a second, torque constant of a motor, suffix of the file, motion."""
 
     rate_hz: float
     kt: float | None

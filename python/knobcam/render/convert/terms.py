@@ -140,10 +140,11 @@ class Term:
 
     @property
     def neutral(self) -> bool:
-        """Whether its values are those at which an effect does nothing."""
+        """Whether its values, but for those tied to others', are those at which an effect does nothing."""
         names = {row.name: row.neutral for row in self.model.catalogue()[self.effect].params}
-        values = [p for p in self.model.params.values() if p.name.partition(".")[0] == self.effect]
-        return all(p.value == names[p.name.partition(".")[2]] for p in values)
+        own = [p for p in self.model.params.values() if p.name.partition(".")[0] == self.effect]
+        values = [p for p in own if p.role in ("free", "fixed")]
+        return self.place != "coupling" and all(p.value == names[p.name.partition(".")[2]] for p in values)
 
     def series(self, *powers: int) -> tuple[float, ...] | None:
         """Return the coefficients of these powers in its torque by position; None where it is no such sum."""
@@ -173,7 +174,7 @@ class Term:
         for period in (self._own_period(), 2.0 * math.pi * (self.model.period or 0.0), 2.0 * math.pi):
             if not period > 0.0:
                 continue
-            spectrum = np.fft.rfft(self.curve(np.arange(_LINES) * period / _LINES)) / _LINES
+            spectrum = np.fft.rfft(self.curve(np.linspace(0.0, period, _LINES, endpoint=False))) / _LINES
             orders = np.flatnonzero(np.abs(spectrum) > EXACT * peak)
             waves = tuple(
                 Wave(2.0 * float(abs(spectrum[n])), 2.0 * math.pi * n / period, _sine_phase(spectrum[n]))

@@ -28,6 +28,7 @@ class _Part(NamedTuple):
     attribute: str
     value: float
     missed: FloatArray
+    exact: bool
 
 
 def _part(term: Term, options: Options) -> _Part | None:
@@ -35,15 +36,17 @@ def _part(term: Term, options: Options) -> _Part | None:
     if term.place != "load":
         return None
     if (inertia := term.inertia) is not None:
-        return _Part("izz", inertia, np.zeros_like(motion.t))
+        return _Part("izz", inertia, np.zeros_like(motion.t), exact=True)
     if (friction := term.friction) is not None:
         back, forth = friction
-        return _Part("friction", 0.5 * (back + forth), np.full_like(motion.t, 0.5 * (back - forth)))
+        missed = np.full_like(motion.t, 0.5 * (back - forth))
+        return _Part("friction", 0.5 * (back + forth), missed, back == forth)
     if term.by_speed:
         omega = motion.omega
         torque = term.at(motion.theta, omega).drive
         slope = float(torque @ omega / (omega @ omega))
-        return _Part("damping", slope, slope * omega - torque)
+        powers = term.damping()
+        return _Part("damping", slope, slope * omega - torque, powers is not None and not any(powers[1:]))
     return None
 
 
@@ -53,12 +56,11 @@ def _fate(term: Term, options: Options) -> Fate:
     part = _part(term, options)
     if part is None:
         return Fate(term.effect, "impossible", f"has no word there: {_HAS}")
-    missed = float(np.sqrt(np.mean(part.missed**2)))
     how = "inertia of the link" if part.attribute == "izz" else part.attribute
-    exact = missed <= 1e-9 * float(np.sqrt(np.mean((part.value * options.motion.omega) ** 2)) or 1.0)
-    if exact:
+    if part.exact:
         return Fate(term.effect, "exact", how)
-    return Fate(term.effect, "approximate", f"{how}, the mean of both ways", missed)
+    missed = float(np.sqrt(np.mean(part.missed**2)))
+    return Fate(term.effect, "approximate", f"{how}, what is nearest on the motion", missed)
 
 
 def judge(model: Model, terms: Mapping[str, Term], options: Options) -> tuple[Fate, ...]:
@@ -78,7 +80,9 @@ def write(model: Model, terms: Mapping[str, Term], options: Options) -> Form:
     turns = model.coordinate == "rotary"
     mass, inertia = (_LINK_KG, values["izz"]) if turns else (values["izz"], _LINK_KG_M2)
     angle = 1.0 if model.reach is None else model.reach[0]
-    limit = "" if turns else f'\n    <limit lower="{-angle!r}" upper="{angle!r}" effort="1000" velocity="10"/>'
+    limit = (
+        "" if turns else f'\n    <limit lower="{-angle!r}" upper="{angle!r}" effort="1000" velocity="10"/>'
+    )
     lines = [
         '<?xml version="1.0"?>',
         *(f"<!-- {line.replace('--', '- -')} -->" for line in options.header),
@@ -99,7 +103,9 @@ def write(model: Model, terms: Mapping[str, Term], options: Options) -> Form:
         "</robot>",
         "",
     ]
-    remarks = ("How a simulator holds a joint still by its friction is its own: URDF does not say.",)
+    remarks: tuple[str, ...] = (
+        "How a simulator holds a joint still by its friction is its own: URDF does not say.",
+    )
     if turns:
         remarks += (f"The mass of the link, {_LINK_KG:g} kg, is a placeholder.",)
     fates = tuple(_fate(term, options) for term in terms.values())
