@@ -88,8 +88,40 @@ def test_a_second_look_at_one_instant_is_no_step_and_going_back_is_a_reset(joint
 
 def test_a_callback_for_a_model_without_a_knob_is_refused_in_one_line() -> None:
     made = mujoco.MjModel.from_xml_string("<mujoco/>")
-    with pytest.raises(kc.InputError, match="has no joint 'knob'; take over what `knobcam convert` wrote"):
+    with pytest.raises(kc.InputError, match=r"no text knobcam.JOINT; take over what `knobcam convert` wrote"):
         callback(made)
+    (text,) = convert("knob1", "mujoco", motion=kc.motion("hand", 0.1)).form.files.values()
+    made = mujoco.MjModel.from_xml_string(str(text).replace('joint name="knob"', 'joint name="elbow"'))
+    with pytest.raises(kc.InputError, match="has no joint 'knob', of which a text tells"):
+        callback(made)
+
+
+def test_a_robot_has_many_knobs(joint: None) -> None:
+    robot = mujoco.MjSpec()
+    robot.option.timestep = 1.0 / RATE_HZ
+    robot.option.gravity = [0.0, 0.0, 0.0]
+    robot.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    robot.compiler.degree = False
+    alone = []
+    for name in ("knob1", "knob2"):
+        model = kc.Model.load(name)
+        made, data = simulated(model)
+        (text,) = convert(model, "mujoco", motion=kc.motion("hand", 0.1)).form.files.values()
+        robot.attach(
+            mujoco.MjSpec.from_string(str(text)), prefix=f"{name}_", frame=robot.worldbody.add_frame()
+        )
+        data.qfrc_applied[0] = 0.3
+        for _ in range(100):
+            mujoco.mj_step(made, data)
+        alone.append(float(data.qpos[0]))
+    mujoco.set_mjcb_passive(None)
+    both = robot.compile()
+    mujoco.set_mjcb_passive(callback(both))
+    data = mujoco.MjData(both)
+    data.qfrc_applied[:] = 0.3
+    for _ in range(100):
+        mujoco.mj_step(both, data)
+    assert np.allclose(data.qpos, alone, rtol=1e-9) and min(alone) > 0.0
 
 
 MAIN = """\
@@ -177,6 +209,21 @@ def test_a_unit_of_fmi_renders_to_the_last_bit(name: str, tmp_path: Path) -> Non
 def test_the_same_model_gives_the_same_unit() -> None:
     first, second = (convert("knob4", "fmu", motion=kc.motion("hand", 0.1)).form.files for _ in range(2))
     assert first == second
+
+
+@pytest.mark.parametrize("name", kc.KNOBS)
+def test_a_free_handle_that_the_library_renders_does_not_creep_at_half_its_friction(name: str) -> None:
+    model = kc.Model.load(name)
+    knob = library.Knob(model.text(), RATE_HZ)
+    theta, omega, hand, dt, inertia = 0.0, 0.0, 0.5 * friction(model), 1.0 / RATE_HZ, 5e-5
+    angles = []
+    for _ in range(20_000):
+        alpha = (hand - knob.step(theta, omega, 0.0)) / inertia
+        omega += alpha * dt
+        theta += omega * dt
+        angles.append(theta)
+    assert abs(angles[-1] - angles[10_000]) / (10_000 * dt) <= 1e-9
+    assert abs(omega) <= 1e-9 and abs(theta) < 0.05
 
 
 UTILITIES = "void ModelicaFormatError(const char *format, ...);\n"

@@ -63,15 +63,28 @@ def loaded() -> Any:
     return library
 
 
+class Knob:
+    """A knob of the library: the step that a program in C calls. `held` where the motion is imposed."""
+
+    def __init__(self, model: str, rate_hz: float, *, held: bool = False) -> None:
+        """Make it of a model's text. InputError says why the library does not take it."""
+        self._library = loaded()
+        why = ctypes.create_string_buffer(_ROOM)
+        self._knob = self._library.knobcam_new(model.encode(), rate_hz, int(held), why, _ROOM)
+        if not self._knob:
+            raise InputError(why.value.decode())
+
+    def __del__(self) -> None:
+        if getattr(self, "_knob", None):
+            self._library.knobcam_free(self._knob)
+
+    def step(self, theta: float, omega: float, alpha: float) -> float:
+        """Return the torque of the model, N m; rad, rad/s, rad/s^2."""
+        return float(self._library.knobcam_step(self._knob, theta, omega, alpha))
+
+
 def torque_along(model: str, options: Options) -> FloatArray:
     """Return the torque that the library renders of a model's text along an imposed motion, N m."""
-    library = loaded()
-    why = ctypes.create_string_buffer(_ROOM)
-    knob = library.knobcam_new(model.encode(), options.rate_hz, 1, why, _ROOM)
-    if not knob:
-        raise InputError(why.value.decode())
-    try:
-        _, *motion = options.motion
-        return np.array([library.knobcam_step(knob, *row) for row in zip(*motion, strict=True)])
-    finally:
-        library.knobcam_free(knob)
+    knob = Knob(model, options.rate_hz, held=True)
+    _, *motion = options.motion
+    return np.array([knob.step(*row) for row in zip(*motion, strict=True)])

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from .terms import Term
 
 JOINT = "knob"
-_REST = "knobcam"  # of the text in the file that has the model of the callback
+_REST = "knobcam."  # of a text: what the callback has of the joint's knob
 _LEAST = 1e-12  # kg m^2 and kg: MuJoCo wants some of a body that moves; its share is taken off the armature
 _CALLBACK = "callback"
 _POWERS = (0, 1, 2, 3)
@@ -124,7 +124,7 @@ def write(model: Model, terms: Mapping[str, Term], options: Options) -> Form:
         lines += [
             "  <custom>",
             f"    <!-- By the callback: {escape(', '.join(rest))}. -->",
-            f'    <text name="{_REST}" data={quoteattr(left.text(), {chr(10): "&#10;", chr(13): "&#13;"})}/>',
+            f'    <text name="{_REST}{JOINT}" data={quoteattr(left.text(), {chr(10): "&#10;"})}/>',
             "  </custom>",
         ]
     attributes = {"armature": repr(armature - _LEAST)}
@@ -166,33 +166,18 @@ def _felt(knob: Renderer) -> float:
     return torques[1] - torques[0]
 
 
-class Callback:
-    """What a model file for MuJoCo leaves to the render step, for `mujoco.set_mjcb_passive`.
+class _Joint:
+    """A joint of a MuJoCo model, and the render step of what its knob has beside it."""
 
-    One joint of one `MjModel`, whose time step is that of the knob. A call at the same time as the one before
-    does not count as a step, and going back in time is a reset. A knob that sticks is held against all that
-    else acts on the joint: what is applied, actuators, springs, gravity. `imposed` is for inverse dynamics,
-    where the motion is given, and nothing of what acts.
-    """
-
-    def __init__(self, model: Any, joint: str = JOINT, *, imposed: bool = False) -> None:
-        """Read the rest of the knob from `model`; InputError where it has none, or no such joint."""
-        mujoco = require("mujoco", "a callback for MuJoCo", "mujoco")
-        at = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, joint)
-        text = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TEXT, _REST)
-        if at < 0 or text < 0:
-            missing = f"joint '{joint}'" if at < 0 else f"text '{_REST}'"
-            raise InputError(f"the MuJoCo model has no {missing}; take over what `knobcam convert` wrote")
-        first, size = int(model.text_adr[text]), int(model.text_size[text])
-        rest = bytes(model.text_data[first : first + size]).split(b"\0")[0].decode()
-        self.position, self.speed = int(model.jnt_qposadr[at]), int(model.jnt_dofadr[at])
+    def __init__(self, model: Any, joint: int, rest: str, imposed: bool) -> None:
+        self.position, self.speed = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
         self.imposed = imposed
         device = IMPOSED if imposed else None
         self.renderer = Renderer(Model.parse(rest), 1.0 / model.opt.timestep, device=device)
         self._inertia = _felt(self.renderer)  # which the joint has as its armature
         self._before, self._last = self.renderer.state, -1.0
 
-    def __call__(self, model: Any, data: Any) -> None:
+    def push(self, data: Any) -> None:
         """Take the knob's torque off the joint."""
         if data.time < self._last:
             self.renderer.reset()
@@ -208,6 +193,45 @@ class Callback:
         data.qfrc_passive[dof] -= torque - self._inertia * alpha
 
 
+class Callback:
+    """What model files for MuJoCo leave to the render step, for `mujoco.set_mjcb_passive`.
+
+    A joint's text `knobcam.JOINT` has it; a model may have many, all of one step. A call at the same time as the
+    one before does not count as a step, and going back in time is a reset. A knob that sticks is held
+    against all that else acts on the joint: what is applied, actuators, springs, gravity. `imposed` is for
+    inverse dynamics, where the motion is given, and nothing of what acts.
+    """
+
+    def __init__(self, model: Any, *, imposed: bool = False) -> None:
+        """Read the rest of every knob from `model`; InputError where it has none, or a joint is missing."""
+        mujoco = require("mujoco", "a callback for MuJoCo", "mujoco")
+        self.joints = []
+        for at, name in _rests(mujoco, model):
+            joint = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name)
+            if joint < 0:
+                raise InputError(
+                    f"the MuJoCo model has no joint '{name}', of which a text tells; rename both alike"
+                )
+            first, size = int(model.text_adr[at]), int(model.text_size[at])
+            rest = bytes(model.text_data[first : first + size]).split(b"\0")[0].decode()
+            self.joints.append(_Joint(model, joint, rest, imposed))
+        if not self.joints:
+            raise InputError(
+                f"the MuJoCo model has no text {_REST}JOINT; take over what `knobcam convert` wrote"
+            )
+
+    def __call__(self, model: Any, data: Any) -> None:
+        """Take the torque of every knob off its joint."""
+        for joint in self.joints:
+            joint.push(data)
+
+
+def _rests(mujoco: Any, model: Any) -> list[tuple[int, str]]:
+    """Return the texts that have the rest of a knob, and their joints; both have what attaching prefixes."""
+    names = [mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_TEXT, at) or "" for at in range(model.ntext)]
+    return [(at, name.replace(_REST, "", 1)) for at, name in enumerate(names) if _REST in name]
+
+
 def measure(form: Form, model: Model, options: Options) -> FloatArray:
     """Return the torque that MuJoCo says the written joint needs along the motion, N m."""
     try:
@@ -220,7 +244,7 @@ def measure(form: Form, model: Model, options: Options) -> FloatArray:
     try:
         joint = mujoco.MjModel.from_xml_string(text)
         data = mujoco.MjData(joint)
-        if mujoco.mj_name2id(joint, mujoco.mjtObj.mjOBJ_TEXT, _REST) >= 0:
+        if joint.ntext:
             mujoco.set_mjcb_passive(callback(joint, imposed=True))
         found = []
         for row in zip(*options.motion, strict=True):
@@ -234,9 +258,9 @@ def measure(form: Form, model: Model, options: Options) -> FloatArray:
         mujoco.set_mjcb_passive(before)
 
 
-def callback(model: Any, joint: str = JOINT, *, imposed: bool = False) -> Callback:
-    """Return what `mujoco.set_mjcb_passive` takes, for a joint that was converted; see `Callback`."""
-    return Callback(model, joint, imposed=imposed)
+def callback(model: Any, *, imposed: bool = False) -> Callback:
+    """Return what `mujoco.set_mjcb_passive` takes, for joints that were converted; see `Callback`."""
+    return Callback(model, imposed=imposed)
 
 
 TARGET = Target("MJCF: a joint for MuJoCo, and a callback for what MJCF cannot say", judge, write, measure)

@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
     from ...base.arrays import FloatArray
     from ...model import Model
 
@@ -50,11 +52,11 @@ class Term:
     model: Model
     effect: str
 
-    def at(self, theta: FloatArray, omega: FloatArray, t: FloatArray | None = None) -> Loads:
-        """Return what it asks at these places and speeds, and at these times, 0 by default."""
-        zero = np.zeros(len(theta))
-        given = (zero if t is None else t, theta, omega, zero)
-        columns, _ = self.model.core.loads(self.effect, [np.ascontiguousarray(column) for column in given])
+    def at(self, theta: ArrayLike, omega: ArrayLike, t: ArrayLike = 0.0) -> Loads:
+        """Return what it asks at these places and speeds, and at these times; arrays of one shape, (n,)."""
+        zero = np.zeros(np.shape(theta))
+        given = [np.ascontiguousarray(column + zero) for column in map(np.asarray, (t, theta, omega, zero))]
+        columns, _ = self.model.core.loads(self.effect, given)
         return Loads(*columns)
 
     @cached_property
@@ -141,10 +143,12 @@ class Term:
     @property
     def neutral(self) -> bool:
         """Whether its values, but for those tied to others', are those at which an effect does nothing."""
-        names = {row.name: row.neutral for row in self.model.catalogue()[self.effect].params}
+        row = self.model.catalogue()[self.effect]
         own = [p for p in self.model.params.values() if p.name.partition(".")[0] == self.effect]
         values = [p for p in own if p.role in ("free", "fixed")]
-        return self.place != "coupling" and all(p.value == names[p.name.partition(".")[2]] for p in values)
+        return self.place != "coupling" and all(
+            p.value == row.parameter(p.name.partition(".")[2]).neutral for p in values
+        )
 
     def series(self, *powers: int) -> tuple[float, ...] | None:
         """Return the coefficients of these powers in its torque by position; None where it is no such sum."""
@@ -161,9 +165,9 @@ class Term:
         basis = np.stack([omega, omega * np.abs(omega), omega**3], axis=1)
         return _fitted(basis, loads.drive)
 
-    def curve(self, theta: FloatArray) -> FloatArray:
+    def curve(self, theta: ArrayLike) -> FloatArray:
         """Return its torque at these places, N m; of one by position."""
-        return self.at(theta, np.zeros_like(theta)).drive
+        return self.at(theta, np.zeros(np.shape(theta))).drive
 
     def waves(self) -> tuple[Wave, ...] | None:
         """Return its torque by position as sines of one period: its own, a turn's, the detents'; or None."""
