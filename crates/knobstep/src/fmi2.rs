@@ -68,12 +68,8 @@ impl Slave {
         knob.fault().is_none()
     }
 
-    fn real(&mut self, reference: u32) -> Option<&mut f64> {
-        match reference as usize {
-            at if at < INPUTS => self.inputs.get_mut(at),
-            INPUTS => Some(&mut self.tau),
-            _ => None,
-        }
+    fn real(&self, reference: usize) -> Option<&f64> {
+        if reference == INPUTS { Some(&self.tau) } else { self.inputs.get(reference) }
     }
 }
 
@@ -183,6 +179,26 @@ pub unsafe extern "C" fn fmi2DoStep(slave: *mut Slave, _now: f64, duration: f64,
     if slave.advance(duration) { OK } else { ERROR }
 }
 
+/// Does something with every variable of a call, given by its reference and its place; an error where there is none.
+///
+/// # Safety
+/// `slave` is null or of `fmi2Instantiate`; `references` has `count` elements.
+unsafe fn each(
+    slave: *mut Slave,
+    references: *const u32,
+    count: usize,
+    mut variable: impl FnMut(&mut Slave, usize, usize) -> Option<()>,
+) -> c_int {
+    // SAFETY: as the caller vouches.
+    let Some(slave) = (unsafe { slave.as_mut() }) else { return ERROR };
+    let known = (0..count).all(|at| {
+        // SAFETY: as the caller vouches.
+        let reference = unsafe { *references.add(at) };
+        variable(slave, reference as usize, at).is_some()
+    });
+    if known { OK } else { ERROR }
+}
+
 /// Reads real variables.
 ///
 /// # Safety
@@ -195,13 +211,12 @@ pub unsafe extern "C" fn fmi2GetReal(
     values: *mut f64,
 ) -> c_int {
     // SAFETY: as the caller vouches.
-    let Some(slave) = (unsafe { slave.as_mut() }) else { return ERROR };
-    for at in 0..count {
-        // SAFETY: as the caller vouches.
-        let Some(value) = slave.real(unsafe { *references.add(at) }) else { return ERROR };
-        unsafe { *values.add(at) = *value };
+    unsafe {
+        each(slave, references, count, |slave, reference, at| {
+            *values.add(at) = *slave.real(reference)?;
+            Some(())
+        })
     }
-    OK
 }
 
 /// Sets real inputs.
@@ -216,16 +231,12 @@ pub unsafe extern "C" fn fmi2SetReal(
     values: *const f64,
 ) -> c_int {
     // SAFETY: as the caller vouches.
-    let Some(slave) = (unsafe { slave.as_mut() }) else { return ERROR };
-    for at in 0..count {
-        // SAFETY: as the caller vouches.
-        let reference = unsafe { *references.add(at) };
-        let Some(value) = slave.real(reference).filter(|_| (reference as usize) < INPUTS) else {
-            return ERROR;
-        };
-        *value = unsafe { *values.add(at) };
+    unsafe {
+        each(slave, references, count, |slave, reference, at| {
+            *slave.inputs.get_mut(reference)? = *values.add(at);
+            Some(())
+        })
     }
-    OK
 }
 
 /// Sets choices: whether the torque of the hand is measured, and whether the motion is imposed.
@@ -240,14 +251,12 @@ pub unsafe extern "C" fn fmi2SetBoolean(
     values: *const c_int,
 ) -> c_int {
     // SAFETY: as the caller vouches.
-    let Some(slave) = (unsafe { slave.as_mut() }) else { return ERROR };
-    for at in 0..count {
-        // SAFETY: as the caller vouches.
-        let reference = unsafe { *references.add(at) } as usize;
-        let Some(choice) = slave.choices.get_mut(reference) else { return ERROR };
-        *choice = unsafe { *values.add(at) } != 0;
+    unsafe {
+        each(slave, references, count, |slave, reference, at| {
+            *slave.choices.get_mut(reference)? = *values.add(at) != 0;
+            Some(())
+        })
     }
-    OK
 }
 
 /// Reads choices.
@@ -262,14 +271,12 @@ pub unsafe extern "C" fn fmi2GetBoolean(
     values: *mut c_int,
 ) -> c_int {
     // SAFETY: as the caller vouches.
-    let Some(slave) = (unsafe { slave.as_ref() }) else { return ERROR };
-    for at in 0..count {
-        // SAFETY: as the caller vouches.
-        let reference = unsafe { *references.add(at) } as usize;
-        let Some(choice) = slave.choices.get(reference) else { return ERROR };
-        unsafe { *values.add(at) = c_int::from(*choice) };
+    unsafe {
+        each(slave, references, count, |slave, reference, at| {
+            *values.add(at) = c_int::from(*slave.choices.get(reference)?);
+            Some(())
+        })
     }
-    OK
 }
 
 /// Functions that have nothing to do here, and those that are not offered.

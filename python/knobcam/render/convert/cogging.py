@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     from ...base.arrays import FloatArray
 
 _MOTEUS, _LARGEST = 1024, 127
+_INTO_MOTEUS = (
+    "Into the drive, whose rotor position 0 is the model's angle 0: moteus_tool --restore-config FILE"
+)
 _CSV_ROWS = 3600  # a tenth of a degree each
 _TURN = 2.0 * math.pi
 _REPEATS = 1e3 * EXACT
@@ -94,7 +97,7 @@ def _csv(options: Options, torque: FloatArray) -> tuple[FloatArray, str, tuple[s
 
 
 def _moteus(model: Model, options: Options, torque: FloatArray) -> tuple[FloatArray, str, tuple[str, ...]]:
-    """Return the torques that are written, the commands that set them, and what its user has to know."""
+    """Return the torques that are written, the settings of a drive, and what its user has to know."""
     if options.kt is None or not options.kt > 0.0 or not math.isfinite(options.kt):
         raise InputError(
             f"kt={options.kt}: moteus has its table in A; give the torque constant of the motor with --kt, "
@@ -105,9 +108,9 @@ def _moteus(model: Model, options: Options, torque: FloatArray) -> tuple[FloatAr
         raise InputError(f"model '{model.name}': has no torque by position that a table could hold; fit one")
     step = peak / _LARGEST
     lines = [f"# {line}" for line in options.header]
-    lines.append(f"conf set motor.cogging_dq_scale {step / options.kt!r}")
+    lines.append(f"motor.cogging_dq_scale {step / options.kt!r}")
     numbers = np.rint(torque / step).astype(int)
-    lines += [f"conf set motor.cogging_dq_comp.{i} {n}" for i, n in enumerate(numbers)]
+    lines += [f"motor.cogging_dq_comp.{i} {n}" for i, n in enumerate(numbers)]
     percent = 100.0 * _rms(numbers * step - torque) / _rms(torque)
     loss = (
         f"Rounded to 8 bits, in steps of {step:.3g} N m: {percent:.2g} % of the table's torque RMS is lost."
@@ -115,7 +118,7 @@ def _moteus(model: Model, options: Options, torque: FloatArray) -> tuple[FloatAr
     return (
         numbers * step,
         "\n".join(lines) + "\n",
-        (loss, "The model's angle 0 is the drive's rotor position 0."),
+        (loss, _INTO_MOTEUS),
     )
 
 
@@ -132,4 +135,4 @@ def measure(form: Form, model: Model, options: Options) -> FloatArray:
     return _looked_up(table, options)
 
 
-TARGET = Target("an anti-cogging table: commands for moteus, or a CSV map", judge, write, measure)
+TARGET = Target("an anti-cogging table: settings of a moteus drive, or a CSV map", judge, write, measure)

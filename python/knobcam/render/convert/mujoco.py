@@ -196,8 +196,8 @@ class _Joint:
 class Callback:
     """What model files for MuJoCo leave to the render step, for `mujoco.set_mjcb_passive`.
 
-    A joint's text `knobcam.JOINT` has it; a model may have many, all of one step. A call at the same time as the
-    one before does not count as a step, and going back in time is a reset. A knob that sticks is held
+    A joint's text `knobcam.JOINT` has it; a model may have many, all of one step. A call at the same time as
+    the one before does not count as a step, and going back in time is a reset. A knob that sticks is held
     against all that else acts on the joint: what is applied, actuators, springs, gravity. `imposed` is for
     inverse dynamics, where the motion is given, and nothing of what acts.
     """
