@@ -207,6 +207,12 @@ def test_a_wrong_call_says_one_line_and_writes_nothing(tmp_path: Path) -> None:
     expected = ("is in A", "--kt KT")
     (tmp_path / "motor.toml").write_text(in_amperes())
     call(tmp_path / "motor.toml", "--to", "c", "-o", out)
+    expected = ("viscous.pos", "feeds the hand", "correct it")
+    feeding = tmp_path / "feeding.toml"
+    knob(viscous__pos=-0.05).save(feeding)
+    call(feeding, "--to", "c", "-o", out)
+    call(feeding, "--to", "mujoco", "-o", out)
+    feeding.unlink()
     expected = ("--motion: belongs to another form",)
     call("knob4", "--motion", "hand", "-o", out)
     expected = ("is needed",)

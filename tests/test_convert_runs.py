@@ -72,6 +72,16 @@ def test_a_knob_that_is_pushed_beyond_its_friction_goes(name: str, joint: None) 
     assert data.qvel[0] > 0.1
 
 
+@pytest.mark.parametrize("inertia", [1e-3, 1e-5, 1e-7])
+def test_however_light_a_knob_comes_to_rest_and_stays(inertia: float, joint: None) -> None:
+    rubs = {"coulomb__neg": 0.01, "coulomb__pos": 0.01}
+    made, data = simulated(kc.Model.of(["inertia", "coulomb"], inertia__M=inertia, **rubs))
+    data.qvel[0], data.qfrc_applied[0] = 1.0, 0.005
+    for _ in range(5000):
+        mujoco.mj_step(made, data)
+    assert abs(data.qvel[0]) <= 1e-9
+
+
 def test_a_second_look_at_one_instant_is_no_step_and_going_back_is_a_reset(joint: None) -> None:
     made, data = simulated(kc.hiding("knob1", "presliding"))
     answers = []

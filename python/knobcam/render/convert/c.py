@@ -8,10 +8,9 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from ...model import Model
-from ..renderer import Renderer
 from . import library
 from .conversion import Form
-from .target import Options, Target, judged_by_the_step
+from .target import Options, Target, judged_by_the_step, rendered
 
 if TYPE_CHECKING:
     from ...base.arrays import FloatArray
@@ -68,7 +67,7 @@ static inline knobcam_knob *knob_new(int held, char *why, size_t room) {{
 
 def checked_text(model: Model, rate_hz: float) -> str:
     """Return the text of a model that the render step takes. InputError says why it does not."""
-    Renderer(model, rate_hz)
+    rendered(model, rate_hz)
     return model.text()
 
 

@@ -16,9 +16,9 @@ import numpy as np
 from ...base.optional import require
 from ...errors import InputError
 from ...model import Model
-from ..renderer import Renderer
+from ..renderer import Device, Renderer
 from .conversion import Fate, Form
-from .target import IMPOSED, OF_THE_SENSOR, Options, Target, Unmeasured
+from .target import IMPOSED, OF_THE_SENSOR, Options, Target, Unmeasured, rendered
 from .terms import EXACT, Wave
 
 if TYPE_CHECKING:
@@ -106,7 +106,7 @@ def write(model: Model, terms: Mapping[str, Term], options: Options) -> Form:
     armature = native.armature
     if rest:
         left = Model(model.core.only(list(rest)))
-        knob = Renderer(left, options.rate_hz)
+        knob = rendered(left, options.rate_hz)
         if any(terms[name].place == "coupling" for name in rest) or not armature:
             armature = _felt(knob)
     if armature <= _LEAST:
@@ -172,7 +172,8 @@ class _Joint:
     def __init__(self, model: Any, joint: int, rest: str, imposed: bool) -> None:
         self.position, self.speed = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
         self.imposed = imposed
-        device = IMPOSED if imposed else None
+        # A knob that sticks is held as stiffly as a sampled spring on the inertia of the joint may be.
+        device = IMPOSED if imposed else Device(float(model.dof_M0[self.speed]), 0.0, 0, encoder_step_rad=0.0)
         self.renderer = Renderer(Model.parse(rest), 1.0 / model.opt.timestep, device=device)
         self._inertia = _felt(self.renderer)  # which the joint has as its armature
         self._before, self._last = self.renderer.state, -1.0

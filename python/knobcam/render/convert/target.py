@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
-from ..renderer import Device
+from ...errors import InputError
+from ..renderer import Device, Renderer
 from .conversion import Fate, Form
 
 if TYPE_CHECKING:
@@ -45,6 +46,15 @@ class Target(NamedTuple):
     judge: Callable[[Model, Mapping[str, Term], Options], tuple[Fate, ...]]
     write: Callable[[Model, Mapping[str, Term], Options], Form]
     measure: Callable[[Form, Model, Options], FloatArray]
+
+
+def rendered(model: Model, rate_hz: float) -> Renderer:
+    """Return the step of a model. InputError for one that would feed a hand, which nothing forces here."""
+    try:
+        return Renderer(model, rate_hz)
+    except InputError as error:
+        why = str(error).replace("; correct it, or force it", "; correct it")
+        raise InputError(f"model '{model.name}': {why}") from None
 
 
 def judged_by_the_step(model: Model, terms: Mapping[str, Term], options: Options) -> tuple[Fate, ...]:
