@@ -6,6 +6,7 @@ import json
 import re
 import subprocess
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import fmpy
@@ -24,6 +25,7 @@ WRAPPED = [f"-Wl,--wrap={name}" for name in ("malloc", "calloc", "realloc")]
 LINK = ("-lm", "-lpthread", "-ldl")
 
 
+@cache
 def named(name: str) -> kc.Model:
     return kc.Model.load(name) if name in kc.KNOBS else kc.hiding("knob5", name)
 
