@@ -13,6 +13,7 @@ import pytest
 from command import knobcam, refused
 
 import knobcam as kc
+from knobcam.cli import converting
 from knobcam.render.convert import TARGETS, Conversion, convert
 from knobcam.render.convert.terms import terms_of
 
@@ -98,7 +99,7 @@ def test_what_a_table_rounds_away_is_foretold(suffix: str, per_turn: int) -> Non
 def test_a_table_of_moteus_is_1024_whole_numbers_of_8_bits_that_times_its_scale_are_the_current() -> None:
     model = knob("unbalance", unbalance__a=0.02, unbalance__phi=0.3, detent__P=1.0 / 12, detent__A=0.0)
     made = convert(model, "cogging-table", without=["impossible"], kt=0.05)
-    (text,) = made.form.files.values()
+    text = made.form.content
     lines = [line.split() for line in str(text).splitlines() if not line.startswith("#")]
     values = {name: float(value) for name, value in lines}
     scale = values.pop("motor.cogging_dq_scale")
@@ -138,7 +139,7 @@ def test_what_mjcf_has_words_for_needs_no_callback() -> None:
     made = convert(native(), "mujoco", motion=MOTIONS["sweep"])
     assert right(made)
     assert {fate.how for fate in made.fates} == {"armature", "damping", "stiffness", "dcmotor cogging"}
-    assert "<text" not in str(made.form.files["knob.xml"]) and made.form.remarks == ()
+    assert "<text" not in str(made.form.content) and made.form.remarks == ()
 
 
 @pytest.mark.parametrize("target", [name for name in TARGETS if name != "cogging-table"])
@@ -150,7 +151,7 @@ def test_a_form_says_what_becomes_of_every_effect_and_its_file_what_is_missing(t
     assert {"offset", "torque_lag"} <= set(gone)
     assert set(made.kept.effects) == set(model.effects) - set(gone)
     assert all(name in repr(made) for name in model.effects)
-    (file,) = made.form.files.values()
+    file = made.form.content
     if isinstance(file, bytes):
         file = zipfile.ZipFile(io.BytesIO(file)).read("modelDescription.xml").decode()
     assert all(f"Left out: {name}" in file for name in gone)
@@ -169,7 +170,7 @@ def test_an_effect_that_does_nothing_is_impossible_nowhere_and_left_out_nowhere(
 
 def test_a_model_is_converted_by_its_own_method(tmp_path: Path) -> None:
     made = kc.Model.load("knob1").to("urdf", without=["karnopp"])
-    assert made.save(tmp_path / "knob.urdf") == (tmp_path / "knob.urdf",)
+    assert made.save(tmp_path / "knob.urdf") == tmp_path / "knob.urdf"
     assert made.measured_error == pytest.approx(made.predicted_error, rel=0.1)
     assert made.plot().axes
 
@@ -239,6 +240,14 @@ def test_a_model_in_amperes_leaves_by_its_torque_constant(tmp_path: Path) -> Non
         "convert", tmp_path / "motor.toml", "--to", "c", "--kt", "0.1", "-o", tmp_path / "k.h", "--json"
     )
     assert ended.document["unit"] == "N m"
+
+
+def test_a_form_takes_the_motion_at_its_own_rate_and_the_command_knows_every_form() -> None:
+    assert tuple(TARGETS) == converting.FORMS
+    with pytest.raises(kc.InputError, match="motion: has 5000 samples a second; give one of rate_hz=1000"):
+        convert("knob1", "c", motion=MOTIONS["hand"], rate_hz=1000.0)
+    made = convert("knob1", "c", motion="hand", rate_hz=1000.0, without=["viscous"])
+    assert right(made) and "Left out: viscous (by request)." in str(made.form.content)
 
 
 def test_a_function_in_python_is_impossible_outside_of_it_and_rendered_in_mujoco() -> None:

@@ -39,7 +39,7 @@ def joint() -> Iterator[None]:
 
 def simulated(model: kc.Model) -> tuple[mujoco.MjModel, mujoco.MjData]:
     mujoco.set_mjcb_passive(None)
-    (text,) = convert(model, "mujoco", motion=kc.motion("hand", 0.1)).form.files.values()
+    text = convert(model, "mujoco", motion=kc.motion("hand", 0.1)).form.content
     made = mujoco.MjModel.from_xml_string(text)
     mujoco.set_mjcb_passive(callback(made))
     return made, mujoco.MjData(made)
@@ -102,7 +102,7 @@ def test_a_callback_for_a_model_without_a_knob_is_refused_in_one_line() -> None:
     made = mujoco.MjModel.from_xml_string("<mujoco/>")
     with pytest.raises(kc.InputError, match=r"no text knobcam.JOINT; take over what `knobcam convert` wrote"):
         callback(made)
-    (text,) = convert("knob1", "mujoco", motion=kc.motion("hand", 0.1)).form.files.values()
+    text = convert("knob1", "mujoco", motion=kc.motion("hand", 0.1)).form.content
     made = mujoco.MjModel.from_xml_string(str(text).replace('joint name="knob"', 'joint name="elbow"'))
     with pytest.raises(kc.InputError, match="has no joint 'knob', of which a text tells"):
         callback(made)
@@ -118,7 +118,7 @@ def test_a_robot_has_many_knobs(joint: None) -> None:
     for name in ("knob1", "knob2"):
         model = kc.Model.load(name)
         made, data = simulated(model)
-        (text,) = convert(model, "mujoco", motion=kc.motion("hand", 0.1)).form.files.values()
+        text = convert(model, "mujoco", motion=kc.motion("hand", 0.1)).form.content
         robot.attach(
             mujoco.MjSpec.from_string(str(text)), prefix=f"{name}_", frame=robot.worldbody.add_frame()
         )
@@ -189,7 +189,7 @@ def test_a_program_in_c_renders_to_the_last_bit_and_takes_no_memory(name: str, t
 @pytest.mark.parametrize("name", KNOBS)
 def test_a_unit_of_fmi_renders_to_the_last_bit(name: str, tmp_path: Path) -> None:
     model = named(name)
-    (file,) = convert(model, "fmu", motion=kc.motion("hand", 0.1)).save(tmp_path / "knob.fmu")
+    file = convert(model, "fmu", motion=kc.motion("hand", 0.1)).save(tmp_path / "knob.fmu")
     assert fmpy.supported_platforms(str(file)) == [library.fmi_platform()]
     described = fmpy.read_model_description(str(file), validate=True)
     numbers = {one.name: one.valueReference for one in described.modelVariables}
@@ -219,7 +219,7 @@ def test_a_unit_of_fmi_renders_to_the_last_bit(name: str, tmp_path: Path) -> Non
 
 
 def test_the_same_model_gives_the_same_unit() -> None:
-    first, second = (convert("knob4", "fmu", motion=kc.motion("hand", 0.1)).form.files for _ in range(2))
+    first, second = (convert("knob4", "fmu", motion=kc.motion("hand", 0.1)).form.content for _ in range(2))
     assert first == second
 
 
@@ -244,7 +244,7 @@ UTILITIES = "void ModelicaFormatError(const char *format, ...);\n"
 def test_a_block_of_modelica_holds_the_model_and_its_c_compiles(tmp_path: Path) -> None:
     """No Modelica compiler is at hand: its texts and its C are looked at, not the block as a whole."""
     model = kc.Model.load("knob4")
-    (text,) = convert(model, "modelica", motion=kc.motion("hand", 0.1)).form.files.values()
+    text = convert(model, "modelica", motion=kc.motion("hand", 0.1)).form.content
 
     def constant(after: str) -> str:
         lines = re.match(r"(?:\s*\".*\"(?: \+)?\n?)+", str(text).partition(after)[2])

@@ -26,8 +26,8 @@ class Left(Protocol):
     def measured_error(self) -> float | None:
         """RMS torque by which the written form misses the model, N m; None where it was not measured."""
 
-    def save(self, path: str | os.PathLike[str]) -> tuple[Path, ...]:
-        """Write its files and return their paths."""
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write its file and return the path."""
 
     def plot(self) -> Figure:
         """The torque of the model and of the other form, and their difference."""

@@ -84,8 +84,7 @@ def _to(args: Namespace, model: Model) -> Answer:
         kt=args.kt,
         suffix=args.output.suffix,
     )
-    paths = conversion.save(args.output)
-    files: dict[str, object] = {"model": str(paths[0])}
+    files: dict[str, object] = {"model": str(conversion.save(args.output))}
     if args.plots is not None:
         files["pictures"] = put(args, {"converted": conversion.plot})
     document = {"schema": "knobcam.convert/1", "model": args.model, **conversion.document(), "files": files}

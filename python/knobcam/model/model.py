@@ -249,7 +249,7 @@ class Model(showing.Tabled):
     def to(self, target: str, **options: Any) -> Left:
         """Return the model in another form: mujoco, c, fmu, cogging-table, urdf or modelica.
 
-        What becomes of each effect there, the torque error, and the files, which `save(path)` writes. Options
+        What becomes of each effect there, the torque error, and the file, which `save(path)` writes. Options
         are `without` (effects to be left out, or "impossible"), `motion`, `rate_hz`, `kt` and `suffix`, as in
         `knobcam.render.convert.convert`. Raises InputError for an effect that is impossible there.
         """

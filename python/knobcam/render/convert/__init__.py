@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...base.door import checked
-from ...capture.motions import MotionTrack
+from ...capture.motions import MotionTrack, checked_track
 from ...capture.motions import motion as make_motion
 from ...errors import InputError
 from ...model import Model
@@ -36,6 +36,7 @@ TARGETS = {
 """The forms, each in a module of its own."""
 EVERY = "impossible"
 """What stands for every impossible effect among those to be left out."""
+_SAME_RATE = 1e-6  # share by which the rate of a track may differ: what rounding leaves of its times
 
 
 @checked
@@ -51,7 +52,7 @@ def convert(
 ) -> Conversion:
     """Return `model` (or its file or name) in another form: mujoco, c, fmu, cogging-table, urdf, modelica.
 
-    `without` names effects to be left out, `"impossible"` all that have no place there; the files then say
+    `without` names effects to be left out, `"impossible"` all that have no place there; the file then says
     so. `motion` is what the torque error is foretold and measured on, a name or a track; `rate_hz` the steps
     a second of a form that steps; `kt` the torque constant of a motor whose table is in A, N m/A; `suffix`
     that of the file, where one target writes several kinds.
@@ -66,7 +67,9 @@ def convert(
         if name not in (EVERY, *model.effects):
             raise InputError(f"without {name}: is no effect of the model; it has {', '.join(model.effects)}")
     target: Target = import_module(f".{TARGETS[to]}", __name__).TARGET
-    track = make_motion(motion, rate_hz=rate_hz) if isinstance(motion, str) else motion
+    track = make_motion(motion, rate_hz=rate_hz) if isinstance(motion, str) else checked_track(motion)
+    if abs(track.rate_hz - rate_hz) > _SAME_RATE * rate_hz:
+        raise InputError(f"motion: has {track.rate_hz:g} samples a second; give one of rate_hz={rate_hz:g}")
     options = Options(rate_hz, kt, suffix, track)
     fates, kept = _judged(model, target, options, without, to)
     form = target.write(kept, terms_of(kept), options._replace(header=_header(model, fates)))
@@ -88,7 +91,8 @@ def _judged(
     for fate in target.judge(model, terms, options):
         impossible = fate.kind == "impossible"
         if fate.effect in without or (impossible and EVERY in without):
-            fates.append(fate._replace(kind="impossible", left_out=True))
+            how = fate.how if impossible else "by request"
+            fates.append(Fate(fate.effect, "impossible", how, left_out=True))
         elif impossible and terms[fate.effect].neutral:
             fates.append(Fate(fate.effect, "exact", "nothing: its values are those at which it does nothing"))
         else:
@@ -114,7 +118,7 @@ def _reasons(fates: Sequence[Fate]) -> str:
 def _header(model: Model, fates: tuple[Fate, ...]) -> tuple[str, ...]:
     """Return what a file says of itself."""
     lines = [f"{model.name or 'A model'} of knobcam, converted."]
-    return (*lines, *(f"Left out: {fate.effect}, which {fate.how}." for fate in fates if fate.left_out))
+    return (*lines, *(f"Left out: {fate.effect} ({fate.how})." for fate in fates if fate.left_out))
 
 
 def _measured(target: Target, form: Form, kept: Model, options: Options) -> Measured:

@@ -99,14 +99,13 @@ def write(model: Model, terms: Mapping[str, Term], options: Options) -> Form:
         rate=options.rate_hz,
         model=literal(checked_text(model, options.rate_hz)),
     )
-    return Form((), {"knob.h": text}, remarks=(f"To link a program with it: {link}",))
+    return Form((), text, remarks=(f"To link a program with it: {link}",))
 
 
 def measure(form: Form, model: Model, options: Options) -> FloatArray:
     """Return the torque that the library renders of the constant in the header along the motion, N m."""
-    (text,) = form.files.values()
-    constant = str(text).partition("KNOB_MODEL[] =\n")[2].partition(";\n")[0]
+    constant = str(form.content).partition("KNOB_MODEL[] =\n")[2].partition(";\n")[0]
     return library.torque_along("".join(map(json.loads, re.findall(r'(?m)^    (".*")$', constant))), options)
 
 
-TARGET = Target("a header for C, with the render step as a library", judged_by_the_step, write, measure)
+TARGET = Target(judged_by_the_step, write, measure)

@@ -64,7 +64,7 @@ def write(model: Model, terms: Mapping[str, Term], options: Options) -> Form:
     how = f"{rows} entries, joined by straight lines"
     fates = tuple(Fate(name, "approximate", how, _rms(lost)) for name, lost in bent.items())
     lost = _looked_up(rounded - torque, options) + np.sum(list(bent.values()), axis=0)
-    return Form(fates, {"cogging.csv" if csv else "cogging.cfg": text}, _rms(lost), remarks)
+    return Form(fates, text, _rms(lost), remarks)
 
 
 def _bent(term: Term, spacing: float, options: Options) -> FloatArray:
@@ -124,8 +124,7 @@ def _moteus(model: Model, options: Options, torque: FloatArray) -> tuple[FloatAr
 
 def measure(form: Form, model: Model, options: Options) -> FloatArray:
     """Return the torque that the written table has along the motion, N m."""
-    (written,) = form.files.values()
-    text = str(written)
+    text = str(form.content)
     if options.suffix.lower() == ".csv":
         rows = [line.split(",") for line in text.splitlines() if line[:1].isdigit()]
         table = np.array([float(torque) for _, torque in rows])
@@ -135,4 +134,4 @@ def measure(form: Form, model: Model, options: Options) -> FloatArray:
     return _looked_up(table, options)
 
 
-TARGET = Target("an anti-cogging table: settings of a moteus drive, or a CSV map", judge, write, measure)
+TARGET = Target(judge, write, measure)

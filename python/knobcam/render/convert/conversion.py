@@ -1,10 +1,8 @@
-"""What became of a model in another form: effect by effect, in torque, and in the files themselves."""
+"""What became of a model in another form: effect by effect, in torque, and in the file itself."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -12,10 +10,11 @@ import numpy as np
 from ...base import showing
 from ...base.door import checked
 from ...base.tables import TextTable, text_table
-from ...base.writing import together, write
+from ...base.writing import write
 
 if TYPE_CHECKING:
     import os
+    from pathlib import Path
 
     from ...base.arrays import BoolArray, FloatArray
     from ...base.showing import Figure
@@ -38,21 +37,16 @@ class Fate(NamedTuple):
     error: float = 0.0
     left_out: bool = False
 
-    @property
-    def kept(self) -> bool:
-        """Whether the other form has it."""
-        return self.kind != "impossible"
-
 
 class Form(NamedTuple):
-    """A model in another form: fates, the text or bytes of each file by its name, and what comes with them.
+    """A model in another form: the fates that writing it settled, and the file, text or bytes.
 
     `error` is the RMS torque that all of them cost, as expected from the numbers that were written, and
-    `remarks` what their user has to know. A name that begins with a dot is what `-o` names, so that suffixed.
+    `remarks` what a user has to know.
     """
 
     fates: tuple[Fate, ...]
-    files: Mapping[str, str | bytes]
+    content: str | bytes
     error: float = 0.0
     remarks: tuple[str, ...] = ()
 
@@ -87,9 +81,9 @@ class Measured(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Conversion(showing.Tabled):
-    """A model in another form: what became of each effect, the error foretold and measured, and the files.
+    """A model in another form: what became of each effect, the error foretold and measured, and the file.
 
-    `kept` is the model without what is impossible there. `save(path)` writes the files.
+    `kept` is the model without what is impossible there. `save(path)` writes the file.
     """
 
     model: Model
@@ -115,14 +109,9 @@ class Conversion(showing.Tabled):
         return self.measured.error
 
     @checked
-    def save(self, path: str | os.PathLike[str]) -> tuple[Path, ...]:
-        """Write the files, all of them or none, and return their paths; the first is `path`."""
-        path = Path(path)
-        with together():
-            return tuple(
-                write(path if i == 0 else path.with_name(name), content)
-                for i, (name, content) in enumerate(self.form.files.items())
-            )
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the file, whole or not at all, and return its path."""
+        return write(path, self.form.content)
 
     def plot(self) -> Figure:
         """The torque of the model and of the other form along the motion, and their difference."""

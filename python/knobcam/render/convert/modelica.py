@@ -86,7 +86,7 @@ def write(model: Model, terms: Mapping[str, Term], options: Options) -> Form:
         model=_lines(literal(checked_text(model, options.rate_hz))),
         include=_lines(literal(_INCLUDE)),
     )
-    return Form((), {"Knob.mo": text}, remarks=(f"Its library knobstep is in {library.shared().parent}.",))
+    return Form((), text, remarks=(f"Its library knobstep is in {library.shared().parent}.",))
 
 
 def _lines(constant: str) -> str:
@@ -99,4 +99,4 @@ def measure(form: Form, model: Model, options: Options) -> FloatArray:
     return library.torque_along(model.text(), options)
 
 
-TARGET = Target("a block for Modelica around the same library", judged_by_the_step, write, measure)
+TARGET = Target(judged_by_the_step, write, measure)

@@ -1,6 +1,6 @@
 """MuJoCo: a joint with what MJCF says exactly, and the rest by a callback of the render step.
 
-MJCF of MuJoCo 3.6 and later has, of a joint, `armature`, `damping` as a polynomial a v + b v |v| + c v^3 and
+MJCF of MuJoCo 4.0 has, of a joint, `armature`, `damping` as a polynomial a v + b v |v| + c v^3 and
 `stiffness` as a x + b x^2 + c x^3 about `springref`, and passive `dcmotor` actuators whose `cogging` is a
 sine of the angle. Its `frictionloss` creeps below the friction that it stands for, so nothing is made of it.
 """
@@ -154,7 +154,7 @@ def write(model: Model, terms: Mapping[str, Term], options: Options) -> Form:
     line = "import mujoco; from knobcam.render.convert.mujoco import callback; "
     line += "mujoco.set_mjcb_passive(callback(model))"
     remarks = (f"The callback of the rest, {', '.join(rest)}: {line}",) if rest else ()
-    return Form((), {"knob.xml": "\n".join(lines)}, remarks=remarks)
+    return Form(judge(model, terms, options), "\n".join(lines), remarks=remarks)
 
 
 def _felt(knob: Renderer) -> float:
@@ -239,11 +239,10 @@ def measure(form: Form, model: Model, options: Options) -> FloatArray:
         mujoco = require("mujoco", "measuring it", "mujoco")
     except InputError:
         raise Unmeasured("the package mujoco is not installed") from None
-    (text,) = form.files.values()
     before = mujoco.get_mjcb_passive()
     mujoco.set_mjcb_passive(None)
     try:
-        joint = mujoco.MjModel.from_xml_string(text)
+        joint = mujoco.MjModel.from_xml_string(form.content)
         data = mujoco.MjData(joint)
         if joint.ntext:
             mujoco.set_mjcb_passive(callback(joint, imposed=True))
@@ -264,4 +263,4 @@ def callback(model: Any, *, imposed: bool = False) -> Callback:
     return Callback(model, imposed=imposed)
 
 
-TARGET = Target("MJCF: a joint for MuJoCo, and a callback for what MJCF cannot say", judge, write, measure)
+TARGET = Target(judge, write, measure)

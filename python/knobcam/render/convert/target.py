@@ -42,7 +42,6 @@ class Unmeasured(Exception):
 class Target(NamedTuple):
     """One form in which a model leaves."""
 
-    about: str
     judge: Callable[[Model, Mapping[str, Term], Options], tuple[Fate, ...]]
     write: Callable[[Model, Mapping[str, Term], Options], Form]
     measure: Callable[[Form, Model, Options], FloatArray]

@@ -109,13 +109,12 @@ def write(model: Model, terms: Mapping[str, Term], options: Options) -> Form:
     if turns:
         remarks += (f"The mass of the link, {_LINK_KG:g} kg, is a placeholder.",)
     fates = tuple(_fate(term, options) for term in terms.values())
-    return Form(fates, {"knob.urdf": "\n".join(lines)}, float(np.sqrt(np.mean(missed**2))), remarks)
+    return Form(fates, "\n".join(lines), float(np.sqrt(np.mean(missed**2))), remarks)
 
 
 def measure(form: Form, model: Model, options: Options) -> FloatArray:
     """Return the torque that the written joint asks for along the motion, N m."""
-    (text,) = form.files.values()
-    robot = ElementTree.fromstring(text)
+    robot = ElementTree.fromstring(form.content)
 
     def number(path: str, name: str) -> float:
         found = robot.find(path)
@@ -128,4 +127,4 @@ def measure(form: Form, model: Model, options: Options) -> FloatArray:
     return inertia * motion.alpha + damping * motion.omega + friction * np.sign(motion.omega)
 
 
-TARGET = Target("URDF: a link with the inertia, a joint with damping and friction", judge, write, measure)
+TARGET = Target(judge, write, measure)
