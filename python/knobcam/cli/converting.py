@@ -71,6 +71,7 @@ def run_convert(args: Namespace) -> Answer:
 
 def _to(args: Namespace, model: Model) -> Answer:
     """Write the model in another form."""
+    from ..base.writing import together
     from ..render.convert import convert
 
     check_folder(args.plots, args.output)
@@ -84,9 +85,10 @@ def _to(args: Namespace, model: Model) -> Answer:
         kt=args.kt,
         suffix=args.output.suffix,
     )
-    files: dict[str, object] = {"model": str(conversion.save(args.output))}
-    if args.plots is not None:
-        files["pictures"] = put(args, {"converted": conversion.plot})
+    with together():
+        files: dict[str, object] = {"model": str(conversion.save(args.output))}
+        if args.plots is not None:
+            files["pictures"] = put(args, {"converted": conversion.plot})
     document = {"schema": "knobcam.convert/1", "model": args.model, **conversion.document(), "files": files}
     return Answer("\n".join([repr(conversion), *said(files)]), document)
 
