@@ -18,6 +18,7 @@ python3 dev.py lock [--upgrade]   bring the requirements-*.lock files to pyproje
 
 from __future__ import annotations
 
+import base64
 import hashlib
 import json
 import os
@@ -27,11 +28,14 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import zipfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent
 WEB = ROOT / "web"
 PAGE = ROOT / "python" / "knobcam" / "workbench" / "page"
+LIBRARY = ROOT / "python" / "knobcam" / "render" / "lib"
+LIBRARIES = ("libknobstep.a", "libknobstep.so", "libknobstep.dylib", "knobstep.lib", "knobstep.dll")
 VENV = ROOT / ".venv"
 BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
 PYTHON = BIN / ("python.exe" if os.name == "nt" else "python")
@@ -115,7 +119,21 @@ def setup(tools: str = "dev", profile: str = "develop") -> None:
         done("metadata", metadata)
     elif changed("rust", rust) or not compiled:
         run(*develop, "--skip-install")
+    if changed("library", rust):
+        library(LIBRARY, profile)
+        done("library", rust)
     done("rust", rust)
+
+
+def library(folder: Path, profile: str, target: str = "", builder: str = "build") -> None:
+    """The render step for programs in C and for simulators, which `knobcam convert` hands out."""
+    only = ("--target", target) if target else ()
+    run("cargo", builder, "--profile", profile, "--locked", "--package", "knobstep", *only)
+    built = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / target.partition(".")[0] / profile
+    folder.mkdir(exist_ok=True)
+    for name in LIBRARIES:
+        if (built / name).is_file():
+            shutil.copy(built / name, folder / name)
 
 
 def demo(options: list[str]) -> None:
@@ -188,6 +206,7 @@ def wheel(options: list[str]) -> None:
     here = platform.machine()
     if sys.platform != "linux" or here not in PROCESSORS:
         run(*build, "build-args=--locked")
+        add_library(next(dist.glob("*.whl")))
         return
     for processor in PROCESSORS if "--all" in options else (here,):
         target = f"{processor}-unknown-linux-gnu"
@@ -195,11 +214,32 @@ def wheel(options: list[str]) -> None:
             run("rustup", "target", "add", target)
         run(*build, f"build-args=--locked --zig --compatibility {OLDEST} --target {target}")
         made = next(dist.glob(f"*_{processor}.whl"))
+        add_library(made, f"{target}.{OLDEST.removeprefix('manylinux_').replace('_', '.')}", "zigbuild")
         run(BIN / "abi3audit", "--strict", made)
         found = json.loads(run(BIN / "auditwheel", "show", "--json", made, silent=True))["overall_tag"]
         if found != f"{OLDEST}_{processor}":
             sys.exit(f"dev.py: {made.name}: its symbols ask for {found}")
         print(f"{made.relative_to(ROOT)}: {found}, {made.stat().st_size / 1e6:.1f} MB")
+
+
+def add_library(made: Path, target: str = "", builder: str = "build") -> None:
+    """Add the shared library of the render step to a wheel, and to the wheel's record."""
+    with tempfile.TemporaryDirectory() as folder:
+        library(Path(folder), "release", target, builder)
+        files = {f"knobcam/render/lib/{path.name}": path.read_bytes() for path in Path(folder).iterdir()}
+    with zipfile.ZipFile(made) as old:
+        files = {name: old.read(name) for name in old.namelist()} | {
+            name: content for name, content in files.items() if not name.endswith((".a", ".lib"))
+        }
+    record = next(name for name in files if name.endswith(".dist-info/RECORD"))
+    rows = files.pop(record).decode().splitlines()
+    told = {row.partition(",")[0] for row in rows}
+    for name in sorted(files.keys() - told):
+        sha256 = base64.urlsafe_b64encode(hashlib.sha256(files[name]).digest()).decode().rstrip("=")
+        rows.append(f"{name},sha256={sha256},{len(files[name])}")
+    with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as new:
+        for name, content in {**files, record: ("\n".join(rows) + "\n").encode()}.items():
+            new.writestr(name, content)
 
 
 def docs(_: list[str]) -> None:

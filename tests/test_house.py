@@ -16,7 +16,7 @@ CRATES = ROOT / "crates"
 RUST = CRATES / "knobcore" / "src"
 PYTHON = ROOT / "python" / "knobcam"
 
-CRATE_ORDER = ["knobcore", "knobrender", "knobrig", "knobpy"]
+CRATE_ORDER = ["knobcore", "knobrender", "knobrig", "knobstep", "knobpy"]
 """A crate knows those before it, by its Cargo.toml."""
 RUST_ORDER = [
     *("error", "isa", "random", "scalar", "special", "order", "fourier", "periodogram", "motion", "param"),

@@ -15,7 +15,7 @@ model           models, the catalogue of effects, effects of one's own, the five
 fit             the fit, where it fails, what each effect more would change
 learn           the loop to a verdict: what comes in, when to stop, what the captures cannot tell
 fleet           batches of many captures, limits, lots, a station that watches a folder
-render          the step of a rendered model, its loop, what a device allows
+render          the step of a rendered model, its loop, what a device allows; models for other programs
 rig             the port, the wire log, recording, calibration, an emulated rig
 show            pictures, linked plots, tables, reports: what results are shown by, and know nothing of
 workbench       the page's server
@@ -33,9 +33,11 @@ from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from .base import moved, showing
+from .base import leaving, moved, showing
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from ._core import __version__
     from .capture import Capture, load
     from .capture.motions import MOTIONS, MotionTrack, motion
@@ -233,6 +235,12 @@ def _show() -> showing.Shows:
     return results
 
 
+def _leave() -> Callable[..., leaving.Left]:
+    from .render.convert import convert
+
+    return convert
+
+
 class _Package(ModuleType):
     """Keeps `knobcam.fit` the function: the import system would bind the package of that name over it."""
 
@@ -243,6 +251,7 @@ class _Package(ModuleType):
 
 sys.modules[__name__].__class__ = _Package
 showing.answered_by(_show)
+leaving.answered_by(_leave)
 moved.found_under(
     {
         "knobcam.compare": "knobcam.fit.compare",

@@ -8,7 +8,7 @@ use knobcore::effects::{Base, Id};
 use knobcore::error::Result;
 use knobcore::forward::forward as forward_core;
 use knobcore::model::{Model, Role};
-use knobcore::motion::Motion;
+use knobcore::motion::{Channel, Load, Motion};
 use knobcore::param::{Axis, Given, Param};
 use knobcore::predict::{Columns, Seeds, raw};
 
@@ -187,6 +187,33 @@ impl PyModel {
         let mut state = vec![0.0; self.0.states()];
         let rest = self.0.load(&self.0.values(), &mut state, &Motion::exact(0.0, 0.0, 0.0, 0.0));
         (rest.inertia, rest.resist, rest.hold, rest.band)
+    }
+
+    /// What one of its effects asks of the rig at instants (columns of t, theta, omega, alpha): drive, stored inertia, dry
+    /// friction and static friction, each backward and forward; and whether it remembers, calls a function of the user's
+    /// own, presses the sliding surfaces together, or rubs by what presses them.
+    fn loads<'py>(
+        &self,
+        py: Python<'py>,
+        id: &str,
+        columns: [Column<'py>; 4],
+    ) -> PyResult<([Floats<'py>; 6], [bool; 4])> {
+        let id = own_id(&self.0, id).map_err(input_error)?;
+        let [t, theta, omega, alpha] = &columns;
+        let at = [t.as_slice()?, theta.as_slice()?, omega.as_slice()?, alpha.as_slice()?];
+        let loads = self.0.loads_of(id, at);
+        let column = |of: fn(&Load<f64>) -> f64| array(py, &loads.iter().map(of).collect::<Vec<_>>());
+        let rows = [
+            column(|load| load.drive),
+            column(|load| load.inertia),
+            column(|load| load.resist[0]),
+            column(|load| load.resist[1]),
+            column(|load| load.hold[0]),
+            column(|load| load.hold[1]),
+        ];
+        let info = id.info();
+        let rubs_by_load = info.touches.contains(&Channel::Mu);
+        Ok((rows, [id.law().remembers(), id.calls_out(), info.presses, rubs_by_load]))
     }
 
     /// Parameter values of an effect of ordinary size on this knob, on the motion of prepared signals, in the order

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .. import _core
-from ..base import showing
+from ..base import leaving, showing
 from ..base.door import checked
 from ..base.reading import open_file, read_text
 from ..base.renamed import renamed
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Iterable, Mapping
 
+    from ..base.leaving import Left
     from ..base.showing import Figure
     from ..capture.formats.units import Coordinate
 
@@ -244,6 +245,15 @@ class Model(showing.Tabled):
             return Model(self.core.as_torque(*torque_per_unit(self.torque_unit, kt, resistance_ohm)))
         except InputError as error:
             raise InputError(f"model '{self.name}': {error}" if self.name else str(error)) from None
+
+    def to(self, target: str, **options: Any) -> Left:
+        """Return the model in another form: mujoco, c, fmu, cogging-table, urdf or modelica.
+
+        What becomes of each effect there, the torque error, and the file, which `save(path)` writes. Options
+        are `without` (effects to be left out, or "impossible"), `motion`, `rate_hz`, `kt` and `suffix`, as in
+        `knobcam.render.convert.convert`. Raises InputError for an effect that is impossible there.
+        """
+        return leaving.convert(self, target, **options)
 
     @checked
     def renamed(self, name: str) -> Model:

@@ -18,6 +18,7 @@ from ..learn.proposals import Proposals
 from ..model import Model
 from ..model.effects import Effect
 from ..render import Stability
+from ..render.convert import Conversion
 from ..render.loop_report import LoopReport
 from ..rig.calibration import Calibration
 from .linked import Look
@@ -64,6 +65,8 @@ def plot(result: object) -> Figure:
             return pictures.stability(result)
         case LoopReport():
             return pictures.timing(result)
+        case Conversion():
+            return pictures.converted(result)
         case Calibration():
             return pictures.calibration(result)
         case BatchResult():

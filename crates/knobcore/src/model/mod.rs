@@ -323,6 +323,20 @@ impl Model {
         }
     }
 
+    /// The load of one of its effects alone at instants (columns of t, theta, omega, alpha), as one that has seen nothing
+    /// before.
+    pub fn loads_of(&self, id: Id, [t, theta, omega, alpha]: [&[f64]; 4]) -> Vec<Load<f64>> {
+        let p = self.values();
+        let own = self.chain(&p).find(|(other, _)| *other == id).map_or(&[][..], |(_, own)| own);
+        let instants = t.iter().zip(theta).zip(omega).zip(alpha);
+        let load = |(((t, theta), omega), alpha): (((&f64, &f64), &f64), &f64)| {
+            let (mut sum, mut state) = (Load::none(), vec![0.0; id.law().states()]);
+            id.law().load(own, &mut state, &Motion::exact(*t, *theta, *omega, *alpha), &mut sum);
+            sum
+        };
+        instants.map(load).collect()
+    }
+
     /// The effects with their parameters, in the order of the chain.
     pub fn chain<'a>(&'a self, p: &'a [f64]) -> impl Iterator<Item = (Id, &'a [f64])> {
         self.parts.iter().map(|(id, range)| (*id, p.get(range.clone()).unwrap_or(&[])))

@@ -8,6 +8,7 @@ from typing import Any
 from .calibration import calibration
 from .candidates import diagnosis
 from .change import before_after
+from .converted import converted
 from .experiment import experiment
 from .failures import comparison
 from .felt import felt
@@ -37,6 +38,7 @@ __all__ = [
     "calibration",
     "capture",
     "comparison",
+    "converted",
     "diagnosis",
     "effect",
     "experiment",

@@ -1,0 +1,132 @@
+"""Models that leave: in another form, with every effect said to be exact, approximate or impossible there."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...base.door import checked
+from ...capture.motions import MotionTrack, checked_track
+from ...capture.motions import motion as make_motion
+from ...errors import InputError
+from ...model import Model
+from ...model.simulate import simulate
+from ..renderer import check_torque
+from .conversion import Conversion, Fate, Form, Measured
+from .target import Options, Target, Unmeasured
+from .terms import terms_of
+
+if TYPE_CHECKING:
+    from ...base.arrays import FloatArray
+
+__all__ = ["TARGETS", "Conversion", "Fate", "convert"]
+
+TARGETS = {
+    "mujoco": "mujoco",
+    "c": "c",
+    "fmu": "fmu",
+    "cogging-table": "cogging",
+    "urdf": "urdf",
+    "modelica": "modelica",
+}
+"""The forms, each in a module of its own."""
+EVERY = "impossible"
+"""What stands for every impossible effect among those to be left out."""
+_SAME_RATE = 1e-6  # share by which the rate of a track may differ: what rounding leaves of its times
+
+
+@checked
+def convert(
+    model: Model | str | os.PathLike[str],
+    to: str,
+    *,
+    without: Sequence[str] = (),
+    motion: str | MotionTrack = "sweep",
+    rate_hz: float = 5000.0,
+    kt: float | None = None,
+    suffix: str = "",
+) -> Conversion:
+    """Return `model` (or its file or name) in another form: mujoco, c, fmu, cogging-table, urdf, modelica.
+
+    `without` names effects to be left out, `"impossible"` all that have no place there; the file then says
+    so. `motion` is what the torque error is foretold and measured on, a name or a track; `rate_hz` the steps
+    a second of a form that steps; `kt` the torque constant of a motor whose table is in A, N m/A; `suffix`
+    that of the file, where one target writes several kinds.
+
+    Raises InputError for an effect that is impossible there and not left out.
+    """
+    model = model if isinstance(model, Model) else Model.load(model)
+    if to not in TARGETS:
+        raise InputError(f"to={to!r}: is no form that a model can take; choose {', '.join(TARGETS)}")
+    check_torque(model)
+    for name in without:
+        if name not in (EVERY, *model.effects):
+            raise InputError(f"without {name}: is no effect of the model; it has {', '.join(model.effects)}")
+    target: Target = import_module(f".{TARGETS[to]}", __name__).TARGET
+    track = make_motion(motion, rate_hz=rate_hz) if isinstance(motion, str) else checked_track(motion)
+    if abs(track.rate_hz - rate_hz) > _SAME_RATE * rate_hz:
+        raise InputError(f"motion: has {track.rate_hz:g} samples a second; give one of rate_hz={rate_hz:g}")
+    options = Options(rate_hz, kt, suffix, track)
+    fates, kept = _judged(model, target, options, without, to)
+    form = target.write(kept, terms_of(kept), options._replace(header=_header(model, fates)))
+    errors = {fate.effect: fate for fate in form.fates}
+    form = form._replace(fates=tuple(errors.get(fate.effect, fate) for fate in fates))
+    name = motion if isinstance(motion, str) else "given"
+    return Conversion(model, kept, to, name, form, _measured(target, form, kept, options))
+
+
+def _judged(
+    model: Model, target: Target, options: Options, without: Sequence[str], to: str
+) -> tuple[tuple[Fate, ...], Model]:
+    """Return what becomes of each effect, and the model of those that come along.
+
+    It is frozen, so that no parameter is tied to one that does not. What is impossible and is not to be left
+    out is refused.
+    """
+    fates, terms, kept = [], terms_of(model), []
+    for fate in target.judge(model, terms, options):
+        impossible = fate.kind == "impossible"
+        if fate.effect in without or (impossible and EVERY in without):
+            how = fate.how if impossible else "by request"
+            fates.append(Fate(fate.effect, "impossible", how, left_out=True))
+        elif impossible and terms[fate.effect].neutral:
+            fates.append(Fate(fate.effect, "exact", "nothing: its values are those at which it does nothing"))
+        else:
+            fates.append(fate)
+            kept.append(fate.effect)
+    refused = [fate for fate in fates if fate.kind == "impossible" and not fate.left_out]
+    if refused:
+        raise InputError(
+            f"model '{model.name}': impossible in {to}: {_reasons(refused)}; leave them out by name with "
+            f"--without, or all of them with --without {EVERY}"
+        )
+    if not kept:
+        raise InputError(f"model '{model.name}': {to} can have nothing of it: {_reasons(fates)}")
+    return tuple(fates), Model(model.frozen().core.only(kept))
+
+
+def _reasons(fates: Sequence[Fate]) -> str:
+    """Return the effects by why they are impossible."""
+    names = {fate.how: [one.effect for one in fates if one.how == fate.how] for fate in fates}
+    return "; ".join(f"{', '.join(found)} ({how})" for how, found in names.items())
+
+
+def _header(model: Model, fates: tuple[Fate, ...]) -> tuple[str, ...]:
+    """Return what a file says of itself."""
+    lines = [f"{model.name or 'A model'} of knobcam, converted."]
+    return (*lines, *(f"Left out: {fate.effect} ({fate.how})." for fate in fates if fate.left_out))
+
+
+def _measured(target: Target, form: Form, kept: Model, options: Options) -> Measured:
+    """Return the torque along the motion of the model that was kept, and of what was written."""
+    exact = simulate(kept, options.motion, noise="none").tau
+    try:
+        found: FloatArray | None = np.asarray(target.measure(form, kept, options), dtype=np.float64)
+        why = ""
+    except Unmeasured as error:
+        found, why = None, str(error)
+    return Measured(options.motion, exact, found, why)

@@ -1,0 +1,177 @@
+"""What became of a model in another form: effect by effect, in torque, and in the file itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import numpy as np
+
+from ...base import showing
+from ...base.door import checked
+from ...base.tables import TextTable, text_table
+from ...base.writing import write
+
+if TYPE_CHECKING:
+    import os
+    from pathlib import Path
+
+    from ...base.arrays import BoolArray, FloatArray
+    from ...base.showing import Figure
+    from ...capture.motions import MotionTrack
+    from ...model import Model
+
+_STILL = 1e-9  # of the greatest speed: what rounding leaves of a reversal
+Kind = Literal["exact", "approximate", "impossible"]
+
+
+class Fate(NamedTuple):
+    """What becomes of an effect, and by what; `error` is the torque that this is expected to cost, RMS, N m.
+
+    `left_out` is one that is impossible there and that the caller does without.
+    """
+
+    effect: str
+    kind: Kind
+    how: str
+    error: float = 0.0
+    left_out: bool = False
+
+
+class Form(NamedTuple):
+    """A model in another form: the fates that writing it settled, and the file, text or bytes.
+
+    `error` is the RMS torque that all of them cost, as expected from the numbers that were written, and
+    `remarks` what a user has to know.
+    """
+
+    fates: tuple[Fate, ...]
+    content: str | bytes
+    error: float = 0.0
+    remarks: tuple[str, ...] = ()
+
+
+class Measured(NamedTuple):
+    """The torque that the other form was found to have along a motion, beside the model's; N m, (samples,).
+
+    Errors are of the samples at which the knob moves: at rest dry friction is whatever holds it.
+    """
+
+    motion: MotionTrack
+    exact: FloatArray
+    found: FloatArray | None
+    why_not: str = ""
+
+    @property
+    def torque(self) -> float:
+        """RMS torque of the model, N m."""
+        return _rms(self.exact[self.moves])
+
+    @property
+    def moves(self) -> BoolArray:
+        """The samples at which it is clear which way the knob goes."""
+        speed = np.abs(self.motion.omega)
+        return np.asarray(speed > _STILL * speed.max())
+
+    @property
+    def error(self) -> float | None:
+        """RMS of what the other form has more or less of it, N m; None where nothing could be measured."""
+        return None if self.found is None else _rms((self.found - self.exact)[self.moves])
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Conversion(showing.Tabled):
+    """A model in another form: what became of each effect, the error foretold and measured, and the file.
+
+    `kept` is the model without what is impossible there. `save(path)` writes the file.
+    """
+
+    model: Model
+    kept: Model
+    target: str
+    motion: str
+    form: Form
+    measured: Measured
+
+    @property
+    def fates(self) -> tuple[Fate, ...]:
+        """What became of each effect, in the order of the chain."""
+        return self.form.fates
+
+    @property
+    def predicted_error(self) -> float:
+        """RMS torque that the approximations cost on the motion, as foretold; N m."""
+        return self.form.error
+
+    @property
+    def measured_error(self) -> float | None:
+        """RMS torque by which the written form misses the model on the motion, N m; None: not measured."""
+        return self.measured.error
+
+    @checked
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the file, whole or not at all, and return its path."""
+        return write(path, self.form.content)
+
+    def plot(self) -> Figure:
+        """The torque of the model and of the other form along the motion, and their difference."""
+        return showing.plot(self)
+
+    def document(self) -> dict[str, Any]:
+        """Return it as JSON can keep it."""
+        return {
+            "to": self.target,
+            "effects": [
+                {
+                    "effect": one.effect,
+                    "kind": one.kind,
+                    "how": one.how,
+                    "predicted_error": one.error,
+                    "left_out": one.left_out,
+                }
+                for one in self.fates
+            ],
+            "motion": self.motion,
+            "unit": self.model.torque_unit,
+            "torque_rms": self.measured.torque,
+            "predicted_error": self.predicted_error,
+            "measured_error": self.measured_error,
+            "not_measured": self.measured.why_not or None,
+            "remarks": list(self.form.remarks),
+        }
+
+    _HEAD = ("effect", "there", "expected error", "by")
+
+    def _rows(self) -> list[tuple[str, ...]]:
+        unit = self.model.torque_unit
+        return [
+            (
+                one.effect,
+                "left out" if one.left_out else one.kind,
+                f"{one.error:.3g} {unit}" if one.kind == "approximate" else "-",
+                one.how,
+            )
+            for one in self.fates
+        ]
+
+    @property
+    def summary(self) -> str:
+        """One sentence: how near it comes."""
+        unit = self.model.torque_unit
+        torque = f"of {self.measured.torque:.3g} {unit} RMS on the motion {self.motion}"
+        foretold = f"{self.predicted_error:.3g} {unit}"
+        if self.measured_error is None:
+            return f"Expected error: {foretold} {torque}; not measured: {self.measured.why_not}."
+        return f"Error: {foretold} expected, {self.measured_error:.3g} {unit} measured, {torque}."
+
+    def __repr__(self) -> str:
+        lines = [f"{self.model.name or 'The model'} for {self.target}", text_table(self._HEAD, self._rows())]
+        return "\n".join([*lines, self.summary, *self.form.remarks])
+
+    def tables(self) -> tuple[TextTable, ...]:
+        """What it says of itself, as text."""
+        return (TextTable(self.summary, self._HEAD, self._rows()),)
+
+
+def _rms(values: FloatArray) -> float:
+    return float((values @ values / len(values)) ** 0.5) if len(values) else 0.0

@@ -1,0 +1,258 @@
+"""Converted models where they run: a program in C, a unit of FMI, MuJoCo, a block of Modelica."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import fmpy
+import mujoco
+import numpy as np
+import pytest
+from fmpy.fmi2 import FMU2Slave
+
+import knobcam as kc
+from knobcam.render.convert import convert, library
+from knobcam.render.convert.mujoco import callback
+
+KNOBS = (*kc.KNOBS, "presliding", "backlash")
+RATE_HZ = 5000.0
+WRAPPED = [f"-Wl,--wrap={name}" for name in ("malloc", "calloc", "realloc")]
+LINK = ("-lm", "-lpthread", "-ldl")
+
+
+@cache
+def named(name: str) -> kc.Model:
+    return kc.Model.load(name) if name in kc.KNOBS else kc.hiding("knob5", name)
+
+
+@pytest.fixture
+def joint() -> Iterator[None]:
+    """Whatever a test gives MuJoCo to call is taken back."""
+    yield
+    mujoco.set_mjcb_passive(None)
+
+
+def simulated(model: kc.Model) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    mujoco.set_mjcb_passive(None)
+    text = convert(model, "mujoco", motion=kc.motion("hand", 0.1)).form.content
+    made = mujoco.MjModel.from_xml_string(text)
+    mujoco.set_mjcb_passive(callback(made))
+    return made, mujoco.MjData(made)
+
+
+def friction(model: kc.Model) -> float:
+    return min(model.params[name].value for name in ("coulomb.neg", "coulomb.pos"))
+
+
+@pytest.mark.parametrize("name", kc.KNOBS)
+@pytest.mark.parametrize("way", [-1.0, 1.0])
+def test_a_knob_that_is_held_at_half_its_friction_does_not_creep(name: str, way: float, joint: None) -> None:
+    model = kc.Model.load(name)
+    made, data = simulated(model)
+    data.qfrc_applied[0] = way * 0.5 * friction(model)
+    for _ in range(5000):
+        mujoco.mj_step(made, data)
+    before = data.qpos[0]
+    for _ in range(5000):
+        mujoco.mj_step(made, data)
+    assert abs(data.qpos[0] - before) * made.opt.timestep * 5000 <= 1e-9
+    assert abs(data.qvel[0]) <= 1e-9
+
+
+@pytest.mark.parametrize("name", kc.KNOBS)
+def test_a_knob_that_is_pushed_beyond_its_friction_goes(name: str, joint: None) -> None:
+    model = kc.Model.load(name)
+    made, data = simulated(model)
+    data.qfrc_applied[0] = 0.01 + 2.0 * max(p.value for p in model.params.values() if p.unit == "N m")
+    for _ in range(100):
+        mujoco.mj_step(made, data)
+    assert data.qvel[0] > 0.1
+
+
+@pytest.mark.parametrize("inertia", [1e-3, 1e-5, 1e-7])
+def test_however_light_a_knob_comes_to_rest_and_stays(inertia: float, joint: None) -> None:
+    rubs = {"coulomb__neg": 0.01, "coulomb__pos": 0.01}
+    made, data = simulated(kc.Model.of(["inertia", "coulomb"], inertia__M=inertia, **rubs))
+    data.qvel[0], data.qfrc_applied[0] = 1.0, 0.005
+    for _ in range(5000):
+        mujoco.mj_step(made, data)
+    assert abs(data.qvel[0]) <= 1e-9
+
+
+def test_a_second_look_at_one_instant_is_no_step_and_going_back_is_a_reset(joint: None) -> None:
+    made, data = simulated(kc.hiding("knob1", "presliding"))
+    answers = []
+    for times in (1, 3):
+        mujoco.mj_resetData(made, data)
+        data.qfrc_applied[0] = 0.4
+        for _ in range(200):
+            for _ in range(times - 1):
+                mujoco.mj_forward(made, data)
+            mujoco.mj_step(made, data)
+        answers.append(float(data.qpos[0]))
+    assert answers[0] == answers[1] != 0.0
+
+
+def test_a_callback_for_a_model_without_a_knob_is_refused_in_one_line() -> None:
+    made = mujoco.MjModel.from_xml_string("<mujoco/>")
+    with pytest.raises(kc.InputError, match=r"no text knobcam.JOINT; take over what `knobcam convert` wrote"):
+        callback(made)
+    text = convert("knob1", "mujoco", motion=kc.motion("hand", 0.1)).form.content
+    made = mujoco.MjModel.from_xml_string(str(text).replace('joint name="knob"', 'joint name="elbow"'))
+    with pytest.raises(kc.InputError, match="has no joint 'knob', of which a text tells"):
+        callback(made)
+
+
+def test_a_robot_has_many_knobs(joint: None) -> None:
+    robot = mujoco.MjSpec()
+    robot.option.timestep = 1.0 / RATE_HZ
+    robot.option.gravity = [0.0, 0.0, 0.0]
+    robot.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    robot.compiler.degree = False
+    alone = []
+    for name in ("knob1", "knob2"):
+        model = kc.Model.load(name)
+        made, data = simulated(model)
+        text = convert(model, "mujoco", motion=kc.motion("hand", 0.1)).form.content
+        robot.attach(
+            mujoco.MjSpec.from_string(str(text)), prefix=f"{name}_", frame=robot.worldbody.add_frame()
+        )
+        data.qfrc_applied[0] = 0.3
+        for _ in range(100):
+            mujoco.mj_step(made, data)
+        alone.append(float(data.qpos[0]))
+    mujoco.set_mjcb_passive(None)
+    both = robot.compile()
+    mujoco.set_mjcb_passive(callback(both))
+    data = mujoco.MjData(both)
+    data.qfrc_applied[:] = 0.3
+    for _ in range(100):
+        mujoco.mj_step(both, data)
+    assert np.allclose(data.qpos, alone, rtol=1e-9) and min(alone) > 0.0
+
+
+MAIN = """\
+#include <stdio.h>
+#include <stdlib.h>
+#include "knob.h"
+
+static int counting = 0, taken = 0;
+void *__real_malloc(size_t size);
+void *__wrap_malloc(size_t size) { taken += counting; return __real_malloc(size); }
+void *__real_calloc(size_t number, size_t size);
+void *__wrap_calloc(size_t number, size_t size) { taken += counting; return __real_calloc(number, size); }
+void *__real_realloc(void *old, size_t size);
+void *__wrap_realloc(void *old, size_t size) { taken += counting; return __real_realloc(old, size); }
+
+int main(void) {
+    char why[200];
+    double row[4], tau;
+    knobcam_knob *knob = knob_new(0, why, sizeof why);
+    if (knob == NULL) { fprintf(stderr, "%s\\n", why); return 1; }
+    while (fread(row, sizeof row, 1, stdin) == 1) {
+        counting = 1;
+        tau = row[3] == row[3] ? knobcam_step_beside(knob, row[0], row[1], row[2], row[3])
+                               : knobcam_step(knob, row[0], row[1], row[2]);
+        counting = 0;
+        fwrite(&tau, sizeof tau, 1, stdout);
+    }
+    fprintf(stderr, "%d %d", taken, knobcam_fault(knob));
+    knobcam_free(knob);
+    return 0;
+}
+"""
+
+
+@pytest.mark.parametrize("name", KNOBS)
+def test_a_program_in_c_renders_to_the_last_bit_and_takes_no_memory(name: str, tmp_path: Path) -> None:
+    model = named(name)
+    convert(model, "c", motion=kc.motion("hand", 0.1)).save(tmp_path / "knob.h")
+    (tmp_path / "main.c").write_text(MAIN)
+    static = library.static() or library.shared()
+    strict = ("-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Wno-overlength-strings", "-Werror")
+    words = ["gcc", *strict, "main.c", str(static), *WRAPPED, *LINK, "-o", "main"]
+    subprocess.run(words, cwd=tmp_path, check=True)
+    track = kc.motion("hand", 1.0)
+    hand = np.where(np.arange(len(track.t)) % 3 == 0, 0.3 * friction(model), np.nan)
+    rows = np.stack([track.theta, track.omega, track.alpha, hand], axis=1)
+    ended = subprocess.run([tmp_path / "main"], input=rows.tobytes(), capture_output=True, check=True)
+    assert ended.stderr == b"0 0"
+    exact = kc.Renderer(model, RATE_HZ).along(track.theta, track.omega, track.alpha, hand)
+    assert ended.stdout == exact.tobytes()
+
+
+@pytest.mark.parametrize("name", KNOBS)
+def test_a_unit_of_fmi_renders_to_the_last_bit(name: str, tmp_path: Path) -> None:
+    model = named(name)
+    file = convert(model, "fmu", motion=kc.motion("hand", 0.1)).save(tmp_path / "knob.fmu")
+    assert fmpy.supported_platforms(str(file)) == [library.fmi_platform()]
+    described = fmpy.read_model_description(str(file), validate=True)
+    numbers = {one.name: one.valueReference for one in described.modelVariables}
+    inputs = [numbers[one] for one in ("theta", "omega", "alpha")]
+    unit = FMU2Slave(
+        guid=described.guid,
+        unzipDirectory=fmpy.extract(str(file), str(tmp_path / "unit")),
+        modelIdentifier=described.coSimulation.modelIdentifier,
+    )
+    unit.instantiate()
+    unit.setupExperiment(startTime=0.0)
+    unit.enterInitializationMode()
+    unit.exitInitializationMode()
+    track = kc.motion("hand", 0.5)
+    found = []
+    for t, *motion in zip(*track, strict=True):
+        unit.setReal(inputs, motion)
+        unit.doStep(t - 1.0 / RATE_HZ, 1.0 / RATE_HZ)
+        found.append(unit.getReal([numbers["tau"]])[0])
+    unit.setBoolean([numbers["held"]], [True])
+    assert unit.getBoolean([numbers["held"]]) == [1]
+    with pytest.raises(Exception, match="fmi2DoStep"):
+        unit.doStep(1.0, 1.5 / RATE_HZ)
+    unit.terminate()
+    unit.freeInstance()
+    assert np.array_equal(found, kc.Renderer(model, RATE_HZ).along(track.theta, track.omega, track.alpha))
+
+
+def test_the_same_model_gives_the_same_unit() -> None:
+    first, second = (convert("knob4", "fmu", motion=kc.motion("hand", 0.1)).form.content for _ in range(2))
+    assert first == second
+
+
+@pytest.mark.parametrize("name", kc.KNOBS)
+def test_a_free_handle_that_the_library_renders_does_not_creep_at_half_its_friction(name: str) -> None:
+    model = kc.Model.load(name)
+    knob = library.Knob(model.text(), RATE_HZ)
+    theta, omega, hand, dt, inertia = 0.0, 0.0, 0.5 * friction(model), 1.0 / RATE_HZ, 5e-5
+    angles = []
+    for _ in range(20_000):
+        alpha = (hand - knob.step(theta, omega, 0.0)) / inertia
+        omega += alpha * dt
+        theta += omega * dt
+        angles.append(theta)
+    assert abs(angles[-1] - angles[10_000]) / (10_000 * dt) <= 1e-9
+    assert abs(omega) <= 1e-9 and abs(theta) < 0.05
+
+
+UTILITIES = "void ModelicaFormatError(const char *format, ...);\n"
+
+
+def test_a_block_of_modelica_holds_the_model_and_its_c_compiles(tmp_path: Path) -> None:
+    """No Modelica compiler is at hand: its texts and its C are looked at, not the block as a whole."""
+    model = kc.Model.load("knob4")
+    text = convert(model, "modelica", motion=kc.motion("hand", 0.1)).form.content
+
+    def constant(after: str) -> str:
+        lines = re.match(r"(?:\s*\".*\"(?: \+)?\n?)+", str(text).partition(after)[2])
+        assert lines is not None
+        return "".join(map(json.loads, re.findall(r'(?m)^\s*(".*")', lines.group())))
+
+    assert kc.Model.parse(constant("constant String model_text =\n")).text() == model.frozen().text()
+    (tmp_path / "ModelicaUtilities.h").write_text(UTILITIES)
+    (tmp_path / "include.c").write_text(constant("Include =\n"))
+    words = ["gcc", "-Wall", "-Wno-unused-function", "-Werror", "-fsyntax-only", "include.c", "-I."]
+    subprocess.run(words, cwd=tmp_path, check=True)
