@@ -81,6 +81,12 @@ def test_a_person_finds_the_hidden_effect_in_the_browser(tmp_path: Path, picture
     assert figures["brush"]["script"] < 30.0
 
 
+def test_every_law_of_the_catalogue_is_typeset(tmp_path: Path) -> None:
+    laws = {one.id: one.latex for axis in ("rotary", "linear") for one in kc.effects(axis).values()}
+    (tmp_path / "laws.json").write_text(json.dumps(laws))
+    assert script("math.js", tmp_path / "laws.json") == {"laws": len(laws), "plain": []}
+
+
 def test_files_are_handed_over_in_the_browser_and_their_names_never_become_markup(
     tmp_path: Path, pictures: Path
 ) -> None:

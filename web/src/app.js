@@ -8,6 +8,7 @@ import { byId } from "./dom.js";
 import { AnyEffect, about } from "./effects.js";
 import { opening, saving } from "./files.js";
 import { showHidden, unhiding } from "./hidden.js";
+import { keys } from "./keys.js";
 import { showLadder } from "./ladder.js";
 import { latest } from "./latest.js";
 import { Laws } from "./laws.js";
@@ -117,7 +118,11 @@ class App {
       this.next.draw();
     });
     this.buttons();
-    document.addEventListener("keydown", (event) => this.key(event));
+    keys({
+      stop: () => this.live?.following && this.live.stop(true), // Escape is what a hand finds without looking
+      clear: () => this.linked.clear(),
+      closer: () => this.linked.lookCloser(),
+    });
     listen({
       state: (revision) => this.refresh(revision),
       progress: (job) => (job.recording ? this.showRecording(job) : this.showJob(job)),
@@ -342,29 +347,6 @@ class App {
     preparing(what);
     this.live?.phase(what);
     if (done !== null && !this.live?.following) this.live?.follow(); // one that another page has begun
-  }
-
-  /** @param {KeyboardEvent} event */
-  key(event) {
-    if (event.target instanceof HTMLInputElement && event.target.type !== "range" && event.key !== "Escape") return;
-    const control = event.ctrlKey || event.metaKey;
-    const key = event.key.toLowerCase();
-    if (event.key === "Escape" && this.live?.following) {
-      this.live.stop(true); // a motor turns, and Escape is what a hand finds without looking
-    } else if (event.key === "Escape" && document.querySelector("details.menu[open]")) {
-      byId("save").removeAttribute("open");
-      byId("save").querySelector("summary")?.focus();
-    } else if (event.key === "Escape") {
-      this.linked.clear();
-    } else if (!control && !event.altKey && key === "z") {
-      this.linked.lookCloser();
-    } else if (control && (key === "y" || (key === "z" && event.shiftKey))) {
-      event.preventDefault();
-      byId("redo").click();
-    } else if (control && key === "z") {
-      event.preventDefault();
-      byId("undo").click();
-    }
   }
 
   /** @param {string} words */

@@ -2,6 +2,7 @@
 
 import { fetchPicture, wordsOf } from "./api.js";
 import { byId, make } from "./dom.js";
+import { lawOf } from "./math.js";
 
 /** @typedef {import("./types.js").Effect} Effect */
 
@@ -34,7 +35,9 @@ export class AnyEffect {
     byId("any").hidden = absent.length === 0;
     const names = (/** @type {Effect[]} */ effects) => effects.map(({ effect }) => effect).join();
     if (names(absent) !== names(this.absent)) {
-      this.select.replaceChildren(...absent.map(({ effect, name }) => make("option", { value: effect, text: `${effect}: ${name}` })));
+      // None is chosen at first, nor once one was added: a second Enter adds nothing.
+      const none = make("option", { value: "", text: "choose one" });
+      this.select.replaceChildren(none, ...absent.map(({ effect, name }) => make("option", { value: effect, text: `${effect}: ${name}` })));
     }
     this.absent = absent;
   }
@@ -44,26 +47,29 @@ export class AnyEffect {
  * Show what an effect is and where it shows.
  * @param {Effect} effect
  */
-export function about({ effect, place, law, source, shows, name, about: sentence, causes, remedies }) {
-  const alt = `${law}: what it adds to the torque of a small knob; it shows ${shows}`;
-  const picture = make("img", { alt, src: pictures.get(effect) });
-  byId("about-title").textContent = effect;
+export function about(effect) {
+  const { effect: id, place, law, source, shows, name, about: sentence, causes, remedies } = effect;
+  // The words are there at once; the picture is drawn meanwhile, where room is kept for it.
+  const drawing = make("p", { class: "soft", text: "The picture is being drawn …" });
+  const frame = make("div", { class: "picture", role: "status" }, drawing);
+  byId("about-title").textContent = `${id}: ${name}`;
   byId("about-text").replaceChildren(
-    make("p", {}, make("strong", { text: name })),
     make("p", { text: sentence }),
-    ...listed("Usual causes", causes),
-    ...listed("What helps", remedies),
-    make("p", { class: "soft", text: `Acts on the ${PLACES[place] ?? place}. ${source}` }),
-    picture,
+    lawOf(effect),
+    make("div", { class: "columns-of-two" }, listed("Usual causes", causes), listed("What helps", remedies)),
+    make("p", { class: "soft", text: `Acts on the ${PLACES[place] ?? place}. Shows ${shows}. ${source}` }),
+    frame,
   );
   dialog().showModal();
-  if (pictures.has(effect)) return;
-  fetchPicture(effect).then(
+  const alt = `${law}: what it adds to the torque of a small knob; it shows ${shows}`;
+  const shown = () => frame.replaceChildren(make("img", { alt, src: pictures.get(id) }));
+  if (pictures.has(id)) return shown();
+  fetchPicture(id).then(
     (blob) => {
-      pictures.set(effect, URL.createObjectURL(blob));
-      picture.src = pictures.get(effect) ?? "";
+      pictures.set(id, URL.createObjectURL(blob));
+      shown();
     },
-    (reason) => picture.replaceWith(make("p", { class: "wrong", text: wordsOf(reason) })),
+    (reason) => frame.replaceChildren(make("p", { class: "wrong", text: wordsOf(reason) })),
   );
 }
 
@@ -73,8 +79,8 @@ export function about({ effect, place, law, source, shows, name, about: sentence
  * @param {string[]} phrases
  */
 function listed(title, phrases) {
-  if (phrases.length === 0) return [];
-  return [make("h3", { text: title }), make("ul", {}, ...phrases.map((text) => make("li", { text })))];
+  if (phrases.length === 0) return null;
+  return make("div", {}, make("h3", { text: title }), make("ul", {}, ...phrases.map((text) => make("li", { text }))));
 }
 
 function dialog() {

@@ -12,7 +12,8 @@ import { drawCloud, drawPoints, pixelColour, place } from "./raster.js";
  * @typedef {{colour: string, chosen: string | null, y: Float32Array, strength: number}} Series
  * `colour`, `chosen`: names in the style sheet of the cloud and of its chosen points (null: these are not drawn)
  * @typedef {{title: string, x: Float32Array, xAxis: import("./axes.js").Axis, yAxis: import("./axes.js").Axis,
- *   series: Series[], picked: number, noise: number | null, bins?: import("./types.js").Split | null}} Contents
+ *   series: Series[], picked: number, noise: number | null, bins?: import("./types.js").Split | null,
+ *   spectrum?: import("./spectrum.js").Spectrum | null}} Contents
  * `picked`: the series whose points the brush takes; `bins`: means of it, and what chance gives them
  * @typedef {{x: [number, number], y: [number, number]}} Region in data units
  */
@@ -108,11 +109,12 @@ export class Plot {
     this.axes.height = Math.round(height * this.scale);
     const brush = this.axes.getContext("2d");
     if (!brush || !this.contents) return;
-    const { title, xAxis, yAxis, noise, bins } = this.contents;
-    const [ink, soft, line, band] = ["--ink", "--soft", "--grid", "--band"].map((name) => this.colour(name));
-    const colours = { ink, soft, line, band };
+    const { title, xAxis, yAxis, noise, bins, spectrum } = this.contents;
+    const names = ["--ink", "--soft", "--grid", "--band", "--wrong"];
+    const [ink, soft, line, band, wrong] = names.map((name) => this.colour(name));
+    const colours = { ink, soft, line, band, wrong };
     brush.scale(this.scale, this.scale);
-    drawAxes(brush, { width, height }, { x: xAxis, y: yAxis, title, colours, noise, bins });
+    drawAxes(brush, { width, height }, { x: xAxis, y: yAxis, title, colours, noise, bins, spectrum });
   }
 
   /**
@@ -121,7 +123,7 @@ export class Plot {
    * @param {{y: Float32Array, colour: string} | null} above a cloud over the others: what an effect would explain
    */
   drawLight(chosen, above) {
-    if (!this.contents || this.placed.length === 0) return;
+    if (!this.contents || this.frame.width === 0) return;
     this.element.classList.toggle("dimmed", chosen !== null);
     const image = new ImageData(this.frame.width, this.frame.height);
     const pixels = new Uint32Array(image.data.buffer);

@@ -35,7 +35,7 @@
 /**
  * An effect of the catalogue, in words.
  * @typedef {{effect: string, place: string, law: string, source: string, shows: string, confused: string[],
- *   name: string, about: string, causes: string[], remedies: string[]}} Effect
+ *   name: string, about: string, causes: string[], remedies: string[], latex: string}} Effect
  */
 
 /**
@@ -46,7 +46,7 @@
 /**
  * An effect that could be missing, with what speaks for it and against it; `said` is `word` in words.
  * @typedef {{effect: string, place: string, law: string, source: string, shows: string, confused: string[],
- *   name: string, about: string, causes: string[], remedies: string[],
+ *   name: string, about: string, causes: string[], remedies: string[], latex: string,
  *   word: "missing" | "part" | "alike" | "less" | "implausible" | "too_little" | "unpaid" | "chance" | "untold",
  *   said: string, could_be: boolean, beyond_chance: boolean, p_value: number, error_fall: number,
  *   rmse_heldout: number | null, moved: Record<string, Movement>, equivalent: string[], implausible: string[],
@@ -99,16 +99,18 @@
  * Where a verdict says that a model fails: `words` of its text, from `low` to `high` along an axis.
  *
  * `direction` is 1 forward, -1 backward, 0 both.
- * @typedef {{words: string, axis: "position" | "velocity" | "acceleration" | "load" | "history" | "time",
- *   low: number, high: number, direction: number}} Place
+ * @typedef {{words: string,
+ *   axis: "position" | "velocity" | "acceleration" | "load" | "history" | "time" | "frequency", low: number,
+ *   high: number, direction: number}} Place
  */
 
 /**
  * The mean residual in bins of an axis, and the half-width of the 95 % band that chance gives it.
  *
+ * Along frequency `mean` is the RMS per bin, `band` what chance stays below.
  * `direction` is whose motion a bin holds: 1 forward, -1 backward, 0 both.
- * @typedef {{axis: "position" | "velocity" | "acceleration" | "load" | "history" | "time", low: number[],
- *   high: number[], direction: number[], mean: number[], band: (number | null)[]}} Split
+ * @typedef {{axis: "position" | "velocity" | "acceleration" | "load" | "history" | "time" | "frequency",
+ *   low: number[], high: number[], direction: number[], mean: number[], band: (number | null)[]}} Split
  */
 
 /**
@@ -129,8 +131,8 @@
 
 /**
  * What is drawn: along which axes, isolated parts, the 95 % band, residuals held at one scale.
- * @typedef {{axes: ("position" | "velocity" | "acceleration" | "load" | "history" | "time")[], isolated: boolean,
- *   band: boolean, held: boolean}} Seen
+ * @typedef {{axes: ("position" | "velocity" | "acceleration" | "load" | "history" | "time" | "frequency")[],
+ *   isolated: boolean, band: boolean, held: boolean}} Seen
  */
 
 /**
@@ -237,18 +239,25 @@
  */
 
 /**
+ * What a column of a capture is taken for until a person says otherwise; without a unit it is not known.
+ * @typedef {{expression: string, unit: string | null}} Guess
+ */
+
+/**
  * What a rig has latched, in words: its cause, and how long ago; `code` is by which it is cleared.
  * @typedef {{code: number, told: string}} Fault
  */
 
 /**
  * What more there may be to say: `columns` of a file that could not be taken for a capture, a `fault`.
- * @typedef {{columns?: FileColumn[], fault?: Fault}} Why
+ *
+ * `guess` has the columns of a capture that the file's seem to be.
+ * @typedef {{columns?: FileColumn[], guess?: Record<string, Guess>, fault?: Fault}} Why
  */
 
 /**
  * What is wrong with a request.
- * @typedef {{columns?: FileColumn[], fault?: Fault, error: string}} Refused
+ * @typedef {{columns?: FileColumn[], guess?: Record<string, Guess>, fault?: Fault, error: string}} Refused
  */
 
 export {};

@@ -80,6 +80,7 @@ class Effect(TypedDict):
     about: str
     causes: list[str]
     remedies: list[str]
+    latex: str
 
 
 class Movement(TypedDict):
@@ -179,8 +180,8 @@ class Experiment(TypedDict):
     verdict: str | None
 
 
-Along = Literal["position", "velocity", "acceleration", "load", "history", "time"]
-"""What torques and residuals are drawn over; there is a value of it for every sample."""
+Along = Literal["position", "velocity", "acceleration", "load", "history", "time", "frequency"]
+"""What torques and residuals are drawn over; every sample has a value of it, but of frequency."""
 
 USUAL: tuple[Along, ...] = ("position", "velocity", "time")
 """What they are drawn over before a person chooses."""
@@ -202,6 +203,7 @@ class Place(TypedDict):
 class Split(TypedDict):
     """The mean residual in bins of an axis, and the half-width of the 95 % band that chance gives it.
 
+    Along frequency `mean` is the RMS per bin, `band` what chance stays below.
     `direction` is whose motion a bin holds: 1 forward, -1 backward, 0 both.
     """
 

@@ -106,6 +106,7 @@ class Effect(showing.Tabled):
             "about": self.about,
             "causes": list(self.causes),
             "remedies": list(self.remedies),
+            "latex": self.latex,
         }
 
     def __repr__(self) -> str:

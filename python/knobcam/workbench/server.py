@@ -106,7 +106,7 @@ def new_token() -> str:
 async def _wrong(_: Request, error: Exception) -> Response:
     more: pages_sources.Why = {}
     if isinstance(error, Unmapped):
-        more["columns"] = error.columns
+        more |= {"columns": error.columns, "guess": error.guess}
     if isinstance(error, Latched):
         more["fault"] = {"code": error.code, "told": error.told}
     return refusal(str(error), error.status if isinstance(error, Unread) else 400, **more)

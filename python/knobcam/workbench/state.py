@@ -222,7 +222,7 @@ def _verdict(steps: list[LearningStep], diagnosis: Diagnosis | None, end: Select
 
 
 def _places(diagnosis: Diagnosis) -> list[pages.Place]:
-    """Return the places that a verdict names, each with its words; along frequency no sample has one."""
+    """Return the places that a verdict names, each with its words."""
     worst = diagnosis.comparison.worst
     if worst is None or worst.axis not in get_args(pages.Along):
         return []

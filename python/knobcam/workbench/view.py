@@ -76,7 +76,7 @@ class View:
         return signals.on_capture(cast("FloatArray", signals.core.column("history")))
 
     def splits(self) -> list[pages.Split]:
-        """Return the error along every axis that samples have; none of a model that a hand has moved."""
+        """Return the error along every axis; none of a model that a hand has moved."""
         known = get_args(pages.Along)
         found = [] if self.dragged else [one for one in self.fit.compare().splits if one.axis in known]
         return [

@@ -1,9 +1,10 @@
 // src/api.js
 var Refusal = class extends Error {
   /** @param {string} words @param {import("./types.js").Why} [more] */
-  constructor(words3, { columns, fault } = {}) {
+  constructor(words3, { columns, guess, fault } = {}) {
     super(words3);
     this.columns = columns ?? null;
+    this.guess = guess ?? {};
     this.fault = fault ?? null;
   }
 };
@@ -64,25 +65,25 @@ function listen(heard) {
 
 // src/dom.js
 function make(tag, properties = {}, ...children) {
-  const element = document.createElement(tag);
+  const element2 = document.createElement(tag);
   const { text, on = {}, ...attributes } = properties;
   for (const [name, value] of Object.entries(attributes)) {
     if (value !== null && value !== false && value !== void 0) {
-      element.setAttribute(name, value === true ? "" : String(value));
+      element2.setAttribute(name, value === true ? "" : String(value));
     }
   }
-  for (const [name, listener] of Object.entries(on)) element.addEventListener(name, listener);
-  if (text !== void 0) element.textContent = text;
-  element.append(...children.filter((child) => child !== null));
-  return element;
+  for (const [name, listener] of Object.entries(on)) element2.addEventListener(name, listener);
+  if (text !== void 0) element2.textContent = text;
+  element2.append(...children.filter((child) => child !== null));
+  return element2;
 }
 function byId(id) {
-  const element = document.getElementById(id);
-  if (!element) throw new Error(`the page has no element ${id}`);
-  return element;
+  const element2 = document.getElementById(id);
+  if (!element2) throw new Error(`the page has no element ${id}`);
+  return element2;
 }
-function styleValue(name, element) {
-  return getComputedStyle(element).getPropertyValue(name).trim();
+function styleValue(name, element2) {
+  return getComputedStyle(element2).getPropertyValue(name).trim();
 }
 
 // src/numbers.js
@@ -187,6 +188,161 @@ function showFindings(place3, { captures, active, limitations, notes }) {
   place3.replaceChildren(...noted, ...found2, ...missing);
 }
 
+// src/math.js
+var MATHML = "http://www.w3.org/1998/Math/MathML";
+var SIGNS = {
+  ...{ alpha: "α", delta: "δ", theta: "θ", mu: "μ", sigma: "σ", tau: "τ", varphi: "φ", psi: "ψ", omega: "ω", pi: "π" },
+  ...{ Delta: "Δ", infty: "∞" }
+};
+var OPERATORS = { mp: "∓", pm: "±", le: "≤", ge: "≥", neq: "≠", in: "∈", cdot: "⋅", times: "×", sum: "∑", int: "∫" };
+var SPACES = { quad: 1, ",": 0.17, ";": 0.28, " ": 0.25, "!": -0.17 };
+var NAMES = ["sin", "cos", "tan", "exp", "log", "max", "min"];
+var FENCES = ["left", "right", "bigl", "bigr", "Bigl", "Bigr", "big", "Big"];
+var IGNORED = ["textstyle", "displaystyle", "limits"];
+var LARGE = ["sum", "int"];
+function typeset(latex) {
+  const tree = latex.trim() === "" ? null : parsed(latex);
+  return tree && element(["math", { displaystyle: "true" }, ["mrow", {}, ...tree]]);
+}
+function lawOf({ latex, law }) {
+  const typed = typeset(latex);
+  return typed ? make("div", { class: "formula" }, typed) : make("code", { class: "formula", text: law });
+}
+function parsed(latex) {
+  const tokens = latex.match(/\\[A-Za-z]+|\\.|[0-9.]+|\s+|[^\s]/g) ?? [];
+  try {
+    return new Reader(tokens).row(() => false);
+  } catch {
+    return null;
+  }
+}
+var Reader = class {
+  /** @param {string[]} tokens */
+  constructor(tokens) {
+    this.tokens = tokens;
+    this.at = 0;
+  }
+  /** The next token that is no space. */
+  get next() {
+    while (/^\s+$/.test(this.tokens[this.at] ?? "")) this.at++;
+    return this.tokens[this.at];
+  }
+  /** @param {string} [wanted] @returns {string} */
+  take(wanted2) {
+    const token2 = this.next;
+    if (token2 === void 0 || wanted2 !== void 0 && token2 !== wanted2) throw new Error(`${wanted2} is missing`);
+    this.at++;
+    return token2;
+  }
+  /** All up to where `ends` holds. @param {(token: string) => boolean} ends */
+  row(ends) {
+    const found2 = [];
+    while (this.next !== void 0 && !ends(this.next)) {
+      const one = this.scripted();
+      if (one) found2.push(one);
+    }
+    return found2;
+  }
+  /** In braces as they are, without their structure. */
+  words() {
+    this.take("{");
+    let text = "";
+    while (this.tokens[this.at] !== "}") {
+      if (this.at >= this.tokens.length) throw new Error("} is missing");
+      text += this.tokens[this.at++];
+    }
+    this.at++;
+    return text;
+  }
+  /** One thing with what stands above and below it. @returns {Node_ | null} */
+  scripted() {
+    const large = LARGE.includes(this.next.slice(1));
+    const base = this.one();
+    const scripts = {};
+    while (base && (this.next === "_" || this.next === "^")) scripts[this.take()] = this.argument();
+    const { _: low, "^": high } = scripts;
+    if (!base || !low && !high) return base;
+    const kind = large ? ["munderover", "munder", "mover"] : ["msubsup", "msub", "msup"];
+    if (low && high) return [kind[0], {}, base, low, high];
+    return low ? [kind[1], {}, base, low] : [kind[2], {}, base, high];
+  }
+  /** What a command or a script takes: one thing, or a row in braces. @returns {Node_} */
+  argument() {
+    if (this.next === "{") return this.braced();
+    const one = this.one();
+    if (!one) throw new Error("an argument is missing");
+    return one;
+  }
+  /** @returns {Node_} */
+  braced() {
+    this.take("{");
+    const row = this.row((token2) => token2 === "}");
+    this.take("}");
+    return ["mrow", {}, ...row];
+  }
+  /** @returns {Node_ | null} */
+  one() {
+    const token2 = this.next;
+    if (token2 === "{") return this.braced();
+    this.at++;
+    if (!token2.startsWith("\\")) return plain2(token2);
+    const name = token2.slice(1);
+    if (name in SIGNS) return ["mi", {}, SIGNS[name]];
+    if (name in OPERATORS) return ["mo", {}, OPERATORS[name]];
+    if (name in SPACES) return space(name);
+    if (NAMES.includes(name)) return this.named(name);
+    if (IGNORED.includes(name)) return null;
+    if (FENCES.includes(name)) return fence(this.take());
+    if (name === "frac" || name === "tfrac") return ["mfrac", {}, this.argument(), this.argument()];
+    if (name === "dot") return ["mover", { accent: "true" }, this.argument(), ["mo", {}, "˙"]];
+    if (name === "text") return ["mtext", {}, this.words()];
+    if (name === "operatorname") return this.named(this.words());
+    if (name === "mathbb") return ["mi", {}, this.words().replace("N", "ℕ")];
+    if (name === "begin") return this.cases();
+    throw new Error(`${token2} is unknown`);
+  }
+  /** A function by its name, at a distance from what it is of. @param {string} name @returns {Node_} */
+  named(name) {
+    const of = ["(", "^", "_", "\\!", "\\left"].includes(this.next) ? [] : [space(",")];
+    return ["mrow", {}, ["mi", { mathvariant: "normal" }, name], ...of];
+  }
+  /** @returns {Node_} */
+  cases() {
+    if (this.words() !== "cases") throw new Error("an environment is unknown");
+    const rows = [];
+    let cells = [];
+    for (; ; ) {
+      cells.push(["mtd", { style: "text-align: left" }, ...this.row((token2) => ["&", "\\\\", "\\end"].includes(token2))]);
+      const end = this.take();
+      if (end === "&") continue;
+      rows.push(["mtr", {}, ...cells]);
+      cells = [];
+      if (end === "\\end") break;
+    }
+    this.words();
+    return ["mrow", {}, ["mo", { stretchy: "true", form: "prefix" }, "{"], ["mtable", {}, ...rows]];
+  }
+};
+function fence(token2) {
+  return token2 === "." ? null : ["mo", { stretchy: "true" }, token2];
+}
+function space(name) {
+  return ["mspace", { width: `${SPACES[name]}em` }];
+}
+function plain2(token2) {
+  if (/^[0-9.]+$/.test(token2)) return ["mn", {}, token2];
+  if (/^[A-Za-z]$/.test(token2)) return ["mi", {}, token2];
+  if (/^[()[\]|]$/.test(token2)) return ["mo", { stretchy: "false" }, token2];
+  if (/^[-+=<>,/]$/.test(token2)) return ["mo", {}, token2 === "-" ? "−" : token2];
+  throw new Error(`${token2} is unknown`);
+}
+function element([tag, attributes, ...children]) {
+  const made = document.createElementNS(MATHML, tag);
+  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+  made.append(...children.map((child) => typeof child === "string" ? child : element(child)));
+  return made;
+}
+
 // src/candidates.js
 var Candidates = class {
   /**
@@ -204,6 +360,7 @@ var Candidates = class {
     this.inside = false;
     this.items = [];
     this.rows = [];
+    place3.tabIndex = -1;
     place3.addEventListener("keydown", (event) => this.key(event));
   }
   /** @param {Pick<State, "candidates" | "node" | "job">} state */
@@ -228,8 +385,8 @@ var Candidates = class {
       others.length > 0 ? folded(others, could.length === 0) : "",
       ...remainder(candidates.unexplained)
     );
-    if (this.inside && document.activeElement === document.body) (this.items[0] ?? ask2).focus();
-    if (this.items.length > 0 || document.activeElement !== document.body) this.inside = false;
+    if (this.inside && document.activeElement === document.body) this.place.focus();
+    if (this.items.length > 0) this.inside = false;
   }
   /** @param {Candidate} row @param {number} at */
   item(row, at) {
@@ -261,6 +418,7 @@ var Candidates = class {
       make("span", { class: "figure", text: percent(-Math.max(0, row.error_fall)), title: "fall of the RMS error" }),
       make("span", { class: "deeds" }, this.deeds.about ? about2 : null, take),
       make("span", { class: "alike", text: row.name }),
+      row.could_be ? make("span", { class: "alike" }, lawOf(row)) : null,
       make("span", { class: "evidence soft", text: evidence(row) }),
       this.untold(row),
       ...remarks(row).map((text) => make("span", { class: "alike soft", text })),
@@ -274,7 +432,7 @@ var Candidates = class {
   untold({ effect, equivalent }) {
     if (equivalent.length === 0) return null;
     const apart = make("button", {
-      ...{ type: "button", text: "Tell apart…", "aria-label": `tell ${effect} apart` },
+      ...{ type: "button", text: "Tell apart…", "aria-label": `Tell apart… ${effect}` },
       ...{ title: "design the motion that would tell", on: { click: () => this.deeds.apart?.([effect, ...equivalent]) } }
     });
     const words3 = `this capture cannot tell it from ${equivalent.join(", ")} `;
@@ -292,7 +450,8 @@ var Candidates = class {
   }
   /** @param {KeyboardEvent} event */
   key(event) {
-    const moves = { ArrowDown: this.at + 1, ArrowUp: this.at - 1, Home: 0, End: this.items.length - 1 };
+    const at = event.target === this.place ? -1 : this.at;
+    const moves = { ArrowDown: at + 1, ArrowUp: at - 1, Home: 0, End: this.items.length - 1 };
     if (event.key in moves) {
       const to = moves[
         /** @type {keyof typeof moves} */
@@ -357,36 +516,39 @@ var AnyEffect = class {
     byId("any").hidden = absent.length === 0;
     const names = (effects) => effects.map(({ effect }) => effect).join();
     if (names(absent) !== names(this.absent)) {
-      this.select.replaceChildren(...absent.map(({ effect, name }) => make("option", { value: effect, text: `${effect}: ${name}` })));
+      const none = make("option", { value: "", text: "choose one" });
+      this.select.replaceChildren(none, ...absent.map(({ effect, name }) => make("option", { value: effect, text: `${effect}: ${name}` })));
     }
     this.absent = absent;
   }
 };
-function about({ effect, place: place3, law, source, shows, name, about: sentence, causes, remedies }) {
-  const alt = `${law}: what it adds to the torque of a small knob; it shows ${shows}`;
-  const picture = make("img", { alt, src: pictures.get(effect) });
-  byId("about-title").textContent = effect;
+function about(effect) {
+  const { effect: id, place: place3, law, source, shows, name, about: sentence, causes, remedies } = effect;
+  const drawing = make("p", { class: "soft", text: "The picture is being drawn …" });
+  const frame = make("div", { class: "picture", role: "status" }, drawing);
+  byId("about-title").textContent = `${id}: ${name}`;
   byId("about-text").replaceChildren(
-    make("p", {}, make("strong", { text: name })),
     make("p", { text: sentence }),
-    ...listed("Usual causes", causes),
-    ...listed("What helps", remedies),
-    make("p", { class: "soft", text: `Acts on the ${PLACES[place3] ?? place3}. ${source}` }),
-    picture
+    lawOf(effect),
+    make("div", { class: "columns-of-two" }, listed("Usual causes", causes), listed("What helps", remedies)),
+    make("p", { class: "soft", text: `Acts on the ${PLACES[place3] ?? place3}. Shows ${shows}. ${source}` }),
+    frame
   );
   dialog().showModal();
-  if (pictures.has(effect)) return;
-  fetchPicture(effect).then(
+  const alt = `${law}: what it adds to the torque of a small knob; it shows ${shows}`;
+  const shown = () => frame.replaceChildren(make("img", { alt, src: pictures.get(id) }));
+  if (pictures.has(id)) return shown();
+  fetchPicture(id).then(
     (blob) => {
-      pictures.set(effect, URL.createObjectURL(blob));
-      picture.src = pictures.get(effect) ?? "";
+      pictures.set(id, URL.createObjectURL(blob));
+      shown();
     },
-    (reason) => picture.replaceWith(make("p", { class: "wrong", text: wordsOf(reason) }))
+    (reason) => frame.replaceChildren(make("p", { class: "wrong", text: wordsOf(reason) }))
   );
 }
 function listed(title, phrases) {
-  if (phrases.length === 0) return [];
-  return [make("h3", { text: title }), make("ul", {}, ...phrases.map((text) => make("li", { text })))];
+  if (phrases.length === 0) return null;
+  return make("div", {}, make("h3", { text: title }), make("ul", {}, ...phrases.map((text) => make("li", { text }))));
 }
 function dialog() {
   return (
@@ -396,13 +558,31 @@ function dialog() {
 }
 
 // src/mapping.js
+var MOTOR = ["A", "mA", "V", "duty"];
 var TARGETS = {
-  t: ["s", "ms", "us", "min"],
-  theta: ["rad", "deg", "turn", "m", "mm", "um"],
-  tau: ["N m", "mNm", "N", "mN", "A", "mA", "V", "duty"],
-  omega: ["rad/s", "deg/s", "rpm", "m/s", "mm/s"],
-  alpha: ["rad/s^2", "deg/s^2", "m/s^2", "mm/s^2"]
+  t: { words: "Time", units: { rotary: ["s", "ms", "us", "min"], linear: ["s", "ms", "us", "min"] }, needed: true },
+  theta: {
+    words: "Angle or position",
+    ...{ units: { rotary: ["rad", "deg", "turn"], linear: ["m", "mm", "um"] }, needed: true }
+  },
+  tau: {
+    words: "Torque or force, or motor current",
+    ...{ units: { rotary: ["N m", "mNm", ...MOTOR], linear: ["N", "mN", ...MOTOR] }, needed: true }
+  },
+  omega: {
+    words: "Velocity, if there is one",
+    ...{ units: { rotary: ["rad/s", "deg/s", "rpm"], linear: ["m/s", "mm/s"] }, needed: false }
+  },
+  alpha: {
+    words: "Acceleration, if there is one",
+    ...{ units: { rotary: ["rad/s^2", "deg/s^2"], linear: ["m/s^2", "mm/s^2"] }, needed: false }
+  }
 };
+var KINDS = (
+  /** @type {Kind[]} */
+  ["rotary", "linear"]
+);
+var DEGREES = { rad: 180 / Math.PI, turn: 360 };
 var SPELT = {
   "°": "deg",
   "°/s": "deg/s",
@@ -420,57 +600,94 @@ var Mapping = class {
   /** @param {HTMLElement} place of the fields @param {HTMLElement} found place of the file's columns */
   constructor(place3, found2) {
     this.found = found2;
-    this.fields = Object.entries(TARGETS).map(([name, units]) => {
-      const text = make("input", { name, type: "text", autocomplete: "off", spellcheck: "false", "aria-label": name });
-      const unit = make(
-        "select",
-        { "aria-label": `unit of ${name}`, name: `${name}-unit` },
-        make("option", { value: "", text: "SI" }),
-        ...units.map((one) => make("option", { value: one, text: one }))
-      );
+    this.columns = [];
+    this.fields = Object.entries(TARGETS).map(([name, target]) => {
+      const text = make("input", { name, type: "text", autocomplete: "off", spellcheck: "false", "aria-label": target.words });
+      const unit = make("select", { "aria-label": `unit of ${target.words}`, name: `${name}-unit` });
+      const range2 = make("span", { class: "range soft" });
+      const field3 = { name, target, text, unit, range: range2 };
       text.addEventListener("focus", () => this.at = text);
-      place3.append(make("div", {}, make("span", { text: name }), text, unit));
-      return { name, text, unit };
+      text.addEventListener("input", () => this.tell());
+      unit.addEventListener("change", () => this.chose(unit.value));
+      place3.append(make("div", {}, make("span", { text: target.words }), text, unit, range2));
+      return field3;
     });
     this.at = this.fields[0].text;
+    this.kinds = KINDS.map((kind) => (
+      /** @type {HTMLInputElement} */
+      byId(`open-${kind}`)
+    ));
+    for (const box of this.kinds) box.addEventListener("change", () => this.tell());
+    this.tell();
+  }
+  /** Rotary or linear; null until it is said. @returns {Kind | null} */
+  get kind() {
+    return KINDS.find((_, at) => this.kinds[at].checked) ?? null;
   }
   /** What the import is to be told; nothing where nothing is filled in. */
   options() {
     const filled = this.fields.filter(({ text }) => text.value.trim());
     const map = filled.map(({ name, text, unit }) => {
       const written = text.value.trim();
-      return `${name}=${written}${unit.value && !written.endsWith("]") ? ` [${unit.value}]` : ""}`;
+      return `${name}=${written}${unit.value && !saysUnit(written) ? ` [${unit.value}]` : ""}`;
     });
     const options = map.length > 0 ? { map: map.join(", ") } : {};
+    if (map.length > 0 && this.kind) options.coordinate = this.kind;
     return options;
   }
+  /**
+   * What has still to be said; the first field of it has the focus then. Nothing where nothing is filled in.
+   * @returns {string}
+   */
+  lacking() {
+    const filled = this.fields.filter(({ text }) => text.value.trim());
+    if (filled.length === 0) return "";
+    if (!this.kind) {
+      this.kinds[0].focus();
+      return "Does it turn or slide? Metres must not be taken for radians.";
+    }
+    const without = filled.find(({ text, unit }) => !unit.value && !saysUnit(text.value.trim()));
+    without?.unit.focus();
+    return without ? `In which unit is ${without.text.value}? (${without.target.words.toLowerCase()})` : "";
+  }
   clear() {
-    for (const { text, unit } of this.fields) text.value = unit.value = "";
+    for (const { text } of this.fields) text.value = "";
+    for (const box of this.kinds) box.checked = false;
+    for (const { unit } of this.fields) unit.value = "";
+    this.columns = [];
     this.found.replaceChildren();
+    this.tell();
   }
   /**
-   * Show the columns of a file; those that are named as in a capture are filled in.
+   * Show the columns of a file; what they are taken for is filled in where nothing is yet.
    * @param {FileColumn[]} columns
+   * @param {Record<string, import("./types.js").Guess>} guess
    */
-  show(columns) {
+  show(columns, guess) {
+    this.columns = columns;
     this.found.replaceChildren(...columns.map((column) => this.tile(column)));
-    for (const { name, text } of this.fields) {
-      if (!text.value && columns.some((column) => column.name === name)) text.value = name;
+    for (const field3 of this.fields) {
+      const known = guess[field3.name];
+      const same = columns.some(({ name }) => name === field3.name) ? field3.name : "";
+      if (field3.text.value) continue;
+      field3.text.value = known ? plain3(known.expression.replace(/^`([^`]*)`$/, "$1")) : same;
+      if (known?.unit) this.measure(field3, known.unit);
     }
     this.at = this.fields.find(({ text }) => !text.value)?.text ?? this.at;
+    this.tell();
   }
   /** @param {FileColumn} column */
-  tile({ name, rows, low, high, outline }) {
+  tile({ name, low, high, outline }) {
     const range2 = `${number(low)} … ${number(high)}`;
     const canvas = make("canvas", { "aria-hidden": "true", ...SIZE });
     draw(canvas, outline);
     return make(
       "button",
       {
-        ...{ type: "button", "aria-label": `${name}: ${range2}, ${rows} rows`, title: "put into the chosen field" },
+        ...{ type: "button", title: "put into the chosen field" },
         on: { click: () => this.put(name) }
       },
-      make("strong", { text: name }),
+      make("strong", { text: `${name}: ` }),
       canvas,
       make("span", { class: "soft", text: range2 })
     );
@@ -478,14 +695,52 @@ var Mapping = class {
   /** @param {string} column name that goes into the field, of which the next free one is then chosen */
   put(column) {
     const field3 = this.fields.find(({ text }) => text === this.at);
-    const written = /[[(]([^\])]+)[\])]\s*$/.exec(column)?.[1] ?? "";
-    if (field3) field3.unit.value = SPELT[written] ?? written;
-    if (field3 && !field3.unit.value) field3.unit.value = "";
-    this.at.value = /^[A-Za-z_]\w*$/.test(column) ? column : `\`${column}\``;
+    this.at.value = plain3(column);
+    if (field3) this.measure(field3, /[[(]([^\])]+)[\])]\s*$/.exec(column)?.[1] ?? "");
     this.at = this.fields.find(({ text }) => !text.value)?.text ?? this.at;
     this.at.focus();
+    this.tell();
+  }
+  /** @param {Mapping["fields"][number]} field @param {string} written a unit, or what is none of the list */
+  measure(field3, written) {
+    const unit = SPELT[written] ?? written;
+    const known = KINDS.some((kind) => field3.target.units[kind].includes(unit));
+    field3.unit.value = known ? unit : "";
+    this.chose(field3.unit.value);
+  }
+  /** A unit was chosen: one of a length says that the axis slides. @param {string} unit */
+  chose(unit) {
+    for (const [at, kind] of KINDS.entries()) {
+      const only = (one) => Object.values(TARGETS).some(({ units }) => units[one].includes(unit));
+      if (unit && only(kind) && !only(KINDS[1 - at])) this.kinds[at].checked = true;
+    }
+    this.tell();
+  }
+  /** Offer the units of the kind of axis, and say what each column would be in them. */
+  tell() {
+    const kind = this.kind;
+    for (const { target, text, unit, range: range2 } of this.fields) {
+      const offered = [...new Set(kind ? target.units[kind] : KINDS.flatMap((one) => target.units[one]))];
+      const chosen = unit.value;
+      const options = [make("option", { value: "", text: "unit?" }), ...offered.map((one) => make("option", { value: one, text: one }))];
+      if (unit.options.length !== options.length || unit.options[1].value !== offered[0]) unit.replaceChildren(...options);
+      unit.value = offered.includes(chosen) ? chosen : "";
+      const column = this.columns.find(({ name }) => plain3(name) === text.value.trim());
+      range2.textContent = column ? spread(column, unit.value) : "";
+    }
   }
 };
+function spread({ low, high }, unit) {
+  if (low === null || high === null) return "no value at all";
+  const felt = unit in DEGREES ? `, over ${number((high - low) * DEGREES[unit])} degrees` : "";
+  return `${number(low)} … ${number(high)} ${unit}${felt}`;
+}
+function plain3(column) {
+  return /^[A-Za-z_]\w*$/.test(column) ? column : `\`${column}\``;
+}
+function saysUnit(written) {
+  return written.endsWith("]");
+}
 function draw(canvas, outline) {
   const brush = canvas.getContext("2d");
   if (!brush) return;
@@ -528,7 +783,7 @@ function opening(heard) {
     heard.say("");
     told.textContent = wordsOf(reason);
     if (reason instanceof Refusal && reason.columns) {
-      mapping.show(reason.columns);
+      mapping.show(reason.columns, reason.guess);
       byId("open-more").setAttribute("open", "");
     }
     if (!dialog2.open) dialog2.showModal();
@@ -567,6 +822,8 @@ function opening(heard) {
   byId("open-form").addEventListener("submit", async (event) => {
     event.preventDefault();
     const named = path.value.trim();
+    told.textContent = mapping.lacking();
+    if (told.textContent) return void 0;
     if (!named && waiting.length === 0) {
       told.textContent = "Choose a file, or type its path.";
       return void 0;
@@ -632,9 +889,43 @@ function showHidden({ captures, active }) {
   hiding = now;
 }
 
+// src/keys.js
+function keys({ stop, clear, closer }) {
+  document.addEventListener("keydown", (event) => {
+    const typed = event.target instanceof HTMLInputElement && event.target.type !== "range";
+    const control = event.ctrlKey || event.metaKey;
+    const chosen = event.target instanceof HTMLSelectElement && !control;
+    if ((typed || chosen) && event.key !== "Escape") return;
+    const key2 = event.key.toLowerCase();
+    if (event.key === "Escape") {
+      if (!stop() && !closeMenu(true)) clear();
+    } else if (!control && !event.altKey && key2 === "z") {
+      closer();
+    } else if (control && (key2 === "y" || key2 === "z" && event.shiftKey)) {
+      event.preventDefault();
+      byId("redo").click();
+    } else if (control && key2 === "z") {
+      event.preventDefault();
+      byId("undo").click();
+    }
+  });
+  document.addEventListener("pointerdown", ({ target }) => {
+    if (!(target instanceof Element && target.closest("details.menu"))) closeMenu(false);
+  });
+}
+function closeMenu(focus) {
+  const menu = document.querySelector("details.menu[open]");
+  menu?.removeAttribute("open");
+  if (focus) menu?.querySelector("summary")?.focus();
+  return menu !== null;
+}
+
 // src/ladder.js
 function showLadder(place3, state) {
   const branch = state.branches.find(({ id }) => id === state.branch);
+  const key2 = JSON.stringify([branch, state.rmse, state.noise_floor, state.unit]);
+  if (place3.dataset.shown === key2) return;
+  place3.dataset.shown = key2;
   const { steps, at: here } = sameCaptures(branch?.steps ?? [], branch?.at ?? 0);
   const errors = steps.flatMap(({ rmse, rmse_heldout }) => [rmse, rmse_heldout]).concat(state.rmse);
   const floor = state.noise_floor;
@@ -648,21 +939,22 @@ function showLadder(place3, state) {
     const bar = make("span", { class: "bar" });
     const held = make("span", { class: "held" });
     bar.style.width = `${100 * rmse / widest}%`;
+    if (now && at > 0) bar.style.setProperty("--from", `${100 * steps[at - 1].rmse / widest}%`);
     if (rmse_heldout !== null) held.style.left = `${100 * rmse_heldout / widest}%`;
     const track = make("span", { class: "track" }, bar, rmse_heldout === null ? null : held, floorMark(floor, widest));
     return make(
       "li",
       { class: `ladder-line${now ? " now" : ""}${undone ? " undone" : ""}`, "aria-current": now ? "step" : null },
       make("span", { class: "label", text: label, title: label }),
-      track,
       make("span", { class: "figure", text: shown(rmse), title: "RMS error" }),
-      make("span", { class: "figure soft", text: shown(rmse_heldout), title: "on blocks that the fit did not see" })
+      make("span", { class: "figure soft", text: shown(rmse_heldout), title: "on blocks that the fit did not see" }),
+      track
     );
   });
   const head = make(
     "div",
     { class: "ladder-line head" },
-    make("span", { class: "legend", text: floor === null ? "noise floor unknown" : `┆ noise floor ${shown(floor)}` }),
+    make("span", { class: "legend", text: floor === null ? "noise floor unknown" : `▖noise floor ${shown(floor)}` }),
     make("span", { class: "figure", text: `RMS, ${scale.unit}` }),
     make("span", { class: "figure", text: "unseen" })
   );
@@ -790,9 +1082,43 @@ function edited(law, start) {
   form.elements.namedItem("law").focus();
 }
 
+// src/spectrum.js
+var SEEN = 1e-3;
+var LEAST = 0.02;
+function spectrumOf(split) {
+  if (!split) return null;
+  const level = split.band.map((value) => value ?? 0);
+  const highest = Math.max(...level);
+  const middle = split.low.map((low, at) => (low + split.high[at]) / 2);
+  const shown = [...middle.keys()].filter((at) => middle[at] > 0 && level[at] > SEEN * highest);
+  if (shown.length < 2) return null;
+  const levels = shown.map((at) => level[at]).sort((a, b) => a - b);
+  const least = LEAST * levels[levels.length >> 1];
+  return {
+    x: shown.map((at) => Math.log10(middle[at])),
+    y: shown.map((at) => Math.log10(Math.max(split.mean[at], least))),
+    chance: shown.map((at) => Math.log10(level[at]))
+  };
+}
+function drawSpectrum(brush, { x, y, chance }, { across, up, bottom }, colours) {
+  brush.globalAlpha = 0.35;
+  brush.fillStyle = colours.band;
+  brush.beginPath();
+  brush.moveTo(across(x[0]), bottom);
+  for (const [at, value] of x.entries()) brush.lineTo(across(value), up(chance[at]));
+  brush.lineTo(across(x[x.length - 1]), bottom);
+  brush.fill();
+  brush.globalAlpha = 1;
+  brush.strokeStyle = colours.wrong;
+  brush.lineWidth = 1.2;
+  brush.beginPath();
+  for (const [at, value] of x.entries()) brush.lineTo(across(value), up(y[at]));
+  brush.stroke();
+}
+
 // src/axes.js
 var MARGIN = { left: 52, right: 10, top: 22, bottom: 34 };
-function drawAxes(brush, size, { x, y, title, colours, noise, bins }) {
+function drawAxes(brush, size, { x, y, title, colours, noise, bins, spectrum }) {
   const { left, top } = MARGIN;
   const [right, bottom] = [size.width - MARGIN.right, size.height - MARGIN.bottom];
   brush.clearRect(0, 0, size.width, size.height);
@@ -804,17 +1130,17 @@ function drawAxes(brush, size, { x, y, title, colours, noise, bins }) {
   brush.fillStyle = colours.soft;
   brush.textAlign = "center";
   brush.textBaseline = "top";
-  for (const value of ticks(x.low * x.factor, x.high * x.factor, (right - left) / 70)) {
-    const at = Math.round(across(value / x.factor)) + 0.5;
+  for (const [value, text] of ticksOf(x, (right - left) / 70)) {
+    const at = Math.round(across(value)) + 0.5;
     stroke(brush, at, top, at, bottom);
-    brush.fillText(number(value, 6), at, bottom + 4);
+    brush.fillText(text, at, bottom + 4);
   }
   brush.textAlign = "right";
   brush.textBaseline = "middle";
-  for (const value of ticks(y.low * y.factor, y.high * y.factor, (bottom - top) / 32)) {
-    const at = Math.round(up(value / y.factor)) + 0.5;
+  for (const [value, text] of ticksOf(y, (bottom - top) / 32)) {
+    const at = Math.round(up(value)) + 0.5;
     stroke(brush, left, at, right, at);
-    brush.fillText(number(value, 6), left - 5, at);
+    brush.fillText(text, left - 5, at);
   }
   if (noise) {
     brush.save();
@@ -826,12 +1152,13 @@ function drawAxes(brush, size, { x, y, title, colours, noise, bins }) {
     }
     brush.restore();
   }
-  if (bins) {
+  if (bins || spectrum) {
     brush.save();
     brush.beginPath();
     brush.rect(left, top, right - left, bottom - top);
     brush.clip();
-    drawBins(brush, bins, across, up, colours);
+    if (bins) drawBins(brush, bins, across, up, colours);
+    if (spectrum) drawSpectrum(brush, spectrum, { across, up, bottom }, colours);
     brush.restore();
   }
   brush.strokeStyle = colours.soft;
@@ -846,6 +1173,16 @@ function drawAxes(brush, size, { x, y, title, colours, noise, bins }) {
   brush.font = "600 12px system-ui, 'DejaVu Sans', sans-serif";
   brush.textAlign = "right";
   brush.fillText(title, right, top - 4);
+}
+function ticksOf({ low, high, factor, log }, count) {
+  if (!log) return ticks(low * factor, high * factor, count).map((value) => [value / factor, number(value, 6)]);
+  const few = count / (high - low) >= 3 ? [1, 2, 5] : [1];
+  const decades = Array.from({ length: Math.ceil(high) - Math.floor(low) + 1 }, (_, at) => 10 ** (Math.floor(low) + at));
+  const shift = Math.log10(factor);
+  return decades.flatMap((decade) => few.map((digit) => digit * decade)).map((value) => (
+    /** @type {[number, string]} */
+    [Math.log10(value) - shift, number(value, 1)]
+  )).filter(([at]) => at >= low && at <= high);
 }
 function drawBins(brush, bins, across, up, { ink, band: band2 }) {
   const edges = bins.low.map((low, at) => [across(low), across(bins.high[at])]);
@@ -893,7 +1230,8 @@ var AXES = (
     acceleration: { words: "acceleration", column: "alpha", part: null, units: ["rad/s²", "m/s²"] },
     load: { words: "modelled torque", column: null, part: null, units: null },
     history: { words: "distance since reversal", column: "history", part: null, units: ["rad", "m"] },
-    time: { words: "time", column: "t", part: null, units: ["s", "s"] }
+    time: { words: "time", column: "t", part: null, units: ["s", "s"] },
+    frequency: { words: "frequency", column: null, part: null, units: ["Hz", "Hz"] }
   }
 );
 var USUAL = ["position", "velocity", "time"];
@@ -915,6 +1253,7 @@ function rowsOf(data, view, widest) {
   const model = less(columns.tau, columns.residual);
   const other = beside ? less(columns.tau, beside.residual) : null;
   return view.axes.map((along) => {
+    if (along === "frequency") return { torque: null, residual: alongFrequency(data), beside: null };
     const axis2 = AXES[along];
     const x = axis2.column ? columns[axis2.column] : model;
     const common = { x, xAxis: axisOf(along, x, data), picked: 0 };
@@ -953,6 +1292,18 @@ function rowsOf(data, view, widest) {
     };
   });
 }
+function alongFrequency({ splits, unit, fitted }) {
+  const spectrum = spectrumOf(splits?.find(({ axis: axis2 }) => axis2 === "frequency"));
+  const [least, most] = spectrum ? limits([spectrum.y, spectrum.chance].map((one) => Float32Array.from(one))) : [-4, -2];
+  const [low, high] = spectrum ? [spectrum.x[0], spectrum.x[spectrum.x.length - 1]] : [0, 3];
+  const scale = torqueScale(unit, 10 ** most);
+  return {
+    ...{ x: new Float32Array(0), series: [], picked: 0, noise: null, spectrum },
+    title: fitted ? "residual over frequency, beside what chance stays below" : "over frequency: of a fit only",
+    xAxis: { low, high, factor: 1, label: "", log: true },
+    yAxis: { low: least, high: most, factor: scale.factor, label: `RMS per bin, ${scale.unit}`, log: true }
+  };
+}
 function axisOf(along, x, data) {
   const [low, high] = limits([x], { air: 0.01 });
   return { low, high, factor: 1, label: labelOf(along, data) };
@@ -962,6 +1313,7 @@ function labelOf(along, { unit, coordinate }) {
   return `${words3}, ${units ? units[coordinate === "linear" ? 1 : 0] : unit}`;
 }
 function samplesIn({ columns }, { axis: axis2, low, high, direction }) {
+  if (axis2 === "frequency") return null;
   const { column } = AXES[axis2];
   const x = column ? columns[column] : less(columns.tau, columns.residual);
   const found2 = [];
@@ -1030,25 +1382,25 @@ function brushable(plot) {
   plot.element.addEventListener("keydown", (event) => byKeys(plot, event));
 }
 function byPointer(plot) {
-  const { element } = plot;
+  const { element: element2 } = plot;
   let start = null;
   const spot = (event) => {
-    const edge = element.getBoundingClientRect();
+    const edge = element2.getBoundingClientRect();
     const wide = edge.width - MARGIN.left - MARGIN.right;
     const high = edge.height - MARGIN.top - MARGIN.bottom;
     const [x, y] = [event.clientX - edge.left - MARGIN.left, event.clientY - edge.top - MARGIN.top];
     return { x: clamped(x / wide), y: clamped(y / high), wide, high };
   };
-  element.addEventListener("pointerdown", (event) => {
+  element2.addEventListener("pointerdown", (event) => {
     if (event.button !== 0 || !plot.contents) return;
-    element.setPointerCapture(event.pointerId);
+    element2.setPointerCapture(event.pointerId);
     plot.sorted();
     const { x, y } = spot(event);
     const box = plot.region && plot.boxInside(plot.region);
     const inside = box && x > box.left && x < box.left + box.width && y > box.top && y < box.top + box.height;
     start = { x, y, moved: inside ? plot.region : null };
   });
-  element.addEventListener("pointermove", (event) => {
+  element2.addEventListener("pointermove", (event) => {
     if (!start) return;
     const { x, y, wide, high } = spot(event);
     if (start.moved) {
@@ -1057,12 +1409,12 @@ function byPointer(plot) {
       plot.brushed(plot, between(plot, start, { x, y }));
     }
   });
-  element.addEventListener("pointerup", (event) => {
+  element2.addEventListener("pointerup", (event) => {
     const { x, y, wide, high } = spot(event);
     if (start && Math.hypot((x - start.x) * wide, (y - start.y) * high) < SMALLEST) plot.brushed(plot, null);
     start = null;
   });
-  element.addEventListener("pointercancel", () => start = null);
+  element2.addEventListener("pointercancel", () => start = null);
 }
 function byKeys(plot, event) {
   const step = 0.02;
@@ -1312,11 +1664,12 @@ var Plot = class {
     this.axes.height = Math.round(height * this.scale);
     const brush = this.axes.getContext("2d");
     if (!brush || !this.contents) return;
-    const { title, xAxis, yAxis, noise, bins } = this.contents;
-    const [ink, soft, line, band2] = ["--ink", "--soft", "--grid", "--band"].map((name) => this.colour(name));
-    const colours = { ink, soft, line, band: band2 };
+    const { title, xAxis, yAxis, noise, bins, spectrum } = this.contents;
+    const names = ["--ink", "--soft", "--grid", "--band", "--wrong"];
+    const [ink, soft, line, band2, wrong] = names.map((name) => this.colour(name));
+    const colours = { ink, soft, line, band: band2, wrong };
     brush.scale(this.scale, this.scale);
-    drawAxes(brush, { width, height }, { x: xAxis, y: yAxis, title, colours, noise, bins });
+    drawAxes(brush, { width, height }, { x: xAxis, y: yAxis, title, colours, noise, bins, spectrum });
   }
   /**
    * Draw the second layer.
@@ -1324,7 +1677,7 @@ var Plot = class {
    * @param {{y: Float32Array, colour: string} | null} above a cloud over the others: what an effect would explain
    */
   drawLight(chosen, above) {
-    if (!this.contents || this.placed.length === 0) return;
+    if (!this.contents || this.frame.width === 0) return;
     this.element.classList.toggle("dimmed", chosen !== null);
     const image = new ImageData(this.frame.width, this.frame.height);
     const pixels = new Uint32Array(image.data.buffer);
@@ -1417,13 +1770,13 @@ var WHEEL = 15e-4;
 var LINE = 16;
 var KEY = 1.5;
 function zoomable(plot, deeds) {
-  const { element } = plot;
-  element.addEventListener(
+  const { element: element2 } = plot;
+  element2.addEventListener(
     "wheel",
     (event) => {
       if (!plot.contents || event.ctrlKey) return;
       event.preventDefault();
-      const edge = element.getBoundingClientRect();
+      const edge = element2.getBoundingClientRect();
       const wide = edge.width - MARGIN.left - MARGIN.right;
       const at = Math.min(1, Math.max(0, (event.clientX - edge.left - MARGIN.left) / wide));
       const unit = event.deltaMode === WheelEvent.DOM_DELTA_PIXEL ? 1 : LINE;
@@ -1433,8 +1786,8 @@ function zoomable(plot, deeds) {
     },
     { passive: false }
   );
-  element.addEventListener("dblclick", () => deeds.whole(plot));
-  element.addEventListener("keydown", (event) => {
+  element2.addEventListener("dblclick", () => deeds.whole(plot));
+  element2.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.altKey || event.metaKey) return;
     if (event.key === "+" || event.key === "=") deeds.zoom(plot, 0.5, 1 / KEY);
     else if (event.key === "-") deeds.zoom(plot, 0.5, KEY);
@@ -1477,10 +1830,10 @@ var Linked = class {
     this.rows = USUAL.map((_, at) => [this.torques[at], this.residuals[at], this.besides[at]]);
     this.plots = this.rows.flat();
     this.pickers = USUAL.map((_, at) => picker(at, (along) => picked(this.axes.with(at, along))));
-    this.element = make("div", { class: "linked" }, ...this.plots.map(({ element }) => element), ...this.pickers);
-    for (const [at, { element }] of this.plots.entries()) {
-      element.classList.toggle("beside", at % 3 === 2);
-      element.style.gridArea = `${Math.floor(at / 3) + 1} / ${at % 3 + 1}`;
+    this.element = make("div", { class: "linked" }, ...this.plots.map(({ element: element2 }) => element2), ...this.pickers);
+    for (const [at, { element: element2 }] of this.plots.entries()) {
+      element2.classList.toggle("beside", at % 3 === 2);
+      put(element2, Math.floor(at / 3) + 1, at % 3 + 1);
     }
     const deeds = {
       zoom: (plot, at, factor) => this.look(plot, (seen, whole) => zoomed(seen, whole, at, factor)),
@@ -1541,9 +1894,12 @@ var Linked = class {
       /** @type {Along[]} */
       Object.keys(AXES)
     );
-    const offered = all.filter((one) => this.fetched || (AXES[one].column ?? "tau") in data.columns);
+    const there = (one) => one !== "frequency" && (AXES[one].column ?? "tau") in data.columns;
+    const offered = all.filter((one) => this.fetched || there(one));
     for (const [at, along] of axes.entries()) {
       showPicked(this.pickers[at], offered, { along, data });
+      for (const element2 of [this.residuals[at].element, this.pickers[at]]) element2.classList.toggle("wide", along === "frequency");
+      for (const kind of [0, 2]) this.rows[at][kind].element.toggleAttribute("hidden", along === "frequency");
       for (const [kind, plot] of this.rows[at].entries()) {
         plot.element.setAttribute("aria-label", kinds[kind].replace("%", AXES[along].words));
         if (along === this.axes[at]) continue;
@@ -1562,13 +1918,15 @@ var Linked = class {
     const at = this.axes.indexOf(place3.axis);
     if (!this.data || at < 0) return;
     this.choose(samplesIn(this.data, place3));
-    const { low, high } = this.shown[at].residual.yAxis;
-    this.residuals[at].setRegion({ x: [place3.low, place3.high], y: [low, high] });
+    const { xAxis, yAxis } = this.shown[at].residual;
+    const x = [place3.low, place3.high].map((value) => xAxis.log ? Math.max(xAxis.low, Math.log10(value)) : value);
+    this.residuals[at].setRegion({ x: [x[0], x[1]], y: [yAxis.low, yAxis.high] });
   }
   /** @param {number} at which row */
   drawRow(at) {
     const row = this.shown[at];
-    const bins = this.data?.splits?.find(({ axis: axis2 }) => axis2 === this.axes[at]) ?? null;
+    const along = this.data?.splits?.find(({ axis: axis2 }) => axis2 === this.axes[at]) ?? null;
+    const bins = row.residual.spectrum === void 0 ? along : null;
     for (const [column, contents] of [row.torque, { ...row.residual, bins }, row.beside].entries()) {
       const plot = this.rows[at][column];
       const [xAxis, yAxis] = [within2(contents?.xAxis, this.seen[at]), within2(contents?.yAxis, this.heights.get(plot))];
@@ -1582,6 +1940,7 @@ var Linked = class {
   lay(splits) {
     if (!this.data) return;
     this.data = { ...this.data, splits };
+    for (const row of this.shown) if (!row.torque) row.residual = alongFrequency(this.data);
     for (const at of this.rows.keys()) this.drawRow(at);
     this.drawLight();
   }
@@ -1598,7 +1957,7 @@ var Linked = class {
   look(plot, change) {
     const at = this.rows.findIndex((row) => row.includes(plot));
     if (!this.shown[at]) return;
-    const { low, high } = this.shown[at].torque.xAxis;
+    const { low, high } = this.shown[at].residual.xAxis;
     this.seen[at] = change(this.seen[at] ?? [low, high], [low, high]);
     if (!this.seen[at]) for (const other of this.rows[at]) this.heights.delete(other);
     this.later("zoom", () => {
@@ -1721,8 +2080,12 @@ function picker(at, picked) {
       choice.value
     ) }
   });
-  choice.style.gridArea = `${at + 1} / 1`;
+  put(choice, at + 1, 1);
   return choice;
+}
+function put(element2, row, column) {
+  element2.style.setProperty("--row", String(row));
+  element2.style.setProperty("--column", String(column));
 }
 function showPicked(choice, offered, { along, data }) {
   const texts = offered.map((one) => labelOf(one, data));
@@ -1882,7 +2245,7 @@ var Live = class {
     this.heard = heard;
     this.plots = PLOTS.map(({ name }) => new Plot(`${name}, as it is recorded`, () => {
     }));
-    byId("live-plots").append(...this.plots.map(({ element }) => element));
+    byId("live-plots").append(...this.plots.map(({ element: element2 }) => element2));
     this.columns = {};
     this.told = null;
     this.waiting = false;
@@ -2287,7 +2650,7 @@ var Next = class {
       (name) => new Plot(`${name} of the next experiment`, () => {
       })
     );
-    byId("next-plots").append(...this.plots.map(({ element }) => element));
+    byId("next-plots").append(...this.plots.map(({ element: element2 }) => element2));
     this.state = null;
     this.motion = null;
     this.drawn = "";
@@ -2882,11 +3245,11 @@ function themed(changed) {
 }
 
 // src/verdict.js
-function showVerdict(element, { verdict_text: text, places }, go) {
+function showVerdict(element2, { verdict_text: text, places }, go) {
   const key2 = JSON.stringify([text, places]);
-  if (element.dataset.told === key2) return;
-  element.dataset.told = key2;
-  element.replaceChildren(
+  if (element2.dataset.told === key2) return;
+  element2.dataset.told = key2;
+  element2.replaceChildren(
     ...parted(text, places).map(
       (part) => typeof part === "string" ? part : make("button", { ...LEADS, text: part.words, on: { click: () => go(part) } })
     )
@@ -2983,7 +3346,12 @@ var App = class {
       this.next.draw();
     });
     this.buttons();
-    document.addEventListener("keydown", (event) => this.key(event));
+    keys({
+      stop: () => this.live?.following && this.live.stop(true),
+      // Escape is what a hand finds without looking
+      clear: () => this.linked.clear(),
+      closer: () => this.linked.lookCloser()
+    });
     listen({
       state: (revision) => this.refresh(revision),
       progress: (job) => job.recording ? this.showRecording(job) : this.showJob(job),
@@ -3209,28 +3577,6 @@ var App = class {
     preparing(what);
     this.live?.phase(what);
     if (done !== null && !this.live?.following) this.live?.follow();
-  }
-  /** @param {KeyboardEvent} event */
-  key(event) {
-    if (event.target instanceof HTMLInputElement && event.target.type !== "range" && event.key !== "Escape") return;
-    const control = event.ctrlKey || event.metaKey;
-    const key2 = event.key.toLowerCase();
-    if (event.key === "Escape" && this.live?.following) {
-      this.live.stop(true);
-    } else if (event.key === "Escape" && document.querySelector("details.menu[open]")) {
-      byId("save").removeAttribute("open");
-      byId("save").querySelector("summary")?.focus();
-    } else if (event.key === "Escape") {
-      this.linked.clear();
-    } else if (!control && !event.altKey && key2 === "z") {
-      this.linked.lookCloser();
-    } else if (control && (key2 === "y" || key2 === "z" && event.shiftKey)) {
-      event.preventDefault();
-      byId("redo").click();
-    } else if (control && key2 === "z") {
-      event.preventDefault();
-      byId("undo").click();
-    }
   }
   /** @param {string} words */
   say(words3) {
