@@ -60,6 +60,11 @@ await second.waitFor({ timeout: 60_000 });
 const name = await second.locator("strong").textContent();
 assert.equal(name, basename(good));
 await done(page, "captures", () => page.locator("button.capture[aria-pressed=false]").or(second).first().click());
+await page.getByRole("button", { name: `close ${basename(good)}` }).click();
+await second.waitFor({ state: "detached" });
+assert.equal((await stateOf(page)).captures.length, 1);
+await done(page, "undo", () => page.keyboard.press("Control+z"));
+await second.waitFor(); // going back finds it
 assert.equal(await page.locator("#captures img, #captures script, main img[src]").count(), 0);
 assert.equal(await page.title(), "knobcam workbench");
 assert.ok(await page.locator("#welcome").isHidden());

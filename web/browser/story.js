@@ -52,6 +52,12 @@ const spectrum = await page.evaluate(() => globalThis.knobcam.app.linked.residua
 assert.ok(spectrum.x.length > 100 && spectrum.chance.every(Number.isFinite));
 await picture("2-over-frequency");
 await done(page, "data", () => page.getByLabel("axis of row 3").selectOption("time"));
+const plot = page.getByRole("img", { name: "residual over time", exact: true });
+await plot.focus();
+for (let press = 0; press < 20; press++) await page.keyboard.press(".");
+assert.match(await page.locator("#moment-words").textContent(), /^0\.\d+ s, .* rad, .* measured, .* modelled, .* mNm left$/);
+assert.equal(await page.locator(".plot .moment:visible").count(), 6, "one moment in every plot");
+
 // 720 x 450: a screen of 1440 x 900 at 200 %.
 for (const [width, height] of [[720, 450], [700, 950], [800, 950], [1280, 950], [1440, 900], [1920, 950]]) {
   await page.setViewportSize({ width, height });

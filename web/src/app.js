@@ -16,6 +16,7 @@ import { USUAL, columnsOf } from "./contents.js";
 import { Looking, showLeft } from "./going.js";
 import { Linked } from "./linked.js";
 import { Live } from "./live.js";
+import { showMoment } from "./moment.js";
 import { Next, showUntold } from "./next.js";
 import { Params } from "./params.js";
 import { preparing, sources } from "./sources.js";
@@ -54,7 +55,7 @@ class App {
         this.looks.changed();
       },
       (axes) => this.see({ axes }),
-      { fetched: true },
+      { fetched: true, pointed: showMoment },
     );
     byId("plots").append(this.linked.element);
     this.refresh = latest((/** @type {number} */ revision) => this.load(revision));
@@ -118,6 +119,7 @@ class App {
       this.next.draw();
     });
     this.buttons();
+    showMoment(null, null);
     keys({
       stop: () => this.live?.following && this.live.stop(true), // Escape is what a hand finds without looking
       clear: () => this.linked.clear(),
@@ -220,7 +222,10 @@ class App {
         this.refresh(0);
       },
     });
-    showCaptures(byId("captures"), state, (captures) => this.ask("use", { captures }, "captures"));
+    showCaptures(byId("captures"), state, {
+      use: (captures) => this.ask("use", { captures }, "captures"),
+      close: (capture) => this.ask("close", { capture }, "captures"),
+    });
     showFindings(byId("findings"), state);
     byId("open-together").hidden = state.captures.length === 0;
     showLadder(byId("ladder"), state);

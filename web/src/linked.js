@@ -2,6 +2,7 @@
 
 import { brushable } from "./brush.js";
 import { AXES, USUAL, alongFrequency, labelOf, reachOf, rowsOf, samplesIn } from "./contents.js";
+import { pointing } from "./cursor.js";
 import { make } from "./dom.js";
 import { number, percent, torqueScale } from "./numbers.js";
 import { Plot } from "./plot.js";
@@ -19,9 +20,10 @@ export class Linked {
   /**
    * @param {(words: string | null) => void} told about the chosen samples; null when none are
    * @param {(axes: Along[]) => void} picked what the rows shall be drawn over; they are once they are shown
-   * @param {{fetched?: boolean}} [columns] `fetched`: there is a column for every axis, as soon as it is asked for
+   * @param {{fetched?: boolean, pointed?: (data: Data | null, at: number | null) => void}} [more] `fetched`: there is a
+   * column for every axis, as soon as it is asked for; `pointed`: told which sample is pointed at
    */
-  constructor(told, picked, { fetched = false } = {}) {
+  constructor(told, picked, { fetched = false, pointed = () => {} } = {}) {
     this.told = told;
     this.fetched = fetched;
     const brushed = (/** @type {Plot} */ plot, /** @type {Region | null} */ region) => this.brush(plot, region);
@@ -48,6 +50,7 @@ export class Linked {
       brushable(plot);
       zoomable(plot, deeds);
     }
+    this.moment = pointing(this.plots, () => this.data?.columns.t ?? null, (at) => pointed(this.data, at));
     /** @type {Data | null} */
     this.data = null;
     /** @type {Row[]} */
@@ -79,6 +82,7 @@ export class Linked {
     const { columns } = data;
     if (this.data && this.data.columns.t.length !== columns.t.length) {
       this.clear();
+      this.moment.none();
       this.seen.fill(null);
       this.heights.clear();
       this.widest = 0;

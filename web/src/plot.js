@@ -31,10 +31,13 @@ export class Plot {
     this.light = make("canvas", { class: "points light" });
     this.axes = make("canvas", { class: "axes" });
     this.box = make("div", { class: "brush", hidden: true });
+    this.dot = make("div", { class: "moment", hidden: true });
+    /** @type {number | null} the sample that is pointed at */
+    this.marked = null;
     this.element = make(
       "div",
       { class: "plot", tabindex: 0, role: "img", "aria-label": name },
-      ...[this.base, this.light, this.axes, this.box],
+      ...[this.base, this.light, this.axes, this.box, this.dot],
     );
     /** @type {Contents | null} */
     this.contents = null;
@@ -90,6 +93,7 @@ export class Plot {
     this.drawBase(series);
     this.drawFrame(width, height);
     this.drawBox();
+    this.mark(this.marked);
   }
 
   /** @param {Series[]} series */
@@ -172,6 +176,18 @@ export class Plot {
     const [left, right] = region.x.map((value) => (value - x[0]) / (x[1] - x[0]));
     const [bottom, top] = region.y.map((value) => (y[1] - value) / (y[1] - y[0]));
     return { left, top, width: right - left, height: bottom - top };
+  }
+
+  /** Mark where a sample is; nowhere, if it is not drawn. @param {number | null} at */
+  mark(at) {
+    this.marked = at;
+    const pixel = at === null ? -1 : (this.placed[this.contents?.picked ?? 0]?.[at] ?? -1);
+    this.dot.hidden = pixel < 0;
+    if (pixel < 0) return;
+    const { width, dot } = this.frame;
+    const row = (pixel / width) | 0;
+    const [x, y] = [pixel - row * width, row].map((one) => (one + dot / 2) / this.scale);
+    this.dot.style.transform = `translate(${MARGIN.left + x}px, ${MARGIN.top + y}px)`;
   }
 
   /** @param {Region | null} region */

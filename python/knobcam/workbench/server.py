@@ -27,7 +27,7 @@ from ..capture.formats import DEFAULT_MAX_BYTES
 from ..errors import InputError
 from ..model.effects import effect as catalogued
 from ..rig.record import Latched
-from . import arrays, saving
+from . import arrays, closing, saving
 from .answers import answered, bytes_answer, finished, json_answer, refusal
 from .bench import Bench
 from .bodies import Busy, Unread, file_name, flag, indices, read_json, reading, receive, text
@@ -68,7 +68,7 @@ def application(bench: Bench, token: str, port: int, upload_bytes: int = UPLOAD_
     posts: dict[str, Answers] = {
         **{"add": server.add, "drop": server.drop, "undo": server.undo, "redo": server.redo},
         **{"branch": server.branch, "switch": server.switch, "params": server.params, "snap": server.snap},
-        **{"diagnose": server.diagnose, "cancel": server.cancel, "share": server.share, "use": server.use},
+        **{"diagnose": server.diagnose, "cancel": server.cancel, "share": server.share, "use": server.use, "close": server.close},
         **{"open": server.open, "upload": server.upload, "save": server.save, **recording.posts},
         **Continuing(bench).posts,
         **designing.posts,
@@ -204,6 +204,11 @@ class _Server:
         if not isinstance(captures, list) or not all(isinstance(one, str) for one in captures):
             raise InputError("captures: give a list of their ids")
         return await self._long("fitting", lambda job: self.session.use(captures, job.tell))
+
+    async def close(self, request: Request) -> Response:
+        """Show a capture no more."""
+        capture = text(await read_json(request), "capture")
+        return await self._long("closing", lambda job: closing.close(self.session, capture, job.tell))
 
     async def undo(self, _: Request) -> Response:
         """Go one step back."""

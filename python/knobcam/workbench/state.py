@@ -12,6 +12,7 @@ from ..learn.limitations import limitations
 from ..model.effects import effects
 from ..show.samples import candidates
 from . import proposing
+from .closing import open_ones
 from .designing import origin
 from .learned import conclusion, in_vain, ladder
 
@@ -97,7 +98,7 @@ def _nothing(session: Session) -> pages.Session:
     return {
         "schema": SCHEMA,
         "revision": session.revision,
-        "captures": [_capture(one) for one in session.captures.values()],
+        "captures": [_capture(one) for one in open_ones(session)],
         "branches": [_branch(one) for one in session.branches.values()],
         "active": [],
         "branch": None,

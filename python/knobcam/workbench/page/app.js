@@ -120,7 +120,7 @@ function ticks(low, high, count) {
 }
 
 // src/branches.js
-function showBranches(place3, state, beside, deeds) {
+function showBranches(place4, state, beside, deeds) {
   const focused = document.activeElement?.getAttribute("data-beside");
   const cards = state.branches.map(({ id, name, steps, at }) => {
     const step = steps[at];
@@ -145,47 +145,53 @@ function showBranches(place3, state, beside, deeds) {
     });
     return make("div", { class: "card" }, card, make("label", {}, box, " side by side"));
   });
-  place3.replaceChildren(...cards);
+  place4.replaceChildren(...cards);
   if (focused) {
-    place3.querySelector(`[data-beside="${CSS.escape(focused)}"]`)?.focus();
+    place4.querySelector(`[data-beside="${CSS.escape(focused)}"]`)?.focus();
   }
 }
 
 // src/captures.js
-function showCaptures(place3, { captures, active }, use) {
+function showCaptures(place4, { captures, active }, { use, close }) {
   if (captures.length === 1) {
     const [only] = captures;
-    place3.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only)));
+    place4.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only)));
     return;
   }
   const toggled = (id) => active.includes(id) ? active.filter((one) => one !== id) : [...active, id];
-  const buttons = captures.map(
-    (capture) => make(
+  const buttons = captures.map((capture) => {
+    const alone = active.length === 1 && active[0] === capture.id;
+    const chosen = make(
       "button",
       {
         ...{ type: "button", class: "capture", title: `fit to ${capture.name} too, or not` },
         "aria-pressed": String(active.includes(capture.id)),
-        disabled: active.length === 1 && active[0] === capture.id,
+        disabled: alone,
         on: { click: () => use(toggled(capture.id)) }
       },
       ...words(capture)
-    )
-  );
-  place3.replaceChildren(...buttons);
+    );
+    const away = make("button", {
+      ...{ type: "button", class: "away", text: "×", "aria-label": `close ${capture.name}`, disabled: alone },
+      ...{ title: alone ? "the model is fitted to it alone" : `close ${capture.name}`, on: { click: () => close(capture.id) } }
+    });
+    return make("span", { class: "held-capture" }, chosen, away);
+  });
+  place4.replaceChildren(...buttons);
 }
 function words({ name, samples, rate_hz, findings }) {
   const facts = ` ${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
   const doubt = make("span", { class: "doubt", text: "⚠ ", title: findings.join("\n") });
   return [...findings.length > 0 ? [doubt] : [], make("strong", { text: name }), facts];
 }
-function showFindings(place3, { captures, active, limitations, notes }) {
+function showFindings(place4, { captures, active, limitations, notes }) {
   const fitted = captures.filter(({ id }) => active.includes(id));
   const found2 = fitted.flatMap(
     ({ name, findings }) => findings.map((text) => make("li", { class: "doubt", text: `⚠ ${fitted.length > 1 ? `${name}: ` : ""}${text}` }))
   );
   const missing = limitations.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
-  place3.replaceChildren(...noted, ...found2, ...missing);
+  place4.replaceChildren(...noted, ...found2, ...missing);
 }
 
 // src/math.js
@@ -351,8 +357,8 @@ var Candidates = class {
    *   about?: (row: Candidate) => void, apart?: (effects: string[]) => void}} deeds
    * @param {string} taking what it is called to take one
    */
-  constructor(place3, deeds, taking) {
-    this.place = place3;
+  constructor(place4, deeds, taking) {
+    this.place = place4;
     this.deeds = deeds;
     this.taking = taking;
     this.shown = "";
@@ -360,8 +366,8 @@ var Candidates = class {
     this.inside = false;
     this.items = [];
     this.rows = [];
-    place3.tabIndex = -1;
-    place3.addEventListener("keydown", (event) => this.key(event));
+    place4.tabIndex = -1;
+    place4.addEventListener("keydown", (event) => this.key(event));
   }
   /** @param {Pick<State, "candidates" | "node" | "job">} state */
   show({ candidates, node, job }) {
@@ -523,7 +529,7 @@ var AnyEffect = class {
   }
 };
 function about(effect) {
-  const { effect: id, place: place3, law, source, shows, name, about: sentence, causes, remedies } = effect;
+  const { effect: id, place: place4, law, source, shows, name, about: sentence, causes, remedies } = effect;
   const drawing = make("p", { class: "soft", text: "The picture is being drawn …" });
   const frame = make("div", { class: "picture", role: "status" }, drawing);
   byId("about-title").textContent = `${id}: ${name}`;
@@ -531,7 +537,7 @@ function about(effect) {
     make("p", { text: sentence }),
     lawOf(effect),
     make("div", { class: "columns-of-two" }, listed("Usual causes", causes), listed("What helps", remedies)),
-    make("p", { class: "soft", text: `Acts on the ${PLACES[place3] ?? place3}. Shows ${shows}. ${source}` }),
+    make("p", { class: "soft", text: `Acts on the ${PLACES[place4] ?? place4}. Shows ${shows}. ${source}` }),
     frame
   );
   dialog().showModal();
@@ -598,7 +604,7 @@ var SPELT = {
 var SIZE = { width: 110, height: 34 };
 var Mapping = class {
   /** @param {HTMLElement} place of the fields @param {HTMLElement} found place of the file's columns */
-  constructor(place3, found2) {
+  constructor(place4, found2) {
     this.found = found2;
     this.columns = [];
     this.fields = Object.entries(TARGETS).map(([name, target]) => {
@@ -609,7 +615,7 @@ var Mapping = class {
       text.addEventListener("focus", () => this.at = text);
       text.addEventListener("input", () => this.tell());
       unit.addEventListener("change", () => this.chose(unit.value));
-      place3.append(make("div", {}, make("span", { text: target.words }), text, unit, range2));
+      place4.append(make("div", {}, make("span", { text: target.words }), text, unit, range2));
       return field3;
     });
     this.at = this.fields[0].text;
@@ -921,11 +927,11 @@ function closeMenu(focus) {
 }
 
 // src/ladder.js
-function showLadder(place3, state) {
+function showLadder(place4, state) {
   const branch = state.branches.find(({ id }) => id === state.branch);
   const key2 = JSON.stringify([branch, state.rmse, state.noise_floor, state.unit]);
-  if (place3.dataset.shown === key2) return;
-  place3.dataset.shown = key2;
+  if (place4.dataset.shown === key2) return;
+  place4.dataset.shown = key2;
   const { steps, at: here } = sameCaptures(branch?.steps ?? [], branch?.at ?? 0);
   const errors = steps.flatMap(({ rmse, rmse_heldout }) => [rmse, rmse_heldout]).concat(state.rmse);
   const floor = state.noise_floor;
@@ -951,16 +957,16 @@ function showLadder(place3, state) {
       track
     );
   });
-  const head = make(
+  const head2 = make(
     "div",
     { class: "ladder-line head" },
     make("span", { class: "legend", text: floor === null ? "noise floor unknown" : `▖noise floor ${shown(floor)}` }),
     make("span", { class: "figure", text: `RMS, ${scale.unit}` }),
     make("span", { class: "figure", text: "unseen" })
   );
-  place3.replaceChildren(head, make("ol", {}, ...lines));
+  place4.replaceChildren(head2, make("ol", {}, ...lines));
   const dragged = state.params.some((param) => param.dragged);
-  if (dragged) place3.append(make("p", { class: "soft", text: `as dragged: ${shown(state.rmse)} ${scale.unit}` }));
+  if (dragged) place4.append(make("p", { class: "soft", text: `as dragged: ${shown(state.rmse)} ${scale.unit}` }));
 }
 function sameCaptures(steps, at) {
   const of = (step) => steps[step]?.captures.join();
@@ -999,8 +1005,8 @@ var Laws = class {
    * @param {{ask: () => void, look: (number: number | null) => void, take: (number: number, name: string) => void,
    *   add: (formula: object) => Promise<boolean>}} deeds
    */
-  constructor(place3, deeds) {
-    this.place = place3;
+  constructor(place4, deeds) {
+    this.place = place4;
     this.deeds = deeds;
     this.shown = "";
     const form = (
@@ -1453,6 +1459,53 @@ function shifted(plot, region, right, down) {
   return { x: [region.x[0] + across, region.x[1] + across], y: [region.y[0] + up, region.y[1] + up] };
 }
 
+// src/cursor.js
+var NEAR = 14;
+var PARTS = 200;
+function pointing(plots, times2, told) {
+  let now = null;
+  const go = (at) => {
+    if (at === now) return;
+    now = at;
+    for (const plot of plots) plot.mark(at);
+    told(at);
+  };
+  for (const plot of plots) {
+    plot.element.addEventListener("pointermove", (event) => {
+      if (event.buttons !== 0) return;
+      const edge = plot.element.getBoundingClientRect();
+      const at = nearest(plot, event.clientX - edge.left - MARGIN.left, event.clientY - edge.top - MARGIN.top);
+      if (at !== null) go(at);
+    });
+    plot.element.addEventListener("keydown", (event) => {
+      const t = times2();
+      if (!t || event.key !== "," && event.key !== ".") return;
+      const step = Math.max(1, Math.round(t.length / PARTS)) * (event.key === "." ? 1 : -1);
+      go(Math.min(t.length - 1, Math.max(0, (now ?? 0) + step)));
+    });
+  }
+  return { none: () => go(null) };
+}
+function nearest(plot, x, y) {
+  const pixels = plot.placed[plot.contents?.picked ?? 0];
+  if (!pixels || pixels.length === 0) return null;
+  const { width, height } = plot.frame;
+  const [column, row, reach] = [x, y, NEAR].map((length) => Math.round(length * plot.scale));
+  const rect = {
+    ...{ left: Math.max(0, column - reach), right: Math.min(width - 1, column + reach) },
+    ...{ top: Math.max(0, row - reach), bottom: Math.min(height - 1, row + reach) }
+  };
+  if (rect.left > rect.right || rect.top > rect.bottom) return null;
+  let best = null;
+  let least = Infinity;
+  for (const at of plot.sorted().inside(rect)) {
+    const above = pixels[at] / width | 0;
+    const away = (above - row) ** 2 + (pixels[at] - above * width - column) ** 2;
+    if (away < least) [best, least] = [at, away];
+  }
+  return best;
+}
+
 // src/pick.js
 var CELL = 16;
 var Pick = class {
@@ -1597,10 +1650,12 @@ var Plot = class {
     this.light = make("canvas", { class: "points light" });
     this.axes = make("canvas", { class: "axes" });
     this.box = make("div", { class: "brush", hidden: true });
+    this.dot = make("div", { class: "moment", hidden: true });
+    this.marked = null;
     this.element = make(
       "div",
       { class: "plot", tabindex: 0, role: "img", "aria-label": name },
-      ...[this.base, this.light, this.axes, this.box]
+      ...[this.base, this.light, this.axes, this.box, this.dot]
     );
     this.contents = null;
     this.frame = { width: 0, height: 0, x: [0, 1], y: [0, 1], dot: 2 };
@@ -1647,6 +1702,7 @@ var Plot = class {
     this.drawBase(series);
     this.drawFrame(width, height);
     this.drawBox();
+    this.mark(this.marked);
   }
   /** @param {Series[]} series */
   drawBase(series) {
@@ -1723,6 +1779,17 @@ var Plot = class {
     const [left, right] = region.x.map((value) => (value - x[0]) / (x[1] - x[0]));
     const [bottom, top] = region.y.map((value) => (y[1] - value) / (y[1] - y[0]));
     return { left, top, width: right - left, height: bottom - top };
+  }
+  /** Mark where a sample is; nowhere, if it is not drawn. @param {number | null} at */
+  mark(at) {
+    this.marked = at;
+    const pixel = at === null ? -1 : this.placed[this.contents?.picked ?? 0]?.[at] ?? -1;
+    this.dot.hidden = pixel < 0;
+    if (pixel < 0) return;
+    const { width, dot: dot2 } = this.frame;
+    const row = pixel / width | 0;
+    const [x, y] = [pixel - row * width, row].map((one) => (one + dot2 / 2) / this.scale);
+    this.dot.style.transform = `translate(${MARGIN.left + x}px, ${MARGIN.top + y}px)`;
   }
   /** @param {Region | null} region */
   setRegion(region) {
@@ -1817,9 +1884,11 @@ var Linked = class {
   /**
    * @param {(words: string | null) => void} told about the chosen samples; null when none are
    * @param {(axes: Along[]) => void} picked what the rows shall be drawn over; they are once they are shown
-   * @param {{fetched?: boolean}} [columns] `fetched`: there is a column for every axis, as soon as it is asked for
+   * @param {{fetched?: boolean, pointed?: (data: Data | null, at: number | null) => void}} [more] `fetched`: there is a
+   * column for every axis, as soon as it is asked for; `pointed`: told which sample is pointed at
    */
-  constructor(told, picked, { fetched = false } = {}) {
+  constructor(told, picked, { fetched = false, pointed = () => {
+  } } = {}) {
     this.told = told;
     this.fetched = fetched;
     const brushed = (plot, region) => this.brush(plot, region);
@@ -1844,6 +1913,7 @@ var Linked = class {
       brushable(plot);
       zoomable(plot, deeds);
     }
+    this.moment = pointing(this.plots, () => this.data?.columns.t ?? null, (at) => pointed(this.data, at));
     this.data = null;
     this.shown = [];
     this.axes = USUAL;
@@ -1866,6 +1936,7 @@ var Linked = class {
     const { columns } = data;
     if (this.data && this.data.columns.t.length !== columns.t.length) {
       this.clear();
+      this.moment.none();
       this.seen.fill(null);
       this.heights.clear();
       this.widest = 0;
@@ -1914,12 +1985,12 @@ var Linked = class {
    * Choose what lies where a verdict says that the model fails, and mark it on the residuals over that axis.
    * @param {import("./types.js").Place} place
    */
-  mark(place3) {
-    const at = this.axes.indexOf(place3.axis);
+  mark(place4) {
+    const at = this.axes.indexOf(place4.axis);
     if (!this.data || at < 0) return;
-    this.choose(samplesIn(this.data, place3));
+    this.choose(samplesIn(this.data, place4));
     const { xAxis, yAxis } = this.shown[at].residual;
-    const x = [place3.low, place3.high].map((value) => xAxis.log ? Math.max(xAxis.low, Math.log10(value)) : value);
+    const x = [place4.low, place4.high].map((value) => xAxis.log ? Math.max(xAxis.low, Math.log10(value)) : value);
     this.residuals[at].setRegion({ x: [x[0], x[1]], y: [yAxis.low, yAxis.high] });
   }
   /** @param {number} at which row */
@@ -2119,13 +2190,13 @@ function decode(buffer) {
 }
 function unpacked(buffer) {
   const end = new Uint8Array(buffer).indexOf(10);
-  const head = JSON.parse(new TextDecoder().decode(buffer.slice(0, end)));
+  const head2 = JSON.parse(new TextDecoder().decode(buffer.slice(0, end)));
   const start = Math.ceil((end + 1) / 4) * 4;
-  const columns = head.names.map((name, at) => [
+  const columns = head2.names.map((name, at) => [
     name,
-    new Float32Array(buffer, start + 4 * at * head.n, head.n)
+    new Float32Array(buffer, start + 4 * at * head2.n, head2.n)
   ]);
-  return { head, columns: Object.fromEntries(columns) };
+  return { head: head2, columns: Object.fromEntries(columns) };
 }
 var Store = class {
   constructor() {
@@ -2301,8 +2372,8 @@ var Live = class {
   /** Fetch what came since the last time, and show it in the next frame. */
   async look() {
     const since = String(this.columns.t?.length ?? 0);
-    const { head, columns } = unpacked(await fetchBytes("/api/live", { since }));
-    this.told = head.live ?? null;
+    const { head: head2, columns } = unpacked(await fetchBytes("/api/live", { since }));
+    this.told = head2.live ?? null;
     for (const [name, more] of Object.entries(columns)) this.columns[name] = appended(this.columns[name], more);
     if (this.waiting) return;
     this.waiting = true;
@@ -2409,6 +2480,93 @@ function seconds(value) {
 }
 function pause() {
   return new Promise((resolve) => setTimeout(() => resolve(true), PAUSE_MS));
+}
+
+// src/moment.js
+var SIZE2 = 62;
+var TURNED = 2.2;
+function showMoment(data, at) {
+  byId("moment").classList.toggle("empty", at === null);
+  const canvas = (
+    /** @type {HTMLCanvasElement} */
+    byId("moment-knob")
+  );
+  const scale = globalThis.devicePixelRatio || 1;
+  canvas.width = canvas.height = Math.round(SIZE2 * scale);
+  const brush = canvas.getContext("2d");
+  if (!data || at === null || !brush) {
+    byId("moment-words").textContent = "Point at a sample: what is measured and modelled then.";
+    return;
+  }
+  const { t, theta, omega, tau, residual } = data.columns;
+  const linear = data.coordinate === "linear";
+  const [angle, rate] = linear ? ["m", "m/s"] : ["rad", "rad/s"];
+  const counts = residual[at] === residual[at];
+  const modelled = tau[at] - residual[at];
+  let largest2 = 0;
+  for (let i = 0; i < tau.length; i++) if (Math.abs(tau[i]) > largest2) largest2 = Math.abs(tau[i]);
+  const { factor, unit } = torqueScale(data.unit, largest2);
+  const shown = (value) => number(value * factor);
+  byId("moment-words").textContent = `${number(t[at], 4)} s, ${number(theta[at])} ${angle}, ${number(omega[at])} ${rate}; ${torqueWord(data.unit)} ` + (counts ? `${shown(tau[at])} measured, ${shown(modelled)} modelled, ${shown(residual[at])} ${unit} left` : `masked: it does not count`);
+  brush.scale(scale, scale);
+  brush.lineWidth = 2.5;
+  const colours = ["--measured", "--modelled"].map((name) => styleValue(name, canvas));
+  const [ink, paper] = ["--ink", "--shade"].map((name) => styleValue(name, canvas));
+  const torques = [tau[at], modelled].map((value) => counts ? value / (largest2 || 1) : 0);
+  if (linear) slide(brush, place2(theta, at), torques, { ink, paper, colours });
+  else knob(brush, theta[at], torques, { ink, paper, colours });
+}
+function place2(values, at) {
+  let [low, high] = [Infinity, -Infinity];
+  for (let i = 0; i < values.length; i++) {
+    if (values[i] < low) low = values[i];
+    if (values[i] > high) high = values[i];
+  }
+  return high > low ? (values[at] - low) / (high - low) : 0.5;
+}
+function knob(brush, theta, torques, { ink, paper, colours }) {
+  const middle = SIZE2 / 2;
+  brush.fillStyle = paper;
+  brush.strokeStyle = ink;
+  brush.beginPath();
+  brush.arc(middle, middle, 15, 0, 2 * Math.PI);
+  brush.fill();
+  brush.stroke();
+  brush.beginPath();
+  brush.moveTo(middle, middle);
+  brush.lineTo(middle + 15 * Math.cos(theta), middle - 15 * Math.sin(theta));
+  brush.stroke();
+  for (const [n, torque] of torques.entries()) {
+    const [radius, from, to] = [21 + 6 * n, Math.PI / 2, Math.PI / 2 + TURNED * torque];
+    brush.strokeStyle = brush.fillStyle = colours[n];
+    brush.beginPath();
+    brush.arc(middle, middle, radius, -from, -to, torque > 0);
+    brush.stroke();
+    head(brush, [middle + radius * Math.cos(to), middle - radius * Math.sin(to)], -to - Math.PI / 2 * Math.sign(torque));
+  }
+}
+function slide(brush, share, torques, { ink, paper, colours }) {
+  brush.strokeStyle = ink;
+  brush.fillStyle = paper;
+  brush.strokeRect(4, 44, SIZE2 - 8, 4);
+  brush.fillRect(6 + share * (SIZE2 - 28), 32, 16, 12);
+  brush.strokeRect(6 + share * (SIZE2 - 28), 32, 16, 12);
+  for (const [n, torque] of torques.entries()) {
+    const [from, to, up] = [SIZE2 / 2, SIZE2 / 2 + 24 * torque, 10 + 11 * n];
+    brush.strokeStyle = brush.fillStyle = colours[n];
+    brush.beginPath();
+    brush.moveTo(from, up);
+    brush.lineTo(to, up);
+    brush.stroke();
+    head(brush, [to, up], torque < 0 ? Math.PI : 0);
+  }
+}
+function head(brush, [x, y], way) {
+  brush.beginPath();
+  for (const [ahead, aside] of [[5, 0], [-2, 4], [-2, -4]]) {
+    brush.lineTo(x + ahead * Math.cos(way) - aside * Math.sin(way), y + ahead * Math.sin(way) + aside * Math.cos(way));
+  }
+  brush.fill();
 }
 
 // src/lead.js
@@ -2833,7 +2991,6 @@ var Next = class {
     byId("rig-said").textContent = "";
     byId("rig-fault").hidden = true;
     byId("rig-warning").hidden = by_hand;
-    rig().showModal();
     try {
       const known = await ask("sources");
       byId("rig-ports").replaceChildren(...known.ports.map(({ port: port2, words: words3 }) => make("option", { value: port2, text: words3 })));
@@ -2843,6 +3000,7 @@ var Next = class {
     } catch (reason) {
       byId("rig-said").textContent = wordsOf(reason);
     }
+    rig().showModal();
   }
   /** @param {Record<string, unknown>} more */
   async fromPort(more) {
@@ -2877,15 +3035,15 @@ var Next = class {
     if (!this.told) return;
     try {
       const content = await fetchBytes("/api/motion-file", { experiment: this.told.id });
-      const place3 = URL.createObjectURL(new Blob([content]));
-      make("a", { href: place3, download: "motion.toml" }).click();
-      setTimeout(() => URL.revokeObjectURL(place3), 1e4);
+      const place4 = URL.createObjectURL(new Blob([content]));
+      make("a", { href: place4, download: "motion.toml" }).click();
+      setTimeout(() => URL.revokeObjectURL(place4), 1e4);
     } catch (reason) {
       this.deeds.failed(reason);
     }
   }
 };
-function showUntold(place3, { untold }, apart) {
+function showUntold(place4, { untold }, apart) {
   const rows = untold.map(
     (effects) => make(
       "li",
@@ -2894,7 +3052,7 @@ function showUntold(place3, { untold }, apart) {
       make("button", { type: "button", text: "Tell apart…", on: { click: () => apart(effects) } })
     )
   );
-  place3.replaceChildren(...rows);
+  place4.replaceChildren(...rows);
 }
 function rig() {
   return (
@@ -2973,8 +3131,8 @@ var Params = class {
    * @param {HTMLElement} place
    * @param {{drag: (values: Record<string, number>) => void, drop: (effect: string) => void}} deeds
    */
-  constructor(place3, deeds) {
-    this.place = place3;
+  constructor(place4, deeds) {
+    this.place = place4;
     this.deeds = deeds;
     this.rows = /* @__PURE__ */ new Map();
     this.shape = "";
@@ -2991,7 +3149,7 @@ var Params = class {
       row.error.hidden = param.dragged;
       row.slider.setAttribute("aria-valuetext", `${number(param.value, 4)} ${param.unit}`);
       row.value.classList.toggle("moved", param.dragged);
-      if (document.activeElement !== row.slider) row.slider.value = String(place2(param.value, row));
+      if (document.activeElement !== row.slider) row.slider.value = String(place3(param.value, row));
     }
   }
   /** @param {Param[]} params */
@@ -3020,7 +3178,7 @@ var Params = class {
   line(param) {
     const { low, high } = span2(param);
     const slider = make("input", {
-      ...{ type: "range", min: 0, max: STEPS, step: 1, value: place2(param.value, { low, high }) },
+      ...{ type: "range", min: 0, max: STEPS, step: 1, value: place3(param.value, { low, high }) },
       ...{ "aria-label": param.name, "data-param": param.name, disabled: param.role === "fixed" },
       on: { input: () => this.drag(param.name) }
     });
@@ -3066,7 +3224,7 @@ function interval(ci95, { low, high }) {
   bar.style.width = `calc(${to - from} * (100% - var(--thumb)))`;
   return bar;
 }
-function place2(value, { low, high }) {
+function place3(value, { low, high }) {
   return high > low ? Math.round(STEPS * (value - low) / (high - low)) : 0;
 }
 
@@ -3115,12 +3273,13 @@ function sources(heard) {
     }
     fill(form, "knob", known.knobs.map(({ name, words: words3 }) => [name, words3]), "knob3");
     const { hideable } = known.knobs[0];
-    const every = [.../* @__PURE__ */ new Set([...hideable, ...known.knobs.flatMap((knob) => knob.hideable)])];
+    const every = [.../* @__PURE__ */ new Set([...hideable, ...known.knobs.flatMap((knob2) => knob2.hideable)])];
     if (!byId("new-effects").querySelector("input")) byId("new-effects").append(...every.map(effectBox(known.effects)));
     byId("new-ports").replaceChildren(...known.ports.map(({ port: port2, words: words3 }) => make("option", { value: port2, text: words3 })));
     byId("new-found").textContent = found(known.ports);
     const port = field2(form, "port");
-    if (!port.value && known.ports.length === 1) port.value = known.ports[0].port;
+    const typing = document.activeElement === port;
+    if (!port.value && !typing && known.ports.length === 1) port.value = known.ports[0].port;
     if (!field2(form, "folder").value) field2(form, "folder").value = known.folder;
     const emulated = (
       /** @type {HTMLInputElement} */
@@ -3285,7 +3444,7 @@ var App = class {
         this.looks.changed();
       },
       (axes) => this.see({ axes }),
-      { fetched: true }
+      { fetched: true, pointed: showMoment }
     );
     byId("plots").append(this.linked.element);
     this.refresh = latest((revision) => this.load(revision));
@@ -3346,6 +3505,7 @@ var App = class {
       this.next.draw();
     });
     this.buttons();
+    showMoment(null, null);
     keys({
       stop: () => this.live?.following && this.live.stop(true),
       // Escape is what a hand finds without looking
@@ -3392,13 +3552,13 @@ var App = class {
    * Go where a verdict says that the model fails: the axis comes into the first row where no row has it.
    * @param {import("./types.js").Place} place
    */
-  go(place3) {
+  go(place4) {
     const { axes } = this.view;
-    if (axes.includes(place3.axis)) {
-      this.linked.mark(place3);
+    if (axes.includes(place4.axis)) {
+      this.linked.mark(place4);
     } else {
-      this.place = place3;
-      this.see({ axes: [place3.axis, ...axes.slice(1)] });
+      this.place = place4;
+      this.see({ axes: [place4.axis, ...axes.slice(1)] });
     }
   }
   /**
@@ -3439,7 +3599,7 @@ var App = class {
     if (!this.state?.node && state.node !== null && state.looked) this.lookAgain(state.looked);
     this.state = state;
     byId("welcome").toggleAttribute("hidden", state.node !== null);
-    showVerdict(byId("verdict"), state, (place3) => this.go(place3));
+    showVerdict(byId("verdict"), state, (place4) => this.go(place4));
     if (state.recording) this.live?.follow();
     showHidden(state);
     showLeft(state.left, {
@@ -3450,7 +3610,10 @@ var App = class {
         this.refresh(0);
       }
     });
-    showCaptures(byId("captures"), state, (captures) => this.ask("use", { captures }, "captures"));
+    showCaptures(byId("captures"), state, {
+      use: (captures) => this.ask("use", { captures }, "captures"),
+      close: (capture) => this.ask("close", { capture }, "captures")
+    });
     showFindings(byId("findings"), state);
     byId("open-together").hidden = state.captures.length === 0;
     showLadder(byId("ladder"), state);
