@@ -86,6 +86,10 @@ await candidates.first().focus();
 await page.route("**/api/picture*", async (route) => {
   await page.locator("#about[open] math").waitFor(); // what is known is not waited for
   await accessible(page, "about");
+  const moment = page.getByLabel("moment");
+  const start = Number(await moment.inputValue());
+  await page.waitForFunction((start) => Number(document.querySelector("#about input").value) > start, start); // it moves
+  await page.getByText(/s: adds -?−?[\d.e−]+ mNm/).waitFor();
   await route.continue();
 });
 await page.keyboard.press("?");

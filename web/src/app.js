@@ -70,7 +70,7 @@ class App {
       look: (/** @type {string | null} */ effect) => this.look(effect, "signature", { effect: effect ?? "" }),
       take: (/** @type {string} */ effect) => this.ask("add", { effect }, "add"),
       ask: () => this.ask("diagnose"),
-      about,
+      about: (/** @type {import("./types.js").Effect} */ effect) => this.about(effect),
       apart: (/** @type {string[]} */ effects) => this.next.design(effects),
     };
     this.candidates = new Candidates(byId("candidates"), deeds, "Add");
@@ -80,7 +80,7 @@ class App {
       take: (number, name) => this.ask("accept", { number, name }, "add"),
       add: async (formula) => (await this.ask("formula", formula, "add")) !== null,
     });
-    this.any = new AnyEffect((effect) => this.ask("add", { effect }, "add"));
+    this.any = new AnyEffect((effect) => this.ask("add", { effect }, "add"), (effect) => this.about(effect));
     this.looking = new AbortController();
     /** @type {string | null} */
     this.looked = null;
@@ -334,6 +334,19 @@ class App {
     } catch (reason) {
       if (!signal.aborted) this.failed(reason);
     }
+  }
+
+  /** Show what an effect is, moved as the capture moved. @param {import("./types.js").Effect} effect */
+  about(effect) {
+    const { state } = this;
+    const { data } = this.linked;
+    const node = state?.node;
+    const weighed = state?.candidates.rows.some((row) => row.effect === effect.effect);
+    const added = async () => {
+      if (!state || !node || !weighed) return null;
+      return this.store.explained(node, state.active, effect.effect, { verb: "signature", asked: { effect: effect.effect } });
+    };
+    about(effect, data && node ? { data, at: this.linked.torques[0].marked, added } : null);
   }
 
   /** @param {Job | null} job */

@@ -1,5 +1,6 @@
 /** Any effect of the catalogue: what it is, where it shows, and a way to add it without waiting for evidence. */
 
+import { acting } from "./acting.js";
 import { fetchPicture, wordsOf } from "./api.js";
 import { byId, make } from "./dom.js";
 import { lawOf } from "./math.js";
@@ -14,8 +15,8 @@ const PLACES = { load: "torque of the knob", coupling: "joint between shaft and 
 
 /** Let any effect that the model lacks be chosen. */
 export class AnyEffect {
-  /** @param {(effect: string) => void} add */
-  constructor(add) {
+  /** @param {(effect: string) => void} add @param {(effect: Effect) => void} tell what it is */
+  constructor(add, tell) {
     this.select = /** @type {HTMLSelectElement} */ (byId("any-effect"));
     /** @type {Effect[]} */
     this.absent = [];
@@ -25,7 +26,7 @@ export class AnyEffect {
     });
     byId("any-about").addEventListener("click", () => {
       const chosen = this.absent.find(({ effect }) => effect === this.select.value);
-      if (chosen) about(chosen);
+      if (chosen) tell(chosen);
     });
     byId("about-close").addEventListener("click", () => dialog().close());
   }
@@ -44,10 +45,11 @@ export class AnyEffect {
 }
 
 /**
- * Show what an effect is and where it shows.
+ * Show what an effect is and where it shows, in motion where there is one.
  * @param {Effect} effect
+ * @param {import("./acting.js").Shown | null} shown
  */
-export function about(effect) {
+export function about(effect, shown) {
   const { effect: id, place, law, source, shows, name, about: sentence, causes, remedies } = effect;
   // The words are there at once; the picture is drawn meanwhile, where room is kept for it.
   const drawing = make("p", { class: "soft", text: "The picture is being drawn …" });
@@ -56,18 +58,19 @@ export function about(effect) {
   byId("about-text").replaceChildren(
     make("p", { text: sentence }),
     lawOf(effect),
+    shown ? acting(effect, shown) : "",
     make("div", { class: "columns-of-two" }, listed("Usual causes", causes), listed("What helps", remedies)),
     make("p", { class: "soft", text: `Acts on the ${PLACES[place] ?? place}. Shows ${shows}. ${source}` }),
     frame,
   );
   dialog().showModal();
   const alt = `${law}: what it adds to the torque of a small knob; it shows ${shows}`;
-  const shown = () => frame.replaceChildren(make("img", { alt, src: pictures.get(id) }));
-  if (pictures.has(id)) return shown();
+  const drawn = () => frame.replaceChildren(make("img", { alt, src: pictures.get(id) }));
+  if (pictures.has(id)) return drawn();
   fetchPicture(id).then(
     (blob) => {
       pictures.set(id, URL.createObjectURL(blob));
-      shown();
+      drawn();
     },
     (reason) => frame.replaceChildren(make("p", { class: "wrong", text: wordsOf(reason) })),
   );

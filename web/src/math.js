@@ -163,7 +163,7 @@ class Reader {
     /** @type {Node_[]} */
     let cells = [];
     for (;;) {
-      cells.push(["mtd", { style: "text-align: left" }, ...this.row((token) => ["&", "\\\\", "\\end"].includes(token))]);
+      cells.push(["mtd", {}, ...this.row((token) => ["&", "\\\\", "\\end"].includes(token))]);
       const end = this.take();
       if (end === "&") continue;
       rows.push(["mtr", {}, ...cells]);

@@ -35,7 +35,8 @@
 /**
  * An effect of the catalogue, in words.
  * @typedef {{effect: string, place: string, law: string, source: string, shows: string, confused: string[],
- *   name: string, about: string, causes: string[], remedies: string[], latex: string}} Effect
+ *   name: string, about: string, causes: string[], remedies: string[], latex: string, over: string,
+ *   friction: boolean}} Effect
  */
 
 /**
@@ -46,7 +47,8 @@
 /**
  * An effect that could be missing, with what speaks for it and against it; `said` is `word` in words.
  * @typedef {{effect: string, place: string, law: string, source: string, shows: string, confused: string[],
- *   name: string, about: string, causes: string[], remedies: string[], latex: string,
+ *   name: string, about: string, causes: string[], remedies: string[], latex: string, over: string,
+ *   friction: boolean,
  *   word: "missing" | "part" | "alike" | "less" | "implausible" | "too_little" | "unpaid" | "chance" | "untold",
  *   said: string, could_be: boolean, beyond_chance: boolean, p_value: number, error_fall: number,
  *   rmse_heldout: number | null, moved: Record<string, Movement>, equivalent: string[], implausible: string[],

@@ -81,6 +81,8 @@ class Effect(TypedDict):
     causes: list[str]
     remedies: list[str]
     latex: str
+    over: str
+    friction: bool
 
 
 class Movement(TypedDict):

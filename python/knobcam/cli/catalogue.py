@@ -86,6 +86,5 @@ def _document(effect: Effect) -> dict[str, Any]:
     return {
         "id": told.pop("effect"),
         **told,
-        "over": effect.over,
         "params": [param._asdict() for param in effect.params],
     }

@@ -107,6 +107,8 @@ class Effect(showing.Tabled):
             "causes": list(self.causes),
             "remedies": list(self.remedies),
             "latex": self.latex,
+            "over": self.over,
+            "friction": self.friction,
         }
 
     def __repr__(self) -> str:

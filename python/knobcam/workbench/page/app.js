@@ -318,7 +318,7 @@ var Reader = class {
     const rows = [];
     let cells = [];
     for (; ; ) {
-      cells.push(["mtd", { style: "text-align: left" }, ...this.row((token2) => ["&", "\\\\", "\\end"].includes(token2))]);
+      cells.push(["mtd", {}, ...this.row((token2) => ["&", "\\\\", "\\end"].includes(token2))]);
       const end = this.take();
       if (end === "&") continue;
       rows.push(["mtr", {}, ...cells]);
@@ -396,8 +396,8 @@ var Candidates = class {
   }
   /** @param {Candidate} row @param {number} at */
   item(row, at) {
-    const bar = make("span", { class: "bar" });
-    bar.style.width = `${100 * Math.min(1, Math.max(0, row.error_fall))}%`;
+    const bar2 = make("span", { class: "bar" });
+    bar2.style.width = `${100 * Math.min(1, Math.max(0, row.error_fall))}%`;
     const take = make("button", {
       ...{ type: "button", text: this.taking, tabindex: -1, "aria-label": `${this.taking} ${row.effect}` },
       on: { click: () => this.deeds.take(row.effect) }
@@ -420,7 +420,7 @@ var Candidates = class {
         }
       },
       make("span", { class: "label", text: row.effect, title: row.shows ?? row.effect }),
-      make("span", { class: "track" }, bar),
+      make("span", { class: "track" }, bar2),
       make("span", { class: "figure", text: percent(-Math.max(0, row.error_fall)), title: "fall of the RMS error" }),
       make("span", { class: "deeds" }, this.deeds.about ? about2 : null, take),
       make("span", { class: "alike", text: row.name }),
@@ -498,12 +498,251 @@ function remainder(unexplained) {
   return [make("p", { class: "soft", text: words3 })];
 }
 
+// src/section.js
+var SIZE = { width: 260, height: 120 };
+var BINS = 96;
+var KINDS = { joint, gauge, bristles, hills, mass };
+function kindOf({ place: place4, friction, over }) {
+  if (place4 === "coupling") return "joint";
+  if (place4 === "sensor") return "gauge";
+  if (friction) return "bristles";
+  return over === "acceleration" ? "mass" : "hills";
+}
+var SEEN = {
+  joint: "shaft and knob with the joint between them, twisted by what it carries",
+  gauge: "the torque sensor: what it reads, and in grey what it would read without this",
+  bristles: "two surfaces whose asperities bend like bristles as one slides over the other",
+  hills: "the hills and valleys that this makes of the way, and where the knob is on it",
+  mass: "the mass that has to be set going and stopped"
+};
+function drawSection(canvas, effect, motion, at, look) {
+  const scale = globalThis.devicePixelRatio || 1;
+  canvas.width = SIZE.width * scale;
+  canvas.height = SIZE.height * scale;
+  const brush = canvas.getContext("2d");
+  if (!brush) return;
+  brush.scale(scale, scale);
+  brush.lineWidth = 2;
+  brush.lineJoin = "round";
+  const now = motion.at(at);
+  KINDS[kindOf(effect)](brush, now, look);
+  bar(brush, now.torque, look);
+}
+var Motion = class {
+  /** @param {Columns} columns @param {Float32Array | null} added what the effect would add, as far as that is known */
+  constructor(columns, added) {
+    this.columns = columns;
+    this.added = added;
+    const [low, high] = reach(columns.theta);
+    this.low = low;
+    this.span = high - low || 1;
+    this.most = { omega: largest(columns.omega), tau: largest(columns.tau), added: added ? largest(added) : 1 };
+    this.hills = added && hillsOf(columns.theta, added, low, this.span);
+  }
+  /** @param {number} i @returns {Now} */
+  at(i) {
+    const { theta, omega, tau } = this.columns;
+    const part = (value, most) => value === value ? value / most : 0;
+    return {
+      theta: theta[i],
+      along: (theta[i] - this.low) / this.span,
+      omega: part(omega[i], this.most.omega),
+      level: part(tau[i], this.most.tau),
+      bare: this.added ? part(tau[i] - this.added[i], this.most.tau) : part(tau[i], this.most.tau),
+      torque: this.added ? part(this.added[i], this.most.added) : 0,
+      hills: this.hills
+    };
+  }
+};
+function hillsOf(theta, torque, low, span3) {
+  const [sum, count] = [new Float32Array(BINS), new Float32Array(BINS)];
+  for (let i = 0; i < theta.length; i++) {
+    const bin = Math.min(BINS - 1, Math.floor(BINS * (theta[i] - low) / span3));
+    if (!(bin >= 0) || torque[i] !== torque[i]) continue;
+    sum[bin] += torque[i];
+    count[bin]++;
+  }
+  let [work, last] = [0, 0];
+  const found2 = sum.map((value, bin) => {
+    last = count[bin] > 0 ? value / count[bin] : last;
+    return work += last;
+  });
+  const [least, most] = reach(found2);
+  return found2.map((value) => most > least ? (value - least) / (most - least) : 0.5);
+}
+function reach(values) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const value of values) {
+    if (value < low) low = value;
+    if (value > high) high = value;
+  }
+  return [low, high];
+}
+function largest(values) {
+  const [low, high] = reach(values);
+  return Math.max(-low, high) || 1;
+}
+function bar(brush, torque, { soft, shade, colour }) {
+  brush.fillStyle = shade;
+  brush.fillRect(240, 6, 14, 108);
+  brush.fillStyle = colour;
+  brush.fillRect(240, 60, 14, -54 * torque);
+  brush.fillStyle = soft;
+  brush.fillRect(237, 59, 20, 2);
+}
+function line(brush, points) {
+  brush.beginPath();
+  for (const [x, y] of points) brush.lineTo(x, y);
+  brush.stroke();
+}
+function bristles(brush, { along, omega, torque }, { ink, shade, soft, colour }) {
+  brush.fillStyle = shade;
+  brush.fillRect(0, 92, 230, 28);
+  brush.fillRect(0, 8, 230, 34);
+  brush.strokeStyle = soft;
+  for (let x = -40 + 240 * along % 20; x < 230; x += 20) line(brush, [[x + 10, 8], [x + 24, 42]].map(([a, b]) => [Math.max(0, Math.min(230, a)), b]));
+  brush.strokeStyle = colour;
+  const bent = 16 * Math.sign(omega) * Math.min(1, 0.25 + Math.abs(torque)) * Math.min(1, 20 * Math.abs(omega));
+  for (let x = 14; x < 230; x += 18) {
+    brush.beginPath();
+    brush.moveTo(x, 92);
+    brush.quadraticCurveTo(x, 64, x + bent, 44);
+    brush.stroke();
+  }
+  brush.strokeStyle = ink;
+  line(brush, [[0, 92], [230, 92]]);
+  line(brush, [[0, 42], [230, 42]]);
+}
+function hills(brush, { along, hills: heights }, { ink, soft, colour }) {
+  const up = (share) => {
+    const bin = Math.min(BINS - 1, Math.max(0, Math.round(share * (BINS - 1))));
+    return 100 - 66 * (heights ? heights[bin] : 0.3);
+  };
+  brush.strokeStyle = heights ? ink : soft;
+  line(brush, Array.from({ length: BINS }, (_, bin) => [6 + 218 * bin / (BINS - 1), up(bin / (BINS - 1))]));
+  brush.fillStyle = colour;
+  brush.beginPath();
+  brush.arc(6 + 218 * along, up(along) - 10, 9, 0, 2 * Math.PI);
+  brush.fill();
+}
+function joint(brush, { along, torque }, { ink, shade, colour }) {
+  const shaft = 24 + 70 * along;
+  const knob2 = shaft + 84 + 22 * torque;
+  brush.strokeStyle = ink;
+  brush.fillStyle = shade;
+  for (const [x, width] of [[shaft, 30], [knob2, 44]]) {
+    brush.fillRect(x, 34, width, 52);
+    brush.strokeRect(x, 34, width, 52);
+  }
+  brush.strokeStyle = colour;
+  const step = (knob2 - shaft - 30) / 10;
+  line(brush, Array.from({ length: 11 }, (_, n) => [shaft + 30 + n * step, n % 10 === 0 ? 60 : n % 2 ? 48 : 72]));
+}
+function gauge(brush, { level, bare }, { ink, soft, colour }) {
+  brush.strokeStyle = soft;
+  brush.beginPath();
+  brush.arc(115, 108, 92, Math.PI, 2 * Math.PI);
+  brush.stroke();
+  for (const [value, needle] of [[bare, soft], [level, colour]]) {
+    const way = Math.PI / 2 - 1.3 * Number(value);
+    brush.strokeStyle = String(needle);
+    line(brush, [[115, 108], [115 + 84 * Math.cos(way), 108 - 84 * Math.sin(way)]]);
+  }
+  brush.fillStyle = ink;
+  brush.fillRect(110, 103, 10, 10);
+}
+function mass(brush, { theta }, { ink, shade, colour }) {
+  brush.fillStyle = shade;
+  brush.strokeStyle = ink;
+  brush.beginPath();
+  brush.arc(115, 60, 50, 0, 2 * Math.PI);
+  brush.fill();
+  brush.stroke();
+  brush.fillStyle = colour;
+  for (const turn of [0, 2.094, 4.189]) {
+    brush.beginPath();
+    brush.arc(115 + 34 * Math.cos(theta + turn), 60 - 34 * Math.sin(theta + turn), 9, 0, 2 * Math.PI);
+    brush.fill();
+  }
+}
+
+// src/acting.js
+var PACE = 0.35;
+function acting(effect, { data, at, added }) {
+  const { t } = data.columns;
+  const canvas = make("canvas", { class: "section", role: "img", "aria-label": SEEN[kindOf(effect)] });
+  const slider = make("input", { type: "range", min: 0, max: t.length - 1, step: 1, value: at ?? 0, "aria-label": "moment" });
+  const play = make("button", { type: "button", text: "Play", "aria-pressed": "false" });
+  const words3 = make("span", { class: "soft figure" });
+  const element2 = make(
+    "div",
+    { class: "acting" },
+    ...[canvas, make("div", {}, make("p", { class: "soft", text: SEEN[kindOf(effect)] }), words3), make("div", { class: "along" }, play, slider)]
+  );
+  let motion = new Motion(data.columns, null);
+  let [playing, begun] = [false, { clock: 0, time: 0 }];
+  const draw2 = () => {
+    const now = Number(slider.value);
+    const named = { ink: "--ink", soft: "--soft", shade: "--shade", colour: "--signature" };
+    const colours = Object.fromEntries(Object.entries(named).map(([name, style]) => [name, styleValue(style, canvas)]));
+    drawSection(
+      canvas,
+      effect,
+      motion,
+      now,
+      /** @type {import("./section.js").Look} */
+      colours
+    );
+    const scale = torqueScale(data.unit, motion.most.added);
+    const torque = motion.added ? `adds ${number(motion.added[now] * scale.factor)} ${scale.unit}` : "what it adds is not weighed here";
+    words3.textContent = `${number(t[now], 4)} s: ${torque}`;
+  };
+  const frame = (clock) => {
+    if (!playing || !canvas.isConnected || !canvas.closest("dialog[open]")) return run(false);
+    const time = begun.time + PACE * (clock - begun.clock) / 1e3;
+    let now = Number(slider.value);
+    while (now < t.length - 1 && t[now] < time) now++;
+    slider.value = String(now);
+    draw2();
+    if (now >= t.length - 1) return run(false);
+    return requestAnimationFrame(frame);
+  };
+  const run = (on) => {
+    playing = on;
+    play.textContent = on ? "Pause" : "Play";
+    play.setAttribute("aria-pressed", String(on));
+    if (!on) return;
+    if (Number(slider.value) >= t.length - 1) slider.value = "0";
+    begun = { clock: performance.now(), time: t[Number(slider.value)] };
+    requestAnimationFrame(frame);
+  };
+  play.addEventListener("click", () => run(!playing));
+  slider.addEventListener("input", () => {
+    run(false);
+    draw2();
+  });
+  added().then(
+    (column) => {
+      motion = new Motion(data.columns, column);
+      draw2();
+    },
+    () => {
+    }
+    // without it the motion is still shown
+  );
+  requestAnimationFrame(() => {
+    draw2();
+    if (!matchMedia("(prefers-reduced-motion: reduce)").matches) run(true);
+  });
+  return element2;
+}
+
 // src/effects.js
 var pictures = /* @__PURE__ */ new Map();
 var PLACES = { load: "torque of the knob", coupling: "joint between shaft and knob", sensor: "torque sensor" };
 var AnyEffect = class {
-  /** @param {(effect: string) => void} add */
-  constructor(add) {
+  /** @param {(effect: string) => void} add @param {(effect: Effect) => void} tell what it is */
+  constructor(add, tell) {
     this.select = /** @type {HTMLSelectElement} */
     byId("any-effect");
     this.absent = [];
@@ -513,7 +752,7 @@ var AnyEffect = class {
     });
     byId("any-about").addEventListener("click", () => {
       const chosen = this.absent.find(({ effect }) => effect === this.select.value);
-      if (chosen) about(chosen);
+      if (chosen) tell(chosen);
     });
     byId("about-close").addEventListener("click", () => dialog().close());
   }
@@ -528,7 +767,7 @@ var AnyEffect = class {
     this.absent = absent;
   }
 };
-function about(effect) {
+function about(effect, shown) {
   const { effect: id, place: place4, law, source, shows, name, about: sentence, causes, remedies } = effect;
   const drawing = make("p", { class: "soft", text: "The picture is being drawn …" });
   const frame = make("div", { class: "picture", role: "status" }, drawing);
@@ -536,18 +775,19 @@ function about(effect) {
   byId("about-text").replaceChildren(
     make("p", { text: sentence }),
     lawOf(effect),
+    shown ? acting(effect, shown) : "",
     make("div", { class: "columns-of-two" }, listed("Usual causes", causes), listed("What helps", remedies)),
     make("p", { class: "soft", text: `Acts on the ${PLACES[place4] ?? place4}. Shows ${shows}. ${source}` }),
     frame
   );
   dialog().showModal();
   const alt = `${law}: what it adds to the torque of a small knob; it shows ${shows}`;
-  const shown = () => frame.replaceChildren(make("img", { alt, src: pictures.get(id) }));
-  if (pictures.has(id)) return shown();
+  const drawn = () => frame.replaceChildren(make("img", { alt, src: pictures.get(id) }));
+  if (pictures.has(id)) return drawn();
   fetchPicture(id).then(
     (blob) => {
       pictures.set(id, URL.createObjectURL(blob));
-      shown();
+      drawn();
     },
     (reason) => frame.replaceChildren(make("p", { class: "wrong", text: wordsOf(reason) }))
   );
@@ -584,7 +824,7 @@ var TARGETS = {
     ...{ units: { rotary: ["rad/s^2", "deg/s^2"], linear: ["m/s^2", "mm/s^2"] }, needed: false }
   }
 };
-var KINDS = (
+var KINDS2 = (
   /** @type {Kind[]} */
   ["rotary", "linear"]
 );
@@ -601,7 +841,7 @@ var SPELT = {
   "µs": "us",
   "µm": "um"
 };
-var SIZE = { width: 110, height: 34 };
+var SIZE2 = { width: 110, height: 34 };
 var Mapping = class {
   /** @param {HTMLElement} place of the fields @param {HTMLElement} found place of the file's columns */
   constructor(place4, found2) {
@@ -619,7 +859,7 @@ var Mapping = class {
       return field3;
     });
     this.at = this.fields[0].text;
-    this.kinds = KINDS.map((kind) => (
+    this.kinds = KINDS2.map((kind) => (
       /** @type {HTMLInputElement} */
       byId(`open-${kind}`)
     ));
@@ -628,7 +868,7 @@ var Mapping = class {
   }
   /** Rotary or linear; null until it is said. @returns {Kind | null} */
   get kind() {
-    return KINDS.find((_, at) => this.kinds[at].checked) ?? null;
+    return KINDS2.find((_, at) => this.kinds[at].checked) ?? null;
   }
   /** What the import is to be told; nothing where nothing is filled in. */
   options() {
@@ -685,7 +925,7 @@ var Mapping = class {
   /** @param {FileColumn} column */
   tile({ name, low, high, outline }) {
     const range2 = `${number(low)} … ${number(high)}`;
-    const canvas = make("canvas", { "aria-hidden": "true", ...SIZE });
+    const canvas = make("canvas", { "aria-hidden": "true", ...SIZE2 });
     draw(canvas, outline);
     return make(
       "button",
@@ -710,15 +950,15 @@ var Mapping = class {
   /** @param {Mapping["fields"][number]} field @param {string} written a unit, or what is none of the list */
   measure(field3, written) {
     const unit = SPELT[written] ?? written;
-    const known = KINDS.some((kind) => field3.target.units[kind].includes(unit));
+    const known = KINDS2.some((kind) => field3.target.units[kind].includes(unit));
     field3.unit.value = known ? unit : "";
     this.chose(field3.unit.value);
   }
   /** A unit was chosen: one of a length says that the axis slides. @param {string} unit */
   chose(unit) {
-    for (const [at, kind] of KINDS.entries()) {
+    for (const [at, kind] of KINDS2.entries()) {
       const only = (one) => Object.values(TARGETS).some(({ units }) => units[one].includes(unit));
-      if (unit && only(kind) && !only(KINDS[1 - at])) this.kinds[at].checked = true;
+      if (unit && only(kind) && !only(KINDS2[1 - at])) this.kinds[at].checked = true;
     }
     this.tell();
   }
@@ -726,7 +966,7 @@ var Mapping = class {
   tell() {
     const kind = this.kind;
     for (const { target, text, unit, range: range2 } of this.fields) {
-      const offered = [...new Set(kind ? target.units[kind] : KINDS.flatMap((one) => target.units[one]))];
+      const offered = [...new Set(kind ? target.units[kind] : KINDS2.flatMap((one) => target.units[one]))];
       const chosen = unit.value;
       const options = [make("option", { value: "", text: "unit?" }), ...offered.map((one) => make("option", { value: one, text: one }))];
       if (unit.options.length !== options.length || unit.options[1].value !== offered[0]) unit.replaceChildren(...options);
@@ -750,11 +990,11 @@ function saysUnit(written) {
 function draw(canvas, outline) {
   const brush = canvas.getContext("2d");
   if (!brush) return;
-  const step = SIZE.width / Math.max(1, outline.length);
+  const step = SIZE2.width / Math.max(1, outline.length);
   brush.fillStyle = "#0072b2";
   for (const [at, [low, high]] of outline.entries()) {
-    const top = (1 - high) * (SIZE.height - 3);
-    brush.fillRect(at * step, top, Math.max(1, step), Math.max(2, (high - low) * (SIZE.height - 3)));
+    const top = (1 - high) * (SIZE2.height - 3);
+    brush.fillRect(at * step, top, Math.max(1, step), Math.max(2, (high - low) * (SIZE2.height - 3)));
   }
 }
 
@@ -942,12 +1182,12 @@ function showLadder(place4, state) {
     const now = at === here;
     const undone = at > here;
     const label = added ? `+ ${added}` : dropped ? `− ${dropped}` : at === 0 ? "first model" : "fitted anew";
-    const bar = make("span", { class: "bar" });
+    const bar2 = make("span", { class: "bar" });
     const held = make("span", { class: "held" });
-    bar.style.width = `${100 * rmse / widest}%`;
-    if (now && at > 0) bar.style.setProperty("--from", `${100 * steps[at - 1].rmse / widest}%`);
+    bar2.style.width = `${100 * rmse / widest}%`;
+    if (now && at > 0) bar2.style.setProperty("--from", `${100 * steps[at - 1].rmse / widest}%`);
     if (rmse_heldout !== null) held.style.left = `${100 * rmse_heldout / widest}%`;
-    const track = make("span", { class: "track" }, bar, rmse_heldout === null ? null : held, floorMark(floor, widest));
+    const track = make("span", { class: "track" }, bar2, rmse_heldout === null ? null : held, floorMark(floor, widest));
     return make(
       "li",
       { class: `ladder-line${now ? " now" : ""}${undone ? " undone" : ""}`, "aria-current": now ? "step" : null },
@@ -1089,14 +1329,14 @@ function edited(law, start) {
 }
 
 // src/spectrum.js
-var SEEN = 1e-3;
+var SEEN2 = 1e-3;
 var LEAST = 0.02;
 function spectrumOf(split) {
   if (!split) return null;
   const level = split.band.map((value) => value ?? 0);
   const highest = Math.max(...level);
   const middle = split.low.map((low, at) => (low + split.high[at]) / 2);
-  const shown = [...middle.keys()].filter((at) => middle[at] > 0 && level[at] > SEEN * highest);
+  const shown = [...middle.keys()].filter((at) => middle[at] > 0 && level[at] > SEEN2 * highest);
   if (shown.length < 2) return null;
   const levels = shown.map((at) => level[at]).sort((a, b) => a - b);
   const least = LEAST * levels[levels.length >> 1];
@@ -1490,10 +1730,10 @@ function nearest(plot, x, y) {
   const pixels = plot.placed[plot.contents?.picked ?? 0];
   if (!pixels || pixels.length === 0) return null;
   const { width, height } = plot.frame;
-  const [column, row, reach] = [x, y, NEAR].map((length) => Math.round(length * plot.scale));
+  const [column, row, reach2] = [x, y, NEAR].map((length) => Math.round(length * plot.scale));
   const rect = {
-    ...{ left: Math.max(0, column - reach), right: Math.min(width - 1, column + reach) },
-    ...{ top: Math.max(0, row - reach), bottom: Math.min(height - 1, row + reach) }
+    ...{ left: Math.max(0, column - reach2), right: Math.min(width - 1, column + reach2) },
+    ...{ top: Math.max(0, row - reach2), bottom: Math.min(height - 1, row + reach2) }
   };
   if (rect.left > rect.right || rect.top > rect.bottom) return null;
   let best = null;
@@ -1722,8 +1962,8 @@ var Plot = class {
     if (!brush || !this.contents) return;
     const { title, xAxis, yAxis, noise, bins, spectrum } = this.contents;
     const names = ["--ink", "--soft", "--grid", "--band", "--wrong"];
-    const [ink, soft, line, band2, wrong] = names.map((name) => this.colour(name));
-    const colours = { ink, soft, line, band: band2, wrong };
+    const [ink, soft, line2, band2, wrong] = names.map((name) => this.colour(name));
+    const colours = { ink, soft, line: line2, band: band2, wrong };
     brush.scale(this.scale, this.scale);
     drawAxes(brush, { width, height }, { x: xAxis, y: yAxis, title, colours, noise, bins, spectrum });
   }
@@ -1945,11 +2185,11 @@ var Linked = class {
     this.data = data;
     this.signature = null;
     this.squares = squaresOf(columns.residual);
-    const reach = reachOf(data);
-    if (data.fitted) this.widest = Math.max(this.widest, reach);
+    const reach2 = reachOf(data);
+    if (data.fitted) this.widest = Math.max(this.widest, reach2);
     this.element.classList.toggle("both", Boolean(data.beside));
     if (!data.beside) for (const plot of this.besides) plot.setRegion(null);
-    this.shown = rowsOf(data, view, view.held ? Math.max(this.widest, reach) : reach);
+    this.shown = rowsOf(data, view, view.held ? Math.max(this.widest, reach2) : reach2);
     for (const at of this.rows.keys()) this.drawRow(at);
     this.tell();
     this.drawLight();
@@ -2423,12 +2663,12 @@ var Live = class {
     if (!this.told) return;
     const { what, log, every, done, elapsed_s, total_s, received = 0, missing = 0, rate_hz } = this.told;
     if (byId("live-what").textContent === "") this.phase(what);
-    const bar = (
+    const bar2 = (
       /** @type {HTMLProgressElement} */
       byId("live-done")
     );
-    if (done === null) bar.removeAttribute("value");
-    else bar.value = done;
+    if (done === null) bar2.removeAttribute("value");
+    else bar2.value = done;
     byId("live-time").textContent = `${seconds(elapsed_s)} of ${seconds(total_s)}`;
     const { peak_torque: peak, torque_limit: limit = 0, temperature, clipped = {} } = this.told;
     const scale = torqueScale("N m", peak ?? 0);
@@ -2483,7 +2723,7 @@ function pause() {
 }
 
 // src/moment.js
-var SIZE2 = 62;
+var SIZE3 = 62;
 var TURNED = 2.2;
 function showMoment(data, at) {
   byId("moment").classList.toggle("empty", at === null);
@@ -2492,7 +2732,7 @@ function showMoment(data, at) {
     byId("moment-knob")
   );
   const scale = globalThis.devicePixelRatio || 1;
-  canvas.width = canvas.height = Math.round(SIZE2 * scale);
+  canvas.width = canvas.height = Math.round(SIZE3 * scale);
   const brush = canvas.getContext("2d");
   if (!data || at === null || !brush) {
     byId("moment-words").textContent = "Point at a sample: what is measured and modelled then.";
@@ -2503,16 +2743,16 @@ function showMoment(data, at) {
   const [angle, rate] = linear ? ["m", "m/s"] : ["rad", "rad/s"];
   const counts = residual[at] === residual[at];
   const modelled = tau[at] - residual[at];
-  let largest2 = 0;
-  for (let i = 0; i < tau.length; i++) if (Math.abs(tau[i]) > largest2) largest2 = Math.abs(tau[i]);
-  const { factor, unit } = torqueScale(data.unit, largest2);
+  let largest3 = 0;
+  for (let i = 0; i < tau.length; i++) if (Math.abs(tau[i]) > largest3) largest3 = Math.abs(tau[i]);
+  const { factor, unit } = torqueScale(data.unit, largest3);
   const shown = (value) => number(value * factor);
   byId("moment-words").textContent = `${number(t[at], 4)} s, ${number(theta[at])} ${angle}, ${number(omega[at])} ${rate}; ${torqueWord(data.unit)} ` + (counts ? `${shown(tau[at])} measured, ${shown(modelled)} modelled, ${shown(residual[at])} ${unit} left` : `masked: it does not count`);
   brush.scale(scale, scale);
   brush.lineWidth = 2.5;
   const colours = ["--measured", "--modelled"].map((name) => styleValue(name, canvas));
   const [ink, paper] = ["--ink", "--shade"].map((name) => styleValue(name, canvas));
-  const torques = [tau[at], modelled].map((value) => counts ? value / (largest2 || 1) : 0);
+  const torques = [tau[at], modelled].map((value) => counts ? value / (largest3 || 1) : 0);
   if (linear) slide(brush, place2(theta, at), torques, { ink, paper, colours });
   else knob(brush, theta[at], torques, { ink, paper, colours });
 }
@@ -2525,7 +2765,7 @@ function place2(values, at) {
   return high > low ? (values[at] - low) / (high - low) : 0.5;
 }
 function knob(brush, theta, torques, { ink, paper, colours }) {
-  const middle = SIZE2 / 2;
+  const middle = SIZE3 / 2;
   brush.fillStyle = paper;
   brush.strokeStyle = ink;
   brush.beginPath();
@@ -2548,11 +2788,11 @@ function knob(brush, theta, torques, { ink, paper, colours }) {
 function slide(brush, share, torques, { ink, paper, colours }) {
   brush.strokeStyle = ink;
   brush.fillStyle = paper;
-  brush.strokeRect(4, 44, SIZE2 - 8, 4);
-  brush.fillRect(6 + share * (SIZE2 - 28), 32, 16, 12);
-  brush.strokeRect(6 + share * (SIZE2 - 28), 32, 16, 12);
+  brush.strokeRect(4, 44, SIZE3 - 8, 4);
+  brush.fillRect(6 + share * (SIZE3 - 28), 32, 16, 12);
+  brush.strokeRect(6 + share * (SIZE3 - 28), 32, 16, 12);
   for (const [n, torque] of torques.entries()) {
-    const [from, to, up] = [SIZE2 / 2, SIZE2 / 2 + 24 * torque, 10 + 11 * n];
+    const [from, to, up] = [SIZE3 / 2, SIZE3 / 2 + 24 * torque, 10 + 11 * n];
     brush.strokeStyle = brush.fillStyle = colours[n];
     brush.beginPath();
     brush.moveTo(from, up);
@@ -2744,13 +2984,13 @@ var Metronome = class {
     const [low, high] = range(motion.theta);
     const air = 24;
     const across = (theta) => high > low ? air + (theta - low) / (high - low) * (width - 2 * air) : width / 2;
-    const line = height - 42;
-    const up = (t) => line - (t - now) / AHEAD * (line - 10);
+    const line2 = height - 42;
+    const up = (t) => line2 - (t - now) / AHEAD * (line2 - 10);
     const colour = (name) => styleValue(name, this.canvas);
     brush.strokeStyle = colour("--line");
     brush.lineWidth = 1;
-    for (const end of [low, high]) stroke2(brush, [[across(end), 6], [across(end), line + 12]]);
-    stroke2(brush, [[6, line], [width - 6, line]]);
+    for (const end of [low, high]) stroke2(brush, [[across(end), 6], [across(end), line2 + 12]]);
+    stroke2(brush, [[6, line2], [width - 6, line2]]);
     brush.fillStyle = colour("--soft");
     brush.font = "13px system-ui, 'DejaVu Sans', sans-serif";
     brush.textAlign = "center";
@@ -2765,9 +3005,9 @@ var Metronome = class {
       if (beat.at < now || beat.at > now + AHEAD) continue;
       dot(brush, across(beat.theta), up(beat.at), beat.turn ? 5 : 3, colour(beat.turn ? "--chosen" : "--soft"));
     }
-    dot(brush, across(angleAt(motion, now)), line, 11, colour("--modelled"));
+    dot(brush, across(angleAt(motion, now)), line2, 11, colour("--modelled"));
     const where = this.where();
-    if (where !== null) dot(brush, Math.min(width, Math.max(0, across(where))), line, 6, colour("--wrong"));
+    if (where !== null) dot(brush, Math.min(width, Math.max(0, across(where))), line2, 6, colour("--wrong"));
   }
   /** What to do, and how long it still takes. @param {number} now */
   tell(now) {
@@ -2908,7 +3148,7 @@ var Next = class {
     byId("next-record").title = source ? `from ${source}` : "";
     byId("next-source").textContent = source ? `from ${source}` : "";
     byId("next-keys").replaceChildren(...experiment.rivals.map(key));
-    byId("next-pairs").replaceChildren(...pairs.flatMap((pair) => bars(pair, experiment.told, largest(pairs))));
+    byId("next-pairs").replaceChildren(...pairs.flatMap((pair) => bars(pair, experiment.told, largest2(pairs))));
     byId("next-can").textContent = by_hand ? "A hand can do it, led by a metronome:" : "No hand can do all of it; what a hand would have to do:";
     byId("next-steps").replaceChildren(
       ...steps.map(
@@ -3097,21 +3337,21 @@ function key(name, at) {
   mark.style.background = `var(${COLOURS[at % COLOURS.length]})`;
   return make("span", { class: "key" }, mark, name);
 }
-function largest(pairs) {
+function largest2(pairs) {
   return Math.max(100, ...pairs.flatMap(({ d, standard_d, came }) => [d, standard_d, came ?? 0]));
 }
 function bars({ names, d, standard_d, wrong_choice, came }, told, most) {
   const share = (value) => `${100 * Math.log(Math.max(value, LEAST_D) / LEAST_D) / Math.log(most / LEAST_D)}%`;
   const row = (words3, value, name) => {
-    const bar = make("span", { class: `bar ${name}` });
-    const line = make("span", { class: "told" });
-    bar.style.width = share(value);
-    line.style.left = share(told);
+    const bar2 = make("span", { class: `bar ${name}` });
+    const line2 = make("span", { class: "told" });
+    bar2.style.width = share(value);
+    line2.style.left = share(told);
     return make(
       "div",
       { class: "evidence-line" },
       make("span", { class: "label", text: words3 }),
-      make("span", { class: "track" }, bar, line),
+      make("span", { class: "track" }, bar2, line2),
       make("span", { class: "figure", text: number(value) })
     );
   };
@@ -3209,8 +3449,8 @@ var Params = class {
 };
 function span2({ fitted, ci95, lower, upper }) {
   const half = ci95 ? 2 * Math.abs(ci95[1] - ci95[0]) : 0;
-  const reach = Math.max(Math.abs(fitted), half, 1e-9);
-  return { low: Math.max(fitted - reach, lower ?? -Infinity), high: Math.min(fitted + reach, upper ?? Infinity) };
+  const reach2 = Math.max(Math.abs(fitted), half, 1e-9);
+  return { low: Math.max(fitted - reach2, lower ?? -Infinity), high: Math.min(fitted + reach2, upper ?? Infinity) };
 }
 function plusMinus({ ci95, role }) {
   if (!ci95) return role === "fixed" ? "fixed" : "± ?";
@@ -3219,10 +3459,10 @@ function plusMinus({ ci95, role }) {
 function interval(ci95, { low, high }) {
   if (!ci95 || !(high > low)) return null;
   const [from, to] = ci95.map((end) => Math.min(1, Math.max(0, (end - low) / (high - low))));
-  const bar = make("span", { class: "interval" });
-  bar.style.left = `calc(var(--thumb) / 2 + ${from} * (100% - var(--thumb)))`;
-  bar.style.width = `calc(${to - from} * (100% - var(--thumb)))`;
-  return bar;
+  const bar2 = make("span", { class: "interval" });
+  bar2.style.left = `calc(var(--thumb) / 2 + ${from} * (100% - var(--thumb)))`;
+  bar2.style.width = `calc(${to - from} * (100% - var(--thumb)))`;
+  return bar2;
 }
 function place3(value, { low, high }) {
   return high > low ? Math.round(STEPS * (value - low) / (high - low)) : 0;
@@ -3459,7 +3699,7 @@ var App = class {
       look: (effect) => this.look(effect, "signature", { effect: effect ?? "" }),
       take: (effect) => this.ask("add", { effect }, "add"),
       ask: () => this.ask("diagnose"),
-      about,
+      about: (effect) => this.about(effect),
       apart: (effects) => this.next.design(effects)
     };
     this.candidates = new Candidates(byId("candidates"), deeds, "Add");
@@ -3469,7 +3709,7 @@ var App = class {
       take: (number2, name) => this.ask("accept", { number: number2, name }, "add"),
       add: async (formula) => await this.ask("formula", formula, "add") !== null
     });
-    this.any = new AnyEffect((effect) => this.ask("add", { effect }, "add"));
+    this.any = new AnyEffect((effect) => this.ask("add", { effect }, "add"), (effect) => this.about(effect));
     this.looking = new AbortController();
     this.looked = null;
     this.live = null;
@@ -3722,18 +3962,30 @@ var App = class {
       if (!signal.aborted) this.failed(reason);
     }
   }
+  /** Show what an effect is, moved as the capture moved. @param {import("./types.js").Effect} effect */
+  about(effect) {
+    const { state } = this;
+    const { data } = this.linked;
+    const node = state?.node;
+    const weighed = state?.candidates.rows.some((row) => row.effect === effect.effect);
+    const added = async () => {
+      if (!state || !node || !weighed) return null;
+      return this.store.explained(node, state.active, effect.effect, { verb: "signature", asked: { effect: effect.effect } });
+    };
+    about(effect, data && node ? { data, at: this.linked.torques[0].marked, added } : null);
+  }
   /** @param {Job | null} job */
   showJob(job) {
     this.job = job;
     byId("job").hidden = job === null;
     if (!job) return;
     byId("job-what").textContent = job.what;
-    const bar = (
+    const bar2 = (
       /** @type {HTMLProgressElement} */
       byId("job-done")
     );
-    if (job.done === null) bar.removeAttribute("value");
-    else bar.value = job.done;
+    if (job.done === null) bar2.removeAttribute("value");
+    else bar2.value = job.done;
   }
   /** @param {Job} job */
   showRecording({ what, done }) {
