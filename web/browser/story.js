@@ -68,6 +68,7 @@ for (const [width, height] of [[720, 450], [700, 950], [800, 950], [1280, 950], 
   }
   assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth), `${width} px`);
   await page.locator("h1").hover();
+  if (width === 700 || width === 720 || width === 1920) await picture(`3-at-${width}`);
   const plots = await page.locator("#plots").boundingBox();
   await candidates.first().hover();
   await page.locator("#looked:visible").waitFor();
@@ -82,6 +83,10 @@ await page.locator(".candidates + details summary").click();
 await page.locator("h1").hover();
 figures.look = await done(page, "look", () => candidates.first().hover());
 await picture("3-looked-at");
+await page.emulateMedia({ colorScheme: "dark" });
+await page.waitForTimeout(200); // the plots take the new colours with the next frame
+await picture("3-dark");
+await page.emulateMedia({ colorScheme: "light" });
 await candidates.first().focus();
 await page.route("**/api/picture*", async (route) => {
   await page.locator("#about[open] math").waitFor(); // what is known is not waited for
@@ -184,6 +189,13 @@ await page.goto("about:blank"); // what the workbench still asks for on the way 
 requests.length = 0;
 await page.goto(pathToFileURL(report).href);
 await page.screenshot({ path: join(folder, "8-report.png"), fullPage: true });
+await page.emulateMedia({ media: "print" });
+await page.setViewportSize({ width: 688, height: 1017 }); // A4 within the margins of a browser
+const sheet = await page.locator("#sheet").boundingBox();
+assert.ok(sheet.y + sheet.height < 1017, `what is handed in is longer than a page: ${JSON.stringify(sheet)}`);
+assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth), "or wider");
+await page.emulateMedia({ media: "screen" });
+await page.setViewportSize({ width: 1500, height: 950 });
 assert.deepEqual(requests.filter((url) => !url.startsWith("file:") && !url.startsWith("data:")), []);
 const before = await page.locator("#look .below p").textContent();
 await page.getByRole("button", { name: `+ ${effect}` }).click();
