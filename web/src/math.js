@@ -2,8 +2,6 @@
 
 import { make } from "./dom.js";
 
-const MATHML = "http://www.w3.org/1998/Math/MathML";
-
 /** Letters and signs by their names. @type {Record<string, string>} */
 const SIGNS = {
   ...{ alpha: "α", delta: "δ", theta: "θ", mu: "μ", sigma: "σ", tau: "τ", varphi: "φ", psi: "ψ", omega: "ω", pi: "π" },
@@ -194,9 +192,19 @@ function plain(token) {
   throw new Error(`${token} is unknown`);
 }
 
+/** The namespace of MathML, as the browser has it: in a report stands no address at all. */
+const namespace = once(() => new DOMParser().parseFromString("<math>", "text/html").querySelector("math")?.namespaceURI ?? null);
+
+/** @template T @param {() => T} make @returns {() => T} */
+function once(make) {
+  /** @type {{made: T} | null} */
+  let known = null;
+  return () => (known ??= { made: make() }).made;
+}
+
 /** @param {Node_} node */
 function element([tag, attributes, ...children]) {
-  const made = document.createElementNS(MATHML, tag);
+  const made = document.createElementNS(namespace(), tag);
   for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
   made.append(...children.map((child) => (typeof child === "string" ? child : element(child))));
   return made;
