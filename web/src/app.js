@@ -231,7 +231,7 @@ class App {
     showLadder(byId("ladder"), state);
     if (state.branch === this.beside || !state.branches.some(({ id }) => id === this.beside)) this.beside = null;
     this.showBranches(state);
-    this.params.show(state.params);
+    this.params.show(state.params, state.together);
     this.candidates.show(state);
     this.laws.show(state);
     this.any.show(state.absent);

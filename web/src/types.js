@@ -33,6 +33,11 @@
  */
 
 /**
+ * Two fitted parameters that the captures do not tell apart well, and their correlation.
+ * @typedef {{names: string[], correlation: number}} Together
+ */
+
+/**
  * An effect of the catalogue, in words.
  * @typedef {{effect: string, place: string, law: string, source: string, shows: string, confused: string[],
  *   name: string, about: string, causes: string[], remedies: string[], latex: string, over: string,
@@ -126,9 +131,9 @@
  * `untold` are effects of which one is in the model, and the captures could not tell which.
  * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, params: Param[],
- *   rmse: number | null, rmse_heldout: number | null, verdict_text: string, places: Place[], ladder: LadderStep[],
- *   candidates: Candidates, warnings: string[], limitations: string[], absent: Effect[], untold: string[][],
- *   proposed: Law[] | null, proposed_text: string, experiment: Experiment | null}} Session
+ *   together: Together[], rmse: number | null, rmse_heldout: number | null, verdict_text: string, places: Place[],
+ *   ladder: LadderStep[], candidates: Candidates, warnings: string[], limitations: string[], absent: Effect[],
+ *   untold: string[][], proposed: Law[] | null, proposed_text: string, experiment: Experiment | null}} Session
  */
 
 /**
@@ -157,10 +162,10 @@
  * The answer of `GET /api/state`: a session, what is being done to it, and what can go on.
  * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, params: Param[],
- *   rmse: number | null, rmse_heldout: number | null, verdict_text: string, places: Place[], ladder: LadderStep[],
- *   candidates: Candidates, warnings: string[], limitations: string[], absent: Effect[], untold: string[][],
- *   proposed: Law[] | null, proposed_text: string, experiment: Experiment | null, job: Job | null,
- *   recording: boolean, looked: Looked | null, left: Left[], notes: string[]}} State
+ *   together: Together[], rmse: number | null, rmse_heldout: number | null, verdict_text: string, places: Place[],
+ *   ladder: LadderStep[], candidates: Candidates, warnings: string[], limitations: string[], absent: Effect[],
+ *   untold: string[][], proposed: Law[] | null, proposed_text: string, experiment: Experiment | null,
+ *   job: Job | null, recording: boolean, looked: Looked | null, left: Left[], notes: string[]}} State
  */
 
 /**

@@ -67,6 +67,13 @@ class Param(TypedDict):
     doubt: str | None
 
 
+class Together(TypedDict):
+    """Two fitted parameters that the captures do not tell apart well, and their correlation."""
+
+    names: list[str]
+    correlation: float
+
+
 class Effect(TypedDict):
     """An effect of the catalogue, in words."""
 
@@ -239,6 +246,7 @@ class Session(TypedDict):
     noise_floor: float | None
     unit: str
     params: list[Param]
+    together: list[Together]
     rmse: float | None
     rmse_heldout: float | None
     verdict_text: str

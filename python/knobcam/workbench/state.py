@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from itertools import combinations
 from typing import TYPE_CHECKING, cast, get_args
 
 from ..base import pages
@@ -17,7 +19,7 @@ from .designing import origin
 from .learned import conclusion, in_vain, ladder
 
 if TYPE_CHECKING:
-    from ..fit import Estimate
+    from ..fit import Estimate, Fit
     from ..fit.diagnose import Diagnosis
     from ..learn.ladder import LearningStep
     from ..learn.selection import Selection
@@ -29,6 +31,7 @@ if TYPE_CHECKING:
     from .view import View
 
 SCHEMA = "knobcam.workbench/1"
+_PAIRS = 12  # of parameters that move together, shown to who asks
 
 
 def document(session: Session) -> pages.Session:
@@ -55,6 +58,7 @@ def document(session: Session) -> pages.Session:
         "noise_floor": fitted.noise_floor,
         "unit": fitted.torque_unit,
         "params": _parameters(view),
+        "together": _together(fitted),
         "rmse": view.rmse,
         "rmse_heldout": view.rmse_heldout,
         "verdict_text": _verdict(steps, diagnosis, end),
@@ -106,6 +110,7 @@ def _nothing(session: Session) -> pages.Session:
         "noise_floor": None,
         "unit": "N m",
         "params": [],
+        "together": [],
         "rmse": None,
         "rmse_heldout": None,
         "verdict_text": "Open a capture to begin.",
@@ -177,6 +182,14 @@ def _parameters(view: View) -> list[pages.Param]:
             }
         )
     return rows
+
+
+def _together(fitted: Fit) -> list[pages.Together]:
+    """Return the pairs of parameters that move together most, the closest first."""
+    rows = fitted.correlation
+    pairs = [(rows[a][b], a, b) for a, b in combinations(rows, 2) if not math.isnan(rows[a][b])]
+    pairs.sort(key=lambda one: -abs(one[0]))
+    return [{"names": [a, b], "correlation": value} for value, a, b in pairs[:_PAIRS]]
 
 
 def _source(session: Session, shown: Designed) -> str | None:

@@ -8,8 +8,8 @@ var Refusal = class extends Error {
     this.fault = fault ?? null;
   }
 };
-function wordsOf(reason) {
-  return reason instanceof Error ? reason.message : String(reason);
+function wordsOf(reason2) {
+  return reason2 instanceof Error ? reason2.message : String(reason2);
 }
 var token = new URLSearchParams(location.search).get("token") ?? "";
 async function request(path, options = {}) {
@@ -17,8 +17,8 @@ async function request(path, options = {}) {
   let answer;
   try {
     answer = await fetch(path, { ...options, headers });
-  } catch (reason) {
-    if (options.signal?.aborted) throw reason;
+  } catch (reason2) {
+    if (options.signal?.aborted) throw reason2;
     throw new Error("the workbench does not answer; is its command still running?");
   }
   if (answer.ok) return answer;
@@ -195,7 +195,6 @@ function showFindings(place4, { captures, active, limitations, notes }) {
 }
 
 // src/math.js
-var MATHML = "http://www.w3.org/1998/Math/MathML";
 var SIGNS = {
   ...{ alpha: "α", delta: "δ", theta: "θ", mu: "μ", sigma: "σ", tau: "τ", varphi: "φ", psi: "ψ", omega: "ω", pi: "π" },
   ...{ Delta: "Δ", infty: "∞" }
@@ -342,8 +341,13 @@ function plain2(token2) {
   if (/^[-+=<>,/]$/.test(token2)) return ["mo", {}, token2 === "-" ? "−" : token2];
   throw new Error(`${token2} is unknown`);
 }
+var namespace = once(() => new DOMParser().parseFromString("<math>", "text/html").querySelector("math")?.namespaceURI ?? null);
+function once(make2) {
+  let known = null;
+  return () => (known ??= { made: make2() }).made;
+}
 function element([tag, attributes, ...children]) {
-  const made = document.createElementNS(MATHML, tag);
+  const made = document.createElementNS(namespace(), tag);
   for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
   made.append(...children.map((child) => typeof child === "string" ? child : element(child)));
   return made;
@@ -789,7 +793,7 @@ function about(effect, shown) {
       pictures.set(id, URL.createObjectURL(blob));
       drawn();
     },
-    (reason) => frame.replaceChildren(make("p", { class: "wrong", text: wordsOf(reason) }))
+    (reason2) => frame.replaceChildren(make("p", { class: "wrong", text: wordsOf(reason2) }))
   );
 }
 function listed(title, phrases) {
@@ -1025,11 +1029,11 @@ function opening(heard) {
     heard.say(`opened ${name}`);
     heard.done();
   };
-  const refused = (reason) => {
+  const refused = (reason2) => {
     heard.say("");
-    told.textContent = wordsOf(reason);
-    if (reason instanceof Refusal && reason.columns) {
-      mapping.show(reason.columns, reason.guess);
+    told.textContent = wordsOf(reason2);
+    if (reason2 instanceof Refusal && reason2.columns) {
+      mapping.show(reason2.columns, reason2.guess);
       byId("open-more").setAttribute("open", "");
     }
     if (!dialog2.open) dialog2.showModal();
@@ -1042,8 +1046,8 @@ function opening(heard) {
         await upload(file, { ...mapping.options(), together: String(at > 0 || same.checked) });
         waiting = waiting.filter((one) => one !== file);
         opened(file.name);
-      } catch (reason) {
-        refused(reason);
+      } catch (reason2) {
+        refused(reason2);
         return;
       }
     }
@@ -1079,8 +1083,8 @@ function opening(heard) {
       await post("open", { path: named, together: same.checked, ...mapping.options() });
       path.value = "";
       return opened(named);
-    } catch (reason) {
-      return refused(reason);
+    } catch (reason2) {
+      return refused(reason2);
     }
   });
   const zone = byId("drop");
@@ -1109,8 +1113,8 @@ function saving(heard) {
         link.click();
         setTimeout(() => URL.revokeObjectURL(link.href), 1e4);
         heard.say(`saved ${name}`);
-      } catch (reason) {
-        heard.failed(reason);
+      } catch (reason2) {
+        heard.failed(reason2);
       }
     });
   }
@@ -1123,8 +1127,8 @@ function unhiding(failed) {
     try {
       const told = await Promise.all(hiding.map((capture) => ask("hidden", { capture })));
       byId("unhidden").textContent = [...new Set(told.map(({ hidden }) => hidden.join(" and ")))].join("; ");
-    } catch (reason) {
-      failed(reason);
+    } catch (reason2) {
+      failed(reason2);
     }
   });
 }
@@ -2588,13 +2592,13 @@ var Live = class {
         try {
           await this.look();
           silent = 0;
-        } catch (reason) {
-          if (reason instanceof Refusal || ++silent > PATIENCE) throw reason;
+        } catch (reason2) {
+          if (reason2 instanceof Refusal || ++silent > PATIENCE) throw reason2;
         }
       } while (!this.told?.ended && await pause());
       this.ended();
-    } catch (reason) {
-      byId("live-said").textContent = wordsOf(reason);
+    } catch (reason2) {
+      byId("live-said").textContent = wordsOf(reason2);
       this.offer(["live-close"]);
     } finally {
       this.following = false;
@@ -2630,8 +2634,8 @@ var Live = class {
     this.phase(keep ? "stopping" : "disarming");
     try {
       await post("stop", { keep });
-    } catch (reason) {
-      this.heard.failed(reason);
+    } catch (reason2) {
+      this.heard.failed(reason2);
     }
   }
   /** Say what is being done. @param {string} what */
@@ -3214,9 +3218,9 @@ var Next = class {
     this.enable(false);
     try {
       await post("try", { experiment: this.told.id, ...how });
-    } catch (reason) {
-      if ("port" in how) throw reason;
-      this.deeds.failed(reason);
+    } catch (reason2) {
+      if ("port" in how) throw reason2;
+      this.deeds.failed(reason2);
       return false;
     } finally {
       this.enable(true);
@@ -3237,8 +3241,8 @@ var Next = class {
       const [port, folder] = ["port", "folder"].map((name) => field("rig-form", name));
       if (!port.value && known.ports.length === 1) port.value = known.ports[0].port;
       if (!folder.value) folder.value = known.folder;
-    } catch (reason) {
-      byId("rig-said").textContent = wordsOf(reason);
+    } catch (reason2) {
+      byId("rig-said").textContent = wordsOf(reason2);
     }
     rig().showModal();
   }
@@ -3251,10 +3255,10 @@ var Next = class {
       await this.attempt({ port: port || " ", folder, by_hand: this.by_hand, ...more });
       rig().close();
       if (this.by_hand) this.metronome.begin();
-    } catch (reason) {
-      const fault = reason instanceof Refusal ? reason.fault : null;
+    } catch (reason2) {
+      const fault = reason2 instanceof Refusal ? reason2.fault : null;
       this.fault = fault?.code ?? null;
-      byId("rig-said").textContent = fault?.told ?? wordsOf(reason);
+      byId("rig-said").textContent = fault?.told ?? wordsOf(reason2);
       byId("rig-fault").hidden = fault === null;
     }
   }
@@ -3278,8 +3282,8 @@ var Next = class {
       const place4 = URL.createObjectURL(new Blob([content]));
       make("a", { href: place4, download: "motion.toml" }).click();
       setTimeout(() => URL.revokeObjectURL(place4), 1e4);
-    } catch (reason) {
-      this.deeds.failed(reason);
+    } catch (reason2) {
+      this.deeds.failed(reason2);
     }
   }
 };
@@ -3377,8 +3381,9 @@ var Params = class {
     this.rows = /* @__PURE__ */ new Map();
     this.shape = "";
   }
-  /** @param {Param[]} params */
-  show(params) {
+  /** @param {Param[]} params @param {import("./types.js").Together[]} together */
+  show(params, together) {
+    showTogether(together);
     const shape = JSON.stringify(params.map(({ name, fitted, lower, upper }) => [name, fitted, lower, upper]));
     if (shape !== this.shape) this.build(params);
     this.shape = shape;
@@ -3399,7 +3404,7 @@ var Params = class {
     const groups = Map.groupBy(params, ({ name }) => name.split(".")[0]);
     const lines = [...groups].flatMap(([effect, own]) => [
       this.heading(effect, groups.size > 1),
-      ...own.map((param) => this.line(param))
+      ...own.flatMap((param) => [this.line(param), reason(param)])
     ]);
     const widths = make("colgroup", {}, ...["name", "slide", "value", "unit"].map((name) => make("col", { class: name })));
     this.place.replaceChildren(make("table", { class: "params" }, widths, make("tbody", {}, ...lines)));
@@ -3426,7 +3431,7 @@ var Params = class {
     const error = make("span", { class: "error soft figure", text: plusMinus(param) });
     this.rows.set(param.name, { slider, value, error, low, high });
     const between3 = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
-    const doubt = param.doubt ? make("span", { class: "doubt", text: " ⚠", "aria-label": param.doubt }) : null;
+    const doubt = param.doubt ? make("span", { class: "doubt", text: " ⚠", "aria-hidden": "true" }) : null;
     const about2 = [param.name, param.meaning, param.doubt].filter(Boolean).join(": ");
     return make(
       "tr",
@@ -3447,6 +3452,17 @@ var Params = class {
     this.deeds.drag({ [name]: value });
   }
 };
+function reason({ doubt }) {
+  if (!doubt) return "";
+  return make("tr", {}, make("td", { class: "reason doubt", colspan: 4, text: doubt }));
+}
+function showTogether(together) {
+  byId("together").hidden = together.length === 0;
+  const rows = together.map(
+    ({ names, correlation }) => make("tr", {}, make("th", { scope: "row", text: names.join(" and ") }), make("td", { class: "figure", text: number(correlation, 3) }))
+  );
+  byId("together-rows").replaceChildren(...rows);
+}
 function span2({ fitted, ci95, lower, upper }) {
   const half = ci95 ? 2 * Math.abs(ci95[1] - ci95[0]) : 0;
   const reach2 = Math.max(Math.abs(fitted), half, 1e-9);
@@ -3507,8 +3523,8 @@ function sources(heard) {
     try {
       known = /** @type {Sources} */
       await ask("sources");
-    } catch (reason) {
-      told.textContent = wordsOf(reason);
+    } catch (reason2) {
+      told.textContent = wordsOf(reason2);
       return;
     }
     fill(form, "knob", known.knobs.map(({ name, words: words3 }) => [name, words3]), "knob3");
@@ -3563,10 +3579,10 @@ function sources(heard) {
       wait(false);
       dialog2.close();
       (asked.source === "simulated" ? heard.made : heard.recording)();
-    } catch (reason) {
+    } catch (reason2) {
       wait(false);
-      fault = reason instanceof Refusal && reason.fault ? reason.fault.code : null;
-      told.textContent = reason instanceof Refusal && reason.fault ? reason.fault.told : wordsOf(reason);
+      fault = reason2 instanceof Refusal && reason2.fault ? reason2.fault.code : null;
+      told.textContent = reason2 instanceof Refusal && reason2.fault ? reason2.fault.told : wordsOf(reason2);
       byId("new-fault").hidden = fault === null;
     }
   };
@@ -3723,13 +3739,13 @@ var App = class {
       recording: () => this.live?.follow(),
       where: () => this.live?.angle ?? null,
       made: () => this.refresh(Infinity),
-      failed: (reason) => this.failed(reason)
+      failed: (reason2) => this.failed(reason2)
     });
   }
   start() {
     const heard = {
       done: () => this.refresh(Infinity),
-      failed: (reason) => this.failed(reason),
+      failed: (reason2) => this.failed(reason2),
       say: (words3) => this.say(words3)
     };
     opening(heard);
@@ -3814,8 +3830,8 @@ var App = class {
       if (byId("said").classList.contains("wrong")) this.say("");
       if (answer.revision !== void 0) this.refresh(answer.revision);
       return answer;
-    } catch (reason) {
-      this.failed(reason);
+    } catch (reason2) {
+      this.failed(reason2);
       return null;
     }
   }
@@ -3829,8 +3845,8 @@ var App = class {
       const state = await fetchState();
       this.show(state);
       await this.draw(state);
-    } catch (reason) {
-      this.failed(reason);
+    } catch (reason2) {
+      this.failed(reason2);
     }
   }
   /** @param {State} state */
@@ -3859,7 +3875,7 @@ var App = class {
     showLadder(byId("ladder"), state);
     if (state.branch === this.beside || !state.branches.some(({ id }) => id === this.beside)) this.beside = null;
     this.showBranches(state);
-    this.params.show(state.params);
+    this.params.show(state.params, state.together);
     this.candidates.show(state);
     this.laws.show(state);
     this.any.show(state.absent);
@@ -3958,8 +3974,8 @@ var App = class {
     try {
       const column = await this.store.explained(node, this.state.active, what, { verb, asked }, signal);
       if (!signal.aborted) timed("look", () => this.linked.overlay(column), start);
-    } catch (reason) {
-      if (!signal.aborted) this.failed(reason);
+    } catch (reason2) {
+      if (!signal.aborted) this.failed(reason2);
     }
   }
   /** Show what an effect is, moved as the capture moved. @param {import("./types.js").Effect} effect */
@@ -3999,9 +4015,9 @@ var App = class {
     byId("said").classList.remove("wrong");
   }
   /** @param {unknown} reason */
-  failed(reason) {
+  failed(reason2) {
     this.deed = null;
-    byId("said").textContent = wordsOf(reason);
+    byId("said").textContent = wordsOf(reason2);
     byId("said").classList.add("wrong");
   }
 };
