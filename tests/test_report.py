@@ -58,7 +58,17 @@ def page(story: kc.LearningResult) -> str:
 
 def test_a_report_answers_its_questions_in_order(page: str, story: kc.LearningResult) -> None:
     text = Page(page).text
-    asked = ["What it is made of", "What cannot be told", "What to record next", "Look for yourself", "What was found", "Why", "What else it could be", "What remains", "How sure"]
+    asked = [
+        "What it is made of",
+        "What cannot be told",
+        "What to record next",
+        "Look for yourself",
+        "What was found",
+        "Why",
+        "What else it could be",
+        "What remains",
+        "How sure",
+    ]
     places = [text.index(f" {question} ") for question in asked]
     assert places == sorted(places)
     assert story.headline in text

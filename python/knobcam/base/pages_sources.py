@@ -73,7 +73,7 @@ class FileColumn(TypedDict):
 
 
 class Guess(TypedDict):
-    """What a column of a capture is taken for until a person says otherwise; without a unit it is not known."""
+    """What a column of a capture may be, until a person says so; a unit that nobody knows is null."""
 
     expression: str
     unit: str | None

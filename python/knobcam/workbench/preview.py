@@ -24,7 +24,7 @@ _WIDE = 60  # pieces of a column's outline
 
 
 class Unmapped(InputError):
-    """A file that has columns, but not those of a capture; `columns` describes them, `guess` what they may be."""
+    """A file that has columns, but not those of a capture; `guess` has what the `columns` may be."""
 
     def __init__(
         self, said: str, columns: list[pages_sources.FileColumn], guess: dict[str, pages_sources.Guess]

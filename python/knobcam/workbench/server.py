@@ -68,7 +68,8 @@ def application(bench: Bench, token: str, port: int, upload_bytes: int = UPLOAD_
     posts: dict[str, Answers] = {
         **{"add": server.add, "drop": server.drop, "undo": server.undo, "redo": server.redo},
         **{"branch": server.branch, "switch": server.switch, "params": server.params, "snap": server.snap},
-        **{"diagnose": server.diagnose, "cancel": server.cancel, "share": server.share, "use": server.use, "close": server.close},
+        **{"diagnose": server.diagnose, "cancel": server.cancel, "share": server.share, "use": server.use},
+        "close": server.close,
         **{"open": server.open, "upload": server.upload, "save": server.save, **recording.posts},
         **Continuing(bench).posts,
         **designing.posts,
