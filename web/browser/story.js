@@ -14,6 +14,7 @@ import { brushed, done, opened, painted, stateOf } from "./session.js";
 
 const [chrome, address, effect, folder] = process.argv.slice(2);
 const { browser, page, complaints, requests } = await opened(chrome, address);
+page.setDefaultTimeout(120_000);
 const picture = (name) => page.screenshot({ path: join(folder, `${name}.png`) });
 const figures = {};
 

@@ -275,7 +275,8 @@ class App {
     const name = state.branches.find(({ id }) => id === state.branch)?.name;
     const beside = other && rest ? { name: other.name, residual: rest.residual } : null;
     this.legend(beside?.name ?? null);
-    const data = { columns, unit, coordinate, noise: state.noise_floor, fitted, name, beside };
+    byId("masked").hidden = !columns.masked?.some((value) => value === value);
+    const data = { several: active.length > 1, columns, unit, coordinate, noise: state.noise_floor, fitted, name, beside };
     const brush = this.brushedThen;
     this.brushedThen = null;
     const splits = fitted ? this.store.splitsOf(node).catch(() => []) : []; // without them all else is there

@@ -10,11 +10,12 @@ import { torqueScale, torqueWord } from "./numbers.js";
 
 /**
  * What the plots are made of.
- * @typedef {{columns: Columns, unit: string, coordinate: "rotary" | "linear", noise: number | null, fitted: boolean,
+ * @typedef {{columns: Columns, unit: string, coordinate: "rotary" | "linear", noise: number | null, fitted: boolean, several?: boolean,
  *   name?: string, beside?: Beside | null, splits?: import("./types.js").Split[] | null}} Data
  * `columns`: t, theta, omega, tau, residual; for isolated components also position_part and velocity_part; for
- * the band also band. `fitted`: no parameter is dragged away from the fit. `name`: of the branch. `splits`: where the
- * error lies, as soon as that is known
+ * the band also band; over time `masked`, what is recorded where no sample counts. `fitted`: no parameter is dragged
+ * away from the fit. `several` captures, one after the other, have each a time of its own. `name`: of the branch.
+ * `splits`: where the error lies, as soon as that is known
  * @typedef {{name: string, residual: Float32Array}} Beside another branch of the same captures
  * @typedef {import("./types.js").Seen} View
  * `held`: the residuals keep the scale of the worst fit, so that they are seen to fall
@@ -48,6 +49,7 @@ const NAME = 32; // letters of a branch's name in a title
 export function columnsOf(view) {
   const needed = ["t", "theta", "omega", "tau", "residual"];
   for (const { column } of view.axes.map((along) => AXES[along])) if (column && !needed.includes(column)) needed.push(column);
+  if (view.axes.includes("time")) needed.push("masked");
   if (view.isolated) needed.push("position_part", "velocity_part");
   if (view.band) needed.push("band");
   return needed;
@@ -82,6 +84,7 @@ export function rowsOf(data, view, widest) {
     const part = view.isolated && axis.part ? columns[axis.part] : null;
     const { measured, modelled } = part ? isolated(columns, part) : { measured: columns.tau, modelled: model };
     const series = [
+      ...(along === "time" && columns.masked && !part ? [{ colour: "--masked", chosen: null, y: columns.masked, strength: 1 }] : []),
       { colour: "--measured", chosen: "--chosen", y: measured, strength: 0.4 },
       ...(view.band && columns.band ? band(modelled, columns.band) : []),
       ...(other && !part ? [{ colour: "--beside", chosen: "--beside", y: other, strength: 0.35 }] : []),
@@ -91,6 +94,7 @@ export function rowsOf(data, view, widest) {
     const scale = torqueScale(data.unit, Math.max(-lowest, highest));
     const torque = {
       ...common,
+      picked: series.findIndex(({ colour }) => colour === "--measured"), // masked samples are not taken by a brush
       xAxis: { ...common.xAxis, label: "" }, // where it is chosen it stands already
       yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}, ${scale.unit}` },
       title: part ? `what depends on ${along} alone` : `${word} over ${axis.words}`,

@@ -143,7 +143,8 @@ export class Linked {
   drawRow(at) {
     const row = this.shown[at];
     const along = this.data?.splits?.find(({ axis }) => axis === this.axes[at]) ?? null;
-    const bins = row.residual.spectrum === undefined ? along : null;
+    const own = this.axes[at] === "time" && this.data?.several; // the bins are those of one time for all
+    const bins = row.residual.spectrum === undefined && !own ? along : null;
     for (const [column, contents] of [row.torque, { ...row.residual, bins }, row.beside].entries()) {
       const plot = this.rows[at][column];
       const [xAxis, yAxis] = [within(contents?.xAxis, this.seen[at]), within(contents?.yAxis, this.heights.get(plot))];

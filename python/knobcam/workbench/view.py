@@ -70,6 +70,13 @@ class View:
         rest = np.where(signals.used, signals.tau - self.model.core.torque(signals.core), np.nan)
         return signals.on_capture(rest)
 
+    def masked(self, at: int) -> FloatArray:
+        """The torque of a capture as it was recorded where its samples are masked, N m; NaN elsewhere."""
+        signals = self.fit.prepared[at]
+        masked = np.ones(signals.capture.samples, dtype=bool)
+        masked[signals.rows] = False
+        return np.where(masked, signals.capture.tau, np.nan)
+
     def since_reversal(self, at: int) -> FloatArray:
         """Distance travelled on a capture since the direction last changed, rad (m); NaN before it did."""
         signals = self.fit.prepared[at]

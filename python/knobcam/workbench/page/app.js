@@ -1489,6 +1489,7 @@ var NAME = 32;
 function columnsOf(view) {
   const needed = ["t", "theta", "omega", "tau", "residual"];
   for (const { column } of view.axes.map((along) => AXES[along])) if (column && !needed.includes(column)) needed.push(column);
+  if (view.axes.includes("time")) needed.push("masked");
   if (view.isolated) needed.push("position_part", "velocity_part");
   if (view.band) needed.push("band");
   return needed;
@@ -1510,6 +1511,7 @@ function rowsOf(data, view, widest) {
     const part = view.isolated && axis2.part ? columns[axis2.part] : null;
     const { measured, modelled } = part ? isolated(columns, part) : { measured: columns.tau, modelled: model };
     const series = [
+      ...along === "time" && columns.masked && !part ? [{ colour: "--masked", chosen: null, y: columns.masked, strength: 1 }] : [],
       { colour: "--measured", chosen: "--chosen", y: measured, strength: 0.4 },
       ...view.band && columns.band ? band(modelled, columns.band) : [],
       ...other && !part ? [{ colour: "--beside", chosen: "--beside", y: other, strength: 0.35 }] : [],
@@ -1519,6 +1521,8 @@ function rowsOf(data, view, widest) {
     const scale = torqueScale(data.unit, Math.max(-lowest, highest));
     const torque = {
       ...common,
+      picked: series.findIndex(({ colour }) => colour === "--measured"),
+      // masked samples are not taken by a brush
       xAxis: { ...common.xAxis, label: "" },
       // where it is chosen it stands already
       yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}, ${scale.unit}` },
@@ -2241,7 +2245,8 @@ var Linked = class {
   drawRow(at) {
     const row = this.shown[at];
     const along = this.data?.splits?.find(({ axis: axis2 }) => axis2 === this.axes[at]) ?? null;
-    const bins = row.residual.spectrum === void 0 ? along : null;
+    const own = this.axes[at] === "time" && this.data?.several;
+    const bins = row.residual.spectrum === void 0 && !own ? along : null;
     for (const [column, contents] of [row.torque, { ...row.residual, bins }, row.beside].entries()) {
       const plot = this.rows[at][column];
       const [xAxis, yAxis] = [within2(contents?.xAxis, this.seen[at]), within2(contents?.yAxis, this.heights.get(plot))];
@@ -2427,7 +2432,7 @@ function chosenSquares(residual, chosen) {
 }
 
 // src/store.js
-var MOTION = /* @__PURE__ */ new Set(["t", "theta", "omega", "alpha", "tau", "history"]);
+var MOTION = /* @__PURE__ */ new Set(["t", "theta", "omega", "alpha", "tau", "history", "masked"]);
 var NODES_KEPT = 32;
 function decode(buffer) {
   return unpacked(buffer).columns;
@@ -3921,7 +3926,8 @@ var App = class {
     const name = state.branches.find(({ id }) => id === state.branch)?.name;
     const beside = other && rest ? { name: other.name, residual: rest.residual } : null;
     this.legend(beside?.name ?? null);
-    const data = { columns, unit, coordinate, noise: state.noise_floor, fitted, name, beside };
+    byId("masked").hidden = !columns.masked?.some((value) => value === value);
+    const data = { several: active.length > 1, columns, unit, coordinate, noise: state.noise_floor, fitted, name, beside };
     const brush = this.brushedThen;
     this.brushedThen = null;
     const splits = fitted ? this.store.splitsOf(node).catch(() => []) : [];

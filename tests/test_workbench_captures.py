@@ -1,7 +1,8 @@
-"""Captures close and come back, and what a log's columns seem to be is asked, not taken."""
+"""Captures of the workbench: they close and come back, masked samples are there, guesses are asked about."""
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 
 import knobcam as kc
 from knobcam.errors import InputError
-from knobcam.workbench import state
+from knobcam.workbench import arrays, state
 from knobcam.workbench.bench import Bench
 from knobcam.workbench.closing import close
 from knobcam.workbench.preview import Unmapped, explained
@@ -59,6 +60,19 @@ def test_a_session_that_goes_on_leaves_closed_what_was_closed(tmp_path: Path) ->
         assert names(bench.session) == ["one.npz"]
     finally:
         bench.close()
+
+
+def test_what_is_masked_is_there_as_it_was_recorded_and_in_no_other_column() -> None:
+    capture = kc.simulate("knob4", "sweep", duration_s=1.0)
+    tau, mask = capture.tau.copy(), capture.mask.copy()
+    tau[:20], mask[:20] = 7.0, False
+    session = Session()
+    session.take(dataclasses.replace(capture, tau=tau, mask=mask), "spoiled")
+    told = arrays.columns(session.view, 0, ["t", "tau", "masked"])
+    t, measured, masked = np.frombuffer(told[-3 * 4 * capture.samples :], dtype="<f4").reshape(3, -1)
+    assert np.allclose(t, capture.t) and not np.any(np.isnan(t))
+    assert np.all(masked[:20] == 7.0) and np.all(np.isnan(measured[:20]))
+    assert np.all(np.isnan(masked) == ~np.isnan(measured))
 
 
 def test_of_columns_without_names_the_roughest_is_guessed_to_be_the_torque(tmp_path: Path) -> None:
