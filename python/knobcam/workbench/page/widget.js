@@ -56,6 +56,7 @@ function Y(s,t){if(!s)return new Uint8Array(0);let e=new Uint8Array(Math.ceil(t/
 .law .soft { grid-column: 1 / -1; font-size: .78rem; line-height: 1.25; }
 .formula { display: block; margin: .15rem 0; overflow-x: auto; overflow-y: hidden; } .formula math { text-align: left; margin: 0; }
 .formula mtd { text-align: left; }
+.candidate .formula { font-size: .86rem; overflow: hidden; } /* whole in what tells of the effect */
 `;var Rt=`/* Okabe & Ito 2008: told apart by people of any colour vision; one meaning has one colour, as in the pictures. */
 :root, :host { color-scheme: light;
   --ink: #1c1c1c; --soft: #5c5c5c; --paper: #ffffff; --page: #f4f6f8; --line: #d4d8dc; --grid: #00000012; --shade: #e9edf1;
