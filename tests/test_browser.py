@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 from brake import braked_knob
+from views import as_kept
 
 import knobcam as kc
 from knobcam.model.typical import with_typical
@@ -79,6 +80,13 @@ def test_a_person_finds_the_hidden_effect_in_the_browser(tmp_path: Path, picture
     assert figures["first"]["painted"] < 2500.0
     assert figures["brush"]["painted"] < 250.0
     assert figures["brush"]["script"] < 30.0
+    as_kept(pictures, "3-looked-at", "3-dark", "3-about", "3-at-720", "3-at-700", "3-at-1920")
+
+
+def test_every_law_of_the_catalogue_is_typeset(tmp_path: Path) -> None:
+    laws = {one.id: one.latex for axis in ("rotary", "linear") for one in kc.effects(axis).values()}
+    (tmp_path / "laws.json").write_text(json.dumps(laws))
+    assert script("math.js", tmp_path / "laws.json") == {"laws": len(laws), "plain": []}
 
 
 def test_files_are_handed_over_in_the_browser_and_their_names_never_become_markup(
@@ -95,6 +103,7 @@ def test_files_are_handed_over_in_the_browser_and_their_names_never_become_marku
         seen = script("files.js", address, good, broken, pictures)
     assert "no column is a torque" in seen["refused"]
     assert seen["mapped"] == capture.samples
+    as_kept(pictures, "8-welcome", "9-mapped")
 
 
 def test_a_brush_in_a_notebook_is_heard_in_python_and_nothing_stays_behind(
@@ -129,6 +138,7 @@ def test_a_capture_is_made_in_the_page_and_grows_before_the_eyes(tmp_path: Path,
     logs.mkdir()
     with workbench() as address:
         seen = script("live.js", address, "stribeck", logs, pictures)
+    as_kept(pictures, "12-new-capture")
     assert seen["wrong"] == "duration_s=-3: give a number from 0.1 to 600"
     shares, shown = zip(*seen["grown"], strict=True)
     assert list(shares) == sorted(shares) and list(shown) == sorted(shown)
@@ -150,6 +160,7 @@ def test_a_law_is_looked_for_and_taken_in_the_browser(tmp_path: Path, pictures: 
     before, after = seen["rmse"]
     assert after < 0.4 * before
     assert seen["ladder"] == ["first model", "+ eddy"]
+    as_kept(pictures, "31-law")
 
 
 def test_what_cannot_be_told_is_designed_recorded_and_told_in_the_browser(

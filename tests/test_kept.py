@@ -26,6 +26,7 @@ JOINTS = ("backlash", "compliance")  # which take long
 LITTLE = 12.0  # how much less takes off hangs on where its search ended
 SAID_ELSEWHERE = ("captures", "capture", "findings", "candidates", "correlation", "params", "ladder", "axes")
 OF_THE_CATALOGUE = ("place", "law", "source", "shows", "confused", "name", "about", "causes", "remedies")
+OF_THE_CATALOGUE += ("latex", "over", "friction")
 
 
 def without(document: dict[str, Any], *names: str) -> dict[str, Any]:

@@ -9,6 +9,7 @@ import re
 from html.parser import HTMLParser
 from pathlib import Path
 
+import numpy as np
 import pytest
 from carried import carried
 
@@ -57,7 +58,17 @@ def page(story: kc.LearningResult) -> str:
 
 def test_a_report_answers_its_questions_in_order(page: str, story: kc.LearningResult) -> None:
     text = Page(page).text
-    asked = ["What was found", "Why", "What else it could be", "What remains", "How sure"]
+    asked = [
+        "What it is made of",
+        "What cannot be told",
+        "What to record next",
+        "Look for yourself",
+        "What was found",
+        "Why",
+        "What else it could be",
+        "What remains",
+        "How sure",
+    ]
     places = [text.index(f" {question} ") for question in asked]
     assert places == sorted(places)
     assert story.headline in text
@@ -126,6 +137,17 @@ def test_a_report_says_what_a_capture_cannot_tell_and_what_is_unexplained() -> N
         "40 % of the remaining error variance lies along time; a line at 50.0 Hz"
         in Page(report.html(left)).text
     )
+
+
+def test_a_report_says_the_name_of_a_file_and_not_where_it_lies(capture: kc.Capture, tmp_path: Path) -> None:
+    np.savetxt(
+        tmp_path / "knob.csv",
+        np.column_stack([capture.t, capture.theta, capture.tau]),
+        **{"delimiter": ",", "header": "t_s,theta_rad,tau_Nm", "comments": ""},
+    )
+    text = report.html(kc.learn(tmp_path / "knob.csv"))
+    assert "knob.csv" in Page(text).text
+    assert str(tmp_path) not in text
 
 
 def test_the_same_story_gives_the_same_report(story: kc.LearningResult, page: str) -> None:

@@ -8,12 +8,14 @@
 import assert from "node:assert/strict";
 import { basename, join } from "node:path";
 
+import { accessible } from "./axe.js";
 import { done, opened, stateOf } from "./session.js";
 
 const [chrome, address, good, broken, folder] = process.argv.slice(2);
 const { browser, page, complaints } = await opened(chrome, address);
 await page.locator("#welcome").waitFor();
 await page.screenshot({ path: join(folder, "8-welcome.png") });
+await accessible(page, "welcome");
 
 await page.getByRole("button", { name: "Open…" }).click();
 await page.screenshot({ path: join(folder, "9-open.png") });
@@ -23,13 +25,29 @@ const refused = await page.locator("#open-said").textContent();
 assert.equal((await stateOf(page)).captures.length, 0);
 assert.equal(await page.locator("#open-columns button").count(), 3);
 await page.screenshot({ path: join(folder, "9-map.png") });
+await accessible(page, "mapping");
 assert.equal(await page.locator("[name=t]").inputValue(), "t");
-await page.getByRole("button", { name: /^angle: / }).click();
-await page.locator("[name=theta-unit]").selectOption("deg");
-await page.getByRole("button", { name: /^moment: / }).click(); // the next that is needed is the torque
+assert.equal(await page.locator("[name=theta]").inputValue(), "angle", "by its name");
+await page.locator("[name=tau]").focus();
+await page.getByRole("button", { name: /^moment: / }).click();
 assert.equal(await page.locator("[name=tau]").inputValue(), "moment");
-await page.locator("[name=tau-unit]").selectOption("mNm");
 const mapping = page.getByRole("button", { name: "Open", exact: true });
+const asked = async (words) => {
+  await mapping.click();
+  assert.match(await page.locator("#open-said").textContent(), words);
+  assert.equal((await stateOf(page)).captures.length, 0);
+};
+await asked(/turn or slide/);
+await page.locator("#open-linear").check();
+assert.equal(await page.locator("[name=theta-unit] option[value=deg]").count(), 0, "no angle on an axis that slides");
+await page.locator("#open-rotary").check();
+await page.locator("[name=t-unit]").selectOption("s");
+await asked(/unit is angle/);
+await page.locator("[name=theta-unit]").selectOption("rad");
+assert.match(await page.locator("#open-map").textContent(), /over \d+ degrees/); // so that nobody takes degrees for them
+await page.locator("[name=theta-unit]").selectOption("deg");
+await page.locator("[name=tau-unit]").selectOption("mNm");
+await page.screenshot({ path: join(folder, "9-mapped.png") });
 await done(page, "data", () => mapping.click());
 const mapped = (await stateOf(page)).captures[0].samples;
 
@@ -42,12 +60,18 @@ await second.waitFor({ timeout: 60_000 });
 const name = await second.locator("strong").textContent();
 assert.equal(name, basename(good));
 await done(page, "captures", () => page.locator("button.capture[aria-pressed=false]").or(second).first().click());
+await page.getByRole("button", { name: `close ${basename(good)}` }).click();
+await second.waitFor({ state: "detached" });
+assert.equal((await stateOf(page)).captures.length, 1);
+await done(page, "undo", () => page.keyboard.press("Control+z"));
+await second.waitFor(); // going back finds it
 assert.equal(await page.locator("#captures img, #captures script, main img[src]").count(), 0);
 assert.equal(await page.title(), "knobcam workbench");
 assert.ok(await page.locator("#welcome").isHidden());
 
 for (const option of ["isolated parts", "95 % band"]) await done(page, "data", () => page.getByLabel(option).check());
 await page.screenshot({ path: join(folder, "10-isolated.png") });
+await accessible(page, "two captures");
 
 const plot = page.getByRole("img", { name: "residual over time", exact: true });
 await plot.focus();

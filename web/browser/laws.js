@@ -8,6 +8,7 @@
 import assert from "node:assert/strict";
 import { join } from "node:path";
 
+import { accessible } from "./axe.js";
 import { done, opened, painted, stateOf } from "./session.js";
 
 const [chrome, address, folder] = process.argv.slice(2);
@@ -26,6 +27,7 @@ await law.hover();
 await painted(page, "look");
 assert.equal(await looked.textContent(), "what law 1 would explain");
 await picture("31-law");
+await accessible(page, "laws");
 await page.mouse.move(1, 1);
 await looked.waitFor({ state: "hidden" });
 

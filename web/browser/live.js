@@ -8,6 +8,7 @@
 import assert from "node:assert/strict";
 import { join } from "node:path";
 
+import { accessible } from "./axe.js";
 import { opened, painted, stateOf } from "./session.js";
 
 const HOSTILE = "<img src=x onerror=\"document.title='hit'\">";
@@ -37,6 +38,7 @@ const refused = dialog.locator("#new-said");
 await page.waitForFunction(() => document.getElementById("new-said").textContent !== "");
 const wrong = await refused.textContent();
 await picture("13-wrong-value");
+await accessible(page, "new capture");
 await control("duration_s").fill("6");
 const clicked = Date.now();
 await dialog.getByRole("button", { name: "Record" }).click();
@@ -95,6 +97,7 @@ await page.waitForFunction(() => document.getElementById("live-said").textConten
 assert.equal(await page.locator("#live-said").textContent(), HOSTILE);
 await page.getByRole("button", { name: "Open what was kept" }).waitFor();
 await picture("20-broken-dark");
+await accessible(page, "recording");
 await page.unroute("**/api/live*");
 await page.reload();
 await page.locator("#live").waitFor();

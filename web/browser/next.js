@@ -9,6 +9,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 
+import { accessible } from "./axe.js";
 import { opened, painted, stateOf } from "./session.js";
 
 const [chrome, address, effect, folder] = process.argv.slice(2);
@@ -29,7 +30,7 @@ await dialog.locator("[name=motion]").selectOption("hand");
 await dialog.locator("[name=duration_s]").fill("3");
 await dialog.getByRole("button", { name: "Simulate" }).click();
 await painted(page, "data");
-const apart = page.getByRole("button", { name: `tell ${effect} apart` });
+const apart = page.getByRole("button", { name: `Tell apart… ${effect}` });
 await apart.waitFor({ timeout: 90_000 });
 await picture("21-cannot-be-told");
 
@@ -50,6 +51,7 @@ while (await page.locator("#next").isHidden()) {
 await painted(page, "experiment");
 const first = await experiment();
 await picture("22-next");
+await accessible(page, "the next experiment");
 
 // Wider limits are asked for.
 await page.getByText("Within which limits").click();
@@ -71,6 +73,7 @@ assert.match(readFileSync(file, "utf8"), /^schema = "knobcam.motion\/1"/);
 // A hand is led: the mark moves with the clock, and stands where the motion is.
 await button("By hand…").click();
 await picture("24-metronome");
+await accessible(page, "metronome");
 await page.getByLabel("click at each beat").check();
 await button("Start").click();
 await page.waitForTimeout(1000);

@@ -9,10 +9,12 @@ import assert from "node:assert/strict";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
 
+import { accessible } from "./axe.js";
 import { brushed, done, opened, painted, stateOf } from "./session.js";
 
 const [chrome, address, effect, folder] = process.argv.slice(2);
 const { browser, page, complaints, requests } = await opened(chrome, address);
+page.setDefaultTimeout(120_000);
 const picture = (name) => page.screenshot({ path: join(folder, `${name}.png`) });
 const figures = {};
 
@@ -46,20 +48,56 @@ for (const axis of ["acceleration", "load", "history"]) {
   assert.equal(await over.filter({ visible: true }).count(), 1);
 }
 await picture("2-led-by-the-verdict");
+await done(page, "bins", () => page.getByLabel("axis of row 3").selectOption("frequency"));
+const spectrum = await page.evaluate(() => globalThis.knobcam.app.linked.residuals[2].contents.spectrum);
+assert.ok(spectrum.x.length > 100 && spectrum.chance.every(Number.isFinite));
+await picture("2-over-frequency");
 await done(page, "data", () => page.getByLabel("axis of row 3").selectOption("time"));
-for (const width of [800, 1280, 1440, 1920]) {
-  await page.setViewportSize({ width, height: 950 });
+const plot = page.getByRole("img", { name: "residual over time", exact: true });
+await plot.focus();
+for (let press = 0; press < 20; press++) await page.keyboard.press(".");
+assert.match(await page.locator("#moment-words").textContent(), /^[\d.]+ s, .* rad, .* measured, .* modelled, .* mNm left$/);
+assert.equal(await page.locator(".plot .moment:visible").count(), 6, "one moment in every plot");
+
+// 720 x 450: a screen of 1440 x 900 at 200 %.
+for (const [width, height] of [[720, 450], [700, 950], [800, 950], [1280, 950], [1440, 900], [1920, 950]]) {
+  await page.setViewportSize({ width, height });
+  for (const seen of ["#ladder .track", ".candidate .label", ".plot[aria-label='residual over position']"]) {
+    const box = await page.locator(seen).first().boundingBox();
+    const inside = box && box.y >= 0 && box.x + box.width <= width && box.y + box.height <= height;
+    assert.ok(inside, `${seen} is not on a screen of ${width} x ${height}: ${JSON.stringify(box)}`);
+  }
+  assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth), `${width} px`);
   await page.locator("h1").hover();
+  if (width === 700 || width === 720 || width === 1920) await picture(`3-at-${width}`);
   const plots = await page.locator("#plots").boundingBox();
   await candidates.first().hover();
   await page.locator("#looked:visible").waitFor();
   assert.deepEqual(await page.locator("#plots").boundingBox(), plots, `the plots move at ${width} px`);
 }
+await page.setViewportSize({ width: 800, height: 950 });
+await accessible(page, "narrow");
 await page.setViewportSize({ width: 1500, height: 950 });
+await page.locator(".candidates + details summary").click();
+await accessible(page, "what was weighed in vain");
+await page.locator(".candidates + details summary").click();
 await page.locator("h1").hover();
 figures.look = await done(page, "look", () => candidates.first().hover());
 await picture("3-looked-at");
+await page.emulateMedia({ colorScheme: "dark" });
+await page.waitForTimeout(200); // the plots take the new colours with the next frame
+await picture("3-dark");
+await page.emulateMedia({ colorScheme: "light" });
 await candidates.first().focus();
+await page.route("**/api/picture*", async (route) => {
+  await page.locator("#about[open] math").waitFor(); // what is known is not waited for
+  await accessible(page, "about");
+  const moment = page.getByLabel("moment");
+  const start = Number(await moment.inputValue());
+  await page.waitForFunction((start) => Number(document.querySelector("#about input").value) > start, start); // it moves
+  await page.getByText(/s: adds -?−?[\d.e−]+ mNm/).waitFor();
+  await route.continue();
+});
 await page.keyboard.press("?");
 await page.waitForFunction(() => document.querySelector("#about img")?.naturalWidth > 500);
 await picture("3-about");
@@ -67,6 +105,7 @@ await page.getByRole("button", { name: "Close" }).click();
 
 await page.locator("#save summary").click();
 await page.getByRole("button", { name: "Report" }).waitFor();
+await accessible(page, "menu");
 await page.keyboard.press("Escape");
 assert.equal(await page.locator("#save[open]").count(), 0, "Escape closes the menu");
 assert.ok(await page.locator(".brush:visible").count(), "and nothing else");
@@ -79,6 +118,17 @@ const second = await stateOf(page);
 assert.ok(second.rmse < 0.9 * first.rmse, `the error fell from ${first.rmse} to ${second.rmse} only`);
 assert.ok(second.rmse < 1.1 * second.noise_floor, `${second.rmse} is not at the floor ${second.noise_floor}`);
 await picture("4-added");
+await page.keyboard.press("Enter"); // pressed twice: nothing more is added
+await page.keyboard.press("Space");
+await page.locator("#any button[type=submit]").focus();
+await page.keyboard.press("Enter");
+await page.locator("#candidates").focus();
+await candidates.first().waitFor({ timeout: 60_000 });
+assert.equal((await stateOf(page)).revision >= second.revision, true);
+assert.deepEqual((await stateOf(page)).ladder, second.ladder);
+assert.ok(await page.evaluate(() => document.activeElement?.id === "candidates"));
+await page.keyboard.press("ArrowDown");
+assert.ok(await candidates.first().evaluate((item) => item === document.activeElement));
 
 figures.undo = await done(page, "undo", () => page.keyboard.press("Control+z"));
 assert.deepEqual((await stateOf(page)).params, first.params);
@@ -101,6 +151,7 @@ assert.equal(await page.locator(".plot:visible").count(), 9);
 await brushed(page, "residual over velocity of the branch beside", [0.47, 0.12], [0.62, 0.85]);
 assert.match(await page.locator("#chosen").textContent(), /of the squared error.*; in main: RMS/);
 await picture("5-side-by-side");
+await accessible(page, "side by side");
 await page.keyboard.press("Escape");
 await page.getByRole("checkbox", { name: "side by side" }).uncheck();
 
@@ -139,6 +190,13 @@ await page.goto("about:blank"); // what the workbench still asks for on the way 
 requests.length = 0;
 await page.goto(pathToFileURL(report).href);
 await page.screenshot({ path: join(folder, "8-report.png"), fullPage: true });
+await page.emulateMedia({ media: "print" });
+await page.setViewportSize({ width: 688, height: 1017 }); // A4 within the margins of a browser
+const sheet = await page.locator("#sheet").boundingBox();
+assert.ok(sheet.y + sheet.height < 1017, `what is handed in is longer than a page: ${JSON.stringify(sheet)}`);
+assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth), "or wider");
+await page.emulateMedia({ media: "screen" });
+await page.setViewportSize({ width: 1500, height: 950 });
 assert.deepEqual(requests.filter((url) => !url.startsWith("file:") && !url.startsWith("data:")), []);
 const before = await page.locator("#look .below p").textContent();
 await page.getByRole("button", { name: `+ ${effect}` }).click();

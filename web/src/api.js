@@ -2,12 +2,13 @@
 
 /** @typedef {import("./types.js").State} State */
 
-/** What the server says is wrong; `columns` of a file that it could not take for a capture, `fault` of a rig. */
+/** What the server says is wrong; `columns` of a file that it could not take for a capture, `guess` what they may be, `fault` of a rig. */
 export class Refusal extends Error {
   /** @param {string} words @param {import("./types.js").Why} [more] */
-  constructor(words, { columns, fault } = {}) {
+  constructor(words, { columns, guess, fault } = {}) {
     super(words);
     this.columns = columns ?? null;
+    this.guess = guess ?? {};
     this.fault = fault ?? null;
   }
 }

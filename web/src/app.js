@@ -8,6 +8,7 @@ import { byId } from "./dom.js";
 import { AnyEffect, about } from "./effects.js";
 import { opening, saving } from "./files.js";
 import { showHidden, unhiding } from "./hidden.js";
+import { keys } from "./keys.js";
 import { showLadder } from "./ladder.js";
 import { latest } from "./latest.js";
 import { Laws } from "./laws.js";
@@ -15,6 +16,7 @@ import { USUAL, columnsOf } from "./contents.js";
 import { Looking, showLeft } from "./going.js";
 import { Linked } from "./linked.js";
 import { Live } from "./live.js";
+import { showMoment } from "./moment.js";
 import { Next, showUntold } from "./next.js";
 import { Params } from "./params.js";
 import { preparing, sources } from "./sources.js";
@@ -53,7 +55,7 @@ class App {
         this.looks.changed();
       },
       (axes) => this.see({ axes }),
-      { fetched: true },
+      { fetched: true, pointed: showMoment },
     );
     byId("plots").append(this.linked.element);
     this.refresh = latest((/** @type {number} */ revision) => this.load(revision));
@@ -68,7 +70,7 @@ class App {
       look: (/** @type {string | null} */ effect) => this.look(effect, "signature", { effect: effect ?? "" }),
       take: (/** @type {string} */ effect) => this.ask("add", { effect }, "add"),
       ask: () => this.ask("diagnose"),
-      about,
+      about: (/** @type {import("./types.js").Effect} */ effect) => this.about(effect),
       apart: (/** @type {string[]} */ effects) => this.next.design(effects),
     };
     this.candidates = new Candidates(byId("candidates"), deeds, "Add");
@@ -78,7 +80,7 @@ class App {
       take: (number, name) => this.ask("accept", { number, name }, "add"),
       add: async (formula) => (await this.ask("formula", formula, "add")) !== null,
     });
-    this.any = new AnyEffect((effect) => this.ask("add", { effect }, "add"));
+    this.any = new AnyEffect((effect) => this.ask("add", { effect }, "add"), (effect) => this.about(effect));
     this.looking = new AbortController();
     /** @type {string | null} */
     this.looked = null;
@@ -117,7 +119,12 @@ class App {
       this.next.draw();
     });
     this.buttons();
-    document.addEventListener("keydown", (event) => this.key(event));
+    showMoment(null, null);
+    keys({
+      stop: () => this.live?.following && this.live.stop(true), // Escape is what a hand finds without looking
+      clear: () => this.linked.clear(),
+      closer: () => this.linked.lookCloser(),
+    });
     listen({
       state: (revision) => this.refresh(revision),
       progress: (job) => (job.recording ? this.showRecording(job) : this.showJob(job)),
@@ -215,13 +222,16 @@ class App {
         this.refresh(0);
       },
     });
-    showCaptures(byId("captures"), state, (captures) => this.ask("use", { captures }, "captures"));
+    showCaptures(byId("captures"), state, {
+      use: (captures) => this.ask("use", { captures }, "captures"),
+      close: (capture) => this.ask("close", { capture }, "captures"),
+    });
     showFindings(byId("findings"), state);
     byId("open-together").hidden = state.captures.length === 0;
     showLadder(byId("ladder"), state);
     if (state.branch === this.beside || !state.branches.some(({ id }) => id === this.beside)) this.beside = null;
     this.showBranches(state);
-    this.params.show(state.params);
+    this.params.show(state.params, state.together);
     this.candidates.show(state);
     this.laws.show(state);
     this.any.show(state.absent);
@@ -265,7 +275,8 @@ class App {
     const name = state.branches.find(({ id }) => id === state.branch)?.name;
     const beside = other && rest ? { name: other.name, residual: rest.residual } : null;
     this.legend(beside?.name ?? null);
-    const data = { columns, unit, coordinate, noise: state.noise_floor, fitted, name, beside };
+    byId("masked").hidden = !columns.masked?.some((value) => value === value);
+    const data = { several: active.length > 1, columns, unit, coordinate, noise: state.noise_floor, fitted, name, beside };
     const brush = this.brushedThen;
     this.brushedThen = null;
     const splits = fitted ? this.store.splitsOf(node).catch(() => []) : []; // without them all else is there
@@ -326,6 +337,19 @@ class App {
     }
   }
 
+  /** Show what an effect is, moved as the capture moved. @param {import("./types.js").Effect} effect */
+  about(effect) {
+    const { state } = this;
+    const { data } = this.linked;
+    const node = state?.node;
+    const weighed = state?.candidates.rows.some((row) => row.effect === effect.effect);
+    const added = async () => {
+      if (!state || !node || !weighed) return null;
+      return this.store.explained(node, state.active, effect.effect, { verb: "signature", asked: { effect: effect.effect } });
+    };
+    about(effect, data && node ? { data, at: this.linked.torques[0].marked, added } : null);
+  }
+
   /** @param {Job | null} job */
   showJob(job) {
     this.job = job;
@@ -342,29 +366,6 @@ class App {
     preparing(what);
     this.live?.phase(what);
     if (done !== null && !this.live?.following) this.live?.follow(); // one that another page has begun
-  }
-
-  /** @param {KeyboardEvent} event */
-  key(event) {
-    if (event.target instanceof HTMLInputElement && event.target.type !== "range" && event.key !== "Escape") return;
-    const control = event.ctrlKey || event.metaKey;
-    const key = event.key.toLowerCase();
-    if (event.key === "Escape" && this.live?.following) {
-      this.live.stop(true); // a motor turns, and Escape is what a hand finds without looking
-    } else if (event.key === "Escape" && document.querySelector("details.menu[open]")) {
-      byId("save").removeAttribute("open");
-      byId("save").querySelector("summary")?.focus();
-    } else if (event.key === "Escape") {
-      this.linked.clear();
-    } else if (!control && !event.altKey && key === "z") {
-      this.linked.lookCloser();
-    } else if (control && (key === "y" || (key === "z" && event.shiftKey))) {
-      event.preventDefault();
-      byId("redo").click();
-    } else if (control && key === "z") {
-      event.preventDefault();
-      byId("undo").click();
-    }
   }
 
   /** @param {string} words */

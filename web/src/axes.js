@@ -1,6 +1,7 @@
 /** Axes around a cloud of points: ticks, grid, labels. */
 
 import { number, ticks } from "./numbers.js";
+import { drawSpectrum } from "./spectrum.js";
 
 /** @typedef {import("./types.js").Split} Split */
 
@@ -8,18 +9,19 @@ import { number, ticks } from "./numbers.js";
 export const MARGIN = { left: 52, right: 10, top: 22, bottom: 34 };
 
 /**
- * @typedef {{low: number, high: number, factor: number, label: string, part?: boolean}} Axis
- * low and high in SI; shown = factor * SI. `part`: points beyond are not meant to be seen
+ * @typedef {{low: number, high: number, factor: number, label: string, part?: boolean, log?: boolean}} Axis
+ * low and high in SI; shown = factor * SI. `part`: points beyond are not meant to be seen. `log`: low and high are
+ * logarithms to base 10
  */
 
 /**
  * Draw ticks, grid lines and labels above the points.
  * @param {CanvasRenderingContext2D} brush with one unit per CSS pixel
  * @param {{width: number, height: number}} size of the whole plot, CSS pixels
- * @param {{x: Axis, y: Axis, title: string, colours: {ink: string, soft: string, line: string, band: string},
- *   noise: number | null, bins?: Split | null}} plot `noise`: a torque that chance reaches, drawn as a pair of lines
+ * @param {{x: Axis, y: Axis, title: string, colours: {ink: string, soft: string, line: string, band: string, wrong: string},
+ *   noise: number | null, bins?: Split | null, spectrum?: import("./spectrum.js").Spectrum | null}} plot `noise`: a torque that chance reaches, drawn as a pair of lines
  */
-export function drawAxes(brush, size, { x, y, title, colours, noise, bins }) {
+export function drawAxes(brush, size, { x, y, title, colours, noise, bins, spectrum }) {
   const { left, top } = MARGIN;
   const [right, bottom] = [size.width - MARGIN.right, size.height - MARGIN.bottom];
   brush.clearRect(0, 0, size.width, size.height);
@@ -32,17 +34,17 @@ export function drawAxes(brush, size, { x, y, title, colours, noise, bins }) {
   brush.fillStyle = colours.soft;
   brush.textAlign = "center";
   brush.textBaseline = "top";
-  for (const value of ticks(x.low * x.factor, x.high * x.factor, (right - left) / 70)) {
-    const at = Math.round(across(value / x.factor)) + 0.5;
+  for (const [value, text] of ticksOf(x, (right - left) / 70)) {
+    const at = Math.round(across(value)) + 0.5;
     stroke(brush, at, top, at, bottom);
-    brush.fillText(number(value, 6), at, bottom + 4);
+    brush.fillText(text, at, bottom + 4);
   }
   brush.textAlign = "right";
   brush.textBaseline = "middle";
-  for (const value of ticks(y.low * y.factor, y.high * y.factor, (bottom - top) / 32)) {
-    const at = Math.round(up(value / y.factor)) + 0.5;
+  for (const [value, text] of ticksOf(y, (bottom - top) / 32)) {
+    const at = Math.round(up(value)) + 0.5;
     stroke(brush, left, at, right, at);
-    brush.fillText(number(value, 6), left - 5, at);
+    brush.fillText(text, left - 5, at);
   }
   if (noise) {
     brush.save();
@@ -54,12 +56,13 @@ export function drawAxes(brush, size, { x, y, title, colours, noise, bins }) {
     }
     brush.restore();
   }
-  if (bins) {
+  if (bins || spectrum) {
     brush.save();
     brush.beginPath();
     brush.rect(left, top, right - left, bottom - top);
     brush.clip();
-    drawBins(brush, bins, across, up, colours);
+    if (bins) drawBins(brush, bins, across, up, colours);
+    if (spectrum) drawSpectrum(brush, spectrum, { across, up, bottom }, colours);
     brush.restore();
   }
   brush.strokeStyle = colours.soft;
@@ -75,6 +78,23 @@ export function drawAxes(brush, size, { x, y, title, colours, noise, bins }) {
   brush.font = "600 12px system-ui, 'DejaVu Sans', sans-serif";
   brush.textAlign = "right";
   brush.fillText(title, right, top - 4);
+}
+
+/**
+ * Where an axis has ticks, and what is written there.
+ * @param {Axis} axis
+ * @param {number} count how many there may be, about
+ * @returns {[number, string][]}
+ */
+function ticksOf({ low, high, factor, log }, count) {
+  if (!log) return ticks(low * factor, high * factor, count).map((value) => [value / factor, number(value, 6)]);
+  const few = count / (high - low) >= 3 ? [1, 2, 5] : [1]; // of each decade
+  const decades = Array.from({ length: Math.ceil(high) - Math.floor(low) + 1 }, (_, at) => 10 ** (Math.floor(low) + at));
+  const shift = Math.log10(factor);
+  return decades
+    .flatMap((decade) => few.map((digit) => digit * decade))
+    .map((value) => /** @type {[number, string]} */ ([Math.log10(value) - shift, number(value, 1)]))
+    .filter(([at]) => at >= low && at <= high);
 }
 
 /**

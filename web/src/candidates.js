@@ -1,6 +1,7 @@
 /** What could be missing: each effect with its evidence; the one that is looked at is laid over the residuals. */
 
 import { make } from "./dom.js";
+import { lawOf } from "./math.js";
 import { number, percent } from "./numbers.js";
 
 /** @typedef {import("./types.js").Candidate} Candidate */
@@ -24,6 +25,7 @@ export class Candidates {
     this.items = [];
     /** @type {Candidate[]} */
     this.rows = [];
+    place.tabIndex = -1;
     place.addEventListener("keydown", (event) => this.key(event));
   }
 
@@ -51,8 +53,9 @@ export class Candidates {
       others.length > 0 ? folded(others, could.length === 0) : "",
       ...remainder(candidates.unexplained),
     );
-    if (this.inside && document.activeElement === document.body) (this.items[0] ?? ask).focus();
-    if (this.items.length > 0 || document.activeElement !== document.body) this.inside = false;
+    // On the list as a whole: on an item a second Enter would take another one, unseen.
+    if (this.inside && document.activeElement === document.body) this.place.focus();
+    if (this.items.length > 0) this.inside = false;
   }
 
   /** @param {Candidate} row @param {number} at */
@@ -85,6 +88,7 @@ export class Candidates {
       make("span", { class: "figure", text: percent(-Math.max(0, row.error_fall)), title: "fall of the RMS error" }),
       make("span", { class: "deeds" }, this.deeds.about ? about : null, take),
       make("span", { class: "alike", text: row.name }),
+      row.could_be ? make("span", { class: "alike" }, lawOf(row)) : null,
       make("span", { class: "evidence soft", text: evidence(row) }),
       this.untold(row),
       ...remarks(row).map((text) => make("span", { class: "alike soft", text })),
@@ -99,7 +103,7 @@ export class Candidates {
   untold({ effect, equivalent }) {
     if (equivalent.length === 0) return null;
     const apart = make("button", {
-      ...{ type: "button", text: "Tell apart…", "aria-label": `tell ${effect} apart` },
+      ...{ type: "button", text: "Tell apart…", "aria-label": `Tell apart… ${effect}` },
       ...{ title: "design the motion that would tell", on: { click: () => this.deeds.apart?.([effect, ...equivalent]) } },
     });
     const words = `this capture cannot tell it from ${equivalent.join(", ")} `;
@@ -119,7 +123,8 @@ export class Candidates {
 
   /** @param {KeyboardEvent} event */
   key(event) {
-    const moves = { ArrowDown: this.at + 1, ArrowUp: this.at - 1, Home: 0, End: this.items.length - 1 };
+    const at = event.target === this.place ? -1 : this.at;
+    const moves = { ArrowDown: at + 1, ArrowUp: at - 1, Home: 0, End: this.items.length - 1 };
     if (event.key in moves) {
       const to = moves[/** @type {keyof typeof moves} */ (event.key)];
       const item = this.items[Math.min(this.items.length - 1, Math.max(0, to))];

@@ -8,9 +8,9 @@ import { make } from "./dom.js";
 /**
  * @param {HTMLElement} place
  * @param {State} state
- * @param {(captures: string[]) => void} use called with the ids to fit to
+ * @param {{use: (captures: string[]) => void, close: (capture: string) => void}} deeds `use`: these ids to fit to
  */
-export function showCaptures(place, { captures, active }, use) {
+export function showCaptures(place, { captures, active }, { use, close }) {
   if (captures.length === 1) {
     const [only] = captures;
     place.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only)));
@@ -18,18 +18,24 @@ export function showCaptures(place, { captures, active }, use) {
   }
   const toggled = (/** @type {string} */ id) =>
     active.includes(id) ? active.filter((one) => one !== id) : [...active, id];
-  const buttons = captures.map((capture) =>
-    make(
+  const buttons = captures.map((capture) => {
+    const alone = active.length === 1 && active[0] === capture.id; // without it there would be nothing to fit to
+    const chosen = make(
       "button",
       {
         ...{ type: "button", class: "capture", title: `fit to ${capture.name} too, or not` },
         "aria-pressed": String(active.includes(capture.id)),
-        disabled: active.length === 1 && active[0] === capture.id,
+        disabled: alone,
         on: { click: () => use(toggled(capture.id)) },
       },
       ...words(capture),
-    ),
-  );
+    );
+    const away = make("button", {
+      ...{ type: "button", class: "away", text: "×", "aria-label": `close ${capture.name}`, disabled: alone },
+      ...{ title: alone ? "the model is fitted to it alone" : `close ${capture.name}`, on: { click: () => close(capture.id) } },
+    });
+    return make("span", { class: "held-capture" }, chosen, away);
+  });
   place.replaceChildren(...buttons);
 }
 

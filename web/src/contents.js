@@ -1,6 +1,7 @@
 /** What the plots show of the data: columns, axes, colours. */
 
 import { limits } from "./axes.js";
+import { spectrumOf } from "./spectrum.js";
 import { torqueScale, torqueWord } from "./numbers.js";
 
 /** @typedef {import("./store.js").Columns} Columns */
@@ -9,15 +10,16 @@ import { torqueScale, torqueWord } from "./numbers.js";
 
 /**
  * What the plots are made of.
- * @typedef {{columns: Columns, unit: string, coordinate: "rotary" | "linear", noise: number | null, fitted: boolean,
+ * @typedef {{columns: Columns, unit: string, coordinate: "rotary" | "linear", noise: number | null, fitted: boolean, several?: boolean,
  *   name?: string, beside?: Beside | null, splits?: import("./types.js").Split[] | null}} Data
  * `columns`: t, theta, omega, tau, residual; for isolated components also position_part and velocity_part; for
- * the band also band. `fitted`: no parameter is dragged away from the fit. `name`: of the branch. `splits`: where the
- * error lies, as soon as that is known
+ * the band also band; over time `masked`, what is recorded where no sample counts. `fitted`: no parameter is dragged
+ * away from the fit. `several` captures, one after the other, have each a time of its own. `name`: of the branch.
+ * `splits`: where the error lies, as soon as that is known
  * @typedef {{name: string, residual: Float32Array}} Beside another branch of the same captures
  * @typedef {import("./types.js").Seen} View
  * `held`: the residuals keep the scale of the worst fit, so that they are seen to fall
- * @typedef {{torque: Contents, residual: Contents, beside: Contents | null}} Row over one axis
+ * @typedef {{torque: Contents | null, residual: Contents, beside: Contents | null}} Row over one axis
  * @typedef {{words: string, column: string | null, part: string | null, units: [string, string] | null}} AxisOf
  * `column`: null for the torque of the model itself; `part`: what of the model depends on it alone; `units` rotary
  * and linear, null for a torque
@@ -31,6 +33,7 @@ export const AXES = /** @type {Record<Along, AxisOf>} */ ({
   load: { words: "modelled torque", column: null, part: null, units: null },
   history: { words: "distance since reversal", column: "history", part: null, units: ["rad", "m"] },
   time: { words: "time", column: "t", part: null, units: ["s", "s"] },
+  frequency: { words: "frequency", column: null, part: null, units: ["Hz", "Hz"] },
 });
 
 /** What they are drawn over before a person chooses. @type {Along[]} */
@@ -46,6 +49,7 @@ const NAME = 32; // letters of a branch's name in a title
 export function columnsOf(view) {
   const needed = ["t", "theta", "omega", "tau", "residual"];
   for (const { column } of view.axes.map((along) => AXES[along])) if (column && !needed.includes(column)) needed.push(column);
+  if (view.axes.includes("time")) needed.push("masked");
   if (view.isolated) needed.push("position_part", "velocity_part");
   if (view.band) needed.push("band");
   return needed;
@@ -73,12 +77,14 @@ export function rowsOf(data, view, widest) {
   const model = less(columns.tau, columns.residual);
   const other = beside ? less(columns.tau, beside.residual) : null;
   return view.axes.map((along) => {
+    if (along === "frequency") return { torque: null, residual: alongFrequency(data), beside: null };
     const axis = AXES[along];
     const x = axis.column ? columns[axis.column] : model;
     const common = { x, xAxis: axisOf(along, x, data), picked: 0 };
     const part = view.isolated && axis.part ? columns[axis.part] : null;
     const { measured, modelled } = part ? isolated(columns, part) : { measured: columns.tau, modelled: model };
     const series = [
+      ...(along === "time" && columns.masked && !part ? [{ colour: "--masked", chosen: null, y: columns.masked, strength: 1 }] : []),
       { colour: "--measured", chosen: "--chosen", y: measured, strength: 0.4 },
       ...(view.band && columns.band ? band(modelled, columns.band) : []),
       ...(other && !part ? [{ colour: "--beside", chosen: "--beside", y: other, strength: 0.35 }] : []),
@@ -88,6 +94,7 @@ export function rowsOf(data, view, widest) {
     const scale = torqueScale(data.unit, Math.max(-lowest, highest));
     const torque = {
       ...common,
+      picked: series.findIndex(({ colour }) => colour === "--measured"), // masked samples are not taken by a brush
       xAxis: { ...common.xAxis, label: "" }, // where it is chosen it stands already
       yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}, ${scale.unit}` },
       title: part ? `what depends on ${along} alone` : `${word} over ${axis.words}`,
@@ -112,6 +119,24 @@ export function rowsOf(data, view, widest) {
 }
 
 /**
+ * The residual over frequency, across the row: what the core says of each bin.
+ * @param {Data} data
+ * @returns {Contents}
+ */
+export function alongFrequency({ splits, unit, fitted }) {
+  const spectrum = spectrumOf(splits?.find(({ axis }) => axis === "frequency"));
+  const [least, most] = spectrum ? limits([spectrum.y, spectrum.chance].map((one) => Float32Array.from(one))) : [-4, -2];
+  const [low, high] = spectrum ? [spectrum.x[0], spectrum.x[spectrum.x.length - 1]] : [0, 3];
+  const scale = torqueScale(unit, 10 ** most);
+  return {
+    ...{ x: new Float32Array(0), series: [], picked: 0, noise: null, spectrum },
+    title: fitted ? "residual over frequency, beside what chance stays below" : "over frequency: of a fit only",
+    xAxis: { low, high, factor: 1, label: "", log: true },
+    yAxis: { low: least, high: most, factor: scale.factor, label: `RMS per bin, ${scale.unit}`, log: true },
+  };
+}
+
+/**
  * An axis that holds all values of a column.
  * @param {Along} along
  * @param {Float32Array} x
@@ -133,12 +158,14 @@ export function labelOf(along, { unit, coordinate }) {
 }
 
 /**
- * The samples that lie between two values of an axis, moving forward (1), backward (-1) or either way (0).
+ * The samples that lie between two values of an axis, moving forward (1), backward (-1) or either way (0); null
+ * along frequency, of which no sample has a value.
  * @param {Data} data
  * @param {{axis: Along, low: number, high: number, direction: number}} place
- * @returns {Uint32Array}
+ * @returns {Uint32Array | null}
  */
 export function samplesIn({ columns }, { axis, low, high, direction }) {
+  if (axis === "frequency") return null;
   const { column } = AXES[axis];
   const x = column ? columns[column] : less(columns.tau, columns.residual);
   const found = [];

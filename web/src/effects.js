@@ -1,7 +1,9 @@
 /** Any effect of the catalogue: what it is, where it shows, and a way to add it without waiting for evidence. */
 
+import { acting } from "./acting.js";
 import { fetchPicture, wordsOf } from "./api.js";
 import { byId, make } from "./dom.js";
+import { lawOf } from "./math.js";
 
 /** @typedef {import("./types.js").Effect} Effect */
 
@@ -13,8 +15,8 @@ const PLACES = { load: "torque of the knob", coupling: "joint between shaft and 
 
 /** Let any effect that the model lacks be chosen. */
 export class AnyEffect {
-  /** @param {(effect: string) => void} add */
-  constructor(add) {
+  /** @param {(effect: string) => void} add @param {(effect: Effect) => void} tell what it is */
+  constructor(add, tell) {
     this.select = /** @type {HTMLSelectElement} */ (byId("any-effect"));
     /** @type {Effect[]} */
     this.absent = [];
@@ -24,7 +26,7 @@ export class AnyEffect {
     });
     byId("any-about").addEventListener("click", () => {
       const chosen = this.absent.find(({ effect }) => effect === this.select.value);
-      if (chosen) about(chosen);
+      if (chosen) tell(chosen);
     });
     byId("about-close").addEventListener("click", () => dialog().close());
   }
@@ -34,36 +36,43 @@ export class AnyEffect {
     byId("any").hidden = absent.length === 0;
     const names = (/** @type {Effect[]} */ effects) => effects.map(({ effect }) => effect).join();
     if (names(absent) !== names(this.absent)) {
-      this.select.replaceChildren(...absent.map(({ effect, name }) => make("option", { value: effect, text: `${effect}: ${name}` })));
+      // None is chosen at first, nor once one was added: a second Enter adds nothing.
+      const none = make("option", { value: "", text: "choose one" });
+      this.select.replaceChildren(none, ...absent.map(({ effect, name }) => make("option", { value: effect, text: `${effect}: ${name}` })));
     }
     this.absent = absent;
   }
 }
 
 /**
- * Show what an effect is and where it shows.
+ * Show what an effect is and where it shows, in motion where there is one.
  * @param {Effect} effect
+ * @param {import("./acting.js").Shown | null} shown
  */
-export function about({ effect, place, law, source, shows, name, about: sentence, causes, remedies }) {
-  const alt = `${law}: what it adds to the torque of a small knob; it shows ${shows}`;
-  const picture = make("img", { alt, src: pictures.get(effect) });
-  byId("about-title").textContent = effect;
+export function about(effect, shown) {
+  const { effect: id, place, law, source, shows, name, about: sentence, causes, remedies } = effect;
+  // The words are there at once; the picture is drawn meanwhile, where room is kept for it.
+  const drawing = make("p", { class: "soft", text: "The picture is being drawn …" });
+  const frame = make("div", { class: "picture", role: "status" }, drawing);
+  byId("about-title").textContent = `${id}: ${name}`;
   byId("about-text").replaceChildren(
-    make("p", {}, make("strong", { text: name })),
     make("p", { text: sentence }),
-    ...listed("Usual causes", causes),
-    ...listed("What helps", remedies),
-    make("p", { class: "soft", text: `Acts on the ${PLACES[place] ?? place}. ${source}` }),
-    picture,
+    lawOf(effect),
+    shown ? acting(effect, shown) : "",
+    make("div", { class: "columns-of-two" }, listed("Usual causes", causes), listed("What helps", remedies)),
+    make("p", { class: "soft", text: `Acts on the ${PLACES[place] ?? place}. Shows ${shows}. ${source}` }),
+    frame,
   );
   dialog().showModal();
-  if (pictures.has(effect)) return;
-  fetchPicture(effect).then(
+  const alt = `${law}: what it adds to the torque of a small knob; it shows ${shows}`;
+  const drawn = () => frame.replaceChildren(make("img", { alt, src: pictures.get(id) }));
+  if (pictures.has(id)) return drawn();
+  fetchPicture(id).then(
     (blob) => {
-      pictures.set(effect, URL.createObjectURL(blob));
-      picture.src = pictures.get(effect) ?? "";
+      pictures.set(id, URL.createObjectURL(blob));
+      drawn();
     },
-    (reason) => picture.replaceWith(make("p", { class: "wrong", text: wordsOf(reason) })),
+    (reason) => frame.replaceChildren(make("p", { class: "wrong", text: wordsOf(reason) })),
   );
 }
 
@@ -73,8 +82,8 @@ export function about({ effect, place, law, source, shows, name, about: sentence
  * @param {string[]} phrases
  */
 function listed(title, phrases) {
-  if (phrases.length === 0) return [];
-  return [make("h3", { text: title }), make("ul", {}, ...phrases.map((text) => make("li", { text })))];
+  if (phrases.length === 0) return null;
+  return make("div", {}, make("h3", { text: title }), make("ul", {}, ...phrases.map((text) => make("li", { text }))));
 }
 
 function dialog() {

@@ -33,7 +33,7 @@ export function opening(heard) {
     heard.say("");
     told.textContent = wordsOf(reason);
     if (reason instanceof Refusal && reason.columns) {
-      mapping.show(reason.columns);
+      mapping.show(reason.columns, reason.guess);
       byId("open-more").setAttribute("open", "");
     }
     if (!dialog.open) dialog.showModal();
@@ -75,6 +75,8 @@ export function opening(heard) {
   byId("open-form").addEventListener("submit", async (event) => {
     event.preventDefault();
     const named = path.value.trim();
+    told.textContent = mapping.lacking();
+    if (told.textContent) return undefined;
     if (!named && waiting.length === 0) {
       told.textContent = "Choose a file, or type its path.";
       return undefined;

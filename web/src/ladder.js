@@ -11,6 +11,9 @@ import { number, torqueScale } from "./numbers.js";
  */
 export function showLadder(place, state) {
   const branch = state.branches.find(({ id }) => id === state.branch);
+  const key = JSON.stringify([branch, state.rmse, state.noise_floor, state.unit]);
+  if (place.dataset.shown === key) return; // or it would fall again
+  place.dataset.shown = key;
   const { steps, at: here } = sameCaptures(branch?.steps ?? [], branch?.at ?? 0);
   const errors = steps.flatMap(({ rmse, rmse_heldout }) => [rmse, rmse_heldout]).concat(state.rmse);
   const floor = state.noise_floor;
@@ -25,21 +28,22 @@ export function showLadder(place, state) {
     const bar = make("span", { class: "bar" });
     const held = make("span", { class: "held" });
     bar.style.width = `${(100 * rmse) / widest}%`;
+    if (now && at > 0) bar.style.setProperty("--from", `${(100 * steps[at - 1].rmse) / widest}%`); // from there it falls
     if (rmse_heldout !== null) held.style.left = `${(100 * rmse_heldout) / widest}%`;
     const track = make("span", { class: "track" }, bar, rmse_heldout === null ? null : held, floorMark(floor, widest));
     return make(
       "li",
       { class: `ladder-line${now ? " now" : ""}${undone ? " undone" : ""}`, "aria-current": now ? "step" : null },
       make("span", { class: "label", text: label, title: label }),
-      track,
       make("span", { class: "figure", text: shown(rmse), title: "RMS error" }),
       make("span", { class: "figure soft", text: shown(rmse_heldout), title: "on blocks that the fit did not see" }),
+      track,
     );
   });
   const head = make(
     "div",
     { class: "ladder-line head" },
-    make("span", { class: "legend", text: floor === null ? "noise floor unknown" : `┆ noise floor ${shown(floor)}` }),
+    make("span", { class: "legend", text: floor === null ? "noise floor unknown" : `▖noise floor ${shown(floor)}` }),
     make("span", { class: "figure", text: `RMS, ${scale.unit}` }),
     make("span", { class: "figure", text: "unseen" }),
   );

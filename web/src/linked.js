@@ -1,7 +1,8 @@
 /** The linked plots: torque over three axes that a person chooses, the residual of each beside it. */
 
 import { brushable } from "./brush.js";
-import { AXES, USUAL, labelOf, reachOf, rowsOf, samplesIn } from "./contents.js";
+import { AXES, USUAL, alongFrequency, labelOf, reachOf, rowsOf, samplesIn } from "./contents.js";
+import { pointing } from "./cursor.js";
 import { make } from "./dom.js";
 import { number, percent, torqueScale } from "./numbers.js";
 import { Plot } from "./plot.js";
@@ -19,9 +20,10 @@ export class Linked {
   /**
    * @param {(words: string | null) => void} told about the chosen samples; null when none are
    * @param {(axes: Along[]) => void} picked what the rows shall be drawn over; they are once they are shown
-   * @param {{fetched?: boolean}} [columns] `fetched`: there is a column for every axis, as soon as it is asked for
+   * @param {{fetched?: boolean, pointed?: (data: Data | null, at: number | null) => void}} [more] `fetched`: there is a
+   * column for every axis, as soon as it is asked for; `pointed`: told which sample is pointed at
    */
-  constructor(told, picked, { fetched = false } = {}) {
+  constructor(told, picked, { fetched = false, pointed = () => {} } = {}) {
     this.told = told;
     this.fetched = fetched;
     const brushed = (/** @type {Plot} */ plot, /** @type {Region | null} */ region) => this.brush(plot, region);
@@ -35,7 +37,7 @@ export class Linked {
     this.element = make("div", { class: "linked" }, ...this.plots.map(({ element }) => element), ...this.pickers);
     for (const [at, { element }] of this.plots.entries()) {
       element.classList.toggle("beside", at % 3 === 2);
-      element.style.gridArea = `${Math.floor(at / 3) + 1} / ${(at % 3) + 1}`;
+      put(element, Math.floor(at / 3) + 1, (at % 3) + 1);
     }
     const deeds = {
       zoom: (/** @type {Plot} */ plot, /** @type {number} */ at, /** @type {number} */ factor) =>
@@ -48,6 +50,7 @@ export class Linked {
       brushable(plot);
       zoomable(plot, deeds);
     }
+    this.moment = pointing(this.plots, () => this.data?.columns.t ?? null, (at) => pointed(this.data, at));
     /** @type {Data | null} */
     this.data = null;
     /** @type {Row[]} */
@@ -79,6 +82,7 @@ export class Linked {
     const { columns } = data;
     if (this.data && this.data.columns.t.length !== columns.t.length) {
       this.clear();
+      this.moment.none();
       this.seen.fill(null);
       this.heights.clear();
       this.widest = 0;
@@ -105,9 +109,12 @@ export class Linked {
   drawOver(axes, data) {
     const kinds = ["torque over %, measured and modelled", "residual over %", "residual over % of the branch beside"];
     const all = /** @type {Along[]} */ (Object.keys(AXES));
-    const offered = all.filter((one) => this.fetched || (AXES[one].column ?? "tau") in data.columns);
+    const there = (/** @type {Along} */ one) => one !== "frequency" && (AXES[one].column ?? "tau") in data.columns;
+    const offered = all.filter((one) => this.fetched || there(one));
     for (const [at, along] of axes.entries()) {
       showPicked(this.pickers[at], offered, { along, data });
+      for (const element of [this.residuals[at].element, this.pickers[at]]) element.classList.toggle("wide", along === "frequency");
+      for (const kind of [0, 2]) this.rows[at][kind].element.toggleAttribute("hidden", along === "frequency");
       for (const [kind, plot] of this.rows[at].entries()) {
         plot.element.setAttribute("aria-label", kinds[kind].replace("%", AXES[along].words));
         if (along === this.axes[at]) continue;
@@ -127,14 +134,17 @@ export class Linked {
     const at = this.axes.indexOf(place.axis);
     if (!this.data || at < 0) return;
     this.choose(samplesIn(this.data, place));
-    const { low, high } = this.shown[at].residual.yAxis;
-    this.residuals[at].setRegion({ x: [place.low, place.high], y: [low, high] });
+    const { xAxis, yAxis } = this.shown[at].residual;
+    const x = [place.low, place.high].map((value) => (xAxis.log ? Math.max(xAxis.low, Math.log10(value)) : value));
+    this.residuals[at].setRegion({ x: [x[0], x[1]], y: [yAxis.low, yAxis.high] });
   }
 
   /** @param {number} at which row */
   drawRow(at) {
     const row = this.shown[at];
-    const bins = this.data?.splits?.find(({ axis }) => axis === this.axes[at]) ?? null;
+    const along = this.data?.splits?.find(({ axis }) => axis === this.axes[at]) ?? null;
+    const own = this.axes[at] === "time" && this.data?.several; // the bins are those of one time for all
+    const bins = row.residual.spectrum === undefined && !own ? along : null;
     for (const [column, contents] of [row.torque, { ...row.residual, bins }, row.beside].entries()) {
       const plot = this.rows[at][column];
       const [xAxis, yAxis] = [within(contents?.xAxis, this.seen[at]), within(contents?.yAxis, this.heights.get(plot))];
@@ -149,6 +159,7 @@ export class Linked {
   lay(splits) {
     if (!this.data) return;
     this.data = { ...this.data, splits };
+    for (const row of this.shown) if (!row.torque) row.residual = alongFrequency(this.data);
     for (const at of this.rows.keys()) this.drawRow(at);
     this.drawLight();
   }
@@ -167,7 +178,7 @@ export class Linked {
   look(plot, change) {
     const at = this.rows.findIndex((row) => row.includes(plot));
     if (!this.shown[at]) return;
-    const { low, high } = this.shown[at].torque.xAxis;
+    const { low, high } = this.shown[at].residual.xAxis;
     this.seen[at] = change(this.seen[at] ?? [low, high], [low, high]);
     if (!this.seen[at]) for (const other of this.rows[at]) this.heights.delete(other);
     this.later("zoom", () => {
@@ -304,8 +315,14 @@ function picker(at, picked) {
     ...{ class: "along", "aria-label": `axis of row ${at + 1}`, title: "what this row is drawn over" },
     on: { change: () => picked(/** @type {Along} */ (choice.value)) },
   });
-  choice.style.gridArea = `${at + 1} / 1`;
+  put(choice, at + 1, 1);
   return choice;
+}
+
+/** Where the style sheet has a grid. @param {HTMLElement} element @param {number} row @param {number} column */
+function put(element, row, column) {
+  element.style.setProperty("--row", String(row));
+  element.style.setProperty("--column", String(column));
 }
 
 /**

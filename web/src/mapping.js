@@ -1,18 +1,38 @@
 /** Which column of a file is which of a capture, by eye: each is drawn small, with its range. */
 
-import { make } from "./dom.js";
+import { byId, make } from "./dom.js";
 import { number } from "./numbers.js";
 
 /** @typedef {import("./types.js").FileColumn} FileColumn */
+/** @typedef {"rotary" | "linear"} Kind of axis */
+/** @typedef {{words: string, units: Record<Kind, string[]>, needed: boolean}} Target */
 
-/** What a column can be, and the units that it often has; without one the numbers are SI. */
+const MOTOR = ["A", "mA", "V", "duty"]; // of what a motor is given, on either axis
+
+/** What a column can be, in words, and the units that it often has; the first is SI. @type {Record<string, Target>} */
 const TARGETS = {
-  t: ["s", "ms", "us", "min"],
-  theta: ["rad", "deg", "turn", "m", "mm", "um"],
-  tau: ["N m", "mNm", "N", "mN", "A", "mA", "V", "duty"],
-  omega: ["rad/s", "deg/s", "rpm", "m/s", "mm/s"],
-  alpha: ["rad/s^2", "deg/s^2", "m/s^2", "mm/s^2"],
+  t: { words: "Time", units: { rotary: ["s", "ms", "us", "min"], linear: ["s", "ms", "us", "min"] }, needed: true },
+  theta: {
+    words: "Angle or position",
+    ...{ units: { rotary: ["rad", "deg", "turn"], linear: ["m", "mm", "um"] }, needed: true },
+  },
+  tau: {
+    words: "Torque or force, or motor current",
+    ...{ units: { rotary: ["N m", "mNm", ...MOTOR], linear: ["N", "mN", ...MOTOR] }, needed: true },
+  },
+  omega: {
+    words: "Velocity, if there is one",
+    ...{ units: { rotary: ["rad/s", "deg/s", "rpm"], linear: ["m/s", "mm/s"] }, needed: false },
+  },
+  alpha: {
+    words: "Acceleration, if there is one",
+    ...{ units: { rotary: ["rad/s^2", "deg/s^2"], linear: ["m/s^2", "mm/s^2"] }, needed: false },
+  },
 };
+const KINDS = /** @type {Kind[]} */ (["rotary", "linear"]);
+/** Of a unit of angle, how many degrees it has: for one sees at once whether a range is one of degrees.
+ * @type {Record<string, number>} */
+const DEGREES = { rad: 180 / Math.PI, turn: 360 };
 /** How loggers write some of them.
  * @type {Record<string, string>} */
 const SPELT = { "°": "deg", "°/s": "deg/s", "°/s²": "deg/s^2", "rad/s²": "rad/s^2", Nm: "N m", "1/min": "rpm", "U/min": "rpm",
@@ -23,20 +43,29 @@ export class Mapping {
   /** @param {HTMLElement} place of the fields @param {HTMLElement} found place of the file's columns */
   constructor(place, found) {
     this.found = found;
-    this.fields = Object.entries(TARGETS).map(([name, units]) => {
-      const text = make("input", { name, type: "text", autocomplete: "off", spellcheck: "false", "aria-label": name });
-      const unit = make(
-        "select",
-        { "aria-label": `unit of ${name}`, name: `${name}-unit` },
-        make("option", { value: "", text: "SI" }),
-        ...units.map((one) => make("option", { value: one, text: one })),
-      );
+    /** @type {FileColumn[]} */
+    this.columns = [];
+    this.fields = Object.entries(TARGETS).map(([name, target]) => {
+      const text = make("input", { name, type: "text", autocomplete: "off", spellcheck: "false", "aria-label": target.words });
+      const unit = make("select", { "aria-label": `unit of ${target.words}`, name: `${name}-unit` });
+      const range = make("span", { class: "range soft" });
+      const field = { name, target, text, unit, range };
       text.addEventListener("focus", () => (this.at = text));
-      place.append(make("div", {}, make("span", { text: name }), text, unit));
-      return { name, text, unit };
+      text.addEventListener("input", () => this.tell());
+      unit.addEventListener("change", () => this.chose(unit.value));
+      place.append(make("div", {}, make("span", { text: target.words }), text, unit, range));
+      return field;
     });
     /** @type {HTMLInputElement} where a column goes that is pressed */
     this.at = this.fields[0].text;
+    this.kinds = KINDS.map((kind) => /** @type {HTMLInputElement} */ (byId(`open-${kind}`)));
+    for (const box of this.kinds) box.addEventListener("change", () => this.tell());
+    this.tell();
+  }
+
+  /** Rotary or linear; null until it is said. @returns {Kind | null} */
+  get kind() {
+    return KINDS.find((_, at) => this.kinds[at].checked) ?? null;
   }
 
   /** What the import is to be told; nothing where nothing is filled in. */
@@ -44,42 +73,70 @@ export class Mapping {
     const filled = this.fields.filter(({ text }) => text.value.trim());
     const map = filled.map(({ name, text, unit }) => {
       const written = text.value.trim();
-      return `${name}=${written}${unit.value && !written.endsWith("]") ? ` [${unit.value}]` : ""}`;
+      return `${name}=${written}${unit.value && !saysUnit(written) ? ` [${unit.value}]` : ""}`;
     });
     /** @type {Record<string, string>} */
     const options = map.length > 0 ? { map: map.join(", ") } : {};
+    if (map.length > 0 && this.kind) options.coordinate = this.kind;
     return options;
   }
 
+  /**
+   * What has still to be said; the first field of it has the focus then. Nothing where nothing is filled in.
+   * @returns {string}
+   */
+  lacking() {
+    const filled = this.fields.filter(({ text }) => text.value.trim());
+    if (filled.length === 0) return "";
+    if (!this.kind) {
+      this.kinds[0].focus();
+      return "Does it turn or slide? Metres must not be taken for radians.";
+    }
+    const without = filled.find(({ text, unit }) => !unit.value && !saysUnit(text.value.trim()));
+    without?.unit.focus();
+    return without ? `In which unit is ${without.text.value}? (${without.target.words.toLowerCase()})` : "";
+  }
+
   clear() {
-    for (const { text, unit } of this.fields) text.value = unit.value = "";
+    for (const { text } of this.fields) text.value = "";
+    for (const box of this.kinds) box.checked = false;
+    for (const { unit } of this.fields) unit.value = "";
+    this.columns = [];
     this.found.replaceChildren();
+    this.tell();
   }
 
   /**
-   * Show the columns of a file; those that are named as in a capture are filled in.
+   * Show the columns of a file; what they are taken for is filled in where nothing is yet.
    * @param {FileColumn[]} columns
+   * @param {Record<string, import("./types.js").Guess>} guess
    */
-  show(columns) {
+  show(columns, guess) {
+    this.columns = columns;
     this.found.replaceChildren(...columns.map((column) => this.tile(column)));
-    for (const { name, text } of this.fields) {
-      if (!text.value && columns.some((column) => column.name === name)) text.value = name;
+    for (const field of this.fields) {
+      const known = guess[field.name];
+      const same = columns.some(({ name }) => name === field.name) ? field.name : "";
+      if (field.text.value) continue;
+      field.text.value = known ? plain(known.expression.replace(/^`([^`]*)`$/, "$1")) : same;
+      if (known?.unit) this.measure(field, known.unit);
     }
     this.at = this.fields.find(({ text }) => !text.value)?.text ?? this.at;
+    this.tell();
   }
 
   /** @param {FileColumn} column */
-  tile({ name, rows, low, high, outline }) {
+  tile({ name, low, high, outline }) {
     const range = `${number(low)} … ${number(high)}`;
     const canvas = make("canvas", { "aria-hidden": "true", ...SIZE });
     draw(canvas, outline);
     return make(
       "button",
       {
-        ...{ type: "button", "aria-label": `${name}: ${range}, ${rows} rows`, title: "put into the chosen field" },
+        ...{ type: "button", title: "put into the chosen field" },
         on: { click: () => this.put(name) },
       },
-      make("strong", { text: name }),
+      make("strong", { text: `${name}: ` }),
       canvas,
       make("span", { class: "soft", text: range }),
     );
@@ -89,13 +146,64 @@ export class Mapping {
   put(column) {
     // A name that is no plain word has to be quoted, or it would be a sum of others.
     const field = this.fields.find(({ text }) => text === this.at);
-    const written = /[[(]([^\])]+)[\])]\s*$/.exec(column)?.[1] ?? "";
-    if (field) field.unit.value = SPELT[written] ?? written; // none, where it is no unit of the list
-    if (field && !field.unit.value) field.unit.value = "";
-    this.at.value = /^[A-Za-z_]\w*$/.test(column) ? column : `\`${column}\``;
+    this.at.value = plain(column);
+    if (field) this.measure(field, /[[(]([^\])]+)[\])]\s*$/.exec(column)?.[1] ?? "");
     this.at = this.fields.find(({ text }) => !text.value)?.text ?? this.at;
     this.at.focus();
+    this.tell();
   }
+
+  /** @param {Mapping["fields"][number]} field @param {string} written a unit, or what is none of the list */
+  measure(field, written) {
+    const unit = SPELT[written] ?? written;
+    const known = KINDS.some((kind) => field.target.units[kind].includes(unit));
+    field.unit.value = known ? unit : "";
+    this.chose(field.unit.value);
+  }
+
+  /** A unit was chosen: one of a length says that the axis slides. @param {string} unit */
+  chose(unit) {
+    for (const [at, kind] of KINDS.entries()) {
+      const only = (/** @type {Kind} */ one) => Object.values(TARGETS).some(({ units }) => units[one].includes(unit));
+      if (unit && only(kind) && !only(KINDS[1 - at])) this.kinds[at].checked = true;
+    }
+    this.tell();
+  }
+
+  /** Offer the units of the kind of axis, and say what each column would be in them. */
+  tell() {
+    const kind = this.kind;
+    for (const { target, text, unit, range } of this.fields) {
+      const offered = [...new Set(kind ? target.units[kind] : KINDS.flatMap((one) => target.units[one]))];
+      const chosen = unit.value;
+      const options = [make("option", { value: "", text: "unit?" }), ...offered.map((one) => make("option", { value: one, text: one }))];
+      if (unit.options.length !== options.length || unit.options[1].value !== offered[0]) unit.replaceChildren(...options);
+      unit.value = offered.includes(chosen) ? chosen : "";
+      const column = this.columns.find(({ name }) => plain(name) === text.value.trim());
+      range.textContent = column ? spread(column, unit.value) : "";
+    }
+  }
+}
+
+/**
+ * From where to where a column goes, in a unit and in one that is easily felt.
+ * @param {FileColumn} column
+ * @param {string} unit
+ */
+function spread({ low, high }, unit) {
+  if (low === null || high === null) return "no value at all";
+  const felt = unit in DEGREES ? `, over ${number((high - low) * DEGREES[unit])} degrees` : "";
+  return `${number(low)} … ${number(high)} ${unit}${felt}`;
+}
+
+/** A column's name as a map has it. @param {string} column */
+function plain(column) {
+  return /^[A-Za-z_]\w*$/.test(column) ? column : `\`${column}\``;
+}
+
+/** Whether what is written has its unit in brackets. @param {string} written */
+function saysUnit(written) {
+  return written.endsWith("]");
 }
 
 /** @param {HTMLCanvasElement} canvas @param {[number, number][]} outline */

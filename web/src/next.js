@@ -222,8 +222,8 @@ export class Next {
     byId("rig-said").textContent = "";
     byId("rig-fault").hidden = true;
     byId("rig-warning").hidden = by_hand;
-    rig().showModal();
     try {
+      // Known before the dialog is there: what is suggested must not come into what is typed meanwhile.
       /** @type {import("./types.js").Sources} */
       const known = await ask("sources");
       byId("rig-ports").replaceChildren(...known.ports.map(({ port, words }) => make("option", { value: port, text: words })));
@@ -233,6 +233,7 @@ export class Next {
     } catch (reason) {
       byId("rig-said").textContent = wordsOf(reason);
     }
+    rig().showModal();
   }
 
   /** @param {Record<string, unknown>} more */

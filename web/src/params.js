@@ -1,6 +1,6 @@
 /** The parameter table: values that can be dragged to feel what each does. */
 
-import { make } from "./dom.js";
+import { byId, make } from "./dom.js";
 import { number } from "./numbers.js";
 
 /** @typedef {import("./types.js").Param} Param */
@@ -21,8 +21,9 @@ export class Params {
     this.shape = "";
   }
 
-  /** @param {Param[]} params */
-  show(params) {
+  /** @param {Param[]} params @param {import("./types.js").Together[]} together */
+  show(params, together) {
+    showTogether(together);
     const shape = JSON.stringify(params.map(({ name, fitted, lower, upper }) => [name, fitted, lower, upper]));
     if (shape !== this.shape) this.build(params);
     this.shape = shape;
@@ -44,7 +45,7 @@ export class Params {
     const groups = Map.groupBy(params, ({ name }) => name.split(".")[0]);
     const lines = [...groups].flatMap(([effect, own]) => [
       this.heading(effect, groups.size > 1),
-      ...own.map((param) => this.line(param)),
+      ...own.flatMap((param) => [this.line(param), reason(param)]),
     ]);
     const widths = make("colgroup", {}, ...["name", "slide", "value", "unit"].map((name) => make("col", { class: name })));
     this.place.replaceChildren(make("table", { class: "params" }, widths, make("tbody", {}, ...lines)));
@@ -73,7 +74,7 @@ export class Params {
     const error = make("span", { class: "error soft figure", text: plusMinus(param) });
     this.rows.set(param.name, { slider, value, error, low, high });
     const between = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
-    const doubt = param.doubt ? make("span", { class: "doubt", text: " ⚠", "aria-label": param.doubt }) : null;
+    const doubt = param.doubt ? make("span", { class: "doubt", text: " ⚠", "aria-hidden": "true" }) : null;
     const about = [param.name, param.meaning, param.doubt].filter(Boolean).join(": ");
     return make(
       "tr",
@@ -94,6 +95,21 @@ export class Params {
     row.value.classList.add("moved");
     this.deeds.drag({ [name]: value });
   }
+}
+
+/** Why a value is doubted, below it. @param {Param} param */
+function reason({ doubt }) {
+  if (!doubt) return "";
+  return make("tr", {}, make("td", { class: "reason doubt", colspan: 4, text: doubt }));
+}
+
+/** The pairs that the captures tell apart least. @param {import("./types.js").Together[]} together */
+function showTogether(together) {
+  byId("together").hidden = together.length === 0;
+  const rows = together.map(({ names, correlation }) =>
+    make("tr", {}, make("th", { scope: "row", text: names.join(" and ") }), make("td", { class: "figure", text: number(correlation, 3) })),
+  );
+  byId("together-rows").replaceChildren(...rows);
 }
 
 /**

@@ -12,7 +12,8 @@ import { drawCloud, drawPoints, pixelColour, place } from "./raster.js";
  * @typedef {{colour: string, chosen: string | null, y: Float32Array, strength: number}} Series
  * `colour`, `chosen`: names in the style sheet of the cloud and of its chosen points (null: these are not drawn)
  * @typedef {{title: string, x: Float32Array, xAxis: import("./axes.js").Axis, yAxis: import("./axes.js").Axis,
- *   series: Series[], picked: number, noise: number | null, bins?: import("./types.js").Split | null}} Contents
+ *   series: Series[], picked: number, noise: number | null, bins?: import("./types.js").Split | null,
+ *   spectrum?: import("./spectrum.js").Spectrum | null}} Contents
  * `picked`: the series whose points the brush takes; `bins`: means of it, and what chance gives them
  * @typedef {{x: [number, number], y: [number, number]}} Region in data units
  */
@@ -30,10 +31,13 @@ export class Plot {
     this.light = make("canvas", { class: "points light" });
     this.axes = make("canvas", { class: "axes" });
     this.box = make("div", { class: "brush", hidden: true });
+    this.dot = make("div", { class: "moment", hidden: true });
+    /** @type {number | null} the sample that is pointed at */
+    this.marked = null;
     this.element = make(
       "div",
       { class: "plot", tabindex: 0, role: "img", "aria-label": name },
-      ...[this.base, this.light, this.axes, this.box],
+      ...[this.base, this.light, this.axes, this.box, this.dot],
     );
     /** @type {Contents | null} */
     this.contents = null;
@@ -89,6 +93,7 @@ export class Plot {
     this.drawBase(series);
     this.drawFrame(width, height);
     this.drawBox();
+    this.mark(this.marked);
   }
 
   /** @param {Series[]} series */
@@ -108,11 +113,12 @@ export class Plot {
     this.axes.height = Math.round(height * this.scale);
     const brush = this.axes.getContext("2d");
     if (!brush || !this.contents) return;
-    const { title, xAxis, yAxis, noise, bins } = this.contents;
-    const [ink, soft, line, band] = ["--ink", "--soft", "--grid", "--band"].map((name) => this.colour(name));
-    const colours = { ink, soft, line, band };
+    const { title, xAxis, yAxis, noise, bins, spectrum } = this.contents;
+    const names = ["--ink", "--soft", "--grid", "--band", "--wrong"];
+    const [ink, soft, line, band, wrong] = names.map((name) => this.colour(name));
+    const colours = { ink, soft, line, band, wrong };
     brush.scale(this.scale, this.scale);
-    drawAxes(brush, { width, height }, { x: xAxis, y: yAxis, title, colours, noise, bins });
+    drawAxes(brush, { width, height }, { x: xAxis, y: yAxis, title, colours, noise, bins, spectrum });
   }
 
   /**
@@ -121,7 +127,7 @@ export class Plot {
    * @param {{y: Float32Array, colour: string} | null} above a cloud over the others: what an effect would explain
    */
   drawLight(chosen, above) {
-    if (!this.contents || this.placed.length === 0) return;
+    if (!this.contents || this.frame.width === 0) return;
     this.element.classList.toggle("dimmed", chosen !== null);
     const image = new ImageData(this.frame.width, this.frame.height);
     const pixels = new Uint32Array(image.data.buffer);
@@ -170,6 +176,18 @@ export class Plot {
     const [left, right] = region.x.map((value) => (value - x[0]) / (x[1] - x[0]));
     const [bottom, top] = region.y.map((value) => (y[1] - value) / (y[1] - y[0]));
     return { left, top, width: right - left, height: bottom - top };
+  }
+
+  /** Mark where a sample is; nowhere, if it is not drawn. @param {number | null} at */
+  mark(at) {
+    this.marked = at;
+    const pixel = at === null ? -1 : (this.placed[this.contents?.picked ?? 0]?.[at] ?? -1);
+    this.dot.hidden = pixel < 0;
+    if (pixel < 0) return;
+    const { width, dot } = this.frame;
+    const row = (pixel / width) | 0;
+    const [x, y] = [pixel - row * width, row].map((one) => (one + dot / 2) / this.scale);
+    this.dot.style.transform = `translate(${MARGIN.left + x}px, ${MARGIN.top + y}px)`;
   }
 
   /** @param {Region | null} region */

@@ -51,7 +51,8 @@ export function sources(heard) {
     byId("new-ports").replaceChildren(...known.ports.map(({ port, words }) => make("option", { value: port, text: words })));
     byId("new-found").textContent = found(known.ports);
     const port = field(form, "port");
-    if (!port.value && known.ports.length === 1) port.value = known.ports[0].port;
+    const typing = document.activeElement === port;
+    if (!port.value && !typing && known.ports.length === 1) port.value = known.ports[0].port;
     if (!field(form, "folder").value) field(form, "folder").value = known.folder;
     const emulated = /** @type {HTMLInputElement} */ (form.querySelector("[value=emulated]"));
     emulated.disabled = known.no_emulated_rig !== null;

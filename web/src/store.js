@@ -7,7 +7,7 @@ import { ask, fetchBytes } from "./api.js";
  * @typedef {Record<string, Float32Array>} Columns
  */
 
-const MOTION = new Set(["t", "theta", "omega", "alpha", "tau", "history"]); // the same for every model
+const MOTION = new Set(["t", "theta", "omega", "alpha", "tau", "history", "masked"]); // the same for every model
 const NODES_KEPT = 32; // undo and redo are answered from memory
 
 /**

@@ -33,9 +33,15 @@
  */
 
 /**
+ * Two fitted parameters that the captures do not tell apart well, and their correlation.
+ * @typedef {{names: string[], correlation: number}} Together
+ */
+
+/**
  * An effect of the catalogue, in words.
  * @typedef {{effect: string, place: string, law: string, source: string, shows: string, confused: string[],
- *   name: string, about: string, causes: string[], remedies: string[]}} Effect
+ *   name: string, about: string, causes: string[], remedies: string[], latex: string, over: string,
+ *   friction: boolean}} Effect
  */
 
 /**
@@ -46,7 +52,8 @@
 /**
  * An effect that could be missing, with what speaks for it and against it; `said` is `word` in words.
  * @typedef {{effect: string, place: string, law: string, source: string, shows: string, confused: string[],
- *   name: string, about: string, causes: string[], remedies: string[],
+ *   name: string, about: string, causes: string[], remedies: string[], latex: string, over: string,
+ *   friction: boolean,
  *   word: "missing" | "part" | "alike" | "less" | "implausible" | "too_little" | "unpaid" | "chance" | "untold",
  *   said: string, could_be: boolean, beyond_chance: boolean, p_value: number, error_fall: number,
  *   rmse_heldout: number | null, moved: Record<string, Movement>, equivalent: string[], implausible: string[],
@@ -99,16 +106,18 @@
  * Where a verdict says that a model fails: `words` of its text, from `low` to `high` along an axis.
  *
  * `direction` is 1 forward, -1 backward, 0 both.
- * @typedef {{words: string, axis: "position" | "velocity" | "acceleration" | "load" | "history" | "time",
- *   low: number, high: number, direction: number}} Place
+ * @typedef {{words: string,
+ *   axis: "position" | "velocity" | "acceleration" | "load" | "history" | "time" | "frequency", low: number,
+ *   high: number, direction: number}} Place
  */
 
 /**
  * The mean residual in bins of an axis, and the half-width of the 95 % band that chance gives it.
  *
+ * Along frequency `mean` is the RMS per bin, `band` what chance stays below.
  * `direction` is whose motion a bin holds: 1 forward, -1 backward, 0 both.
- * @typedef {{axis: "position" | "velocity" | "acceleration" | "load" | "history" | "time", low: number[],
- *   high: number[], direction: number[], mean: number[], band: (number | null)[]}} Split
+ * @typedef {{axis: "position" | "velocity" | "acceleration" | "load" | "history" | "time" | "frequency",
+ *   low: number[], high: number[], direction: number[], mean: number[], band: (number | null)[]}} Split
  */
 
 /**
@@ -122,15 +131,15 @@
  * `untold` are effects of which one is in the model, and the captures could not tell which.
  * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, params: Param[],
- *   rmse: number | null, rmse_heldout: number | null, verdict_text: string, places: Place[], ladder: LadderStep[],
- *   candidates: Candidates, warnings: string[], limitations: string[], absent: Effect[], untold: string[][],
- *   proposed: Law[] | null, proposed_text: string, experiment: Experiment | null}} Session
+ *   together: Together[], rmse: number | null, rmse_heldout: number | null, verdict_text: string, places: Place[],
+ *   ladder: LadderStep[], candidates: Candidates, warnings: string[], limitations: string[], absent: Effect[],
+ *   untold: string[][], proposed: Law[] | null, proposed_text: string, experiment: Experiment | null}} Session
  */
 
 /**
  * What is drawn: along which axes, isolated parts, the 95 % band, residuals held at one scale.
- * @typedef {{axes: ("position" | "velocity" | "acceleration" | "load" | "history" | "time")[], isolated: boolean,
- *   band: boolean, held: boolean}} Seen
+ * @typedef {{axes: ("position" | "velocity" | "acceleration" | "load" | "history" | "time" | "frequency")[],
+ *   isolated: boolean, band: boolean, held: boolean}} Seen
  */
 
 /**
@@ -153,10 +162,10 @@
  * The answer of `GET /api/state`: a session, what is being done to it, and what can go on.
  * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, params: Param[],
- *   rmse: number | null, rmse_heldout: number | null, verdict_text: string, places: Place[], ladder: LadderStep[],
- *   candidates: Candidates, warnings: string[], limitations: string[], absent: Effect[], untold: string[][],
- *   proposed: Law[] | null, proposed_text: string, experiment: Experiment | null, job: Job | null,
- *   recording: boolean, looked: Looked | null, left: Left[], notes: string[]}} State
+ *   together: Together[], rmse: number | null, rmse_heldout: number | null, verdict_text: string, places: Place[],
+ *   ladder: LadderStep[], candidates: Candidates, warnings: string[], limitations: string[], absent: Effect[],
+ *   untold: string[][], proposed: Law[] | null, proposed_text: string, experiment: Experiment | null,
+ *   job: Job | null, recording: boolean, looked: Looked | null, left: Left[], notes: string[]}} State
  */
 
 /**
@@ -237,18 +246,25 @@
  */
 
 /**
+ * What a column of a capture may be, until a person says so; a unit that nobody knows is null.
+ * @typedef {{expression: string, unit: string | null}} Guess
+ */
+
+/**
  * What a rig has latched, in words: its cause, and how long ago; `code` is by which it is cleared.
  * @typedef {{code: number, told: string}} Fault
  */
 
 /**
  * What more there may be to say: `columns` of a file that could not be taken for a capture, a `fault`.
- * @typedef {{columns?: FileColumn[], fault?: Fault}} Why
+ *
+ * `guess` has the columns of a capture that the file's seem to be.
+ * @typedef {{columns?: FileColumn[], guess?: Record<string, Guess>, fault?: Fault}} Why
  */
 
 /**
  * What is wrong with a request.
- * @typedef {{columns?: FileColumn[], fault?: Fault, error: string}} Refused
+ * @typedef {{columns?: FileColumn[], guess?: Record<string, Guess>, fault?: Fault, error: string}} Refused
  */
 
 export {};

@@ -67,6 +67,13 @@ class Param(TypedDict):
     doubt: str | None
 
 
+class Together(TypedDict):
+    """Two fitted parameters that the captures do not tell apart well, and their correlation."""
+
+    names: list[str]
+    correlation: float
+
+
 class Effect(TypedDict):
     """An effect of the catalogue, in words."""
 
@@ -80,6 +87,9 @@ class Effect(TypedDict):
     about: str
     causes: list[str]
     remedies: list[str]
+    latex: str
+    over: str
+    friction: bool
 
 
 class Movement(TypedDict):
@@ -179,8 +189,8 @@ class Experiment(TypedDict):
     verdict: str | None
 
 
-Along = Literal["position", "velocity", "acceleration", "load", "history", "time"]
-"""What torques and residuals are drawn over; there is a value of it for every sample."""
+Along = Literal["position", "velocity", "acceleration", "load", "history", "time", "frequency"]
+"""What torques and residuals are drawn over; every sample has a value of it, but of frequency."""
 
 USUAL: tuple[Along, ...] = ("position", "velocity", "time")
 """What they are drawn over before a person chooses."""
@@ -202,6 +212,7 @@ class Place(TypedDict):
 class Split(TypedDict):
     """The mean residual in bins of an axis, and the half-width of the 95 % band that chance gives it.
 
+    Along frequency `mean` is the RMS per bin, `band` what chance stays below.
     `direction` is whose motion a bin holds: 1 forward, -1 backward, 0 both.
     """
 
@@ -235,6 +246,7 @@ class Session(TypedDict):
     noise_floor: float | None
     unit: str
     params: list[Param]
+    together: list[Together]
     rmse: float | None
     rmse_heldout: float | None
     verdict_text: str

@@ -72,6 +72,13 @@ class FileColumn(TypedDict):
     outline: list[tuple[float, float]]
 
 
+class Guess(TypedDict):
+    """What a column of a capture may be, until a person says so; a unit that nobody knows is null."""
+
+    expression: str
+    unit: str | None
+
+
 class Fault(TypedDict):
     """What a rig has latched, in words: its cause, and how long ago; `code` is by which it is cleared."""
 
@@ -80,9 +87,13 @@ class Fault(TypedDict):
 
 
 class Why(TypedDict, total=False):
-    """What more there may be to say: `columns` of a file that could not be taken for a capture, a `fault`."""
+    """What more there may be to say: `columns` of a file that could not be taken for a capture, a `fault`.
+
+    `guess` has the columns of a capture that the file's seem to be.
+    """
 
     columns: list[FileColumn]
+    guess: dict[str, Guess]
     fault: Fault
 
 

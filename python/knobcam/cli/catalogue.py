@@ -86,7 +86,5 @@ def _document(effect: Effect) -> dict[str, Any]:
     return {
         "id": told.pop("effect"),
         **told,
-        "latex": effect.latex,
-        "over": effect.over,
         "params": [param._asdict() for param in effect.params],
     }

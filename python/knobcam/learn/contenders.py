@@ -34,7 +34,7 @@ def contenders(story: LearningResult, asked: Sequence[str]) -> tuple[Rival, ...]
             raise InputError(f"rivals: {', '.join(asked)}: are not two; name two or more that differ")
         return tuple(Rival(one, _fit(story, one)) for one in sets)
     found = story.found
-    others = [_instead(found, added, other) for added, other in _untold(story)]
+    others = [_instead(found, added, other) for added, other in untold(story)]
     if not others:
         return ()
     sets = list(dict.fromkeys((found, *others)))[:_MOST]
@@ -47,7 +47,7 @@ def contenders(story: LearningResult, asked: Sequence[str]) -> tuple[Rival, ...]
     return tuple(rivals) if len(rivals) > 1 else ()
 
 
-def _untold(story: LearningResult) -> list[tuple[str, str]]:
+def untold(story: LearningResult) -> list[tuple[str, str]]:
     """Return what came in at a step and what could have come in instead, the likeliest first."""
     rows = []
     for step in story.ladder:

@@ -106,6 +106,9 @@ class Effect(showing.Tabled):
             "about": self.about,
             "causes": list(self.causes),
             "remedies": list(self.remedies),
+            "latex": self.latex,
+            "over": self.over,
+            "friction": self.friction,
         }
 
     def __repr__(self) -> str:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from .._core import __version__
 from ..base.writing import write as write_file
 from ..fit.refit import percent
+from ..learn.contenders import untold
 from ..model.effects import effect as catalogued
 from .look_page import section
 from .markup import bullets, figure, paragraph, style, wide_table
@@ -21,7 +22,7 @@ from .samples import steps
 if TYPE_CHECKING:
     from ..fit.diagnose import Diagnosis
     from ..learn import LearningResult
-    from ..learn.ladder import LearningStep
+    from ..learn.ladder import LearningStep, Unexplained
 
 
 def write(learned: LearningResult, path: str | os.PathLike[str]) -> Path:
@@ -31,7 +32,7 @@ def write(learned: LearningResult, path: str | os.PathLike[str]) -> Path:
 
 
 def html(learned: LearningResult) -> str:
-    """Return the report: what was found, why, what else it could be, what remains, how sure."""
+    """Return the report: a page to hand in, then what was found, why, what else it could be, what remains."""
     look = section(steps(learned))
     page = resources.files("knobcam.show").joinpath("report.html").read_text("utf-8")
     return Template(page).substitute(
@@ -43,6 +44,9 @@ def html(learned: LearningResult) -> str:
             learned.plot(), "Error ladder, residual before and after, parameters that moved, the rest."
         ),
         style=style(),
+        params=wide_table("All parameters of the last model", learned.fit.HEAD, learned.fit.rows()),
+        untold=_untold(learned),
+        next=_next(learned),
         look=look.markup,
         look_style=look.style,
         look_hash=look.script_hash,
@@ -56,8 +60,27 @@ def html(learned: LearningResult) -> str:
 
 
 def _title(learned: LearningResult) -> str:
-    sources = [str(capture.meta.get("source", "")) or "capture" for capture in learned.captures]
-    return f"What is missing in the model of {', '.join(sources)}"
+    from .plot.style import name_of  # with what draws, which a page alone does not need
+
+    return f"What is missing in the model of {', '.join(map(name_of, learned.captures))}"
+
+
+def _untold(learned: LearningResult) -> str:
+    """What the captures cannot tell: names that explain them as well, values, what nothing explains."""
+    said = [f"{added} from {other}: either explains these captures" for added, other in untold(learned)]
+    said += [one.message for one in learned.limitations]
+    said += [f"{name}: {why}" for name, why in learned.fit.undetermined.items()]
+    if learned.unexplained is not None:
+        said.append(_unexplained(learned.unexplained))
+    return bullets(said) if said else paragraph("Nothing that was asked of them.")
+
+
+def _next(learned: LearningResult) -> str:
+    said = []
+    if untold(learned):
+        said.append("the motion that tells them apart, which `knobcam next` designs for these captures")
+    said += dict.fromkeys(one.record for one in learned.limitations)
+    return bullets(said) if said else paragraph("Nothing more, for this verdict.")
 
 
 def _facts(learned: LearningResult) -> str:
@@ -161,23 +184,21 @@ def _weighed(diagnosis: Diagnosis) -> str:
 def _remains(learned: LearningResult) -> str:
     parts = [paragraph(learned.after.summary)]
     if learned.unexplained is not None:
-        what = learned.unexplained
-        parts.append(
-            paragraph(
-                f"Unexplained: {100.0 * what.share:.0f} % of the remaining error variance lies along "
-                f"{what.axis}; {what.hint}. No effect of the catalogue does that."
-            )
-        )
+        parts.append(paragraph(f"Unexplained: {_unexplained(learned.unexplained)}"))
     said = "Where the last model fails: the residual along every axis, beside the band of chance."
     if len(learned.ladder) > 1:
         parts.append(figure(learned.after.plot(), said))
     if learned.disagreements:
         parts.append("<h3>Where the captures disagree</h3>")
         parts.append(bullets(f"{one}." for one in learned.disagreements))
-    if learned.limitations:
-        parts.append("<h3>What this capture cannot tell</h3>")
-        parts.append(bullets(f"{one.message}; {one.record}." for one in learned.limitations))
     return "\n".join(parts)
+
+
+def _unexplained(what: Unexplained) -> str:
+    return (
+        f"{100.0 * what.share:.0f} % of the remaining error variance lies along {what.axis}; {what.hint}. "
+        f"No effect of the catalogue does that."
+    )
 
 
 def _sure(learned: LearningResult) -> str:
@@ -187,11 +208,9 @@ def _sure(learned: LearningResult) -> str:
         paragraph(
             f"The sensor's noise alone would leave {fit.noise_floor:.4g} {unit}; the last model leaves "
             f"{fit.rmse:.4g} {unit}, and {fit.rmse_heldout:.4g} {unit} on blocks that the fit did not see."
-        ),
-        wide_table("All parameters of the last model", fit.HEAD, fit.rows()),
+        )
     ]
-    said = [f"{name}: {why}" for name, why in fit.undetermined.items()]
-    said += fit.warnings
+    said = [*fit.warnings]
     for signals in fit.prepared:
         said += signals.notes
         said += [str(finding) for finding in signals.findings]

@@ -18,8 +18,10 @@ if TYPE_CHECKING:
     from ..model import Model
     from .view import View
 
-_MOTION = ("t", "theta", "omega", "alpha", "tau", "tau_raw")
+_MOTION = ("theta", "omega", "alpha", "tau", "tau_raw")
 _MODEL: Mapping[str, Callable[[View, int], FloatArray]] = {
+    "t": lambda view, at: view.fit.prepared[at].capture.t,
+    "masked": lambda view, at: view.masked(at),
     "model": lambda view, at: view.torque(at),
     "residual": lambda view, at: view.residual(at),
     "history": lambda view, at: view.since_reversal(at),
@@ -34,7 +36,8 @@ _ALIGNED = 4  # bytes of a 32-bit float
 def columns(view: View, at: int, names: Sequence[str]) -> bytes:
     """Return columns over all samples of a capture, `at` its place in the fit; NaN at masked samples.
 
-    Measured torque and everything modelled are after the measurement filter, `tau_raw` is before it. Raises
+    `t` has them all, and `masked` has the torque of the masked ones alone, as it was recorded. Measured
+    torque and everything modelled are after the measurement filter, `tau_raw` is before it. Raises
     InputError for an unknown name.
     """
     for name in names:

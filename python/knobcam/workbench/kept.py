@@ -76,7 +76,8 @@ def of_place(session: Session) -> Record:
         for one in session.branches.values()
     ]
     told = {"branches": branches, "branch": session.branch_id, "made": session.made, "looked": session.looked}
-    return {"place": told, "time": time.time()}
+    closed = [one.id for one in session.captures.values() if one.closed]
+    return {"place": told | {"closed": closed}, "time": time.time()}
 
 
 def nodes(session: Session) -> dict[str, tuple[Node, Node | None]]:
@@ -182,7 +183,8 @@ def _again(told: Told, journal: Journal, tell: Tell) -> Again:
     for one in told.captures.values():
         tell(f"reading {one['name']}")
         try:
-            found.captures[one["id"]] = _capture(one, journal)
+            closed = one["id"] in told.place.get("closed", [])
+            found.captures[one["id"]] = replace(_capture(one, journal), closed=closed)
         except InputError as error:
             found.notes.append(f"{error}; what was fitted to it is left out")
             found.whole = False

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..capture import load
 from ..capture.formats import read_table
+from ..capture.formats.recognise import Unclear
 from ..errors import InputError
 
 if TYPE_CHECKING:
@@ -16,32 +17,43 @@ if TYPE_CHECKING:
 
     from ..base import pages_sources
     from ..base.arrays import FloatArray
+    from ..capture.formats.columnmap import Entry
 
 _MOST = 60  # columns; what has more was not meant to be looked at
 _WIDE = 60  # pieces of a column's outline
 
 
 class Unmapped(InputError):
-    """A file that has columns, but not those of a capture; `columns` describes them."""
+    """A file that has columns, but not those of a capture; `guess` has what the `columns` may be."""
 
-    def __init__(self, said: str, columns: list[pages_sources.FileColumn]) -> None:
+    def __init__(
+        self, said: str, columns: list[pages_sources.FileColumn], guess: dict[str, pages_sources.Guess]
+    ) -> None:
         super().__init__(said)
         self.columns = columns
+        self.guess = guess
 
 
 def explained(error: InputError, path: Path, options: Mapping[str, Any], max_bytes: int) -> InputError:
     """Return the error with the columns of the file, if it was for them that it could not be taken in."""
     try:
         load(path, max_bytes=max_bytes, **options)
-    except InputError:
+    except InputError as again:
+        found = again.entries if isinstance(again, Unclear) else {}
         try:
             columns = read_table(path, max_bytes, options.get("joint")).columns
         except InputError:
             return error
         shown = [_described(*one) for one in columns.items() if one[1].ndim == 1]
         said = str(error).partition("; say which is which, for example --map")[0]
-        return Unmapped(said if said == str(error) else f"{said}; say which is which", shown[:_MOST])
+        said = said if said == str(error) else f"{said}; say which is which"
+        guess = {name: _guessed(entry) for name, entry in found.items()}
+        return Unmapped(said, shown[:_MOST], guess)
     return error
+
+
+def _guessed(entry: Entry) -> pages_sources.Guess:
+    return {"expression": entry.expression, "unit": entry.unit}
 
 
 def _described(name: str, column: FloatArray) -> pages_sources.FileColumn:

@@ -27,7 +27,7 @@ from ..capture.formats import DEFAULT_MAX_BYTES
 from ..errors import InputError
 from ..model.effects import effect as catalogued
 from ..rig.record import Latched
-from . import arrays, saving
+from . import arrays, closing, saving
 from .answers import answered, bytes_answer, finished, json_answer, refusal
 from .bench import Bench
 from .bodies import Busy, Unread, file_name, flag, indices, read_json, reading, receive, text
@@ -69,6 +69,7 @@ def application(bench: Bench, token: str, port: int, upload_bytes: int = UPLOAD_
         **{"add": server.add, "drop": server.drop, "undo": server.undo, "redo": server.redo},
         **{"branch": server.branch, "switch": server.switch, "params": server.params, "snap": server.snap},
         **{"diagnose": server.diagnose, "cancel": server.cancel, "share": server.share, "use": server.use},
+        "close": server.close,
         **{"open": server.open, "upload": server.upload, "save": server.save, **recording.posts},
         **Continuing(bench).posts,
         **designing.posts,
@@ -106,7 +107,7 @@ def new_token() -> str:
 async def _wrong(_: Request, error: Exception) -> Response:
     more: pages_sources.Why = {}
     if isinstance(error, Unmapped):
-        more["columns"] = error.columns
+        more |= {"columns": error.columns, "guess": error.guess}
     if isinstance(error, Latched):
         more["fault"] = {"code": error.code, "told": error.told}
     return refusal(str(error), error.status if isinstance(error, Unread) else 400, **more)
@@ -204,6 +205,11 @@ class _Server:
         if not isinstance(captures, list) or not all(isinstance(one, str) for one in captures):
             raise InputError("captures: give a list of their ids")
         return await self._long("fitting", lambda job: self.session.use(captures, job.tell))
+
+    async def close(self, request: Request) -> Response:
+        """Show a capture no more."""
+        capture = text(await read_json(request), "capture")
+        return await self._long("closing", lambda job: closing.close(self.session, capture, job.tell))
 
     async def undo(self, _: Request) -> Response:
         """Go one step back."""

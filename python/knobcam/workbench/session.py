@@ -236,7 +236,7 @@ class Session:
         """Take in the laws that were looked for at a node."""
         with self.lock:
             self.proposals[node.id] = proposals
-            self._touch()
+            self.touched()
 
     def accept(self, effect: str, richer: Fit, p_value: float) -> None:
         """Put the fit with a law in place, which is an effect of this name by now."""
@@ -255,7 +255,7 @@ class Session:
         _ = diagnosis.comparison.summary  # computed here, where nobody waits for it
         self._diagnoses[node.id] = diagnosis  # whoever comes back to the node has it, wanted now or not
         with self.lock:
-            self._touch()
+            self.touched()
         return diagnosis
 
     # The next experiment
@@ -266,7 +266,7 @@ class Session:
             design = design if design.id else replace(design, id=self._new("e"))
             self.designs.pop(design.id, None)
             self.designs[design.id] = design
-            self._touch()
+            self.touched()
 
     def designed(self, design: str) -> Designed:
         """Return the motion of this id. Raises InputError if there is none."""
@@ -284,13 +284,13 @@ class Session:
         """Go back to the fit before, the very same. Raises InputError where there is none."""
         with self.lock:
             self.branch.step(-1)
-            self._touch()
+            self.touched()
 
     def redo(self) -> None:
         """Go forth to the fit that was undone, the very same. Raises InputError where there is none."""
         with self.lock:
             self.branch.step(1)
-            self._touch()
+            self.touched()
 
     def fork(self, name: str = "") -> str:
         """Copy the branch up to where it is, go on in the copy, and return its id."""
@@ -300,7 +300,7 @@ class Session:
             said = " ".join(name.split())[:_NAME] or f"branch {len(self.branches) + 1}"
             self.branches[branch_id] = branch.copy(branch_id, said)
             self.branch_id = branch_id
-            self._touch()
+            self.touched()
             return branch_id
 
     def switch(self, branch_id: str) -> None:
@@ -309,7 +309,7 @@ class Session:
             if branch_id not in self.branches:
                 raise InputError(f"branch {branch_id!r} is not in this session")
             self.branch_id = branch_id
-            self._touch()
+            self.touched()
 
     # Parameters by hand
 
@@ -328,13 +328,13 @@ class Session:
             for old in list(self._views)[:-_VIEWS]:
                 del self._views[old]
             branch.dragged = view
-            self._touch()
+            self.touched()
 
     def snap(self) -> None:
         """Put the dragged parameters back to the fit."""
         with self.lock:
             self.branch.dragged = None
-            self._touch()
+            self.touched()
 
     # What is looked at, and a session that goes on
 
@@ -356,9 +356,7 @@ class Session:
             self.made = max(self.made, found.made)
             self._nodes, self.designs = dict(found.nodes), dict(found.designs)
             self._views = {one.dragged.id: one.dragged for one in found.branches.values() if one.dragged}
-            self._touch()
-
-    # What a region holds
+            self.touched()
 
     def share(self, capture: str, samples: Collection[int] | np.ndarray[Any, np.dtype[np.uint32]]) -> float:
         """Return the share of the squared error of all captures that these samples of one of them hold."""
@@ -392,8 +390,9 @@ class Session:
                 self.branches[self.branch_id] = Branch(self.branch_id, "main", [node], 0)
             else:
                 branch.go(node)
-            self._touch()
+            self.touched()
 
-    def _touch(self) -> None:
+    def touched(self) -> None:
+        """Say that something is other than it was."""
         self.revision += 1
         self.changed()

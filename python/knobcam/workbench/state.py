@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from itertools import combinations
 from typing import TYPE_CHECKING, cast, get_args
 
 from ..base import pages
@@ -12,11 +14,12 @@ from ..learn.limitations import limitations
 from ..model.effects import effects
 from ..show.samples import candidates
 from . import proposing
+from .closing import open_ones
 from .designing import origin
 from .learned import conclusion, in_vain, ladder
 
 if TYPE_CHECKING:
-    from ..fit import Estimate
+    from ..fit import Estimate, Fit
     from ..fit.diagnose import Diagnosis
     from ..learn.ladder import LearningStep
     from ..learn.selection import Selection
@@ -28,6 +31,7 @@ if TYPE_CHECKING:
     from .view import View
 
 SCHEMA = "knobcam.workbench/1"
+_PAIRS = 12  # of parameters that move together, shown to who asks
 
 
 def document(session: Session) -> pages.Session:
@@ -54,6 +58,7 @@ def document(session: Session) -> pages.Session:
         "noise_floor": fitted.noise_floor,
         "unit": fitted.torque_unit,
         "params": _parameters(view),
+        "together": _together(fitted),
         "rmse": view.rmse,
         "rmse_heldout": view.rmse_heldout,
         "verdict_text": _verdict(steps, diagnosis, end),
@@ -97,7 +102,7 @@ def _nothing(session: Session) -> pages.Session:
     return {
         "schema": SCHEMA,
         "revision": session.revision,
-        "captures": [_capture(one) for one in session.captures.values()],
+        "captures": [_capture(one) for one in open_ones(session)],
         "branches": [_branch(one) for one in session.branches.values()],
         "active": [],
         "branch": None,
@@ -105,6 +110,7 @@ def _nothing(session: Session) -> pages.Session:
         "noise_floor": None,
         "unit": "N m",
         "params": [],
+        "together": [],
         "rmse": None,
         "rmse_heldout": None,
         "verdict_text": "Open a capture to begin.",
@@ -178,6 +184,14 @@ def _parameters(view: View) -> list[pages.Param]:
     return rows
 
 
+def _together(fitted: Fit) -> list[pages.Together]:
+    """Return the pairs of parameters that move together most, the closest first."""
+    rows = fitted.correlation
+    pairs = [(rows[a][b], a, b) for a, b in combinations(rows, 2) if not math.isnan(rows[a][b])]
+    pairs.sort(key=lambda one: -abs(one[0]))
+    return [{"names": [a, b], "correlation": value} for value, a, b in pairs[:_PAIRS]]
+
+
 def _source(session: Session, shown: Designed) -> str | None:
     """What a motion can be recorded from at once, in words."""
     found = origin([session.captures[one] for one in session.captures_of(shown)])
@@ -222,7 +236,7 @@ def _verdict(steps: list[LearningStep], diagnosis: Diagnosis | None, end: Select
 
 
 def _places(diagnosis: Diagnosis) -> list[pages.Place]:
-    """Return the places that a verdict names, each with its words; along frequency no sample has one."""
+    """Return the places that a verdict names, each with its words."""
     worst = diagnosis.comparison.worst
     if worst is None or worst.axis not in get_args(pages.Along):
         return []

@@ -27,7 +27,7 @@ class Opened:
 
     `sha256` is that of the file. One that is no file has what it was simulated by as `simulated`, and the
     Python that makes it again as `made`. `rig` is by which the rig that recorded it is found again. `hidden`
-    are the effects that were put into its knob for somebody to find.
+    are the effects that were put into its knob for somebody to find. One that is `closed` is shown no more.
     """
 
     id: str
@@ -40,6 +40,7 @@ class Opened:
     sha256: str = ""
     simulated: Mapping[str, Any] | None = None
     rig: Mapping[str, Any] | None = None
+    closed: bool = False
 
 
 def told_apart(new: Iterable[Opened], others: Iterable[Opened]) -> Iterator[Opened]:

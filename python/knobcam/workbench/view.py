@@ -70,13 +70,20 @@ class View:
         rest = np.where(signals.used, signals.tau - self.model.core.torque(signals.core), np.nan)
         return signals.on_capture(rest)
 
+    def masked(self, at: int) -> FloatArray:
+        """The torque of a capture as it was recorded where its samples are masked, N m; NaN elsewhere."""
+        signals = self.fit.prepared[at]
+        masked = np.ones(signals.capture.samples, dtype=bool)
+        masked[signals.rows] = False
+        return np.where(masked, signals.capture.tau, np.nan)
+
     def since_reversal(self, at: int) -> FloatArray:
         """Distance travelled on a capture since the direction last changed, rad (m); NaN before it did."""
         signals = self.fit.prepared[at]
         return signals.on_capture(cast("FloatArray", signals.core.column("history")))
 
     def splits(self) -> list[pages.Split]:
-        """Return the error along every axis that samples have; none of a model that a hand has moved."""
+        """Return the error along every axis; none of a model that a hand has moved."""
         known = get_args(pages.Along)
         found = [] if self.dragged else [one for one in self.fit.compare().splits if one.axis in known]
         return [

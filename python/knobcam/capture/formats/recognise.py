@@ -28,6 +28,14 @@ PLACEHOLDER = "COUNTS"
 _SIMPLE_NAME = re.compile(r"[A-Za-z_][\w.]*")
 
 
+class Unclear(InputError):
+    """A file whose columns nobody can be sure of; `entries` are what they would be taken for, to be asked."""
+
+    def __init__(self, said: str, entries: dict[str, Entry]) -> None:
+        super().__init__(said)
+        self.entries = entries
+
+
 @dataclass(frozen=True)
 class Recognised:
     """The entries that a map would have, and one line that says what was taken for what."""
@@ -115,8 +123,12 @@ def by_content(table: Table) -> dict[str, Entry]:
     clock = clock or next((name for name in names if _advances(table.columns[name])), None)
     others = [name for name in names if name != clock]
     entries = {} if clock is None else {"t": Entry(f"`{clock}`", read_label(clock).unit)}
-    for target, name in zip(_NEEDED, others, strict=False):
-        entries[target] = Entry(f"`{name}`", None)
+    if others:
+        entries["theta"] = Entry(f"`{others[0]}`", None)
+    if len(others) > 1:
+        # A position is the integral of what moves it: the torque is what changes most from row to row.
+        torque = max(others[1:], key=lambda name: _rough(table.columns[name]))
+        entries["tau"] = Entry(f"`{torque}`", read_label(torque).unit)
     if "theta" in entries:
         far = float(np.ptp(np.nan_to_num(table.columns[others[0]]))) > _FAR
         if far or _counted(table, entries["theta"]):
@@ -128,6 +140,13 @@ def _advances(column: FloatArray) -> bool:
     with np.errstate(all="ignore"):
         steps = np.diff(column)
         return bool(np.all(steps > 0.0) and np.std(steps) < np.mean(steps))
+
+
+def _rough(column: FloatArray) -> float:
+    """How far a column goes from row to row, of how far it goes at all."""
+    finite = column[np.isfinite(column)]
+    spread = float(np.std(finite)) if finite.size else 0.0
+    return float(np.std(np.diff(finite))) / spread if spread > 0.0 else 0.0
 
 
 def _counted(table: Table, entry: Entry) -> bool:
@@ -177,10 +196,11 @@ def ask(table: Table, why: str, entries: dict[str, Entry]) -> InputError:
     constants = "; ".join(notes)
     # A shell runs what stands between backquotes, but not within single quotes.
     mark = "'" if "`" in shown and "'" not in shown else '"'
-    return InputError(
+    said = (
         f"{table.source}: {why}; the file has {table.listing()}; say which is which, for example "
         f"--map {mark}{shown}{mark}{rate}{f' ({constants})' if constants else ''}"
     )
+    return Unclear(said, entries)
 
 
 def _mapped(entry: Entry) -> tuple[str, str]:

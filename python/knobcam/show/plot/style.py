@@ -182,10 +182,15 @@ def number(value: float, digits: int = 3) -> str:
     return f"{value:.{digits}g}".replace("-", "−")
 
 
-def source_of(capture: Capture) -> str:
-    """Return what a capture came from: the name of its file, or what made it."""
+def name_of(capture: Capture) -> str:
+    """Return what a capture came from: the name of its file, not where that lies, or what made it."""
     source = str(capture.meta.get("source", "")) or "capture"
-    return plain(Path(source).name if "format" in capture.meta else source)
+    return Path(source).name if "format" in capture.meta else source
+
+
+def source_of(capture: Capture) -> str:
+    """Return the same for a label."""
+    return plain(name_of(capture))
 
 
 def legend_above(axes: Axes) -> None:

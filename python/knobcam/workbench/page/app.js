@@ -1,14 +1,15 @@
 // src/api.js
 var Refusal = class extends Error {
   /** @param {string} words @param {import("./types.js").Why} [more] */
-  constructor(words3, { columns, fault } = {}) {
+  constructor(words3, { columns, guess, fault } = {}) {
     super(words3);
     this.columns = columns ?? null;
+    this.guess = guess ?? {};
     this.fault = fault ?? null;
   }
 };
-function wordsOf(reason) {
-  return reason instanceof Error ? reason.message : String(reason);
+function wordsOf(reason2) {
+  return reason2 instanceof Error ? reason2.message : String(reason2);
 }
 var token = new URLSearchParams(location.search).get("token") ?? "";
 async function request(path, options = {}) {
@@ -16,8 +17,8 @@ async function request(path, options = {}) {
   let answer;
   try {
     answer = await fetch(path, { ...options, headers });
-  } catch (reason) {
-    if (options.signal?.aborted) throw reason;
+  } catch (reason2) {
+    if (options.signal?.aborted) throw reason2;
     throw new Error("the workbench does not answer; is its command still running?");
   }
   if (answer.ok) return answer;
@@ -64,25 +65,25 @@ function listen(heard) {
 
 // src/dom.js
 function make(tag, properties = {}, ...children) {
-  const element = document.createElement(tag);
+  const element2 = document.createElement(tag);
   const { text, on = {}, ...attributes } = properties;
   for (const [name, value] of Object.entries(attributes)) {
     if (value !== null && value !== false && value !== void 0) {
-      element.setAttribute(name, value === true ? "" : String(value));
+      element2.setAttribute(name, value === true ? "" : String(value));
     }
   }
-  for (const [name, listener] of Object.entries(on)) element.addEventListener(name, listener);
-  if (text !== void 0) element.textContent = text;
-  element.append(...children.filter((child) => child !== null));
-  return element;
+  for (const [name, listener] of Object.entries(on)) element2.addEventListener(name, listener);
+  if (text !== void 0) element2.textContent = text;
+  element2.append(...children.filter((child) => child !== null));
+  return element2;
 }
 function byId(id) {
-  const element = document.getElementById(id);
-  if (!element) throw new Error(`the page has no element ${id}`);
-  return element;
+  const element2 = document.getElementById(id);
+  if (!element2) throw new Error(`the page has no element ${id}`);
+  return element2;
 }
-function styleValue(name, element) {
-  return getComputedStyle(element).getPropertyValue(name).trim();
+function styleValue(name, element2) {
+  return getComputedStyle(element2).getPropertyValue(name).trim();
 }
 
 // src/numbers.js
@@ -119,7 +120,7 @@ function ticks(low, high, count) {
 }
 
 // src/branches.js
-function showBranches(place3, state, beside, deeds) {
+function showBranches(place4, state, beside, deeds) {
   const focused = document.activeElement?.getAttribute("data-beside");
   const cards = state.branches.map(({ id, name, steps, at }) => {
     const step = steps[at];
@@ -144,47 +145,212 @@ function showBranches(place3, state, beside, deeds) {
     });
     return make("div", { class: "card" }, card, make("label", {}, box, " side by side"));
   });
-  place3.replaceChildren(...cards);
+  place4.replaceChildren(...cards);
   if (focused) {
-    place3.querySelector(`[data-beside="${CSS.escape(focused)}"]`)?.focus();
+    place4.querySelector(`[data-beside="${CSS.escape(focused)}"]`)?.focus();
   }
 }
 
 // src/captures.js
-function showCaptures(place3, { captures, active }, use) {
+function showCaptures(place4, { captures, active }, { use, close }) {
   if (captures.length === 1) {
     const [only] = captures;
-    place3.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only)));
+    place4.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only)));
     return;
   }
   const toggled = (id) => active.includes(id) ? active.filter((one) => one !== id) : [...active, id];
-  const buttons = captures.map(
-    (capture) => make(
+  const buttons = captures.map((capture) => {
+    const alone = active.length === 1 && active[0] === capture.id;
+    const chosen = make(
       "button",
       {
         ...{ type: "button", class: "capture", title: `fit to ${capture.name} too, or not` },
         "aria-pressed": String(active.includes(capture.id)),
-        disabled: active.length === 1 && active[0] === capture.id,
+        disabled: alone,
         on: { click: () => use(toggled(capture.id)) }
       },
       ...words(capture)
-    )
-  );
-  place3.replaceChildren(...buttons);
+    );
+    const away = make("button", {
+      ...{ type: "button", class: "away", text: "×", "aria-label": `close ${capture.name}`, disabled: alone },
+      ...{ title: alone ? "the model is fitted to it alone" : `close ${capture.name}`, on: { click: () => close(capture.id) } }
+    });
+    return make("span", { class: "held-capture" }, chosen, away);
+  });
+  place4.replaceChildren(...buttons);
 }
 function words({ name, samples, rate_hz, findings }) {
   const facts = ` ${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
   const doubt = make("span", { class: "doubt", text: "⚠ ", title: findings.join("\n") });
   return [...findings.length > 0 ? [doubt] : [], make("strong", { text: name }), facts];
 }
-function showFindings(place3, { captures, active, limitations, notes }) {
+function showFindings(place4, { captures, active, limitations, notes }) {
   const fitted = captures.filter(({ id }) => active.includes(id));
   const found2 = fitted.flatMap(
     ({ name, findings }) => findings.map((text) => make("li", { class: "doubt", text: `⚠ ${fitted.length > 1 ? `${name}: ` : ""}${text}` }))
   );
   const missing = limitations.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
-  place3.replaceChildren(...noted, ...found2, ...missing);
+  place4.replaceChildren(...noted, ...found2, ...missing);
+}
+
+// src/math.js
+var SIGNS = {
+  ...{ alpha: "α", delta: "δ", theta: "θ", mu: "μ", sigma: "σ", tau: "τ", varphi: "φ", psi: "ψ", omega: "ω", pi: "π" },
+  ...{ Delta: "Δ", infty: "∞" }
+};
+var OPERATORS = { mp: "∓", pm: "±", le: "≤", ge: "≥", neq: "≠", in: "∈", cdot: "⋅", times: "×", sum: "∑", int: "∫" };
+var SPACES = { quad: 1, ",": 0.17, ";": 0.28, " ": 0.25, "!": -0.17 };
+var NAMES = ["sin", "cos", "tan", "exp", "log", "max", "min"];
+var FENCES = ["left", "right", "bigl", "bigr", "Bigl", "Bigr", "big", "Big"];
+var IGNORED = ["textstyle", "displaystyle", "limits"];
+var LARGE = ["sum", "int"];
+function typeset(latex) {
+  const tree = latex.trim() === "" ? null : parsed(latex);
+  return tree && element(["math", { displaystyle: "true" }, ["mrow", {}, ...tree]]);
+}
+function lawOf({ latex, law }) {
+  const typed = typeset(latex);
+  return typed ? make("div", { class: "formula" }, typed) : make("code", { class: "formula", text: law });
+}
+function parsed(latex) {
+  const tokens = latex.match(/\\[A-Za-z]+|\\.|[0-9.]+|\s+|[^\s]/g) ?? [];
+  try {
+    return new Reader(tokens).row(() => false);
+  } catch {
+    return null;
+  }
+}
+var Reader = class {
+  /** @param {string[]} tokens */
+  constructor(tokens) {
+    this.tokens = tokens;
+    this.at = 0;
+  }
+  /** The next token that is no space. */
+  get next() {
+    while (/^\s+$/.test(this.tokens[this.at] ?? "")) this.at++;
+    return this.tokens[this.at];
+  }
+  /** @param {string} [wanted] @returns {string} */
+  take(wanted2) {
+    const token2 = this.next;
+    if (token2 === void 0 || wanted2 !== void 0 && token2 !== wanted2) throw new Error(`${wanted2} is missing`);
+    this.at++;
+    return token2;
+  }
+  /** All up to where `ends` holds. @param {(token: string) => boolean} ends */
+  row(ends) {
+    const found2 = [];
+    while (this.next !== void 0 && !ends(this.next)) {
+      const one = this.scripted();
+      if (one) found2.push(one);
+    }
+    return found2;
+  }
+  /** In braces as they are, without their structure. */
+  words() {
+    this.take("{");
+    let text = "";
+    while (this.tokens[this.at] !== "}") {
+      if (this.at >= this.tokens.length) throw new Error("} is missing");
+      text += this.tokens[this.at++];
+    }
+    this.at++;
+    return text;
+  }
+  /** One thing with what stands above and below it. @returns {Node_ | null} */
+  scripted() {
+    const large = LARGE.includes(this.next.slice(1));
+    const base = this.one();
+    const scripts = {};
+    while (base && (this.next === "_" || this.next === "^")) scripts[this.take()] = this.argument();
+    const { _: low, "^": high } = scripts;
+    if (!base || !low && !high) return base;
+    const kind = large ? ["munderover", "munder", "mover"] : ["msubsup", "msub", "msup"];
+    if (low && high) return [kind[0], {}, base, low, high];
+    return low ? [kind[1], {}, base, low] : [kind[2], {}, base, high];
+  }
+  /** What a command or a script takes: one thing, or a row in braces. @returns {Node_} */
+  argument() {
+    if (this.next === "{") return this.braced();
+    const one = this.one();
+    if (!one) throw new Error("an argument is missing");
+    return one;
+  }
+  /** @returns {Node_} */
+  braced() {
+    this.take("{");
+    const row = this.row((token2) => token2 === "}");
+    this.take("}");
+    return ["mrow", {}, ...row];
+  }
+  /** @returns {Node_ | null} */
+  one() {
+    const token2 = this.next;
+    if (token2 === "{") return this.braced();
+    this.at++;
+    if (!token2.startsWith("\\")) return plain2(token2);
+    const name = token2.slice(1);
+    if (name in SIGNS) return ["mi", {}, SIGNS[name]];
+    if (name in OPERATORS) return ["mo", {}, OPERATORS[name]];
+    if (name in SPACES) return space(name);
+    if (NAMES.includes(name)) return this.named(name);
+    if (IGNORED.includes(name)) return null;
+    if (FENCES.includes(name)) return fence(this.take());
+    if (name === "frac" || name === "tfrac") return ["mfrac", {}, this.argument(), this.argument()];
+    if (name === "dot") return ["mover", { accent: "true" }, this.argument(), ["mo", {}, "˙"]];
+    if (name === "text") return ["mtext", {}, this.words()];
+    if (name === "operatorname") return this.named(this.words());
+    if (name === "mathbb") return ["mi", {}, this.words().replace("N", "ℕ")];
+    if (name === "begin") return this.cases();
+    throw new Error(`${token2} is unknown`);
+  }
+  /** A function by its name, at a distance from what it is of. @param {string} name @returns {Node_} */
+  named(name) {
+    const of = ["(", "^", "_", "\\!", "\\left"].includes(this.next) ? [] : [space(",")];
+    return ["mrow", {}, ["mi", { mathvariant: "normal" }, name], ...of];
+  }
+  /** @returns {Node_} */
+  cases() {
+    if (this.words() !== "cases") throw new Error("an environment is unknown");
+    const rows = [];
+    let cells = [];
+    for (; ; ) {
+      cells.push(["mtd", {}, ...this.row((token2) => ["&", "\\\\", "\\end"].includes(token2))]);
+      const end = this.take();
+      if (end === "&") continue;
+      rows.push(["mtr", {}, ...cells]);
+      cells = [];
+      if (end === "\\end") break;
+    }
+    this.words();
+    return ["mrow", {}, ["mo", { stretchy: "true", form: "prefix" }, "{"], ["mtable", {}, ...rows]];
+  }
+};
+function fence(token2) {
+  return token2 === "." ? null : ["mo", { stretchy: "true" }, token2];
+}
+function space(name) {
+  return ["mspace", { width: `${SPACES[name]}em` }];
+}
+function plain2(token2) {
+  if (/^[0-9.]+$/.test(token2)) return ["mn", {}, token2];
+  if (/^[A-Za-z]$/.test(token2)) return ["mi", {}, token2];
+  if (/^[()[\]|]$/.test(token2)) return ["mo", { stretchy: "false" }, token2];
+  if (/^[-+=<>,/]$/.test(token2)) return ["mo", {}, token2 === "-" ? "−" : token2];
+  throw new Error(`${token2} is unknown`);
+}
+var namespace = once(() => new DOMParser().parseFromString("<math>", "text/html").querySelector("math")?.namespaceURI ?? null);
+function once(make2) {
+  let known = null;
+  return () => (known ??= { made: make2() }).made;
+}
+function element([tag, attributes, ...children]) {
+  const made = document.createElementNS(namespace(), tag);
+  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+  made.append(...children.map((child) => typeof child === "string" ? child : element(child)));
+  return made;
 }
 
 // src/candidates.js
@@ -195,8 +361,8 @@ var Candidates = class {
    *   about?: (row: Candidate) => void, apart?: (effects: string[]) => void}} deeds
    * @param {string} taking what it is called to take one
    */
-  constructor(place3, deeds, taking) {
-    this.place = place3;
+  constructor(place4, deeds, taking) {
+    this.place = place4;
     this.deeds = deeds;
     this.taking = taking;
     this.shown = "";
@@ -204,7 +370,8 @@ var Candidates = class {
     this.inside = false;
     this.items = [];
     this.rows = [];
-    place3.addEventListener("keydown", (event) => this.key(event));
+    place4.tabIndex = -1;
+    place4.addEventListener("keydown", (event) => this.key(event));
   }
   /** @param {Pick<State, "candidates" | "node" | "job">} state */
   show({ candidates, node, job }) {
@@ -228,13 +395,13 @@ var Candidates = class {
       others.length > 0 ? folded(others, could.length === 0) : "",
       ...remainder(candidates.unexplained)
     );
-    if (this.inside && document.activeElement === document.body) (this.items[0] ?? ask2).focus();
-    if (this.items.length > 0 || document.activeElement !== document.body) this.inside = false;
+    if (this.inside && document.activeElement === document.body) this.place.focus();
+    if (this.items.length > 0) this.inside = false;
   }
   /** @param {Candidate} row @param {number} at */
   item(row, at) {
-    const bar = make("span", { class: "bar" });
-    bar.style.width = `${100 * Math.min(1, Math.max(0, row.error_fall))}%`;
+    const bar2 = make("span", { class: "bar" });
+    bar2.style.width = `${100 * Math.min(1, Math.max(0, row.error_fall))}%`;
     const take = make("button", {
       ...{ type: "button", text: this.taking, tabindex: -1, "aria-label": `${this.taking} ${row.effect}` },
       on: { click: () => this.deeds.take(row.effect) }
@@ -257,10 +424,11 @@ var Candidates = class {
         }
       },
       make("span", { class: "label", text: row.effect, title: row.shows ?? row.effect }),
-      make("span", { class: "track" }, bar),
+      make("span", { class: "track" }, bar2),
       make("span", { class: "figure", text: percent(-Math.max(0, row.error_fall)), title: "fall of the RMS error" }),
       make("span", { class: "deeds" }, this.deeds.about ? about2 : null, take),
       make("span", { class: "alike", text: row.name }),
+      row.could_be ? make("span", { class: "alike" }, lawOf(row)) : null,
       make("span", { class: "evidence soft", text: evidence(row) }),
       this.untold(row),
       ...remarks(row).map((text) => make("span", { class: "alike soft", text })),
@@ -274,7 +442,7 @@ var Candidates = class {
   untold({ effect, equivalent }) {
     if (equivalent.length === 0) return null;
     const apart = make("button", {
-      ...{ type: "button", text: "Tell apart…", "aria-label": `tell ${effect} apart` },
+      ...{ type: "button", text: "Tell apart…", "aria-label": `Tell apart… ${effect}` },
       ...{ title: "design the motion that would tell", on: { click: () => this.deeds.apart?.([effect, ...equivalent]) } }
     });
     const words3 = `this capture cannot tell it from ${equivalent.join(", ")} `;
@@ -292,7 +460,8 @@ var Candidates = class {
   }
   /** @param {KeyboardEvent} event */
   key(event) {
-    const moves = { ArrowDown: this.at + 1, ArrowUp: this.at - 1, Home: 0, End: this.items.length - 1 };
+    const at = event.target === this.place ? -1 : this.at;
+    const moves = { ArrowDown: at + 1, ArrowUp: at - 1, Home: 0, End: this.items.length - 1 };
     if (event.key in moves) {
       const to = moves[
         /** @type {keyof typeof moves} */
@@ -333,12 +502,251 @@ function remainder(unexplained) {
   return [make("p", { class: "soft", text: words3 })];
 }
 
+// src/section.js
+var SIZE = { width: 260, height: 120 };
+var BINS = 96;
+var KINDS = { joint, gauge, bristles, hills, mass };
+function kindOf({ place: place4, friction, over }) {
+  if (place4 === "coupling") return "joint";
+  if (place4 === "sensor") return "gauge";
+  if (friction) return "bristles";
+  return over === "acceleration" ? "mass" : "hills";
+}
+var SEEN = {
+  joint: "shaft and knob with the joint between them, twisted by what it carries",
+  gauge: "the torque sensor: what it reads, and in grey what it would read without this",
+  bristles: "two surfaces whose asperities bend like bristles as one slides over the other",
+  hills: "the hills and valleys that this makes of the way, and where the knob is on it",
+  mass: "the mass that has to be set going and stopped"
+};
+function drawSection(canvas, effect, motion, at, look) {
+  const scale = globalThis.devicePixelRatio || 1;
+  canvas.width = SIZE.width * scale;
+  canvas.height = SIZE.height * scale;
+  const brush = canvas.getContext("2d");
+  if (!brush) return;
+  brush.scale(scale, scale);
+  brush.lineWidth = 2;
+  brush.lineJoin = "round";
+  const now = motion.at(at);
+  KINDS[kindOf(effect)](brush, now, look);
+  bar(brush, now.torque, look);
+}
+var Motion = class {
+  /** @param {Columns} columns @param {Float32Array | null} added what the effect would add, as far as that is known */
+  constructor(columns, added) {
+    this.columns = columns;
+    this.added = added;
+    const [low, high] = reach(columns.theta);
+    this.low = low;
+    this.span = high - low || 1;
+    this.most = { omega: largest(columns.omega), tau: largest(columns.tau), added: added ? largest(added) : 1 };
+    this.hills = added && hillsOf(columns.theta, added, low, this.span);
+  }
+  /** @param {number} i @returns {Now} */
+  at(i) {
+    const { theta, omega, tau } = this.columns;
+    const part = (value, most) => value === value ? value / most : 0;
+    return {
+      theta: theta[i],
+      along: (theta[i] - this.low) / this.span,
+      omega: part(omega[i], this.most.omega),
+      level: part(tau[i], this.most.tau),
+      bare: this.added ? part(tau[i] - this.added[i], this.most.tau) : part(tau[i], this.most.tau),
+      torque: this.added ? part(this.added[i], this.most.added) : 0,
+      hills: this.hills
+    };
+  }
+};
+function hillsOf(theta, torque, low, span3) {
+  const [sum, count] = [new Float32Array(BINS), new Float32Array(BINS)];
+  for (let i = 0; i < theta.length; i++) {
+    const bin = Math.min(BINS - 1, Math.floor(BINS * (theta[i] - low) / span3));
+    if (!(bin >= 0) || torque[i] !== torque[i]) continue;
+    sum[bin] += torque[i];
+    count[bin]++;
+  }
+  let [work, last] = [0, 0];
+  const found2 = sum.map((value, bin) => {
+    last = count[bin] > 0 ? value / count[bin] : last;
+    return work += last;
+  });
+  const [least, most] = reach(found2);
+  return found2.map((value) => most > least ? (value - least) / (most - least) : 0.5);
+}
+function reach(values) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const value of values) {
+    if (value < low) low = value;
+    if (value > high) high = value;
+  }
+  return [low, high];
+}
+function largest(values) {
+  const [low, high] = reach(values);
+  return Math.max(-low, high) || 1;
+}
+function bar(brush, torque, { soft, shade, colour }) {
+  brush.fillStyle = shade;
+  brush.fillRect(240, 6, 14, 108);
+  brush.fillStyle = colour;
+  brush.fillRect(240, 60, 14, -54 * torque);
+  brush.fillStyle = soft;
+  brush.fillRect(237, 59, 20, 2);
+}
+function line(brush, points) {
+  brush.beginPath();
+  for (const [x, y] of points) brush.lineTo(x, y);
+  brush.stroke();
+}
+function bristles(brush, { along, omega, torque }, { ink, shade, soft, colour }) {
+  brush.fillStyle = shade;
+  brush.fillRect(0, 92, 230, 28);
+  brush.fillRect(0, 8, 230, 34);
+  brush.strokeStyle = soft;
+  for (let x = -40 + 240 * along % 20; x < 230; x += 20) line(brush, [[x + 10, 8], [x + 24, 42]].map(([a, b]) => [Math.max(0, Math.min(230, a)), b]));
+  brush.strokeStyle = colour;
+  const bent = 16 * Math.sign(omega) * Math.min(1, 0.25 + Math.abs(torque)) * Math.min(1, 20 * Math.abs(omega));
+  for (let x = 14; x < 230; x += 18) {
+    brush.beginPath();
+    brush.moveTo(x, 92);
+    brush.quadraticCurveTo(x, 64, x + bent, 44);
+    brush.stroke();
+  }
+  brush.strokeStyle = ink;
+  line(brush, [[0, 92], [230, 92]]);
+  line(brush, [[0, 42], [230, 42]]);
+}
+function hills(brush, { along, hills: heights }, { ink, soft, colour }) {
+  const up = (share) => {
+    const bin = Math.min(BINS - 1, Math.max(0, Math.round(share * (BINS - 1))));
+    return 100 - 66 * (heights ? heights[bin] : 0.3);
+  };
+  brush.strokeStyle = heights ? ink : soft;
+  line(brush, Array.from({ length: BINS }, (_, bin) => [6 + 218 * bin / (BINS - 1), up(bin / (BINS - 1))]));
+  brush.fillStyle = colour;
+  brush.beginPath();
+  brush.arc(6 + 218 * along, up(along) - 10, 9, 0, 2 * Math.PI);
+  brush.fill();
+}
+function joint(brush, { along, torque }, { ink, shade, colour }) {
+  const shaft = 24 + 70 * along;
+  const knob2 = shaft + 84 + 22 * torque;
+  brush.strokeStyle = ink;
+  brush.fillStyle = shade;
+  for (const [x, width] of [[shaft, 30], [knob2, 44]]) {
+    brush.fillRect(x, 34, width, 52);
+    brush.strokeRect(x, 34, width, 52);
+  }
+  brush.strokeStyle = colour;
+  const step = (knob2 - shaft - 30) / 10;
+  line(brush, Array.from({ length: 11 }, (_, n) => [shaft + 30 + n * step, n % 10 === 0 ? 60 : n % 2 ? 48 : 72]));
+}
+function gauge(brush, { level, bare }, { ink, soft, colour }) {
+  brush.strokeStyle = soft;
+  brush.beginPath();
+  brush.arc(115, 108, 92, Math.PI, 2 * Math.PI);
+  brush.stroke();
+  for (const [value, needle] of [[bare, soft], [level, colour]]) {
+    const way = Math.PI / 2 - 1.3 * Number(value);
+    brush.strokeStyle = String(needle);
+    line(brush, [[115, 108], [115 + 84 * Math.cos(way), 108 - 84 * Math.sin(way)]]);
+  }
+  brush.fillStyle = ink;
+  brush.fillRect(110, 103, 10, 10);
+}
+function mass(brush, { theta }, { ink, shade, colour }) {
+  brush.fillStyle = shade;
+  brush.strokeStyle = ink;
+  brush.beginPath();
+  brush.arc(115, 60, 50, 0, 2 * Math.PI);
+  brush.fill();
+  brush.stroke();
+  brush.fillStyle = colour;
+  for (const turn of [0, 2.094, 4.189]) {
+    brush.beginPath();
+    brush.arc(115 + 34 * Math.cos(theta + turn), 60 - 34 * Math.sin(theta + turn), 9, 0, 2 * Math.PI);
+    brush.fill();
+  }
+}
+
+// src/acting.js
+var PACE = 0.35;
+function acting(effect, { data, at, added }) {
+  const { t } = data.columns;
+  const canvas = make("canvas", { class: "section", role: "img", "aria-label": SEEN[kindOf(effect)] });
+  const slider = make("input", { type: "range", min: 0, max: t.length - 1, step: 1, value: at ?? 0, "aria-label": "moment" });
+  const play = make("button", { type: "button", text: "Play", "aria-pressed": "false" });
+  const words3 = make("span", { class: "soft figure" });
+  const element2 = make(
+    "div",
+    { class: "acting" },
+    ...[canvas, make("div", {}, make("p", { class: "soft", text: SEEN[kindOf(effect)] }), words3), make("div", { class: "along" }, play, slider)]
+  );
+  let motion = new Motion(data.columns, null);
+  let [playing, begun] = [false, { clock: 0, time: 0 }];
+  const draw2 = () => {
+    const now = Number(slider.value);
+    const named = { ink: "--ink", soft: "--soft", shade: "--shade", colour: "--signature" };
+    const colours = Object.fromEntries(Object.entries(named).map(([name, style]) => [name, styleValue(style, canvas)]));
+    drawSection(
+      canvas,
+      effect,
+      motion,
+      now,
+      /** @type {import("./section.js").Look} */
+      colours
+    );
+    const scale = torqueScale(data.unit, motion.most.added);
+    const torque = motion.added ? `adds ${number(motion.added[now] * scale.factor)} ${scale.unit}` : "what it adds is not weighed here";
+    words3.textContent = `${number(t[now], 4)} s: ${torque}`;
+  };
+  const frame = (clock) => {
+    if (!playing || !canvas.isConnected || !canvas.closest("dialog[open]")) return run(false);
+    const time = begun.time + PACE * (clock - begun.clock) / 1e3;
+    let now = Number(slider.value);
+    while (now < t.length - 1 && t[now] < time) now++;
+    slider.value = String(now);
+    draw2();
+    if (now >= t.length - 1) return run(false);
+    return requestAnimationFrame(frame);
+  };
+  const run = (on) => {
+    playing = on;
+    play.textContent = on ? "Pause" : "Play";
+    play.setAttribute("aria-pressed", String(on));
+    if (!on) return;
+    if (Number(slider.value) >= t.length - 1) slider.value = "0";
+    begun = { clock: performance.now(), time: t[Number(slider.value)] };
+    requestAnimationFrame(frame);
+  };
+  play.addEventListener("click", () => run(!playing));
+  slider.addEventListener("input", () => {
+    run(false);
+    draw2();
+  });
+  added().then(
+    (column) => {
+      motion = new Motion(data.columns, column);
+      draw2();
+    },
+    () => {
+    }
+    // without it the motion is still shown
+  );
+  requestAnimationFrame(() => {
+    draw2();
+    if (!matchMedia("(prefers-reduced-motion: reduce)").matches) run(true);
+  });
+  return element2;
+}
+
 // src/effects.js
 var pictures = /* @__PURE__ */ new Map();
 var PLACES = { load: "torque of the knob", coupling: "joint between shaft and knob", sensor: "torque sensor" };
 var AnyEffect = class {
-  /** @param {(effect: string) => void} add */
-  constructor(add) {
+  /** @param {(effect: string) => void} add @param {(effect: Effect) => void} tell what it is */
+  constructor(add, tell) {
     this.select = /** @type {HTMLSelectElement} */
     byId("any-effect");
     this.absent = [];
@@ -348,7 +756,7 @@ var AnyEffect = class {
     });
     byId("any-about").addEventListener("click", () => {
       const chosen = this.absent.find(({ effect }) => effect === this.select.value);
-      if (chosen) about(chosen);
+      if (chosen) tell(chosen);
     });
     byId("about-close").addEventListener("click", () => dialog().close());
   }
@@ -357,36 +765,40 @@ var AnyEffect = class {
     byId("any").hidden = absent.length === 0;
     const names = (effects) => effects.map(({ effect }) => effect).join();
     if (names(absent) !== names(this.absent)) {
-      this.select.replaceChildren(...absent.map(({ effect, name }) => make("option", { value: effect, text: `${effect}: ${name}` })));
+      const none = make("option", { value: "", text: "choose one" });
+      this.select.replaceChildren(none, ...absent.map(({ effect, name }) => make("option", { value: effect, text: `${effect}: ${name}` })));
     }
     this.absent = absent;
   }
 };
-function about({ effect, place: place3, law, source, shows, name, about: sentence, causes, remedies }) {
-  const alt = `${law}: what it adds to the torque of a small knob; it shows ${shows}`;
-  const picture = make("img", { alt, src: pictures.get(effect) });
-  byId("about-title").textContent = effect;
+function about(effect, shown) {
+  const { effect: id, place: place4, law, source, shows, name, about: sentence, causes, remedies } = effect;
+  const drawing = make("p", { class: "soft", text: "The picture is being drawn …" });
+  const frame = make("div", { class: "picture", role: "status" }, drawing);
+  byId("about-title").textContent = `${id}: ${name}`;
   byId("about-text").replaceChildren(
-    make("p", {}, make("strong", { text: name })),
     make("p", { text: sentence }),
-    ...listed("Usual causes", causes),
-    ...listed("What helps", remedies),
-    make("p", { class: "soft", text: `Acts on the ${PLACES[place3] ?? place3}. ${source}` }),
-    picture
+    lawOf(effect),
+    shown ? acting(effect, shown) : "",
+    make("div", { class: "columns-of-two" }, listed("Usual causes", causes), listed("What helps", remedies)),
+    make("p", { class: "soft", text: `Acts on the ${PLACES[place4] ?? place4}. Shows ${shows}. ${source}` }),
+    frame
   );
   dialog().showModal();
-  if (pictures.has(effect)) return;
-  fetchPicture(effect).then(
+  const alt = `${law}: what it adds to the torque of a small knob; it shows ${shows}`;
+  const drawn = () => frame.replaceChildren(make("img", { alt, src: pictures.get(id) }));
+  if (pictures.has(id)) return drawn();
+  fetchPicture(id).then(
     (blob) => {
-      pictures.set(effect, URL.createObjectURL(blob));
-      picture.src = pictures.get(effect) ?? "";
+      pictures.set(id, URL.createObjectURL(blob));
+      drawn();
     },
-    (reason) => picture.replaceWith(make("p", { class: "wrong", text: wordsOf(reason) }))
+    (reason2) => frame.replaceChildren(make("p", { class: "wrong", text: wordsOf(reason2) }))
   );
 }
 function listed(title, phrases) {
-  if (phrases.length === 0) return [];
-  return [make("h3", { text: title }), make("ul", {}, ...phrases.map((text) => make("li", { text })))];
+  if (phrases.length === 0) return null;
+  return make("div", {}, make("h3", { text: title }), make("ul", {}, ...phrases.map((text) => make("li", { text }))));
 }
 function dialog() {
   return (
@@ -396,13 +808,31 @@ function dialog() {
 }
 
 // src/mapping.js
+var MOTOR = ["A", "mA", "V", "duty"];
 var TARGETS = {
-  t: ["s", "ms", "us", "min"],
-  theta: ["rad", "deg", "turn", "m", "mm", "um"],
-  tau: ["N m", "mNm", "N", "mN", "A", "mA", "V", "duty"],
-  omega: ["rad/s", "deg/s", "rpm", "m/s", "mm/s"],
-  alpha: ["rad/s^2", "deg/s^2", "m/s^2", "mm/s^2"]
+  t: { words: "Time", units: { rotary: ["s", "ms", "us", "min"], linear: ["s", "ms", "us", "min"] }, needed: true },
+  theta: {
+    words: "Angle or position",
+    ...{ units: { rotary: ["rad", "deg", "turn"], linear: ["m", "mm", "um"] }, needed: true }
+  },
+  tau: {
+    words: "Torque or force, or motor current",
+    ...{ units: { rotary: ["N m", "mNm", ...MOTOR], linear: ["N", "mN", ...MOTOR] }, needed: true }
+  },
+  omega: {
+    words: "Velocity, if there is one",
+    ...{ units: { rotary: ["rad/s", "deg/s", "rpm"], linear: ["m/s", "mm/s"] }, needed: false }
+  },
+  alpha: {
+    words: "Acceleration, if there is one",
+    ...{ units: { rotary: ["rad/s^2", "deg/s^2"], linear: ["m/s^2", "mm/s^2"] }, needed: false }
+  }
 };
+var KINDS2 = (
+  /** @type {Kind[]} */
+  ["rotary", "linear"]
+);
+var DEGREES = { rad: 180 / Math.PI, turn: 360 };
 var SPELT = {
   "°": "deg",
   "°/s": "deg/s",
@@ -415,62 +845,99 @@ var SPELT = {
   "µs": "us",
   "µm": "um"
 };
-var SIZE = { width: 110, height: 34 };
+var SIZE2 = { width: 110, height: 34 };
 var Mapping = class {
   /** @param {HTMLElement} place of the fields @param {HTMLElement} found place of the file's columns */
-  constructor(place3, found2) {
+  constructor(place4, found2) {
     this.found = found2;
-    this.fields = Object.entries(TARGETS).map(([name, units]) => {
-      const text = make("input", { name, type: "text", autocomplete: "off", spellcheck: "false", "aria-label": name });
-      const unit = make(
-        "select",
-        { "aria-label": `unit of ${name}`, name: `${name}-unit` },
-        make("option", { value: "", text: "SI" }),
-        ...units.map((one) => make("option", { value: one, text: one }))
-      );
+    this.columns = [];
+    this.fields = Object.entries(TARGETS).map(([name, target]) => {
+      const text = make("input", { name, type: "text", autocomplete: "off", spellcheck: "false", "aria-label": target.words });
+      const unit = make("select", { "aria-label": `unit of ${target.words}`, name: `${name}-unit` });
+      const range2 = make("span", { class: "range soft" });
+      const field3 = { name, target, text, unit, range: range2 };
       text.addEventListener("focus", () => this.at = text);
-      place3.append(make("div", {}, make("span", { text: name }), text, unit));
-      return { name, text, unit };
+      text.addEventListener("input", () => this.tell());
+      unit.addEventListener("change", () => this.chose(unit.value));
+      place4.append(make("div", {}, make("span", { text: target.words }), text, unit, range2));
+      return field3;
     });
     this.at = this.fields[0].text;
+    this.kinds = KINDS2.map((kind) => (
+      /** @type {HTMLInputElement} */
+      byId(`open-${kind}`)
+    ));
+    for (const box of this.kinds) box.addEventListener("change", () => this.tell());
+    this.tell();
+  }
+  /** Rotary or linear; null until it is said. @returns {Kind | null} */
+  get kind() {
+    return KINDS2.find((_, at) => this.kinds[at].checked) ?? null;
   }
   /** What the import is to be told; nothing where nothing is filled in. */
   options() {
     const filled = this.fields.filter(({ text }) => text.value.trim());
     const map = filled.map(({ name, text, unit }) => {
       const written = text.value.trim();
-      return `${name}=${written}${unit.value && !written.endsWith("]") ? ` [${unit.value}]` : ""}`;
+      return `${name}=${written}${unit.value && !saysUnit(written) ? ` [${unit.value}]` : ""}`;
     });
     const options = map.length > 0 ? { map: map.join(", ") } : {};
+    if (map.length > 0 && this.kind) options.coordinate = this.kind;
     return options;
   }
+  /**
+   * What has still to be said; the first field of it has the focus then. Nothing where nothing is filled in.
+   * @returns {string}
+   */
+  lacking() {
+    const filled = this.fields.filter(({ text }) => text.value.trim());
+    if (filled.length === 0) return "";
+    if (!this.kind) {
+      this.kinds[0].focus();
+      return "Does it turn or slide? Metres must not be taken for radians.";
+    }
+    const without = filled.find(({ text, unit }) => !unit.value && !saysUnit(text.value.trim()));
+    without?.unit.focus();
+    return without ? `In which unit is ${without.text.value}? (${without.target.words.toLowerCase()})` : "";
+  }
   clear() {
-    for (const { text, unit } of this.fields) text.value = unit.value = "";
+    for (const { text } of this.fields) text.value = "";
+    for (const box of this.kinds) box.checked = false;
+    for (const { unit } of this.fields) unit.value = "";
+    this.columns = [];
     this.found.replaceChildren();
+    this.tell();
   }
   /**
-   * Show the columns of a file; those that are named as in a capture are filled in.
+   * Show the columns of a file; what they are taken for is filled in where nothing is yet.
    * @param {FileColumn[]} columns
+   * @param {Record<string, import("./types.js").Guess>} guess
    */
-  show(columns) {
+  show(columns, guess) {
+    this.columns = columns;
     this.found.replaceChildren(...columns.map((column) => this.tile(column)));
-    for (const { name, text } of this.fields) {
-      if (!text.value && columns.some((column) => column.name === name)) text.value = name;
+    for (const field3 of this.fields) {
+      const known = guess[field3.name];
+      const same = columns.some(({ name }) => name === field3.name) ? field3.name : "";
+      if (field3.text.value) continue;
+      field3.text.value = known ? plain3(known.expression.replace(/^`([^`]*)`$/, "$1")) : same;
+      if (known?.unit) this.measure(field3, known.unit);
     }
     this.at = this.fields.find(({ text }) => !text.value)?.text ?? this.at;
+    this.tell();
   }
   /** @param {FileColumn} column */
-  tile({ name, rows, low, high, outline }) {
+  tile({ name, low, high, outline }) {
     const range2 = `${number(low)} … ${number(high)}`;
-    const canvas = make("canvas", { "aria-hidden": "true", ...SIZE });
+    const canvas = make("canvas", { "aria-hidden": "true", ...SIZE2 });
     draw(canvas, outline);
     return make(
       "button",
       {
-        ...{ type: "button", "aria-label": `${name}: ${range2}, ${rows} rows`, title: "put into the chosen field" },
+        ...{ type: "button", title: "put into the chosen field" },
         on: { click: () => this.put(name) }
       },
-      make("strong", { text: name }),
+      make("strong", { text: `${name}: ` }),
       canvas,
       make("span", { class: "soft", text: range2 })
     );
@@ -478,22 +945,60 @@ var Mapping = class {
   /** @param {string} column name that goes into the field, of which the next free one is then chosen */
   put(column) {
     const field3 = this.fields.find(({ text }) => text === this.at);
-    const written = /[[(]([^\])]+)[\])]\s*$/.exec(column)?.[1] ?? "";
-    if (field3) field3.unit.value = SPELT[written] ?? written;
-    if (field3 && !field3.unit.value) field3.unit.value = "";
-    this.at.value = /^[A-Za-z_]\w*$/.test(column) ? column : `\`${column}\``;
+    this.at.value = plain3(column);
+    if (field3) this.measure(field3, /[[(]([^\])]+)[\])]\s*$/.exec(column)?.[1] ?? "");
     this.at = this.fields.find(({ text }) => !text.value)?.text ?? this.at;
     this.at.focus();
+    this.tell();
+  }
+  /** @param {Mapping["fields"][number]} field @param {string} written a unit, or what is none of the list */
+  measure(field3, written) {
+    const unit = SPELT[written] ?? written;
+    const known = KINDS2.some((kind) => field3.target.units[kind].includes(unit));
+    field3.unit.value = known ? unit : "";
+    this.chose(field3.unit.value);
+  }
+  /** A unit was chosen: one of a length says that the axis slides. @param {string} unit */
+  chose(unit) {
+    for (const [at, kind] of KINDS2.entries()) {
+      const only = (one) => Object.values(TARGETS).some(({ units }) => units[one].includes(unit));
+      if (unit && only(kind) && !only(KINDS2[1 - at])) this.kinds[at].checked = true;
+    }
+    this.tell();
+  }
+  /** Offer the units of the kind of axis, and say what each column would be in them. */
+  tell() {
+    const kind = this.kind;
+    for (const { target, text, unit, range: range2 } of this.fields) {
+      const offered = [...new Set(kind ? target.units[kind] : KINDS2.flatMap((one) => target.units[one]))];
+      const chosen = unit.value;
+      const options = [make("option", { value: "", text: "unit?" }), ...offered.map((one) => make("option", { value: one, text: one }))];
+      if (unit.options.length !== options.length || unit.options[1].value !== offered[0]) unit.replaceChildren(...options);
+      unit.value = offered.includes(chosen) ? chosen : "";
+      const column = this.columns.find(({ name }) => plain3(name) === text.value.trim());
+      range2.textContent = column ? spread(column, unit.value) : "";
+    }
   }
 };
+function spread({ low, high }, unit) {
+  if (low === null || high === null) return "no value at all";
+  const felt = unit in DEGREES ? `, over ${number((high - low) * DEGREES[unit])} degrees` : "";
+  return `${number(low)} … ${number(high)} ${unit}${felt}`;
+}
+function plain3(column) {
+  return /^[A-Za-z_]\w*$/.test(column) ? column : `\`${column}\``;
+}
+function saysUnit(written) {
+  return written.endsWith("]");
+}
 function draw(canvas, outline) {
   const brush = canvas.getContext("2d");
   if (!brush) return;
-  const step = SIZE.width / Math.max(1, outline.length);
+  const step = SIZE2.width / Math.max(1, outline.length);
   brush.fillStyle = "#0072b2";
   for (const [at, [low, high]] of outline.entries()) {
-    const top = (1 - high) * (SIZE.height - 3);
-    brush.fillRect(at * step, top, Math.max(1, step), Math.max(2, (high - low) * (SIZE.height - 3)));
+    const top = (1 - high) * (SIZE2.height - 3);
+    brush.fillRect(at * step, top, Math.max(1, step), Math.max(2, (high - low) * (SIZE2.height - 3)));
   }
 }
 
@@ -524,11 +1029,11 @@ function opening(heard) {
     heard.say(`opened ${name}`);
     heard.done();
   };
-  const refused = (reason) => {
+  const refused = (reason2) => {
     heard.say("");
-    told.textContent = wordsOf(reason);
-    if (reason instanceof Refusal && reason.columns) {
-      mapping.show(reason.columns);
+    told.textContent = wordsOf(reason2);
+    if (reason2 instanceof Refusal && reason2.columns) {
+      mapping.show(reason2.columns, reason2.guess);
       byId("open-more").setAttribute("open", "");
     }
     if (!dialog2.open) dialog2.showModal();
@@ -541,8 +1046,8 @@ function opening(heard) {
         await upload(file, { ...mapping.options(), together: String(at > 0 || same.checked) });
         waiting = waiting.filter((one) => one !== file);
         opened(file.name);
-      } catch (reason) {
-        refused(reason);
+      } catch (reason2) {
+        refused(reason2);
         return;
       }
     }
@@ -567,6 +1072,8 @@ function opening(heard) {
   byId("open-form").addEventListener("submit", async (event) => {
     event.preventDefault();
     const named = path.value.trim();
+    told.textContent = mapping.lacking();
+    if (told.textContent) return void 0;
     if (!named && waiting.length === 0) {
       told.textContent = "Choose a file, or type its path.";
       return void 0;
@@ -576,8 +1083,8 @@ function opening(heard) {
       await post("open", { path: named, together: same.checked, ...mapping.options() });
       path.value = "";
       return opened(named);
-    } catch (reason) {
-      return refused(reason);
+    } catch (reason2) {
+      return refused(reason2);
     }
   });
   const zone = byId("drop");
@@ -606,8 +1113,8 @@ function saving(heard) {
         link.click();
         setTimeout(() => URL.revokeObjectURL(link.href), 1e4);
         heard.say(`saved ${name}`);
-      } catch (reason) {
-        heard.failed(reason);
+      } catch (reason2) {
+        heard.failed(reason2);
       }
     });
   }
@@ -620,8 +1127,8 @@ function unhiding(failed) {
     try {
       const told = await Promise.all(hiding.map((capture) => ask("hidden", { capture })));
       byId("unhidden").textContent = [...new Set(told.map(({ hidden }) => hidden.join(" and ")))].join("; ");
-    } catch (reason) {
-      failed(reason);
+    } catch (reason2) {
+      failed(reason2);
     }
   });
 }
@@ -632,9 +1139,43 @@ function showHidden({ captures, active }) {
   hiding = now;
 }
 
+// src/keys.js
+function keys({ stop, clear, closer }) {
+  document.addEventListener("keydown", (event) => {
+    const typed = event.target instanceof HTMLInputElement && event.target.type !== "range";
+    const control = event.ctrlKey || event.metaKey;
+    const chosen = event.target instanceof HTMLSelectElement && !control;
+    if ((typed || chosen) && event.key !== "Escape") return;
+    const key2 = event.key.toLowerCase();
+    if (event.key === "Escape") {
+      if (!stop() && !closeMenu(true)) clear();
+    } else if (!control && !event.altKey && key2 === "z") {
+      closer();
+    } else if (control && (key2 === "y" || key2 === "z" && event.shiftKey)) {
+      event.preventDefault();
+      byId("redo").click();
+    } else if (control && key2 === "z") {
+      event.preventDefault();
+      byId("undo").click();
+    }
+  });
+  document.addEventListener("pointerdown", ({ target }) => {
+    if (!(target instanceof Element && target.closest("details.menu"))) closeMenu(false);
+  });
+}
+function closeMenu(focus) {
+  const menu = document.querySelector("details.menu[open]");
+  menu?.removeAttribute("open");
+  if (focus) menu?.querySelector("summary")?.focus();
+  return menu !== null;
+}
+
 // src/ladder.js
-function showLadder(place3, state) {
+function showLadder(place4, state) {
   const branch = state.branches.find(({ id }) => id === state.branch);
+  const key2 = JSON.stringify([branch, state.rmse, state.noise_floor, state.unit]);
+  if (place4.dataset.shown === key2) return;
+  place4.dataset.shown = key2;
   const { steps, at: here } = sameCaptures(branch?.steps ?? [], branch?.at ?? 0);
   const errors = steps.flatMap(({ rmse, rmse_heldout }) => [rmse, rmse_heldout]).concat(state.rmse);
   const floor = state.noise_floor;
@@ -645,30 +1186,31 @@ function showLadder(place3, state) {
     const now = at === here;
     const undone = at > here;
     const label = added ? `+ ${added}` : dropped ? `− ${dropped}` : at === 0 ? "first model" : "fitted anew";
-    const bar = make("span", { class: "bar" });
+    const bar2 = make("span", { class: "bar" });
     const held = make("span", { class: "held" });
-    bar.style.width = `${100 * rmse / widest}%`;
+    bar2.style.width = `${100 * rmse / widest}%`;
+    if (now && at > 0) bar2.style.setProperty("--from", `${100 * steps[at - 1].rmse / widest}%`);
     if (rmse_heldout !== null) held.style.left = `${100 * rmse_heldout / widest}%`;
-    const track = make("span", { class: "track" }, bar, rmse_heldout === null ? null : held, floorMark(floor, widest));
+    const track = make("span", { class: "track" }, bar2, rmse_heldout === null ? null : held, floorMark(floor, widest));
     return make(
       "li",
       { class: `ladder-line${now ? " now" : ""}${undone ? " undone" : ""}`, "aria-current": now ? "step" : null },
       make("span", { class: "label", text: label, title: label }),
-      track,
       make("span", { class: "figure", text: shown(rmse), title: "RMS error" }),
-      make("span", { class: "figure soft", text: shown(rmse_heldout), title: "on blocks that the fit did not see" })
+      make("span", { class: "figure soft", text: shown(rmse_heldout), title: "on blocks that the fit did not see" }),
+      track
     );
   });
-  const head = make(
+  const head2 = make(
     "div",
     { class: "ladder-line head" },
-    make("span", { class: "legend", text: floor === null ? "noise floor unknown" : `┆ noise floor ${shown(floor)}` }),
+    make("span", { class: "legend", text: floor === null ? "noise floor unknown" : `▖noise floor ${shown(floor)}` }),
     make("span", { class: "figure", text: `RMS, ${scale.unit}` }),
     make("span", { class: "figure", text: "unseen" })
   );
-  place3.replaceChildren(head, make("ol", {}, ...lines));
+  place4.replaceChildren(head2, make("ol", {}, ...lines));
   const dragged = state.params.some((param) => param.dragged);
-  if (dragged) place3.append(make("p", { class: "soft", text: `as dragged: ${shown(state.rmse)} ${scale.unit}` }));
+  if (dragged) place4.append(make("p", { class: "soft", text: `as dragged: ${shown(state.rmse)} ${scale.unit}` }));
 }
 function sameCaptures(steps, at) {
   const of = (step) => steps[step]?.captures.join();
@@ -707,8 +1249,8 @@ var Laws = class {
    * @param {{ask: () => void, look: (number: number | null) => void, take: (number: number, name: string) => void,
    *   add: (formula: object) => Promise<boolean>}} deeds
    */
-  constructor(place3, deeds) {
-    this.place = place3;
+  constructor(place4, deeds) {
+    this.place = place4;
     this.deeds = deeds;
     this.shown = "";
     const form = (
@@ -790,9 +1332,43 @@ function edited(law, start) {
   form.elements.namedItem("law").focus();
 }
 
+// src/spectrum.js
+var SEEN2 = 1e-3;
+var LEAST = 0.02;
+function spectrumOf(split) {
+  if (!split) return null;
+  const level = split.band.map((value) => value ?? 0);
+  const highest = Math.max(...level);
+  const middle = split.low.map((low, at) => (low + split.high[at]) / 2);
+  const shown = [...middle.keys()].filter((at) => middle[at] > 0 && level[at] > SEEN2 * highest);
+  if (shown.length < 2) return null;
+  const levels = shown.map((at) => level[at]).sort((a, b) => a - b);
+  const least = LEAST * levels[levels.length >> 1];
+  return {
+    x: shown.map((at) => Math.log10(middle[at])),
+    y: shown.map((at) => Math.log10(Math.max(split.mean[at], least))),
+    chance: shown.map((at) => Math.log10(level[at]))
+  };
+}
+function drawSpectrum(brush, { x, y, chance }, { across, up, bottom }, colours) {
+  brush.globalAlpha = 0.35;
+  brush.fillStyle = colours.band;
+  brush.beginPath();
+  brush.moveTo(across(x[0]), bottom);
+  for (const [at, value] of x.entries()) brush.lineTo(across(value), up(chance[at]));
+  brush.lineTo(across(x[x.length - 1]), bottom);
+  brush.fill();
+  brush.globalAlpha = 1;
+  brush.strokeStyle = colours.wrong;
+  brush.lineWidth = 1.2;
+  brush.beginPath();
+  for (const [at, value] of x.entries()) brush.lineTo(across(value), up(y[at]));
+  brush.stroke();
+}
+
 // src/axes.js
 var MARGIN = { left: 52, right: 10, top: 22, bottom: 34 };
-function drawAxes(brush, size, { x, y, title, colours, noise, bins }) {
+function drawAxes(brush, size, { x, y, title, colours, noise, bins, spectrum }) {
   const { left, top } = MARGIN;
   const [right, bottom] = [size.width - MARGIN.right, size.height - MARGIN.bottom];
   brush.clearRect(0, 0, size.width, size.height);
@@ -804,17 +1380,17 @@ function drawAxes(brush, size, { x, y, title, colours, noise, bins }) {
   brush.fillStyle = colours.soft;
   brush.textAlign = "center";
   brush.textBaseline = "top";
-  for (const value of ticks(x.low * x.factor, x.high * x.factor, (right - left) / 70)) {
-    const at = Math.round(across(value / x.factor)) + 0.5;
+  for (const [value, text] of ticksOf(x, (right - left) / 70)) {
+    const at = Math.round(across(value)) + 0.5;
     stroke(brush, at, top, at, bottom);
-    brush.fillText(number(value, 6), at, bottom + 4);
+    brush.fillText(text, at, bottom + 4);
   }
   brush.textAlign = "right";
   brush.textBaseline = "middle";
-  for (const value of ticks(y.low * y.factor, y.high * y.factor, (bottom - top) / 32)) {
-    const at = Math.round(up(value / y.factor)) + 0.5;
+  for (const [value, text] of ticksOf(y, (bottom - top) / 32)) {
+    const at = Math.round(up(value)) + 0.5;
     stroke(brush, left, at, right, at);
-    brush.fillText(number(value, 6), left - 5, at);
+    brush.fillText(text, left - 5, at);
   }
   if (noise) {
     brush.save();
@@ -826,12 +1402,13 @@ function drawAxes(brush, size, { x, y, title, colours, noise, bins }) {
     }
     brush.restore();
   }
-  if (bins) {
+  if (bins || spectrum) {
     brush.save();
     brush.beginPath();
     brush.rect(left, top, right - left, bottom - top);
     brush.clip();
-    drawBins(brush, bins, across, up, colours);
+    if (bins) drawBins(brush, bins, across, up, colours);
+    if (spectrum) drawSpectrum(brush, spectrum, { across, up, bottom }, colours);
     brush.restore();
   }
   brush.strokeStyle = colours.soft;
@@ -846,6 +1423,16 @@ function drawAxes(brush, size, { x, y, title, colours, noise, bins }) {
   brush.font = "600 12px system-ui, 'DejaVu Sans', sans-serif";
   brush.textAlign = "right";
   brush.fillText(title, right, top - 4);
+}
+function ticksOf({ low, high, factor, log }, count) {
+  if (!log) return ticks(low * factor, high * factor, count).map((value) => [value / factor, number(value, 6)]);
+  const few = count / (high - low) >= 3 ? [1, 2, 5] : [1];
+  const decades = Array.from({ length: Math.ceil(high) - Math.floor(low) + 1 }, (_, at) => 10 ** (Math.floor(low) + at));
+  const shift = Math.log10(factor);
+  return decades.flatMap((decade) => few.map((digit) => digit * decade)).map((value) => (
+    /** @type {[number, string]} */
+    [Math.log10(value) - shift, number(value, 1)]
+  )).filter(([at]) => at >= low && at <= high);
 }
 function drawBins(brush, bins, across, up, { ink, band: band2 }) {
   const edges = bins.low.map((low, at) => [across(low), across(bins.high[at])]);
@@ -893,7 +1480,8 @@ var AXES = (
     acceleration: { words: "acceleration", column: "alpha", part: null, units: ["rad/s²", "m/s²"] },
     load: { words: "modelled torque", column: null, part: null, units: null },
     history: { words: "distance since reversal", column: "history", part: null, units: ["rad", "m"] },
-    time: { words: "time", column: "t", part: null, units: ["s", "s"] }
+    time: { words: "time", column: "t", part: null, units: ["s", "s"] },
+    frequency: { words: "frequency", column: null, part: null, units: ["Hz", "Hz"] }
   }
 );
 var USUAL = ["position", "velocity", "time"];
@@ -901,6 +1489,7 @@ var NAME = 32;
 function columnsOf(view) {
   const needed = ["t", "theta", "omega", "tau", "residual"];
   for (const { column } of view.axes.map((along) => AXES[along])) if (column && !needed.includes(column)) needed.push(column);
+  if (view.axes.includes("time")) needed.push("masked");
   if (view.isolated) needed.push("position_part", "velocity_part");
   if (view.band) needed.push("band");
   return needed;
@@ -915,12 +1504,14 @@ function rowsOf(data, view, widest) {
   const model = less(columns.tau, columns.residual);
   const other = beside ? less(columns.tau, beside.residual) : null;
   return view.axes.map((along) => {
+    if (along === "frequency") return { torque: null, residual: alongFrequency(data), beside: null };
     const axis2 = AXES[along];
     const x = axis2.column ? columns[axis2.column] : model;
     const common = { x, xAxis: axisOf(along, x, data), picked: 0 };
     const part = view.isolated && axis2.part ? columns[axis2.part] : null;
     const { measured, modelled } = part ? isolated(columns, part) : { measured: columns.tau, modelled: model };
     const series = [
+      ...along === "time" && columns.masked && !part ? [{ colour: "--masked", chosen: null, y: columns.masked, strength: 1 }] : [],
       { colour: "--measured", chosen: "--chosen", y: measured, strength: 0.4 },
       ...view.band && columns.band ? band(modelled, columns.band) : [],
       ...other && !part ? [{ colour: "--beside", chosen: "--beside", y: other, strength: 0.35 }] : [],
@@ -930,6 +1521,8 @@ function rowsOf(data, view, widest) {
     const scale = torqueScale(data.unit, Math.max(-lowest, highest));
     const torque = {
       ...common,
+      picked: series.findIndex(({ colour }) => colour === "--measured"),
+      // masked samples are not taken by a brush
       xAxis: { ...common.xAxis, label: "" },
       // where it is chosen it stands already
       yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}, ${scale.unit}` },
@@ -953,6 +1546,18 @@ function rowsOf(data, view, widest) {
     };
   });
 }
+function alongFrequency({ splits, unit, fitted }) {
+  const spectrum = spectrumOf(splits?.find(({ axis: axis2 }) => axis2 === "frequency"));
+  const [least, most] = spectrum ? limits([spectrum.y, spectrum.chance].map((one) => Float32Array.from(one))) : [-4, -2];
+  const [low, high] = spectrum ? [spectrum.x[0], spectrum.x[spectrum.x.length - 1]] : [0, 3];
+  const scale = torqueScale(unit, 10 ** most);
+  return {
+    ...{ x: new Float32Array(0), series: [], picked: 0, noise: null, spectrum },
+    title: fitted ? "residual over frequency, beside what chance stays below" : "over frequency: of a fit only",
+    xAxis: { low, high, factor: 1, label: "", log: true },
+    yAxis: { low: least, high: most, factor: scale.factor, label: `RMS per bin, ${scale.unit}`, log: true }
+  };
+}
 function axisOf(along, x, data) {
   const [low, high] = limits([x], { air: 0.01 });
   return { low, high, factor: 1, label: labelOf(along, data) };
@@ -962,6 +1567,7 @@ function labelOf(along, { unit, coordinate }) {
   return `${words3}, ${units ? units[coordinate === "linear" ? 1 : 0] : unit}`;
 }
 function samplesIn({ columns }, { axis: axis2, low, high, direction }) {
+  if (axis2 === "frequency") return null;
   const { column } = AXES[axis2];
   const x = column ? columns[column] : less(columns.tau, columns.residual);
   const found2 = [];
@@ -1030,25 +1636,25 @@ function brushable(plot) {
   plot.element.addEventListener("keydown", (event) => byKeys(plot, event));
 }
 function byPointer(plot) {
-  const { element } = plot;
+  const { element: element2 } = plot;
   let start = null;
   const spot = (event) => {
-    const edge = element.getBoundingClientRect();
+    const edge = element2.getBoundingClientRect();
     const wide = edge.width - MARGIN.left - MARGIN.right;
     const high = edge.height - MARGIN.top - MARGIN.bottom;
     const [x, y] = [event.clientX - edge.left - MARGIN.left, event.clientY - edge.top - MARGIN.top];
     return { x: clamped(x / wide), y: clamped(y / high), wide, high };
   };
-  element.addEventListener("pointerdown", (event) => {
+  element2.addEventListener("pointerdown", (event) => {
     if (event.button !== 0 || !plot.contents) return;
-    element.setPointerCapture(event.pointerId);
+    element2.setPointerCapture(event.pointerId);
     plot.sorted();
     const { x, y } = spot(event);
     const box = plot.region && plot.boxInside(plot.region);
     const inside = box && x > box.left && x < box.left + box.width && y > box.top && y < box.top + box.height;
     start = { x, y, moved: inside ? plot.region : null };
   });
-  element.addEventListener("pointermove", (event) => {
+  element2.addEventListener("pointermove", (event) => {
     if (!start) return;
     const { x, y, wide, high } = spot(event);
     if (start.moved) {
@@ -1057,12 +1663,12 @@ function byPointer(plot) {
       plot.brushed(plot, between(plot, start, { x, y }));
     }
   });
-  element.addEventListener("pointerup", (event) => {
+  element2.addEventListener("pointerup", (event) => {
     const { x, y, wide, high } = spot(event);
     if (start && Math.hypot((x - start.x) * wide, (y - start.y) * high) < SMALLEST) plot.brushed(plot, null);
     start = null;
   });
-  element.addEventListener("pointercancel", () => start = null);
+  element2.addEventListener("pointercancel", () => start = null);
 }
 function byKeys(plot, event) {
   const step = 0.02;
@@ -1099,6 +1705,53 @@ function shifted(plot, region, right, down) {
   const { x, y } = plot.frame;
   const [across, up] = [right * (x[1] - x[0]), -down * (y[1] - y[0])];
   return { x: [region.x[0] + across, region.x[1] + across], y: [region.y[0] + up, region.y[1] + up] };
+}
+
+// src/cursor.js
+var NEAR = 14;
+var PARTS = 200;
+function pointing(plots, times2, told) {
+  let now = null;
+  const go = (at) => {
+    if (at === now) return;
+    now = at;
+    for (const plot of plots) plot.mark(at);
+    told(at);
+  };
+  for (const plot of plots) {
+    plot.element.addEventListener("pointermove", (event) => {
+      if (event.buttons !== 0) return;
+      const edge = plot.element.getBoundingClientRect();
+      const at = nearest(plot, event.clientX - edge.left - MARGIN.left, event.clientY - edge.top - MARGIN.top);
+      if (at !== null) go(at);
+    });
+    plot.element.addEventListener("keydown", (event) => {
+      const t = times2();
+      if (!t || event.key !== "," && event.key !== ".") return;
+      const step = Math.max(1, Math.round(t.length / PARTS)) * (event.key === "." ? 1 : -1);
+      go(Math.min(t.length - 1, Math.max(0, (now ?? 0) + step)));
+    });
+  }
+  return { none: () => go(null) };
+}
+function nearest(plot, x, y) {
+  const pixels = plot.placed[plot.contents?.picked ?? 0];
+  if (!pixels || pixels.length === 0) return null;
+  const { width, height } = plot.frame;
+  const [column, row, reach2] = [x, y, NEAR].map((length) => Math.round(length * plot.scale));
+  const rect = {
+    ...{ left: Math.max(0, column - reach2), right: Math.min(width - 1, column + reach2) },
+    ...{ top: Math.max(0, row - reach2), bottom: Math.min(height - 1, row + reach2) }
+  };
+  if (rect.left > rect.right || rect.top > rect.bottom) return null;
+  let best = null;
+  let least = Infinity;
+  for (const at of plot.sorted().inside(rect)) {
+    const above = pixels[at] / width | 0;
+    const away = (above - row) ** 2 + (pixels[at] - above * width - column) ** 2;
+    if (away < least) [best, least] = [at, away];
+  }
+  return best;
 }
 
 // src/pick.js
@@ -1245,10 +1898,12 @@ var Plot = class {
     this.light = make("canvas", { class: "points light" });
     this.axes = make("canvas", { class: "axes" });
     this.box = make("div", { class: "brush", hidden: true });
+    this.dot = make("div", { class: "moment", hidden: true });
+    this.marked = null;
     this.element = make(
       "div",
       { class: "plot", tabindex: 0, role: "img", "aria-label": name },
-      ...[this.base, this.light, this.axes, this.box]
+      ...[this.base, this.light, this.axes, this.box, this.dot]
     );
     this.contents = null;
     this.frame = { width: 0, height: 0, x: [0, 1], y: [0, 1], dot: 2 };
@@ -1295,6 +1950,7 @@ var Plot = class {
     this.drawBase(series);
     this.drawFrame(width, height);
     this.drawBox();
+    this.mark(this.marked);
   }
   /** @param {Series[]} series */
   drawBase(series) {
@@ -1312,11 +1968,12 @@ var Plot = class {
     this.axes.height = Math.round(height * this.scale);
     const brush = this.axes.getContext("2d");
     if (!brush || !this.contents) return;
-    const { title, xAxis, yAxis, noise, bins } = this.contents;
-    const [ink, soft, line, band2] = ["--ink", "--soft", "--grid", "--band"].map((name) => this.colour(name));
-    const colours = { ink, soft, line, band: band2 };
+    const { title, xAxis, yAxis, noise, bins, spectrum } = this.contents;
+    const names = ["--ink", "--soft", "--grid", "--band", "--wrong"];
+    const [ink, soft, line2, band2, wrong] = names.map((name) => this.colour(name));
+    const colours = { ink, soft, line: line2, band: band2, wrong };
     brush.scale(this.scale, this.scale);
-    drawAxes(brush, { width, height }, { x: xAxis, y: yAxis, title, colours, noise, bins });
+    drawAxes(brush, { width, height }, { x: xAxis, y: yAxis, title, colours, noise, bins, spectrum });
   }
   /**
    * Draw the second layer.
@@ -1324,7 +1981,7 @@ var Plot = class {
    * @param {{y: Float32Array, colour: string} | null} above a cloud over the others: what an effect would explain
    */
   drawLight(chosen, above) {
-    if (!this.contents || this.placed.length === 0) return;
+    if (!this.contents || this.frame.width === 0) return;
     this.element.classList.toggle("dimmed", chosen !== null);
     const image = new ImageData(this.frame.width, this.frame.height);
     const pixels = new Uint32Array(image.data.buffer);
@@ -1370,6 +2027,17 @@ var Plot = class {
     const [left, right] = region.x.map((value) => (value - x[0]) / (x[1] - x[0]));
     const [bottom, top] = region.y.map((value) => (y[1] - value) / (y[1] - y[0]));
     return { left, top, width: right - left, height: bottom - top };
+  }
+  /** Mark where a sample is; nowhere, if it is not drawn. @param {number | null} at */
+  mark(at) {
+    this.marked = at;
+    const pixel = at === null ? -1 : this.placed[this.contents?.picked ?? 0]?.[at] ?? -1;
+    this.dot.hidden = pixel < 0;
+    if (pixel < 0) return;
+    const { width, dot: dot2 } = this.frame;
+    const row = pixel / width | 0;
+    const [x, y] = [pixel - row * width, row].map((one) => (one + dot2 / 2) / this.scale);
+    this.dot.style.transform = `translate(${MARGIN.left + x}px, ${MARGIN.top + y}px)`;
   }
   /** @param {Region | null} region */
   setRegion(region) {
@@ -1417,13 +2085,13 @@ var WHEEL = 15e-4;
 var LINE = 16;
 var KEY = 1.5;
 function zoomable(plot, deeds) {
-  const { element } = plot;
-  element.addEventListener(
+  const { element: element2 } = plot;
+  element2.addEventListener(
     "wheel",
     (event) => {
       if (!plot.contents || event.ctrlKey) return;
       event.preventDefault();
-      const edge = element.getBoundingClientRect();
+      const edge = element2.getBoundingClientRect();
       const wide = edge.width - MARGIN.left - MARGIN.right;
       const at = Math.min(1, Math.max(0, (event.clientX - edge.left - MARGIN.left) / wide));
       const unit = event.deltaMode === WheelEvent.DOM_DELTA_PIXEL ? 1 : LINE;
@@ -1433,8 +2101,8 @@ function zoomable(plot, deeds) {
     },
     { passive: false }
   );
-  element.addEventListener("dblclick", () => deeds.whole(plot));
-  element.addEventListener("keydown", (event) => {
+  element2.addEventListener("dblclick", () => deeds.whole(plot));
+  element2.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.altKey || event.metaKey) return;
     if (event.key === "+" || event.key === "=") deeds.zoom(plot, 0.5, 1 / KEY);
     else if (event.key === "-") deeds.zoom(plot, 0.5, KEY);
@@ -1464,9 +2132,11 @@ var Linked = class {
   /**
    * @param {(words: string | null) => void} told about the chosen samples; null when none are
    * @param {(axes: Along[]) => void} picked what the rows shall be drawn over; they are once they are shown
-   * @param {{fetched?: boolean}} [columns] `fetched`: there is a column for every axis, as soon as it is asked for
+   * @param {{fetched?: boolean, pointed?: (data: Data | null, at: number | null) => void}} [more] `fetched`: there is a
+   * column for every axis, as soon as it is asked for; `pointed`: told which sample is pointed at
    */
-  constructor(told, picked, { fetched = false } = {}) {
+  constructor(told, picked, { fetched = false, pointed = () => {
+  } } = {}) {
     this.told = told;
     this.fetched = fetched;
     const brushed = (plot, region) => this.brush(plot, region);
@@ -1477,10 +2147,10 @@ var Linked = class {
     this.rows = USUAL.map((_, at) => [this.torques[at], this.residuals[at], this.besides[at]]);
     this.plots = this.rows.flat();
     this.pickers = USUAL.map((_, at) => picker(at, (along) => picked(this.axes.with(at, along))));
-    this.element = make("div", { class: "linked" }, ...this.plots.map(({ element }) => element), ...this.pickers);
-    for (const [at, { element }] of this.plots.entries()) {
-      element.classList.toggle("beside", at % 3 === 2);
-      element.style.gridArea = `${Math.floor(at / 3) + 1} / ${at % 3 + 1}`;
+    this.element = make("div", { class: "linked" }, ...this.plots.map(({ element: element2 }) => element2), ...this.pickers);
+    for (const [at, { element: element2 }] of this.plots.entries()) {
+      element2.classList.toggle("beside", at % 3 === 2);
+      put(element2, Math.floor(at / 3) + 1, at % 3 + 1);
     }
     const deeds = {
       zoom: (plot, at, factor) => this.look(plot, (seen, whole) => zoomed(seen, whole, at, factor)),
@@ -1491,6 +2161,7 @@ var Linked = class {
       brushable(plot);
       zoomable(plot, deeds);
     }
+    this.moment = pointing(this.plots, () => this.data?.columns.t ?? null, (at) => pointed(this.data, at));
     this.data = null;
     this.shown = [];
     this.axes = USUAL;
@@ -1513,6 +2184,7 @@ var Linked = class {
     const { columns } = data;
     if (this.data && this.data.columns.t.length !== columns.t.length) {
       this.clear();
+      this.moment.none();
       this.seen.fill(null);
       this.heights.clear();
       this.widest = 0;
@@ -1521,11 +2193,11 @@ var Linked = class {
     this.data = data;
     this.signature = null;
     this.squares = squaresOf(columns.residual);
-    const reach = reachOf(data);
-    if (data.fitted) this.widest = Math.max(this.widest, reach);
+    const reach2 = reachOf(data);
+    if (data.fitted) this.widest = Math.max(this.widest, reach2);
     this.element.classList.toggle("both", Boolean(data.beside));
     if (!data.beside) for (const plot of this.besides) plot.setRegion(null);
-    this.shown = rowsOf(data, view, view.held ? Math.max(this.widest, reach) : reach);
+    this.shown = rowsOf(data, view, view.held ? Math.max(this.widest, reach2) : reach2);
     for (const at of this.rows.keys()) this.drawRow(at);
     this.tell();
     this.drawLight();
@@ -1541,9 +2213,12 @@ var Linked = class {
       /** @type {Along[]} */
       Object.keys(AXES)
     );
-    const offered = all.filter((one) => this.fetched || (AXES[one].column ?? "tau") in data.columns);
+    const there = (one) => one !== "frequency" && (AXES[one].column ?? "tau") in data.columns;
+    const offered = all.filter((one) => this.fetched || there(one));
     for (const [at, along] of axes.entries()) {
       showPicked(this.pickers[at], offered, { along, data });
+      for (const element2 of [this.residuals[at].element, this.pickers[at]]) element2.classList.toggle("wide", along === "frequency");
+      for (const kind of [0, 2]) this.rows[at][kind].element.toggleAttribute("hidden", along === "frequency");
       for (const [kind, plot] of this.rows[at].entries()) {
         plot.element.setAttribute("aria-label", kinds[kind].replace("%", AXES[along].words));
         if (along === this.axes[at]) continue;
@@ -1558,17 +2233,20 @@ var Linked = class {
    * Choose what lies where a verdict says that the model fails, and mark it on the residuals over that axis.
    * @param {import("./types.js").Place} place
    */
-  mark(place3) {
-    const at = this.axes.indexOf(place3.axis);
+  mark(place4) {
+    const at = this.axes.indexOf(place4.axis);
     if (!this.data || at < 0) return;
-    this.choose(samplesIn(this.data, place3));
-    const { low, high } = this.shown[at].residual.yAxis;
-    this.residuals[at].setRegion({ x: [place3.low, place3.high], y: [low, high] });
+    this.choose(samplesIn(this.data, place4));
+    const { xAxis, yAxis } = this.shown[at].residual;
+    const x = [place4.low, place4.high].map((value) => xAxis.log ? Math.max(xAxis.low, Math.log10(value)) : value);
+    this.residuals[at].setRegion({ x: [x[0], x[1]], y: [yAxis.low, yAxis.high] });
   }
   /** @param {number} at which row */
   drawRow(at) {
     const row = this.shown[at];
-    const bins = this.data?.splits?.find(({ axis: axis2 }) => axis2 === this.axes[at]) ?? null;
+    const along = this.data?.splits?.find(({ axis: axis2 }) => axis2 === this.axes[at]) ?? null;
+    const own = this.axes[at] === "time" && this.data?.several;
+    const bins = row.residual.spectrum === void 0 && !own ? along : null;
     for (const [column, contents] of [row.torque, { ...row.residual, bins }, row.beside].entries()) {
       const plot = this.rows[at][column];
       const [xAxis, yAxis] = [within2(contents?.xAxis, this.seen[at]), within2(contents?.yAxis, this.heights.get(plot))];
@@ -1582,6 +2260,7 @@ var Linked = class {
   lay(splits) {
     if (!this.data) return;
     this.data = { ...this.data, splits };
+    for (const row of this.shown) if (!row.torque) row.residual = alongFrequency(this.data);
     for (const at of this.rows.keys()) this.drawRow(at);
     this.drawLight();
   }
@@ -1598,7 +2277,7 @@ var Linked = class {
   look(plot, change) {
     const at = this.rows.findIndex((row) => row.includes(plot));
     if (!this.shown[at]) return;
-    const { low, high } = this.shown[at].torque.xAxis;
+    const { low, high } = this.shown[at].residual.xAxis;
     this.seen[at] = change(this.seen[at] ?? [low, high], [low, high]);
     if (!this.seen[at]) for (const other of this.rows[at]) this.heights.delete(other);
     this.later("zoom", () => {
@@ -1721,8 +2400,12 @@ function picker(at, picked) {
       choice.value
     ) }
   });
-  choice.style.gridArea = `${at + 1} / 1`;
+  put(choice, at + 1, 1);
   return choice;
+}
+function put(element2, row, column) {
+  element2.style.setProperty("--row", String(row));
+  element2.style.setProperty("--column", String(column));
 }
 function showPicked(choice, offered, { along, data }) {
   const texts = offered.map((one) => labelOf(one, data));
@@ -1749,20 +2432,20 @@ function chosenSquares(residual, chosen) {
 }
 
 // src/store.js
-var MOTION = /* @__PURE__ */ new Set(["t", "theta", "omega", "alpha", "tau", "history"]);
+var MOTION = /* @__PURE__ */ new Set(["t", "theta", "omega", "alpha", "tau", "history", "masked"]);
 var NODES_KEPT = 32;
 function decode(buffer) {
   return unpacked(buffer).columns;
 }
 function unpacked(buffer) {
   const end = new Uint8Array(buffer).indexOf(10);
-  const head = JSON.parse(new TextDecoder().decode(buffer.slice(0, end)));
+  const head2 = JSON.parse(new TextDecoder().decode(buffer.slice(0, end)));
   const start = Math.ceil((end + 1) / 4) * 4;
-  const columns = head.names.map((name, at) => [
+  const columns = head2.names.map((name, at) => [
     name,
-    new Float32Array(buffer, start + 4 * at * head.n, head.n)
+    new Float32Array(buffer, start + 4 * at * head2.n, head2.n)
   ]);
-  return { head, columns: Object.fromEntries(columns) };
+  return { head: head2, columns: Object.fromEntries(columns) };
 }
 var Store = class {
   constructor() {
@@ -1882,7 +2565,7 @@ var Live = class {
     this.heard = heard;
     this.plots = PLOTS.map(({ name }) => new Plot(`${name}, as it is recorded`, () => {
     }));
-    byId("live-plots").append(...this.plots.map(({ element }) => element));
+    byId("live-plots").append(...this.plots.map(({ element: element2 }) => element2));
     this.columns = {};
     this.told = null;
     this.waiting = false;
@@ -1914,13 +2597,13 @@ var Live = class {
         try {
           await this.look();
           silent = 0;
-        } catch (reason) {
-          if (reason instanceof Refusal || ++silent > PATIENCE) throw reason;
+        } catch (reason2) {
+          if (reason2 instanceof Refusal || ++silent > PATIENCE) throw reason2;
         }
       } while (!this.told?.ended && await pause());
       this.ended();
-    } catch (reason) {
-      byId("live-said").textContent = wordsOf(reason);
+    } catch (reason2) {
+      byId("live-said").textContent = wordsOf(reason2);
       this.offer(["live-close"]);
     } finally {
       this.following = false;
@@ -1938,8 +2621,8 @@ var Live = class {
   /** Fetch what came since the last time, and show it in the next frame. */
   async look() {
     const since = String(this.columns.t?.length ?? 0);
-    const { head, columns } = unpacked(await fetchBytes("/api/live", { since }));
-    this.told = head.live ?? null;
+    const { head: head2, columns } = unpacked(await fetchBytes("/api/live", { since }));
+    this.told = head2.live ?? null;
     for (const [name, more] of Object.entries(columns)) this.columns[name] = appended(this.columns[name], more);
     if (this.waiting) return;
     this.waiting = true;
@@ -1956,8 +2639,8 @@ var Live = class {
     this.phase(keep ? "stopping" : "disarming");
     try {
       await post("stop", { keep });
-    } catch (reason) {
-      this.heard.failed(reason);
+    } catch (reason2) {
+      this.heard.failed(reason2);
     }
   }
   /** Say what is being done. @param {string} what */
@@ -1989,12 +2672,12 @@ var Live = class {
     if (!this.told) return;
     const { what, log, every, done, elapsed_s, total_s, received = 0, missing = 0, rate_hz } = this.told;
     if (byId("live-what").textContent === "") this.phase(what);
-    const bar = (
+    const bar2 = (
       /** @type {HTMLProgressElement} */
       byId("live-done")
     );
-    if (done === null) bar.removeAttribute("value");
-    else bar.value = done;
+    if (done === null) bar2.removeAttribute("value");
+    else bar2.value = done;
     byId("live-time").textContent = `${seconds(elapsed_s)} of ${seconds(total_s)}`;
     const { peak_torque: peak, torque_limit: limit = 0, temperature, clipped = {} } = this.told;
     const scale = torqueScale("N m", peak ?? 0);
@@ -2046,6 +2729,93 @@ function seconds(value) {
 }
 function pause() {
   return new Promise((resolve) => setTimeout(() => resolve(true), PAUSE_MS));
+}
+
+// src/moment.js
+var SIZE3 = 62;
+var TURNED = 2.2;
+function showMoment(data, at) {
+  byId("moment").classList.toggle("empty", at === null);
+  const canvas = (
+    /** @type {HTMLCanvasElement} */
+    byId("moment-knob")
+  );
+  const scale = globalThis.devicePixelRatio || 1;
+  canvas.width = canvas.height = Math.round(SIZE3 * scale);
+  const brush = canvas.getContext("2d");
+  if (!data || at === null || !brush) {
+    byId("moment-words").textContent = "Point at a sample: what is measured and modelled then.";
+    return;
+  }
+  const { t, theta, omega, tau, residual } = data.columns;
+  const linear = data.coordinate === "linear";
+  const [angle, rate] = linear ? ["m", "m/s"] : ["rad", "rad/s"];
+  const counts = residual[at] === residual[at];
+  const modelled = tau[at] - residual[at];
+  let largest3 = 0;
+  for (let i = 0; i < tau.length; i++) if (Math.abs(tau[i]) > largest3) largest3 = Math.abs(tau[i]);
+  const { factor, unit } = torqueScale(data.unit, largest3);
+  const shown = (value) => number(value * factor);
+  byId("moment-words").textContent = `${number(t[at], 4)} s, ${number(theta[at])} ${angle}, ${number(omega[at])} ${rate}; ${torqueWord(data.unit)} ` + (counts ? `${shown(tau[at])} measured, ${shown(modelled)} modelled, ${shown(residual[at])} ${unit} left` : `masked: it does not count`);
+  brush.scale(scale, scale);
+  brush.lineWidth = 2.5;
+  const colours = ["--measured", "--modelled"].map((name) => styleValue(name, canvas));
+  const [ink, paper] = ["--ink", "--shade"].map((name) => styleValue(name, canvas));
+  const torques = [tau[at], modelled].map((value) => counts ? value / (largest3 || 1) : 0);
+  if (linear) slide(brush, place2(theta, at), torques, { ink, paper, colours });
+  else knob(brush, theta[at], torques, { ink, paper, colours });
+}
+function place2(values, at) {
+  let [low, high] = [Infinity, -Infinity];
+  for (let i = 0; i < values.length; i++) {
+    if (values[i] < low) low = values[i];
+    if (values[i] > high) high = values[i];
+  }
+  return high > low ? (values[at] - low) / (high - low) : 0.5;
+}
+function knob(brush, theta, torques, { ink, paper, colours }) {
+  const middle = SIZE3 / 2;
+  brush.fillStyle = paper;
+  brush.strokeStyle = ink;
+  brush.beginPath();
+  brush.arc(middle, middle, 15, 0, 2 * Math.PI);
+  brush.fill();
+  brush.stroke();
+  brush.beginPath();
+  brush.moveTo(middle, middle);
+  brush.lineTo(middle + 15 * Math.cos(theta), middle - 15 * Math.sin(theta));
+  brush.stroke();
+  for (const [n, torque] of torques.entries()) {
+    const [radius, from, to] = [21 + 6 * n, Math.PI / 2, Math.PI / 2 + TURNED * torque];
+    brush.strokeStyle = brush.fillStyle = colours[n];
+    brush.beginPath();
+    brush.arc(middle, middle, radius, -from, -to, torque > 0);
+    brush.stroke();
+    head(brush, [middle + radius * Math.cos(to), middle - radius * Math.sin(to)], -to - Math.PI / 2 * Math.sign(torque));
+  }
+}
+function slide(brush, share, torques, { ink, paper, colours }) {
+  brush.strokeStyle = ink;
+  brush.fillStyle = paper;
+  brush.strokeRect(4, 44, SIZE3 - 8, 4);
+  brush.fillRect(6 + share * (SIZE3 - 28), 32, 16, 12);
+  brush.strokeRect(6 + share * (SIZE3 - 28), 32, 16, 12);
+  for (const [n, torque] of torques.entries()) {
+    const [from, to, up] = [SIZE3 / 2, SIZE3 / 2 + 24 * torque, 10 + 11 * n];
+    brush.strokeStyle = brush.fillStyle = colours[n];
+    brush.beginPath();
+    brush.moveTo(from, up);
+    brush.lineTo(to, up);
+    brush.stroke();
+    head(brush, [to, up], torque < 0 ? Math.PI : 0);
+  }
+}
+function head(brush, [x, y], way) {
+  brush.beginPath();
+  for (const [ahead, aside] of [[5, 0], [-2, 4], [-2, -4]]) {
+    brush.lineTo(x + ahead * Math.cos(way) - aside * Math.sin(way), y + ahead * Math.sin(way) + aside * Math.cos(way));
+  }
+  brush.fill();
 }
 
 // src/lead.js
@@ -2223,13 +2993,13 @@ var Metronome = class {
     const [low, high] = range(motion.theta);
     const air = 24;
     const across = (theta) => high > low ? air + (theta - low) / (high - low) * (width - 2 * air) : width / 2;
-    const line = height - 42;
-    const up = (t) => line - (t - now) / AHEAD * (line - 10);
+    const line2 = height - 42;
+    const up = (t) => line2 - (t - now) / AHEAD * (line2 - 10);
     const colour = (name) => styleValue(name, this.canvas);
     brush.strokeStyle = colour("--line");
     brush.lineWidth = 1;
-    for (const end of [low, high]) stroke2(brush, [[across(end), 6], [across(end), line + 12]]);
-    stroke2(brush, [[6, line], [width - 6, line]]);
+    for (const end of [low, high]) stroke2(brush, [[across(end), 6], [across(end), line2 + 12]]);
+    stroke2(brush, [[6, line2], [width - 6, line2]]);
     brush.fillStyle = colour("--soft");
     brush.font = "13px system-ui, 'DejaVu Sans', sans-serif";
     brush.textAlign = "center";
@@ -2244,9 +3014,9 @@ var Metronome = class {
       if (beat.at < now || beat.at > now + AHEAD) continue;
       dot(brush, across(beat.theta), up(beat.at), beat.turn ? 5 : 3, colour(beat.turn ? "--chosen" : "--soft"));
     }
-    dot(brush, across(angleAt(motion, now)), line, 11, colour("--modelled"));
+    dot(brush, across(angleAt(motion, now)), line2, 11, colour("--modelled"));
     const where = this.where();
-    if (where !== null) dot(brush, Math.min(width, Math.max(0, across(where))), line, 6, colour("--wrong"));
+    if (where !== null) dot(brush, Math.min(width, Math.max(0, across(where))), line2, 6, colour("--wrong"));
   }
   /** What to do, and how long it still takes. @param {number} now */
   tell(now) {
@@ -2287,7 +3057,7 @@ var Next = class {
       (name) => new Plot(`${name} of the next experiment`, () => {
       })
     );
-    byId("next-plots").append(...this.plots.map(({ element }) => element));
+    byId("next-plots").append(...this.plots.map(({ element: element2 }) => element2));
     this.state = null;
     this.motion = null;
     this.drawn = "";
@@ -2387,7 +3157,7 @@ var Next = class {
     byId("next-record").title = source ? `from ${source}` : "";
     byId("next-source").textContent = source ? `from ${source}` : "";
     byId("next-keys").replaceChildren(...experiment.rivals.map(key));
-    byId("next-pairs").replaceChildren(...pairs.flatMap((pair) => bars(pair, experiment.told, largest(pairs))));
+    byId("next-pairs").replaceChildren(...pairs.flatMap((pair) => bars(pair, experiment.told, largest2(pairs))));
     byId("next-can").textContent = by_hand ? "A hand can do it, led by a metronome:" : "No hand can do all of it; what a hand would have to do:";
     byId("next-steps").replaceChildren(
       ...steps.map(
@@ -2453,9 +3223,9 @@ var Next = class {
     this.enable(false);
     try {
       await post("try", { experiment: this.told.id, ...how });
-    } catch (reason) {
-      if ("port" in how) throw reason;
-      this.deeds.failed(reason);
+    } catch (reason2) {
+      if ("port" in how) throw reason2;
+      this.deeds.failed(reason2);
       return false;
     } finally {
       this.enable(true);
@@ -2470,16 +3240,16 @@ var Next = class {
     byId("rig-said").textContent = "";
     byId("rig-fault").hidden = true;
     byId("rig-warning").hidden = by_hand;
-    rig().showModal();
     try {
       const known = await ask("sources");
       byId("rig-ports").replaceChildren(...known.ports.map(({ port: port2, words: words3 }) => make("option", { value: port2, text: words3 })));
       const [port, folder] = ["port", "folder"].map((name) => field("rig-form", name));
       if (!port.value && known.ports.length === 1) port.value = known.ports[0].port;
       if (!folder.value) folder.value = known.folder;
-    } catch (reason) {
-      byId("rig-said").textContent = wordsOf(reason);
+    } catch (reason2) {
+      byId("rig-said").textContent = wordsOf(reason2);
     }
+    rig().showModal();
   }
   /** @param {Record<string, unknown>} more */
   async fromPort(more) {
@@ -2490,10 +3260,10 @@ var Next = class {
       await this.attempt({ port: port || " ", folder, by_hand: this.by_hand, ...more });
       rig().close();
       if (this.by_hand) this.metronome.begin();
-    } catch (reason) {
-      const fault = reason instanceof Refusal ? reason.fault : null;
+    } catch (reason2) {
+      const fault = reason2 instanceof Refusal ? reason2.fault : null;
       this.fault = fault?.code ?? null;
-      byId("rig-said").textContent = fault?.told ?? wordsOf(reason);
+      byId("rig-said").textContent = fault?.told ?? wordsOf(reason2);
       byId("rig-fault").hidden = fault === null;
     }
   }
@@ -2514,15 +3284,15 @@ var Next = class {
     if (!this.told) return;
     try {
       const content = await fetchBytes("/api/motion-file", { experiment: this.told.id });
-      const place3 = URL.createObjectURL(new Blob([content]));
-      make("a", { href: place3, download: "motion.toml" }).click();
-      setTimeout(() => URL.revokeObjectURL(place3), 1e4);
-    } catch (reason) {
-      this.deeds.failed(reason);
+      const place4 = URL.createObjectURL(new Blob([content]));
+      make("a", { href: place4, download: "motion.toml" }).click();
+      setTimeout(() => URL.revokeObjectURL(place4), 1e4);
+    } catch (reason2) {
+      this.deeds.failed(reason2);
     }
   }
 };
-function showUntold(place3, { untold }, apart) {
+function showUntold(place4, { untold }, apart) {
   const rows = untold.map(
     (effects) => make(
       "li",
@@ -2531,7 +3301,7 @@ function showUntold(place3, { untold }, apart) {
       make("button", { type: "button", text: "Tell apart…", on: { click: () => apart(effects) } })
     )
   );
-  place3.replaceChildren(...rows);
+  place4.replaceChildren(...rows);
 }
 function rig() {
   return (
@@ -2576,21 +3346,21 @@ function key(name, at) {
   mark.style.background = `var(${COLOURS[at % COLOURS.length]})`;
   return make("span", { class: "key" }, mark, name);
 }
-function largest(pairs) {
+function largest2(pairs) {
   return Math.max(100, ...pairs.flatMap(({ d, standard_d, came }) => [d, standard_d, came ?? 0]));
 }
 function bars({ names, d, standard_d, wrong_choice, came }, told, most) {
   const share = (value) => `${100 * Math.log(Math.max(value, LEAST_D) / LEAST_D) / Math.log(most / LEAST_D)}%`;
   const row = (words3, value, name) => {
-    const bar = make("span", { class: `bar ${name}` });
-    const line = make("span", { class: "told" });
-    bar.style.width = share(value);
-    line.style.left = share(told);
+    const bar2 = make("span", { class: `bar ${name}` });
+    const line2 = make("span", { class: "told" });
+    bar2.style.width = share(value);
+    line2.style.left = share(told);
     return make(
       "div",
       { class: "evidence-line" },
       make("span", { class: "label", text: words3 }),
-      make("span", { class: "track" }, bar, line),
+      make("span", { class: "track" }, bar2, line2),
       make("span", { class: "figure", text: number(value) })
     );
   };
@@ -2610,14 +3380,15 @@ var Params = class {
    * @param {HTMLElement} place
    * @param {{drag: (values: Record<string, number>) => void, drop: (effect: string) => void}} deeds
    */
-  constructor(place3, deeds) {
-    this.place = place3;
+  constructor(place4, deeds) {
+    this.place = place4;
     this.deeds = deeds;
     this.rows = /* @__PURE__ */ new Map();
     this.shape = "";
   }
-  /** @param {Param[]} params */
-  show(params) {
+  /** @param {Param[]} params @param {import("./types.js").Together[]} together */
+  show(params, together) {
+    showTogether(together);
     const shape = JSON.stringify(params.map(({ name, fitted, lower, upper }) => [name, fitted, lower, upper]));
     if (shape !== this.shape) this.build(params);
     this.shape = shape;
@@ -2628,7 +3399,7 @@ var Params = class {
       row.error.hidden = param.dragged;
       row.slider.setAttribute("aria-valuetext", `${number(param.value, 4)} ${param.unit}`);
       row.value.classList.toggle("moved", param.dragged);
-      if (document.activeElement !== row.slider) row.slider.value = String(place2(param.value, row));
+      if (document.activeElement !== row.slider) row.slider.value = String(place3(param.value, row));
     }
   }
   /** @param {Param[]} params */
@@ -2638,7 +3409,7 @@ var Params = class {
     const groups = Map.groupBy(params, ({ name }) => name.split(".")[0]);
     const lines = [...groups].flatMap(([effect, own]) => [
       this.heading(effect, groups.size > 1),
-      ...own.map((param) => this.line(param))
+      ...own.flatMap((param) => [this.line(param), reason(param)])
     ]);
     const widths = make("colgroup", {}, ...["name", "slide", "value", "unit"].map((name) => make("col", { class: name })));
     this.place.replaceChildren(make("table", { class: "params" }, widths, make("tbody", {}, ...lines)));
@@ -2657,7 +3428,7 @@ var Params = class {
   line(param) {
     const { low, high } = span2(param);
     const slider = make("input", {
-      ...{ type: "range", min: 0, max: STEPS, step: 1, value: place2(param.value, { low, high }) },
+      ...{ type: "range", min: 0, max: STEPS, step: 1, value: place3(param.value, { low, high }) },
       ...{ "aria-label": param.name, "data-param": param.name, disabled: param.role === "fixed" },
       on: { input: () => this.drag(param.name) }
     });
@@ -2665,7 +3436,7 @@ var Params = class {
     const error = make("span", { class: "error soft figure", text: plusMinus(param) });
     this.rows.set(param.name, { slider, value, error, low, high });
     const between3 = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
-    const doubt = param.doubt ? make("span", { class: "doubt", text: " ⚠", "aria-label": param.doubt }) : null;
+    const doubt = param.doubt ? make("span", { class: "doubt", text: " ⚠", "aria-hidden": "true" }) : null;
     const about2 = [param.name, param.meaning, param.doubt].filter(Boolean).join(": ");
     return make(
       "tr",
@@ -2686,10 +3457,21 @@ var Params = class {
     this.deeds.drag({ [name]: value });
   }
 };
+function reason({ doubt }) {
+  if (!doubt) return "";
+  return make("tr", {}, make("td", { class: "reason doubt", colspan: 4, text: doubt }));
+}
+function showTogether(together) {
+  byId("together").hidden = together.length === 0;
+  const rows = together.map(
+    ({ names, correlation }) => make("tr", {}, make("th", { scope: "row", text: names.join(" and ") }), make("td", { class: "figure", text: number(correlation, 3) }))
+  );
+  byId("together-rows").replaceChildren(...rows);
+}
 function span2({ fitted, ci95, lower, upper }) {
   const half = ci95 ? 2 * Math.abs(ci95[1] - ci95[0]) : 0;
-  const reach = Math.max(Math.abs(fitted), half, 1e-9);
-  return { low: Math.max(fitted - reach, lower ?? -Infinity), high: Math.min(fitted + reach, upper ?? Infinity) };
+  const reach2 = Math.max(Math.abs(fitted), half, 1e-9);
+  return { low: Math.max(fitted - reach2, lower ?? -Infinity), high: Math.min(fitted + reach2, upper ?? Infinity) };
 }
 function plusMinus({ ci95, role }) {
   if (!ci95) return role === "fixed" ? "fixed" : "± ?";
@@ -2698,12 +3480,12 @@ function plusMinus({ ci95, role }) {
 function interval(ci95, { low, high }) {
   if (!ci95 || !(high > low)) return null;
   const [from, to] = ci95.map((end) => Math.min(1, Math.max(0, (end - low) / (high - low))));
-  const bar = make("span", { class: "interval" });
-  bar.style.left = `calc(var(--thumb) / 2 + ${from} * (100% - var(--thumb)))`;
-  bar.style.width = `calc(${to - from} * (100% - var(--thumb)))`;
-  return bar;
+  const bar2 = make("span", { class: "interval" });
+  bar2.style.left = `calc(var(--thumb) / 2 + ${from} * (100% - var(--thumb)))`;
+  bar2.style.width = `calc(${to - from} * (100% - var(--thumb)))`;
+  return bar2;
 }
-function place2(value, { low, high }) {
+function place3(value, { low, high }) {
   return high > low ? Math.round(STEPS * (value - low) / (high - low)) : 0;
 }
 
@@ -2746,18 +3528,19 @@ function sources(heard) {
     try {
       known = /** @type {Sources} */
       await ask("sources");
-    } catch (reason) {
-      told.textContent = wordsOf(reason);
+    } catch (reason2) {
+      told.textContent = wordsOf(reason2);
       return;
     }
     fill(form, "knob", known.knobs.map(({ name, words: words3 }) => [name, words3]), "knob3");
     const { hideable } = known.knobs[0];
-    const every = [.../* @__PURE__ */ new Set([...hideable, ...known.knobs.flatMap((knob) => knob.hideable)])];
+    const every = [.../* @__PURE__ */ new Set([...hideable, ...known.knobs.flatMap((knob2) => knob2.hideable)])];
     if (!byId("new-effects").querySelector("input")) byId("new-effects").append(...every.map(effectBox(known.effects)));
     byId("new-ports").replaceChildren(...known.ports.map(({ port: port2, words: words3 }) => make("option", { value: port2, text: words3 })));
     byId("new-found").textContent = found(known.ports);
     const port = field2(form, "port");
-    if (!port.value && known.ports.length === 1) port.value = known.ports[0].port;
+    const typing = document.activeElement === port;
+    if (!port.value && !typing && known.ports.length === 1) port.value = known.ports[0].port;
     if (!field2(form, "folder").value) field2(form, "folder").value = known.folder;
     const emulated = (
       /** @type {HTMLInputElement} */
@@ -2801,10 +3584,10 @@ function sources(heard) {
       wait(false);
       dialog2.close();
       (asked.source === "simulated" ? heard.made : heard.recording)();
-    } catch (reason) {
+    } catch (reason2) {
       wait(false);
-      fault = reason instanceof Refusal && reason.fault ? reason.fault.code : null;
-      told.textContent = reason instanceof Refusal && reason.fault ? reason.fault.told : wordsOf(reason);
+      fault = reason2 instanceof Refusal && reason2.fault ? reason2.fault.code : null;
+      told.textContent = reason2 instanceof Refusal && reason2.fault ? reason2.fault.told : wordsOf(reason2);
       byId("new-fault").hidden = fault === null;
     }
   };
@@ -2882,11 +3665,11 @@ function themed(changed) {
 }
 
 // src/verdict.js
-function showVerdict(element, { verdict_text: text, places }, go) {
+function showVerdict(element2, { verdict_text: text, places }, go) {
   const key2 = JSON.stringify([text, places]);
-  if (element.dataset.told === key2) return;
-  element.dataset.told = key2;
-  element.replaceChildren(
+  if (element2.dataset.told === key2) return;
+  element2.dataset.told = key2;
+  element2.replaceChildren(
     ...parted(text, places).map(
       (part) => typeof part === "string" ? part : make("button", { ...LEADS, text: part.words, on: { click: () => go(part) } })
     )
@@ -2922,7 +3705,7 @@ var App = class {
         this.looks.changed();
       },
       (axes) => this.see({ axes }),
-      { fetched: true }
+      { fetched: true, pointed: showMoment }
     );
     byId("plots").append(this.linked.element);
     this.refresh = latest((revision) => this.load(revision));
@@ -2937,7 +3720,7 @@ var App = class {
       look: (effect) => this.look(effect, "signature", { effect: effect ?? "" }),
       take: (effect) => this.ask("add", { effect }, "add"),
       ask: () => this.ask("diagnose"),
-      about,
+      about: (effect) => this.about(effect),
       apart: (effects) => this.next.design(effects)
     };
     this.candidates = new Candidates(byId("candidates"), deeds, "Add");
@@ -2947,7 +3730,7 @@ var App = class {
       take: (number2, name) => this.ask("accept", { number: number2, name }, "add"),
       add: async (formula) => await this.ask("formula", formula, "add") !== null
     });
-    this.any = new AnyEffect((effect) => this.ask("add", { effect }, "add"));
+    this.any = new AnyEffect((effect) => this.ask("add", { effect }, "add"), (effect) => this.about(effect));
     this.looking = new AbortController();
     this.looked = null;
     this.live = null;
@@ -2961,13 +3744,13 @@ var App = class {
       recording: () => this.live?.follow(),
       where: () => this.live?.angle ?? null,
       made: () => this.refresh(Infinity),
-      failed: (reason) => this.failed(reason)
+      failed: (reason2) => this.failed(reason2)
     });
   }
   start() {
     const heard = {
       done: () => this.refresh(Infinity),
-      failed: (reason) => this.failed(reason),
+      failed: (reason2) => this.failed(reason2),
       say: (words3) => this.say(words3)
     };
     opening(heard);
@@ -2983,7 +3766,13 @@ var App = class {
       this.next.draw();
     });
     this.buttons();
-    document.addEventListener("keydown", (event) => this.key(event));
+    showMoment(null, null);
+    keys({
+      stop: () => this.live?.following && this.live.stop(true),
+      // Escape is what a hand finds without looking
+      clear: () => this.linked.clear(),
+      closer: () => this.linked.lookCloser()
+    });
     listen({
       state: (revision) => this.refresh(revision),
       progress: (job) => job.recording ? this.showRecording(job) : this.showJob(job),
@@ -3024,13 +3813,13 @@ var App = class {
    * Go where a verdict says that the model fails: the axis comes into the first row where no row has it.
    * @param {import("./types.js").Place} place
    */
-  go(place3) {
+  go(place4) {
     const { axes } = this.view;
-    if (axes.includes(place3.axis)) {
-      this.linked.mark(place3);
+    if (axes.includes(place4.axis)) {
+      this.linked.mark(place4);
     } else {
-      this.place = place3;
-      this.see({ axes: [place3.axis, ...axes.slice(1)] });
+      this.place = place4;
+      this.see({ axes: [place4.axis, ...axes.slice(1)] });
     }
   }
   /**
@@ -3046,8 +3835,8 @@ var App = class {
       if (byId("said").classList.contains("wrong")) this.say("");
       if (answer.revision !== void 0) this.refresh(answer.revision);
       return answer;
-    } catch (reason) {
-      this.failed(reason);
+    } catch (reason2) {
+      this.failed(reason2);
       return null;
     }
   }
@@ -3061,8 +3850,8 @@ var App = class {
       const state = await fetchState();
       this.show(state);
       await this.draw(state);
-    } catch (reason) {
-      this.failed(reason);
+    } catch (reason2) {
+      this.failed(reason2);
     }
   }
   /** @param {State} state */
@@ -3071,7 +3860,7 @@ var App = class {
     if (!this.state?.node && state.node !== null && state.looked) this.lookAgain(state.looked);
     this.state = state;
     byId("welcome").toggleAttribute("hidden", state.node !== null);
-    showVerdict(byId("verdict"), state, (place3) => this.go(place3));
+    showVerdict(byId("verdict"), state, (place4) => this.go(place4));
     if (state.recording) this.live?.follow();
     showHidden(state);
     showLeft(state.left, {
@@ -3082,13 +3871,16 @@ var App = class {
         this.refresh(0);
       }
     });
-    showCaptures(byId("captures"), state, (captures) => this.ask("use", { captures }, "captures"));
+    showCaptures(byId("captures"), state, {
+      use: (captures) => this.ask("use", { captures }, "captures"),
+      close: (capture) => this.ask("close", { capture }, "captures")
+    });
     showFindings(byId("findings"), state);
     byId("open-together").hidden = state.captures.length === 0;
     showLadder(byId("ladder"), state);
     if (state.branch === this.beside || !state.branches.some(({ id }) => id === this.beside)) this.beside = null;
     this.showBranches(state);
-    this.params.show(state.params);
+    this.params.show(state.params, state.together);
     this.candidates.show(state);
     this.laws.show(state);
     this.any.show(state.absent);
@@ -3134,7 +3926,8 @@ var App = class {
     const name = state.branches.find(({ id }) => id === state.branch)?.name;
     const beside = other && rest ? { name: other.name, residual: rest.residual } : null;
     this.legend(beside?.name ?? null);
-    const data = { columns, unit, coordinate, noise: state.noise_floor, fitted, name, beside };
+    byId("masked").hidden = !columns.masked?.some((value) => value === value);
+    const data = { several: active.length > 1, columns, unit, coordinate, noise: state.noise_floor, fitted, name, beside };
     const brush = this.brushedThen;
     this.brushedThen = null;
     const splits = fitted ? this.store.splitsOf(node).catch(() => []) : [];
@@ -3187,9 +3980,21 @@ var App = class {
     try {
       const column = await this.store.explained(node, this.state.active, what, { verb, asked }, signal);
       if (!signal.aborted) timed("look", () => this.linked.overlay(column), start);
-    } catch (reason) {
-      if (!signal.aborted) this.failed(reason);
+    } catch (reason2) {
+      if (!signal.aborted) this.failed(reason2);
     }
+  }
+  /** Show what an effect is, moved as the capture moved. @param {import("./types.js").Effect} effect */
+  about(effect) {
+    const { state } = this;
+    const { data } = this.linked;
+    const node = state?.node;
+    const weighed = state?.candidates.rows.some((row) => row.effect === effect.effect);
+    const added = async () => {
+      if (!state || !node || !weighed) return null;
+      return this.store.explained(node, state.active, effect.effect, { verb: "signature", asked: { effect: effect.effect } });
+    };
+    about(effect, data && node ? { data, at: this.linked.torques[0].marked, added } : null);
   }
   /** @param {Job | null} job */
   showJob(job) {
@@ -3197,12 +4002,12 @@ var App = class {
     byId("job").hidden = job === null;
     if (!job) return;
     byId("job-what").textContent = job.what;
-    const bar = (
+    const bar2 = (
       /** @type {HTMLProgressElement} */
       byId("job-done")
     );
-    if (job.done === null) bar.removeAttribute("value");
-    else bar.value = job.done;
+    if (job.done === null) bar2.removeAttribute("value");
+    else bar2.value = job.done;
   }
   /** @param {Job} job */
   showRecording({ what, done }) {
@@ -3210,37 +4015,15 @@ var App = class {
     this.live?.phase(what);
     if (done !== null && !this.live?.following) this.live?.follow();
   }
-  /** @param {KeyboardEvent} event */
-  key(event) {
-    if (event.target instanceof HTMLInputElement && event.target.type !== "range" && event.key !== "Escape") return;
-    const control = event.ctrlKey || event.metaKey;
-    const key2 = event.key.toLowerCase();
-    if (event.key === "Escape" && this.live?.following) {
-      this.live.stop(true);
-    } else if (event.key === "Escape" && document.querySelector("details.menu[open]")) {
-      byId("save").removeAttribute("open");
-      byId("save").querySelector("summary")?.focus();
-    } else if (event.key === "Escape") {
-      this.linked.clear();
-    } else if (!control && !event.altKey && key2 === "z") {
-      this.linked.lookCloser();
-    } else if (control && (key2 === "y" || key2 === "z" && event.shiftKey)) {
-      event.preventDefault();
-      byId("redo").click();
-    } else if (control && key2 === "z") {
-      event.preventDefault();
-      byId("undo").click();
-    }
-  }
   /** @param {string} words */
   say(words3) {
     byId("said").textContent = words3;
     byId("said").classList.remove("wrong");
   }
   /** @param {unknown} reason */
-  failed(reason) {
+  failed(reason2) {
     this.deed = null;
-    byId("said").textContent = wordsOf(reason);
+    byId("said").textContent = wordsOf(reason2);
     byId("said").classList.add("wrong");
   }
 };

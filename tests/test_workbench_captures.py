@@ -1,0 +1,91 @@
+"""Captures of the workbench: they close and come back, masked samples are there, guesses are asked about."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import knobcam as kc
+from knobcam.errors import InputError
+from knobcam.workbench import arrays, state
+from knobcam.workbench.bench import Bench
+from knobcam.workbench.closing import close
+from knobcam.workbench.preview import Unmapped, explained
+from knobcam.workbench.session import Session
+
+
+def quiet(_: str, __: float | None = None, *, last: bool = False) -> None:
+    return
+
+
+def two(tmp_path: Path, session: Session) -> tuple[str, str]:
+    """The ids of two captures of one knob, fitted together."""
+    paths = [tmp_path / "one.npz", tmp_path / "other.npz"]
+    for seed, path in enumerate(paths):
+        kc.simulate("knob4", "sweep", duration_s=1.0, seed=seed).save(path)
+    one, other = session.open(*map(str, paths))
+    return one, other
+
+
+def names(session: Session) -> list[str]:
+    return [one["name"] for one in state.document(session)["captures"]]
+
+
+def test_a_closed_capture_is_not_fitted_to_and_going_back_finds_it(tmp_path: Path) -> None:
+    session = Session()
+    one, other = two(tmp_path, session)
+    close(session, other, quiet)
+    assert (names(session), session.node.captures) == (["one.npz"], (one,))
+    session.undo()
+    assert (names(session), session.node.captures) == (["one.npz", "other.npz"], (one, other))
+    session.redo()
+    with pytest.raises(InputError, match=r"one\.npz is all that the model is fitted to; choose"):
+        close(session, one, quiet)
+    with pytest.raises(InputError, match="'c99' is not in this session"):
+        close(session, "c99", quiet)
+    assert names(session) == ["one.npz"]
+
+
+def test_a_session_that_goes_on_leaves_closed_what_was_closed(tmp_path: Path) -> None:
+    bench = Bench(kept_in=tmp_path / "sessions")
+    _, other = two(tmp_path, bench.session)
+    close(bench.session, other, quiet)
+    bench.close()
+    bench = Bench(kept_in=tmp_path / "sessions")
+    try:
+        bench.go_on("000001", quiet)
+        assert names(bench.session) == ["one.npz"]
+    finally:
+        bench.close()
+
+
+def test_what_is_masked_is_there_as_it_was_recorded_and_in_no_other_column() -> None:
+    capture = kc.simulate("knob4", "sweep", duration_s=1.0)
+    tau, mask = capture.tau.copy(), capture.mask.copy()
+    tau[:20], mask[:20] = 7.0, False
+    session = Session()
+    session.take(dataclasses.replace(capture, tau=tau, mask=mask), "spoiled")
+    told = arrays.columns(session.view, 0, ["t", "tau", "masked"])
+    t, measured, masked = np.frombuffer(told[-3 * 4 * capture.samples :], dtype="<f4").reshape(3, -1)
+    assert np.allclose(t, capture.t) and not np.any(np.isnan(t))
+    assert np.all(masked[:20] == 7.0) and np.all(np.isnan(measured[:20]))
+    assert np.all(np.isnan(masked) == ~np.isnan(measured))
+
+
+def test_of_columns_without_names_the_roughest_is_guessed_to_be_the_torque(tmp_path: Path) -> None:
+    t = np.arange(4000) / 1000.0
+    position = 0.1 * np.sin(2.0 * t)
+    volts = np.sign(np.cos(2.0 * t)) + 0.1 * np.random.default_rng(1).standard_normal(len(t))
+    path = tmp_path / "log.npz"
+    np.savez(path, qa=position, qb=position + 1e-4 * np.cos(40.0 * t), t=t, u0=volts)
+    with pytest.raises(InputError) as refused:
+        kc.load(path)
+    told = explained(refused.value, path, {}, 10**8)
+    assert isinstance(told, Unmapped)
+    assert {name: one["expression"] for name, one in told.guess.items()} == {
+        **{"t": "`t`", "theta": "`qa`", "tau": "`u0`"}
+    }
+    assert {one["unit"] for one in told.guess.values()} == {None}  # nobody can know: metres are no radians
