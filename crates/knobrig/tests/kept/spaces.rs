@@ -132,8 +132,8 @@ fn surveyed(chance: &mut Chance, carrier: &Carrier<'_>, round: usize) -> Survey 
         duration_s: about(chance, 2.0),
         rate_hz: about(chance, 1000.0),
         inertia: about(chance, 1e-4),
-        revolution: (round % 3 > 0).then_some(1.0),
-        waves: (round % 2 > 0).then(|| (0..round).map(|_| wave(chance)).collect()),
+        revolution: (!round.is_multiple_of(3)).then_some(1.0),
+        waves: (!round.is_multiple_of(2)).then(|| (0..round).map(|_| wave(chance)).collect()),
     }
 }
 
