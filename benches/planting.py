@@ -85,7 +85,8 @@ class Edit(NamedTuple):
 def planted(root: Path, tree: Path, files: list[str], mutants: list[Mutant]) -> dict[int, str]:
     """Write the files with all mutants in them; return those that have no place there, with the reason."""
     impossible = {}
-    known = {tree / file for file in files}
+    # What is removed and written again would be compiled again.
+    known = {tree / file for file in files} | {(tree / LIB).with_name("mutant.rs")}
     for path in tree.rglob("*.rs"):
         if path not in known:  # of an earlier state: the compiler takes a module's file for the module
             path.unlink()

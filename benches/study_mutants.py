@@ -20,9 +20,9 @@ import math
 import os
 import random
 import re
-import resource
 import signal
 import subprocess
+import tempfile
 import threading
 import time
 from collections.abc import Iterator
@@ -143,29 +143,32 @@ def build(
     return living, [(every[number], reason) for number, reason in unviable.items()], programs
 
 
-def noted(program: Test, notes: Path) -> Iterator[Test]:
+def noted(program: Test, processes: int) -> Iterator[Test]:
     """Every test of a program, run alone without any fault to see what it comes past."""
     listing = subprocess.run(
         (program.program, "--list", "--format=terse"), capture_output=True, text=True, check=True
     )
-    for name in re.findall(r"^(\S+): test$", listing.stdout, re.MULTILINE):
-        notes.unlink(missing_ok=True)
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        if failed := noticed([program._replace(name=name)], EVERY, 3600.0, notes):
-            print(f"left out, for it fails without any fault: {failed}", flush=True)
-            continue
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        spent = after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
-        passed = frozenset(map(int, notes.read_text("utf-8").split())) if notes.is_file() else frozenset()
-        yield program._replace(name=name, seconds=spent, passed=passed)
+
+    def one(name: str) -> Test | None:
+        with tempfile.TemporaryDirectory() as folder:
+            notes, spent = Path(folder, "notes"), [0.0]
+            if failed := noticed([program._replace(name=name)], EVERY, 3600.0, notes, spent):
+                print(f"left out, for it fails without any fault: {failed}", flush=True)
+                return None
+            passed = frozenset(map(int, notes.read_text("utf-8").split())) if notes.is_file() else frozenset()
+        return program._replace(name=name, seconds=sum(spent), passed=passed)
+
+    with ThreadPoolExecutor(processes) as pool:
+        every = pool.map(one, re.findall(r"^(\S+): test$", listing.stdout, re.MULTILINE))
+        yield from (test for test in every if test is not None)
 
 
-def known_tests(program: Test, work: Path) -> list[Test]:
+def known_tests(program: Test, work: Path, processes: int) -> list[Test]:
     """The same, as it was noted before if the program is the same."""
     digest = hashlib.sha256(program.program.read_bytes()).hexdigest()
     path = work / f"tests-{digest[:16]}.json"
     if not path.is_file():
-        tests = [[test.name, test.seconds, sorted(test.passed)] for test in noted(program, work / "notes")]
+        tests = [[test.name, test.seconds, sorted(test.passed)] for test in noted(program, processes)]
         path.write_text(json.dumps(tests), "utf-8")
     rows = json.loads(path.read_text("utf-8"))
     return [
@@ -173,11 +176,13 @@ def known_tests(program: Test, work: Path) -> list[Test]:
     ]
 
 
-def noticed(tests: list[Test], number: int, seconds: float, notes: Path | None = None) -> str:
-    """Run tests of one program until one fails, and say which, or "" if all pass."""
+def noticed(
+    tests: list[Test], number: int, limit: float, notes: Path | None = None, spent: list[float] | None = None
+) -> str:
+    """Run tests of one program until one fails, and say which, or "" if all pass; `spent` gets the time."""
     running = subprocess.Popen(
         (
-            *("nice", "-n10", "prlimit", f"--cpu={math.ceil(seconds)}", tests[0].program, "--test-threads=1"),
+            *("nice", "-n10", "prlimit", f"--cpu={math.ceil(limit)}", tests[0].program, "--test-threads=1"),
             "--exact",
             *(test.name for test in tests),
         ),
@@ -190,7 +195,7 @@ def noticed(tests: list[Test], number: int, seconds: float, notes: Path | None =
         bufsize=1,
     )
     # By the processor's time, since others may use the machine; by the clock too, should it wait forever.
-    late = threading.Timer(20.0 * seconds, running.kill)
+    late = threading.Timer(20.0 * limit, running.kill)
     late.start()
     last = ""
     try:
@@ -200,7 +205,10 @@ def noticed(tests: list[Test], number: int, seconds: float, notes: Path | None =
                 last = match[1]
             if line.rstrip().endswith("FAILED"):
                 return f"{tests[0].program.name.rsplit('-', 1)[0]} {last}"
-        code = running.wait()
+        _, status, usage = os.wait4(running.pid, 0)
+        code = running.returncode = os.waitstatus_to_exitcode(status)
+        if spent is not None:
+            spent.append(usage.ru_utime + usage.ru_stime)
         if not late.is_alive() or code in (-signal.SIGXCPU, -signal.SIGKILL):
             return f"{last} takes too long"
         return f"{last} ends the process ({code})" if code else ""
@@ -240,7 +248,7 @@ def run(work: Path, count: int, seed: int, processes: int, again: bool, longest_
     drawn = sample(entries, count, seed)
     (work / "sample.json").write_text(json.dumps([entry["name"] for entry in drawn]), "utf-8")
     living, unviable, programs = build(work, drawn, refused_before)
-    tests = [test for program in programs for test in known_tests(program, work)]
+    tests = [test for program in programs for test in known_tests(program, work, processes)]
     print(f"{len(tests)} tests, {sum(test.seconds for test in tests):.1f} s", flush=True)
     tests = [test for test in tests if test.seconds <= longest_s]
     with log.open("a", encoding="utf-8") as out, ThreadPoolExecutor(processes) as pool:

@@ -46,3 +46,6 @@ pub mod stiction;
 pub mod diagnose;
 
 pub mod propose;
+
+#[cfg(test)]
+mod tests;

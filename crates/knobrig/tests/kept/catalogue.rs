@@ -26,7 +26,7 @@ const DEVICE: Device = Device {
     held: false,
 };
 
-fn knob() -> Model {
+pub fn knob() -> Model {
     let mut model = Model::equation_1(Axis::Rotary, true);
     for (name, value) in [
         ("inertia.M", 1.5e-4),
@@ -43,12 +43,12 @@ fn knob() -> Model {
     model
 }
 
-fn motion() -> Signals {
+pub fn motion() -> Signals {
     recorded(600, &WAVES, 0.0, 21, |_, motion| base(motion)).smooth("a").signals
 }
 
 /// A size of the effect's parameters that is no number of the crates: within their bounds, and like no neutral one.
-fn sized(id: Id, carrier: &Carrier<'_>) -> Vec<f64> {
+pub fn sized(id: Id, carrier: &Carrier<'_>) -> Vec<f64> {
     let typical = id.law().typical(carrier);
     let params = id.info().params.iter().zip(typical).enumerate();
     let size = |(i, (param, typical)): (usize, (&knobcore::param::Param, f64))| {
@@ -58,7 +58,7 @@ fn sized(id: Id, carrier: &Carrier<'_>) -> Vec<f64> {
     params.map(size).collect()
 }
 
-fn knob_with(id: Id, values: &[f64]) -> Model {
+pub fn knob_with(id: Id, values: &[f64]) -> Model {
     let knob = knob();
     if knob.has(id) {
         return knob;

@@ -1,5 +1,6 @@
 //! Laws of a search for what is missing, whatever it is.
 
+mod kept;
 pub mod recorded;
 
 use super::screen::{Screen, Start};

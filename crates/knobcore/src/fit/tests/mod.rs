@@ -1,5 +1,7 @@
 //! A fit against least squares over the samples themselves; and what tests of its parts start from.
 
+mod kept;
+
 use super::*;
 use crate::param::Axis;
 use crate::random::Noise;

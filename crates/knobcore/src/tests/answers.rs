@@ -1,4 +1,5 @@
-//! Answers that are kept: what was computed against what a file of the repository says.
+//! Answers that are kept: what was computed against what a file of the repository says. Shared by the tests of the crates,
+//! each of which keeps its own files.
 
 use std::env;
 use std::fmt::Write;
@@ -75,7 +76,8 @@ impl Answers {
         assert!(
             changes.is_empty(),
             "other answers than are kept in {name}; where they should be, make them anew with \
-             `{KEEP}=1 cargo test --package knobrig --test kept -- --nocapture`:\n{changes}"
+             `{KEEP}=1 cargo test --package {} kept:: -- --nocapture`:\n{changes}",
+            env!("CARGO_PKG_NAME")
         );
     }
 }
