@@ -130,13 +130,16 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
         .flatten()
         .collect();
     watch.step();
+    if !watch.wanted() {
+        return None;
+    }
     ended.sort_by_cached_key(|one| descending(search.score(one)));
     let (Some(found), Some(first)) = (seen.first(), ended.first()) else { return Some(none) };
     let p_value = chance::p_value(data, &noises, &rows[1], (&powers, &tried), found, white);
     let excess = squares - floor.squares;
     let enough = first.gain >= rule().share * excess && first.gain >= rule().worth * squares;
     if p_value > rule().chance || !enough || search.score(first) <= 0.0 {
-        return watch.wanted().then_some(Proposed { p_value, ..none });
+        return Some(Proposed { p_value, ..none });
     }
     if squares - first.gain > rule().explained * floor.squares {
         let left = squares - first.gain;
@@ -151,7 +154,10 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
                 p > rule().chance
             })
         };
-        let pairs = search.pairs(&followed, &seen, &fine);
+        // What is small beside the first shows once that is taken off.
+        let rest = [rows[0].without(&first.law), rows[1].without(&first.law)];
+        let beside = Search { rows: &rest, ..search }.looked();
+        let pairs = search.pairs(&followed, &[&seen, &beside], &fine);
         let pairs: Vec<Followed> = pairs.into_iter().filter(|pair| worth(pair) && !by_chance(pair)).collect();
         ended.extend(pairs);
         ended.sort_by_cached_key(|one| descending(search.score(one)));

@@ -13,8 +13,8 @@ use crate::fit::dot;
 use crate::order::descending;
 use nalgebra::{DMatrix, DVector};
 
-/// Laws of a scan of which pairs are made: one that is half of a sum may stand behind hundreds that imitate all of it.
-const MOST: usize = 500;
+/// Laws of each scan of which pairs are made: one that is half of a sum may stand behind hundreds that imitate all of it.
+const MOST: usize = 400;
 /// Of laws that were followed so many are besides: they have more functions, at their best parameters.
 const BEST: usize = 60;
 /// Pairs that are followed.
@@ -53,12 +53,14 @@ impl<'a> Part<'a> {
 }
 
 impl Search<'_> {
-    /// The best pairs of laws that were followed or seen, themselves followed to their ends behind the measurement filter of
+    /// The best pairs of laws that were followed or seen in several scans, themselves followed to their ends behind the measurement filter of
     /// `fine`; best first.
-    pub(super) fn pairs(&self, known: &[Followed], seen: &[Seen], fine: &Rows<'_>) -> Vec<Followed> {
+    pub(super) fn pairs(&self, known: &[Followed], seen: &[&Vec<Seen>], fine: &Rows<'_>) -> Vec<Followed> {
         let known = known.iter().filter_map(|one| one.law.alone()).take(BEST);
-        let terms: Vec<(usize, &Term)> =
-            known.chain(seen.iter().take(MOST).map(|one| &one.term)).enumerate().collect();
+        let terms: Vec<(usize, &Term)> = known
+            .chain(seen.iter().flat_map(|one| one.iter().take(MOST)).map(|one| &one.term))
+            .enumerate()
+            .collect();
         let mut parts: Vec<(usize, Part<'_>)> =
             self.watch.each(&terms, |one| (one.0, Part::of(&self.rows[1], one.1)));
         parts.sort_by_key(|(at, _)| *at);

@@ -109,6 +109,19 @@ impl<'a> Rows<'a> {
         }
     }
 
+    /// The same rows where a law has taken its part off; behind no filter.
+    pub fn without(&self, law: &Sum) -> Rows<'static> {
+        let left = self.explained(&self.columns(law)).map(|(.., left)| left);
+        Rows {
+            motions: self.motions.clone(),
+            scale: self.scale.clone(),
+            residual: left.unwrap_or_else(|| self.residual.clone()),
+            base: self.base.clone(),
+            every: self.every,
+            exact: None,
+        }
+    }
+
     /// Number of rows.
     pub fn len(&self) -> usize {
         self.scale.len()
