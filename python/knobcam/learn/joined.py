@@ -41,22 +41,27 @@ def joined(
             # It only led to the joint.
             bare = converged(bare)
             if chance_of(bare, fit, diagnosis) <= RULE.chance:
-                return [_step(beside_others(diagnosis, coupling, bare, fit, without, progress), coupling)]
+                told = beside_others(diagnosis, coupling, bare, fit, without, progress)
+                if (step := _step(told, coupling)) is not None:
+                    return [step]
             continue
         if chance_of(pair, alone.fit, diagnosis) <= RULE.chance:
             before = replace(converged(alone.fit), before=fit)
-            step = LearningStep(before, companion, alone.p_value, (), (), diagnosis)
-            return [
-                step,
-                _step(beside_others(diagnosis, coupling, pair, before, without, progress), coupling),
-            ]
+            told = beside_others(diagnosis, coupling, pair, before, without, progress)
+            if (step := _step(told, coupling)) is not None:
+                return [LearningStep(before, companion, alone.p_value, (), (), diagnosis), step]
     return None
 
 
-def _step(told: Diagnosis, coupling: str) -> LearningStep:
-    """Return the step on which a joint comes in: that one, or another that is named in its place."""
+def _step(told: Diagnosis, coupling: str) -> LearningStep | None:
+    """Return the step on which a joint comes in: that one, or another that is named in its place.
+
+    None where it is none by its values, as a gap of nothing.
+    """
     best = told.best
     one = best if best is not None and best.place == "coupling" else told[coupling]
+    if one.implausible:
+        return None
     return LearningStep(one.fit, one.effect, one.p_value, one.equivalent, (), told)
 
 
