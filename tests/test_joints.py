@@ -12,7 +12,7 @@ from known import BASE, Known
 
 from knobcam.fit.diagnose import Candidate
 from knobcam.fit.rule import RULE
-from knobcam.learn import contenders, joints
+from knobcam.learn import contenders, joined, joints
 
 
 @dataclass(frozen=True)
@@ -138,3 +138,25 @@ def test_another_joint_is_fitted_from_where_the_one_that_came_in_ended(monkeypat
     # Beside other effects there is nothing to begin from, nor for what has no joint.
     assert contenders._fit(story, ("backlash",)) == (first, "backlash", "alone")
     assert contenders._fit(story, ("offset",)) == (first, "offset", "alone")
+
+
+def test_a_joint_that_is_none_by_its_values_does_not_come_in_beside_a_companion():
+    def told(**more: Any) -> Any:
+        one = SimpleNamespace(
+            effect="backlash",
+            fit=BASE,
+            p_value=0.001,
+            equivalent=(),
+            place="coupling",
+            implausible=(),
+            **more,
+        )
+        return {"backlash": one}, one
+
+    class Told(dict[str, Any]):
+        best = None
+
+    rows, one = told()
+    assert joined._step(Told(rows), "backlash").added == "backlash"
+    one.implausible = ("its gap is nothing: it is compliance",)
+    assert joined._step(Told(rows), "backlash") is None

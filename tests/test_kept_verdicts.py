@@ -141,7 +141,7 @@ def test_of_which_laws_are_proposed_and_which_names_do_as_well() -> None:
                 told.put("  named", proposals._named(story, base, law))
         if fit.noise_floor > 0.0:
             story = SimpleNamespace(ladder=[SimpleNamespace(fit=fit)])
-            rows = [["a*theta", {"a": 1.0, "b": 2.0}, None, 55.0]]
+            rows = [["a*theta", {"a": 1.0, "b": 2.0}, None, 55.0, True, 3, 1]]
             told.put("  gain", [proposals._speaks(story, later, []), proposals._speaks(story, later, rows)])
     told.done()
 

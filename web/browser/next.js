@@ -76,9 +76,10 @@ await picture("24-metronome");
 await accessible(page, "metronome");
 await page.getByLabel("click at each beat").check();
 await button("Start").click();
-await page.waitForTimeout(1000);
+// Between two seconds: at the full one either number may stand there.
+await page.waitForTimeout(1500);
 const counted = await page.locator("#lead-left").textContent();
-await page.waitForTimeout(5000);
+await page.waitForTimeout(4500);
 const left = [parseFloat(await page.locator("#lead-left").textContent())];
 await picture("25-led");
 await page.waitForTimeout(1000);

@@ -69,6 +69,7 @@ def workers(scheduler: str | None) -> Iterator[Any]:
             with suppress(subprocess.TimeoutExpired):
                 own.wait(5.0)
             own.kill()
+            own.wait()
 
 
 @contextmanager

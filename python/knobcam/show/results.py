@@ -88,11 +88,13 @@ def look(result: object) -> Look:
 
 def report(result: object, path: str | os.PathLike[str]) -> Path:
     """Write the report of what was learned and return its path."""
-    from . import batch_report, report
-
     match result:
         case LearningResult():
-            return report.write(result, path)
+            from .report import write
+
+            return write(result, path)
         case BatchResult():
-            return batch_report.write(result, path)
+            from .batch_report import write as write_batch
+
+            return write_batch(result, path)
     raise TypeError(f"{type(result).__name__} has no report")
