@@ -274,17 +274,19 @@ impl Search<'_> {
         found
     }
 
+    /// A law followed a few steps, which tell how good it may be.
+    fn glanced(&self, law: Sum) -> Option<Followed> {
+        let rows = self.telling(&law);
+        Some(Followed::at(rows, law)?.best(rows, GLANCE, self.reach))
+    }
+
     /// The best of what was seen, followed a few steps; best first.
     fn followed(&self, seen: &[Seen]) -> Vec<Followed> {
         let mut order: Vec<&Seen> = seen.iter().collect();
         let score = |one: &Seen| one.gain / self.white - self.price(&one.term);
         order.sort_by_cached_key(|one| descending(score(one)));
         let order = varied(order.into_iter(), |one| kinds(one.term.factors.iter()), FOLLOWED);
-        let follow = |one: &&Seen| {
-            let law = Sum::from(one.term.clone());
-            let rows = self.telling(&law);
-            Some(Followed::at(rows, law)?.best(rows, GLANCE, self.reach))
-        };
+        let follow = |one: &&Seen| self.glanced(one.term.clone().into());
         let mut found: Vec<Followed> = self.watch.each(&order, follow).into_iter().flatten().collect();
         found.sort_by_cached_key(|one| descending(self.score(one)));
         found

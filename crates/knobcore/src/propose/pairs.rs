@@ -1,13 +1,13 @@
 //! Two laws at once, where the best single one leaves something: all pairs of what a scan saw, by their products with
 //! each other and with the residual. Each of a pair may have explained little alone.
 
+use super::END;
 use super::Search;
 use super::follow::Followed;
 use super::grammar::Term;
 use super::rows::Rows;
 use super::scan::Seen;
 use super::sum::Sum;
-use super::{END, GLANCE};
 use crate::diagnose::orthonormal;
 use crate::fit::dot;
 use crate::order::descending;
@@ -53,8 +53,8 @@ impl<'a> Part<'a> {
 }
 
 impl Search<'_> {
-    /// The best pairs of laws that were followed or seen in several scans, themselves followed to their ends behind the measurement filter of
-    /// `fine`; best first.
+    /// The best pairs of laws that were followed or seen in several scans, themselves followed to their ends behind the
+    /// measurement filter of `fine`; in any order.
     pub(super) fn pairs(&self, known: &[Followed], seen: &[&Vec<Seen>], fine: &Rows<'_>) -> Vec<Followed> {
         let known = known.iter().filter_map(|one| one.law.alone()).take(BEST);
         let terms: Vec<(usize, &Term)> = known
@@ -84,16 +84,11 @@ impl Search<'_> {
                 chosen.push(Sum(pair.iter().map(|at| parts[*at].1.term.clone()).collect()));
             }
         }
-        let follow = |law: &Sum| {
-            let rows = self.telling(law);
-            Some(Followed::at(rows, law.clone())?.best(rows, GLANCE, self.reach))
-        };
+        let follow = |law: &Sum| self.glanced(law.clone());
         let mut followed: Vec<Followed> = self.watch.each(&chosen, follow).into_iter().flatten().collect();
         followed.sort_by_cached_key(|one| descending(self.score(one)));
         followed.truncate(ENDED);
         let end = |one: &Followed| Some(Followed::at(fine, one.law.clone())?.best(fine, END, self.reach));
-        let mut ended: Vec<Followed> = self.watch.each(&followed, end).into_iter().flatten().collect();
-        ended.sort_by_cached_key(|one| descending(self.score(one)));
-        ended
+        self.watch.each(&followed, end).into_iter().flatten().collect()
     }
 }
