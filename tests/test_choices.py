@@ -200,11 +200,13 @@ def test_a_joint_and_what_hides_beside_it_come_in_where_both_are_needed(monkeypa
     class Told(dict[str, Any]):
         best = None
 
+    implausible: list[str] = []
+
     def beside(told: Any, joint: str, own: Any, before: Any, *_: Any) -> Any:
         fit = replace(own, before=before)
-        return Told(
-            {joint: SimpleNamespace(effect=joint, fit=fit, p_value=0.001, equivalent=("compliance",))}
-        )
+        one = SimpleNamespace(effect=joint, fit=fit, p_value=0.001, equivalent=("compliance",))
+        one.implausible = tuple(implausible)
+        return Told({joint: one})
 
     def of(rmse: float, needed: float, p_value: float = 0.001) -> list[LearningStep] | None:
         pair = Known(rmse, (*BASE, "backlash", "offset"), None, {"offset": needed})
@@ -227,6 +229,9 @@ def test_a_joint_and_what_hides_beside_it_come_in_where_both_are_needed(monkeypa
     assert of(1.0, 0.5, 0.5) is None and of(1.0, 1e-4, 0.5) is None
     assert of(math.sqrt(1.0 + 3.0 * RULE.pair_leaves * 1.01), 0.5) is None
     assert of(math.sqrt(1.0 + 3.0 * RULE.pair_leaves * 0.99), 0.5) is not None
+    # A joint that is none by its values, beside another effect or alone.
+    implausible.append("a gap of nothing")
+    assert of(1.0, 0.5) is None and of(1.0, 1e-4) is None
 
 
 def test_a_joint_that_leads_by_a_sketch_is_followed_and_nothing_else(monkeypatch: pytest.MonkeyPatch):
