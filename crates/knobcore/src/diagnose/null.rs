@@ -7,7 +7,7 @@
 
 use super::chosen;
 use super::screen::{Screen, Start};
-use super::thinned::{Thinned, orthonormal, project, whole};
+use super::thinned::{Thinned, orthonormal, orthonormal_beside, whole};
 use crate::effects::{Id, Place};
 use crate::fit::add_products;
 use crate::model::{Model, Role};
@@ -73,7 +73,8 @@ impl Null {
         for _ in 0..DRAWS {
             let z = &factor * DVector::from_fn(factor.nrows(), |_, _| noise.normal());
             let mut best: BTreeMap<Id, f64> = BTreeMap::new();
-            for (id, group) in &groups {
+            // What a model absorbs whole, as a constant torque beside friction of either direction, gains nothing.
+            for (id, group) in groups.iter().filter(|(_, group)| !group.is_empty()) {
                 let gain: f64 = z.as_slice()[group.clone()].iter().map(|z| z * z).sum();
                 let slot = best.entry(*id).or_default();
                 *slot = slot.max(gain);
@@ -166,9 +167,9 @@ impl<'a> Chance<'a> {
         let slots = model.slots();
         let own = |&i: &usize| slots[i].role == Role::Free && slots[i].effect == id;
         let (shown, own) = self.screen.shown(model, (0..slots.len()).filter(own).collect());
-        let mut columns = self.both(&self.screen.seen_by(id, model), &shown, &own);
-        columns.iter_mut().for_each(|column| project(column, &self.base, self.rows));
-        orthonormal(&columns, self.rows).into_iter().map(|mut both| both.split_off(self.rows)).collect()
+        let columns = self.both(&self.screen.seen_by(id, model), &shown, &own);
+        let beside = orthonormal_beside(&self.base, &columns, self.rows);
+        beside.into_iter().map(|mut both| both.split_off(self.rows)).collect()
     }
 }
 

@@ -4,7 +4,7 @@
 //! of the base's, so that what the base parameters can absorb does not count. Of all columns as many samples are kept as
 //! the measurement filter's bandwidth needs.
 
-use super::thinned::{Thinned, orthonormal, project, subtract};
+use super::thinned::{Thinned, orthonormal, orthonormal_beside, project, subtract};
 use super::watch::Watch;
 use crate::chain;
 use crate::effects::{Id, Place, Survey, Wave};
@@ -251,12 +251,11 @@ impl<'a> Screen<'a> {
             })
             .collect();
         let (shown, own) = self.shown(model, own);
-        let (mut columns, residual, _) = self.thinned.columns(&self.seen_by(id, model), &shown, &own);
+        let (columns, residual, _) = self.thinned.columns(&self.seen_by(id, model), &shown, &own);
         let mut residual = if self.coupled { self.residual.clone() } else { residual };
         let rows = residual.len();
         project(&mut residual, &self.base, rows);
-        columns.iter_mut().for_each(|column| project(column, &self.base, rows));
-        for direction in orthonormal(&columns, rows) {
+        for direction in orthonormal_beside(&self.base, &columns, rows) {
             subtract(&mut residual, &direction, rows);
         }
         // What thinning changes is in both.

@@ -122,19 +122,26 @@ pub fn project(x: &mut [f64], base: &[Vec<f64>], rows: usize) {
 /// Columns that span the same as these, orthonormal over the first `rows` (modified Gram-Schmidt; what depends on
 /// others is dropped).
 pub fn orthonormal(columns: &[Vec<f64>], rows: usize) -> Vec<Vec<f64>> {
-    let mut base: Vec<Vec<f64>> = Vec::new();
+    orthonormal_beside(&[], columns, rows)
+}
+
+/// What columns span that a base does not, orthonormal over the first `rows`. A column that lies in the base leaves
+/// what rounding made of it, which is no direction: what is left is compared with what there was.
+pub fn orthonormal_beside(base: &[Vec<f64>], columns: &[Vec<f64>], rows: usize) -> Vec<Vec<f64>> {
+    let mut beside: Vec<Vec<f64>> = Vec::new();
     for column in columns {
         let before = dot(&column[..rows], &column[..rows]);
         let mut own = column.clone();
-        project(&mut own, &base, rows);
+        project(&mut own, base, rows);
+        project(&mut own, &beside, rows);
         let length = dot(&own[..rows], &own[..rows]);
         if length > OWN * before && length > 0.0 && length.is_finite() {
             let scale = length.sqrt().recip();
             own.iter_mut().for_each(|x| *x *= scale);
-            base.push(own);
+            beside.push(own);
         }
     }
-    base
+    beside
 }
 
 #[cfg(test)]
@@ -148,6 +155,18 @@ mod tests {
         let mut column = vec![4.0, 6.0, 1.0];
         project(&mut column, &base, 2);
         assert_eq!(column, [0.0, 0.0, 1.0 - 10.0 - 4.0]);
+    }
+
+    #[test]
+    fn what_lies_in_a_base_spans_nothing_beside_it() {
+        // Of 0.1, 0.2 and 0.3 rounding leaves something.
+        let base = orthonormal(&[vec![0.1, 0.2, 0.3], vec![0.3, 0.1, 0.7]], 3);
+        let within = vec![0.1 + 0.3, 0.2 + 0.1, 0.3 + 0.7];
+        assert!(orthonormal_beside(&base, std::slice::from_ref(&within), 3).is_empty());
+        let beside = orthonormal_beside(&base, &[within, vec![1.0, 0.0, 0.0]], 3);
+        assert_eq!(beside.len(), 1);
+        assert!(base.iter().all(|direction| dot(direction, &beside[0]).abs() < 1e-14));
+        assert!((dot(&beside[0], &beside[0]) - 1.0).abs() < 1e-14);
     }
 
     #[test]
