@@ -1,9 +1,10 @@
 //! Bindings of the fit.
 use super::convert::{Floats, array, input_error, matrix};
-use super::model::{PyModel, ids, own_id};
+use super::model::PyModel;
+use super::names::{ids, own_id};
 use super::progress::Progress;
 use super::signals::PySignals;
-use super::user::watched;
+use super::watched::watched;
 use knobcore::diagnose::{
     Candidate, Evidence, Set, Split, State, complete as complete_core, converge, diagnose as diagnose_core,
     exact as exact_core, implausible as implausible_core, in_place as in_place_core, judge as judge_core,

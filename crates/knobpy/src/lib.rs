@@ -5,6 +5,7 @@ mod filter;
 mod fit;
 mod handle;
 mod model;
+mod names;
 mod progress;
 mod propose;
 mod realtime;
@@ -12,6 +13,7 @@ mod record;
 mod render;
 mod signals;
 mod user;
+mod watched;
 mod wire;
 
 use knobcore::isa::used;

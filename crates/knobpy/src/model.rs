@@ -1,7 +1,8 @@
 //! Bindings of models and of the catalogue.
 use super::convert::{Column, Floats, array, input_error};
+use super::names::{axis, ids, own_id};
 use super::signals::PySignals;
-use super::user::watched;
+use super::watched::watched;
 use knobcore::carry::carrier;
 use knobcore::chain::{self, Hand};
 use knobcore::effects::{Base, Id};
@@ -21,21 +22,6 @@ use pyo3::types::PyDict;
 #[pyclass(frozen, name = "Model", module = "knobcam._core")]
 #[derive(Clone)]
 pub struct PyModel(pub Model);
-
-/// Rotary or linear, by name.
-pub fn axis(name: &str) -> Axis {
-    if name == "linear" { Axis::Linear } else { Axis::Rotary }
-}
-
-/// Effects by their names.
-pub fn ids(effects: &[String]) -> PyResult<Vec<Id>> {
-    effects.iter().map(|id| Id::parse(id)).collect::<Result<_>>().map_err(input_error)
-}
-
-/// An effect by its name: one that the model has first, whose law may be its own, then one of the catalogue.
-pub fn own_id(model: &Model, name: &str) -> Result<Id> {
-    model.effects().find(|id| id.info().id == name).map_or_else(|| Id::parse(name), Ok)
-}
 
 impl PyModel {
     fn changed(&self, change: impl FnOnce(&mut Model) -> Result<()>) -> PyResult<Self> {

@@ -3,7 +3,7 @@ use super::convert::array;
 use super::model::PyModel;
 use super::progress::Progress;
 use super::signals::PySignals;
-use super::user::watched;
+use super::watched::watched;
 use knobcore::propose::{Law, propose as propose_core};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

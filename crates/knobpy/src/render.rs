@@ -1,7 +1,7 @@
 //! Bindings of the render step and of the emulated handle.
 use super::convert::{Column, Floats, input_error, number};
 use super::model::PyModel;
-use super::user::watched;
+use super::watched::watched;
 use knobcore::error::Error;
 use knobrender::{
     Contact, Device, Fault, Limits, Renderer, Sensed, State, check_passive as passive,

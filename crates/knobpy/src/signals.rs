@@ -1,6 +1,6 @@
 //! Bindings of preparation.
 use super::convert::{Column, Floats, array, input_error};
-use super::model::axis;
+use super::names::axis;
 use knobcore::diagnose::since_reversal;
 use knobcore::error::Error;
 use knobcore::model::Run;

@@ -1,25 +1,18 @@
 //! Bindings of effects of the user's own.
 use super::convert::{Column, array, input_error};
-use super::model::{PyModel, own_id};
+use super::model::PyModel;
+use super::names::own_id;
+use super::watched::interrupt;
 use knobcore::effects::{Does, Function, Id, Info, Nonlinear, Place, User, formula};
 use knobcore::error::{Error, Result};
-use knobcore::model::Model;
 use knobcore::motion::Channel;
 use knobcore::param::{Axis, Kind, Param, Unit};
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
 use std::collections::HashMap;
-use std::sync::{Mutex, PoisonError};
 
 /// A parameter as it comes in: name, unit, lower, upper, neutral, meaning, linear.
 type Row = (String, String, f64, f64, f64, String, bool);
-
-/// What ended a law and is no failure of it, such as Ctrl-C; it is raised when the work is over.
-static INTERRUPT: Mutex<Option<PyErr>> = Mutex::new(None);
-
-fn interrupt(error: Option<PyErr>) -> Option<PyErr> {
-    std::mem::replace(&mut *INTERRUPT.lock().unwrap_or_else(PoisonError::into_inner), error)
-}
 
 /// Registers an effect that acts as a `load`, as `friction`, on the `sensor` or as `coupling`. `function` gets the
 /// parameter values and the columns of [`Function`], and answers as that says; `starts` has one value per parameter in
@@ -140,12 +133,4 @@ pub fn effect_failure(id: &str) -> PyResult<Option<String>> {
         Id::User(user) => Ok(user.failure()),
         _ => Ok(None),
     }
-}
-
-/// Does work that evaluates a model, while Python may do other things; an effect of the model that fails in it is
-/// raised, and so is what ended any law and is no failure of it.
-pub fn watched<R: Send>(py: Python<'_>, model: &Model, work: impl FnOnce() -> R + Send) -> PyResult<R> {
-    interrupt(None);
-    let done = py.detach(|| model.watched(work));
-    interrupt(None).map_or_else(|| done.map_err(input_error), Err)
 }

@@ -13,6 +13,7 @@ mod sliding;
 mod stability;
 mod state;
 mod step;
+mod vouched;
 
 pub use contact::Contact;
 pub use device::Device;

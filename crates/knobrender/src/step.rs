@@ -4,7 +4,6 @@ use super::contact::{Budget, Contact, Moved};
 use super::device::{Device, SLOWEST, Tuning};
 use super::limits::{Fault, Limits};
 use super::nature::Nature;
-use super::passive::{check_passive, stored};
 use super::sliding::{Sliding, add_loads, at_rest, braked, sliding};
 use super::state::{Sensed, State, TANK_J};
 use knobcore::chain::{Beside, Hidden, SUBSTEPS};
@@ -38,23 +37,6 @@ pub struct Renderer {
 const LONGEST_GAP: u64 = 100;
 
 impl Renderer {
-    /// Renders a model at `rate_hz`, on a known device or on any.
-    ///
-    /// Effects of the sensor are not rendered: they belong to the rig that measured, not to the knob.
-    ///
-    /// # Errors
-    /// A rate that is none, a limit or a device that cannot be, a model that would feed a hand or ring.
-    pub fn new(model: &Model, rate_hz: f64, device: Option<Device>, limits: Limits) -> Result<Self> {
-        let mut knob = Self::made(model, rate_hz, device, limits)?;
-        check_passive(model, device, rate_hz)?;
-        if knob.limits.torque_rate < f64::INFINITY {
-            // A torque that may not change quickly follows a dent late, and gives more than the dent holds.
-            knob.tank = stored(model, &knob.p) + TANK_J;
-            knob.state.tank = knob.tank;
-        }
-        Ok(knob)
-    }
-
     /// The same for a model that nobody vouches for: it may give out [`TANK_J`] beyond what it took, and then lets go.
     ///
     /// # Errors
@@ -68,7 +50,7 @@ impl Renderer {
         Ok(Self { guarded: false, ..Self::made(model, rate_hz, None, limits)? })
     }
 
-    fn made(model: &Model, rate_hz: f64, device: Option<Device>, limits: Limits) -> Result<Self> {
+    pub(super) fn made(model: &Model, rate_hz: f64, device: Option<Device>, limits: Limits) -> Result<Self> {
         if !(10.0..=1e6).contains(&rate_hz) {
             return Err(Error::invalid("rate", format!("is {rate_hz} Hz; choose 10 to 1e6, usually 5000")));
         }

@@ -7,15 +7,12 @@
 //! with a knob behind a spring, or a sensor that lags, but these follow the motion, or lie below the noise of the
 //! torque, where the motion that is told from noise has none either.
 
-use super::motion::Moving;
-use crate::error::Result;
-use crate::filter::{ZeroPhase, butter};
+use super::motion::{Moving, below};
+use crate::filter::ZeroPhase;
 use crate::param::Axis;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// Order of the filters that part the bands, forward and backward.
-const ORDER: usize = 4;
 /// Of the torque of a band, the least share by which it follows the acceleration.
 const COHERENT: f64 = 0.25;
 /// The acceleration of a band would take so many times the torque that was recorded of it (RMS).
@@ -44,14 +41,6 @@ pub struct Incoherent {
     pub edge_hz: f64,
     /// The motion would take this many times the torque that was recorded above it (RMS).
     pub times: f64,
-}
-
-/// The filter that keeps what is below a frequency.
-///
-/// # Errors
-/// The rate does not have the frequency.
-pub(super) fn below(hz: f64, rate_hz: f64) -> Result<ZeroPhase> {
-    Ok(ZeroPhase::new(butter(ORDER, hz, rate_hz)?))
 }
 
 /// Position, speed, acceleration and torque of a stretch.

@@ -1,20 +1,29 @@
 //! The motion of a recording: smoothed from its sensors, filtered column by column, or as given.
 
 use super::Recording;
-use super::incoherent::below;
 use crate::error::Result;
-use crate::filter::ZeroPhase;
+use crate::filter::{ZeroPhase, butter};
 use crate::smooth::{Noise, Sensors, noise_from_capture, smooth};
 use crate::special::normal_cdf;
 use std::mem::take;
 use std::ops::Range;
 
+/// Order of the filters that part the bands, forward and backward.
+const ORDER: usize = 4;
 /// A direction less probable than this does not happen: it is three standard deviations away.
 const CERTAIN: f64 = 1.35e-3;
 /// Noise below this share of a column's largest value is rounding.
 const ROUNDING: f64 = 1e-13;
 /// Looks for readings that are none: large ones hide others.
 const LOOKS: usize = 2;
+
+/// The filter that keeps what is below a frequency.
+///
+/// # Errors
+/// The rate does not have the frequency.
+pub(super) fn below(hz: f64, rate_hz: f64) -> Result<ZeroPhase> {
+    Ok(ZeroPhase::new(butter(ORDER, hz, rate_hz)?))
+}
 
 /// A motion with what is known of its uncertainty.
 pub(super) struct Moving {

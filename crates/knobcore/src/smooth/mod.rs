@@ -27,6 +27,7 @@ mod lifts;
 mod resolution;
 mod rts;
 mod sensors;
+mod smoothed;
 mod staircase;
 mod state;
 mod strays;
@@ -34,5 +35,5 @@ mod strays;
 mod tests;
 
 pub use levels::noise_from_capture;
-pub use rts::{Smoothed, smooth};
 pub use sensors::{Noise, Sensors};
+pub use smoothed::{Smoothed, smooth};

@@ -13,14 +13,10 @@
 //! The filter leaves a checkpoint every few thousand samples and runs again from there on the way back, so
 //! that memory beyond the result does not grow with the capture.
 
-use super::impacts::with_impacts;
 use super::kalman::{Filter, Prediction, Prior};
 use super::lifts::Lifts;
-use super::sensors::{Noise, Sensors};
-use super::staircase::one_reading_per_step;
+use super::sensors::Sensors;
 use super::state::{Model, coast, transition};
-use super::strays::strays;
-use crate::error::Result;
 use nalgebra::{Matrix3, Vector3};
 
 /// Samples between two checkpoints.
@@ -28,27 +24,6 @@ const BLOCK: usize = 4096;
 
 /// Smoothed variances that change less than this have converged.
 const STEADY: f64 = 1e-6;
-
-/// The motion, its standard deviations, and the noise that they rest on. SI units.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Smoothed {
-    /// Angle, rad.
-    pub theta: Vec<f64>,
-    /// Velocity, rad/s.
-    pub omega: Vec<f64>,
-    /// Acceleration, rad/s^2.
-    pub alpha: Vec<f64>,
-    /// Standard deviation of `theta`, rad.
-    pub theta_sd: Vec<f64>,
-    /// Standard deviation of `omega`, rad/s.
-    pub omega_sd: Vec<f64>,
-    /// Standard deviation of `alpha`, rad/s^2.
-    pub alpha_sd: Vec<f64>,
-    /// What was taken for the sensors' noise and the jerk.
-    pub noise: Noise,
-    /// Readings of theta, omega and alpha, by row, without which there would be no impact: they count still.
-    pub strays: [Vec<usize>; 3],
-}
 
 /// The smoother's gains over one step.
 struct Backward {
@@ -67,23 +42,6 @@ impl Backward {
         let driven = gain * model.drive(step.r, step.lift);
         Self { gain, own: kept * kept.transpose() + driven * driven.transpose() }
     }
-}
-
-/// The motion that `sensors` saw, given their `noise`. Times need not be even; linear in time and memory.
-///
-/// # Errors
-/// Lengths that differ, times that do not increase, fewer than three finite angles, noise that is no level.
-pub fn smooth(sensors: &Sensors<'_>, noise: &Noise) -> Result<Smoothed> {
-    sensors.check()?;
-    noise.check()?;
-    let readings = one_reading_per_step(sensors.theta);
-    let sensors = Sensors { theta: readings.as_deref().unwrap_or(sensors.theta), ..*sensors };
-    let model = Model::new(noise, sensors.step());
-    let first = smooth_rows(&sensors, &model, &Lifts::default());
-    Ok(match strays(&sensors, &model, &first) {
-        None => first.finish(*noise, Default::default()),
-        Some(strays) => with_impacts(&sensors, &model, first).finish(*noise, strays),
-    })
 }
 
 /// The smoother itself, on sensors that were checked.
@@ -186,11 +144,5 @@ impl Motion {
             self.values[i][k] = x[i] / self.scale[i];
             self.sds[i][k] = covariance[(i, i)].sqrt() / self.scale[i];
         }
-    }
-
-    fn finish(self, noise: Noise, strays: [Vec<usize>; 3]) -> Smoothed {
-        let [theta, omega, alpha] = self.values;
-        let [theta_sd, omega_sd, alpha_sd] = self.sds;
-        Smoothed { theta, omega, alpha, theta_sd, omega_sd, alpha_sd, noise, strays }
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! `docs/wire-protocol.md` says the same for those who write firmware. Nothing here does input or output,
 //! and nothing but `ledger`, `log` and `upload` uses the heap.
+mod command;
 mod coverage;
 mod decoder;
 mod descriptor;

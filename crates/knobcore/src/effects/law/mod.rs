@@ -10,6 +10,7 @@ mod memory;
 mod own;
 mod place;
 mod response;
+mod spent;
 mod stated;
 
 pub use block::Totals;
