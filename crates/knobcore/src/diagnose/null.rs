@@ -164,9 +164,7 @@ impl<'a> Chance<'a> {
 
     /// What the orthonormal derivative columns of a start, off those of the model, become.
     pub(super) fn signature(&self, id: Id, model: &Model) -> Vec<Vec<f64>> {
-        let slots = model.slots();
-        let own = |&i: &usize| slots[i].role == Role::Free && slots[i].effect == id;
-        let (shown, own) = self.screen.shown(model, (0..slots.len()).filter(own).collect());
+        let (shown, own) = self.screen.shown(model, self.screen.brought(id, model));
         let columns = self.both(&self.screen.seen_by(id, model), &shown, &own);
         let beside = orthonormal_beside(&self.base, &columns, self.rows);
         beside.into_iter().map(|mut both| both.split_off(self.rows)).collect()

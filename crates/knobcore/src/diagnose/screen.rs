@@ -9,7 +9,7 @@ use super::watch::Watch;
 use crate::chain;
 use crate::effects::{Id, Place, Survey, Wave};
 use crate::fit::{beside_orders, dot, glance, runs, waves};
-use crate::model::{Model, Role};
+use crate::model::{Model, Role, Slot};
 use crate::order::Ascending;
 use crate::param::{Axis, Usual};
 use crate::predict;
@@ -234,23 +234,7 @@ impl<'a> Screen<'a> {
     }
 
     fn predicted(&self, id: Id, model: &Model) -> f64 {
-        let slots = model.slots();
-        let moved = |i: usize| {
-            slots[i].value
-                != self.model.index(&slots[i].name()).map_or(slots[i].value, |j| self.model.slots()[j].value)
-        };
-        // Columns of a hidden motion cost more than they tell; what is slower has columns of its own.
-        let slower = !id.info().slower.is_empty() && (0..slots.len()).any(moved);
-        let own: Vec<usize> = (0..slots.len())
-            .filter(|&i| slots[i].role == Role::Free && id.info().place != Place::Coupling)
-            .filter(|&i| {
-                let effect = slots[i].effect;
-                effect == id
-                    || slots[i].run.is_some()
-                    || (slower && id.info().needs == Some(effect.info().id))
-            })
-            .collect();
-        let (shown, own) = self.shown(model, own);
+        let (shown, own) = self.shown(model, self.brought(id, model));
         let (columns, residual, _) = self.thinned.columns(&self.seen_by(id, model), &shown, &own);
         let mut residual = if self.coupled { self.residual.clone() } else { residual };
         let rows = residual.len();
@@ -260,6 +244,26 @@ impl<'a> Screen<'a> {
         }
         // What thinning changes is in both.
         self.squares - dot(&self.residual, &self.residual) + dot(&residual, &residual)
+    }
+
+    /// Parameters of a start whose columns an effect brings in: its own, what runs have apart, and where it has slower
+    /// detents in the place of those of the base, theirs. None of a coupling: columns of a hidden motion cost more than
+    /// they tell.
+    pub fn brought(&self, id: Id, model: &Model) -> Vec<usize> {
+        let slots = model.slots();
+        let moved = |i: usize| {
+            slots[i].value
+                != self.model.index(&slots[i].name()).map_or(slots[i].value, |j| self.model.slots()[j].value)
+        };
+        let slower = !id.info().slower.is_empty() && (0..slots.len()).any(moved);
+        let brings = |slot: &Slot| {
+            let of_slower = slower && id.info().needs == Some(slot.effect.info().id);
+            slot.effect == id || slot.run.is_some() || of_slower
+        };
+        (0..slots.len())
+            .filter(|&i| slots[i].role == Role::Free && id.info().place != Place::Coupling)
+            .filter(|&i| brings(&slots[i]))
+            .collect()
     }
 
     /// A model and some of its parameters as they are looked at: beside a coupling as if it were rigid, along the
