@@ -3,7 +3,8 @@ use super::convert::{Column, array, input_error};
 use super::model::PyModel;
 use super::names::own_id;
 use super::watched::interrupt;
-use knobcore::effects::{Does, Function, Id, Info, Nonlinear, Place, User, formula};
+use knobcore::effects::formula::{catalogued, written};
+use knobcore::effects::{Does, Function, Id, Info, Nonlinear, Place, User};
 use knobcore::error::{Error, Result};
 use knobcore::motion::Channel;
 use knobcore::param::{Axis, Kind, Param, Unit};
@@ -57,7 +58,7 @@ pub fn register_law(
     units: HashMap<String, String>,
     bounds: HashMap<String, (f64, f64)>,
 ) -> PyResult<Vec<(&'static str, String, f64, f64, f64, bool)>> {
-    let mut asked: HashMap<String, formula::Asked> = HashMap::new();
+    let mut asked: HashMap<String, written::Asked> = HashMap::new();
     for (name, unit) in units {
         let unit = unit_of(id, &name, &unit).map_err(input_error)?;
         asked.entry(name).or_default().unit = Some(unit);
@@ -65,7 +66,7 @@ pub fn register_law(
     for (name, (lower, upper)) in bounds {
         asked.entry(name).or_default().bounds = [lower, upper];
     }
-    let user = formula::register(id, acts, law, &asked).map_err(input_error)?;
+    let user = written::register(id, acts, law, &asked).map_err(input_error)?;
     let row = |param: &Param| {
         let unit = param.unit.text(Axis::Rotary);
         (param.name, unit, param.lower, param.upper, param.neutral, param.kind == Kind::Linear)
@@ -116,7 +117,7 @@ pub fn effect_source(model: &PyModel, effect: &str, name: &str) -> PyResult<(Str
         let why = "is in the catalogue already; name one that the model has as a formula";
         return Err(input_error(Error::invalid(format!("effect '{effect}'"), why)));
     };
-    let written = formula::source(user, name, &p).map_err(input_error)?;
+    let written = catalogued::source(user, name, &p).map_err(input_error)?;
     Ok((written.text, written.line, written.list))
 }
 

@@ -1,6 +1,6 @@
 //! Axes cut into bins, and which sample falls into which.
 
-use super::locate::Rest;
+use super::rest::Rest;
 use crate::model::Model;
 use crate::signals::Signals;
 use std::f64::consts::TAU;

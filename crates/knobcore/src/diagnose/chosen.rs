@@ -5,7 +5,7 @@
 //! a periodogram (Baluev 2008, MNRAS 385, Equation 6; Rice 1944). Noise that is not white is louder at some frequencies
 //! than at others: each band has its own share of them, and its own noise.
 
-use super::null::Chance;
+use super::chance::Chance;
 use super::screen::Screen;
 use crate::effects::{Id, Wave};
 use crate::fit::{band, dot};

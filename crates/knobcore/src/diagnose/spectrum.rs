@@ -1,6 +1,6 @@
 //! The error along frequency: periodograms of the residual beside those of noise alone.
 
-use super::locate::{Region, Rest, Split};
+use super::rest::{Region, Rest, Split};
 use crate::order::descending;
 use crate::periodogram::{Periodogram, windows};
 use crate::rule::rule;

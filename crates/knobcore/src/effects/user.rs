@@ -1,7 +1,7 @@
 //! Effects of the user's own: registered while the program runs, called over whole columns.
 
 use super::formula::Formula;
-use super::law::{Law, Stated};
+use super::law::{LEAST, Law, NARROW, Stated};
 use super::{Id, Info, Joint, Place};
 use crate::error::{Error, Result};
 use crate::motion::{Channel, Motion};
@@ -42,13 +42,8 @@ pub struct User {
     order: usize,
 }
 
-/// The least that a factor on the dry friction leaves of it: friction never pushes.
-pub(super) const LEAST: f64 = 1e-3;
 /// Step of central differences as a share of the parameter, of its scale where it is nought. What is linear may go all the way.
 const STEP: f64 = 1e-5;
-/// The way out where a law has no value.
-pub(super) const NARROW: &str = "narrow the bounds of its parameters";
-
 thread_local! {
     /// What went wrong on this thread, by the order of the effect: two fits at a time do not see each other's.
     static FAILURES: RefCell<HashMap<usize, String>> = RefCell::default();

@@ -8,7 +8,7 @@
 //! w = { value = 3.0, unit = "rad/s", lower = 0.1, upper = 100.0, meaning = "speed at which it brakes most" }
 //! ```
 
-use crate::effects::formula::{Acts, Asked, made};
+use crate::effects::formula::written::{Acts, Asked, made};
 use crate::effects::{Id, User};
 use crate::error::{Error, Result};
 use crate::param::{Axis, Param, Unit};

@@ -16,7 +16,7 @@ use answers::Answers;
 use captures::{Chance, RATE_HZ, Recorded, WAVES, Waves, base, joined, recorded};
 use knobcore::diagnose::pairs;
 use knobcore::effects::Id;
-use knobcore::effects::formula::{Asked, register};
+use knobcore::effects::formula::written::{Asked, register};
 use knobcore::fit::{Detents, refine};
 use knobcore::model::Model;
 use knobcore::param::Axis;

@@ -5,7 +5,7 @@ use super::driven::{off, pushed, seen};
 use super::rendering::{OPEN, sensed};
 use super::*;
 use knobcore::chain::{Hand, push};
-use knobcore::effects::formula::made;
+use knobcore::effects::formula::written::made;
 use knobcore::model_file;
 use knobrender::Renderer;
 use std::collections::HashMap;

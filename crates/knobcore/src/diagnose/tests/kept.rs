@@ -2,9 +2,10 @@
 //! a descent from a worse start mostly ends at the same place, later.
 
 use super::super::beside::beside;
+use super::super::chance::Chance;
 use super::super::chosen;
 use super::super::coupled::{coupled, in_place};
-use super::super::null::{Chance, Null};
+use super::super::null::Null;
 use super::super::screen::{Screen, Start};
 use super::super::slower::{COARSE_HZ, MIDDLE_HZ, beginnings, floor, slowed};
 use super::super::strides::strides;

@@ -1,9 +1,10 @@
 //! From a formula to an effect of the catalogue: the Rust file that says the same.
 
 use super::tree::{Node, tree};
-use super::{Acts, Formula, Function, Op, OverAlpha, Variable};
+use super::written::Acts;
+use super::{Formula, Function, Op, OverAlpha, Variable};
 use crate::effects::User;
-use crate::effects::user::LEAST;
+use crate::effects::law::LEAST;
 use crate::error::{Error, Result};
 use crate::motion::Motion;
 use crate::param::{Kind, Param};

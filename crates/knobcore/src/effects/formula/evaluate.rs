@@ -4,8 +4,8 @@ use super::distance::distance;
 use super::functions::{called, power, raised, spline};
 use super::parse::PARAMETERS;
 use super::program::{Act, KEPT, Source};
-use super::{Formula, Function, Op, Variable};
-use crate::effects::law::{BLOCK, filled};
+use super::{Formula, Variable};
+use crate::effects::law::block::{BLOCK, filled};
 use crate::isa;
 use crate::motion::Motion;
 use crate::scalar::{Dual, Scalar, WIDE, Wide};
@@ -198,23 +198,5 @@ impl<const L: usize> NullaryFnOnce for Differentiated<'_, L> {
                 slope.into_packs(column, at);
             }
         }
-    }
-}
-
-/// One operation, of the first number alone where it takes no other.
-pub(super) fn applied(op: Op, left: f64, right: f64) -> f64 {
-    match op {
-        Op::Add => left + right,
-        Op::Subtract => left - right,
-        Op::Multiply => left * right,
-        Op::Divide => left / right,
-        Op::Negate => -left,
-        Op::Raise(exponent) => raised(left, exponent),
-        Op::Power => power(left, right),
-        Op::Call(Function::Min) => Scalar::min(left, right),
-        Op::Call(Function::Max) => Scalar::max(left, right),
-        Op::Call(function) => called(function, left),
-        Op::Number(x) => x,
-        Op::Motion(_) | Op::Parameter(_) | Op::Spline(_) => f64::NAN,
     }
 }

@@ -1,6 +1,6 @@
 //! What a law may call, over numbers, packs of samples, or either with derivatives. What [`Scalar`] has is called there.
 
-use super::Function;
+use super::{Function, Op};
 use crate::scalar::Scalar;
 
 /// A function of one number.
@@ -82,4 +82,22 @@ pub(crate) fn spline<T: Scalar>(high: &[f64], x: T) -> T {
         from = from - T::of(1.0);
     }
     sum
+}
+
+/// One operation, of the first number alone where it takes no other.
+pub(super) fn applied(op: Op, left: f64, right: f64) -> f64 {
+    match op {
+        Op::Add => left + right,
+        Op::Subtract => left - right,
+        Op::Multiply => left * right,
+        Op::Divide => left / right,
+        Op::Negate => -left,
+        Op::Raise(exponent) => raised(left, exponent),
+        Op::Power => power(left, right),
+        Op::Call(Function::Min) => Scalar::min(left, right),
+        Op::Call(Function::Max) => Scalar::max(left, right),
+        Op::Call(function) => called(function, left),
+        Op::Number(x) => x,
+        Op::Motion(_) | Op::Parameter(_) | Op::Spline(_) => f64::NAN,
+    }
 }

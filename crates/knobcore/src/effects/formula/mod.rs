@@ -5,21 +5,21 @@
 //! `sign(omega)`) and `s` (the distance since the last reversal); every other name is a parameter. What no formula says is
 //! written as a spline through numbers.
 
-mod catalogued;
+pub mod catalogued;
 mod distance;
 mod evaluate;
 mod functions;
 mod parse;
 mod program;
+mod starts;
 mod tree;
 mod units;
-mod written;
+pub mod written;
 
 use crate::motion::Motion;
 use crate::param::Unit;
 use crate::random::Noise;
 use crate::scalar::Dual;
-pub use catalogued::{Source, source};
 pub(crate) use distance::{STATES, follow};
 pub(crate) use evaluate::Room;
 // What a file of the catalogue that was written from a formula may call.
@@ -27,9 +27,8 @@ pub(crate) use evaluate::Room;
 pub(crate) use functions::{log, power, raised, sign, spline, tan, tanh};
 pub use parse::Mistake;
 use parse::PARAMETERS;
+pub(crate) use starts::starts;
 use std::collections::HashMap;
-pub(crate) use written::starts;
-pub use written::{Acts, Asked, made, register};
 
 /// Motions in which each parameter of a law is tried.
 const TRIALS: usize = 100;

@@ -1,6 +1,6 @@
 //! The steps of a law as a tree, in which what is there twice is there once and numbers are worked out.
 
-use super::evaluate::applied;
+use super::functions::applied;
 use super::{Op, Step};
 
 /// A number of a law, and which others it is made of.

@@ -3,7 +3,7 @@
 use super::{Formula, Mistake, OverAlpha};
 use crate::effects::law::Stated;
 use crate::effects::user::{Does, User};
-use crate::effects::{Info, Place, Survey};
+use crate::effects::{Info, Place};
 use crate::error::{Error, Result};
 use crate::motion::Channel;
 use crate::param::{Kind, Param, Unit};
@@ -26,9 +26,6 @@ impl Default for Asked {
         Self { unit: None, bounds: [f64::NEG_INFINITY, f64::INFINITY], meaning: String::new() }
     }
 }
-
-/// Starts of a search at most.
-const STARTS: usize = 27;
 
 /// Where in the chain a formula acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -206,28 +203,4 @@ fn marked(text: &str, mistake: &Mistake) -> String {
         format!("at character {}, '{rest}'", mistake.at + 1)
     };
     format!("{place}: {}", mistake.why)
-}
-
-/// Parameter values to start a search from: shapes at a part of what the motion goes through, by their units.
-pub(crate) fn starts(params: &[Param], survey: &Survey) -> Vec<Vec<f64>> {
-    let speed = |q| Survey::quantile(&survey.speed, q).max(1e-6);
-    let scales =
-        [Survey::quantile(&survey.torque, 0.5), survey.range(), survey.duration_s].map(|x| x.max(1e-9));
-    let sizes = |param: &Param| match param.unit.powers() {
-        _ if param.kind == Kind::Linear => vec![0.0],
-        [0, 1, -1] => vec![speed(0.2), speed(0.5), speed(0.9)],
-        [0, 0, 0] => vec![1.0, 2.0],
-        _ => [0.1, 0.4].map(|share| param.unit.sized(scales.map(|size| share * size))).to_vec(),
-    };
-    let mut all = vec![Vec::new()];
-    for param in params {
-        let sizes = sizes(param);
-        let sizes = if all.len() * sizes.len() > STARTS { &sizes[..1] } else { &sizes[..] };
-        let within = |x: &f64| x.max(param.lower).min(param.upper);
-        all = all
-            .iter()
-            .flat_map(|before| sizes.iter().map(|x| [&before[..], &[within(x)]].concat()).collect::<Vec<_>>())
-            .collect();
-    }
-    all
 }

@@ -4,7 +4,7 @@
 //! Each effect is compiled by itself, for each instruction set, and called once a block: nothing is inlined across
 //! effects, so that a build grows with their number and not with its square.
 
-mod block;
+pub(crate) mod block;
 mod gradient;
 mod memory;
 mod own;
@@ -14,7 +14,7 @@ mod spent;
 mod stated;
 
 pub use block::Totals;
-pub(crate) use block::{BLOCK, CHANNELS, Channels, Motions, PLAIN, SCALE, Scratch, filled, load_of};
+pub(crate) use block::{BLOCK, CHANNELS, Channels, Motions, PLAIN, SCALE, Scratch, load_of};
 pub(crate) use gradient::Gradient;
 pub(crate) use place::{Couples, Delays, Loads, Remembers, Senses};
 pub use response::Response;
@@ -23,6 +23,11 @@ pub use stated::Stated;
 use super::{Carrier, Context, Info, Joint, Survey};
 use crate::motion::{Load, Motion};
 use crate::scalar::{Dual, Scalar};
+
+/// The least that a factor on the dry friction leaves of it: friction never pushes.
+pub(super) const LEAST: f64 = 1e-3;
+/// The way out where a law has no value.
+pub(super) const NARROW: &str = "narrow the bounds of its parameters";
 
 /// What every effect can do, wherever in the chain it acts. What it does not do does nothing.
 pub trait Law: Sync {

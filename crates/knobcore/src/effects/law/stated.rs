@@ -3,9 +3,8 @@
 use super::block::{BLOCK, Totals, filled};
 use super::gradient::Gradient;
 use super::response::Response;
-use super::{D, Law};
+use super::{D, LEAST, Law, NARROW};
 use crate::effects::formula::{Formula, Room, STATES, follow, starts};
-use crate::effects::user::{LEAST, NARROW};
 use crate::effects::{Carrier, Info, Place, Survey};
 use crate::motion::{Channel, Load, Motion};
 use crate::scalar::Scalar;

@@ -7,7 +7,8 @@ mod eddy_brake;
 mod hum;
 mod tooth;
 
-use crate::effects::formula::{Asked, made, source};
+use crate::effects::formula::catalogued::source;
+use crate::effects::formula::written::{Asked, made};
 use crate::effects::{Effect, LoadEffect, SensorEffect, Survey, Words, formula};
 use crate::motion::Motion;
 use crate::random::Noise;
