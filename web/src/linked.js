@@ -139,6 +139,23 @@ export class Linked {
     this.residuals[at].setRegion({ x: [x[0], x[1]], y: [yAxis.low, yAxis.high] });
   }
 
+  /** Choose samples, and see their time from near. @param {Uint32Array} chosen */
+  find(chosen) {
+    this.choose(chosen);
+    const at = this.axes.indexOf("time");
+    if (!this.data || at < 0 || chosen.length === 0) return;
+    const { t } = this.data.columns;
+    const { low, high } = this.shown[at].residual.xAxis;
+    const [first, last] = [t[chosen[0]], t[chosen[chosen.length - 1]]];
+    const half = Math.max(0.7 * (last - first), 0.01 * (high - low));
+    const middle = Math.min(high - half, Math.max(low + half, 0.5 * (first + last)));
+    this.seen[at] = 2 * half < 0.5 * (high - low) ? [middle - half, middle + half] : null;
+    this.later("zoom", () => {
+      this.drawRow(at);
+      this.drawLight();
+    });
+  }
+
   /** @param {number} at which row */
   drawRow(at) {
     const row = this.shown[at];
@@ -283,7 +300,7 @@ export class Linked {
     if (!this.chosen || !this.data) return null;
     const { residual } = this.data.columns;
     const { sum, count } = chosenSquares(residual, this.chosen);
-    return { ofError: this.squares > 0 ? sum / this.squares : 0, rms: Math.sqrt(sum / Math.max(1, count)) };
+    return { ofError: this.squares > 0 ? sum / this.squares : 0, rms: Math.sqrt(sum / Math.max(1, count)), counted: count };
   }
 
   tell() {
@@ -294,9 +311,10 @@ export class Linked {
       const scale = torqueScale(data.unit, value);
       return `RMS ${number(value * scale.factor)} ${scale.unit}`;
     };
+    const count = `${chosen.length.toLocaleString("en")} ${chosen.length === 1 ? "sample" : "samples"} chosen, ${part} of all`;
+    if (share.counted === 0 && chosen.length > 0) return this.told(`${count}: nothing is fitted to them`);
     const own = chosen.length > 0 ? ` (${rms(share.rms)})` : "";
-    const count = chosen.length.toLocaleString("en");
-    let words = `${count} samples chosen, ${part} of all: they have ${percent(share.ofError)} of the squared error${own}`;
+    let words = `${count}: they have ${percent(share.ofError)} of the squared error${own}`;
     if (data.beside && chosen.length > 0) {
       const { sum, count: counted } = chosenSquares(data.beside.residual, chosen);
       words += `; in ${data.beside.name}: ${rms(Math.sqrt(sum / Math.max(1, counted)))}`;

@@ -101,3 +101,9 @@ class Refused(Why):
     """What is wrong with a request."""
 
     error: str
+
+
+class Found(TypedDict):
+    """The answer of `GET /api/finding`: the samples of a finding, first and last of each run, from 0."""
+
+    runs: list[tuple[int, int]]

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _JSON_BYTES = 16_000_000  # the indices of a million samples, and room to spare
 _ALL_BYTES = 64_000_000  # of all bodies that come at once
 _NAME = 100  # characters of a file's name
-_OPTIONS = ("map", "coordinate", "joint", "rate_hz", "start", "end")
+_OPTIONS = ("map", "coordinate", "joint", "rate_hz", "start", "end", "overrule")
 
 
 class Unread(InputError):
@@ -134,6 +134,9 @@ def reading(given: Mapping[str, Any]) -> dict[str, Any]:
     for name in _OPTIONS:
         value = given.get(name)
         if value is None or value == "":
+            continue
+        if name == "overrule":
+            options[name] = text(given, name).split()
             continue
         if name in ("map", "coordinate", "joint"):
             options[name] = text(given, name)

@@ -181,17 +181,44 @@ function showCaptures(place4, { captures, active }, { use, close }) {
 }
 function words({ name, samples, rate_hz, findings }) {
   const facts = ` ${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
-  const doubt = make("span", { class: "doubt", text: "⚠ ", title: findings.join("\n") });
-  return [...findings.length > 0 ? [doubt] : [], make("strong", { text: name }), facts];
+  const doubtful = findings.filter(({ note }) => !note);
+  const doubt = make("span", { class: "doubt", text: "⚠ ", title: doubtful.map(({ text }) => text).join("\n") });
+  return [...doubtful.length > 0 ? [doubt] : [], make("strong", { text: name }), facts];
 }
-function showFindings(place4, { captures, active, limitations, notes }) {
+function showFindings(place4, { captures, active, limitations, notes, job }, deeds) {
+  const key2 = JSON.stringify([captures, active, limitations, notes, job === null]);
+  if (place4.dataset.shown === key2) return;
+  place4.dataset.shown = key2;
+  const focused = document.activeElement?.getAttribute("data-finding");
   const fitted = captures.filter(({ id }) => active.includes(id));
-  const found2 = fitted.flatMap(
-    ({ name, findings }) => findings.map((text) => make("li", { class: "doubt", text: `⚠ ${fitted.length > 1 ? `${name}: ` : ""}${text}` }))
-  );
+  const found2 = fitted.flatMap(({ id, name, findings }) => {
+    const own = [...findings.filter(({ note }) => !note), ...findings.filter(({ note }) => note)];
+    return own.map((one) => finding(one, { id, name: fitted.length > 1 ? `${name}: ` : "", job }, deeds));
+  });
   const missing = limitations.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
   place4.replaceChildren(...noted, ...found2, ...missing);
+  const again = focused && place4.querySelector(`[data-finding="${CSS.escape(focused)}"]`);
+  if (again instanceof HTMLElement) again.focus();
+}
+function finding({ key: key2, text, note, overruled, stands, seen }, { id, name, job }, { see, overrule }) {
+  const said = `${note || overruled ? "" : "⚠ "}${name}${text}`;
+  const words3 = seen ? make("button", { type: "button", class: "leads", title: "show its samples", text: said, on: { click: () => see(id, key2) } }) : make("span", { text: said });
+  const mine = `${id} ${key2}`;
+  const box = make("input", {
+    ...{ type: "checkbox", role: "switch", checked: !overruled, disabled: stands !== "" || job !== null, "data-finding": mine },
+    "aria-label": `in force: ${name}${text}`,
+    on: { change: () => overrule(id, key2, !overruled) }
+  });
+  const why = stands || "off: nothing is done about it, the samples are taken as they were recorded, and the model is fitted anew";
+  const own = note ? null : make("label", { title: why }, box, overruled ? "overruled" : "in force");
+  return make("li", { class: `finding ${note || overruled ? "soft" : "doubt"}` }, words3, own);
+}
+async function samplesOf(capture, finding2, { captures, active }) {
+  const before = active.slice(0, active.indexOf(capture));
+  const start = before.reduce((sum, one) => sum + (captures.find(({ id }) => id === one)?.samples ?? 0), 0);
+  const { runs } = await ask("finding", { capture, finding: finding2 });
+  return Uint32Array.from(runs.flatMap(([first, last]) => Array.from({ length: last - first + 1 }, (_, at) => start + first + at)));
 }
 
 // src/math.js
@@ -1242,96 +1269,6 @@ function latest(work) {
   };
 }
 
-// src/laws.js
-var Laws = class {
-  /**
-   * @param {HTMLElement} place
-   * @param {{ask: () => void, look: (number: number | null) => void, take: (number: number, name: string) => void,
-   *   add: (formula: object) => Promise<boolean>}} deeds
-   */
-  constructor(place4, deeds) {
-    this.place = place4;
-    this.deeds = deeds;
-    this.shown = "";
-    const form = (
-      /** @type {HTMLFormElement} */
-      byId("own-form")
-    );
-    form.addEventListener("submit", async (event) => {
-      event.preventDefault();
-      if (await this.deeds.add(Object.fromEntries(new FormData(form)))) form.reset();
-    });
-  }
-  /** @param {Pick<State, "candidates" | "proposed" | "proposed_text" | "node" | "job" | "rmse">} state */
-  show({ candidates, proposed, proposed_text, node, job, rmse }) {
-    const shown = JSON.stringify([candidates.ready, proposed, node, job === null]);
-    if (shown === this.shown) return;
-    this.shown = shown;
-    byId("own").hidden = node === null;
-    if (!candidates.ready || node === null) {
-      this.place.replaceChildren();
-    } else if (proposed === null) {
-      const ask2 = make("button", {
-        ...{ type: "button", text: "Look for a law…", disabled: job !== null },
-        ...{ title: "formulas that would explain what is left, where no effect does", on: { click: () => this.deeds.ask() } }
-      });
-      this.place.replaceChildren(make("p", {}, ask2));
-    } else {
-      const list = proposed.map((law, at) => this.item(law, at + 1, rmse ?? law.rmse));
-      this.place.replaceChildren(
-        make("p", { class: "soft", text: proposed_text, role: "status" }),
-        ...list.length > 0 ? [make("ul", { class: "laws", "aria-label": "laws that are proposed" }, ...list)] : []
-      );
-    }
-  }
-  /** @param {Law} row @param {number} number @param {number} rmse what is left without it */
-  item({ label, law, words: words3, rmse: left, start }, number2, rmse) {
-    const edit = make("button", {
-      ...{ type: "button", text: "Edit…", "aria-label": `edit law ${number2}`, title: "as a formula of your own" },
-      on: { click: () => edited(law, start) }
-    });
-    const take = make("button", {
-      ...{ type: "submit", text: "Add", "aria-label": `add law ${number2}` },
-      ...{ title: "fit it with the model, as an effect of this name" }
-    });
-    const name = make("input", {
-      ...{ type: "text", name: "name", size: 8, placeholder: "law", spellcheck: "false", autocomplete: "off" },
-      "aria-label": `name of law ${number2}`
-    });
-    const form = make("form", {}, edit, name, take);
-    form.addEventListener("submit", (event) => {
-      event.preventDefault();
-      this.deeds.take(
-        number2,
-        /** @type {HTMLInputElement} */
-        name.value
-      );
-    });
-    const look = () => this.deeds.look(number2);
-    const away = () => this.deeds.look(null);
-    return make(
-      "li",
-      { class: "law", on: { pointerenter: look, pointerleave: away, focusin: look, focusout: away } },
-      make("code", { text: label }),
-      make("span", { class: "figure", text: percent(left / rmse - 1), title: "fall of the RMS error" }),
-      make("span", { class: "soft", text: words3.join("; ") }),
-      form
-    );
-  }
-};
-function edited(law, start) {
-  const form = (
-    /** @type {HTMLFormElement} */
-    byId("own-form")
-  );
-  byId("own").open = true;
-  for (const [name, value] of Object.entries({ law, guess: start, name: "" })) {
-    const typed = form.elements.namedItem(name);
-    if (typed instanceof HTMLInputElement) typed.value = value;
-  }
-  form.elements.namedItem("law").focus();
-}
-
 // src/spectrum.js
 var SEEN2 = 1e-3;
 var LEAST = 0.02;
@@ -1511,7 +1448,7 @@ function rowsOf(data, view, widest) {
     const part = view.isolated && axis2.part ? columns[axis2.part] : null;
     const { measured, modelled } = part ? isolated(columns, part) : { measured: columns.tau, modelled: model };
     const series = [
-      ...along === "time" && columns.masked && !part ? [{ colour: "--masked", chosen: null, y: columns.masked, strength: 1 }] : [],
+      ...along === "time" && columns.masked && !part ? [{ colour: "--masked", chosen: "--chosen", y: columns.masked, strength: 1 }] : [],
       { colour: "--measured", chosen: "--chosen", y: measured, strength: 0.4 },
       ...view.band && columns.band ? band(modelled, columns.band) : [],
       ...other && !part ? [{ colour: "--beside", chosen: "--beside", y: other, strength: 0.35 }] : [],
@@ -1593,6 +1530,222 @@ function band(modelled, half) {
     y: modelled.map((value, i) => value + side * half[i]),
     strength: 0.6
   }));
+}
+
+// src/curve.js
+var ALONG = { t: "time", theta: "position", omega: "velocity", alpha: "acceleration", s: "history" };
+function drawCurve(canvas, curve, about2, looked) {
+  const { clientWidth: width, clientHeight: height } = canvas;
+  const brush = canvas.getContext("2d");
+  if (!brush || width === 0) return;
+  const scale = globalThis.devicePixelRatio || 1;
+  [canvas.width, canvas.height] = [Math.round(width * scale), Math.round(height * scale)];
+  brush.scale(scale, scale);
+  const { x, value, band: band2, laws } = curve;
+  const edges = [-1, 1].map((side) => value.map((one, at) => one === null ? NaN : one + side * (band2[at] ?? NaN)));
+  const drawn = laws.map((law) => law?.map((one) => one ?? NaN) ?? null);
+  const [low, high] = limits([...edges, ...drawn.filter((law) => law !== null)].map((one) => Float32Array.from(one)), { around: 0 });
+  const shown = curve.times ? { factor: 1, unit: "" } : torqueScale(about2.unit, Math.max(-low, high));
+  const y = { low, high, factor: shown.factor, label: `left over${curve.times ? ` / (${curve.times})` : `, ${shown.unit}`}` };
+  const names = { ink: "--ink", soft: "--soft", line: "--grid", band: "--band", wrong: "--wrong", law: "--signature", rest: "--measured" };
+  const colours = Object.fromEntries(Object.entries(names).map(([name, style]) => [name, styleValue(style, canvas)]));
+  const first = { low: x[0], high: x[x.length - 1], factor: 1, label: overWords(curve.over, about2) };
+  drawAxes(brush, { width, height }, { x: first, y, title: "", colours: (
+    /** @type {any} */
+    colours
+  ), noise: null });
+  const [left, right, top, bottom] = [MARGIN.left, width - MARGIN.right, MARGIN.top, height - MARGIN.bottom];
+  const across = (one) => left + (one - first.low) / (first.high - first.low) * (right - left);
+  const up = (one) => bottom - (one - low) / (high - low) * (bottom - top);
+  brush.globalAlpha = 0.45;
+  brush.fillStyle = colours.band;
+  for (let at = 1; at < x.length; at++) {
+    const corners = [edges[0][at - 1], edges[0][at], edges[1][at], edges[1][at - 1]];
+    if (corners.some(Number.isNaN)) continue;
+    brush.beginPath();
+    for (const [n, one] of corners.entries()) brush.lineTo(across(x[n === 0 || n === 3 ? at - 1 : at]), up(one));
+    brush.fill();
+  }
+  brush.globalAlpha = 1;
+  const line2 = (values, colour, thick, dashes) => {
+    [brush.strokeStyle, brush.lineWidth] = [colour, thick];
+    brush.setLineDash(dashes);
+    brush.beginPath();
+    let down = false;
+    for (const [at, one] of values.entries()) {
+      if (one === null || Number.isNaN(one)) down = false;
+      else if (down) brush.lineTo(across(x[at]), up(one));
+      else brush.moveTo(across(x[at]), up(one));
+      down = one !== null && !Number.isNaN(one);
+    }
+    brush.stroke();
+  };
+  line2(value, colours.ink, 1.5, []);
+  for (const [at, law] of drawn.entries()) if (law && at + 1 !== looked) line2(law, colours.rest, 1, [2, 3]);
+  const mine = drawn[looked - 1];
+  if (mine) line2(mine, colours.law, 2.5, [7, 4]);
+}
+function curveWords({ over, laws }, looked) {
+  const law = laws[looked - 1] ? `; green: law ${looked}` : "";
+  return `Black: what is left over ${wordOf(over)}, with its 95 % band${law}. What the model's parameters can take is off all of them.`;
+}
+function wordOf(over) {
+  const inside = over.replace(/^abs\((.*)\)$/, "$1");
+  const word = ALONG[inside] ? AXES[ALONG[inside]].words : over;
+  return inside === over ? word : `the magnitude of ${word}`;
+}
+function overWords(over, about2) {
+  const inside = over.replace(/^abs\((.*)\)$/, "$1");
+  const along = ALONG[inside];
+  if (!along) return over;
+  const label = labelOf(along, about2);
+  return inside === over ? label : `|${label.replace(", ", "|, ")}`;
+}
+
+// src/laws.js
+var TYPED_MS = 350;
+var Laws = class {
+  /**
+   * @param {HTMLElement} place
+   * @param {{ask: () => void, look: (number: number | null) => void, take: (number: number, name: string) => void,
+   *   add: (formula: object) => Promise<boolean>, attempt: (formula: object, tried: (tried: Law) => void) => Promise<string>}} deeds
+   */
+  constructor(place4, deeds) {
+    this.place = place4;
+    this.deeds = deeds;
+    this.shown = "";
+    this.about = null;
+    new ResizeObserver(() => this.draw()).observe(byId("curve"));
+    const form = (
+      /** @type {HTMLFormElement} */
+      byId("own-form")
+    );
+    form.addEventListener("submit", async (event) => {
+      event.preventDefault();
+      clearTimeout(this.typing);
+      if (await this.deeds.add(Object.fromEntries(new FormData(form)))) form.reset();
+      byId("own-tried").textContent = "";
+    });
+    form.addEventListener("input", ({ target }) => {
+      if (!(target instanceof HTMLInputElement && target.name === "name")) this.typed(form);
+    });
+    this.typing = void 0;
+  }
+  /** Fit what is typed, once nothing more comes, and say what it would leave. @param {HTMLFormElement} form */
+  typed(form) {
+    clearTimeout(this.typing);
+    const said = byId("own-tried");
+    this.typing = setTimeout(async () => {
+      const formula = Object.fromEntries(new FormData(form));
+      if (String(formula.law).trim() === "") {
+        said.textContent = "";
+        return this.deeds.look(null);
+      }
+      const now = this.typing;
+      const words3 = await this.deeds.attempt(formula, ({ rmse, rmse_heldout, words: params }) => {
+        if (now !== this.typing || !this.about) return;
+        const scale = torqueScale(this.about.unit, rmse);
+        const unseen = rmse_heldout === null ? "" : `, ${number(rmse_heldout * scale.factor)} on unseen blocks`;
+        said.className = "";
+        said.textContent = `would leave ${number(rmse * scale.factor)} ${scale.unit}${unseen}; ${params.join("; ")}`;
+      });
+      if (now !== this.typing || words3 === "") return void 0;
+      said.className = "doubt";
+      said.textContent = words3;
+      return void 0;
+    }, TYPED_MS);
+  }
+  /** Draw the curve, with one of the laws before the others. @param {number} [looked] from 1 */
+  draw(looked = 1) {
+    const curve = this.about?.curve ?? null;
+    byId("curve").hidden = curve === null;
+    if (!curve || !this.about) return;
+    const canvas = (
+      /** @type {HTMLCanvasElement} */
+      byId("curve-plot")
+    );
+    drawCurve(canvas, curve, this.about, looked);
+    const words3 = curveWords(curve, looked);
+    byId("curve-words").textContent = words3;
+    canvas.setAttribute("aria-label", words3);
+  }
+  /** @param {State} state */
+  show({ candidates, proposed, proposed_text, node, job, rmse, curve, unit, captures }) {
+    const shown = JSON.stringify([candidates.ready, proposed, node, job === null]);
+    if (shown === this.shown) return;
+    this.shown = shown;
+    byId("own").hidden = node === null;
+    this.about = { curve, unit, coordinate: captures[0]?.coordinate ?? "rotary" };
+    this.draw();
+    if (!candidates.ready || node === null) {
+      this.place.replaceChildren();
+    } else if (proposed === null) {
+      const ask2 = make("button", {
+        ...{ type: "button", text: "Look for a law…", disabled: job !== null },
+        ...{ title: "formulas that would explain what is left, where no effect does", on: { click: () => this.deeds.ask() } }
+      });
+      this.place.replaceChildren(make("p", {}, ask2));
+    } else {
+      const list = proposed.map((law, at) => this.item(law, at + 1, rmse ?? law.rmse));
+      this.place.replaceChildren(
+        make("p", { class: "soft small", text: proposed_text, role: "status" }),
+        ...list.length > 0 ? [make("ul", { class: "laws", "aria-label": "laws that are proposed" }, ...list)] : []
+      );
+    }
+  }
+  /** @param {Law} row @param {number} number @param {number} rmse what is left without it */
+  item({ label, law, words: words3, rmse: left, start }, number2, rmse) {
+    const edit = make("button", {
+      ...{ type: "button", text: "Edit…", "aria-label": `edit law ${number2}`, title: "as a formula of your own" },
+      on: { click: () => edited(law, start) }
+    });
+    const take = make("button", {
+      ...{ type: "submit", text: "Add", "aria-label": `add law ${number2}` },
+      ...{ title: "fit it with the model, as an effect of this name" }
+    });
+    const name = make("input", {
+      ...{ type: "text", name: "name", size: 8, placeholder: "law", spellcheck: "false", autocomplete: "off" },
+      "aria-label": `name of law ${number2}`
+    });
+    const form = make("form", {}, edit, name, take);
+    form.addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.deeds.take(
+        number2,
+        /** @type {HTMLInputElement} */
+        name.value
+      );
+    });
+    const look = () => {
+      this.draw(number2);
+      this.deeds.look(number2);
+    };
+    const away = () => {
+      this.draw();
+      this.deeds.look(null);
+    };
+    return make(
+      "li",
+      { class: "law", on: { pointerenter: look, pointerleave: away, focusin: look, focusout: away } },
+      make("code", { text: `${number2}. ${label}` }),
+      make("span", { class: "figure", text: percent(left / rmse - 1), title: "fall of the RMS error" }),
+      make("span", { class: "soft", text: words3.join("; ") }),
+      form
+    );
+  }
+};
+function edited(law, start) {
+  const form = (
+    /** @type {HTMLFormElement} */
+    byId("own-form")
+  );
+  byId("own").open = true;
+  for (const [name, value] of Object.entries({ law, guess: start, name: "" })) {
+    const typed = form.elements.namedItem(name);
+    if (typed instanceof HTMLInputElement) typed.value = value;
+  }
+  form.elements.namedItem("law").focus();
+  form.dispatchEvent(new Event("input"));
 }
 
 // src/going.js
@@ -2241,6 +2394,22 @@ var Linked = class {
     const x = [place4.low, place4.high].map((value) => xAxis.log ? Math.max(xAxis.low, Math.log10(value)) : value);
     this.residuals[at].setRegion({ x: [x[0], x[1]], y: [yAxis.low, yAxis.high] });
   }
+  /** Choose samples, and see their time from near. @param {Uint32Array} chosen */
+  find(chosen) {
+    this.choose(chosen);
+    const at = this.axes.indexOf("time");
+    if (!this.data || at < 0 || chosen.length === 0) return;
+    const { t } = this.data.columns;
+    const { low, high } = this.shown[at].residual.xAxis;
+    const [first, last] = [t[chosen[0]], t[chosen[chosen.length - 1]]];
+    const half = Math.max(0.7 * (last - first), 0.01 * (high - low));
+    const middle = Math.min(high - half, Math.max(low + half, 0.5 * (first + last)));
+    this.seen[at] = 2 * half < 0.5 * (high - low) ? [middle - half, middle + half] : null;
+    this.later("zoom", () => {
+      this.drawRow(at);
+      this.drawLight();
+    });
+  }
   /** @param {number} at which row */
   drawRow(at) {
     const row = this.shown[at];
@@ -2372,7 +2541,7 @@ var Linked = class {
     if (!this.chosen || !this.data) return null;
     const { residual } = this.data.columns;
     const { sum, count } = chosenSquares(residual, this.chosen);
-    return { ofError: this.squares > 0 ? sum / this.squares : 0, rms: Math.sqrt(sum / Math.max(1, count)) };
+    return { ofError: this.squares > 0 ? sum / this.squares : 0, rms: Math.sqrt(sum / Math.max(1, count)), counted: count };
   }
   tell() {
     const { chosen, data, share } = this;
@@ -2382,9 +2551,10 @@ var Linked = class {
       const scale = torqueScale(data.unit, value);
       return `RMS ${number(value * scale.factor)} ${scale.unit}`;
     };
+    const count = `${chosen.length.toLocaleString("en")} ${chosen.length === 1 ? "sample" : "samples"} chosen, ${part} of all`;
+    if (share.counted === 0 && chosen.length > 0) return this.told(`${count}: nothing is fitted to them`);
     const own = chosen.length > 0 ? ` (${rms(share.rms)})` : "";
-    const count = chosen.length.toLocaleString("en");
-    let words3 = `${count} samples chosen, ${part} of all: they have ${percent(share.ofError)} of the squared error${own}`;
+    let words3 = `${count}: they have ${percent(share.ofError)} of the squared error${own}`;
     if (data.beside && chosen.length > 0) {
       const { sum, count: counted } = chosenSquares(data.beside.residual, chosen);
       words3 += `; in ${data.beside.name}: ${rms(Math.sqrt(sum / Math.max(1, counted)))}`;
@@ -2499,6 +2669,10 @@ var Store = class {
       })
     );
     return joined(parts, [name])[name];
+  }
+  /** Forget what something would explain: it is another by now. @param {string} what */
+  forget(what) {
+    for (const columns of this.kept.values()) delete columns[`signature of ${what}`];
   }
   /** @param {string} node @param {string} capture @param {string[]} names */
   async ofCapture(node, capture, names) {
@@ -3373,6 +3547,72 @@ function bars({ names, d, standard_d, wrong_choice, came }, told, most) {
   ];
 }
 
+// src/overlay.js
+var TYPED = "the formula that is typed";
+var LOOK_MS = 60;
+var Overlay = class {
+  /**
+   * @param {import("./store.js").Store} store
+   * @param {import("./linked.js").Linked} linked
+   * @param {() => State | null} state
+   * @param {(reason: unknown) => void} failed
+   */
+  constructor(store, linked, state, failed) {
+    this.store = store;
+    this.linked = linked;
+    this.state = state;
+    this.failed = failed;
+    this.looking = new AbortController();
+    this.looked = null;
+  }
+  /**
+   * Show what something would explain: an effect or a law, by what it is called and how it is asked for.
+   * @param {string | null} what
+   * @param {string} [verb]
+   * @param {Record<string, string>} [asked]
+   */
+  async look(what, verb = "", asked = {}) {
+    if (what === this.looked) return;
+    this.looked = what;
+    this.looking.abort();
+    this.looking = new AbortController();
+    const { signal } = this.looking;
+    byId("looked").textContent = what ? `what ${what} would explain` : "";
+    byId("looked").toggleAttribute("hidden", what === null);
+    const state = this.state();
+    const node = state?.node;
+    if (!what || !state || !node) return timed("look away", () => this.linked.overlay(null));
+    const start = performance.now();
+    await new Promise((resolve) => setTimeout(resolve, LOOK_MS));
+    if (signal.aborted || this.state()?.node !== node) return;
+    try {
+      const column = await this.store.explained(node, state.active, what, { verb, asked }, signal);
+      if (!signal.aborted) timed("look", () => this.linked.overlay(column), start);
+    } catch (reason2) {
+      if (!signal.aborted) this.failed(reason2);
+    }
+  }
+  /**
+   * Fit a formula that is still typed, and show what it would explain.
+   * @param {object} formula
+   * @param {(tried: import("./types.js").Law) => void} told
+   * @returns {Promise<string>} what is wrong with it; empty for nothing
+   */
+  async attempt(formula, told) {
+    try {
+      const { tried } = await post("try", formula);
+      if (tried) told(tried);
+    } catch (reason2) {
+      this.look(null);
+      return wordsOf(reason2);
+    }
+    this.looked = null;
+    this.store.forget(TYPED);
+    await this.look(TYPED, "law", { number: "typed" });
+    return "";
+  }
+};
+
 // src/params.js
 var STEPS = 400;
 var Params = class {
@@ -3686,14 +3926,13 @@ function parted(text, places) {
 }
 
 // src/app.js
-var LOOK_MS = 60;
 var App = class {
   constructor() {
     this.store = new Store();
     this.state = null;
     this.job = null;
     this.view = { axes: USUAL, isolated: false, band: false, held: true };
-    this.place = null;
+    this.then = null;
     this.drawn = "";
     this.beside = null;
     this.deed = { what: "first picture", start: 0 };
@@ -3708,6 +3947,7 @@ var App = class {
       { fetched: true, pointed: showMoment }
     );
     byId("plots").append(this.linked.element);
+    this.overlay = new Overlay(this.store, this.linked, () => this.state, (reason2) => this.failed(reason2));
     this.refresh = latest((revision) => this.load(revision));
     this.drag = latest(async (values) => {
       await this.ask("params", values, "drag");
@@ -3717,7 +3957,7 @@ var App = class {
       drop: (effect) => this.ask("drop", { effect }, "drop")
     });
     const deeds = {
-      look: (effect) => this.look(effect, "signature", { effect: effect ?? "" }),
+      look: (effect) => this.overlay.look(effect, "signature", { effect: effect ?? "" }),
       take: (effect) => this.ask("add", { effect }, "add"),
       ask: () => this.ask("diagnose"),
       about: (effect) => this.about(effect),
@@ -3726,13 +3966,12 @@ var App = class {
     this.candidates = new Candidates(byId("candidates"), deeds, "Add");
     this.laws = new Laws(byId("laws"), {
       ask: () => this.ask("propose"),
-      look: (number2) => this.look(number2 === null ? null : `law ${number2}`, "law", { number: String(number2) }),
+      look: (number2) => this.overlay.look(number2 === null ? null : `law ${number2}`, "law", { number: String(number2) }),
       take: (number2, name) => this.ask("accept", { number: number2, name }, "add"),
-      add: async (formula) => await this.ask("formula", formula, "add") !== null
+      add: async (formula) => await this.ask("formula", formula, "add") !== null,
+      attempt: (formula, told) => this.overlay.attempt(formula, told)
     });
     this.any = new AnyEffect((effect) => this.ask("add", { effect }, "add"), (effect) => this.about(effect));
-    this.looking = new AbortController();
-    this.looked = null;
     this.live = null;
     this.next = new Next({
       store: this.store,
@@ -3818,9 +4057,18 @@ var App = class {
     if (axes.includes(place4.axis)) {
       this.linked.mark(place4);
     } else {
-      this.place = place4;
+      this.then = () => this.linked.mark(place4);
       this.see({ axes: [place4.axis, ...axes.slice(1)] });
     }
+  }
+  /** Show the samples of a finding, over time among others. @param {string} capture @param {string} finding */
+  async find(capture, finding2) {
+    const { axes } = this.view;
+    const chosen = this.state && await samplesOf(capture, finding2, this.state).catch((reason2) => this.failed(reason2));
+    if (!chosen) return void 0;
+    if (axes.includes("time")) return this.linked.find(chosen);
+    this.then = () => this.linked.find(chosen);
+    return this.see({ axes: [...axes.slice(0, -1), "time"] });
   }
   /**
    * Ask the server to do something; how long it takes until it is painted is noted under `deed`.
@@ -3856,7 +4104,7 @@ var App = class {
   }
   /** @param {State} state */
   show(state) {
-    if (this.state?.node !== state.node) this.look(null);
+    if (this.state?.node !== state.node) this.overlay.look(null);
     if (!this.state?.node && state.node !== null && state.looked) this.lookAgain(state.looked);
     this.state = state;
     byId("welcome").toggleAttribute("hidden", state.node !== null);
@@ -3875,7 +4123,10 @@ var App = class {
       use: (captures) => this.ask("use", { captures }, "captures"),
       close: (capture) => this.ask("close", { capture }, "captures")
     });
-    showFindings(byId("findings"), state);
+    showFindings(byId("findings"), state, {
+      see: (capture, finding2) => this.find(capture, finding2),
+      overrule: (capture, finding2, on) => this.ask("overrule", { capture, finding: finding2, on }, "data")
+    });
     byId("open-together").hidden = state.captures.length === 0;
     showLadder(byId("ladder"), state);
     if (state.branch === this.beside || !state.branches.some(({ id }) => id === this.beside)) this.beside = null;
@@ -3934,8 +4185,8 @@ var App = class {
     timed(what, () => {
       this.linked.show(data, view);
       if (brush) this.linked.brushAgain(brush);
-      if (this.place) this.linked.mark(this.place);
-      this.place = null;
+      this.then?.();
+      this.then = null;
     }, start);
     const found2 = await splits;
     if (this.state?.node === node) timed("bins", () => this.linked.lay(found2));
@@ -3957,32 +4208,6 @@ var App = class {
   legend(name) {
     byId("beside").hidden = name === null;
     byId("beside-name").textContent = name ?? "";
-  }
-  /**
-   * Show what something would explain: an effect or a law, by what it is called and how it is asked for.
-   * @param {string | null} what
-   * @param {string} [verb]
-   * @param {Record<string, string>} [asked]
-   */
-  async look(what, verb = "", asked = {}) {
-    if (what === this.looked) return;
-    this.looked = what;
-    this.looking.abort();
-    this.looking = new AbortController();
-    const { signal } = this.looking;
-    byId("looked").textContent = what ? `what ${what} would explain` : "";
-    byId("looked").toggleAttribute("hidden", what === null);
-    const node = this.state?.node;
-    if (!what || !node) return timed("look away", () => this.linked.overlay(null));
-    const start = performance.now();
-    await new Promise((resolve) => setTimeout(resolve, LOOK_MS));
-    if (signal.aborted || this.state?.node !== node) return;
-    try {
-      const column = await this.store.explained(node, this.state.active, what, { verb, asked }, signal);
-      if (!signal.aborted) timed("look", () => this.linked.overlay(column), start);
-    } catch (reason2) {
-      if (!signal.aborted) this.failed(reason2);
-    }
   }
   /** Show what an effect is, moved as the capture moved. @param {import("./types.js").Effect} effect */
   about(effect) {
