@@ -83,11 +83,12 @@ function finding({ key, text, note, overruled, stands, seen }, { id, name, job }
   const words = seen
     ? make("button", { type: "button", class: "leads", title: "show its samples", text: said, on: { click: () => see(id, key) } })
     : make("span", { text: said });
-  const mine = `${id} ${key}`;
   const box = make("input", {
-    ...{ type: "checkbox", role: "switch", checked: !overruled, disabled: stands !== "" || job !== null, "data-finding": mine },
+    ...{ type: "checkbox", role: "switch", checked: !overruled, disabled: stands !== "", "data-finding": `${name}${key}` },
     "aria-label": `in force: ${name}${text}`,
-    on: { change: () => overrule(id, key, !overruled) },
+    // While something is done it waits, but keeps the focus.
+    ...{ "aria-disabled": job !== null ? "true" : null },
+    on: { click: (event) => job !== null && event.preventDefault(), change: () => overrule(id, key, !overruled) },
   });
   const why = stands || "off: nothing is done about it, the samples are taken as they were recorded, and the model is fitted anew";
   const own = note ? null : make("label", { title: why }, box, overruled ? "overruled" : "in force");

@@ -36,8 +36,8 @@ class TooLarge(Unread):
 
     status = 413
 
-    def __init__(self, limit: int) -> None:
-        super().__init__(f"more than {limit // 1_000_000} MB; leave samples or columns out")
+    def __init__(self, limit: int, way: str = "leave samples or columns out") -> None:
+        super().__init__(f"more than {limit // 1_000_000} MB; {way}")
 
 
 class Busy(Unread):
@@ -77,15 +77,16 @@ async def read_json(request: Request) -> dict[str, Any]:
 
 async def receive(request: Request, target: Path, limit: int) -> None:
     """Write a body into a file as it comes; TooLarge as soon as it is longer than `limit` bytes."""
+    way = "that is as much as a browser may hand over: open it by its path, which may be larger"
     announced = request.headers.get("content-length", "")
     if announced.isdecimal() and int(announced) > limit:
-        raise TooLarge(limit)
+        raise TooLarge(limit, way)
     size = 0
     with target.open("xb") as file:
         async for part in request.stream():
             size += len(part)
             if size > limit:
-                raise TooLarge(limit)
+                raise TooLarge(limit, way)
             file.write(part)
 
 

@@ -204,11 +204,12 @@ function showFindings(place4, { captures, active, limitations, notes, job }, dee
 function finding({ key: key2, text, note, overruled, stands, seen }, { id, name, job }, { see, overrule }) {
   const said = `${note || overruled ? "" : "⚠ "}${name}${text}`;
   const words3 = seen ? make("button", { type: "button", class: "leads", title: "show its samples", text: said, on: { click: () => see(id, key2) } }) : make("span", { text: said });
-  const mine = `${id} ${key2}`;
   const box = make("input", {
-    ...{ type: "checkbox", role: "switch", checked: !overruled, disabled: stands !== "" || job !== null, "data-finding": mine },
+    ...{ type: "checkbox", role: "switch", checked: !overruled, disabled: stands !== "", "data-finding": `${name}${key2}` },
     "aria-label": `in force: ${name}${text}`,
-    on: { change: () => overrule(id, key2, !overruled) }
+    // While something is done it waits, but keeps the focus.
+    ...{ "aria-disabled": job !== null ? "true" : null },
+    on: { click: (event) => job !== null && event.preventDefault(), change: () => overrule(id, key2, !overruled) }
   });
   const why = stands || "off: nothing is done about it, the samples are taken as they were recorded, and the model is fitted anew";
   const own = note ? null : make("label", { title: why }, box, overruled ? "overruled" : "in force");
@@ -1167,9 +1168,10 @@ function showHidden({ captures, active }) {
 }
 
 // src/keys.js
+var WITHOUT_LETTERS = /* @__PURE__ */ new Set(["range", "checkbox", "radio"]);
 function keys({ stop, clear, closer }) {
   document.addEventListener("keydown", (event) => {
-    const typed = event.target instanceof HTMLInputElement && event.target.type !== "range";
+    const typed = event.target instanceof HTMLInputElement && !WITHOUT_LETTERS.has(event.target.type);
     const control = event.ctrlKey || event.metaKey;
     const chosen = event.target instanceof HTMLSelectElement && !control;
     if ((typed || chosen) && event.key !== "Escape") return;
