@@ -6,6 +6,8 @@ import { pointing } from "./cursor.js";
 import { make } from "./dom.js";
 import { number, percent, torqueScale } from "./numbers.js";
 import { Plot } from "./plot.js";
+import { movesFrom, settle } from "./settling.js";
+import { chosenSquares, squaresOf } from "./squares.js";
 import { timed } from "./timing.js";
 import { panned, zoomable, zoomed } from "./zoom.js";
 
@@ -88,6 +90,7 @@ export class Linked {
       this.widest = 0;
     }
     this.drawOver(view.axes, data);
+    const from = movesFrom(this.data, data);
     this.data = data;
     this.signature = null;
     this.squares = squaresOf(columns.residual);
@@ -96,9 +99,24 @@ export class Linked {
     this.element.classList.toggle("both", Boolean(data.beside));
     if (!data.beside) for (const plot of this.besides) plot.setRegion(null);
     this.shown = rowsOf(data, view, view.held ? Math.max(this.widest, reach) : reach);
+    if (from) this.put(from);
     for (const at of this.rows.keys()) this.drawRow(at);
     this.tell();
     this.drawLight();
+    if (from) settle(from, columns.residual, (residual) => this.data === data && this.moved(residual));
+  }
+
+  /** Let the residuals be these, though others come. @param {Float32Array} residual */
+  put(residual) {
+    for (const row of this.shown) if (row.torque) row.residual = { ...row.residual, series: [{ ...row.residual.series[0], y: residual }] };
+  }
+
+  /** Draw residuals that are on their way. @param {Float32Array} residual */
+  moved(residual) {
+    this.put(residual);
+    for (const at of this.rows.keys()) this.drawRow(at);
+    this.drawLight();
+    return true;
   }
 
   /**
@@ -364,21 +382,4 @@ function showPicked(choice, offered, { along, data }) {
  */
 function within(axis, seen) {
   return axis && seen ? { ...axis, low: seen[0], high: seen[1], part: true } : axis;
-}
-
-/** @param {Float32Array} residual */
-function squaresOf(residual) {
-  return residual.reduce((sum, value) => (value === value ? sum + value * value : sum), 0);
-}
-
-/** @param {Float32Array} residual @param {Uint32Array} chosen */
-function chosenSquares(residual, chosen) {
-  let [sum, count] = [0, 0];
-  for (let at = 0; at < chosen.length; at++) {
-    const value = residual[chosen[at]];
-    if (value !== value) continue;
-    sum += value * value;
-    count++;
-  }
-  return { sum, count };
 }

@@ -104,6 +104,9 @@ function percent(share) {
 function torqueScale(unit, peak) {
   return unit === "N m" && peak <= 2 ? { factor: 1e3, unit: "mNm" } : { factor: 1, unit };
 }
+function unitWords(unit) {
+  return unit === "1" ? "" : unit.replaceAll("^2", "²").replaceAll("^3", "³");
+}
 function torqueWord(unit) {
   const words3 = { N: "force", A: "current", V: "voltage", duty: "duty cycle" };
   return words3[unit] ?? "torque";
@@ -2027,6 +2030,16 @@ function drawPoints(image, pixels, chosen, frame, colour) {
     }
   }
 }
+function drawFew(image, pixels, chosen, { dot: dot2, width, height }, colour) {
+  for (const at of chosen) {
+    const pixel = pixels[at];
+    if (pixel < 0) continue;
+    const [across, down] = [pixel % width, Math.floor(pixel / width)];
+    const [left, right] = [Math.max(0, across - dot2), Math.min(width, across + 2 * dot2)];
+    const bottom = Math.min(height, down + 2 * dot2);
+    for (let row = Math.max(0, down - dot2); row < bottom; row++) image.fill(colour, row * width + left, row * width + right);
+  }
+}
 function mixed(under, over, share) {
   let colour = 255;
   for (const shift of [16, 8, 0]) {
@@ -2042,6 +2055,7 @@ function pixelColour(text) {
 
 // src/plot.js
 var FEW = 8e3;
+var FEW_CHOSEN = 20;
 var Plot = class {
   /**
    * @param {string} name in words, for those who hear the page
@@ -2141,8 +2155,9 @@ var Plot = class {
     const image = new ImageData(this.frame.width, this.frame.height);
     const pixels = new Uint32Array(image.data.buffer);
     if (chosen) {
+      const draw2 = chosen.length <= FEW_CHOSEN ? drawFew : drawPoints;
       for (const [at, { chosen: colour }] of this.contents.series.entries()) {
-        if (colour) drawPoints(pixels, this.placed[at], chosen, this.frame, pixelColour(this.colour(colour)));
+        if (colour) draw2(pixels, this.placed[at], chosen, this.frame, pixelColour(this.colour(colour)));
       }
     }
     if (above) {
@@ -2217,6 +2232,44 @@ function fewBetween(x, { low, high }) {
   let count = 0;
   for (let i = 0; i < x.length && count <= FEW; i++) if (x[i] >= low && x[i] <= high) count++;
   return count <= FEW;
+}
+
+// src/settling.js
+var LASTS_MS = 700;
+var MOST = 6e4;
+function movesFrom(before, now) {
+  const from = before?.columns.residual;
+  const same = before?.columns.t === now.columns.t && from !== now.columns.residual && before?.fitted && now.fitted;
+  const still = globalThis.matchMedia?.("(prefers-reduced-motion: reduce)").matches ?? true;
+  return from && same && !still && from.length <= MOST ? from : null;
+}
+function between2(from, to, share) {
+  return to.map((value, i) => from[i] === from[i] ? from[i] + share * (value - from[i]) : value);
+}
+function settle(from, to, show) {
+  let start = NaN;
+  const frame = (now) => {
+    if (Number.isNaN(start)) start = now;
+    const left = 1 - Math.min(1, (now - start) / LASTS_MS);
+    const wanted2 = show(left > 0 ? between2(from, to, 1 - left ** 3) : to);
+    if (wanted2 && left > 0) requestAnimationFrame(frame);
+  };
+  requestAnimationFrame(frame);
+}
+
+// src/squares.js
+function squaresOf(residual) {
+  return residual.reduce((sum, value) => value === value ? sum + value * value : sum, 0);
+}
+function chosenSquares(residual, chosen) {
+  let [sum, count] = [0, 0];
+  for (let at = 0; at < chosen.length; at++) {
+    const value = residual[chosen[at]];
+    if (value !== value) continue;
+    sum += value * value;
+    count++;
+  }
+  return { sum, count };
 }
 
 // src/timing.js
@@ -2345,6 +2398,7 @@ var Linked = class {
       this.widest = 0;
     }
     this.drawOver(view.axes, data);
+    const from = movesFrom(this.data, data);
     this.data = data;
     this.signature = null;
     this.squares = squaresOf(columns.residual);
@@ -2353,9 +2407,22 @@ var Linked = class {
     this.element.classList.toggle("both", Boolean(data.beside));
     if (!data.beside) for (const plot of this.besides) plot.setRegion(null);
     this.shown = rowsOf(data, view, view.held ? Math.max(this.widest, reach2) : reach2);
+    if (from) this.put(from);
     for (const at of this.rows.keys()) this.drawRow(at);
     this.tell();
     this.drawLight();
+    if (from) settle(from, columns.residual, (residual) => this.data === data && this.moved(residual));
+  }
+  /** Let the residuals be these, though others come. @param {Float32Array} residual */
+  put(residual) {
+    for (const row of this.shown) if (row.torque) row.residual = { ...row.residual, series: [{ ...row.residual.series[0], y: residual }] };
+  }
+  /** Draw residuals that are on their way. @param {Float32Array} residual */
+  moved(residual) {
+    this.put(residual);
+    for (const at of this.rows.keys()) this.drawRow(at);
+    this.drawLight();
+    return true;
   }
   /**
    * Let the rows be drawn over these axes: of another one everything is seen, and no rectangle is on it.
@@ -2588,19 +2655,6 @@ function showPicked(choice, offered, { along, data }) {
 }
 function within2(axis2, seen) {
   return axis2 && seen ? { ...axis2, low: seen[0], high: seen[1], part: true } : axis2;
-}
-function squaresOf(residual) {
-  return residual.reduce((sum, value) => value === value ? sum + value * value : sum, 0);
-}
-function chosenSquares(residual, chosen) {
-  let [sum, count] = [0, 0];
-  for (let at = 0; at < chosen.length; at++) {
-    const value = residual[chosen[at]];
-    if (value !== value) continue;
-    sum += value * value;
-    count++;
-  }
-  return { sum, count };
 }
 
 // src/store.js
@@ -3024,9 +3078,9 @@ function beats({ t, theta }) {
   }
   const end = t.length - 1;
   if (t[end] - turns[turns.length - 1].at > 0.1) turns.push({ at: t[end], theta: theta[end], turn: true });
-  return turns.flatMap((beat, n) => [beat, ...between2(beat, turns[n + 1], { t, theta })]);
+  return turns.flatMap((beat, n) => [beat, ...between3(beat, turns[n + 1], { t, theta })]);
 }
-function between2(beat, next, motion) {
+function between3(beat, next, motion) {
   const passes = next ? next.at - beat.at : 0;
   if (!next || passes <= SLOW) return [];
   const count = Math.round(passes);
@@ -3677,7 +3731,7 @@ var Params = class {
     const value = make("span", { class: "figure" });
     const error = make("span", { class: "error soft figure", text: plusMinus(param) });
     this.rows.set(param.name, { slider, value, error, low, high });
-    const between3 = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
+    const between4 = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
     const doubt = param.doubt ? make("span", { class: "doubt", text: " ⚠", "aria-hidden": "true" }) : null;
     const about2 = [param.name, param.meaning, param.doubt].filter(Boolean).join(": ");
     return make(
@@ -3685,8 +3739,8 @@ var Params = class {
       {},
       make("th", { scope: "row", title: about2 }, param.name.split(".").slice(1).join("."), doubt),
       make("td", { class: "slide" }, interval(param.ci95, { low, high }), slider),
-      make("td", { class: "value", title: `95 % interval ${between3} ${param.unit}` }, value, " ", error),
-      make("td", { class: "soft unit", text: param.unit, title: param.unit })
+      make("td", { class: "value", title: `95 % interval ${between4} ${param.unit}` }, value, " ", error),
+      make("td", { class: "soft unit", text: unitWords(param.unit), title: param.unit })
     );
   }
   /** @param {string} name */
