@@ -62,8 +62,10 @@ export class Overlay {
    */
   async attempt(formula, told) {
     try {
-      const { tried } = await post("try", formula);
-      if (tried) told(tried);
+      const { tried, unfinished } = await post("try", formula);
+      if (unfinished !== undefined) this.look(null);
+      if (!tried) return unfinished ?? "";
+      told(tried);
     } catch (reason) {
       this.look(null);
       return wordsOf(reason);

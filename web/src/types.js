@@ -188,13 +188,13 @@
 /**
  * What an answer may say besides the revision.
  * @typedef {{job?: string, path?: string, log?: string, share?: number, hidden?: string[], cancelled?: boolean,
- *   tried?: Law}} More
+ *   tried?: Law, unfinished?: string}} More
  */
 
 /**
  * What a request is answered that changes or asks something.
  * @typedef {{job?: string, path?: string, log?: string, share?: number, hidden?: string[], cancelled?: boolean,
- *   tried?: Law, revision: number}} Answer
+ *   tried?: Law, unfinished?: string, revision: number}} Answer
  */
 
 /**

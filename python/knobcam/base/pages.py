@@ -347,6 +347,7 @@ class More(TypedDict, total=False):
     hidden: list[str]
     cancelled: bool
     tried: Law
+    unfinished: str
 
 
 class Answer(More):

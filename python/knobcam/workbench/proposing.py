@@ -85,13 +85,19 @@ class Proposing:
         return answered(session)
 
     async def attempt(self, request: Request) -> Response:
-        """Fit a formula on the side while it is typed; one that was tried before is given up."""
+        """Fit a formula on the side while it is typed; one that was tried before is given up.
+
+        What is no formula yet is no wrong request: what it lacks is the answer.
+        """
         body = await read_json(request)
-        law, session = text(body, "law").strip(), self.bench.session
-        start = guesses(text(body, "guess", "").replace(",", " ").split(), "start")
+        law, guess, session = text(body, "law").strip(), text(body, "guess", ""), self.bench.session
         self.bench.trying.cancel()
-        job = self.bench.trying.start("trying a formula", lambda job: tried(session, law, start, job.tell))
-        return answered(session, tried=await finished(job))
+        try:
+            start = guesses(guess.replace(",", " ").split(), "start")
+            job = self.bench.trying.start("trying", lambda job: tried(session, law, start, job.tell))
+            return answered(session, tried=await finished(job))
+        except InputError as error:
+            return answered(session, unfinished=str(error))
 
     async def formula(self, request: Request) -> Response:
         """Take a formula of the user's own into the model, as an effect of this name."""

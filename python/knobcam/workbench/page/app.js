@@ -3656,8 +3656,10 @@ var Overlay = class {
    */
   async attempt(formula, told) {
     try {
-      const { tried } = await post("try", formula);
-      if (tried) told(tried);
+      const { tried, unfinished } = await post("try", formula);
+      if (unfinished !== void 0) this.look(null);
+      if (!tried) return unfinished ?? "";
+      told(tried);
     } catch (reason2) {
       this.look(null);
       return wordsOf(reason2);
