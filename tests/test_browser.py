@@ -142,6 +142,14 @@ def test_a_brush_in_a_notebook_is_heard_in_python_and_nothing_stays_behind(
     assert figures["brush"]["script"] < 30.0
 
 
+def test_the_whole_loop_goes_by_keys_alone_and_escape_closes_whatever_opens(tmp_path: Path) -> None:
+    with workbench() as address:
+        seen = script("keyboard.js", address)
+    assert seen["effect"] in kc.effects() and seen["script"].endswith(".py")
+    before, after = seen["rmse"]
+    assert after < before
+
+
 def test_what_is_no_file_is_refused_at_once_two_pages_agree_and_a_killed_server_is_told(
     tmp_path: Path,
 ) -> None:

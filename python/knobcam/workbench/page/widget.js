@@ -64,16 +64,16 @@ function J(s,t){if(!s)return new Uint8Array(0);let e=new Uint8Array(Math.ceil(t/
 `;var _t=`/* Okabe & Ito 2008: told apart by people of any colour vision; one meaning has one colour, as in the pictures. */
 :root, :host { color-scheme: light;
   --ink: #1c1c1c; --soft: #5c5c5c; --paper: #ffffff; --page: #f4f6f8; --line: #d4d8dc; --grid: #00000012; --shade: #e9edf1;
-  --measured: #8a8a8a; --masked: #c3a6c9; --modelled: #0072b2; --wrong: #d55e00; --chosen: #e69f00; --signature: #009e73;
+  --measured: #606060; --masked: #d0c8ea; --modelled: #0072b2; --wrong: #d55e00; --chosen: #e69f00; --signature: #009e73;
   --band: #56b4e9; --beside: #cc79a7; --focus: #0072b2; --doubt: #b04a00; --good: #00704f; }
 @media (prefers-color-scheme: dark) { :root:not([data-theme="light"]), :host(:not([data-theme="light"])) { color-scheme: dark;
   --ink: #e8e8e8; --soft: #a8a8a8; --paper: #16181a; --page: #0e1011; --line: #3a3d40; --grid: #ffffff16; --shade: #26292c;
-  --measured: #a0a0a0; --masked: #6d5674; --modelled: #56b4e9; --wrong: #e8702a; --chosen: #f0e442; --signature: #2fc79a;
-  --band: #0072b2; --beside: #e39ac4; --focus: #56b4e9; --doubt: #ff8a3d; --good: #2fc79a; } }
+  --measured: #d0d0d0; --masked: #6d5674; --modelled: #56b4e9; --wrong: #e8702a; --chosen: #f0e442; --signature: #2fc79a;
+  --band: #0072b2; --beside: #e07fb5; --focus: #56b4e9; --doubt: #ff8a3d; --good: #2fc79a; } }
 :root[data-theme="dark"], :host([data-theme="dark"]) { color-scheme: dark;
   --ink: #e8e8e8; --soft: #a8a8a8; --paper: #16181a; --page: #0e1011; --line: #3a3d40; --grid: #ffffff16; --shade: #26292c;
-  --measured: #a0a0a0; --masked: #6d5674; --modelled: #56b4e9; --wrong: #e8702a; --chosen: #f0e442; --signature: #2fc79a;
-  --band: #0072b2; --beside: #e39ac4; --focus: #56b4e9; --doubt: #ff8a3d; --good: #2fc79a; }
+  --measured: #d0d0d0; --masked: #6d5674; --modelled: #56b4e9; --wrong: #e8702a; --chosen: #f0e442; --signature: #2fc79a;
+  --band: #0072b2; --beside: #e07fb5; --focus: #56b4e9; --doubt: #ff8a3d; --good: #2fc79a; }
 .linked, .linked * { box-sizing: border-box; }
 .linked :focus-visible { outline: 2px solid var(--focus); outline-offset: 1px; }
 .linked { height: 100%; display: grid; grid-template: repeat(3, minmax(0, 1fr)) / repeat(2, minmax(0, 1fr)); gap: .5rem; }
