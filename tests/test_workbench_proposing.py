@@ -193,12 +193,12 @@ def test_the_curve_of_what_is_left_has_its_band_and_the_laws_lie_within_it(asked
 def test_a_formula_is_fitted_while_it_is_typed_and_changes_nothing(asked: httpx.Client, bench: Bench) -> None:
     before = state(asked)
     formula = {"law": "2*a*(omega/w)/(1 + (omega/w)^2)", "guess": "a=0.01 w=1"}
-    told = asked.post("/api/try", json=formula).json()["tried"]
+    told = asked.post("/api/typed", json=formula).json()["tried"]
     assert told["rmse"] == pytest.approx(before["proposed"][0]["rmse"], rel=1e-3)
     assert any(word.startswith("w = 1.3") for word in told["words"])
     there = {"node": before["node"], "capture": before["active"][0], "number": "typed"}
     assert asked.get("/api/law", params=there).is_success
-    assert "character" in asked.post("/api/try", json={"law": "2*a*(omega"}).json()["unfinished"]
+    assert "character" in asked.post("/api/typed", json={"law": "2*a*(omega"}).json()["unfinished"]
     assert state(asked) == before
     assert not [one for one in kc.effects() if one.startswith("typed")]
     asked.post("/api/add", json={"effect": "stribeck"})

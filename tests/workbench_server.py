@@ -50,6 +50,7 @@ def as_the_schema_says(answer: httpx.Response) -> None:
         shapes = {"/api/state": pages.State, "/api/sources": pages_sources.Sources} | {
             "/api/splits": pages.Splits,
             "/api/finding": pages_sources.Found,
+            "/api/challenge": pages_sources.Challenge,
         }
         shape = shapes.get(answer.url.path, pages.Answer)
         answer.read()

@@ -98,9 +98,11 @@ await page.route("**/api/picture*", async (route) => {
   await page.getByText(/s: adds -?−?[\d.e−]+ mNm/).waitFor();
   await route.continue();
 });
+await page.emulateMedia({ reducedMotion: "no-preference" });
 await page.keyboard.press("?");
 await page.waitForFunction(() => document.querySelector("#about img")?.naturalWidth > 500);
 await picture("3-about");
+await page.emulateMedia({ reducedMotion: "reduce" });
 await page.getByRole("button", { name: "Close" }).click();
 
 await page.locator("#save summary").click();

@@ -62,7 +62,7 @@ export class Overlay {
    */
   async attempt(formula, told) {
     try {
-      const { tried, unfinished } = await post("try", formula);
+      const { tried, unfinished } = await post("typed", formula);
       if (unfinished !== undefined) this.look(null);
       if (!tried) return unfinished ?? "";
       told(tried);

@@ -285,6 +285,16 @@
  */
 
 /**
+ * The answer of `GET /api/challenge`: how it goes with what a capture hides.
+ *
+ * `more`: whether there is another hint; `wrong` effects were added and are not there; of the `hidden` ones
+ * so many are `found`, and `solved` says that nothing else is in the model. While it is `sealed` what the
+ * program thinks is not shown.
+ * @typedef {{hints: string[], more: boolean, wrong: string[], found: number, hidden: number, solved: boolean,
+ *   sealed: boolean, score: number}} Challenge
+ */
+
+/**
  * The answer of `GET /api/finding`: the samples of a finding, first and last of each run, from 0.
  * @typedef {{runs: [number, number][]}} Found
  */

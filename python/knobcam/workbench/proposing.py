@@ -45,7 +45,7 @@ class Proposing:
             "propose": self.propose,
             "accept": self.accept,
             "formula": self.formula,
-            "try": self.attempt,
+            "typed": self.attempt,
         }
 
     async def propose(self, _: Request) -> Response:
@@ -124,7 +124,9 @@ def looked_for(session: Session, tell: Tell) -> None:
     tell(doing)
     found = story.propose(lambda share: tell(doing, share))
     tell("putting the laws in place", last=True)
-    session.propose(node, found)
+    with session.lock:
+        session.proposals[node.id] = found
+        session.touched()
 
 
 def taken(session: Session, number: int, name: str, tell: Tell) -> None:

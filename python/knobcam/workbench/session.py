@@ -46,8 +46,8 @@ class Session:
     """What one person does with captures of one knob.
 
     Every change is made at once or not at all: long work is done on the side, and its fit is then put in
-    place, unless the session has moved on meanwhile. Methods may be called from several threads.
-    `changed` is called after every change.
+    place, unless the session has moved on meanwhile. Methods may be called from several threads; `changed` is
+    called after every change.
     """
 
     def __init__(self, changed: Callable[[], None] = lambda: None, start: Start | None = None) -> None:
@@ -58,12 +58,13 @@ class Session:
         self.revision = 0
         self.changed = changed
         self.lock = threading.RLock()
-        self._nodes: dict[str, Node] = {}
+        self.nodes: dict[str, Node] = {}
         self._views: dict[str, View] = {}
         self.diagnoses: dict[str, Diagnosis] = {}
         self.designs: dict[str, Designed] = {}
         self.proposals: dict[str, Proposals] = {}
         self.tried: tuple[str, Fit] | None = None
+        self.hints: dict[str, int] = {}
         self.made = 0
         self.looked: Mapping[str, Any] | None = None
 
@@ -92,8 +93,8 @@ class Session:
         with self.lock:
             if view_id in self._views:
                 return self._views[view_id]
-            if view_id in self._nodes:
-                node = self._nodes[view_id]
+            if view_id in self.nodes:
+                node = self.nodes[view_id]
                 return View(node.id, node, node.fit.model)
         raise InputError(f"node {view_id!r} is not in this session")
 
@@ -233,12 +234,6 @@ class Session:
         tell(f"putting the model without {effect} in place", last=True)
         self._put(self._node(barer, node.captures, "dropped", effect), branch, node)
 
-    def propose(self, node: Node, proposals: Proposals) -> None:
-        """Take in the laws that were looked for at a node."""
-        with self.lock:
-            self.proposals[node.id] = proposals
-            self.touched()
-
     def accept(self, effect: str, richer: Fit, p_value: float) -> None:
         """Put the fit with a law in place, which is an effect of this name by now."""
         node = self._node(richer, self.node.captures, "added", effect, p_value=p_value)
@@ -277,7 +272,7 @@ class Session:
 
     def captures_of(self, design: Designed) -> tuple[str, ...]:
         """Return the captures from which a motion was designed."""
-        return self._nodes[design.node].captures
+        return self.nodes[design.node].captures
 
     # Back, forth, aside
 
@@ -355,7 +350,7 @@ class Session:
             self.start, self.captures, self.branches = found.start, found.captures, found.branches
             self.branch_id, self.looked = found.branch_id, found.looked
             self.made = max(self.made, found.made)
-            self._nodes, self.designs = dict(found.nodes), dict(found.designs)
+            self.nodes, self.designs = dict(found.nodes), dict(found.designs)
             self._views = {one.dragged.id: one.dragged for one in found.branches.values() if one.dragged}
             self.touched()
 
@@ -386,7 +381,7 @@ class Session:
         with self.lock:
             if after is not None and branch is not None and branch.node is not after:
                 raise InputError("the session has moved on meanwhile; nothing was changed")
-            self._nodes[node.id] = node
+            self.nodes[node.id] = node
             if branch is None:
                 self.branch_id = self.new("b")
                 self.branches[self.branch_id] = Branch(self.branch_id, "main", [node], 0)

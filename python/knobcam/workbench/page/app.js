@@ -1153,6 +1153,7 @@ function saving(heard) {
 
 // src/hidden.js
 var hiding = [];
+var asked = 0;
 function unhiding(failed) {
   byId("unhide").addEventListener("click", async () => {
     try {
@@ -1162,12 +1163,38 @@ function unhiding(failed) {
       failed(reason2);
     }
   });
+  const hint = (whole) => post("hint", { capture: hiding[0], whole }).catch(failed);
+  byId("hint").addEventListener("click", () => hint(false));
+  byId("unseal").addEventListener("click", () => hint(true));
 }
-function showHidden({ captures, active }) {
+async function showHidden({ captures, active }) {
   const now = captures.filter(({ id, hides }) => hides && active.includes(id)).map(({ id }) => id);
   byId("hides").hidden = now.length === 0;
   if (now.join() !== hiding.join()) byId("unhidden").textContent = "";
   hiding = now;
+  if (now.length === 0) {
+    document.body.classList.remove("sealed");
+    return;
+  }
+  const mine = ++asked;
+  const told = await ask("challenge", { capture: now[0] }).catch(() => null);
+  if (told && mine === asked) showStanding(told);
+}
+function showStanding({ hints, more, wrong, found: found2, hidden, solved, sealed, score }) {
+  document.body.classList.toggle("sealed", sealed);
+  byId("unseal").hidden = !sealed;
+  byId("hides").classList.toggle("well", solved);
+  byId("challenge-score").textContent = `${score} points`;
+  byId("challenge-said").textContent = standingWords({ wrong, found: found2, hidden, solved });
+  byId("challenge-hints").replaceChildren(...hints.map((text) => make("li", { text })));
+  byId("hint").disabled = !more || solved;
+}
+function standingWords({ wrong, found: found2, hidden, solved }) {
+  const many = hidden === 1 ? "one effect is hidden" : `${hidden} effects are hidden`;
+  const costs = wrong.length > 0 ? `; not there: ${wrong.join(", ")}` : "";
+  if (solved) return `Solved: what was hidden is in the model, and nothing else${costs}.`;
+  if (found2 === hidden) return `All that is hidden is in the model, but so is something else${costs}.`;
+  return `In this knob ${many}${found2 > 0 ? `, ${found2} of them found` : ""}. Look where the residual has structure, and add what explains it${costs}.`;
 }
 
 // src/keys.js
@@ -2711,14 +2738,14 @@ var Store = class {
    * @param {AbortSignal} [signal]
    * @returns {Promise<Float32Array>}
    */
-  async explained(node, captures, what, { verb, asked }, signal) {
+  async explained(node, captures, what, { verb, asked: asked2 }, signal) {
     const name = `signature of ${what}`;
     const parts = await Promise.all(
       captures.map(async (capture) => {
         const key2 = `${capture} ${node}`;
         const known = this.kept.get(key2)?.[name];
         if (known) return { [name]: known };
-        const fetched = decode(await fetchBytes(`/api/${verb}`, { node, capture, ...asked }, signal));
+        const fetched = decode(await fetchBytes(`/api/${verb}`, { node, capture, ...asked2 }, signal));
         const column = Object.values(fetched)[0];
         this.keep(key2, { [name]: column });
         return { [name]: column };
@@ -3627,7 +3654,7 @@ var Overlay = class {
    * @param {string} [verb]
    * @param {Record<string, string>} [asked]
    */
-  async look(what, verb = "", asked = {}) {
+  async look(what, verb = "", asked2 = {}) {
     if (what === this.looked) return;
     this.looked = what;
     this.looking.abort();
@@ -3642,7 +3669,7 @@ var Overlay = class {
     await new Promise((resolve) => setTimeout(resolve, LOOK_MS));
     if (signal.aborted || this.state()?.node !== node) return;
     try {
-      const column = await this.store.explained(node, state.active, what, { verb, asked }, signal);
+      const column = await this.store.explained(node, state.active, what, { verb, asked: asked2 }, signal);
       if (!signal.aborted) timed("look", () => this.linked.overlay(column), start);
     } catch (reason2) {
       if (!signal.aborted) this.failed(reason2);
@@ -3656,7 +3683,7 @@ var Overlay = class {
    */
   async attempt(formula, told) {
     try {
-      const { tried, unfinished } = await post("try", formula);
+      const { tried, unfinished } = await post("typed", formula);
       if (unfinished !== void 0) this.look(null);
       if (!tried) return unfinished ?? "";
       told(tried);
@@ -3788,6 +3815,7 @@ function place3(value, { low, high }) {
 }
 
 // src/sources.js
+var LEVELS = /* @__PURE__ */ new Set(["easy", "middling", "hard"]);
 var NUMBERS = /* @__PURE__ */ new Set(["duration_s", "speed", "seed", "baud"]);
 function sources(heard) {
   const dialog2 = (
@@ -3816,6 +3844,8 @@ function sources(heard) {
     fill(form, "motion", Object.entries(known.motions[source]).map(([name, words3]) => [name, `${name}: ${words3}`]));
     byId("new-warning").hidden ||= valueOf(form, "motion") === "hand" && !valueOf(form, "model").trim();
     byId("new-effects").hidden = valueOf(form, "hides") !== "chosen";
+    const level = levelOf(form);
+    for (const name of ["knob", "motion", "duration_s", "seed"]) field2(form, name).disabled = level !== "";
     const hideable = known.knobs.find(({ name }) => name === valueOf(form, "knob"))?.hideable ?? [];
     for (const box of byId("new-effects").querySelectorAll("input")) box.disabled = !hideable.includes(box.value);
   };
@@ -3868,20 +3898,20 @@ function sources(heard) {
     event.preventDefault();
     return begin(wanted(form));
   });
-  const begin = async (asked) => {
+  const begin = async (asked2) => {
     told.textContent = "";
     byId("new-fault").hidden = true;
     wait(true);
     try {
-      if (asked.source === "simulated") {
-        await post("simulate", asked);
+      if (asked2.source === "simulated") {
+        await post("simulate", asked2);
         heard.say("made a capture");
       } else {
-        await post("record", asked);
+        await post("record", asked2);
       }
       wait(false);
       dialog2.close();
-      (asked.source === "simulated" ? heard.made : heard.recording)();
+      (asked2.source === "simulated" ? heard.made : heard.recording)();
     } catch (reason2) {
       wait(false);
       fault = reason2 instanceof Refusal && reason2.fault ? reason2.fault.code : null;
@@ -3903,6 +3933,7 @@ function wanted(form) {
     if (typeof value === "string" && name !== "effects") body[name] = NUMBERS.has(name) ? numeric(value) : value;
   }
   const chosen = [...form.querySelectorAll("#new-effects input:checked:not(:disabled)")];
+  body.level = levelOf(form);
   body.surprise = body.hides === "surprise";
   body.effects = body.hides === "chosen" ? chosen.map((box) => (
     /** @type {HTMLInputElement} */
@@ -3910,6 +3941,10 @@ function wanted(form) {
   )) : [];
   body.together = "together" in body;
   return body;
+}
+function levelOf(form) {
+  const hides = valueOf(form, "hides");
+  return valueOf(form, "source") === "simulated" && LEVELS.has(hides) ? hides : "";
 }
 function numeric(value) {
   const number2 = Number(value);
