@@ -12,6 +12,9 @@ import { make } from "./dom.js";
  * @param {{use: (captures: string[]) => void, close: (capture: string) => void}} deeds `use`: these ids to fit to
  */
 export function showCaptures(place, { captures, active }, { use, close }) {
+  const key = JSON.stringify([captures, active]);
+  if (place.dataset.shown === key) return; // a button that is being pressed stays
+  place.dataset.shown = key;
   if (captures.length === 1) {
     const [only] = captures;
     place.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only)));

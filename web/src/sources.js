@@ -22,22 +22,23 @@ export function sources(heard) {
   let busy = false;
 
   const shown = () => {
-    if (!known) return;
     const source = valueOf(form, "source");
     for (const part of form.querySelectorAll("[data-for]")) {
       part.toggleAttribute("hidden", !part.getAttribute("data-for")?.split(" ").includes(source));
     }
     byId("new-together").hidden = heard.open() === 0;
+    byId("new-effects").hidden = valueOf(form, "hides") !== "chosen";
     go.textContent = source === "simulated" ? "Simulate" : "Record";
+    if (!known) return;
     fill(form, "motion", Object.entries(known.motions[source]).map(([name, words]) => [name, `${name}: ${words}`]));
     byId("new-warning").hidden ||= valueOf(form, "motion") === "hand" && !valueOf(form, "model").trim();
-    byId("new-effects").hidden = valueOf(form, "hides") !== "chosen";
     const level = levelOf(form);
     for (const name of ["knob", "motion", "duration_s", "seed"]) field(form, name).disabled = level !== ""; // chosen by the level
     const hideable = known.knobs.find(({ name }) => name === valueOf(form, "knob"))?.hideable ?? [];
     for (const box of byId("new-effects").querySelectorAll("input")) box.disabled = !hideable.includes(box.value);
   };
   const opened = async () => {
+    shown();
     dialog.showModal();
     told.textContent = "";
     byId("new-fault").hidden = true;

@@ -156,6 +156,9 @@ function showBranches(place4, state, beside, deeds) {
 
 // src/captures.js
 function showCaptures(place4, { captures, active }, { use, close }) {
+  const key2 = JSON.stringify([captures, active]);
+  if (place4.dataset.shown === key2) return;
+  place4.dataset.shown = key2;
   if (captures.length === 1) {
     const [only] = captures;
     place4.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only)));
@@ -3834,22 +3837,23 @@ function sources(heard) {
   let known = null;
   let busy = false;
   const shown = () => {
-    if (!known) return;
     const source = valueOf(form, "source");
     for (const part of form.querySelectorAll("[data-for]")) {
       part.toggleAttribute("hidden", !part.getAttribute("data-for")?.split(" ").includes(source));
     }
     byId("new-together").hidden = heard.open() === 0;
+    byId("new-effects").hidden = valueOf(form, "hides") !== "chosen";
     go.textContent = source === "simulated" ? "Simulate" : "Record";
+    if (!known) return;
     fill(form, "motion", Object.entries(known.motions[source]).map(([name, words3]) => [name, `${name}: ${words3}`]));
     byId("new-warning").hidden ||= valueOf(form, "motion") === "hand" && !valueOf(form, "model").trim();
-    byId("new-effects").hidden = valueOf(form, "hides") !== "chosen";
     const level = levelOf(form);
     for (const name of ["knob", "motion", "duration_s", "seed"]) field2(form, name).disabled = level !== "";
     const hideable = known.knobs.find(({ name }) => name === valueOf(form, "knob"))?.hideable ?? [];
     for (const box of byId("new-effects").querySelectorAll("input")) box.disabled = !hideable.includes(box.value);
   };
   const opened = async () => {
+    shown();
     dialog2.showModal();
     told.textContent = "";
     byId("new-fault").hidden = true;
