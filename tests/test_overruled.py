@@ -55,6 +55,10 @@ def test_of_a_saved_capture_what_was_masked_can_be_overruled_and_what_was_mended
     again = kc.load(saved, overrule=["spike:tau"])
     assert again.mask.all() and again.overrules("spike", "tau")
     assert kc.load(again.save(tmp_path / "again.npz")).overrules("spike", "tau")
+    part = kc.load(saved, start=2.0, overrule=["spike:tau"])
+    assert part.mask.all() and part.overrules("spike", "tau")
+    later = kc.load(kc.load(log, start=1.0).save(tmp_path / "later.npz"), overrule=["spike:tau"])
+    assert later.mask.all() and later.where(later.findings[-1]) == [(SPIKE - 1000, SPIKE - 1000)]
     with pytest.raises(InputError, match=r"wrap:theta was mended before .* --overrule wrap:theta"):
         kc.load(saved, overrule=["wrap:theta"])
 

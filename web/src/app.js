@@ -1,7 +1,7 @@
 /** The workbench's page: what the server tells is shown, what the person does is asked of the server. */
 
 import { download, fetchState, listen, post, wordsOf } from "./api.js";
-import { showBranches } from "./branches.js";
+import { comparable, showBranches } from "./branches.js";
 import { samplesOf, showCaptures, showFindings } from "./captures.js";
 import { Candidates } from "./candidates.js";
 import { byId } from "./dom.js";
@@ -240,7 +240,7 @@ class App {
     });
     byId("open-together").hidden = state.captures.length === 0;
     showLadder(byId("ladder"), state);
-    if (state.branch === this.beside || !state.branches.some(({ id }) => id === this.beside)) this.beside = null;
+    if (!comparable(state, this.beside)) this.beside = null;
     this.showBranches(state);
     this.params.show(state.params, state.together);
     this.candidates.show(state);

@@ -155,6 +155,13 @@ class Capture(showing.Tabled):
         inside = [span for span in finding.spans if span[1] >= first_row and span[0] <= last_row]
         return [(max(a, first_row) - first_row, min(b, last_row) - first_row) for a, b in inside]
 
+    def named(self, finding: Finding) -> BoolArray:
+        """Return the same as truths, shape (samples,)."""
+        named = np.zeros(self.samples, dtype=np.bool_)
+        for first, last in self.where(finding):
+            named[first : last + 1] = True
+        return named
+
     def overrules(self, kind: str, column: str) -> bool:
         """Whether a person has overruled what was found of this kind in a column."""
         return any(one.overruled and (one.kind, one.column) == (kind, column) for one in self.findings)
@@ -333,7 +340,7 @@ def of_table(file: Path, table: Table, reading: Reading = PLAIN) -> Capture:
         untouched = isinstance(keep, slice) and native.get("sha256") == document.digest(columns)
         capture = saved.restored(capture, native, table, keep, untouched)
         capture = capture if limit is None else saved.limited(capture, limit, rows[keep])
-        capture = saved.ruled(capture, reading.overrule, rows[keep])
+        capture = saved.ruled(capture, reading.overrule)
         check_overruled(str(file), reading.overrule, capture.findings)
         return capture
     limits = {name: at[keep] for name, at in table.limits.items() if name in capture.columns}

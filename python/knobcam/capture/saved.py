@@ -10,7 +10,6 @@ import numpy as np
 from ..errors import InputError
 from .finding import Rows
 from .formats import document
-from .quality.ruled import within
 from .quality.torque import Limit, check_clipping
 
 if TYPE_CHECKING:
@@ -52,18 +51,18 @@ def restored(
         ) from error
 
 
-def ruled(capture: Capture, overruled: Collection[str], rows: Rows) -> Capture:
+def ruled(capture: Capture, overruled: Collection[str]) -> Capture:
     """Return a capture that was saved with these of its findings overruled, by their keys.
 
-    Samples that were masked count again. Raises InputError for what was mended: as it was recorded it is in
-    the log alone.
+    Samples that were masked count again, but for those that another finding masks. Raises InputError for what
+    was mended: as it was recorded it is in the log alone.
     """
-    said, back = [], np.zeros(capture.samples, dtype=np.bool_)
-    stay = np.zeros(capture.samples, dtype=np.bool_)
+    said = []
+    back, stay = (np.zeros(capture.samples, dtype=np.bool_) for _ in range(2))
     for one in capture.findings:
-        if one.key not in overruled or one.stands or one.overruled:
+        if one.key not in overruled or one.stands:
             said.append(one)
-            stay |= within(one, rows) & (one.severity == "masked")
+            stay |= capture.named(one) & (one.severity == "masked")
             continue
         if one.severity == "mended" or (one.severity == "masked" and _cut(one)):
             source = capture.meta.get("source", "capture")
@@ -71,8 +70,8 @@ def ruled(capture: Capture, overruled: Collection[str], rows: Rows) -> Capture:
                 f"{source}: {one.key} was {one.severity} before the capture was saved; import its log again "
                 f"with --overrule {one.key}"
             )
-        said.append(one.over())
-        back |= within(one, rows) & (one.severity == "masked")
+        said.append(one if one.overruled else one.over())
+        back |= capture.named(one)
     return replace(capture, mask=capture.mask | (back & ~stay), findings=tuple(said))
 
 

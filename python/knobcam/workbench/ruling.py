@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from .session import Session, Tell
     from .tree import Opened
 
+_SAVED = "it was overruled before the capture was saved"
+
 
 def overrule(
     session: Session, capture: str, finding: str, on: bool, find: Callable[[Opened], Path], tell: Tell
@@ -56,13 +58,14 @@ def overrule(
 
 def document(opened: Opened) -> list[pages.Finding]:
     """Return what was found in a capture, as a page is told it."""
+    told = opened.options.get("overrule", ())
     return [
         {
             "key": one.key,
             "text": str(one),
             "note": one.severity == "note" and not one.overruled,
             "overruled": one.overruled,
-            "stands": one.stands,
+            "stands": _SAVED if one.overruled and one.key not in told else one.stands,
             "seen": bool(opened.capture.where(one)),
         }
         for one in opened.capture.findings

@@ -123,6 +123,10 @@ function ticks(low, high, count) {
 }
 
 // src/branches.js
+function comparable({ branches, branch: current, active }, branch) {
+  const other = branches.find(({ id }) => id === branch && id !== current);
+  return other !== void 0 && other.steps[other.at]?.captures.join() === active.join();
+}
 function showBranches(place4, state, beside, deeds) {
   const focused = document.activeElement?.getAttribute("data-beside");
   const cards = state.branches.map(({ id, name, steps, at }) => {
@@ -142,8 +146,10 @@ function showBranches(place4, state, beside, deeds) {
       make("span", { class: "figure", text: step ? `${number(step.rmse * scale.factor)} ${scale.unit}` : "–" })
     );
     if (id === state.branch) return make("div", { class: "card" }, card);
+    const there = comparable(state, id);
     const box = make("input", {
-      ...{ type: "checkbox", checked: id === beside, "data-beside": id },
+      ...{ type: "checkbox", checked: id === beside, "data-beside": id, disabled: !there },
+      ...{ title: there ? null : "it is fitted to other captures, or to the same read otherwise" },
       on: { change: () => deeds.beside(id === beside ? null : id) }
     });
     return make("div", { class: "card" }, card, make("label", {}, box, " side by side"));
@@ -4226,7 +4232,7 @@ var App = class {
     });
     byId("open-together").hidden = state.captures.length === 0;
     showLadder(byId("ladder"), state);
-    if (state.branch === this.beside || !state.branches.some(({ id }) => id === this.beside)) this.beside = null;
+    if (!comparable(state, this.beside)) this.beside = null;
     this.showBranches(state);
     this.params.show(state.params, state.together);
     this.candidates.show(state);
