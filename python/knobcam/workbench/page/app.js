@@ -394,6 +394,7 @@ function element([tag, attributes, ...children]) {
 }
 
 // src/candidates.js
+var NOTHING = "No effect that was weighed explains enough of what is left.";
 var Candidates = class {
   /**
    * @param {HTMLElement} place
@@ -431,8 +432,9 @@ var Candidates = class {
     this.place.replaceChildren(
       ...candidates.ready ? [] : [make("p", { class: "soft" }, job ? `${job.what} …` : ask2)],
       ...candidates.ready && this.items.length === 0 ? [make("p", { class: "well", text: "Nothing is left to be weighed." })] : [],
+      candidates.ready && could.length === 0 && others.length > 0 ? make("p", { class: "soft", text: NOTHING }) : "",
       make("ul", { "aria-label": "candidates", class: "candidates" }, ...this.items.slice(0, could.length)),
-      others.length > 0 ? folded(others, could.length === 0) : "",
+      others.length > 0 ? folded(others) : "",
       ...remainder(candidates.unexplained)
     );
     if (this.inside && document.activeElement === document.body) this.place.focus();
@@ -520,9 +522,9 @@ var Candidates = class {
     }
   }
 };
-function folded(items, open) {
+function folded(items) {
   const words3 = `${items.length} weighed in vain: too little, or chance`;
-  return make("details", { open }, make("summary", { class: "soft", text: words3 }), make("ul", { class: "candidates" }, ...items));
+  return make("details", {}, make("summary", { class: "soft", text: words3 }), make("ul", { class: "candidates" }, ...items));
 }
 function evidence(row) {
   const chance = row.p_value <= 1e-3 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
