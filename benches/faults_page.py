@@ -26,6 +26,7 @@ from typing import Any, NamedTuple
 from unittest import mock
 
 import httpx
+import numpy as np
 
 import knobcam as kc
 from knobcam.workbench import journal, patience
@@ -79,9 +80,15 @@ _VERBS = (
     "share",
     "use",
     "open",
+    "overrule",
+    "typed",
+    "hint",
 )
 _ALL = (*_VERBS, *_VERBS, "look", "look", "simulate", "record", "stop", "save", "anew", "continue", "nothing")
-_GETS = ("state", "arrays", "signature", "download", "hidden", "live", "sources", "picture")
+_GETS = (
+    *("state", "arrays", "signature", "download", "hidden", "live", "sources", "finding", "challenge"),
+    "picture",
+)
 
 
 class Place(NamedTuple):
@@ -94,7 +101,13 @@ class Place(NamedTuple):
     def made(cls, folder: Path) -> Place:
         """Make them."""
         sound = kc.simulate("knob4", "sweep", duration_s=0.6, seed=1).save(folder / "a.npz")
-        kc.simulate("knob4", "multisine", duration_s=0.6, seed=2).save(folder / "b.csv")
+        other = kc.simulate("knob4", "multisine", duration_s=0.6, seed=2)
+        other.save(folder / "b.csv")
+        tau = other.tau.copy()
+        tau[1500] += 5.0 * np.ptp(tau)
+        columns = np.column_stack([other.t, other.theta, tau])
+        head = {"delimiter": ",", "header": "t_s,theta_rad,tau_Nm", "comments": ""}
+        np.savetxt(folder / "spoiled.csv", columns, **head)
         (folder / "cut.npz").write_bytes(sound.read_bytes()[:5000])
         (folder / "empty.csv").write_bytes(b"")
         os.mkfifo(folder / "pipe")
@@ -102,7 +115,8 @@ class Place(NamedTuple):
             "a.npz",
             "a.npz",
             "b.csv",
-            "b.csv",
+            "spoiled.csv",
+            "spoiled.csv",
             "cut.npz",
             "empty.csv",
             "pipe",
@@ -155,10 +169,11 @@ def command(rng: random.Random, state: dict[str, Any], place: Place) -> tuple[st
             "branch": rng.choice([one["id"] for one in state["branches"]] or ["b1"]),
             "together": rng.random() < 0.5,
         },
-        **{"captures": rng.sample(captures, rng.randint(1, len(captures))), "capture": captures[0]},
+        **{"captures": rng.sample(captures, rng.randint(1, len(captures))), "capture": rng.choice(captures)},
         **{"indices": "AAAAAAEAAAA=", "session": "000001", "keep": False, "knob": "knob4", "duration_s": 0.5},
     }
     body |= {"motion": "multisine", "source": "port", "port": str(place.folder / "a.npz"), "what": "model"}
+    body |= {"finding": "spike:tau", "on": rng.random() < 0.7, "law": rng.choice(("k*theta", "a*sin("))}
     body["view"] = {"isolated": rng.random() < 0.5}
     body["brush"] = {"plot": rng.randrange(9), "x": [0.0, rng.random()], "y": [-1.0, 1.0]}
     if verb == "save":

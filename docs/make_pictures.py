@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """Make the pictures of the documentation: python docs/make_pictures.py [FOLDER], by default docs/pictures.
 
+    python docs/make_pictures.py --page      those of the workbench alone; needs `python3 dev.py browser`
+
 Those of simulated knobs are made anywhere. The others are of real measurements, which are not part of this
 repository: KNOBCAM_SHARED_DATA names the folder that holds them; without it these pictures stay as they are.
 """
@@ -12,13 +14,18 @@ import dataclasses
 import io
 import os
 import re
+import shutil
+import subprocess
 import sys
 import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from PIL import Image
+
 import knobcam as kc
 from knobcam import plot
+from knobcam.model.typical import with_typical
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,7 +37,10 @@ COGGING = Path("odrive_cogging", "map_a_16.npy")
 
 
 def main() -> None:
-    """Make every picture."""
+    """Make every picture but those of the page."""
+    if "--page" in sys.argv:
+        page(DOCS / "pictures")
+        return
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else DOCS / "pictures"
     keep(folder / "story.png", plot.learned(kc.learn(hidden_spring())), 80)
     keep(
@@ -45,6 +55,29 @@ def main() -> None:
         return
     axis(folder, shared / EMPS)
     motor(folder, shared / MOTOR, shared / COGGING)
+
+
+def page(folder: Path) -> None:
+    """Take pictures of the workbench in Chromium: a region and what would explain it, and a law."""
+    chrome = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))))
+    knob = with_typical(kc.Model.load("knob3"), kc.effects()["stribeck"])
+    with contextlib.ExitStack() as stack:
+        place = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        addresses = []
+        for capture, name in ((kc.simulate(knob, "sweep", seed=3), "knob.npz"), (braked(), "braked.npz")):
+            command = [sys.executable, "-m", "knobcam", "workbench", "--no-browser"]
+            command.append(str(capture.save(place / name)))
+            server = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+            stack.callback(server.wait)
+            stack.callback(server.terminate)
+            assert server.stdout is not None
+            addresses.append(server.stdout.readline().strip())
+        script = DOCS.parent / "web" / "browser" / "pictures.js"
+        subprocess.run(["node", script, chrome, place, *addresses], check=True)
+        for one in ("workbench.png", "workbench-law.png"):
+            few = Image.open(place / one).convert("RGB").quantize(256, kmeans=2)
+            few.save(folder / one, optimize=True)
+            print(folder / one)
 
 
 def keep(target: Path, figure: Figure, dpi: int = 80) -> None:

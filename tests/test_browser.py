@@ -41,16 +41,34 @@ def capture_with_stribeck(folder: Path, samples: int) -> Path:
     return capture.save(folder / "knob.npz")
 
 
+def spoiled(folder: Path) -> Path:
+    """The same as a log, whose torque leaps for one row."""
+    capture = kc.load(capture_with_stribeck(folder, 10_000))
+    tau = capture.tau.copy()
+    tau[5000] += 5.0 * np.ptp(tau)
+    path = folder / "log.csv"
+    columns = np.column_stack([capture.t, capture.theta, tau])
+    np.savetxt(path, columns, delimiter=",", header="t_s,theta_rad,tau_Nm", comments="")
+    return path
+
+
 @contextmanager
 def workbench(*captures: Path) -> Iterator[str]:
     """The address of a workbench that has captures open."""
+    with process(*captures) as (address, _):
+        yield address
+
+
+@contextmanager
+def process(*captures: Path) -> Iterator[tuple[str, int]]:
+    """The same, and its process."""
     command = [sys.executable, "-m", "knobcam", "workbench", "--no-browser", *map(str, captures)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
         assert server.stdout is not None
         try:
             address = server.stdout.readline().strip()
             assert address.startswith("http://127.0.0.1:")
-            yield address
+            yield address, server.pid
         finally:
             server.terminate()
 
@@ -122,6 +140,28 @@ def test_a_brush_in_a_notebook_is_heard_in_python_and_nothing_stays_behind(
     figures = script("widget.js", module, tmp_path / "state.json", pictures)["figures"]
     assert figures["brush"]["painted"] < 250.0
     assert figures["brush"]["script"] < 30.0
+
+
+def test_the_whole_loop_goes_by_keys_alone_and_escape_closes_whatever_opens(tmp_path: Path) -> None:
+    with workbench() as address:
+        seen = script("keyboard.js", address)
+    assert seen["effect"] in kc.effects() and seen["script"].endswith(".py")
+    before, after = seen["rmse"]
+    assert after < before
+
+
+def test_what_is_no_file_is_refused_at_once_two_pages_agree_and_a_killed_server_is_told(
+    tmp_path: Path,
+) -> None:
+    large, pipe = tmp_path / "large.csv", tmp_path / "pipe"
+    with large.open("wb") as file:
+        file.truncate(201_000_000)
+    os.mkfifo(pipe)
+    log = spoiled(tmp_path)
+    with process(log) as (address, pid):
+        seen = script("faults.js", address, log, large, pipe, str(pid))
+    assert max(seen["waits"].values()) < 5000.0
+    assert seen["rmse"][1] > seen["rmse"][0]
 
 
 def test_a_session_that_was_left_goes_on_in_the_page_as_it_looked(tmp_path: Path, pictures: Path) -> None:

@@ -118,7 +118,7 @@ def test_a_session_goes_on_as_it_was_left_to_the_last_bit(root: Path, small: Pat
     second.session.redo()
     second.session.snap()
     second.session.add("stribeck")
-    assert len({*second.session._nodes}) == len(second.session._nodes) == 4
+    assert len({*second.session.nodes}) == len(second.session.nodes) == 4
     crashed(second)
     with continued(root, Bench(kept_in=root).document()["left"][0]["id"]) as third:
         assert third.session.node.fit.model.effects == second.session.node.fit.model.effects

@@ -176,3 +176,40 @@ def test_what_is_no_formula_is_refused_and_changes_nothing(
     before, there = state(opened), set(kc.effects())
     wrong(opened.post("/api/formula", json=body), 400, words)
     assert state(opened) == before and set(kc.effects()) == there
+
+
+def test_the_curve_of_what_is_left_has_its_band_and_the_laws_lie_within_it(asked: httpx.Client) -> None:
+    curve = state(asked)["curve"]
+    assert curve["over"] == "omega" and curve["times"] == ""
+    value, band, first = (
+        np.array(one, dtype=float) for one in (curve["value"], curve["band"], curve["laws"][0])
+    )
+    seen = ~np.isnan(value)
+    assert seen.mean() > 0.5 and np.array_equal(seen, ~np.isnan(band))
+    assert np.mean(np.abs(value - first)[seen] < 2.0 * band[seen]) > 0.9
+    assert np.ptp(value[seen]) > 10.0 * np.median(band[seen])
+
+
+def test_a_formula_is_fitted_while_it_is_typed_and_changes_nothing(asked: httpx.Client, bench: Bench) -> None:
+    before = state(asked)
+    formula = {"law": "2*a*(omega/w)/(1 + (omega/w)^2)", "guess": "a=0.01 w=1"}
+    told = asked.post("/api/typed", json=formula).json()["tried"]
+    assert told["rmse"] == pytest.approx(before["proposed"][0]["rmse"], rel=1e-3)
+    assert any(word.startswith("w = 1.3") for word in told["words"])
+    there = {"node": before["node"], "capture": before["active"][0], "number": "typed"}
+    assert asked.get("/api/law", params=there).is_success
+    assert "character" in asked.post("/api/typed", json={"law": "2*a*(omega"}).json()["unfinished"]
+    assert state(asked) == before
+    assert not [one for one in kc.effects() if one.startswith("typed")]
+    asked.post("/api/add", json={"effect": "stribeck"})
+    now = {**there, "node": state(asked)["node"]}
+    wrong(asked.get("/api/law", params=now), 400, "type one first")
+
+
+def test_where_nothing_has_a_name_a_law_is_looked_for_unasked(
+    bench: Bench, braked: kc.Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("knobcam.workbench.state.unexplained", lambda _: True)
+    bench.session.take(braked, "braked")
+    bench.weigh().result.result(120.0)
+    assert bench.session.proposals[bench.session.node.id].laws[0].variables == ("omega",)

@@ -48,7 +48,9 @@ def as_the_schema_says(answer: httpx.Response) -> None:
     kind = answer.headers.get("content-type", "")
     if kind == "application/json":
         shapes = {"/api/state": pages.State, "/api/sources": pages_sources.Sources} | {
-            "/api/splits": pages.Splits
+            "/api/splits": pages.Splits,
+            "/api/finding": pages_sources.Found,
+            "/api/challenge": pages_sources.Challenge,
         }
         shape = shapes.get(answer.url.path, pages.Answer)
         answer.read()

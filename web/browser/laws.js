@@ -23,6 +23,8 @@ const law = page.locator(".law").first();
 await law.waitFor();
 const looked = page.locator("#looked");
 assert.ok(await looked.isHidden());
+const curve = page.locator("#curve-plot");
+assert.match(await curve.getAttribute("aria-label"), /left over velocity, with its 95 % band; green: law 1/);
 await law.hover();
 await painted(page, "look");
 assert.equal(await looked.textContent(), "what law 1 would explain");
@@ -46,12 +48,16 @@ assert.equal(await form.getByLabel("Torque").inputValue(), "2*a*(omega/w)/(1 + (
 assert.match(await form.getByLabel("starts at").inputValue(), /^a=0\.00\d+ w=1\.\d+$/);
 await form.getByLabel("Torque").fill("2 b (omega/w) / (1 + (omega/w)^2");
 await form.getByLabel("starts at").fill("b=0.01 w=1");
+await page.locator("#own-tried", { hasText: "character" }).waitFor(); // while it is typed
 await form.getByLabel("called").fill("brake");
 await page.keyboard.press("Enter");
 await page.waitForFunction(() => /character/.test(document.getElementById("said").textContent));
 await picture("33-formula-refused");
 assert.equal(complaints.splice(0).length, 2); // the refusal, as the browser tells it and as it came
 await form.getByLabel("Torque").fill("2 b (omega/w) / (1 + (omega/w)^2)");
+await page.locator("#own-tried", { hasText: /^would leave 0\.\d+ mNm, .* w = 1\.\d+ rad\/s/ }).waitFor();
+assert.equal(await looked.textContent(), "what the formula that is typed would explain");
+assert.deepEqual((await stateOf(page)).ladder, before.ladder, "nothing is taken by typing");
 figures.formula = await done(page, "add", () => page.keyboard.press("Enter"), figures.add);
 const typed = await stateOf(page);
 assert.equal(typed.ladder.at(-1).label, "+ brake");

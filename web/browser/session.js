@@ -13,7 +13,7 @@ const QUIET = [
  */
 export async function launched(chrome) {
   const browser = await chromium.launch({ executablePath: chrome, args: QUIET });
-  const page = await browser.newPage({ viewport: { width: 1500, height: 950 }, acceptDownloads: true });
+  const page = await browser.newPage({ viewport: { width: 1500, height: 950 }, acceptDownloads: true, reducedMotion: "reduce" });
   const complaints = [];
   const requests = [];
   page.on("console", (message) => message.type() === "error" && complaints.push(message.text()));

@@ -98,9 +98,11 @@ await page.route("**/api/picture*", async (route) => {
   await page.getByText(/s: adds -?−?[\d.e−]+ mNm/).waitFor();
   await route.continue();
 });
+await page.emulateMedia({ reducedMotion: "no-preference" });
 await page.keyboard.press("?");
 await page.waitForFunction(() => document.querySelector("#about img")?.naturalWidth > 500);
 await picture("3-about");
+await page.emulateMedia({ reducedMotion: "reduce" });
 await page.getByRole("button", { name: "Close" }).click();
 
 await page.locator("#save summary").click();
@@ -123,7 +125,7 @@ await page.keyboard.press("Space");
 await page.locator("#any button[type=submit]").focus();
 await page.keyboard.press("Enter");
 await page.locator("#candidates").focus();
-await candidates.first().waitFor({ timeout: 60_000 });
+await candidates.first().waitFor({ timeout: 60_000, state: "attached" });
 assert.equal((await stateOf(page)).revision >= second.revision, true);
 assert.deepEqual((await stateOf(page)).ladder, second.ladder);
 assert.ok(await page.evaluate(() => document.activeElement?.id === "candidates"));
@@ -202,6 +204,7 @@ const before = await page.locator("#look .below p").textContent();
 await page.getByRole("button", { name: `+ ${effect}` }).click();
 figures.report = await brushed(page, "residual over velocity", [0.47, 0.12], [0.62, 0.85]);
 assert.notEqual(await page.locator("#look .below p").textContent(), before, "a brush works in the report");
+await page.locator("#look details summary").click(); // all was weighed in vain by then
 const weighed = page.locator("#look .candidate").first();
 await weighed.hover();
 await page.getByText(`what ${await weighed.getAttribute("data-effect")} would explain`).waitFor();

@@ -1,8 +1,8 @@
 /** The workbench's page: what the server tells is shown, what the person does is asked of the server. */
 
 import { download, fetchState, listen, post, wordsOf } from "./api.js";
-import { showBranches } from "./branches.js";
-import { showCaptures, showFindings } from "./captures.js";
+import { comparable, showBranches } from "./branches.js";
+import { samplesOf, showCaptures, showFindings } from "./captures.js";
 import { Candidates } from "./candidates.js";
 import { byId } from "./dom.js";
 import { AnyEffect, about } from "./effects.js";
@@ -18,6 +18,7 @@ import { Linked } from "./linked.js";
 import { Live } from "./live.js";
 import { showMoment } from "./moment.js";
 import { Next, showUntold } from "./next.js";
+import { Overlay } from "./overlay.js";
 import { Params } from "./params.js";
 import { preparing, sources } from "./sources.js";
 import { Store } from "./store.js";
@@ -28,8 +29,6 @@ import { showVerdict } from "./verdict.js";
 /** @typedef {import("./types.js").State} State */
 /** @typedef {import("./types.js").Job} Job */
 
-const LOOK_MS = 60; // a pointer that only passes over a candidate asks for nothing
-
 class App {
   constructor() {
     this.store = new Store();
@@ -39,8 +38,8 @@ class App {
     this.job = null;
     /** @type {import("./types.js").Seen} */
     this.view = { axes: USUAL, isolated: false, band: false, held: true };
-    /** @type {import("./types.js").Place | null} what is marked once it is drawn */
-    this.place = null;
+    /** @type {(() => void) | null} what is marked once it is drawn */
+    this.then = null;
     this.drawn = "";
     /** @type {string | null} the branch that is shown beside the current one */
     this.beside = null;
@@ -58,6 +57,7 @@ class App {
       { fetched: true, pointed: showMoment },
     );
     byId("plots").append(this.linked.element);
+    this.overlay = new Overlay(this.store, this.linked, () => this.state, (reason) => this.failed(reason));
     this.refresh = latest((/** @type {number} */ revision) => this.load(revision));
     this.drag = latest(async (/** @type {Record<string, number>} */ values) => {
       await this.ask("params", values, "drag");
@@ -67,7 +67,7 @@ class App {
       drop: (effect) => this.ask("drop", { effect }, "drop"),
     });
     const deeds = {
-      look: (/** @type {string | null} */ effect) => this.look(effect, "signature", { effect: effect ?? "" }),
+      look: (/** @type {string | null} */ effect) => this.overlay.look(effect, "signature", { effect: effect ?? "" }),
       take: (/** @type {string} */ effect) => this.ask("add", { effect }, "add"),
       ask: () => this.ask("diagnose"),
       about: (/** @type {import("./types.js").Effect} */ effect) => this.about(effect),
@@ -76,14 +76,12 @@ class App {
     this.candidates = new Candidates(byId("candidates"), deeds, "Add");
     this.laws = new Laws(byId("laws"), {
       ask: () => this.ask("propose"),
-      look: (number) => this.look(number === null ? null : `law ${number}`, "law", { number: String(number) }),
+      look: (number) => this.overlay.look(number === null ? null : `law ${number}`, "law", { number: String(number) }),
       take: (number, name) => this.ask("accept", { number, name }, "add"),
       add: async (formula) => (await this.ask("formula", formula, "add")) !== null,
+      attempt: (formula, told) => this.overlay.attempt(formula, told),
     });
     this.any = new AnyEffect((effect) => this.ask("add", { effect }, "add"), (effect) => this.about(effect));
-    this.looking = new AbortController();
-    /** @type {string | null} */
-    this.looked = null;
     /** @type {Live | null} */
     this.live = null;
     this.next = new Next({
@@ -166,9 +164,19 @@ class App {
     if (axes.includes(place.axis)) {
       this.linked.mark(place);
     } else {
-      this.place = place;
+      this.then = () => this.linked.mark(place);
       this.see({ axes: [place.axis, ...axes.slice(1)] });
     }
+  }
+
+  /** Show the samples of a finding, over time among others. @param {string} capture @param {string} finding */
+  async find(capture, finding) {
+    const { axes } = this.view;
+    const chosen = this.state && (await samplesOf(capture, finding, this.state).catch((reason) => this.failed(reason)));
+    if (!chosen) return undefined;
+    if (axes.includes("time")) return this.linked.find(chosen);
+    this.then = () => this.linked.find(chosen);
+    return this.see({ axes: [...axes.slice(0, -1), "time"] });
   }
 
   /**
@@ -207,7 +215,7 @@ class App {
 
   /** @param {State} state */
   show(state) {
-    if (this.state?.node !== state.node) this.look(null); // what was weighed there is not weighed here
+    if (this.state?.node !== state.node) this.overlay.look(null); // what was weighed there is not weighed here
     if (!this.state?.node && state.node !== null && state.looked) this.lookAgain(state.looked);
     this.state = state;
     byId("welcome").toggleAttribute("hidden", state.node !== null);
@@ -226,10 +234,13 @@ class App {
       use: (captures) => this.ask("use", { captures }, "captures"),
       close: (capture) => this.ask("close", { capture }, "captures"),
     });
-    showFindings(byId("findings"), state);
+    showFindings(byId("findings"), state, {
+      see: (capture, finding) => this.find(capture, finding),
+      overrule: (capture, finding, on) => this.ask("overrule", { capture, finding, on }, "data"),
+    });
     byId("open-together").hidden = state.captures.length === 0;
     showLadder(byId("ladder"), state);
-    if (state.branch === this.beside || !state.branches.some(({ id }) => id === this.beside)) this.beside = null;
+    if (!comparable(state, this.beside)) this.beside = null;
     this.showBranches(state);
     this.params.show(state.params, state.together);
     this.candidates.show(state);
@@ -283,8 +294,8 @@ class App {
     timed(what, () => {
       this.linked.show(data, view);
       if (brush) this.linked.brushAgain(brush);
-      if (this.place) this.linked.mark(this.place);
-      this.place = null;
+      this.then?.();
+      this.then = null;
     }, start);
     const found = await splits;
     if (this.state?.node === node) timed("bins", () => this.linked.lay(found));
@@ -308,33 +319,6 @@ class App {
   legend(name) {
     byId("beside").hidden = name === null;
     byId("beside-name").textContent = name ?? "";
-  }
-
-  /**
-   * Show what something would explain: an effect or a law, by what it is called and how it is asked for.
-   * @param {string | null} what
-   * @param {string} [verb]
-   * @param {Record<string, string>} [asked]
-   */
-  async look(what, verb = "", asked = {}) {
-    if (what === this.looked) return;
-    this.looked = what;
-    this.looking.abort();
-    this.looking = new AbortController();
-    const { signal } = this.looking;
-    byId("looked").textContent = what ? `what ${what} would explain` : "";
-    byId("looked").toggleAttribute("hidden", what === null);
-    const node = this.state?.node;
-    if (!what || !node) return timed("look away", () => this.linked.overlay(null));
-    const start = performance.now();
-    await new Promise((resolve) => setTimeout(resolve, LOOK_MS));
-    if (signal.aborted || this.state?.node !== node) return;
-    try {
-      const column = await this.store.explained(node, this.state.active, what, { verb, asked }, signal);
-      if (!signal.aborted) timed("look", () => this.linked.overlay(column), start);
-    } catch (reason) {
-      if (!signal.aborted) this.failed(reason);
-    }
   }
 
   /** Show what an effect is, moved as the capture moved. @param {import("./types.js").Effect} effect */

@@ -6,6 +6,16 @@ import { number, torqueScale } from "./numbers.js";
 /** @typedef {import("./types.js").State} State */
 
 /**
+ * Whether a branch can be held against the current one: it is another, fitted to the same captures.
+ * @param {State} state
+ * @param {string | null} branch
+ */
+export function comparable({ branches, branch: current, active }, branch) {
+  const other = branches.find(({ id }) => id === branch && id !== current);
+  return other !== undefined && other.steps[other.at]?.captures.join() === active.join();
+}
+
+/**
  * @param {HTMLElement} place
  * @param {State} state
  * @param {string | null} beside the branch beside the current one
@@ -30,8 +40,10 @@ export function showBranches(place, state, beside, deeds) {
       make("span", { class: "figure", text: step ? `${number(step.rmse * scale.factor)} ${scale.unit}` : "–" }),
     );
     if (id === state.branch) return make("div", { class: "card" }, card);
+    const there = comparable(state, id);
     const box = make("input", {
-      ...{ type: "checkbox", checked: id === beside, "data-beside": id },
+      ...{ type: "checkbox", checked: id === beside, "data-beside": id, disabled: !there },
+      ...{ title: there ? null : "it is fitted to other captures, or to the same read otherwise" },
       on: { change: () => deeds.beside(id === beside ? null : id) },
     });
     return make("div", { class: "card" }, card, make("label", {}, box, " side by side"));

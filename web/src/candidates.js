@@ -7,6 +7,8 @@ import { number, percent } from "./numbers.js";
 /** @typedef {import("./types.js").Candidate} Candidate */
 /** @typedef {import("./types.js").State} State */
 
+const NOTHING = "No effect that was weighed explains enough of what is left.";
+
 export class Candidates {
   /**
    * @param {HTMLElement} place
@@ -49,8 +51,9 @@ export class Candidates {
       ...(candidates.ready && this.items.length === 0
         ? [make("p", { class: "well", text: "Nothing is left to be weighed." })]
         : []),
+      candidates.ready && could.length === 0 && others.length > 0 ? make("p", { class: "soft", text: NOTHING }) : "",
       make("ul", { "aria-label": "candidates", class: "candidates" }, ...this.items.slice(0, could.length)),
-      others.length > 0 ? folded(others, could.length === 0) : "",
+      others.length > 0 ? folded(others) : "",
       ...remainder(candidates.unexplained),
     );
     // On the list as a whole: on an item a second Enter would take another one, unseen.
@@ -144,11 +147,10 @@ export class Candidates {
 /**
  * What is no more than chance, or too little, or not by its values: there for those who ask.
  * @param {HTMLElement[]} items
- * @param {boolean} open
  */
-function folded(items, open) {
+function folded(items) {
   const words = `${items.length} weighed in vain: too little, or chance`;
-  return make("details", { open }, make("summary", { class: "soft", text: words }), make("ul", { class: "candidates" }, ...items));
+  return make("details", {}, make("summary", { class: "soft", text: words }), make("ul", { class: "candidates" }, ...items));
 }
 
 /** @param {Candidate} row */

@@ -1,5 +1,6 @@
 /** The captures that are open, and which of them the model is fitted to. */
 
+import { ask } from "./api.js";
 import { make } from "./dom.js";
 
 /** @typedef {import("./types.js").State} State */
@@ -11,6 +12,9 @@ import { make } from "./dom.js";
  * @param {{use: (captures: string[]) => void, close: (capture: string) => void}} deeds `use`: these ids to fit to
  */
 export function showCaptures(place, { captures, active }, { use, close }) {
+  const key = JSON.stringify([captures, active]);
+  if (place.dataset.shown === key) return; // a button that is being pressed stays
+  place.dataset.shown = key;
   if (captures.length === 1) {
     const [only] = captures;
     place.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only)));
@@ -42,21 +46,68 @@ export function showCaptures(place, { captures, active }, { use, close }) {
 /** @param {CaptureInfo} capture */
 function words({ name, samples, rate_hz, findings }) {
   const facts = ` ${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
-  const doubt = make("span", { class: "doubt", text: "⚠ ", title: findings.join("\n") });
-  return [...(findings.length > 0 ? [doubt] : []), make("strong", { text: name }), facts];
+  const doubtful = findings.filter(({ note }) => !note);
+  const doubt = make("span", { class: "doubt", text: "⚠ ", title: doubtful.map(({ text }) => text).join("\n") });
+  return [...(doubtful.length > 0 ? [doubt] : []), make("strong", { text: name }), facts];
 }
 
 /**
- * Say what is doubtful about the captures that are fitted, and what they cannot tell.
+ * Say what is doubtful about the captures that are fitted, and what they cannot tell. Each finding is seen at its
+ * samples, and has a switch by which a person overrules it.
  * @param {HTMLElement} place
  * @param {State} state
+ * @param {{see: (capture: string, finding: string) => void,
+ *   overrule: (capture: string, finding: string, on: boolean) => void}} deeds
  */
-export function showFindings(place, { captures, active, limitations, notes }) {
+export function showFindings(place, { captures, active, limitations, notes, job }, deeds) {
+  const key = JSON.stringify([captures, active, limitations, notes, job === null]);
+  if (place.dataset.shown === key) return; // a switch that has the focus keeps it
+  place.dataset.shown = key;
+  const focused = document.activeElement?.getAttribute("data-finding");
   const fitted = captures.filter(({ id }) => active.includes(id));
-  const found = fitted.flatMap(({ name, findings }) =>
-    findings.map((text) => make("li", { class: "doubt", text: `⚠ ${fitted.length > 1 ? `${name}: ` : ""}${text}` })),
-  );
+  const found = fitted.flatMap(({ id, name, findings }) => {
+    const own = [...findings.filter(({ note }) => !note), ...findings.filter(({ note }) => note)];
+    return own.map((one) => finding(one, { id, name: fitted.length > 1 ? `${name}: ` : "", job }, deeds));
+  });
   const missing = limitations.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
   place.replaceChildren(...noted, ...found, ...missing);
+  const again = focused && place.querySelector(`[data-finding="${CSS.escape(focused)}"]`);
+  if (again instanceof HTMLElement) again.focus();
+}
+
+/**
+ * @param {import("./types.js").Finding} found
+ * @param {{id: string, name: string, job: import("./types.js").Job | null}} capture
+ * @param {Parameters<typeof showFindings>[2]} deeds
+ */
+function finding({ key, text, note, overruled, stands, seen }, { id, name, job }, { see, overrule }) {
+  const said = `${note || overruled ? "" : "⚠ "}${name}${text}`;
+  const words = seen
+    ? make("button", { type: "button", class: "leads", title: "show its samples", text: said, on: { click: () => see(id, key) } })
+    : make("span", { text: said });
+  const box = make("input", {
+    ...{ type: "checkbox", role: "switch", checked: !overruled, disabled: stands !== "", "data-finding": `${name}${key}` },
+    "aria-label": `in force: ${name}${text}`,
+    // While something is done it waits, but keeps the focus.
+    ...{ "aria-disabled": job !== null ? "true" : null },
+    on: { click: (event) => job !== null && event.preventDefault(), change: () => overrule(id, key, !overruled) },
+  });
+  const why = stands || "off: nothing is done about it, the samples are taken as they were recorded, and the model is fitted anew";
+  const own = note ? null : make("label", { title: why }, box, overruled ? "overruled" : "in force");
+  return make("li", { class: `finding ${note || overruled ? "soft" : "doubt"}` }, words, own);
+}
+
+/**
+ * The samples that a finding of a capture names, among those of all that are fitted.
+ * @param {string} capture
+ * @param {string} finding
+ * @param {State} state
+ */
+export async function samplesOf(capture, finding, { captures, active }) {
+  const before = active.slice(0, active.indexOf(capture));
+  const start = before.reduce((sum, one) => sum + (captures.find(({ id }) => id === one)?.samples ?? 0), 0);
+  /** @type {import("./types.js").Found} */
+  const { runs } = await ask("finding", { capture, finding });
+  return Uint32Array.from(runs.flatMap(([first, last]) => Array.from({ length: last - first + 1 }, (_, at) => start + first + at)));
 }

@@ -84,7 +84,7 @@ export function rowsOf(data, view, widest) {
     const part = view.isolated && axis.part ? columns[axis.part] : null;
     const { measured, modelled } = part ? isolated(columns, part) : { measured: columns.tau, modelled: model };
     const series = [
-      ...(along === "time" && columns.masked && !part ? [{ colour: "--masked", chosen: null, y: columns.masked, strength: 1 }] : []),
+      ...(along === "time" && columns.masked && !part ? [{ colour: "--masked", chosen: "--chosen", y: columns.masked, strength: 1 }] : []),
       { colour: "--measured", chosen: "--chosen", y: measured, strength: 0.4 },
       ...(view.band && columns.band ? band(modelled, columns.band) : []),
       ...(other && !part ? [{ colour: "--beside", chosen: "--beside", y: other, strength: 0.35 }] : []),

@@ -1,12 +1,13 @@
-/** What was hidden in a knob, told to who asks. */
+/** What was hidden in a knob: how the search for it goes, hints, and the answer for who asks. */
 
-import { ask } from "./api.js";
-import { byId } from "./dom.js";
+import { ask, post } from "./api.js";
+import { byId, make } from "./dom.js";
 
 /** @typedef {import("./types.js").State} State */
 
 /** @type {string[]} captures that hide something */
 let hiding = [];
+let asked = 0;
 
 /** @param {(reason: unknown) => void} failed */
 export function unhiding(failed) {
@@ -18,12 +19,46 @@ export function unhiding(failed) {
       failed(reason);
     }
   });
+  const hint = (/** @type {boolean} */ whole) => post("hint", { capture: hiding[0], whole }).catch(failed);
+  byId("hint").addEventListener("click", () => hint(false));
+  byId("unseal").addEventListener("click", () => hint(true));
 }
 
 /** @param {State} state */
-export function showHidden({ captures, active }) {
+export async function showHidden({ captures, active }) {
   const now = captures.filter(({ id, hides }) => hides && active.includes(id)).map(({ id }) => id);
   byId("hides").hidden = now.length === 0;
   if (now.join() !== hiding.join()) byId("unhidden").textContent = "";
   hiding = now;
+  if (now.length === 0) {
+    document.body.classList.remove("sealed");
+    return;
+  }
+  const mine = ++asked;
+  /** @type {import("./types.js").Challenge | null} */
+  const told = await ask("challenge", { capture: now[0] }).catch(() => null);
+  if (told && mine === asked) showStanding(told);
+}
+
+/** @param {import("./types.js").Challenge} challenge */
+function showStanding({ hints, more, wrong, found, hidden, solved, sealed, score }) {
+  document.body.classList.toggle("sealed", sealed);
+  byId("unseal").hidden = !sealed;
+  byId("hides").classList.toggle("well", solved);
+  byId("challenge-score").textContent = `${score} points`;
+  byId("challenge-said").textContent = standingWords({ wrong, found, hidden, solved });
+  byId("challenge-hints").replaceChildren(...hints.map((text) => make("li", { text })));
+  /** @type {HTMLButtonElement} */ (byId("hint")).disabled = !more || solved;
+}
+
+/**
+ * How the search goes, in words.
+ * @param {Pick<import("./types.js").Challenge, "wrong" | "found" | "hidden" | "solved">} standing
+ */
+export function standingWords({ wrong, found, hidden, solved }) {
+  const many = hidden === 1 ? "one effect is hidden" : `${hidden} effects are hidden`;
+  const costs = wrong.length > 0 ? `; not there: ${wrong.join(", ")}` : "";
+  if (solved) return `Solved: what was hidden is in the model, and nothing else${costs}.`;
+  if (found === hidden) return `All that is hidden is in the model, but so is something else${costs}.`;
+  return `In this knob ${many}${found > 0 ? `, ${found} of them found` : ""}. Look where the residual has structure, and add what explains it${costs}.`;
 }

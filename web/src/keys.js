@@ -2,13 +2,15 @@
 
 import { byId } from "./dom.js";
 
+const WITHOUT_LETTERS = new Set(["range", "checkbox", "radio"]); // inputs in which nobody types
+
 /**
  * @param {{stop: () => unknown, clear: () => void, closer: () => void}} deeds
  * `stop`: a motor that turns; tells whether one did
  */
 export function keys({ stop, clear, closer }) {
   document.addEventListener("keydown", (event) => {
-    const typed = event.target instanceof HTMLInputElement && event.target.type !== "range";
+    const typed = event.target instanceof HTMLInputElement && !WITHOUT_LETTERS.has(event.target.type);
     const control = event.ctrlKey || event.metaKey;
     const chosen = event.target instanceof HTMLSelectElement && !control; // there a letter is the beginning of a name
     if ((typed || chosen) && event.key !== "Escape") return;

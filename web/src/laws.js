@@ -1,34 +1,86 @@
 /** Laws for what no effect explains: looked for when asked, laid over the residuals, taken under a name. */
 
+import { curveWords, drawCurve } from "./curve.js";
 import { byId, make } from "./dom.js";
-import { percent } from "./numbers.js";
+import { number as written, percent, torqueScale } from "./numbers.js";
 
 /** @typedef {import("./types.js").Law} Law */
 /** @typedef {import("./types.js").State} State */
+
+const TYPED_MS = 350; // after the last letter
 
 export class Laws {
   /**
    * @param {HTMLElement} place
    * @param {{ask: () => void, look: (number: number | null) => void, take: (number: number, name: string) => void,
-   *   add: (formula: object) => Promise<boolean>}} deeds
+   *   add: (formula: object) => Promise<boolean>, attempt: (formula: object, tried: (tried: Law) => void) => Promise<string>}} deeds
    */
   constructor(place, deeds) {
     this.place = place;
     this.deeds = deeds;
     this.shown = "";
+    /** @type {(Pick<State, "curve" | "unit"> & {coordinate: "rotary" | "linear"}) | null} */
+    this.about = null;
+    new ResizeObserver(() => this.draw()).observe(byId("curve"));
     const form = /** @type {HTMLFormElement} */ (byId("own-form"));
     form.addEventListener("submit", async (event) => {
       event.preventDefault();
+      clearTimeout(this.typing);
       if (await this.deeds.add(Object.fromEntries(new FormData(form)))) form.reset();
+      byId("own-tried").textContent = "";
     });
+    form.addEventListener("input", ({ target }) => {
+      if (!(target instanceof HTMLInputElement && target.name === "name")) this.typed(form);
+    });
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this.typing = undefined;
   }
 
-  /** @param {Pick<State, "candidates" | "proposed" | "proposed_text" | "node" | "job" | "rmse">} state */
-  show({ candidates, proposed, proposed_text, node, job, rmse }) {
+  /** Fit what is typed, once nothing more comes, and say what it would leave. @param {HTMLFormElement} form */
+  typed(form) {
+    clearTimeout(this.typing);
+    const said = byId("own-tried");
+    this.typing = setTimeout(async () => {
+      const formula = Object.fromEntries(new FormData(form));
+      if (String(formula.law).trim() === "") {
+        said.textContent = "";
+        return this.deeds.look(null);
+      }
+      const now = this.typing;
+      const words = await this.deeds.attempt(formula, ({ rmse, rmse_heldout, words: params }) => {
+        if (now !== this.typing || !this.about) return;
+        const scale = torqueScale(this.about.unit, rmse);
+        const unseen = rmse_heldout === null ? "" : `, ${written(rmse_heldout * scale.factor)} on unseen blocks`;
+        said.className = "";
+        said.textContent = `would leave ${written(rmse * scale.factor)} ${scale.unit}${unseen}; ${params.join("; ")}`;
+      });
+      if (now !== this.typing || words === "") return undefined;
+      said.className = "doubt";
+      said.textContent = words;
+      return undefined;
+    }, TYPED_MS);
+  }
+
+  /** Draw the curve, with one of the laws before the others. @param {number} [looked] from 1 */
+  draw(looked = 1) {
+    const curve = this.about?.curve ?? null;
+    byId("curve").hidden = curve === null;
+    if (!curve || !this.about) return;
+    const canvas = /** @type {HTMLCanvasElement} */ (byId("curve-plot"));
+    drawCurve(canvas, curve, this.about, looked);
+    const words = curveWords(curve, looked);
+    byId("curve-words").textContent = words;
+    canvas.setAttribute("aria-label", words);
+  }
+
+  /** @param {State} state */
+  show({ candidates, proposed, proposed_text, node, job, rmse, curve, unit, captures }) {
     const shown = JSON.stringify([candidates.ready, proposed, node, job === null]);
     if (shown === this.shown) return;
     this.shown = shown;
     byId("own").hidden = node === null;
+    this.about = { curve, unit, coordinate: captures[0]?.coordinate ?? "rotary" };
+    this.draw();
     if (!candidates.ready || node === null) {
       this.place.replaceChildren();
     } else if (proposed === null) {
@@ -40,7 +92,7 @@ export class Laws {
     } else {
       const list = proposed.map((law, at) => this.item(law, at + 1, rmse ?? law.rmse));
       this.place.replaceChildren(
-        make("p", { class: "soft", text: proposed_text, role: "status" }),
+        make("p", { class: "soft small", text: proposed_text, role: "status" }),
         ...(list.length > 0 ? [make("ul", { class: "laws", "aria-label": "laws that are proposed" }, ...list)] : []),
       );
     }
@@ -65,12 +117,18 @@ export class Laws {
       event.preventDefault();
       this.deeds.take(number, /** @type {HTMLInputElement} */ (name).value);
     });
-    const look = () => this.deeds.look(number);
-    const away = () => this.deeds.look(null);
+    const look = () => {
+      this.draw(number);
+      this.deeds.look(number);
+    };
+    const away = () => {
+      this.draw();
+      this.deeds.look(null);
+    };
     return make(
       "li",
       { class: "law", on: { pointerenter: look, pointerleave: away, focusin: look, focusout: away } },
-      make("code", { text: label }),
+      make("code", { text: `${number}. ${label}` }),
       make("span", { class: "figure", text: percent(left / rmse - 1), title: "fall of the RMS error" }),
       make("span", { class: "soft", text: words.join("; ") }),
       form,
@@ -87,4 +145,5 @@ function edited(law, start) {
     if (typed instanceof HTMLInputElement) typed.value = value;
   }
   /** @type {HTMLInputElement} */ (form.elements.namedItem("law")).focus();
+  form.dispatchEvent(new Event("input"));
 }

@@ -6,6 +6,8 @@ import { pointing } from "./cursor.js";
 import { make } from "./dom.js";
 import { number, percent, torqueScale } from "./numbers.js";
 import { Plot } from "./plot.js";
+import { movesFrom, settle } from "./settling.js";
+import { chosenSquares, squaresOf } from "./squares.js";
 import { timed } from "./timing.js";
 import { panned, zoomable, zoomed } from "./zoom.js";
 
@@ -88,6 +90,7 @@ export class Linked {
       this.widest = 0;
     }
     this.drawOver(view.axes, data);
+    const from = movesFrom(this.data, data);
     this.data = data;
     this.signature = null;
     this.squares = squaresOf(columns.residual);
@@ -96,9 +99,24 @@ export class Linked {
     this.element.classList.toggle("both", Boolean(data.beside));
     if (!data.beside) for (const plot of this.besides) plot.setRegion(null);
     this.shown = rowsOf(data, view, view.held ? Math.max(this.widest, reach) : reach);
+    if (from) this.put(from);
     for (const at of this.rows.keys()) this.drawRow(at);
     this.tell();
     this.drawLight();
+    if (from) settle(from, columns.residual, (residual) => this.data === data && this.moved(residual));
+  }
+
+  /** Let the residuals be these, though others come. @param {Float32Array} residual */
+  put(residual) {
+    for (const row of this.shown) if (row.torque) row.residual = { ...row.residual, series: [{ ...row.residual.series[0], y: residual }] };
+  }
+
+  /** Draw residuals that are on their way. @param {Float32Array} residual */
+  moved(residual) {
+    this.put(residual);
+    for (const at of this.rows.keys()) this.drawRow(at);
+    this.drawLight();
+    return true;
   }
 
   /**
@@ -137,6 +155,23 @@ export class Linked {
     const { xAxis, yAxis } = this.shown[at].residual;
     const x = [place.low, place.high].map((value) => (xAxis.log ? Math.max(xAxis.low, Math.log10(value)) : value));
     this.residuals[at].setRegion({ x: [x[0], x[1]], y: [yAxis.low, yAxis.high] });
+  }
+
+  /** Choose samples, and see their time from near. @param {Uint32Array} chosen */
+  find(chosen) {
+    this.choose(chosen);
+    const at = this.axes.indexOf("time");
+    if (!this.data || at < 0 || chosen.length === 0) return;
+    const { t } = this.data.columns;
+    const { low, high } = this.shown[at].residual.xAxis;
+    const [first, last] = [t[chosen[0]], t[chosen[chosen.length - 1]]];
+    const half = Math.max(0.7 * (last - first), 0.01 * (high - low));
+    const middle = Math.min(high - half, Math.max(low + half, 0.5 * (first + last)));
+    this.seen[at] = 2 * half < 0.5 * (high - low) ? [middle - half, middle + half] : null;
+    this.later("zoom", () => {
+      this.drawRow(at);
+      this.drawLight();
+    });
   }
 
   /** @param {number} at which row */
@@ -283,7 +318,7 @@ export class Linked {
     if (!this.chosen || !this.data) return null;
     const { residual } = this.data.columns;
     const { sum, count } = chosenSquares(residual, this.chosen);
-    return { ofError: this.squares > 0 ? sum / this.squares : 0, rms: Math.sqrt(sum / Math.max(1, count)) };
+    return { ofError: this.squares > 0 ? sum / this.squares : 0, rms: Math.sqrt(sum / Math.max(1, count)), counted: count };
   }
 
   tell() {
@@ -294,9 +329,10 @@ export class Linked {
       const scale = torqueScale(data.unit, value);
       return `RMS ${number(value * scale.factor)} ${scale.unit}`;
     };
+    const count = `${chosen.length.toLocaleString("en")} ${chosen.length === 1 ? "sample" : "samples"} chosen, ${part} of all`;
+    if (share.counted === 0 && chosen.length > 0) return this.told(`${count}: nothing is fitted to them`);
     const own = chosen.length > 0 ? ` (${rms(share.rms)})` : "";
-    const count = chosen.length.toLocaleString("en");
-    let words = `${count} samples chosen, ${part} of all: they have ${percent(share.ofError)} of the squared error${own}`;
+    let words = `${count}: they have ${percent(share.ofError)} of the squared error${own}`;
     if (data.beside && chosen.length > 0) {
       const { sum, count: counted } = chosenSquares(data.beside.residual, chosen);
       words += `; in ${data.beside.name}: ${rms(Math.sqrt(sum / Math.max(1, counted)))}`;
@@ -346,21 +382,4 @@ function showPicked(choice, offered, { along, data }) {
  */
 function within(axis, seen) {
   return axis && seen ? { ...axis, low: seen[0], high: seen[1], part: true } : axis;
-}
-
-/** @param {Float32Array} residual */
-function squaresOf(residual) {
-  return residual.reduce((sum, value) => (value === value ? sum + value * value : sum), 0);
-}
-
-/** @param {Float32Array} residual @param {Uint32Array} chosen */
-function chosenSquares(residual, chosen) {
-  let [sum, count] = [0, 0];
-  for (let at = 0; at < chosen.length; at++) {
-    const value = residual[chosen[at]];
-    if (value !== value) continue;
-    sum += value * value;
-    count++;
-  }
-  return { sum, count };
 }

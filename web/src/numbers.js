@@ -34,6 +34,14 @@ export function torqueScale(unit, peak) {
 }
 
 /**
+ * A unit as a person writes it: N m s²/rad; nothing for what has none.
+ * @param {string} unit
+ */
+export function unitWords(unit) {
+  return unit === "1" ? "" : unit.replaceAll("^2", "²").replaceAll("^3", "³");
+}
+
+/**
  * What moves the knob, by its unit.
  * @param {string} unit
  */

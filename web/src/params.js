@@ -1,7 +1,7 @@
 /** The parameter table: values that can be dragged to feel what each does. */
 
 import { byId, make } from "./dom.js";
-import { number } from "./numbers.js";
+import { number, unitWords } from "./numbers.js";
 
 /** @typedef {import("./types.js").Param} Param */
 
@@ -82,7 +82,7 @@ export class Params {
       make("th", { scope: "row", title: about }, param.name.split(".").slice(1).join("."), doubt),
       make("td", { class: "slide" }, interval(param.ci95, { low, high }), slider),
       make("td", { class: "value", title: `95 % interval ${between} ${param.unit}` }, value, " ", error),
-      make("td", { class: "soft unit", text: param.unit, title: param.unit }),
+      make("td", { class: "soft unit", text: unitWords(param.unit), title: param.unit }),
     );
   }
 

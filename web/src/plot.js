@@ -6,7 +6,7 @@
 import { MARGIN, drawAxes } from "./axes.js";
 import { make, styleValue } from "./dom.js";
 import { Pick } from "./pick.js";
-import { drawCloud, drawPoints, pixelColour, place } from "./raster.js";
+import { drawCloud, drawFew, drawPoints, pixelColour, place } from "./raster.js";
 
 /**
  * @typedef {{colour: string, chosen: string | null, y: Float32Array, strength: number}} Series
@@ -19,6 +19,7 @@ import { drawCloud, drawPoints, pixelColour, place } from "./raster.js";
  */
 
 const FEW = 8000; // points of which each is worth a larger dot
+const FEW_CHOSEN = 20; // which are drawn larger
 
 export class Plot {
   /**
@@ -132,8 +133,9 @@ export class Plot {
     const image = new ImageData(this.frame.width, this.frame.height);
     const pixels = new Uint32Array(image.data.buffer);
     if (chosen) {
+      const draw = chosen.length <= FEW_CHOSEN ? drawFew : drawPoints;
       for (const [at, { chosen: colour }] of this.contents.series.entries()) {
-        if (colour) drawPoints(pixels, this.placed[at], chosen, this.frame, pixelColour(this.colour(colour)));
+        if (colour) draw(pixels, this.placed[at], chosen, this.frame, pixelColour(this.colour(colour)));
       }
     }
     if (above) {

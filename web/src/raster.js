@@ -98,6 +98,26 @@ export function drawPoints(image, pixels, chosen, frame, colour) {
   }
 }
 
+/**
+ * Draw a few points so that they are seen among thousands: three times as wide and high.
+ *
+ * @param {Uint32Array} image
+ * @param {Int32Array} pixels of `place`
+ * @param {Uint32Array} chosen
+ * @param {Frame} frame
+ * @param {number} colour
+ */
+export function drawFew(image, pixels, chosen, { dot, width, height }, colour) {
+  for (const at of chosen) {
+    const pixel = pixels[at];
+    if (pixel < 0) continue;
+    const [across, down] = [pixel % width, Math.floor(pixel / width)];
+    const [left, right] = [Math.max(0, across - dot), Math.min(width, across + 2 * dot)];
+    const bottom = Math.min(height, down + 2 * dot);
+    for (let row = Math.max(0, down - dot); row < bottom; row++) image.fill(colour, row * width + left, row * width + right);
+  }
+}
+
 /** @param {number} under @param {number} over @param {number} share of `over` */
 function mixed(under, over, share) {
   let colour = 0xff;

@@ -5,6 +5,7 @@ import { byId, make } from "./dom.js";
 
 /** @typedef {import("./types.js").Sources} Sources */
 
+const LEVELS = new Set(["easy", "middling", "hard"]); // of a knob that is simulated
 const NUMBERS = new Set(["duration_s", "speed", "seed", "baud"]);
 
 /**
@@ -21,20 +22,23 @@ export function sources(heard) {
   let busy = false;
 
   const shown = () => {
-    if (!known) return;
     const source = valueOf(form, "source");
     for (const part of form.querySelectorAll("[data-for]")) {
       part.toggleAttribute("hidden", !part.getAttribute("data-for")?.split(" ").includes(source));
     }
     byId("new-together").hidden = heard.open() === 0;
+    byId("new-effects").hidden = valueOf(form, "hides") !== "chosen";
     go.textContent = source === "simulated" ? "Simulate" : "Record";
+    if (!known) return;
     fill(form, "motion", Object.entries(known.motions[source]).map(([name, words]) => [name, `${name}: ${words}`]));
     byId("new-warning").hidden ||= valueOf(form, "motion") === "hand" && !valueOf(form, "model").trim();
-    byId("new-effects").hidden = valueOf(form, "hides") !== "chosen";
+    const level = levelOf(form);
+    for (const name of ["knob", "motion", "duration_s", "seed"]) field(form, name).disabled = level !== ""; // chosen by the level
     const hideable = known.knobs.find(({ name }) => name === valueOf(form, "knob"))?.hideable ?? [];
     for (const box of byId("new-effects").querySelectorAll("input")) box.disabled = !hideable.includes(box.value);
   };
   const opened = async () => {
+    shown();
     dialog.showModal();
     told.textContent = "";
     byId("new-fault").hidden = true;
@@ -122,10 +126,17 @@ function wanted(form) {
     if (typeof value === "string" && name !== "effects") body[name] = NUMBERS.has(name) ? numeric(value) : value;
   }
   const chosen = [...form.querySelectorAll("#new-effects input:checked:not(:disabled)")];
+  body.level = levelOf(form);
   body.surprise = body.hides === "surprise";
   body.effects = body.hides === "chosen" ? chosen.map((box) => /** @type {HTMLInputElement} */ (box).value) : [];
   body.together = "together" in body;
   return body;
+}
+
+/** Of which level a challenge is asked for; empty for none. @param {HTMLFormElement} form */
+function levelOf(form) {
+  const hides = valueOf(form, "hides");
+  return valueOf(form, "source") === "simulated" && LEVELS.has(hides) ? hides : "";
 }
 
 /** A number as it was typed; what is none goes on as it is, and the server says so. @param {string} value */

@@ -97,6 +97,11 @@ export class Store {
     return joined(parts, [name])[name];
   }
 
+  /** Forget what something would explain: it is another by now. @param {string} what */
+  forget(what) {
+    for (const columns of this.kept.values()) delete columns[`signature of ${what}`];
+  }
+
   /** @param {string} node @param {string} capture @param {string[]} names */
   async ofCapture(node, capture, names) {
     const key = `${capture} ${node}`;

@@ -4,9 +4,16 @@
  */
 
 /**
- * A capture that is open; `findings` in words, `hides` whether something in it is to be found.
+ * What the quality check found in a capture, and whether a person has `overruled` it, by its `key`.
+ *
+ * `stands` is why nobody can, `seen` whether it names samples; a `note` changes nothing.
+ * @typedef {{key: string, text: string, note: boolean, overruled: boolean, stands: string, seen: boolean}} Finding
+ */
+
+/**
+ * A capture that is open; `hides`: whether something in it is to be found.
  * @typedef {{id: string, name: string, samples: number, rate_hz: number, coordinate: "rotary" | "linear",
- *   findings: string[], hides: boolean}} CaptureInfo
+ *   findings: Finding[], hides: boolean}} CaptureInfo
  */
 
 /**
@@ -78,6 +85,14 @@
  */
 
 /**
+ * What no effect explains over a variable, as a factor of `times`, and half the width of its 95 % band.
+ *
+ * Null where the motion hardly went. `laws`: each law in their order, null for one that is not drawn.
+ * @typedef {{over: string, times: string, x: number[], value: (number | null)[], band: (number | null)[],
+ *   laws: ((number | null)[] | null)[]}} Curve
+ */
+
+/**
  * What is being done; `done` from 0 to 1, null while nobody can tell.
  * @typedef {{id: string, what: string, done: number | null, recording: boolean}} Job
  */
@@ -133,7 +148,8 @@
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, params: Param[],
  *   together: Together[], rmse: number | null, rmse_heldout: number | null, verdict_text: string, places: Place[],
  *   ladder: LadderStep[], candidates: Candidates, warnings: string[], limitations: string[], absent: Effect[],
- *   untold: string[][], proposed: Law[] | null, proposed_text: string, experiment: Experiment | null}} Session
+ *   untold: string[][], proposed: Law[] | null, proposed_text: string, curve: Curve | null,
+ *   experiment: Experiment | null}} Session
  */
 
 /**
@@ -164,20 +180,21 @@
  *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, params: Param[],
  *   together: Together[], rmse: number | null, rmse_heldout: number | null, verdict_text: string, places: Place[],
  *   ladder: LadderStep[], candidates: Candidates, warnings: string[], limitations: string[], absent: Effect[],
- *   untold: string[][], proposed: Law[] | null, proposed_text: string, experiment: Experiment | null,
- *   job: Job | null, recording: boolean, looked: Looked | null, left: Left[], notes: string[]}} State
+ *   untold: string[][], proposed: Law[] | null, proposed_text: string, curve: Curve | null,
+ *   experiment: Experiment | null, job: Job | null, recording: boolean, looked: Looked | null, left: Left[],
+ *   notes: string[]}} State
  */
 
 /**
  * What an answer may say besides the revision.
- * @typedef {{job?: string, path?: string, log?: string, share?: number, hidden?: string[], cancelled?: boolean}}
- *   More
+ * @typedef {{job?: string, path?: string, log?: string, share?: number, hidden?: string[], cancelled?: boolean,
+ *   tried?: Law, unfinished?: string}} More
  */
 
 /**
  * What a request is answered that changes or asks something.
  * @typedef {{job?: string, path?: string, log?: string, share?: number, hidden?: string[], cancelled?: boolean,
- *   revision: number}} Answer
+ *   tried?: Law, unfinished?: string, revision: number}} Answer
  */
 
 /**
@@ -265,6 +282,21 @@
 /**
  * What is wrong with a request.
  * @typedef {{columns?: FileColumn[], guess?: Record<string, Guess>, fault?: Fault, error: string}} Refused
+ */
+
+/**
+ * The answer of `GET /api/challenge`: how it goes with what a capture hides.
+ *
+ * `more`: whether there is another hint; `wrong` effects were added and are not there; of the `hidden` ones
+ * so many are `found`, and `solved` says that nothing else is in the model. While it is `sealed` what the
+ * program thinks is not shown.
+ * @typedef {{hints: string[], more: boolean, wrong: string[], found: number, hidden: number, solved: boolean,
+ *   sealed: boolean, score: number}} Challenge
+ */
+
+/**
+ * The answer of `GET /api/finding`: the samples of a finding, first and last of each run, from 0.
+ * @typedef {{runs: [number, number][]}} Found
  */
 
 export {};

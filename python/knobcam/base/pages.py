@@ -11,15 +11,29 @@ Word = Literal["missing", "part", "alike", "less", "implausible", "too_little", 
 """What is said of an effect that could be missing; those first that speak most for it."""
 
 
+class Finding(TypedDict):
+    """What the quality check found in a capture, and whether a person has `overruled` it, by its `key`.
+
+    `stands` is why nobody can, `seen` whether it names samples; a `note` changes nothing.
+    """
+
+    key: str
+    text: str
+    note: bool
+    overruled: bool
+    stands: str
+    seen: bool
+
+
 class CaptureInfo(TypedDict):
-    """A capture that is open; `findings` in words, `hides` whether something in it is to be found."""
+    """A capture that is open; `hides`: whether something in it is to be found."""
 
     id: str
     name: str
     samples: int
     rate_hz: float
     coordinate: Literal["rotary", "linear"]
-    findings: list[str]
+    findings: list[Finding]
     hides: bool
 
 
@@ -138,6 +152,20 @@ class Law(LadderStep):
     law: str
     words: list[str]
     start: str
+
+
+class Curve(TypedDict):
+    """What no effect explains over a variable, as a factor of `times`, and half the width of its 95 % band.
+
+    Null where the motion hardly went. `laws`: each law in their order, null for one that is not drawn.
+    """
+
+    over: str
+    times: str
+    x: list[float]
+    value: list[float | None]
+    band: list[float | None]
+    laws: list[list[float | None] | None]
 
 
 class Job(TypedDict):
@@ -259,6 +287,7 @@ class Session(TypedDict):
     untold: list[list[str]]
     proposed: list[Law] | None
     proposed_text: str
+    curve: Curve | None
     experiment: Experiment | None
 
 
@@ -266,7 +295,6 @@ class Seen(TypedDict):
     """What is drawn: along which axes, isolated parts, the 95 % band, residuals held at one scale."""
 
     axes: list[Along]
-
     isolated: bool
     band: bool
     held: bool
@@ -318,6 +346,8 @@ class More(TypedDict, total=False):
     share: float
     hidden: list[str]
     cancelled: bool
+    tried: Law
+    unfinished: str
 
 
 class Answer(More):

@@ -101,3 +101,27 @@ class Refused(Why):
     """What is wrong with a request."""
 
     error: str
+
+
+class Challenge(TypedDict):
+    """The answer of `GET /api/challenge`: how it goes with what a capture hides.
+
+    `more`: whether there is another hint; `wrong` effects were added and are not there; of the `hidden` ones
+    so many are `found`, and `solved` says that nothing else is in the model. While it is `sealed` what the
+    program thinks is not shown.
+    """
+
+    hints: list[str]
+    more: bool
+    wrong: list[str]
+    found: int
+    hidden: int
+    solved: bool
+    sealed: bool
+    score: int
+
+
+class Found(TypedDict):
+    """The answer of `GET /api/finding`: the samples of a finding, first and last of each run, from 0."""
+
+    runs: list[tuple[int, int]]

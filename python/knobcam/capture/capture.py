@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -20,6 +20,7 @@ from ..base.door import checked
 from ..base.renamed import renamed
 from ..base.tables import TextTable
 from ..errors import InputError
+from . import saved
 from .finding import Finding, Rows
 from .formats import DEFAULT_MAX_BYTES, Table, document, write_table
 from .formats.clock import NO_CLOCK, between
@@ -29,7 +30,8 @@ from .formats.units import SI, Coordinate, torque_unit_of
 from .motor import as_torque
 from .quality import check, check_size
 from .quality.limits import check_limits
-from .quality.torque import Limit, check_clipping, usual_limit
+from .quality.ruled import Ruled, check_overruled
+from .quality.torque import Limit, usual_limit
 from .reading import PLAIN, Reading
 
 if TYPE_CHECKING:
@@ -113,11 +115,12 @@ class Capture(showing.Tabled):
         meta: Mapping[str, Any] | None = None,
         torque_unit: str = "",
         limit: Limit | None = None,
+        overrule: Collection[str] = (),
     ) -> Capture:
         """Return a checked capture from arrays in SI, shape (samples,) each; `rate_hz` stands in for `t`.
 
-        `torque_unit` is A, V or duty where `tau` is what a motor was given, `limit` whose the torque's is
-        (see `load`).
+        `torque_unit` is A, V or duty where `tau` is what a motor was given, `limit` whose the torque's is,
+        `overrule` the findings about which nothing is done (see `load`).
         Raises InputError for arrays of different length and for what leaves nothing to work with.
         """
         given = {"t": t, "theta": theta, "omega": omega, "alpha": alpha, "tau": tau}
@@ -129,7 +132,10 @@ class Capture(showing.Tabled):
                     f"{name} has {len(values)}; cut them to one length"
                 )
         rows = np.arange(1, len(columns["theta"]) + 1)
-        return _checked(columns, coordinate, torque_unit, limit, rate_hz, meta or {}, rows, "arrays")
+        checked_as = (limit, rate_hz, meta or {}, rows, "arrays", overrule)
+        capture = _checked(columns, coordinate, torque_unit, *checked_as)
+        check_overruled("arrays", overrule, capture.findings)
+        return capture
 
     @property
     def axis(self) -> Coordinate:
@@ -141,6 +147,24 @@ class Capture(showing.Tabled):
     def clipped(self) -> bool:
         """Whether samples were masked because the torque sensor was at its limit."""
         return any(one.kind == "clipped" and one.severity == "masked" for one in self.findings)
+
+    def where(self, finding: Finding) -> list[tuple[int, int]]:
+        """Return the samples that a finding names, first and last of each run, from 0."""
+        first_row = int(self.meta.get("first_row", 1))
+        last_row = first_row + self.samples - 1
+        inside = [span for span in finding.spans if span[1] >= first_row and span[0] <= last_row]
+        return [(max(a, first_row) - first_row, min(b, last_row) - first_row) for a, b in inside]
+
+    def named(self, finding: Finding) -> BoolArray:
+        """Return the same as truths, shape (samples,)."""
+        named = np.zeros(self.samples, dtype=np.bool_)
+        for first, last in self.where(finding):
+            named[first : last + 1] = True
+        return named
+
+    def overrules(self, kind: str, column: str) -> bool:
+        """Whether a person has overruled what was found of this kind in a column."""
+        return any(one.overruled and (one.kind, one.column) == (kind, column) for one in self.findings)
 
     def with_clipped(self) -> Capture:
         """Return the capture with those samples counted at which the torque sensor was at its limit."""
@@ -257,6 +281,7 @@ def load(
     kt: float | None = None,
     resistance_ohm: float | None = None,
     limit: Limit | None = None,
+    overrule: Collection[str] = (),
     max_bytes: int = DEFAULT_MAX_BYTES,
 ) -> Capture:
     """Read a capture: the native file, a wire log, CSV, JSON, .mat, .npy, .npz, HDF5, Parquet or a ROS 2 bag.
@@ -273,10 +298,10 @@ def load(
     of its "sensor" and masked, or of the "actuator" and real, by default where it is in A, V or duty.
 
     What is wrong with the samples is masked and listed in `findings`; what leaves no capture raises
-    InputError. Row numbers count the file's rows of data from 1. Files, and what they inflate to, may have up
-    to `max_bytes`.
+    InputError. Nothing is done about those to `overrule`, by kind and column: `overrule=["wrap:theta"]`. Row
+    numbers count the file's rows of data from 1. Files, and what they inflate to, may have up to `max_bytes`.
     """
-    reading = Reading(map, coordinate, rate_hz, start, end, joint, limit, max_bytes)
+    reading = Reading(map, coordinate, rate_hz, start, end, joint, limit, max_bytes, tuple(overrule))
     file = Path(path)
     capture = of_table(file, reading.table(file), reading)
     given = kt is not None or resistance_ohm is not None
@@ -305,50 +330,32 @@ def of_table(file: Path, table: Table, reading: Reading = PLAIN) -> Capture:
         meta = document.provenance(file, table.kind, resolved.entries, rate_hz)
     else:
         meta = native["meta"]
+    if rows[keep][0] > 1:
+        meta = {**meta, "first_row": int(rows[keep][0])}
     part = {name: values[keep] for name, values in columns.items()}
     torque_unit = resolved.torque_unit
-    capture = _checked(part, resolved.coordinate, torque_unit, limit, rate_hz, meta, rows[keep], str(file))
+    checked_as = (limit, rate_hz, meta, rows[keep], str(file), reading.overrule)
+    capture = _checked(part, resolved.coordinate, torque_unit, *checked_as)
     if native is not None:
         untouched = isinstance(keep, slice) and native.get("sha256") == document.digest(columns)
-        capture = _restored(capture, native, table, keep, untouched)
-        return capture if limit is None else _limited(capture, limit, rows[keep])
+        capture = saved.restored(capture, native, table, keep, untouched)
+        capture = capture if limit is None else saved.limited(capture, limit, rows[keep])
+        capture = saved.ruled(capture, reading.overrule)
+        check_overruled(str(file), reading.overrule, capture.findings)
+        return capture
     limits = {name: at[keep] for name, at in table.limits.items() if name in capture.columns}
+    ruled = Ruled(reading.overrule)
     clipped, found = check_limits(limits, capture.mask, rows[keep])
+    clipped = ruled.masks(clipped, found, rows[keep])
     # Who states a unit, or computes with the column, knows what it is in; a motor is faster than hands.
     taken = {name for name, entry in resolved.entries.items() if entry.unit is None and entry.plain}
     sizes = [] if torque_unit else check_size(capture.columns, capture.mask, capture.coordinate, taken)
-    said = (*table.notes, *resolved.notes, *capture.findings, *found, *sizes)
+    ruled.lets(sizes)
+    beside = Ruled(reading.overrule)
+    beside.lets((*table.notes, *resolved.notes))
+    said = (*beside.findings, *capture.findings, *ruled.findings)
+    check_overruled(str(file), reading.overrule, said)
     return replace(capture, mask=capture.mask & ~clipped, findings=said)
-
-
-def _limited(capture: Capture, limit: Limit, rows: Rows) -> Capture:
-    """Return a capture that was saved with its torque's extremes taken for another limit."""
-    usable = capture.mask | capture.at_limit
-    clipped, found = check_clipping(capture.tau, capture.theta, usable, rows, limit)
-    others = [one for one in capture.findings if one.column != "tau" or one.kind not in ("clipped", "limit")]
-    return replace(capture, mask=usable & ~clipped, findings=(*others, *found))
-
-
-def _restored(
-    capture: Capture, native: Mapping[str, Any], table: Table, keep: slice | BoolArray, untouched: bool
-) -> Capture:
-    """Return `capture` with the mask that was saved, and of a whole file also its findings."""
-    whole = untouched or (table.mask is not None and len(table.mask) == capture.samples)
-    length = capture.samples if isinstance(keep, slice) else len(keep)
-    try:
-        stored = document.stored_mask(native, table, length)[keep]
-        said = document.stored_findings(native)
-        dropped = tuple(finding for finding in said if finding.column not in capture.columns)
-        return replace(
-            capture,
-            mask=stored if whole else stored & capture.mask,
-            rate_hz=document.stored_rate(native) if whole else capture.rate_hz,
-            findings=said if whole else dropped + capture.findings,
-        )
-    except (LookupError, TypeError, ValueError, AttributeError, OverflowError) as error:
-        raise InputError(
-            f"{table.source}: its description is damaged ({error!r}); export the capture again"
-        ) from error
 
 
 def _checked(
@@ -360,9 +367,10 @@ def _checked(
     meta: Mapping[str, Any],
     rows: Rows,
     source: str,
+    overrule: Collection[str] = (),
 ) -> Capture:
     between(source, columns, rate_hz, None, None)
-    verdict = check(columns, coordinate, rows, source, limit or usual_limit(torque_unit))
+    verdict = check(columns, coordinate, rows, source, limit or usual_limit(torque_unit), overrule)
     if rate_hz is not None and abs(rate_hz / verdict.rate_hz - 1.0) > _RATE_AGREEMENT:
         raise InputError(
             f"{source}: the time stamps run at {verdict.rate_hz:.6g} Hz, a rate of {rate_hz:.6g} was given; "

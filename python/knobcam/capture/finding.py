@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Any, Literal
 
@@ -18,6 +18,11 @@ MAX_ROWS = 5
 MAX_SPANS = 1000
 """Runs of rows that a finding keeps."""
 
+_STANDS = {
+    "non-finite": "what is no number cannot count",
+    "backward": "a clock that goes back cannot be computed with",
+    "duplicate": "a clock that stands cannot be computed with",
+}
 _DONE = {"masked": "masked", "mended": "mended", "note": "none", "warning": "none"}
 
 
@@ -27,7 +32,7 @@ class Finding:
 
     Rows are data rows of the file, from 1. `severity`: "masked" took samples out of use, "mended" changed
     what the evidence left no doubt about, "warning" should be looked at before trusting a fit, "note" is
-    worth knowing.
+    worth knowing. One that is `overruled` by a person changed nothing; it is a note.
     """
 
     kind: str
@@ -36,6 +41,22 @@ class Finding:
     spans: tuple[tuple[int, int], ...]
     message: str
     severity: Severity
+    overruled: bool = False
+
+    @property
+    def key(self) -> str:
+        """By what it is overruled: `wrap:theta`."""
+        return f"{self.kind}:{self.column}"
+
+    @property
+    def stands(self) -> str:
+        """Why nobody can overrule it; empty where one can."""
+        return _STANDS.get(self.kind, "") if self.severity == "masked" else ""
+
+    def over(self) -> Finding:
+        """Return it as a person has overruled it."""
+        message = f"overruled, so nothing was done about it: {self.message}"
+        return replace(self, message=message, severity="note", overruled=True)
 
     @property
     def rows(self) -> tuple[int, ...]:
@@ -53,6 +74,7 @@ class Finding:
             "message": self.message,
             "done": _DONE[self.severity],
             "severity": self.severity,
+            "overruled": self.overruled,
         }
 
     def __str__(self) -> str:

@@ -144,7 +144,8 @@ def prepare(capture: Capture, method: str = "smooth", **options: float) -> Prepa
     measured = capture.mask if whole else capture.mask[rows]
     kept = {name: values if whole else values[rows] for name, values in capture.columns.items()}
     # A reading that stands until the next one is none anew.
-    stands = {name: held(kept[name]) for name in _READ if method == "smooth" and name in kept}
+    looked = [name for name in _READ if method == "smooth" and name in kept]
+    stands = {name: held(kept[name]) for name in looked if not capture.overrules("held", name)}
     if not (whole or measured.all()):
         known = np.flatnonzero(measured)
         lacking = np.flatnonzero(~measured)
@@ -173,7 +174,7 @@ def prepare(capture: Capture, method: str = "smooth", **options: float) -> Prepa
     except InputError as error:
         source = capture.meta.get("source")  # of several captures somebody wants to know which
         raise InputError(f"{source}: {error}" if source else str(error)) from None
-    if stands and stands["tau"].any():
+    if "tau" in stands and stands["tau"].any():
         rows = rows[~stands["tau"]]
     notes = _notes(capture, method, options, core)
     found = (

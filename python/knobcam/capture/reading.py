@@ -30,6 +30,7 @@ class Reading:
     joint: str | None = None
     limit: Limit | None = None
     max_bytes: int = DEFAULT_MAX_BYTES
+    overrule: tuple[str, ...] = ()
 
     def table(self, file: Path) -> Table:
         """Return the content of a file."""

@@ -161,6 +161,13 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
         choices=("sensor", "actuator"),
         help="whose it is where the torque sits at its extreme; default the actuator's in A, V or duty",
     )
+    group.add_argument(
+        "--overrule",
+        nargs="+",
+        action="extend",
+        metavar="KIND:COLUMN",
+        help="leave a finding of the quality check undone: wrap:theta, clipped:tau, spike:tau",
+    )
     group.add_argument("--start", type=number, metavar="S", help="leave out what is before this time")
     group.add_argument("--end", type=number, metavar="S", help="leave out what is after this time")
 
@@ -190,6 +197,7 @@ def reading(args: argparse.Namespace) -> dict[str, Any]:
     """Return the options of `knobcam.load` that `add_reading` adds, but for the map."""
     options = {"coordinate": args.coordinate, "rate_hz": args.rate, "joint": args.joint}
     options |= {"kt": args.kt, "resistance_ohm": args.resistance, "limit": args.limit}
+    options |= {"overrule": args.overrule} if args.overrule else {}
     return options | {"start": args.start, "end": args.end}
 
 

@@ -29,13 +29,14 @@ from .selection import with_detents
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from ..base.arrays import FloatArray
+    from ..base.arrays import BoolArray, FloatArray
     from ..base.showing import Figure
     from ..fit import Estimate, Fit
     from .learning import LearningResult
 
 FITTED = 5
 """Laws that are fitted with the whole model, and so end up in the front."""
+_SURE = 4.0  # times the usual half-width of the band
 NAMED = 2
 """Parameters that a sum of laws has to do without before it takes the place of a name."""
 
@@ -53,6 +54,12 @@ class Curve(NamedTuple):
     value: FloatArray
     band: FloatArray
     laws: Mapping[str, FloatArray]
+
+    @property
+    def known(self) -> BoolArray:
+        """Where the motion went often enough for the curve to be looked at."""
+        known: BoolArray = self.band < _SURE * np.nanmedian(self.band)
+        return known
 
 
 @dataclass(frozen=True, eq=False)

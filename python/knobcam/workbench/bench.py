@@ -12,12 +12,14 @@ from ..errors import InputError
 from . import state
 from .jobs import Job, Worker
 from .keeper import Keeper
+from .proposing import looked_for
 from .recorder import Recorder
 from .session import Session
 from .tree import Start
 
 if TYPE_CHECKING:
     from .session import Tell
+    from .tree import Opened
 
 _PAUSE_S = 0.02
 _AFTER_S = 1.0  # so that a page that has just been told of a fit can draw it first
@@ -34,6 +36,7 @@ class Bench:
         self.work = Worker("knobcam-work", self._moved)
         self.weighing = Worker("knobcam-weighing", self._moved, humble=True)
         self.drawing = Worker("knobcam-drawing", lambda _: None)
+        self.trying = Worker("knobcam-trying", lambda _: None)
         self.recorder = Recorder(self.session, self._moved)
         self.listeners: set[Hear] = set()
         self.keeper = None if kept_in is None else Keeper(self.session, kept_in, self._say_state)
@@ -64,9 +67,25 @@ class Bench:
             raise InputError("sessions are not kept here; start anew")
         self.keeper.go_on(name, tell)
 
+    def file_of(self, opened: Opened) -> Path:
+        """Return where the file of a capture lies. Raises InputError for one that is in no file."""
+        if opened.made:
+            raise InputError(f"{opened.name}: was simulated, so that there is no log to read otherwise")
+        path = Path(opened.path)
+        if not path.is_absolute() and self.keeper is not None and opened.sha256:
+            path = self.keeper.handed(opened.sha256)
+        if not path.is_file():
+            raise InputError(
+                f"{opened.name}: its file is not there any more; put it back, or open it by its path"
+            )
+        return path
+
     def weigh(self, after_s: float = 0.0) -> Job:
-        """Weigh what could be missing where the session is; what was weighed elsewhere is given up."""
-        node = self.session.node
+        """Weigh what could be missing where the session is, and look for a law of what has no name.
+
+        What was weighed elsewhere is given up.
+        """
+        node, weighed = self.session.node, threading.Event()
 
         def work(job: Job) -> None:
             def tell(what: str, done: float | None = None, *, last: bool = False) -> None:
@@ -74,11 +93,15 @@ class Bench:
                 # Whatever a person waits for goes first, and so does a rig that records.
                 while self.work.current is not None or self.recorder.busy:
                     job.rest(_PAUSE_S)
-                if self.session.diagnosis_of(node.id) is not None:  # and may have been just this
+                known = self.session.proposals if weighed.is_set() else self.session.diagnoses
+                if node.id in known:  # and may have been just this
                     job.cancel()
 
             job.rest(after_s)
             self.session.weigh(tell, node)
+            weighed.set()
+            if self.session.node is node and state.unexplained(self.session):
+                looked_for(self.session, tell)
 
         self.weighing.cancel()
         return self.weighing.start("weighing what could be missing", work)
@@ -90,7 +113,7 @@ class Bench:
     @property
     def busy(self) -> bool:
         """Whether anything is still computed, be it something that was given up."""
-        return self.work.busy or self.weighing.busy or self.drawing.busy
+        return self.work.busy or self.weighing.busy or self.drawing.busy or self.trying.busy
 
     def close(self) -> None:
         """Give everything up, and wait for the threads to end; a rig that records is disarmed first."""
@@ -98,6 +121,7 @@ class Bench:
         self.work.close()
         self.weighing.close()
         self.drawing.close()
+        self.trying.close()
 
     def end(self) -> None:
         """Disarm a rig that records, and write the last of the session: what cannot be left to itself."""

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _JSON_BYTES = 16_000_000  # the indices of a million samples, and room to spare
 _ALL_BYTES = 64_000_000  # of all bodies that come at once
 _NAME = 100  # characters of a file's name
-_OPTIONS = ("map", "coordinate", "joint", "rate_hz", "start", "end")
+_OPTIONS = ("map", "coordinate", "joint", "rate_hz", "start", "end", "overrule")
 
 
 class Unread(InputError):
@@ -36,8 +36,8 @@ class TooLarge(Unread):
 
     status = 413
 
-    def __init__(self, limit: int) -> None:
-        super().__init__(f"more than {limit // 1_000_000} MB; leave samples or columns out")
+    def __init__(self, limit: int, way: str = "leave samples or columns out") -> None:
+        super().__init__(f"more than {limit // 1_000_000} MB; {way}")
 
 
 class Busy(Unread):
@@ -77,15 +77,16 @@ async def read_json(request: Request) -> dict[str, Any]:
 
 async def receive(request: Request, target: Path, limit: int) -> None:
     """Write a body into a file as it comes; TooLarge as soon as it is longer than `limit` bytes."""
+    way = "that is as much as a browser may hand over: open it by its path, which may be larger"
     announced = request.headers.get("content-length", "")
     if announced.isdecimal() and int(announced) > limit:
-        raise TooLarge(limit)
+        raise TooLarge(limit, way)
     size = 0
     with target.open("xb") as file:
         async for part in request.stream():
             size += len(part)
             if size > limit:
-                raise TooLarge(limit)
+                raise TooLarge(limit, way)
             file.write(part)
 
 
@@ -134,6 +135,9 @@ def reading(given: Mapping[str, Any]) -> dict[str, Any]:
     for name in _OPTIONS:
         value = given.get(name)
         if value is None or value == "":
+            continue
+        if name == "overrule":
+            options[name] = text(given, name).split()
             continue
         if name in ("map", "coordinate", "joint"):
             options[name] = text(given, name)

@@ -27,11 +27,26 @@ def close(session: Session, capture: str, tell: Tell) -> None:
             raise InputError(f"{name} is all that the model is fitted to; choose or open another one first")
         session.use(rest, tell)
     with session.lock:
-        session.captures[capture] = replace(session.captures[capture], closed=True)
+        for one in [
+            one for one in session.captures.values() if _first(one) == _first(session.captures[capture])
+        ]:
+            session.captures[one.id] = replace(one, closed=True)
         session.touched()
 
 
 def open_ones(session: Session) -> list[Opened]:
-    """Return the captures that are open; a closed one is while the model is fitted to it."""
+    """Return the captures that are open; a closed one is while the model is fitted to it.
+
+    Of a recording that was read again, otherwise, it is the one that the model is fitted to, else the last.
+    """
     fitted = session.node.captures if session.branches else ()
-    return [one for one in session.captures.values() if not one.closed or one.id in fitted]
+    shown: dict[str, Opened] = {}
+    for one in session.captures.values():
+        before = shown.get(_first(one))
+        if one.id in fitted or not (one.closed or (before is not None and before.id in fitted)):
+            shown[_first(one)] = one
+    return [*shown.values()]
+
+
+def _first(opened: Opened) -> str:
+    return opened.of or opened.id

@@ -77,6 +77,11 @@ class Keeper:
             self._safely(lambda: self._held().hand(file, sha256))
         return sha256
 
+    def handed(self, sha256: str) -> Path:
+        """Return where a file that a browser handed over is kept. InputError where no session is."""
+        with self._lock:
+            return self._held().handed(sha256)
+
     def go_on(self, name: str, tell: Tell) -> None:
         """Let a session that was left go on here. Raises InputError where nothing of it can."""
         folder = self.root / name

@@ -47,7 +47,7 @@ def of_capture(opened: Opened) -> Record:
     """Return the line of a capture."""
     told: dict[str, Any] = {"id": opened.id, "name": opened.name, "path": opened.path, "made": opened.made}
     told |= {"options": dict(opened.options), "sha256": opened.sha256, "hidden": list(opened.hidden)}
-    return {"capture": told | {"simulated": opened.simulated, "rig": opened.rig}}
+    return {"capture": told | {"simulated": opened.simulated, "rig": opened.rig, "of": opened.of}}
 
 
 def of_node(node: Node, after: Node | None) -> Record:
@@ -208,7 +208,7 @@ def _capture(told: Record, journal: Journal) -> Opened:
     def as_it_was(capture: Capture) -> Opened:
         hidden, made = tuple(told["hidden"]), told["made"]
         origin = (told["path"], told["options"], made, hidden, told["sha256"], told["simulated"])
-        return Opened(told["id"], told["name"], capture, *origin, rig=told.get("rig"))
+        return Opened(told["id"], told["name"], capture, *origin, rig=told.get("rig"), of=told.get("of", ""))
 
     if told["simulated"] is not None:
         return as_it_was(sources.Simulated.again(told["simulated"]).capture())

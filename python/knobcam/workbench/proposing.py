@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from starlette.responses import Response
 
     from ..base import pages
+    from ..base.arrays import FloatArray
+    from ..fit import Estimate
     from ..learn.proposals import Proposal, Proposals
     from .bench import Bench
     from .jobs import Job
@@ -39,7 +41,12 @@ class Proposing:
     def __init__(self, bench: Bench) -> None:
         self.bench = bench
         self.gets = {"law": self.law}
-        self.posts = {"propose": self.propose, "accept": self.accept, "formula": self.formula}
+        self.posts = {
+            "propose": self.propose,
+            "accept": self.accept,
+            "formula": self.formula,
+            "typed": self.attempt,
+        }
 
     async def propose(self, _: Request) -> Response:
         """Look for laws of what is left where the branch is."""
@@ -52,6 +59,11 @@ class Proposing:
         asked, session = request.query_params, self.bench.session
         view = session.view_of(asked.get("node", ""))
         at = session.place(view, asked.get("capture", ""))
+        if asked.get("number") == "typed":
+            if session.tried is None or session.tried[0] != view.node.id:
+                raise InputError("no formula was tried here; type one first")
+            model = session.tried[1].model
+            return bytes_answer(await run_in_threadpool(arrays.explained, "formula", model, view, at))
         found = proposals_of(session, view.node)
         number = int(asked["number"]) if asked.get("number", "").isdecimal() else 0
         if not 1 <= number <= len(found.laws):
@@ -71,6 +83,21 @@ class Proposing:
         await finished(self.bench.work.start(f"taking law {number}", work))
         await run_in_threadpool(self.bench.flush)
         return answered(session)
+
+    async def attempt(self, request: Request) -> Response:
+        """Fit a formula on the side while it is typed; one that was tried before is given up.
+
+        What is no formula yet is no wrong request: what it lacks is the answer.
+        """
+        body = await read_json(request)
+        law, guess, session = text(body, "law").strip(), text(body, "guess", ""), self.bench.session
+        self.bench.trying.cancel()
+        try:
+            start = guesses(guess.replace(",", " ").split(), "start")
+            job = self.bench.trying.start("trying", lambda job: tried(session, law, start, job.tell))
+            return answered(session, tried=await finished(job))
+        except InputError as error:
+            return answered(session, unfinished=str(error))
 
     async def formula(self, request: Request) -> Response:
         """Take a formula of the user's own into the model, as an effect of this name."""
@@ -97,7 +124,9 @@ def looked_for(session: Session, tell: Tell) -> None:
     tell(doing)
     found = story.propose(lambda share: tell(doing, share))
     tell("putting the laws in place", last=True)
-    session.propose(node, found)
+    with session.lock:
+        session.proposals[node.id] = found
+        session.touched()
 
 
 def taken(session: Session, number: int, name: str, tell: Tell) -> None:
@@ -145,6 +174,35 @@ def typed(session: Session, law: str, name: str, start: Mapping[str, float], tel
         raise
 
 
+def tried(session: Session, law: str, start: Mapping[str, float], tell: Tell) -> pages.Law:
+    """Fit a formula that is still typed, beside the model, and return what it would leave.
+
+    Raises InputError for what is no formula yet, and for one that cannot be fitted.
+    """
+    node, name = session.node, session.new("typed")
+    own_law(name, law)
+    try:
+        doing = "trying a formula"
+        richer = refit.add(node.fit, name, lambda share: tell(doing, share), start)
+    finally:
+        forget_effect(name)
+    tell(doing, last=True)
+    session.tried = (node.id, richer)
+    own = {
+        param.removeprefix(f"{name}."): e
+        for param, e in richer.params.items()
+        if param.startswith(f"{name}.")
+    }
+    return {
+        "label": law,
+        "law": law,
+        "rmse": richer.rmse,
+        "rmse_heldout": richer.rmse_heldout,
+        "words": _in_words(own),
+        "start": " ".join(f"{param}={e.value:.5g}" for param, e in own.items()),
+    }
+
+
 def proposals_of(session: Session, node: Node) -> Proposals:
     """Return the laws of a node. Raises InputError where none were looked for."""
     if node.id not in session.proposals:
@@ -157,8 +215,32 @@ def document(found: Proposals | None) -> list[pages.Law] | None:
     return None if found is None else [_law(one, one in found.front) for one in found.laws]
 
 
+def curve(found: Proposals | None) -> pages.Curve | None:
+    """Return what is left as a curve with the laws on it; None where it is none, or was not looked for."""
+    drawn = None if found is None else found.curve
+    if found is None or drawn is None:
+        return None
+
+    def told(values: FloatArray) -> list[float | None]:
+        return [float(one) if known else None for one, known in zip(values, drawn.known, strict=True)]
+
+    laws = [drawn.laws.get(one.law) for one in found.laws]
+    return {
+        "over": drawn.over,
+        "times": drawn.times,
+        "x": drawn.x.tolist(),
+        "value": told(drawn.value),
+        "band": told(drawn.band),
+        "laws": [None if one is None else told(one) for one in laws],
+    }
+
+
+def _in_words(params: Mapping[str, Estimate]) -> list[str]:
+    return [f"{name} = {e.value:.4g} {e.unit} ({e.interval})" for name, e in params.items()]
+
+
 def _law(one: Proposal, front: bool) -> pages.Law:
-    words = [f"{name} = {e.value:.4g} {e.unit} ({e.interval})" for name, e in one.params.items()]
+    words = _in_words(one.params)
     words.append(f"of {', '.join(one.variables)}")
     words += ["no shorter law is as good"] if front else []
     return {

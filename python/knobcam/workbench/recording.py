@@ -10,7 +10,7 @@ from starlette.concurrency import run_in_threadpool
 
 from ..base import pages
 from ..errors import InputError
-from . import sources
+from . import challenge, sources
 from .answers import answered, bytes_answer, finished, json_answer
 from .bodies import flag, read_json, text
 
@@ -28,7 +28,9 @@ class Recording:
     def __init__(self, bench: Bench) -> None:
         self.bench = bench
         self.gets = {"sources": self.sources, "live": self.live, "hidden": self.hidden}
+        self.gets["challenge"] = self.challenge
         self.posts = {"simulate": self.simulate, "record": self.record, "stop": self.stop}
+        self.posts["hint"] = self.hint
 
     async def sources(self, _: Request) -> Response:
         """What there is to choose from."""
@@ -37,7 +39,9 @@ class Recording:
     async def simulate(self, request: Request) -> Response:
         """Simulate a knob and take its capture in."""
         body = await read_json(request)
-        source = await run_in_threadpool(sources.simulated, body)
+        level = text(body, "level", "")
+        made = (challenge.drawn, level) if level else (sources.simulated, body)
+        source = await run_in_threadpool(*made)
         together = flag(body, "together", False)
         name = f"{source.name}, simulated {source.motion}"
 
@@ -80,6 +84,18 @@ class Recording:
         if opened is None:
             raise InputError(f"capture {asked!r} is not in this session")
         return self._now(hidden=list(opened.hidden))
+
+    async def challenge(self, request: Request) -> Response:
+        """How it goes with what a capture hides."""
+        capture = request.query_params.get("capture", "")
+        return json_answer(await run_in_threadpool(challenge.standing, self.bench.session, capture))
+
+    async def hint(self, request: Request) -> Response:
+        """Give a little of it away."""
+        body = await read_json(request)
+        capture, whole = text(body, "capture"), flag(body, "whole", False)
+        await run_in_threadpool(challenge.hint, self.bench.session, capture, whole)
+        return self._now()
 
     def _now(self, **more: Unpack[pages.More]) -> Response:
         return answered(self.bench.session, **more)

@@ -27,7 +27,7 @@ from ..capture.formats import DEFAULT_MAX_BYTES
 from ..errors import InputError
 from ..model.effects import effect as catalogued
 from ..rig.record import Latched
-from . import arrays, closing, saving
+from . import arrays, closing, ruling, saving
 from .answers import answered, bytes_answer, finished, json_answer, refusal
 from .bench import Bench
 from .bodies import Busy, Unread, file_name, flag, indices, read_json, reading, receive, text
@@ -69,7 +69,7 @@ def application(bench: Bench, token: str, port: int, upload_bytes: int = UPLOAD_
         **{"add": server.add, "drop": server.drop, "undo": server.undo, "redo": server.redo},
         **{"branch": server.branch, "switch": server.switch, "params": server.params, "snap": server.snap},
         **{"diagnose": server.diagnose, "cancel": server.cancel, "share": server.share, "use": server.use},
-        "close": server.close,
+        **{"close": server.close, "overrule": server.overrule},
         **{"open": server.open, "upload": server.upload, "save": server.save, **recording.posts},
         **Continuing(bench).posts,
         **designing.posts,
@@ -81,6 +81,7 @@ def application(bench: Bench, token: str, port: int, upload_bytes: int = UPLOAD_
             "arrays": server.arrays,
             "splits": server.splits,
             "signature": server.signature,
+            "finding": server.finding,
         },
         **{"events": server.events, "download": server.download, "picture": server.picture},
         **recording.gets,
@@ -210,6 +211,21 @@ class _Server:
         """Show a capture no more."""
         capture = text(await read_json(request), "capture")
         return await self._long("closing", lambda job: closing.close(self.session, capture, job.tell))
+
+    async def overrule(self, request: Request) -> Response:
+        """Leave a finding of a capture undone, or let it stand again."""
+        body = await read_json(request)
+        capture, finding, on = text(body, "capture"), text(body, "finding"), flag(body, "on", True)
+        find = self.bench.file_of
+        return await self._long(
+            "reading", lambda job: ruling.overrule(self.session, capture, finding, on, find, job.tell)
+        )
+
+    async def finding(self, request: Request) -> Response:
+        """The samples that a finding names."""
+        asked = request.query_params
+        runs = ruling.samples(self.session, asked.get("capture", ""), asked.get("finding", ""))
+        return json_answer({"runs": runs})
 
     async def undo(self, _: Request) -> Response:
         """Go one step back."""

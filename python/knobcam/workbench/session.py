@@ -46,8 +46,8 @@ class Session:
     """What one person does with captures of one knob.
 
     Every change is made at once or not at all: long work is done on the side, and its fit is then put in
-    place, unless the session has moved on meanwhile. Methods may be called from several threads.
-    `changed` is called after every change.
+    place, unless the session has moved on meanwhile. Methods may be called from several threads; `changed` is
+    called after every change.
     """
 
     def __init__(self, changed: Callable[[], None] = lambda: None, start: Start | None = None) -> None:
@@ -58,11 +58,13 @@ class Session:
         self.revision = 0
         self.changed = changed
         self.lock = threading.RLock()
-        self._nodes: dict[str, Node] = {}
+        self.nodes: dict[str, Node] = {}
         self._views: dict[str, View] = {}
-        self._diagnoses: dict[str, Diagnosis] = {}
+        self.diagnoses: dict[str, Diagnosis] = {}
         self.designs: dict[str, Designed] = {}
         self.proposals: dict[str, Proposals] = {}
+        self.tried: tuple[str, Fit] | None = None
+        self.hints: dict[str, int] = {}
         self.made = 0
         self.looked: Mapping[str, Any] | None = None
 
@@ -91,14 +93,14 @@ class Session:
         with self.lock:
             if view_id in self._views:
                 return self._views[view_id]
-            if view_id in self._nodes:
-                node = self._nodes[view_id]
+            if view_id in self.nodes:
+                node = self.nodes[view_id]
                 return View(node.id, node, node.fit.model)
         raise InputError(f"node {view_id!r} is not in this session")
 
     def diagnosis_of(self, node_id: str) -> Diagnosis | None:
         """Return what was weighed at a node; None where nothing was yet."""
-        return self._diagnoses.get(node_id)
+        return self.diagnoses.get(node_id)
 
     @property
     def experiment(self) -> Designed | None:
@@ -136,7 +138,7 @@ class Session:
             # Of what changed while it was read no hash is known, so that it is not taken for the same later.
             sha256 = digest(path)
             sha256 = sha256 if look(path).st_mtime_ns == before.st_mtime_ns else ""
-            opened.append(Opened(self._new("c"), Path(path).name, capture, whole, given, sha256=sha256))
+            opened.append(Opened(self.new("c"), Path(path).name, capture, whole, given, sha256=sha256))
         self._take(opened, tell, together)
         return tuple(one.id for one in opened)
 
@@ -158,7 +160,7 @@ class Session:
         `path`, by default its name, and `options` are by which it can be read again; `origin` is what else
         `Opened` knows of where it comes from. Raises InputError for one that cannot be fitted.
         """
-        opened = Opened(self._new("c"), name, capture, path or name, dict(options or {}), **origin)
+        opened = Opened(self.new("c"), name, capture, path or name, dict(options or {}), **origin)
         self._take([opened], tell, together, onward)
         return opened.id
 
@@ -210,7 +212,7 @@ class Session:
         refit.check(effect, node.fit.model)
         doing = f"adding {effect}"
         tell(doing)
-        diagnosis = self._diagnoses.get(node.id)
+        diagnosis = self.diagnoses.get(node.id)
         weighed = [one for one in diagnosis.candidates if one.effect == effect] if diagnosis else []
         evidence: dict[str, Any] = {"diagnosis": diagnosis}
         if weighed:
@@ -232,12 +234,6 @@ class Session:
         tell(f"putting the model without {effect} in place", last=True)
         self._put(self._node(barer, node.captures, "dropped", effect), branch, node)
 
-    def propose(self, node: Node, proposals: Proposals) -> None:
-        """Take in the laws that were looked for at a node."""
-        with self.lock:
-            self.proposals[node.id] = proposals
-            self.touched()
-
     def accept(self, effect: str, richer: Fit, p_value: float) -> None:
         """Put the fit with a law in place, which is an effect of this name by now."""
         node = self._node(richer, self.node.captures, "added", effect, p_value=p_value)
@@ -246,14 +242,14 @@ class Session:
     def weigh(self, tell: Tell = _quiet, node: Node | None = None) -> Diagnosis:
         """Return which effects could be missing at a node, by default here; weighed once for each."""
         node = node or self.node
-        known = self._diagnoses.get(node.id)
+        known = self.diagnoses.get(node.id)
         if known is not None:
             return known
         doing = "weighing what could be missing"
         tell(doing)
         diagnosis = diagnose(node.fit, progress=lambda share: tell(doing, share))
         _ = diagnosis.comparison.summary  # computed here, where nobody waits for it
-        self._diagnoses[node.id] = diagnosis  # whoever comes back to the node has it, wanted now or not
+        self.diagnoses[node.id] = diagnosis  # whoever comes back to the node has it, wanted now or not
         with self.lock:
             self.touched()
         return diagnosis
@@ -263,7 +259,7 @@ class Session:
     def keep(self, design: Designed) -> None:
         """Take in a motion that was designed, which gets its id here, or what came of it."""
         with self.lock:
-            design = design if design.id else replace(design, id=self._new("e"))
+            design = design if design.id else replace(design, id=self.new("e"))
             self.designs.pop(design.id, None)
             self.designs[design.id] = design
             self.touched()
@@ -276,7 +272,7 @@ class Session:
 
     def captures_of(self, design: Designed) -> tuple[str, ...]:
         """Return the captures from which a motion was designed."""
-        return self._nodes[design.node].captures
+        return self.nodes[design.node].captures
 
     # Back, forth, aside
 
@@ -296,7 +292,7 @@ class Session:
         """Copy the branch up to where it is, go on in the copy, and return its id."""
         with self.lock:
             branch = self.branch
-            branch_id = self._new("b")
+            branch_id = self.new("b")
             said = " ".join(name.split())[:_NAME] or f"branch {len(self.branches) + 1}"
             self.branches[branch_id] = branch.copy(branch_id, said)
             self.branch_id = branch_id
@@ -323,7 +319,7 @@ class Session:
                 if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
                     raise InputError(f"parameter '{name}': {value!r} is no number")
                 model = model.with_value(name, float(value))
-            view = View(f"{node.id}~{self._new('')}", node, model, moved)
+            view = View(f"{node.id}~{self.new('')}", node, model, moved)
             self._views[view.id] = view
             for old in list(self._views)[:-_VIEWS]:
                 del self._views[old]
@@ -354,7 +350,7 @@ class Session:
             self.start, self.captures, self.branches = found.start, found.captures, found.branches
             self.branch_id, self.looked = found.branch_id, found.looked
             self.made = max(self.made, found.made)
-            self._nodes, self.designs = dict(found.nodes), dict(found.designs)
+            self.nodes, self.designs = dict(found.nodes), dict(found.designs)
             self._views = {one.dragged.id: one.dragged for one in found.branches.values() if one.dragged}
             self.touched()
 
@@ -371,22 +367,23 @@ class Session:
 
     # How it is done
 
-    def _new(self, kind: str) -> str:
+    def new(self, kind: str) -> str:
+        """Return an id that nothing in the session has."""
         with self.lock:
             self.made += 1
             return f"{kind}{self.made}"
 
     def _node(self, fitted: Fit, captures: tuple[str, ...], how: How, *told: Any, **evidence: Any) -> Node:
-        return Node(self._new("n"), fitted, captures, how, *told, **evidence)
+        return Node(self.new("n"), fitted, captures, how, *told, **evidence)
 
     def _put(self, node: Node, branch: Branch | None, after: Node | None = None) -> None:
         """Put a node in place, if its branch is still where the work on it began."""
         with self.lock:
             if after is not None and branch is not None and branch.node is not after:
                 raise InputError("the session has moved on meanwhile; nothing was changed")
-            self._nodes[node.id] = node
+            self.nodes[node.id] = node
             if branch is None:
-                self.branch_id = self._new("b")
+                self.branch_id = self.new("b")
                 self.branches[self.branch_id] = Branch(self.branch_id, "main", [node], 0)
             else:
                 branch.go(node)

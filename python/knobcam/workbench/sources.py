@@ -82,7 +82,7 @@ class Simulated:
     """One of the five knobs by `kc.simulate`.
 
     `plan` is the text of a motion file that it makes, at `rate_hz`; what it hides is as large as `motion` and
-    `duration_s` say.
+    `duration_s` say. Of a challenge it has the `level`.
     """
 
     name: str
@@ -92,6 +92,7 @@ class Simulated:
     seed: int
     plan: str = ""
     rate_hz: float = 5000.0
+    level: str = ""
 
     @classmethod
     def again(cls, told: Mapping[str, Any]) -> Simulated:

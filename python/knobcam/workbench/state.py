@@ -13,7 +13,7 @@ from ..learn import LearningResult
 from ..learn.limitations import limitations
 from ..model.effects import effects
 from ..show.samples import candidates
-from . import proposing
+from . import proposing, ruling
 from .closing import open_ones
 from .designing import origin
 from .learned import conclusion, in_vain, ladder
@@ -45,10 +45,7 @@ def document(session: Session) -> pages.Session:
         shown, laws = session.experiment, session.proposals.get(branch.node.id)
     fitted = view.fit
     steps = ladder(branch.done)
-    # Where something is left to be added nothing is concluded yet.
-    end = None
-    if diagnosis is not None and diagnosis.best is None:
-        end = conclusion(steps, diagnosis)
+    end = _end(steps, diagnosis)
     left = None if end is None else end.unexplained
     return {
         **known,
@@ -78,8 +75,20 @@ def document(session: Session) -> pages.Session:
         "untold": _untold(steps),
         "proposed": proposing.document(laws),
         "proposed_text": "" if laws is None else laws.headline,
+        "curve": proposing.curve(laws),
         "experiment": None if shown is None else shown.document(_source(session, shown)),
     }
+
+
+def unexplained(session: Session) -> bool:
+    """Whether it is known where the session is, and what is left there has no name."""
+    end = _end(ladder(session.branch.done), session.diagnosis_of(session.node.id))
+    return end is not None and end.unexplained is not None
+
+
+def _end(steps: list[LearningStep], diagnosis: Diagnosis | None) -> Selection | None:
+    """What a ladder comes to; None where something is left to be added, and nothing is concluded yet."""
+    return None if diagnosis is None or diagnosis.best is not None else conclusion(steps, diagnosis)
 
 
 def absent(model: Model) -> list[Effect]:
@@ -123,6 +132,7 @@ def _nothing(session: Session) -> pages.Session:
         "untold": [],
         "proposed": None,
         "proposed_text": "",
+        "curve": None,
         "experiment": None,
     }
 
@@ -135,7 +145,7 @@ def _capture(opened: Opened) -> pages.CaptureInfo:
         "samples": capture.samples,
         "rate_hz": capture.rate_hz,
         "coordinate": capture.coordinate,
-        "findings": [str(finding) for finding in capture.findings],
+        "findings": ruling.document(opened),
         "hides": bool(opened.hidden),
     }
 

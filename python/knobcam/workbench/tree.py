@@ -27,7 +27,8 @@ class Opened:
 
     `sha256` is that of the file. One that is no file has what it was simulated by as `simulated`, and the
     Python that makes it again as `made`. `rig` is by which the rig that recorded it is found again. `hidden`
-    are the effects that were put into its knob for somebody to find. One that is `closed` is shown no more.
+    are the effects that were put into its knob for somebody to find. One that is `closed` is shown no more;
+    one that was read from a recording again, otherwise, says `of` which capture that was first.
     """
 
     id: str
@@ -41,6 +42,7 @@ class Opened:
     simulated: Mapping[str, Any] | None = None
     rig: Mapping[str, Any] | None = None
     closed: bool = False
+    of: str = ""
 
 
 def told_apart(new: Iterable[Opened], others: Iterable[Opened]) -> Iterator[Opened]:

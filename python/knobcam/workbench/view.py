@@ -74,7 +74,9 @@ class View:
         """The torque of a capture as it was recorded where its samples are masked, N m; NaN elsewhere."""
         signals = self.fit.prepared[at]
         masked = np.ones(signals.capture.samples, dtype=bool)
-        masked[signals.rows] = False
+        masked[signals.rows] = ~signals.capture.mask[
+            signals.rows
+        ]  # what is bridged is there in its neighbours
         return np.where(masked, signals.capture.tau, np.nan)
 
     def since_reversal(self, at: int) -> FloatArray:

@@ -122,4 +122,4 @@ def _finding(entry: Mapping[str, Any]) -> Finding:
         check(name, value, "int" if name == "count" else "str")
     if said["severity"] not in get_args(Severity):
         raise ValueError(f"severity {said['severity']!r}")
-    return Finding(spans=tuple(spans), **said)
+    return Finding(spans=tuple(spans), **said, overruled=entry.get("overruled", False) is True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +16,7 @@ from .garbage import check_garbage
 from .held import check_held, held
 from .late import check_late
 from .motion import check_stuck, check_wrapped
+from .ruled import Ruled
 from .scales import check_scales
 from .size import check_size
 from .steps import check_steps
@@ -43,25 +45,31 @@ def check(
     rows: Rows,
     source: str,
     limit: Limit = "sensor",
+    overruled: Collection[str] = (),
 ) -> Checked:
     """Check the columns t, theta, tau and, where there, omega and alpha: SI, shape (samples,) each.
 
-    `rows` is the data row of each sample, from 1; `limit` whose it is where the torque sits at one. Raises
-    InputError when there is nothing to work with: fewer than two samples, a needed column without a number,
-    time that stands still.
+    `rows` is the data row of each sample, from 1; `limit` whose it is where the torque sits at one. About
+    a finding whose key is `overruled` nothing is done. Raises InputError when there is nothing to work with:
+    fewer than two samples, a needed column without a number, time that stands still.
     """
     if limit not in ("sensor", "actuator"):
         raise InputError(f"limit={limit!r} is unknown; choose sensor or actuator")
     if len(rows) < 2:
         raise InputError(f"{source}: {len(rows)} rows of data; a capture needs at least 2, better thousands")
     with np.errstate(all="ignore"):
-        return _check(columns, coordinate, rows, source, limit)
+        return _check(columns, coordinate, rows, source, limit, Ruled(overruled))
 
 
 def _check(
-    columns: dict[str, FloatArray], coordinate: Coordinate, rows: Rows, source: str, limit: Limit
+    columns: dict[str, FloatArray],
+    coordinate: Coordinate,
+    rows: Rows,
+    source: str,
+    limit: Limit,
+    ruled: Ruled,
 ) -> Checked:
-    findings: list[Finding] = []
+    findings = ruled.findings
     present = dict(columns)
     for name, values in columns.items():
         if _measured(values).any():
@@ -87,40 +95,37 @@ def _check(
             )
             findings.append(Finding("non-finite", name, len(at), spans(at), message, "masked"))
 
-    present["t"], found = run_on(present["t"], rows)
-    findings += found
+    t, found = run_on(present["t"], rows)
+    present["t"] = t if ruled.lets(found) else present["t"]
     others = [values for name, values in present.items() if name != "t"]
-    present["t"], found = spread(present["t"], others, rows)
-    findings += found
+    t, found = spread(present["t"], others, rows)
+    present["t"] = t if ruled.lets(found) else present["t"]
     rising, found, rate = check_times(present["t"], rows, source)
-    findings += found
+    ruled.lets(found)
     mask &= rising
     _check_left(mask, findings, source)
-    steps = check_steps(present, mask, rows, coordinate, rate)
+    steps = check_steps(present, mask, rows, coordinate, rate, ruled.overruled)
+    ruled.lets(steps.findings)
     present |= {"t": steps.t, "theta": steps.theta}
-    findings += steps.findings
     mask &= ~steps.bad
     spikes, found = _spikes(present, mask, rows)
-    findings += found
-    mask &= ~spikes
+    mask &= ~ruled.masks(spikes, found, rows)
     garbage, found = check_garbage(present, mask, rows)
-    findings += found
-    mask &= ~garbage
+    mask &= ~ruled.masks(garbage, found, rows)
     dead, found = check_dead(present, mask, rows, limit)
-    findings += found
-    mask &= ~dead
+    mask &= ~ruled.masks(dead, found, rows)
     _check_left(mask, findings, source)
     clipped, found = check_clipping(present["tau"], present["theta"], mask, rows, limit)
-    findings += found
-    findings += check_held(present, mask, rows)
+    clipped = ruled.masks(clipped, found, rows)
+    ruled.lets(check_held(present, mask, rows))
     for name in ("theta", "omega", "alpha", "tau"):
         if name in present:
-            findings += check_stuck(name, present[name], mask)
-    findings += check_wrapped(present["theta"], mask, rows, coordinate)
-    present, found = check_scales(present, mask, coordinate)
-    findings += found
-    present, found = check_late(present, mask, rate)
-    findings += found
+            ruled.lets(check_stuck(name, present[name], mask))
+    ruled.lets(check_wrapped(present["theta"], mask, rows, coordinate))
+    scaled, found = check_scales(present, mask, coordinate)
+    present = scaled if ruled.lets(found) else present
+    placed, found = check_late(present, mask, rate)
+    present = placed if ruled.lets(found) else present
     mask &= _measured(present["theta"])
     return Checked(mask & ~clipped, tuple(findings), rate, present)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,29 +47,39 @@ class Steps:
 
 
 def check_steps(
-    columns: dict[str, FloatArray], usable: BoolArray, rows: Rows, coordinate: Coordinate, rate_hz: float
+    columns: dict[str, FloatArray],
+    usable: BoolArray,
+    rows: Rows,
+    coordinate: Coordinate,
+    rate_hz: float,
+    overruled: Collection[str] = (),
 ) -> Steps:
     """Look at the step of the angle into each usable row: too short, too long, or there and back.
 
     Of the columns t, theta, tau and, where there, omega and alpha only the first two are ever mended: an
     angle that jumps by whole turns goes on where it was, a clock that counted on over lost rows is moved.
+    Nothing is done about a finding whose key is `overruled`.
     """
-    t, theta, bad = columns["t"], columns["theta"], np.zeros(len(rows), dtype=np.bool_)
+    t, theta = columns["t"], columns["theta"]
     index = np.flatnonzero(usable)
     if len(index) < 4 * REACH:
-        return Steps(t, theta, bad, ())
+        return Steps(t, theta, np.zeros(len(rows), dtype=np.bool_), ())
+    bad = {kind: np.zeros(len(rows), dtype=np.bool_) for kind in ("missed", "stale", "spike", "jump")}
     findings: list[Finding] = []
     # Where wild readings are a habit of the log they lie beside each other, and hide what else there is.
     anything = wild(t[index], theta[index], 0.3 * _count(np.diff(theta[index])))
-    bad[index[anything]] = True
+    bad["spike"][index[anything]] = True
     index = index[~anything]
     if coordinate == "rotary":
-        theta, found = _unwrap(theta, index, rows)
+        unwrapped, found = _unwrap(theta, index, rows)
+        theta = theta if "wrap:theta" in overruled else unwrapped
         findings += found
     missed = check_missed(columns, theta, index, rows, rate_hz, _count(np.diff(theta[index])))
-    theta = missed.theta
     findings += missed.findings
-    index = index[~missed.bad[index]]
+    if "missed:theta" not in overruled:
+        theta = missed.theta
+        bad["missed"] = missed.bad
+        index = index[~missed.bad[index]]
     step = np.diff(theta[index])
     least = _count(step)
     expected, spread = _expected(step, np.diff(t[index]), least)
@@ -79,7 +90,7 @@ def check_steps(
     clear = (np.abs(expected) > CLEAR * noise) & (off > np.maximum(CLEAR * noise, 0.5 * np.abs(expected)))
 
     stale = _stale(columns, index, step, least, short & (off > 0.5 * np.abs(expected)))
-    bad[index[1:][stale]] = True
+    bad["stale"][index[1:][stale]] = True
     if stale.any():
         at = rows[index[1:][stale]]
         message = (
@@ -89,7 +100,7 @@ def check_steps(
         findings.append(Finding("stale", "theta", len(at), spans(at), message, "masked"))
 
     spike = _there_and_back(step - expected, CLEAR * noise) & ~stale[:-1] & ~stale[1:]
-    bad[index[1:-1][spike]] = True
+    bad["spike"][index[1:-1][spike]] = True
     # A leap that stays is beyond all steps of the motion; so wide a gap is not bridged.
     leap = ~stale & (off > CLEAR * noise) & (off > _LEAP * quantile(np.abs(step), 0.999))
     leap &= (np.diff(t[index]) < 1.5 / rate_hz) & (np.diff(index) == 1)  # else time passed
@@ -98,19 +109,19 @@ def check_steps(
         leap &= (np.abs(step) <= math.pi) | (part > _LEAP * quantile(np.abs(step), 0.999))
     leap &= ~(np.append(spike, False) | np.append(False, spike))
     away = _away(theta[index], np.flatnonzero(leap))
-    bad[index[away]] = True
+    bad["spike"][index[away]] = True
     leap &= ~(away[1:] | away[:-1])
-    findings += _leapt_away(rows, bad & usable, index[1:][stale])
+    findings += _leapt_away(rows, bad["spike"] & usable & ~bad["stale"])
     if leap.any() and leap.sum() <= len(step) // 1000 + 1:
         at = np.flatnonzero(leap)
         for row in (-2, -1, 0, 1):
-            bad[index[np.clip(1 + at + row, 0, len(index) - 1)]] = True
+            bad["jump"][index[np.clip(1 + at + row, 0, len(index) - 1)]] = True
         leapt = rows[index[1:][at]]
         what = f"theta: leaps by {step[at[0]]:.4g} at {rows_in_words(leapt)} and goes on from there"
         apart = "positions of one part are not those of the other"
         if len(at) == 1:
             shorter = min(index[: at[0] + 1], index[at[0] + 1 :], key=len)
-            bad[shorter] = True
+            bad["jump"][shorter] = True
             message = (
                 f"{what}, as where two logs were joined: {apart}, so the shorter one, {len(shorter)} rows, "
                 "is masked; --start and --end choose the other"
@@ -136,18 +147,21 @@ def check_steps(
         at, count = rows[index[:-1][lost > 0]], int(lost.sum())
         shift = np.zeros(len(t))
         shift[index[1:]] = lost
-        t = t + np.cumsum(shift) / rate_hz
+        if "lost:t" not in overruled:
+            t = t + np.cumsum(shift) / rate_hz
         message = (
             f"t: about {count} rows are missing after {rows_in_words(at)}, where the angle advances by "
             "several steps in one though the clock counted on; later times are moved, nothing is filled in"
         )
         findings.append(Finding("lost", "t", count, spans(at), message, "mended"))
-    return Steps(t, theta, bad | missed.bad, tuple(findings))
+    masked = np.zeros(len(rows), dtype=np.bool_)
+    for kind, off_it in bad.items():
+        masked |= off_it & (f"{kind}:theta" not in overruled)
+    return Steps(t, theta, masked, tuple(findings))
 
 
-def _leapt_away(rows: Rows, off: BoolArray, stale: NDArray[np.intp]) -> list[Finding]:
-    """Say at which of the rows that are `off`, but for the `stale` ones, the angle is away for a while."""
-    off[stale] = False
+def _leapt_away(rows: Rows, off: BoolArray) -> list[Finding]:
+    """Say at which of the rows that are `off` the angle is away for a while."""
     if not off.any():
         return []
     at = rows[off]

@@ -33,7 +33,7 @@ def proposals(proposals: Proposals) -> Picture:
 
 
 def _curve(axis: Axes, proposals: Proposals, curve: Curve) -> None:
-    known = curve.band < 4.0 * np.nanmedian(curve.band)  # elsewhere the motion hardly went
+    known = curve.known
     x, value, band = (np.where(known, column, np.nan) for column in (curve.x, curve.value, curve.band))
     axis.fill_between(x, value - band, value + band, color=BAND, alpha=0.4, lw=0.0, label="95 % band")
     axis.plot(x, value, color=BLACK, lw=1.2, label="what is left")

@@ -104,6 +104,9 @@ function percent(share) {
 function torqueScale(unit, peak) {
   return unit === "N m" && peak <= 2 ? { factor: 1e3, unit: "mNm" } : { factor: 1, unit };
 }
+function unitWords(unit) {
+  return unit === "1" ? "" : unit.replaceAll("^2", "²").replaceAll("^3", "³");
+}
 function torqueWord(unit) {
   const words3 = { N: "force", A: "current", V: "voltage", duty: "duty cycle" };
   return words3[unit] ?? "torque";
@@ -120,6 +123,10 @@ function ticks(low, high, count) {
 }
 
 // src/branches.js
+function comparable({ branches, branch: current, active }, branch) {
+  const other = branches.find(({ id }) => id === branch && id !== current);
+  return other !== void 0 && other.steps[other.at]?.captures.join() === active.join();
+}
 function showBranches(place4, state, beside, deeds) {
   const focused = document.activeElement?.getAttribute("data-beside");
   const cards = state.branches.map(({ id, name, steps, at }) => {
@@ -139,8 +146,10 @@ function showBranches(place4, state, beside, deeds) {
       make("span", { class: "figure", text: step ? `${number(step.rmse * scale.factor)} ${scale.unit}` : "–" })
     );
     if (id === state.branch) return make("div", { class: "card" }, card);
+    const there = comparable(state, id);
     const box = make("input", {
-      ...{ type: "checkbox", checked: id === beside, "data-beside": id },
+      ...{ type: "checkbox", checked: id === beside, "data-beside": id, disabled: !there },
+      ...{ title: there ? null : "it is fitted to other captures, or to the same read otherwise" },
       on: { change: () => deeds.beside(id === beside ? null : id) }
     });
     return make("div", { class: "card" }, card, make("label", {}, box, " side by side"));
@@ -153,6 +162,9 @@ function showBranches(place4, state, beside, deeds) {
 
 // src/captures.js
 function showCaptures(place4, { captures, active }, { use, close }) {
+  const key2 = JSON.stringify([captures, active]);
+  if (place4.dataset.shown === key2) return;
+  place4.dataset.shown = key2;
   if (captures.length === 1) {
     const [only] = captures;
     place4.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only)));
@@ -181,17 +193,45 @@ function showCaptures(place4, { captures, active }, { use, close }) {
 }
 function words({ name, samples, rate_hz, findings }) {
   const facts = ` ${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
-  const doubt = make("span", { class: "doubt", text: "⚠ ", title: findings.join("\n") });
-  return [...findings.length > 0 ? [doubt] : [], make("strong", { text: name }), facts];
+  const doubtful = findings.filter(({ note }) => !note);
+  const doubt = make("span", { class: "doubt", text: "⚠ ", title: doubtful.map(({ text }) => text).join("\n") });
+  return [...doubtful.length > 0 ? [doubt] : [], make("strong", { text: name }), facts];
 }
-function showFindings(place4, { captures, active, limitations, notes }) {
+function showFindings(place4, { captures, active, limitations, notes, job }, deeds) {
+  const key2 = JSON.stringify([captures, active, limitations, notes, job === null]);
+  if (place4.dataset.shown === key2) return;
+  place4.dataset.shown = key2;
+  const focused = document.activeElement?.getAttribute("data-finding");
   const fitted = captures.filter(({ id }) => active.includes(id));
-  const found2 = fitted.flatMap(
-    ({ name, findings }) => findings.map((text) => make("li", { class: "doubt", text: `⚠ ${fitted.length > 1 ? `${name}: ` : ""}${text}` }))
-  );
+  const found2 = fitted.flatMap(({ id, name, findings }) => {
+    const own = [...findings.filter(({ note }) => !note), ...findings.filter(({ note }) => note)];
+    return own.map((one) => finding(one, { id, name: fitted.length > 1 ? `${name}: ` : "", job }, deeds));
+  });
   const missing = limitations.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
   place4.replaceChildren(...noted, ...found2, ...missing);
+  const again = focused && place4.querySelector(`[data-finding="${CSS.escape(focused)}"]`);
+  if (again instanceof HTMLElement) again.focus();
+}
+function finding({ key: key2, text, note, overruled, stands, seen }, { id, name, job }, { see, overrule }) {
+  const said = `${note || overruled ? "" : "⚠ "}${name}${text}`;
+  const words3 = seen ? make("button", { type: "button", class: "leads", title: "show its samples", text: said, on: { click: () => see(id, key2) } }) : make("span", { text: said });
+  const box = make("input", {
+    ...{ type: "checkbox", role: "switch", checked: !overruled, disabled: stands !== "", "data-finding": `${name}${key2}` },
+    "aria-label": `in force: ${name}${text}`,
+    // While something is done it waits, but keeps the focus.
+    ...{ "aria-disabled": job !== null ? "true" : null },
+    on: { click: (event) => job !== null && event.preventDefault(), change: () => overrule(id, key2, !overruled) }
+  });
+  const why = stands || "off: nothing is done about it, the samples are taken as they were recorded, and the model is fitted anew";
+  const own = note ? null : make("label", { title: why }, box, overruled ? "overruled" : "in force");
+  return make("li", { class: `finding ${note || overruled ? "soft" : "doubt"}` }, words3, own);
+}
+async function samplesOf(capture, finding2, { captures, active }) {
+  const before = active.slice(0, active.indexOf(capture));
+  const start = before.reduce((sum, one) => sum + (captures.find(({ id }) => id === one)?.samples ?? 0), 0);
+  const { runs } = await ask("finding", { capture, finding: finding2 });
+  return Uint32Array.from(runs.flatMap(([first, last]) => Array.from({ length: last - first + 1 }, (_, at) => start + first + at)));
 }
 
 // src/math.js
@@ -354,6 +394,7 @@ function element([tag, attributes, ...children]) {
 }
 
 // src/candidates.js
+var NOTHING = "No effect that was weighed explains enough of what is left.";
 var Candidates = class {
   /**
    * @param {HTMLElement} place
@@ -391,8 +432,9 @@ var Candidates = class {
     this.place.replaceChildren(
       ...candidates.ready ? [] : [make("p", { class: "soft" }, job ? `${job.what} …` : ask2)],
       ...candidates.ready && this.items.length === 0 ? [make("p", { class: "well", text: "Nothing is left to be weighed." })] : [],
+      candidates.ready && could.length === 0 && others.length > 0 ? make("p", { class: "soft", text: NOTHING }) : "",
       make("ul", { "aria-label": "candidates", class: "candidates" }, ...this.items.slice(0, could.length)),
-      others.length > 0 ? folded(others, could.length === 0) : "",
+      others.length > 0 ? folded(others) : "",
       ...remainder(candidates.unexplained)
     );
     if (this.inside && document.activeElement === document.body) this.place.focus();
@@ -480,9 +522,9 @@ var Candidates = class {
     }
   }
 };
-function folded(items, open) {
+function folded(items) {
   const words3 = `${items.length} weighed in vain: too little, or chance`;
-  return make("details", { open }, make("summary", { class: "soft", text: words3 }), make("ul", { class: "candidates" }, ...items));
+  return make("details", {}, make("summary", { class: "soft", text: words3 }), make("ul", { class: "candidates" }, ...items));
 }
 function evidence(row) {
   const chance = row.p_value <= 1e-3 ? "p ≤ 0.001" : `p = ${number(row.p_value, 2)}`;
@@ -1122,6 +1164,7 @@ function saving(heard) {
 
 // src/hidden.js
 var hiding = [];
+var asked = 0;
 function unhiding(failed) {
   byId("unhide").addEventListener("click", async () => {
     try {
@@ -1131,18 +1174,45 @@ function unhiding(failed) {
       failed(reason2);
     }
   });
+  const hint = (whole) => post("hint", { capture: hiding[0], whole }).catch(failed);
+  byId("hint").addEventListener("click", () => hint(false));
+  byId("unseal").addEventListener("click", () => hint(true));
 }
-function showHidden({ captures, active }) {
+async function showHidden({ captures, active }) {
   const now = captures.filter(({ id, hides }) => hides && active.includes(id)).map(({ id }) => id);
   byId("hides").hidden = now.length === 0;
   if (now.join() !== hiding.join()) byId("unhidden").textContent = "";
   hiding = now;
+  if (now.length === 0) {
+    document.body.classList.remove("sealed");
+    return;
+  }
+  const mine = ++asked;
+  const told = await ask("challenge", { capture: now[0] }).catch(() => null);
+  if (told && mine === asked) showStanding(told);
+}
+function showStanding({ hints, more, wrong, found: found2, hidden, solved, sealed, score }) {
+  document.body.classList.toggle("sealed", sealed);
+  byId("unseal").hidden = !sealed;
+  byId("hides").classList.toggle("well", solved);
+  byId("challenge-score").textContent = `${score} points`;
+  byId("challenge-said").textContent = standingWords({ wrong, found: found2, hidden, solved });
+  byId("challenge-hints").replaceChildren(...hints.map((text) => make("li", { text })));
+  byId("hint").disabled = !more || solved;
+}
+function standingWords({ wrong, found: found2, hidden, solved }) {
+  const many = hidden === 1 ? "one effect is hidden" : `${hidden} effects are hidden`;
+  const costs = wrong.length > 0 ? `; not there: ${wrong.join(", ")}` : "";
+  if (solved) return `Solved: what was hidden is in the model, and nothing else${costs}.`;
+  if (found2 === hidden) return `All that is hidden is in the model, but so is something else${costs}.`;
+  return `In this knob ${many}${found2 > 0 ? `, ${found2} of them found` : ""}. Look where the residual has structure, and add what explains it${costs}.`;
 }
 
 // src/keys.js
+var WITHOUT_LETTERS = /* @__PURE__ */ new Set(["range", "checkbox", "radio"]);
 function keys({ stop, clear, closer }) {
   document.addEventListener("keydown", (event) => {
-    const typed = event.target instanceof HTMLInputElement && event.target.type !== "range";
+    const typed = event.target instanceof HTMLInputElement && !WITHOUT_LETTERS.has(event.target.type);
     const control = event.ctrlKey || event.metaKey;
     const chosen = event.target instanceof HTMLSelectElement && !control;
     if ((typed || chosen) && event.key !== "Escape") return;
@@ -1240,96 +1310,6 @@ function latest(work) {
       busy = false;
     }
   };
-}
-
-// src/laws.js
-var Laws = class {
-  /**
-   * @param {HTMLElement} place
-   * @param {{ask: () => void, look: (number: number | null) => void, take: (number: number, name: string) => void,
-   *   add: (formula: object) => Promise<boolean>}} deeds
-   */
-  constructor(place4, deeds) {
-    this.place = place4;
-    this.deeds = deeds;
-    this.shown = "";
-    const form = (
-      /** @type {HTMLFormElement} */
-      byId("own-form")
-    );
-    form.addEventListener("submit", async (event) => {
-      event.preventDefault();
-      if (await this.deeds.add(Object.fromEntries(new FormData(form)))) form.reset();
-    });
-  }
-  /** @param {Pick<State, "candidates" | "proposed" | "proposed_text" | "node" | "job" | "rmse">} state */
-  show({ candidates, proposed, proposed_text, node, job, rmse }) {
-    const shown = JSON.stringify([candidates.ready, proposed, node, job === null]);
-    if (shown === this.shown) return;
-    this.shown = shown;
-    byId("own").hidden = node === null;
-    if (!candidates.ready || node === null) {
-      this.place.replaceChildren();
-    } else if (proposed === null) {
-      const ask2 = make("button", {
-        ...{ type: "button", text: "Look for a law…", disabled: job !== null },
-        ...{ title: "formulas that would explain what is left, where no effect does", on: { click: () => this.deeds.ask() } }
-      });
-      this.place.replaceChildren(make("p", {}, ask2));
-    } else {
-      const list = proposed.map((law, at) => this.item(law, at + 1, rmse ?? law.rmse));
-      this.place.replaceChildren(
-        make("p", { class: "soft", text: proposed_text, role: "status" }),
-        ...list.length > 0 ? [make("ul", { class: "laws", "aria-label": "laws that are proposed" }, ...list)] : []
-      );
-    }
-  }
-  /** @param {Law} row @param {number} number @param {number} rmse what is left without it */
-  item({ label, law, words: words3, rmse: left, start }, number2, rmse) {
-    const edit = make("button", {
-      ...{ type: "button", text: "Edit…", "aria-label": `edit law ${number2}`, title: "as a formula of your own" },
-      on: { click: () => edited(law, start) }
-    });
-    const take = make("button", {
-      ...{ type: "submit", text: "Add", "aria-label": `add law ${number2}` },
-      ...{ title: "fit it with the model, as an effect of this name" }
-    });
-    const name = make("input", {
-      ...{ type: "text", name: "name", size: 8, placeholder: "law", spellcheck: "false", autocomplete: "off" },
-      "aria-label": `name of law ${number2}`
-    });
-    const form = make("form", {}, edit, name, take);
-    form.addEventListener("submit", (event) => {
-      event.preventDefault();
-      this.deeds.take(
-        number2,
-        /** @type {HTMLInputElement} */
-        name.value
-      );
-    });
-    const look = () => this.deeds.look(number2);
-    const away = () => this.deeds.look(null);
-    return make(
-      "li",
-      { class: "law", on: { pointerenter: look, pointerleave: away, focusin: look, focusout: away } },
-      make("code", { text: label }),
-      make("span", { class: "figure", text: percent(left / rmse - 1), title: "fall of the RMS error" }),
-      make("span", { class: "soft", text: words3.join("; ") }),
-      form
-    );
-  }
-};
-function edited(law, start) {
-  const form = (
-    /** @type {HTMLFormElement} */
-    byId("own-form")
-  );
-  byId("own").open = true;
-  for (const [name, value] of Object.entries({ law, guess: start, name: "" })) {
-    const typed = form.elements.namedItem(name);
-    if (typed instanceof HTMLInputElement) typed.value = value;
-  }
-  form.elements.namedItem("law").focus();
 }
 
 // src/spectrum.js
@@ -1511,7 +1491,7 @@ function rowsOf(data, view, widest) {
     const part = view.isolated && axis2.part ? columns[axis2.part] : null;
     const { measured, modelled } = part ? isolated(columns, part) : { measured: columns.tau, modelled: model };
     const series = [
-      ...along === "time" && columns.masked && !part ? [{ colour: "--masked", chosen: null, y: columns.masked, strength: 1 }] : [],
+      ...along === "time" && columns.masked && !part ? [{ colour: "--masked", chosen: "--chosen", y: columns.masked, strength: 1 }] : [],
       { colour: "--measured", chosen: "--chosen", y: measured, strength: 0.4 },
       ...view.band && columns.band ? band(modelled, columns.band) : [],
       ...other && !part ? [{ colour: "--beside", chosen: "--beside", y: other, strength: 0.35 }] : [],
@@ -1593,6 +1573,222 @@ function band(modelled, half) {
     y: modelled.map((value, i) => value + side * half[i]),
     strength: 0.6
   }));
+}
+
+// src/curve.js
+var ALONG = { t: "time", theta: "position", omega: "velocity", alpha: "acceleration", s: "history" };
+function drawCurve(canvas, curve, about2, looked) {
+  const { clientWidth: width, clientHeight: height } = canvas;
+  const brush = canvas.getContext("2d");
+  if (!brush || width === 0) return;
+  const scale = globalThis.devicePixelRatio || 1;
+  [canvas.width, canvas.height] = [Math.round(width * scale), Math.round(height * scale)];
+  brush.scale(scale, scale);
+  const { x, value, band: band2, laws } = curve;
+  const edges = [-1, 1].map((side) => value.map((one, at) => one === null ? NaN : one + side * (band2[at] ?? NaN)));
+  const drawn = laws.map((law) => law?.map((one) => one ?? NaN) ?? null);
+  const [low, high] = limits([...edges, ...drawn.filter((law) => law !== null)].map((one) => Float32Array.from(one)), { around: 0 });
+  const shown = curve.times ? { factor: 1, unit: "" } : torqueScale(about2.unit, Math.max(-low, high));
+  const y = { low, high, factor: shown.factor, label: `left over${curve.times ? ` / (${curve.times})` : `, ${shown.unit}`}` };
+  const names = { ink: "--ink", soft: "--soft", line: "--grid", band: "--band", wrong: "--wrong", law: "--signature", rest: "--measured" };
+  const colours = Object.fromEntries(Object.entries(names).map(([name, style]) => [name, styleValue(style, canvas)]));
+  const first = { low: x[0], high: x[x.length - 1], factor: 1, label: overWords(curve.over, about2) };
+  drawAxes(brush, { width, height }, { x: first, y, title: "", colours: (
+    /** @type {any} */
+    colours
+  ), noise: null });
+  const [left, right, top, bottom] = [MARGIN.left, width - MARGIN.right, MARGIN.top, height - MARGIN.bottom];
+  const across = (one) => left + (one - first.low) / (first.high - first.low) * (right - left);
+  const up = (one) => bottom - (one - low) / (high - low) * (bottom - top);
+  brush.globalAlpha = 0.45;
+  brush.fillStyle = colours.band;
+  for (let at = 1; at < x.length; at++) {
+    const corners = [edges[0][at - 1], edges[0][at], edges[1][at], edges[1][at - 1]];
+    if (corners.some(Number.isNaN)) continue;
+    brush.beginPath();
+    for (const [n, one] of corners.entries()) brush.lineTo(across(x[n === 0 || n === 3 ? at - 1 : at]), up(one));
+    brush.fill();
+  }
+  brush.globalAlpha = 1;
+  const line2 = (values, colour, thick, dashes) => {
+    [brush.strokeStyle, brush.lineWidth] = [colour, thick];
+    brush.setLineDash(dashes);
+    brush.beginPath();
+    let down = false;
+    for (const [at, one] of values.entries()) {
+      if (one === null || Number.isNaN(one)) down = false;
+      else if (down) brush.lineTo(across(x[at]), up(one));
+      else brush.moveTo(across(x[at]), up(one));
+      down = one !== null && !Number.isNaN(one);
+    }
+    brush.stroke();
+  };
+  line2(value, colours.ink, 1.5, []);
+  for (const [at, law] of drawn.entries()) if (law && at + 1 !== looked) line2(law, colours.rest, 1, [2, 3]);
+  const mine = drawn[looked - 1];
+  if (mine) line2(mine, colours.law, 2.5, [7, 4]);
+}
+function curveWords({ over, laws }, looked) {
+  const law = laws[looked - 1] ? `; green: law ${looked}` : "";
+  return `Black: what is left over ${wordOf(over)}, with its 95 % band${law}. What the model's parameters can take is off all of them.`;
+}
+function wordOf(over) {
+  const inside = over.replace(/^abs\((.*)\)$/, "$1");
+  const word = ALONG[inside] ? AXES[ALONG[inside]].words : over;
+  return inside === over ? word : `the magnitude of ${word}`;
+}
+function overWords(over, about2) {
+  const inside = over.replace(/^abs\((.*)\)$/, "$1");
+  const along = ALONG[inside];
+  if (!along) return over;
+  const label = labelOf(along, about2);
+  return inside === over ? label : `|${label.replace(", ", "|, ")}`;
+}
+
+// src/laws.js
+var TYPED_MS = 350;
+var Laws = class {
+  /**
+   * @param {HTMLElement} place
+   * @param {{ask: () => void, look: (number: number | null) => void, take: (number: number, name: string) => void,
+   *   add: (formula: object) => Promise<boolean>, attempt: (formula: object, tried: (tried: Law) => void) => Promise<string>}} deeds
+   */
+  constructor(place4, deeds) {
+    this.place = place4;
+    this.deeds = deeds;
+    this.shown = "";
+    this.about = null;
+    new ResizeObserver(() => this.draw()).observe(byId("curve"));
+    const form = (
+      /** @type {HTMLFormElement} */
+      byId("own-form")
+    );
+    form.addEventListener("submit", async (event) => {
+      event.preventDefault();
+      clearTimeout(this.typing);
+      if (await this.deeds.add(Object.fromEntries(new FormData(form)))) form.reset();
+      byId("own-tried").textContent = "";
+    });
+    form.addEventListener("input", ({ target }) => {
+      if (!(target instanceof HTMLInputElement && target.name === "name")) this.typed(form);
+    });
+    this.typing = void 0;
+  }
+  /** Fit what is typed, once nothing more comes, and say what it would leave. @param {HTMLFormElement} form */
+  typed(form) {
+    clearTimeout(this.typing);
+    const said = byId("own-tried");
+    this.typing = setTimeout(async () => {
+      const formula = Object.fromEntries(new FormData(form));
+      if (String(formula.law).trim() === "") {
+        said.textContent = "";
+        return this.deeds.look(null);
+      }
+      const now = this.typing;
+      const words3 = await this.deeds.attempt(formula, ({ rmse, rmse_heldout, words: params }) => {
+        if (now !== this.typing || !this.about) return;
+        const scale = torqueScale(this.about.unit, rmse);
+        const unseen = rmse_heldout === null ? "" : `, ${number(rmse_heldout * scale.factor)} on unseen blocks`;
+        said.className = "";
+        said.textContent = `would leave ${number(rmse * scale.factor)} ${scale.unit}${unseen}; ${params.join("; ")}`;
+      });
+      if (now !== this.typing || words3 === "") return void 0;
+      said.className = "doubt";
+      said.textContent = words3;
+      return void 0;
+    }, TYPED_MS);
+  }
+  /** Draw the curve, with one of the laws before the others. @param {number} [looked] from 1 */
+  draw(looked = 1) {
+    const curve = this.about?.curve ?? null;
+    byId("curve").hidden = curve === null;
+    if (!curve || !this.about) return;
+    const canvas = (
+      /** @type {HTMLCanvasElement} */
+      byId("curve-plot")
+    );
+    drawCurve(canvas, curve, this.about, looked);
+    const words3 = curveWords(curve, looked);
+    byId("curve-words").textContent = words3;
+    canvas.setAttribute("aria-label", words3);
+  }
+  /** @param {State} state */
+  show({ candidates, proposed, proposed_text, node, job, rmse, curve, unit, captures }) {
+    const shown = JSON.stringify([candidates.ready, proposed, node, job === null]);
+    if (shown === this.shown) return;
+    this.shown = shown;
+    byId("own").hidden = node === null;
+    this.about = { curve, unit, coordinate: captures[0]?.coordinate ?? "rotary" };
+    this.draw();
+    if (!candidates.ready || node === null) {
+      this.place.replaceChildren();
+    } else if (proposed === null) {
+      const ask2 = make("button", {
+        ...{ type: "button", text: "Look for a law…", disabled: job !== null },
+        ...{ title: "formulas that would explain what is left, where no effect does", on: { click: () => this.deeds.ask() } }
+      });
+      this.place.replaceChildren(make("p", {}, ask2));
+    } else {
+      const list = proposed.map((law, at) => this.item(law, at + 1, rmse ?? law.rmse));
+      this.place.replaceChildren(
+        make("p", { class: "soft small", text: proposed_text, role: "status" }),
+        ...list.length > 0 ? [make("ul", { class: "laws", "aria-label": "laws that are proposed" }, ...list)] : []
+      );
+    }
+  }
+  /** @param {Law} row @param {number} number @param {number} rmse what is left without it */
+  item({ label, law, words: words3, rmse: left, start }, number2, rmse) {
+    const edit = make("button", {
+      ...{ type: "button", text: "Edit…", "aria-label": `edit law ${number2}`, title: "as a formula of your own" },
+      on: { click: () => edited(law, start) }
+    });
+    const take = make("button", {
+      ...{ type: "submit", text: "Add", "aria-label": `add law ${number2}` },
+      ...{ title: "fit it with the model, as an effect of this name" }
+    });
+    const name = make("input", {
+      ...{ type: "text", name: "name", size: 8, placeholder: "law", spellcheck: "false", autocomplete: "off" },
+      "aria-label": `name of law ${number2}`
+    });
+    const form = make("form", {}, edit, name, take);
+    form.addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.deeds.take(
+        number2,
+        /** @type {HTMLInputElement} */
+        name.value
+      );
+    });
+    const look = () => {
+      this.draw(number2);
+      this.deeds.look(number2);
+    };
+    const away = () => {
+      this.draw();
+      this.deeds.look(null);
+    };
+    return make(
+      "li",
+      { class: "law", on: { pointerenter: look, pointerleave: away, focusin: look, focusout: away } },
+      make("code", { text: `${number2}. ${label}` }),
+      make("span", { class: "figure", text: percent(left / rmse - 1), title: "fall of the RMS error" }),
+      make("span", { class: "soft", text: words3.join("; ") }),
+      form
+    );
+  }
+};
+function edited(law, start) {
+  const form = (
+    /** @type {HTMLFormElement} */
+    byId("own-form")
+  );
+  byId("own").open = true;
+  for (const [name, value] of Object.entries({ law, guess: start, name: "" })) {
+    const typed = form.elements.namedItem(name);
+    if (typed instanceof HTMLInputElement) typed.value = value;
+  }
+  form.elements.namedItem("law").focus();
+  form.dispatchEvent(new Event("input"));
 }
 
 // src/going.js
@@ -1872,6 +2068,16 @@ function drawPoints(image, pixels, chosen, frame, colour) {
     }
   }
 }
+function drawFew(image, pixels, chosen, { dot: dot2, width, height }, colour) {
+  for (const at of chosen) {
+    const pixel = pixels[at];
+    if (pixel < 0) continue;
+    const [across, down] = [pixel % width, Math.floor(pixel / width)];
+    const [left, right] = [Math.max(0, across - dot2), Math.min(width, across + 2 * dot2)];
+    const bottom = Math.min(height, down + 2 * dot2);
+    for (let row = Math.max(0, down - dot2); row < bottom; row++) image.fill(colour, row * width + left, row * width + right);
+  }
+}
 function mixed(under, over, share) {
   let colour = 255;
   for (const shift of [16, 8, 0]) {
@@ -1887,6 +2093,7 @@ function pixelColour(text) {
 
 // src/plot.js
 var FEW = 8e3;
+var FEW_CHOSEN = 20;
 var Plot = class {
   /**
    * @param {string} name in words, for those who hear the page
@@ -1986,8 +2193,9 @@ var Plot = class {
     const image = new ImageData(this.frame.width, this.frame.height);
     const pixels = new Uint32Array(image.data.buffer);
     if (chosen) {
+      const draw2 = chosen.length <= FEW_CHOSEN ? drawFew : drawPoints;
       for (const [at, { chosen: colour }] of this.contents.series.entries()) {
-        if (colour) drawPoints(pixels, this.placed[at], chosen, this.frame, pixelColour(this.colour(colour)));
+        if (colour) draw2(pixels, this.placed[at], chosen, this.frame, pixelColour(this.colour(colour)));
       }
     }
     if (above) {
@@ -2062,6 +2270,44 @@ function fewBetween(x, { low, high }) {
   let count = 0;
   for (let i = 0; i < x.length && count <= FEW; i++) if (x[i] >= low && x[i] <= high) count++;
   return count <= FEW;
+}
+
+// src/settling.js
+var LASTS_MS = 700;
+var MOST = 6e4;
+function movesFrom(before, now) {
+  const from = before?.columns.residual;
+  const same = before?.columns.t === now.columns.t && from !== now.columns.residual && before?.fitted && now.fitted;
+  const still = globalThis.matchMedia?.("(prefers-reduced-motion: reduce)").matches ?? true;
+  return from && same && !still && from.length <= MOST ? from : null;
+}
+function between2(from, to, share) {
+  return to.map((value, i) => from[i] === from[i] ? from[i] + share * (value - from[i]) : value);
+}
+function settle(from, to, show) {
+  let start = NaN;
+  const frame = (now) => {
+    if (Number.isNaN(start)) start = now;
+    const left = 1 - Math.min(1, (now - start) / LASTS_MS);
+    const wanted2 = show(left > 0 ? between2(from, to, 1 - left ** 3) : to);
+    if (wanted2 && left > 0) requestAnimationFrame(frame);
+  };
+  requestAnimationFrame(frame);
+}
+
+// src/squares.js
+function squaresOf(residual) {
+  return residual.reduce((sum, value) => value === value ? sum + value * value : sum, 0);
+}
+function chosenSquares(residual, chosen) {
+  let [sum, count] = [0, 0];
+  for (let at = 0; at < chosen.length; at++) {
+    const value = residual[chosen[at]];
+    if (value !== value) continue;
+    sum += value * value;
+    count++;
+  }
+  return { sum, count };
 }
 
 // src/timing.js
@@ -2190,6 +2436,7 @@ var Linked = class {
       this.widest = 0;
     }
     this.drawOver(view.axes, data);
+    const from = movesFrom(this.data, data);
     this.data = data;
     this.signature = null;
     this.squares = squaresOf(columns.residual);
@@ -2198,9 +2445,22 @@ var Linked = class {
     this.element.classList.toggle("both", Boolean(data.beside));
     if (!data.beside) for (const plot of this.besides) plot.setRegion(null);
     this.shown = rowsOf(data, view, view.held ? Math.max(this.widest, reach2) : reach2);
+    if (from) this.put(from);
     for (const at of this.rows.keys()) this.drawRow(at);
     this.tell();
     this.drawLight();
+    if (from) settle(from, columns.residual, (residual) => this.data === data && this.moved(residual));
+  }
+  /** Let the residuals be these, though others come. @param {Float32Array} residual */
+  put(residual) {
+    for (const row of this.shown) if (row.torque) row.residual = { ...row.residual, series: [{ ...row.residual.series[0], y: residual }] };
+  }
+  /** Draw residuals that are on their way. @param {Float32Array} residual */
+  moved(residual) {
+    this.put(residual);
+    for (const at of this.rows.keys()) this.drawRow(at);
+    this.drawLight();
+    return true;
   }
   /**
    * Let the rows be drawn over these axes: of another one everything is seen, and no rectangle is on it.
@@ -2240,6 +2500,22 @@ var Linked = class {
     const { xAxis, yAxis } = this.shown[at].residual;
     const x = [place4.low, place4.high].map((value) => xAxis.log ? Math.max(xAxis.low, Math.log10(value)) : value);
     this.residuals[at].setRegion({ x: [x[0], x[1]], y: [yAxis.low, yAxis.high] });
+  }
+  /** Choose samples, and see their time from near. @param {Uint32Array} chosen */
+  find(chosen) {
+    this.choose(chosen);
+    const at = this.axes.indexOf("time");
+    if (!this.data || at < 0 || chosen.length === 0) return;
+    const { t } = this.data.columns;
+    const { low, high } = this.shown[at].residual.xAxis;
+    const [first, last] = [t[chosen[0]], t[chosen[chosen.length - 1]]];
+    const half = Math.max(0.7 * (last - first), 0.01 * (high - low));
+    const middle = Math.min(high - half, Math.max(low + half, 0.5 * (first + last)));
+    this.seen[at] = 2 * half < 0.5 * (high - low) ? [middle - half, middle + half] : null;
+    this.later("zoom", () => {
+      this.drawRow(at);
+      this.drawLight();
+    });
   }
   /** @param {number} at which row */
   drawRow(at) {
@@ -2372,7 +2648,7 @@ var Linked = class {
     if (!this.chosen || !this.data) return null;
     const { residual } = this.data.columns;
     const { sum, count } = chosenSquares(residual, this.chosen);
-    return { ofError: this.squares > 0 ? sum / this.squares : 0, rms: Math.sqrt(sum / Math.max(1, count)) };
+    return { ofError: this.squares > 0 ? sum / this.squares : 0, rms: Math.sqrt(sum / Math.max(1, count)), counted: count };
   }
   tell() {
     const { chosen, data, share } = this;
@@ -2382,9 +2658,10 @@ var Linked = class {
       const scale = torqueScale(data.unit, value);
       return `RMS ${number(value * scale.factor)} ${scale.unit}`;
     };
+    const count = `${chosen.length.toLocaleString("en")} ${chosen.length === 1 ? "sample" : "samples"} chosen, ${part} of all`;
+    if (share.counted === 0 && chosen.length > 0) return this.told(`${count}: nothing is fitted to them`);
     const own = chosen.length > 0 ? ` (${rms(share.rms)})` : "";
-    const count = chosen.length.toLocaleString("en");
-    let words3 = `${count} samples chosen, ${part} of all: they have ${percent(share.ofError)} of the squared error${own}`;
+    let words3 = `${count}: they have ${percent(share.ofError)} of the squared error${own}`;
     if (data.beside && chosen.length > 0) {
       const { sum, count: counted } = chosenSquares(data.beside.residual, chosen);
       words3 += `; in ${data.beside.name}: ${rms(Math.sqrt(sum / Math.max(1, counted)))}`;
@@ -2416,19 +2693,6 @@ function showPicked(choice, offered, { along, data }) {
 }
 function within2(axis2, seen) {
   return axis2 && seen ? { ...axis2, low: seen[0], high: seen[1], part: true } : axis2;
-}
-function squaresOf(residual) {
-  return residual.reduce((sum, value) => value === value ? sum + value * value : sum, 0);
-}
-function chosenSquares(residual, chosen) {
-  let [sum, count] = [0, 0];
-  for (let at = 0; at < chosen.length; at++) {
-    const value = residual[chosen[at]];
-    if (value !== value) continue;
-    sum += value * value;
-    count++;
-  }
-  return { sum, count };
 }
 
 // src/store.js
@@ -2485,20 +2749,24 @@ var Store = class {
    * @param {AbortSignal} [signal]
    * @returns {Promise<Float32Array>}
    */
-  async explained(node, captures, what, { verb, asked }, signal) {
+  async explained(node, captures, what, { verb, asked: asked2 }, signal) {
     const name = `signature of ${what}`;
     const parts = await Promise.all(
       captures.map(async (capture) => {
         const key2 = `${capture} ${node}`;
         const known = this.kept.get(key2)?.[name];
         if (known) return { [name]: known };
-        const fetched = decode(await fetchBytes(`/api/${verb}`, { node, capture, ...asked }, signal));
+        const fetched = decode(await fetchBytes(`/api/${verb}`, { node, capture, ...asked2 }, signal));
         const column = Object.values(fetched)[0];
         this.keep(key2, { [name]: column });
         return { [name]: column };
       })
     );
     return joined(parts, [name])[name];
+  }
+  /** Forget what something would explain: it is another by now. @param {string} what */
+  forget(what) {
+    for (const columns of this.kept.values()) delete columns[`signature of ${what}`];
   }
   /** @param {string} node @param {string} capture @param {string[]} names */
   async ofCapture(node, capture, names) {
@@ -2848,9 +3116,9 @@ function beats({ t, theta }) {
   }
   const end = t.length - 1;
   if (t[end] - turns[turns.length - 1].at > 0.1) turns.push({ at: t[end], theta: theta[end], turn: true });
-  return turns.flatMap((beat, n) => [beat, ...between2(beat, turns[n + 1], { t, theta })]);
+  return turns.flatMap((beat, n) => [beat, ...between3(beat, turns[n + 1], { t, theta })]);
 }
-function between2(beat, next, motion) {
+function between3(beat, next, motion) {
   const passes = next ? next.at - beat.at : 0;
   if (!next || passes <= SLOW) return [];
   const count = Math.round(passes);
@@ -3373,6 +3641,74 @@ function bars({ names, d, standard_d, wrong_choice, came }, told, most) {
   ];
 }
 
+// src/overlay.js
+var TYPED = "the formula that is typed";
+var LOOK_MS = 60;
+var Overlay = class {
+  /**
+   * @param {import("./store.js").Store} store
+   * @param {import("./linked.js").Linked} linked
+   * @param {() => State | null} state
+   * @param {(reason: unknown) => void} failed
+   */
+  constructor(store, linked, state, failed) {
+    this.store = store;
+    this.linked = linked;
+    this.state = state;
+    this.failed = failed;
+    this.looking = new AbortController();
+    this.looked = null;
+  }
+  /**
+   * Show what something would explain: an effect or a law, by what it is called and how it is asked for.
+   * @param {string | null} what
+   * @param {string} [verb]
+   * @param {Record<string, string>} [asked]
+   */
+  async look(what, verb = "", asked2 = {}) {
+    if (what === this.looked) return;
+    this.looked = what;
+    this.looking.abort();
+    this.looking = new AbortController();
+    const { signal } = this.looking;
+    byId("looked").textContent = what ? `what ${what} would explain` : "";
+    byId("looked").toggleAttribute("hidden", what === null);
+    const state = this.state();
+    const node = state?.node;
+    if (!what || !state || !node) return timed("look away", () => this.linked.overlay(null));
+    const start = performance.now();
+    await new Promise((resolve) => setTimeout(resolve, LOOK_MS));
+    if (signal.aborted || this.state()?.node !== node) return;
+    try {
+      const column = await this.store.explained(node, state.active, what, { verb, asked: asked2 }, signal);
+      if (!signal.aborted) timed("look", () => this.linked.overlay(column), start);
+    } catch (reason2) {
+      if (!signal.aborted) this.failed(reason2);
+    }
+  }
+  /**
+   * Fit a formula that is still typed, and show what it would explain.
+   * @param {object} formula
+   * @param {(tried: import("./types.js").Law) => void} told
+   * @returns {Promise<string>} what is wrong with it; empty for nothing
+   */
+  async attempt(formula, told) {
+    try {
+      const { tried, unfinished } = await post("typed", formula);
+      if (unfinished !== void 0) this.look(null);
+      if (!tried) return unfinished ?? "";
+      told(tried);
+    } catch (reason2) {
+      this.look(null);
+      return wordsOf(reason2);
+    }
+    this.looked = null;
+    this.store.forget(TYPED);
+    await this.look(TYPED, "law", { number: "typed" });
+    return "";
+  }
+};
+
 // src/params.js
 var STEPS = 400;
 var Params = class {
@@ -3435,7 +3771,7 @@ var Params = class {
     const value = make("span", { class: "figure" });
     const error = make("span", { class: "error soft figure", text: plusMinus(param) });
     this.rows.set(param.name, { slider, value, error, low, high });
-    const between3 = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
+    const between4 = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
     const doubt = param.doubt ? make("span", { class: "doubt", text: " ⚠", "aria-hidden": "true" }) : null;
     const about2 = [param.name, param.meaning, param.doubt].filter(Boolean).join(": ");
     return make(
@@ -3443,8 +3779,8 @@ var Params = class {
       {},
       make("th", { scope: "row", title: about2 }, param.name.split(".").slice(1).join("."), doubt),
       make("td", { class: "slide" }, interval(param.ci95, { low, high }), slider),
-      make("td", { class: "value", title: `95 % interval ${between3} ${param.unit}` }, value, " ", error),
-      make("td", { class: "soft unit", text: param.unit, title: param.unit })
+      make("td", { class: "value", title: `95 % interval ${between4} ${param.unit}` }, value, " ", error),
+      make("td", { class: "soft unit", text: unitWords(param.unit), title: param.unit })
     );
   }
   /** @param {string} name */
@@ -3490,6 +3826,7 @@ function place3(value, { low, high }) {
 }
 
 // src/sources.js
+var LEVELS = /* @__PURE__ */ new Set(["easy", "middling", "hard"]);
 var NUMBERS = /* @__PURE__ */ new Set(["duration_s", "speed", "seed", "baud"]);
 function sources(heard) {
   const dialog2 = (
@@ -3508,20 +3845,23 @@ function sources(heard) {
   let known = null;
   let busy = false;
   const shown = () => {
-    if (!known) return;
     const source = valueOf(form, "source");
     for (const part of form.querySelectorAll("[data-for]")) {
       part.toggleAttribute("hidden", !part.getAttribute("data-for")?.split(" ").includes(source));
     }
     byId("new-together").hidden = heard.open() === 0;
+    byId("new-effects").hidden = valueOf(form, "hides") !== "chosen";
     go.textContent = source === "simulated" ? "Simulate" : "Record";
+    if (!known) return;
     fill(form, "motion", Object.entries(known.motions[source]).map(([name, words3]) => [name, `${name}: ${words3}`]));
     byId("new-warning").hidden ||= valueOf(form, "motion") === "hand" && !valueOf(form, "model").trim();
-    byId("new-effects").hidden = valueOf(form, "hides") !== "chosen";
+    const level = levelOf(form);
+    for (const name of ["knob", "motion", "duration_s", "seed"]) field2(form, name).disabled = level !== "";
     const hideable = known.knobs.find(({ name }) => name === valueOf(form, "knob"))?.hideable ?? [];
     for (const box of byId("new-effects").querySelectorAll("input")) box.disabled = !hideable.includes(box.value);
   };
   const opened = async () => {
+    shown();
     dialog2.showModal();
     told.textContent = "";
     byId("new-fault").hidden = true;
@@ -3570,20 +3910,20 @@ function sources(heard) {
     event.preventDefault();
     return begin(wanted(form));
   });
-  const begin = async (asked) => {
+  const begin = async (asked2) => {
     told.textContent = "";
     byId("new-fault").hidden = true;
     wait(true);
     try {
-      if (asked.source === "simulated") {
-        await post("simulate", asked);
+      if (asked2.source === "simulated") {
+        await post("simulate", asked2);
         heard.say("made a capture");
       } else {
-        await post("record", asked);
+        await post("record", asked2);
       }
       wait(false);
       dialog2.close();
-      (asked.source === "simulated" ? heard.made : heard.recording)();
+      (asked2.source === "simulated" ? heard.made : heard.recording)();
     } catch (reason2) {
       wait(false);
       fault = reason2 instanceof Refusal && reason2.fault ? reason2.fault.code : null;
@@ -3605,6 +3945,7 @@ function wanted(form) {
     if (typeof value === "string" && name !== "effects") body[name] = NUMBERS.has(name) ? numeric(value) : value;
   }
   const chosen = [...form.querySelectorAll("#new-effects input:checked:not(:disabled)")];
+  body.level = levelOf(form);
   body.surprise = body.hides === "surprise";
   body.effects = body.hides === "chosen" ? chosen.map((box) => (
     /** @type {HTMLInputElement} */
@@ -3612,6 +3953,10 @@ function wanted(form) {
   )) : [];
   body.together = "together" in body;
   return body;
+}
+function levelOf(form) {
+  const hides = valueOf(form, "hides");
+  return valueOf(form, "source") === "simulated" && LEVELS.has(hides) ? hides : "";
 }
 function numeric(value) {
   const number2 = Number(value);
@@ -3686,14 +4031,13 @@ function parted(text, places) {
 }
 
 // src/app.js
-var LOOK_MS = 60;
 var App = class {
   constructor() {
     this.store = new Store();
     this.state = null;
     this.job = null;
     this.view = { axes: USUAL, isolated: false, band: false, held: true };
-    this.place = null;
+    this.then = null;
     this.drawn = "";
     this.beside = null;
     this.deed = { what: "first picture", start: 0 };
@@ -3708,6 +4052,7 @@ var App = class {
       { fetched: true, pointed: showMoment }
     );
     byId("plots").append(this.linked.element);
+    this.overlay = new Overlay(this.store, this.linked, () => this.state, (reason2) => this.failed(reason2));
     this.refresh = latest((revision) => this.load(revision));
     this.drag = latest(async (values) => {
       await this.ask("params", values, "drag");
@@ -3717,7 +4062,7 @@ var App = class {
       drop: (effect) => this.ask("drop", { effect }, "drop")
     });
     const deeds = {
-      look: (effect) => this.look(effect, "signature", { effect: effect ?? "" }),
+      look: (effect) => this.overlay.look(effect, "signature", { effect: effect ?? "" }),
       take: (effect) => this.ask("add", { effect }, "add"),
       ask: () => this.ask("diagnose"),
       about: (effect) => this.about(effect),
@@ -3726,13 +4071,12 @@ var App = class {
     this.candidates = new Candidates(byId("candidates"), deeds, "Add");
     this.laws = new Laws(byId("laws"), {
       ask: () => this.ask("propose"),
-      look: (number2) => this.look(number2 === null ? null : `law ${number2}`, "law", { number: String(number2) }),
+      look: (number2) => this.overlay.look(number2 === null ? null : `law ${number2}`, "law", { number: String(number2) }),
       take: (number2, name) => this.ask("accept", { number: number2, name }, "add"),
-      add: async (formula) => await this.ask("formula", formula, "add") !== null
+      add: async (formula) => await this.ask("formula", formula, "add") !== null,
+      attempt: (formula, told) => this.overlay.attempt(formula, told)
     });
     this.any = new AnyEffect((effect) => this.ask("add", { effect }, "add"), (effect) => this.about(effect));
-    this.looking = new AbortController();
-    this.looked = null;
     this.live = null;
     this.next = new Next({
       store: this.store,
@@ -3818,9 +4162,18 @@ var App = class {
     if (axes.includes(place4.axis)) {
       this.linked.mark(place4);
     } else {
-      this.place = place4;
+      this.then = () => this.linked.mark(place4);
       this.see({ axes: [place4.axis, ...axes.slice(1)] });
     }
+  }
+  /** Show the samples of a finding, over time among others. @param {string} capture @param {string} finding */
+  async find(capture, finding2) {
+    const { axes } = this.view;
+    const chosen = this.state && await samplesOf(capture, finding2, this.state).catch((reason2) => this.failed(reason2));
+    if (!chosen) return void 0;
+    if (axes.includes("time")) return this.linked.find(chosen);
+    this.then = () => this.linked.find(chosen);
+    return this.see({ axes: [...axes.slice(0, -1), "time"] });
   }
   /**
    * Ask the server to do something; how long it takes until it is painted is noted under `deed`.
@@ -3856,7 +4209,7 @@ var App = class {
   }
   /** @param {State} state */
   show(state) {
-    if (this.state?.node !== state.node) this.look(null);
+    if (this.state?.node !== state.node) this.overlay.look(null);
     if (!this.state?.node && state.node !== null && state.looked) this.lookAgain(state.looked);
     this.state = state;
     byId("welcome").toggleAttribute("hidden", state.node !== null);
@@ -3875,10 +4228,13 @@ var App = class {
       use: (captures) => this.ask("use", { captures }, "captures"),
       close: (capture) => this.ask("close", { capture }, "captures")
     });
-    showFindings(byId("findings"), state);
+    showFindings(byId("findings"), state, {
+      see: (capture, finding2) => this.find(capture, finding2),
+      overrule: (capture, finding2, on) => this.ask("overrule", { capture, finding: finding2, on }, "data")
+    });
     byId("open-together").hidden = state.captures.length === 0;
     showLadder(byId("ladder"), state);
-    if (state.branch === this.beside || !state.branches.some(({ id }) => id === this.beside)) this.beside = null;
+    if (!comparable(state, this.beside)) this.beside = null;
     this.showBranches(state);
     this.params.show(state.params, state.together);
     this.candidates.show(state);
@@ -3934,8 +4290,8 @@ var App = class {
     timed(what, () => {
       this.linked.show(data, view);
       if (brush) this.linked.brushAgain(brush);
-      if (this.place) this.linked.mark(this.place);
-      this.place = null;
+      this.then?.();
+      this.then = null;
     }, start);
     const found2 = await splits;
     if (this.state?.node === node) timed("bins", () => this.linked.lay(found2));
@@ -3957,32 +4313,6 @@ var App = class {
   legend(name) {
     byId("beside").hidden = name === null;
     byId("beside-name").textContent = name ?? "";
-  }
-  /**
-   * Show what something would explain: an effect or a law, by what it is called and how it is asked for.
-   * @param {string | null} what
-   * @param {string} [verb]
-   * @param {Record<string, string>} [asked]
-   */
-  async look(what, verb = "", asked = {}) {
-    if (what === this.looked) return;
-    this.looked = what;
-    this.looking.abort();
-    this.looking = new AbortController();
-    const { signal } = this.looking;
-    byId("looked").textContent = what ? `what ${what} would explain` : "";
-    byId("looked").toggleAttribute("hidden", what === null);
-    const node = this.state?.node;
-    if (!what || !node) return timed("look away", () => this.linked.overlay(null));
-    const start = performance.now();
-    await new Promise((resolve) => setTimeout(resolve, LOOK_MS));
-    if (signal.aborted || this.state?.node !== node) return;
-    try {
-      const column = await this.store.explained(node, this.state.active, what, { verb, asked }, signal);
-      if (!signal.aborted) timed("look", () => this.linked.overlay(column), start);
-    } catch (reason2) {
-      if (!signal.aborted) this.failed(reason2);
-    }
   }
   /** Show what an effect is, moved as the capture moved. @param {import("./types.js").Effect} effect */
   about(effect) {

@@ -1,0 +1,69 @@
+"""Challenges of the workbench: they can be solved, cost what they say, and give nothing away unasked."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import httpx
+import pytest
+from workbench_server import wrong
+
+import knobcam as kc
+from knobcam.workbench import challenge
+from knobcam.workbench.bench import Bench
+from knobcam.workbench.sources import Simulated
+
+
+def standing(client: httpx.Client) -> dict[str, Any]:
+    capture = client.get("/api/state").json()["captures"][-1]["id"]
+    told: dict[str, Any] = client.get("/api/challenge", params={"capture": capture}).json()
+    return told
+
+
+def test_every_level_has_challenges_of_its_kind() -> None:
+    assert [*challenge.levels()] == ["easy", "middling", "hard"]
+    assert min(map(len, challenge.levels().values())) >= 4
+    for level, some in challenge.levels().items():
+        assert {len(hidden) for _, hidden, _ in some} == {2 if level == "hard" else 1}
+
+
+def test_an_easy_challenge_is_solved_by_the_program_itself() -> None:
+    knob, hidden, seed = challenge.levels()["easy"][0]
+    story = kc.learn(Simulated(knob, hidden, "sweep", challenge.SECONDS, seed).capture())
+    assert (story.verdict, story.found) == ("missing", hidden)
+
+
+def test_hints_wrong_effects_and_the_list_cost_and_what_is_hidden_alone_solves_it(
+    client: httpx.Client, bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(challenge, "levels", lambda: {"easy": [("knob4", ("return_spring",), 3)]})
+    assert client.post("/api/simulate", json={"level": "easy"}).is_success
+    (one,) = client.get("/api/state").json()["captures"]
+    assert one["hides"] and "spring" not in one["name"]
+    assert standing(client) == {
+        **{"hints": [], "more": True, "wrong": [], "found": 0, "hidden": 1},
+        **{"solved": False, "sealed": True, "score": 100},
+    }
+    client.post("/api/hint", json={"capture": one["id"]})
+    told = standing(client)
+    assert told["hints"] == ["It is in the knob, or in what the knob drives."] and told["score"] == 85
+    client.post("/api/add", json={"effect": "quadratic_drag"})
+    assert standing(client)["wrong"] == ["quadratic_drag"] and standing(client)["score"] == 75
+    client.post("/api/add", json={"effect": "return_spring"})
+    told = standing(client)
+    assert (told["found"], told["solved"], told["sealed"]) == (1, False, True)
+    client.post("/api/drop", json={"effect": "quadratic_drag"})
+    told = standing(client)
+    assert (told["solved"], told["sealed"], told["score"]) == (True, False, 75)
+    client.post("/api/hint", json={"capture": one["id"], "whole": True})
+    for _ in range(9):
+        client.post("/api/hint", json={"capture": one["id"]})
+    told = standing(client)
+    assert (len(told["hints"]), told["more"], told["score"]) == (3, False, 5)
+    wrong(client.post("/api/simulate", json={"level": "x"}), 400, "choose easy")
+    wrong(client.get("/api/challenge", params={"capture": "c99"}), 400, "hides nothing")
+
+
+def test_a_surprise_that_is_no_challenge_hides_no_list(client: httpx.Client) -> None:
+    client.post("/api/simulate", json={"knob": "knob4", "effects": ["return_spring"], "duration_s": 2.0})
+    assert not standing(client)["sealed"]
