@@ -26,6 +26,7 @@ await picture("11-nothing-open");
 await page.keyboard.press("Tab");
 await page.getByRole("button", { name: "Make a capture…" }).press("Enter");
 await dialog.waitFor();
+await page.waitForFunction(() => document.querySelector("#new-form [name=knob]").options.length > 0);
 await picture("12-new-capture");
 await from("emulated").check();
 await control("hides").selectOption("chosen");
