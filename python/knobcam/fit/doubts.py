@@ -40,7 +40,7 @@ def doubts(fit: Fit) -> tuple[str, ...]:
             "position and acceleration move together, so inertia cannot be told from a stiffness over "
             "position: record a motion of more than one frequency"
         )
-    found += [fit.ahead.message] if fit.ahead else []
+    found += [fit.ahead.message] if fit.ahead and fit.ahead.severity == "warning" else []
     return (*found, *_at_bounds(fit), *_back_emf(fit))
 
 
