@@ -23,7 +23,7 @@ const BELOW: [f64; 2] = [0.25, 0.5];
 /// Samples of a periodogram down to the slowest frequencies, as many as leave [`MANY`].
 const LONG: [usize; 4] = [2048, 1024, 512, 256];
 /// See [`LONG`].
-const MANY: usize = 25;
+const MANY: usize = 18;
 /// The quantile of the stretches that counts as noise alone.
 const QUIET: f64 = 0.35;
 /// Of many exponential variables that quantile, as an estimate of their mean, has so many times the variance of their
@@ -43,6 +43,9 @@ const SHARES: u32 = 256;
 const LOUDER: f64 = 1.1;
 /// Slowest frequencies of a periodogram, which its taper and its mean take off.
 const TAKEN_OFF: usize = 2;
+/// Times that what these hold is expected of the rest: where noise is slower than a window shows, each adds to what is a
+/// guess.
+const ROUNDS: usize = 4;
 
 /// What the spectrum of a raw torque tells of its noise.
 pub(super) struct Heard {
@@ -213,17 +216,14 @@ fn coloured(signals: &Signals, rest: &[f64], window: usize) -> Option<Noise> {
     // Most noise is white, which the raw torque alone tells.
     let raw = Some(steady(&spectra(&signals.tau_raw, window))).filter(|raw| falls(raw))?;
     let level = quieter(steady(&spectra(rest, window)), &raw);
-    let mut level = Some(level).filter(|level| falls(level))?;
+    let level = Some(level).filter(|level| falls(level))?;
     // What rings after each of many contacts fills all long stretches, and falls too; but no noise ever pauses.
     let paused = |column: &[f64]| quiet(&spectra(column, SHORT), QUIETEST);
     let raw = paused(&signals.tau_raw);
     if !falls(&raw) || !falls(&quieter(paused(rest), &raw)) {
         return None;
     }
-    // A window's mean is taken off it, and with it its slowest frequencies.
-    let slowest = level[TAKEN_OFF];
-    level[..TAKEN_OFF].fill(slowest);
-    Some(autoregression(&level, window, signals.used()))
+    Some(autoregression(level, window, signals.used()))
 }
 
 /// Whether noise with this level from nought to the Nyquist frequency is louder the slower it is.
@@ -232,7 +232,23 @@ pub(super) fn falls(level: &[f64]) -> bool {
 }
 
 /// Noise with the level of periodograms of such a window, read of so many samples.
-pub(super) fn autoregression(level: &[f64], window: usize, samples: usize) -> Noise {
+///
+/// A window's mean is taken off it, and with it its slowest frequencies. Noise that still rises there goes on as the
+/// rest of it does (what is not seen is expected of what is: Dempster, Laird & Rubin 1977).
+pub(super) fn autoregression(mut level: Vec<f64>, window: usize, samples: usize) -> Noise {
+    let slowest = level[TAKEN_OFF];
+    level[..TAKEN_OFF].fill(slowest);
+    let mut noise = with_level(&level, window, samples);
+    for _ in 0..ROUNDS {
+        for (bin, unseen) in level[..TAKEN_OFF].iter_mut().enumerate() {
+            *unseen = noise.power(bin as f64 / window as f64);
+        }
+        noise = with_level(&level, window, samples);
+    }
+    noise
+}
+
+fn with_level(level: &[f64], window: usize, samples: usize) -> Noise {
     let covariance: Vec<f64> = (0..=noise::MOST.min(window / 2))
         .map(|lag| {
             let wave = |bin: usize| level[bin] * (2.0 * PI * (bin * lag) as f64 / window as f64).cos();
