@@ -23,7 +23,7 @@ const BELOW: [f64; 2] = [0.25, 0.5];
 /// Samples of a periodogram down to the slowest frequencies, as many as leave [`MANY`].
 const LONG: [usize; 4] = [2048, 1024, 512, 256];
 /// See [`LONG`].
-const MANY: usize = 18;
+const MANY: usize = 25;
 /// The quantile of the stretches that counts as noise alone.
 const QUIET: f64 = 0.35;
 /// Of many exponential variables that quantile, as an estimate of their mean, has so many times the variance of their
@@ -46,6 +46,8 @@ const TAKEN_OFF: usize = 2;
 /// Times that what these hold is expected of the rest: where noise is slower than a window shows, each adds to what is a
 /// guess.
 const ROUNDS: usize = 4;
+/// What is slower is a drift.
+const DRIFT_HZ: f64 = 5.0;
 
 /// What the spectrum of a raw torque tells of its noise.
 pub(super) struct Heard {
@@ -223,7 +225,7 @@ fn coloured(signals: &Signals, rest: &[f64], window: usize) -> Option<Noise> {
     if !falls(&raw) || !falls(&quieter(paused(rest), &raw)) {
         return None;
     }
-    Some(autoregression(level, window, signals.used()))
+    Some(autoregression(level, window, signals.used(), signals.rate_hz))
 }
 
 /// Whether noise with this level from nought to the Nyquist frequency is louder the slower it is.
@@ -234,12 +236,13 @@ pub(super) fn falls(level: &[f64]) -> bool {
 /// Noise with the level of periodograms of such a window, read of so many samples.
 ///
 /// A window's mean is taken off it, and with it its slowest frequencies. Noise that still rises there goes on as the
-/// rest of it does (what is not seen is expected of what is: Dempster, Laird & Rubin 1977).
-pub(super) fn autoregression(mut level: Vec<f64>, window: usize, samples: usize) -> Noise {
+/// rest of it does (what is not seen is expected of what is: Dempster, Laird & Rubin 1977). Not where that is as slow as
+/// a drift, which is no noise: what a model misses of a slow motion rises there too.
+pub(super) fn autoregression(mut level: Vec<f64>, window: usize, samples: usize, rate_hz: f64) -> Noise {
     let slowest = level[TAKEN_OFF];
     level[..TAKEN_OFF].fill(slowest);
     let mut noise = with_level(&level, window, samples);
-    for _ in 0..ROUNDS {
+    for _ in 0..if rate_hz > DRIFT_HZ * window as f64 { ROUNDS } else { 0 } {
         for (bin, unseen) in level[..TAKEN_OFF].iter_mut().enumerate() {
             *unseen = noise.power(bin as f64 / window as f64);
         }
