@@ -206,3 +206,20 @@ def test_a_blow_on_a_knob_is_no_leap_of_its_angle() -> None:
     assert [(one.kind, one.spans) for one in spoiled.findings if one.kind == "spike"] == [
         ("spike", ((501, 501),))
     ]
+
+
+def test_an_encoder_that_rests_now_and_then_is_not_slow_for_that() -> None:
+    # A motor on and off at 250 Hz: it stands for a seventh of the time, and else goes up to 600 counts a row.
+    t = np.arange(3000) / 250.0
+    alpha = np.where(t % 1.4 < 0.6, 300.0, np.where(t % 1.4 < 1.2, -300.0, 0.0))
+    omega = np.cumsum(alpha) / 250.0
+    theta = np.cumsum(omega - alpha / 500.0) / 250.0
+    count = 2.0 * np.pi / 4096
+    log = Capture.from_arrays(
+        t=t, theta=np.round(theta / count) * count, tau=1e-4 * alpha + 1e-3 * np.sign(omega)
+    )
+    moved = log.prepare()
+    inner = moved.used
+    rows = np.asarray(moved.rows)
+    assert np.std((moved.omega - omega[rows])[inner]) < 0.01 * np.std(omega)
+    assert moved.alpha[inner] @ alpha[rows][inner] > 0.98 * (alpha[rows][inner] @ alpha[rows][inner])

@@ -118,6 +118,7 @@ def test_of_what_is_said_of_any_value() -> None:
         every = runs.per_capture(fit)
         told.put("runs", runs.in_words(every))
         told.put("  document", runs.document(every))
+        fit.white_squares = 1500.0
         fit.noise_floor, fit.rmse = one_of(rng, 0.0, math.nan, 1e-3), about(rng, 1.02e-3)
         told.put("  at floor", [doubts.at_floor(fit)])
     told.done()

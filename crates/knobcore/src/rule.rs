@@ -63,7 +63,7 @@ macro_rules! rules {
 
 rules! {
 verdict {
-    /// Times the noise floor up to which an error is no different from it.
+    /// Times the noise floor up to which an error is no different from it, or, in a short capture, `steady` standard errors of either.
     at_floor: 1.05, "times the noise floor", "the floor is an estimate, good to a few percent; not studied apart";
     /// A part of the squared error on any axis that is this small, though beyond chance, leaves an error complete.
     felt: 0.03, "share of the squared error", "judgement: nothing that a hand would feel";

@@ -6,9 +6,10 @@ use super::progress::Progress;
 use super::signals::PySignals;
 use super::watched::watched;
 use knobcore::diagnose::{
-    Candidate, Evidence, Set, Split, State, complete as complete_core, converge, diagnose as diagnose_core,
-    exact as exact_core, implausible as implausible_core, in_place as in_place_core, judge as judge_core,
-    locate as locate_core, pairs as pairs_core, sets as sets_core,
+    Candidate, Evidence, Set, Split, State, at_floor as at_floor_core, complete as complete_core, converge,
+    diagnose as diagnose_core, exact as exact_core, implausible as implausible_core,
+    in_place as in_place_core, judge as judge_core, locate as locate_core, pairs as pairs_core,
+    sets as sets_core,
 };
 use knobcore::fit::{Detents, Fit, fit as fit_core, report, sketch};
 use knobcore::floor::{Unheard, unheard as unheard_core};
@@ -217,6 +218,12 @@ fn state((rmse, noise_floor, white_squares, torque_rms, beyond): Judged) -> Stat
 pub fn complete(fit: Judged) -> (bool, bool) {
     let state = state(fit);
     (state.exact, state.complete)
+}
+
+/// Times the noise floor up to which an error is no different from it, by what noise leaves of the sum of squares.
+#[pyfunction]
+pub fn at_floor(white_squares: f64) -> f64 {
+    at_floor_core(white_squares)
 }
 
 /// What speaks for an effect as it comes in: see [`judge`].

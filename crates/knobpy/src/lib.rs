@@ -76,6 +76,7 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(fit::refine, m)?)?;
     m.add_function(wrap_pyfunction!(fit::thresholds, m)?)?;
     m.add_function(wrap_pyfunction!(fit::complete, m)?)?;
+    m.add_function(wrap_pyfunction!(fit::at_floor, m)?)?;
     m.add_function(wrap_pyfunction!(fit::judge, m)?)?;
     m.add_function(wrap_pyfunction!(fit::diagnose, m)?)?;
     m.add_function(wrap_pyfunction!(fit::in_place, m)?)?;

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from .. import _core
 from ..capture.finding import Finding
+from . import refit
 from .rule import RULE
 
 if TYPE_CHECKING:
     from .fitting import Fit
 
-_EFFECT = "actuation_delay"
+_EFFECT, _DELAY = "actuation_delay", "actuation_delay.delay"
 _NOTICED = 1.02  # times the noise floor, below which a delay is not looked for: it takes its time
 _ROWS = 0.6  # below which nobody can tell a delay from how a derivative is taken
 
 
-def ahead(fit: Fit) -> Finding | None:
-    """Return the finding that the torque of a fit is ahead of its motion; None where nothing says so.
+def delayed(fit: Fit) -> _core.Fit | None:
+    """Return the sketch of a fit with the delay beside it, where that is beyond doubt; None where it is not.
 
     Only where the delay explains all that the model leaves beyond noise: what else is missing may look like
     a delay, and is for the diagnosis to tell. Nor beside a joint or a sensor's lag, where it was looked for.
@@ -30,16 +32,45 @@ def ahead(fit: Fit) -> Finding | None:
     # Not where a floor is unknown either.
     if fit.before or known or joined or _EFFECT in have or not fit.rmse > _NOTICED * floor:
         return None
-    every = [one.core for one in fit.prepared]
-    ((_, core, gain, _, p_value, _),) = _core.diagnose(every, fit.model.core, [_EFFECT], None)
-    if core is None or p_value > RULE.rare or gain < RULE.price or core.rmse > RULE.at_floor * floor:
+    ((_, core, gain, _, p_value, _),) = _core.diagnose(refit.cores(fit), fit.model.core, [_EFFECT], None)
+    if core is None or p_value > RULE.rare or gain < RULE.price or not _sure(fit, core):
         return None
-    delay = next(value for name, value, *_ in core.model.rows() if name.startswith(_EFFECT))
-    if delay * min(one.capture.rate_hz for one in fit.prepared) < _ROWS:
+    return core
+
+
+def mended(fit: Fit) -> Fit:
+    """Return the fit with the delay fitted beside it where that is beyond doubt; else as it is.
+
+    What moves with the delay has an interval that holds what the captures leave open of it.
+    """
+    return fit if fit.delayed is None else refit.converged(replace(fit, core=fit.delayed, before=fit))
+
+
+def ahead(fit: Fit) -> Finding | None:
+    """Return the finding that the torque of a fit is ahead of its motion; None where nothing says so.
+
+    It is mended where the delay is fitted with the rest.
+    """
+    here = _DELAY in fit.core.free and _sure(fit, fit.core)
+    core = fit.core if here else fit.delayed
+    if core is None:
         return None
     samples = sum(one.capture.samples for one in fit.prepared)
-    message = (
-        f"tau: stands {1e3 * delay:.3g} ms before the motion that it makes, as a command does; that takes "
-        f"{100.0 * (1.0 - core.rmse / fit.rmse):.2g} % off the error and moves what was fitted: add {_EFFECT}"
-    )
+    message = f"tau: stands {1e3 * _delay(core):.3g} ms before the motion that it makes, as a command does"
+    if here:
+        return Finding(
+            "late_column", "tau", samples, (), f"{message}: {_EFFECT} is fitted with the rest", "mended"
+        )
+    fall = 100.0 * (1.0 - core.rmse / fit.rmse)
+    message += f"; that takes {fall:.2g} % off the error and moves what was fitted: add {_EFFECT}"
     return Finding("late_column", "tau", samples, (), message, "warning")
+
+
+def _sure(fit: Fit, core: _core.Fit) -> bool:
+    """Whether a fit with a delay leaves nothing but noise, and has one that can be told from none."""
+    told = _delay(core) * min(one.capture.rate_hz for one in fit.prepared) >= _ROWS
+    return told and core.rmse <= RULE.at_floor * fit.noise_floor
+
+
+def _delay(core: _core.Fit) -> float:
+    return next(value for name, value, *_ in core.model.rows() if name == _DELAY)

@@ -30,7 +30,7 @@ from ..errors import InputError
 from ..model import Model
 from .alike import check_captures
 from .estimate import Z95, Constants, Estimate
-from .fitting import Fit, fit
+from .fitting import Fit, as_logged
 from .zeros import aligned
 
 if TYPE_CHECKING:
@@ -106,12 +106,13 @@ def fit_constants(
         )
     how = Reading(map=map, **reading)
     formulas = [Formula(file, names, how) for file in files]
-    check_captures([one.capture for one in formulas])
+    captures = [one.capture for one in formulas]
+    check_captures(captures)
     if isinstance(model, str | os.PathLike):
         model = Model.load(model)
     if model is not None and formulas[0].scales and model.torque_unit != formulas[0].capture.torque_unit:
         model = Model(model.core.as_torque(1.0, 0.0))  # its values are a start, whatever scales them
-    first = fit([one.capture for one in formulas], model, prepare=prepare, detents=detents, **(options or {}))
+    first = as_logged(captures, model, prepare=prepare, detents=detents, **(options or {}))
     motor = _Motor(formulas, first, prepare, dict(options or {}))
     return motor.solved(dict(known or {}))
 

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..capture.finding import Finding
 from .plausible import REVERSED
+from .unheard import unheard
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from ..capture.prepare import Prepared
     from .estimate import Estimate
+    from .fitting import Fit
 
 
 def documented(params: Mapping[str, Estimate]) -> dict[str, Any]:
@@ -46,10 +49,21 @@ def said(prepared: Sequence[Prepared]) -> list[dict[str, Any]]:
     return [{"capture": str(capture.meta.get("source", ""))} | one.document() for capture, one in every]
 
 
-def sign(prepared: Sequence[Prepared]) -> dict[str, Any]:
-    """Return the finding that the torque has the other sign."""
-    every = sum(one.capture.samples for one in prepared)
-    return Finding("sign", "tau", every, ((1, every),), REVERSED, "warning").document()
+def found(fit: Fit) -> list[dict[str, Any]]:
+    """What was found in the captures of a fit, by themselves and by what the model cannot be."""
+    every = sum(one.capture.samples for one in fit.prepared)
+    reversed_ = Finding("sign", "tau", every, ((1, every),), REVERSED, "warning")
+    by_model = [reversed_ if fit.log_fault == REVERSED else None, fit.ahead]
+    return said(fit.prepared) + [one.document() for one in by_model if one]
+
+
+def summary(fit: Fit) -> str:
+    """Return in words what a fit leaves, beside what noise would."""
+    unit = fit.torque_unit
+    noise = f"{fit.noise_floor:.4g} {unit} by sensor noise alone"
+    if math.isnan(fit.noise_floor):
+        noise = unheard(fit).why
+    return f"RMS error {fit.rmse:.4g} {unit} ({fit.rmse_heldout:.4g} {unit} on unseen blocks, {noise})"
 
 
 def names(prepared: Sequence[Prepared]) -> list[str]:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .. import _core
 from ..model.effects import base_effects
 from .plausible import REVERSED
-from .rule import RULE
 
 if TYPE_CHECKING:
     from ..capture.prepare import Prepared
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 def at_floor(fit: Fit) -> bool:
     """Whether an error is no different from what noise alone would leave; false where that is not known."""
-    return fit.noise_floor > 0.0 and fit.rmse <= RULE.at_floor * fit.noise_floor
+    return fit.noise_floor > 0.0 and fit.rmse <= _core.at_floor(fit.white_squares) * fit.noise_floor
 
 
 def doubts(fit: Fit) -> tuple[str, ...]:
@@ -40,7 +40,7 @@ def doubts(fit: Fit) -> tuple[str, ...]:
             "position and acceleration move together, so inertia cannot be told from a stiffness over "
             "position: record a motion of more than one frequency"
         )
-    found += [fit.ahead.message] if fit.ahead else []
+    found += [fit.ahead.message] if fit.ahead and fit.ahead.severity == "warning" else []
     return (*found, *_at_bounds(fit), *_back_emf(fit))
 
 

@@ -23,15 +23,14 @@ from ..errors import InputError
 from ..model import Model
 from ..model.effects import base_effects, base_effects_shown
 from . import refit, runs
-from .ahead import ahead
+from .ahead import ahead, delayed, mended
 from .alike import check_captures, check_unit
 from .beyond import Beyond, beyond
-from .described import described, documented, said, sign
+from .described import described, documented, found, summary
 from .doubts import doubts
 from .estimate import Z95, Constants, Estimate
 from .origin import with_origin
-from .plausible import REVERSED, columns_at_fault, impossible, log_fault, one_velocity
-from .unheard import unheard
+from .plausible import columns_at_fault, impossible, log_fault, one_velocity
 from .zeros import aligned
 
 if TYPE_CHECKING:
@@ -256,11 +255,7 @@ class Fit(showing.Tabled):
         return {
             "schema": "knobcam.fit/1",
             "captures": [described(signals) for signals in self.prepared],
-            "findings": [
-                *said(self.prepared),
-                *([sign(self.prepared)] if self.log_fault == REVERSED else []),
-                *([self.ahead.document()] if self.ahead else []),
-            ],
+            "findings": found(self),
             "unit": self.torque_unit,
             "rmse": self.rmse,
             "rmse_heldout": self.rmse_heldout,
@@ -295,6 +290,11 @@ class Fit(showing.Tabled):
         return log_fault(self)
 
     @cached_property
+    def delayed(self) -> _core.Fit | None:
+        """A sketch of it with a torque that acts later, where that is beyond doubt; None where it is not."""
+        return delayed(self)
+
+    @cached_property
     def ahead(self) -> Finding | None:
         """The finding that the torque stands in the log before the motion that it makes; None otherwise."""
         return ahead(self)
@@ -314,20 +314,13 @@ class Fit(showing.Tabled):
         """What its errors are in."""
         return self.model.torque_unit
 
-    @property
-    def _summary(self) -> str:
-        unit = self.torque_unit
-        noise = f"{self.noise_floor:.4g} {unit} by sensor noise alone"
-        if math.isnan(self.noise_floor):
-            noise = unheard(self).why
-        return f"RMS error {self.rmse:.4g} {unit} ({self.rmse_heldout:.4g} {unit} on unseen blocks, {noise})"
-
     def __repr__(self) -> str:
-        lines = ["Fit: " + self._summary, text_table(self.HEAD, self.rows()), self.core.message]
+        lines = ["Fit: " + summary(self), text_table(self.HEAD, self.rows()), self.core.message]
         lines += [f"{name}: {why}" for name, why in self.undetermined.items()]
         lines += [*self.model.sides, *runs.in_words(self.per_capture)]
         lines += self.constants.in_words() if self.constants else []
         lines += self.warnings
+        lines += [self.ahead.message] if self.ahead and self.ahead.severity == "mended" else []
         return "\n".join(lines + ([refit.in_words(self)] if self.before else []))
 
     @cached_property
@@ -337,7 +330,7 @@ class Fit(showing.Tabled):
 
     def tables(self) -> tuple[TextTable, ...]:
         """What it says of itself, as text."""
-        own = (TextTable("Fit: " + self._summary, self.HEAD, self.rows()),)
+        own = (TextTable("Fit: " + summary(self), self.HEAD, self.rows()),)
         return (*own, self.constants.table()) if self.constants else own
 
 
@@ -354,12 +347,26 @@ def fit(
 
     What belongs to a run (a sensor's zero) is each capture's own where they ask for it (`Fit.per_capture`).
     Without a model: the paper's Equation 1; detents are part of it if the data show them (`detents="auto"`),
-    always (`"yes"`) or never (`"no"`). A model (or its file) is fitted as it is: its fixed and tied values
-    stay so, and a free detent period is found from the data whatever its value; `detents` is not for it.
-    `prepare` and `options` as in `prepare`.
+    always (`"yes"`) or never (`"no"`), and so is a torque that acts later than it is logged where that is
+    beyond doubt (`actuation_delay`, `Fit.ahead`). A model (or its file) is fitted as it is: its fixed and
+    tied values stay so, and a free detent period is found from the data whatever its value; `detents` is not
+    for it. `prepare` and `options` as in `prepare`.
 
     Raises InputError for captures that cannot be fitted, with what to do.
     """
+    first = as_logged(captures, model, prepare=prepare, detents=detents, **options)
+    return first if model is not None else mended(first)
+
+
+def as_logged(
+    captures: Capture | str | os.PathLike[str] | Sequence[Capture | str | os.PathLike[str]],
+    model: Model | str | os.PathLike[str] | None = None,
+    *,
+    prepare: str = "smooth",
+    detents: str = "auto",
+    **options: float,
+) -> Fit:
+    """Fit as `fit` does, to the torque where it stands: for who looks for what is missing, a delay too."""
     given = [captures] if isinstance(captures, Capture | str | os.PathLike) else list(captures)
     several = [load(one) if isinstance(one, str | os.PathLike) else one for one in given]
     if not several:

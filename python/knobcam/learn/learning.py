@@ -14,9 +14,10 @@ from ..base import showing
 from ..base.door import checked
 from ..base.tables import TextTable, text_table
 from ..capture import Capture
-from ..fit import Fit, fit
+from ..fit import Fit
 from ..fit.beyond import incoherent
 from ..fit.diagnose import Diagnosis, check_effects, diagnose, p_in_words
+from ..fit.fitting import as_logged
 from ..fit.refit import percent
 from ..fit.runs import in_words
 from ..fit.verdict import explained
@@ -314,7 +315,7 @@ def learn(
         model = Model.load(model)
     without = check_effects("without", without, model.coordinate if model else "rotary")
     tell("fitting the first model")
-    first = fit(captures, model, prepare=prepare, detents=detents, **options)
+    first = as_logged(captures, model, prepare=prepare, detents=detents, **options)
     given = model is not None
     automatic = not given and detents == "auto"
     selection = select(first, without, tell, deadline, given=given, detents=automatic)

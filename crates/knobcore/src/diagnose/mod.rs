@@ -30,7 +30,7 @@ pub use locate::locate;
 pub use pairs::{Pair, pairs};
 pub use rest::{Region, Split};
 pub use sets::{Set, sets};
-pub use verdict::{Evidence, Judgement, State, complete, exact, judge};
+pub use verdict::{Evidence, Judgement, State, at_floor, complete, exact, judge};
 pub use watch::{Tell, at_most};
 
 pub(crate) use thinned::{Thinned, orthonormal, project};

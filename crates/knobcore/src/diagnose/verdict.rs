@@ -174,7 +174,17 @@ fn judge_by(rule: &Rule, state: &State, all: &[Evidence]) -> Vec<Judgement> {
 pub fn complete(state: &State, beyond: &[f64]) -> bool {
     let rule = rule();
     let felt = beyond.iter().any(|part| *part > rule.felt);
-    state.exact || state.rmse <= rule.at_floor * state.noise_floor && !felt
+    state.exact || state.rmse <= at_floor(state.white_squares) * state.noise_floor && !felt
+}
+
+/// Times the noise floor up to which an error is no different from it, where noise leaves such a sum of squares, in
+/// variances of the raw noise.
+///
+/// As many independent samples are about as many as it is: what noise leaves in them and the floor beside it are each
+/// known to 1 / sqrt(2 N), so that their ratio is to 1 / sqrt(N). In seconds of a recording that is more than the few
+/// percent of a long one.
+pub fn at_floor(white_squares: f64) -> f64 {
+    (1.0 + rule().steady / white_squares.sqrt()).max(rule().at_floor)
 }
 
 /// Whether an error is rounding beside the torque.
@@ -322,5 +332,12 @@ mod tests {
         let near = State { rmse: 1.04, ..BENT };
         assert!(complete(&near, &[0.02]) && !complete(&near, &[0.02, 0.04]) && !complete(&BENT, &[]));
         assert!(!complete(&State { noise_floor: f64::NAN, ..near }, &[]));
+    }
+
+    #[test]
+    fn the_shorter_a_capture_the_less_is_known_of_its_floor() {
+        let of = |rmse: f64, white_squares: f64| complete(&State { rmse, white_squares, ..BENT }, &[]);
+        assert!(of(1.12, 400.0) && !of(1.13, 400.0));
+        assert!(of(1.049, 1e4) && !of(1.051, 1e4) && of(1.049, f64::NAN));
     }
 }

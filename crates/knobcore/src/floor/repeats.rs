@@ -165,8 +165,11 @@ impl Rests<'_> {
         let starts: Vec<usize> = (0..raw.len()).step_by(window).collect();
         let periodogram = Periodogram::of(window);
         let level = periodogram.powers(&raw, &starts, periodogram.bins()).mean(repeat(1.0));
-        let colour =
-            if falls(&level) { autoregression(&level, window, raw.len()) } else { Noise::white(1.0) };
+        let colour = if falls(&level) {
+            autoregression(level, window, raw.len(), like.rate_hz)
+        } else {
+            Noise::white(1.0)
+        };
         let scale = variance / colour.behind(like.filter.as_ref());
         let noise = Noise { innovation: scale * colour.innovation, ..colour };
         (variance > 0.0 && error.is_finite()).then_some(Pure { variance, error, noise })

@@ -43,6 +43,11 @@ const SHARES: u32 = 256;
 const LOUDER: f64 = 1.1;
 /// Slowest frequencies of a periodogram, which its taper and its mean take off.
 const TAKEN_OFF: usize = 2;
+/// Times that what these hold is expected of the rest: where noise is slower than a window shows, each adds to what is a
+/// guess.
+const ROUNDS: usize = 4;
+/// What is slower is a drift.
+const DRIFT_HZ: f64 = 5.0;
 
 /// What the spectrum of a raw torque tells of its noise.
 pub(super) struct Heard {
@@ -213,17 +218,14 @@ fn coloured(signals: &Signals, rest: &[f64], window: usize) -> Option<Noise> {
     // Most noise is white, which the raw torque alone tells.
     let raw = Some(steady(&spectra(&signals.tau_raw, window))).filter(|raw| falls(raw))?;
     let level = quieter(steady(&spectra(rest, window)), &raw);
-    let mut level = Some(level).filter(|level| falls(level))?;
+    let level = Some(level).filter(|level| falls(level))?;
     // What rings after each of many contacts fills all long stretches, and falls too; but no noise ever pauses.
     let paused = |column: &[f64]| quiet(&spectra(column, SHORT), QUIETEST);
     let raw = paused(&signals.tau_raw);
     if !falls(&raw) || !falls(&quieter(paused(rest), &raw)) {
         return None;
     }
-    // A window's mean is taken off it, and with it its slowest frequencies.
-    let slowest = level[TAKEN_OFF];
-    level[..TAKEN_OFF].fill(slowest);
-    Some(autoregression(&level, window, signals.used()))
+    Some(autoregression(level, window, signals.used(), signals.rate_hz))
 }
 
 /// Whether noise with this level from nought to the Nyquist frequency is louder the slower it is.
@@ -232,7 +234,24 @@ pub(super) fn falls(level: &[f64]) -> bool {
 }
 
 /// Noise with the level of periodograms of such a window, read of so many samples.
-pub(super) fn autoregression(level: &[f64], window: usize, samples: usize) -> Noise {
+///
+/// A window's mean is taken off it, and with it its slowest frequencies. Noise that still rises there goes on as the
+/// rest of it does (what is not seen is expected of what is: Dempster, Laird & Rubin 1977). Not where that is as slow as
+/// a drift, which is no noise: what a model misses of a slow motion rises there too.
+pub(super) fn autoregression(mut level: Vec<f64>, window: usize, samples: usize, rate_hz: f64) -> Noise {
+    let slowest = level[TAKEN_OFF];
+    level[..TAKEN_OFF].fill(slowest);
+    let mut noise = with_level(&level, window, samples);
+    for _ in 0..if rate_hz > DRIFT_HZ * window as f64 { ROUNDS } else { 0 } {
+        for (bin, unseen) in level[..TAKEN_OFF].iter_mut().enumerate() {
+            *unseen = noise.power(bin as f64 / window as f64);
+        }
+        noise = with_level(&level, window, samples);
+    }
+    noise
+}
+
+fn with_level(level: &[f64], window: usize, samples: usize) -> Noise {
     let covariance: Vec<f64> = (0..=noise::MOST.min(window / 2))
         .map(|lag| {
             let wave = |bin: usize| level[bin] * (2.0 * PI * (bin * lag) as f64 / window as f64).cos();

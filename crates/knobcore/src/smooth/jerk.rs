@@ -30,6 +30,12 @@ const COUNTS: f64 = 10.0;
 const STAIRS: f64 = 30.0;
 const FEWEST_STAIRS: f64 = 2.0;
 
+/// Standard deviations by which no count is off, and hardly a reading.
+const FAR: f64 = 4.0;
+
+/// Share of the readings that may be: those around impacts.
+const SELDOM: f64 = 0.1;
+
 /// Longest memory that is tried.
 const LONGEST_MEMORY: f64 = 1e4;
 
@@ -83,6 +89,14 @@ pub fn jerk_by_cross_validation(sensors: &Sensors<'_>, noise: Noise, reading: Re
         Reading::Stairs => (STAIRS / spacing).clamp(FEWEST_STAIRS, COUNTS) * spacing,
     };
     let mut length = ((LENGTH as f64 * spacing) as usize).min(sensors.len());
+    // An encoder that rests now and then is not slow for that: a memory that leaves so much is too long.
+    let far = |memory: f64| {
+        let model = Model::new(&with(memory), step);
+        stretches(sensors, length).iter().map(|part| share_far(part, &model, &noise)).fold(0.0, f64::max)
+    };
+    while shortest > SHORTEST_MEMORY * spacing && far(shortest) > SELDOM {
+        shortest /= LONGER;
+    }
     loop {
         let parts = stretches(sensors, length);
         let whole = parts.len() == 1;
@@ -131,6 +145,16 @@ fn prediction_error(sensors: &Sensors<'_>, model: &Model, noise: &Noise) -> f64 
         }
     }
     if sum.is_finite() { sum } else { f64::INFINITY }
+}
+
+/// Share of the angles that lie far off the motion.
+fn share_far(sensors: &Sensors<'_>, model: &Model, noise: &Noise) -> f64 {
+    let motion = smooth_rows(sensors, model, &Lifts::default());
+    let pairs = sensors.theta.iter().zip(&motion.values[0]).filter(|(theta, _)| theta.is_finite());
+    let (far, all) = pairs.fold((0.0, 0.0), |(far, all), (theta, smooth)| {
+        (far + f64::from((theta - smooth).abs() > FAR * noise.theta), all + 1.0)
+    });
+    far / f64::max(all, 1.0)
 }
 
 /// Minimum of `f` between `low` and `high` (J. Kiefer, Proceedings of the AMS 4, 1953).
