@@ -67,6 +67,9 @@ def test_laws_that_came_in_may_be_off_by_a_share_of_what_they_explain():
     third = Known(2.0, before=second)
     assert verdict.explained(third) == 21.0 and verdict.explained(first) == 0.0
     assert verdict.off_by_law(third) == pytest.approx(21.0 * RULE.law**2)
+    # Where a joint is among them by more.
+    gap = replace(third, effects=(*BASE, "backlash"))
+    assert verdict.off_by_law(gap) == pytest.approx(21.0 * RULE.law_of_joint**2)
     for times, within in ((0.99, True), (1.01, False)):
         # What is left above the floor, against what the laws may be off by.
         before = Known(math.sqrt(1.0 + 4e-4 / RULE.law**2))
@@ -172,7 +175,7 @@ def test_an_effect_is_looked_for_anew_where_that_ends_lower(monkeypatch: pytest.
 
 
 def test_a_set_comes_in_by_what_each_explains_by_itself(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(exchanged, "converged", lambda fit: fit)
+    monkeypatch.setattr(joined, "converged", lambda fit: fit)
     alone = [
         SimpleNamespace(effect=one, gain=gain, score=gain - 10.0, p_value=p)
         for one, gain, p in (("a", 50.0, 0.02), ("b", 900.0, 0.001))

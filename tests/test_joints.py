@@ -8,7 +8,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from known import BASE, Known
+from known import BASE, Known, climbed
 
 from knobcam.fit.diagnose import Candidate
 from knobcam.fit.rule import RULE
@@ -160,3 +160,37 @@ def test_a_joint_that_is_none_by_its_values_does_not_come_in_beside_a_companion(
     assert joined._step(Told(rows), "backlash").added == "backlash"
     one.implausible = ("its gap is nothing: it is compliance",)
     assert joined._step(Told(rows), "backlash") is None
+
+
+def test_a_joint_gives_way_to_another_that_explains_better_what_came_in_after_it_left(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    monkeypatch.setattr(joined, "converged", lambda fit: fit)
+    monkeypatch.setattr(joined, "chance_of", lambda richer, before, diagnosis: 0.001)
+    asked: list[Any] = []
+
+    def told(best: str, *implausible: str) -> Any:
+        def beside(diagnosis: Any, joint: str, own: Known, before: Known, *_: object) -> Any:
+            asked.append((joint, own, before.effects))
+            fit = Known(1.0, (*before.effects, best))
+            named = Candidate(best, fit, 0.001, 100.0, 3, implausible=implausible)  # type: ignore[arg-type]
+            return Weighed(before, (named,))
+
+        monkeypatch.setattr(joined, "beside_others", beside)
+
+    def steps(*came: tuple[str, float]) -> Any:
+        return joined.rejoined(climbed(*came), (), lambda _: None)
+
+    came = (("offset", 4.0), ("backlash", 2.0), ("return_spring", 1.01))
+    told("compliance")
+    found = steps(*came)
+    assert [one.added for one in found] == ["offset", "return_spring", "compliance"]
+    assert [one.effects[3:] for one in found[:2]] == [("offset",), ("offset", "return_spring")]
+    assert asked[0][0] == "backlash" and asked[0][1].rmse == 1.01
+    assert asked[0][2] == (*BASE, "offset", "return_spring")
+    # What came in last was weighed beside all others, and what has no joint has none to give.
+    assert steps(*came[:2]) is None and steps(came[0], came[2]) is None and len(asked) == 1
+    told("backlash")
+    assert steps(*came) is None
+    told("compliance", "it cannot be")
+    assert steps(*came) is None

@@ -50,7 +50,9 @@ def explained(fit: Fit) -> float:
 
 def off_by_law(fit: Fit) -> float:
     """Return the mean squared error by which the laws that were added so far may be off, (N m)^2."""
-    return RULE.law**2 * explained(fit)
+    rows = fit.model.catalogue()
+    joint = any(rows[one].place == "coupling" for one in fit.model.effects)
+    return (RULE.law_of_joint if joint else RULE.law) ** 2 * explained(fit)
 
 
 def within_law(fit: Fit) -> bool:

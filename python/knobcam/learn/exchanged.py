@@ -13,8 +13,7 @@ from .. import _core
 from ..errors import InputError
 from ..fit.refit import add, converged, cores, gain
 from ..fit.rule import RULE
-from .joined import chance_of
-from .ladder import LearningStep
+from .joined import climbed
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -22,6 +21,7 @@ if TYPE_CHECKING:
     from ..fit import Fit
     from ..fit.compare import Comparison
     from ..fit.diagnose import Diagnosis
+    from .ladder import LearningStep
 
 _POOL = 7  # effects whose sets are weighed
 _LOWER = 0.02  # of the error: what ends lower by less is where it was
@@ -107,14 +107,5 @@ def _steps(fit: Fit, names: Sequence[str], start: LearningStep, diagnosis: Diagn
     wider than the motion.
     """
     alone = {one.effect: one.score for one in diagnosis.candidates}
-    order = sorted(names, key=lambda name: alone.get(name, -math.inf))
-    fits = [fit]
-    for name in order[:-1]:
-        fits.append(converged(fits[-1].drop(name)))
-    steps: list[LearningStep] = []
-    before = start.fit
-    for name, own in zip(reversed(order), reversed(fits), strict=True):
-        own = replace(own, before=before)
-        steps.append(LearningStep(own, name, chance_of(own, before, diagnosis), (), (), diagnosis))
-        before = own
-    return steps
+    order = sorted(names, key=lambda name: -alone.get(name, -math.inf))
+    return climbed(fit, order, start.fit, diagnosis)

@@ -9,11 +9,11 @@ from .. import _core
 from ..fit.diagnose import absent
 from ..fit.refit import converged, cores, gain, needless
 from ..fit.rule import RULE
-from .joints import beside_others, chance
+from .joints import beside_others, chance, joints
 from .ladder import LearningStep
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection
+    from collections.abc import Callable, Collection, Sequence
 
     from ..fit import Fit
     from ..fit.diagnose import Diagnosis
@@ -51,6 +51,41 @@ def joined(
             if (step := _step(told, coupling)) is not None:
                 return [LearningStep(before, companion, alone.p_value, (), (), diagnosis), step]
     return None
+
+
+def rejoined(
+    ladder: Sequence[LearningStep], without: Collection[str], progress: Callable[[float], object]
+) -> list[LearningStep] | None:
+    """Return the steps to another joint in the place of the one that came in, where that explains it better.
+
+    A joint is chosen among others in what everything that comes in after it leaves. None where nothing came
+    in after it, where it stays, and without one; what `progress` raises ends the work.
+    """
+    last = ladder[-1].fit
+    own = [one for one in joints(last.model.coordinate) if one in last.model.effects]
+    diagnosis = next((step.diagnosis for step in ladder if step.diagnosis is not None), None)
+    came = [step.added for step in ladder if step.added in last.model.effects]
+    if diagnosis is None or not own or own[0] not in came[:-1]:
+        return None
+    rigid = converged(last.drop(own[0]))
+    step = _step(beside_others(diagnosis, own[0], last, rigid, without, progress), own[0])
+    if step is None or step.added == own[0]:
+        return None
+    others = [one for one in came if one is not None and one != own[0]]
+    return [*climbed(rigid, others, ladder[0].fit, diagnosis), step]
+
+
+def climbed(fit: Fit, names: Sequence[str], first: Fit, diagnosis: Diagnosis) -> list[LearningStep]:
+    """Return the steps that lead from the first fit to one with these effects, in this order."""
+    fits = [fit]
+    for name in reversed(names[1:]):
+        fits.insert(0, converged(fits[0].drop(name)))
+    steps, before = [], first
+    for name, own in zip(names, fits, strict=True):
+        own = replace(own, before=before)
+        steps.append(LearningStep(own, name, chance_of(own, before, diagnosis), (), (), diagnosis))
+        before = own
+    return steps
 
 
 def _step(told: Diagnosis, coupling: str) -> LearningStep | None:

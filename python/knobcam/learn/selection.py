@@ -16,7 +16,7 @@ from ..fit.verdict import judged, within_law
 from ..model.effects import base_effects_shown, clipping, descriptions
 from .cut import Cut, Deadline, OutOfTime
 from .exchanged import anew, exchanged
-from .joined import joined
+from .joined import joined, rejoined
 from .joints import overlooked
 from .ladder import LearningStep, Unexplained
 from .limitations import width
@@ -97,6 +97,9 @@ def _grown(
                 continue
             sets = True
             if (steps := exchanged(ladder, diagnosis.comparison, deadline)) is not None:
+                ladder[1:] = steps
+                continue
+            if (steps := rejoined(ladder, {*without, *described}, deadline)) is not None:
                 ladder[1:] = steps
                 continue
         if best is None or len(ladder) > RULE.most or columns_at_fault(fit.prepared):

@@ -1,13 +1,15 @@
 //! What is missing beside a coupling: a descent there takes a hundred times as long as beside a rigid shaft, so that of
 //! all starts of all effects only those are followed that the first step promises most of.
 
-use super::coupled::{Ways, cost, led, on};
+use super::coupled::{Ways, cost, led, on, strode};
 use super::screen::{Screen, Start};
+use super::slower::{COARSE_HZ, MIDDLE_HZ, floor, slowed};
 use crate::effects::Id;
 use crate::fit::{Found, glance, sketch};
 use crate::model::Model;
 use crate::order::Ascending;
 use crate::rule::rule;
+use crate::signals::Signals;
 
 /// Starts that are looked at by a few steps, and those of them that are followed.
 const LOOKED: usize = 6;
@@ -33,8 +35,21 @@ pub fn beside(screen: &Screen<'_>, effects: &[Id]) -> Vec<Ways> {
     let least = (rule().rival_beside * most).max(rule().worth_following * screen.squares);
     first.retain(|(_, start)| promise(start) >= least);
     first.truncate(LOOKED);
-    let mut looked: Vec<(usize, (Model, Found))> =
-        watch.each(&first, |(of, start)| (*of, on(&start.model, |model| glance(data, model))));
+    let [coarse, middle] = [COARSE_HZ, MIDDLE_HZ].map(|edge| slowed(data, edge));
+    let [coarse, middle]: [Vec<&Signals>; 2] = [&coarse, &middle].map(|view| view.iter().collect());
+    let floor = floor(data, COARSE_HZ, &coarse, screen.model);
+    // A wave may be too fast for a slower filter.
+    let direct = |of: usize| started[of].0.info().scan.is_some() || coarse.len() < data.len();
+    let mut looked: Vec<(usize, (Model, Found))> = watch.each(&first, |(of, start)| {
+        let near = if direct(*of) {
+            start.model.clone()
+        } else {
+            let end = on(&start.model, |model| sketch(&coarse, model));
+            let (far, _) = strode(&coarse, end, floor, watch);
+            on(&far, |model| glance(&middle, model)).0
+        };
+        (*of, on(&near, |model| glance(data, model)))
+    });
     looked.sort_by_cached_key(cost);
     looked.truncate(FOLLOWED);
     let ends = watch.each(&looked, |(of, (model, _))| (*of, on(model, |model| sketch(data, model))));

@@ -4,12 +4,13 @@
 //! error knows no way back once they no longer overlap. Through a slower filter they are broad and do.
 
 use super::screen::{Screen, Start, loads, survey};
-use super::slower::{COARSE_HZ, MIDDLE_HZ, beginnings, floor, slowed};
-use super::strides::strides;
+use super::slower::{self, COARSE_HZ, MIDDLE_HZ, beginnings, slowed};
+use super::strides::{FEW, ROUNDS, strides};
 use super::watch::{Tell, Watch};
 use crate::effects::{Id, Place};
 use crate::error::Result;
 use crate::fit::{Fit, Found, glance, refine, report, settled, sketch};
+use crate::floor::Floor;
 use crate::model::{Model, Slot};
 use crate::order::{Ascending, descending};
 use crate::rule::rule;
@@ -62,9 +63,10 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id]) -> Vec<Ways> {
     seen.sort_by_cached_key(cost);
     let few = |of: usize| seen.iter().filter(move |(own, _)| *own == of).take(FOLLOWED);
     let few: Vec<&(usize, (Model, Found))> = (0..ways.len()).flat_map(few).collect();
-    let mut ends = watch.each(&few, |(of, (model, _))| (*of, on(model, |m| sketch(&coarse, m))));
+    let floor = slower::floor(&first, COARSE_HZ, &coarse, base);
+    let to = |model: &Model| strode(&coarse, on(model, |model| sketch(&coarse, model)), floor, watch);
+    let mut ends = watch.each(&few, |(of, (model, _))| (*of, to(model)));
     ends.sort_by_cached_key(cost);
-    let floor = floor(&first, COARSE_HZ, &coarse, base);
     // Without a floor nothing can be said to be too little.
     let (floor, excess) = if floor.is_nan() { (0.0, 0.0) } else { (floor, screen.squares - floor) };
     let least = ends.first().map_or(0.0, |(_, (_, found))| (found.cost - floor).max(0.0));
@@ -76,6 +78,10 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id]) -> Vec<Ways> {
     let middle = slowed(data, MIDDLE_HZ);
     let middle: Vec<&Signals> = middle.iter().collect();
     let mut between = watch.each(&ends, |(of, (model, _))| (*of, on(model, |m| sketch(&middle, m))));
+    between.sort_by_cached_key(cost);
+    others(&mut between, RIVAL);
+    let floor = slower::floor(data, MIDDLE_HZ, &middle, base);
+    let mut between = watch.each(&between, |(of, end)| (*of, strode(&middle, end.clone(), floor, watch)));
     between.sort_by_cached_key(cost);
     others(&mut between, RIVAL);
     let mut fine = watch.each(&between, |(of, (model, _))| (*of, on(model, |m| sketch(data, m))));
@@ -190,6 +196,20 @@ pub(super) fn on(model: &Model, to: impl Fn(&Model) -> Found) -> (Model, Found) 
     (model, found)
 }
 
+/// Where strides lead to from where a descent ended. Surfaces that meet and part a little earlier or later are dents in
+/// the error even through a slow filter, and a descent by derivatives ends in any of them.
+pub(super) fn strode(
+    data: &[&Signals],
+    (model, found): (Model, Found),
+    floor: f64,
+    watch: &Watch<'_>,
+) -> (Model, Found) {
+    if found.cost <= rule().converged.powi(2) * floor {
+        return (model, found);
+    }
+    on(&strides(data, &model, floor, FEW, watch), |model| sketch(data, model))
+}
+
 /// Fits a model from values near its best. The error of one with a coupling is rough at its finest: it is descended in
 /// strides too, as long as more than noise is left.
 ///
@@ -198,7 +218,8 @@ pub(super) fn on(model: &Model, to: impl Fn(&Model) -> Found) -> (Model, Found) 
 pub fn converge(data: &[&Signals], model: &Model) -> Result<Fit> {
     let mut best = refine(data, model)?;
     if model.is_coupled() && (rule().converged..rule().hopeless).contains(&(best.rmse / best.noise_floor)) {
-        let led = strides(data, &best.model, &Watch::new(&|_| true, 1));
+        let floor = Floor::of(data, &best.model).squares;
+        let led = strides(data, &best.model, floor, ROUNDS, &Watch::new(&|_| true, 1));
         best = refine(data, &led).ok().filter(|led| led.rmse < best.rmse).unwrap_or(best);
     }
     settled(data, best, |model| refine(data, model))
@@ -242,6 +263,20 @@ mod tests {
         assert!(gap.rmse < 1.5 * soft.rmse, "{} {}", gap.rmse, soft.rmse);
         assert!(in_place(&data, &soft.model, Id::Compliance, &|_| true).is_none());
         assert!(in_place(&data, &knob(&[], &[]), Id::Backlash, &|_| true).is_none());
+    }
+
+    #[test]
+    fn where_nothing_is_left_but_noise_nobody_strides_on() {
+        let gap = [("backlash.gap", 8e-3), ("backlash.k", 90.0), ("backlash.d", 0.06)];
+        let signals = recorded(&knob(&[Id::Backlash], &gap), "a");
+        let data = [&signals];
+        let off = [("backlash.gap", 6e-3), ("backlash.k", 40.0), ("backlash.d", 0.03)];
+        let start = knob(&[Id::Backlash], &off);
+        let (watch, floor) = (Watch::new(&|_| true, 1), Floor::of(&data, &start).squares);
+        let (model, found) = on(&start, |model| sketch(&data, model));
+        let (went, cost) = (model.values(), found.cost);
+        let (model, found) = strode(&data, (model, found), floor, &watch);
+        assert_eq!((model.values(), found.cost), (went, cost));
     }
 
     #[test]

@@ -4,14 +4,16 @@
 //! neither is found. So each joint is tried with each of the others, from coarse to fine: the starts of the joint beside
 //! the rigid model that has the other effect, a few steps from the most promising, descents from the best of these.
 
-use super::coupled::on;
+use super::coupled::{on, strode};
 use super::screen::{Screen, Start};
-use super::slower::{COARSE_HZ, MIDDLE_HZ, beginnings, slowed};
+use super::slower::{self, COARSE_HZ, MIDDLE_HZ, beginnings, slowed};
 use super::watch::{Tell, Watch};
 use crate::effects::{Id, Place};
 use crate::fit::{Fit, Found, glance, report, sketch};
-use crate::model::Model;
+use crate::floor::Floor;
+use crate::model::{Model, Role};
 use crate::order::Ascending;
+use crate::rule::rule;
 use crate::signals::Signals;
 
 /// Starts of pairs that are looked at by a few steps, those of these that are followed through the coarse filter, and
@@ -53,48 +55,66 @@ impl Way {
         (!self.model.shafts().is_empty()).then_some(Self { model, ..*self })
     }
 
-    /// As far as a descent leads.
-    fn on(&self, to: impl Fn(&Model) -> Found) -> Self {
-        let (model, found) = on(&self.model, to);
+    /// What it leaves with so much on it for each of its parameters.
+    fn priced(&self, price: f64) -> f64 {
+        self.squares + price * free(&self.model)
+    }
+
+    /// Where it ended.
+    fn at(&self, (model, found): (Model, Found)) -> Self {
         Self { model, squares: found.cost, ..*self }
     }
 }
 
-/// The pairs of a coupling and another of the `effects` that explain most together, best first. None if `tell` no
+/// The pairs of a coupling and another of the `effects` that explain most for their parameters, best first. None if `tell` no
 /// longer wanted it.
 pub fn pairs(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_>) -> Option<Vec<Pair>> {
     let (couplings, others): (Vec<Id>, Vec<Id>) =
         effects.iter().partition(|id| id.info().place == Place::Coupling);
     let watch = Watch::new(tell, others.len() + LOOKED + 2 * COARSE + FINE);
     let first = beginnings(data, ENOUGH);
-    let coarse = slowed(&first.iter().collect::<Vec<_>>(), COARSE_HZ);
+    let first: Vec<&Signals> = first.iter().collect();
+    let coarse = slowed(&first, COARSE_HZ);
     let coarse: Vec<&Signals> = coarse.iter().collect();
+    let used = |data: &[&Signals]| data.iter().map(|signals| signals.used()).sum::<usize>() as f64;
+    let white = Floor::of(data, model).white;
+    // Of few samples a parameter takes off as much less.
+    let price = if white.is_finite() { rule().price * white * used(&coarse) / used(&first) } else { 0.0 };
     let rigid = Screen::new(&coarse, model, &watch);
     let starts = watch.each(&others, |companion| {
         watch.step();
         beside(&rigid, *companion, &couplings)
     });
-    let looked = best_of(starts.into_iter().flatten().collect(), LOOKED, ALIKE);
-    let stepped = |way: &Way, to: &(dyn Fn(&Model) -> Found + Sync)| {
+    let looked = best_of(starts.into_iter().flatten().collect(), price, LOOKED, ALIKE);
+    let looked = watch.each(&looked, |way| {
         watch.step();
-        way.on(to)
-    };
-    let looked = watch.each(&looked, |way| stepped(way, &|model| glance(&coarse, model)));
-    let followed = best_of(looked, COARSE, 1);
+        way.at(on(&way.model, |model| glance(&coarse, model)))
+    });
+    let followed = best_of(looked, price, COARSE, 1);
     // Where the other effect acts the first steps do not tell.
     let behind: Vec<Way> = followed.iter().filter_map(Way::behind).collect();
     let followed: Vec<Way> = followed.into_iter().chain(behind).collect();
-    let followed = watch.each(&followed, |way| stepped(way, &|model| sketch(&coarse, model)));
+    let further = |way: &Way, view: &[&Signals], floor: f64| {
+        watch.step();
+        let end = on(&way.model, |model| sketch(view, model));
+        way.at(strode(view, end, floor, &watch))
+    };
+    let floor = slower::floor(&first, COARSE_HZ, &coarse, model);
+    let followed = watch.each(&followed, |way| further(way, &coarse, floor));
     let middle = slowed(data, MIDDLE_HZ);
     let middle: Vec<&Signals> = middle.iter().collect();
-    let ends = watch.each(&best_of(followed, FINE, 1), |way| {
-        let way = stepped(way, &|model| sketch(&middle, model));
+    let floor = slower::floor(data, MIDDLE_HZ, &middle, model);
+    let ends = watch.each(&best_of(followed, price, FINE, 1), |way| {
+        let way = further(way, &middle, floor);
         let found = sketch(data, &way.model);
         let fit = report(data, &way.model, found).ok()?;
         Some(Pair { coupling: way.coupling, companion: way.companion, fit })
     });
     let mut ends: Vec<Pair> = ends.into_iter().flatten().collect();
-    ends.sort_by_cached_key(|end| Ascending(end.fit.rmse));
+    let left = |fit: &Fit| fit.white_squares * (fit.rmse / fit.noise_floor).powi(2);
+    ends.sort_by_cached_key(|Pair { fit, .. }| {
+        Ascending(if price > 0.0 { left(fit) + rule().price * free(&fit.model) } else { fit.rmse })
+    });
     watch.wanted().then_some(ends)
 }
 
@@ -124,9 +144,14 @@ fn beside(rigid: &Screen<'_>, companion: Id, couplings: &[Id]) -> Vec<Way> {
     models.iter().flat_map(ways).collect()
 }
 
-/// The best of them, so many of a kind at most.
-fn best_of(mut ways: Vec<Way>, most: usize, alike: usize) -> Vec<Way> {
-    ways.sort_by_cached_key(|way| Ascending(way.squares));
+/// Free parameters of a model.
+fn free(model: &Model) -> f64 {
+    model.slots().iter().filter(|slot| slot.role == Role::Free).count() as f64
+}
+
+/// The best of them for their parameters, so many of a kind at most.
+fn best_of(mut ways: Vec<Way>, price: f64, most: usize, alike: usize) -> Vec<Way> {
+    ways.sort_by_cached_key(|way| Ascending(way.priced(price)));
     let mut seen = Vec::new();
     ways.retain(|way| {
         let kind = (way.coupling, way.companion);

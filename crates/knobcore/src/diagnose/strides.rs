@@ -8,13 +8,14 @@
 use super::thinned::Thinned;
 use super::watch::Watch;
 use crate::fit::{dot, least};
-use crate::floor::Floor;
 use crate::model::{Model, Role};
 use crate::rule::rule;
 use crate::signals::Signals;
 
-/// Rounds at most, and the share of the sum of squares that one has to take off to count.
-const ROUNDS: usize = 24;
+/// Rounds of a search for the best end at most, and of one for a way there.
+pub const ROUNDS: usize = 24;
+pub const FEW: usize = 10;
+/// The share of the sum of squares that a round has to take off to count.
 const LITTLE: f64 = 2e-3;
 /// How far a stride moves the torque, in times of the error that is left; where one leads nowhere the next is tried.
 const STRIDES: [f64; 4] = [1.0, 2.0, 4.0, 0.5];
@@ -43,9 +44,9 @@ struct Slope {
     column: Vec<f64>,
 }
 
-/// The model that strides lead to, where they lead downhill.
-pub fn strides(data: &[&Signals], model: &Model, watch: &Watch<'_>) -> Model {
-    let floor = Floor::of(data, model).squares;
+/// The model that so many rounds of strides lead to, where they lead downhill; `floor` is what noise leaves of the sum
+/// of squares.
+pub fn strides(data: &[&Signals], model: &Model, floor: f64, rounds: usize, watch: &Watch<'_>) -> Model {
     let thinned = Thinned::of(data, usize::MAX);
     let at = |model: Model| {
         let (_, residual, squares) = thinned.columns(data, &model, &[]);
@@ -54,7 +55,7 @@ pub fn strides(data: &[&Signals], model: &Model, watch: &Watch<'_>) -> Model {
     let mut here = at(model.clone());
     let mut widths = first(model);
     let mut failed = 0;
-    for _ in 0..ROUNDS {
+    for _ in 0..rounds {
         if here.squares <= rule().converged.powi(2) * floor || failed == STRIDES.len() || !watch.wanted() {
             break;
         }
@@ -134,6 +135,7 @@ mod tests {
     use super::*;
     use crate::effects::Id;
     use crate::fit::refine;
+    use crate::floor::Floor;
     use crate::param::Axis;
     use crate::predict;
 
@@ -182,7 +184,8 @@ mod tests {
             ("coulomb.neg", 4.4e-3),
         ]);
         let watch = Watch::new(&|_| true, 1);
-        let led = refine(&data, &strides(&data, &start, &watch)).unwrap();
+        let floor = Floor::of(&data, &start).squares;
+        let led = refine(&data, &strides(&data, &start, floor, ROUNDS, &watch)).unwrap();
         let alone = refine(&data, &start).unwrap();
         assert!(led.rmse < 0.9 * alone.rmse, "{} {}", led.rmse, alone.rmse);
     }

@@ -8,7 +8,7 @@ use super::super::coupled::{coupled, in_place};
 use super::super::null::Null;
 use super::super::screen::{Screen, Start};
 use super::super::slower::{COARSE_HZ, MIDDLE_HZ, beginnings, floor, slowed};
-use super::super::strides::strides;
+use super::super::strides::{ROUNDS, strides};
 use super::super::thinned::{Thinned, whole};
 use super::super::{implausible, locate};
 use super::all_wanted;
@@ -16,6 +16,7 @@ use super::recorded::{SD, knob, recorded};
 use crate::effects::{Id, Place};
 use crate::filter::{ZeroPhase, cheby2};
 use crate::fit::refine;
+use crate::floor::Floor;
 use crate::model::{Model, Role};
 use crate::noise::Noise;
 use crate::signals::Signals;
@@ -216,7 +217,7 @@ fn what_a_joint_is_searched_through() {
         &[Id::Compliance],
         &[("compliance.k", 0.24), ("compliance.d", 1.5e-3), ("compliance.share", 0.6), ("inertia.M", 1.2e-4)],
     );
-    told.numbers("in strides", strides(&data, &off, &watch).values());
+    told.numbers("in strides", strides(&data, &off, Floor::of(&data, &off).squares, ROUNDS, &watch).values());
     let short = part(&joint, "a", 0..1000, None);
     let short = [&short];
     for way in coupled(&Screen::new(&short, &base, &watch), &[Id::Backlash, Id::Compliance]) {
