@@ -20,6 +20,7 @@ import knobcam as kc
 from knobcam import _core
 from knobcam.capture.motions import MOTIONS
 from knobcam.cli.demonstration import FASTER
+from knobcam.fit.fitting import as_logged
 from knobcam.model.hiding import hideable
 from knobcam.rig.emulator import EmulatedRig
 from knobcam.rig.record import record
@@ -53,7 +54,7 @@ def solve(knob: str, effect: str, motion: str, seed: int = 5) -> Solved:
     """Simulate a pair by the rig's sensors; fit the base model, and the hidden one from the truth."""
     hidden = kc.hiding(knob, effect, motion=motion)
     capture = kc.simulate(hidden, motion, seed=seed)
-    base = kc.fit(capture)
+    base = as_logged(capture)  # `kc.fit` mends a torque that is ahead
     true = _core.refine([signals.core for signals in base.prepared], hidden.core, True)
     return Solved(knob, effect, motion, base.rmse / base.noise_floor, true.rmse / true.noise_floor)
 

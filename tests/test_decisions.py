@@ -148,12 +148,14 @@ def test_a_torque_of_the_other_sign_gives_power_back_whatever_lies_along_the_pos
 
 
 def test_an_error_at_the_floor_is_told_by_the_rule_and_never_without_a_floor():
-    def of(rmse: float, floor: float) -> Any:
-        return SimpleNamespace(rmse=rmse, noise_floor=floor)
+    def of(rmse: float, floor: float, white_squares: float = 1e5) -> Any:
+        return SimpleNamespace(rmse=rmse, noise_floor=floor, white_squares=white_squares)
 
     assert at_floor(of(RULE.at_floor * 2.0, 2.0))
     assert not at_floor(of(RULE.at_floor * 2.0 * 1.0001, 2.0))
     assert not at_floor(of(0.0, 0.0)) and not at_floor(of(1.0, math.nan))
+    # Of a short capture the floor is less known.
+    assert at_floor(of(RULE.at_floor * 2.0 * 1.0001, 2.0, 400.0))
 
 
 def test_one_frequency_moves_like_a_spring_and_two_do_not():

@@ -24,6 +24,7 @@ from knobcam.learn import cut
 
 JOINTS = ("backlash", "compliance")  # which take long
 LITTLE = 12.0  # how much less takes off hangs on where its search ended
+HARDLY = 0.02  # of what the best explains: a joint that does less ends in another dent on another processor
 SAID_ELSEWHERE = ("captures", "capture", "findings", "candidates", "correlation", "params", "ladder", "axes")
 OF_THE_CATALOGUE = ("place", "law", "source", "shows", "confused", "name", "about", "causes", "remedies")
 OF_THE_CATALOGUE += ("latex", "over", "friction")
@@ -97,7 +98,11 @@ def compared(told: Answers, name: str, comparison: kc.Comparison) -> None:
 def diagnosed(told: Answers, name: str, diagnosis: kc.Diagnosis) -> None:
     told.put(name, without(diagnosis.document(), *SAID_ELSEWHERE))
     told.put("  printed", [line for line in repr(diagnosis).splitlines() if not line.startswith("  ")])
+    most = max((one.gain for one in diagnosis.candidates), default=0.0)
     for one in sorted(diagnosis.candidates, key=lambda one: one.effect):
+        if one.place == "coupling" and one.gain < HARDLY * most:
+            told.put(f"{name} {one.effect}", "hardly")
+            continue
         told.put(f"{name} {one.effect}", [one.word, one.place, one.beyond_chance, one.could_be, one.count])
         if one.gain < LITTLE:
             continue

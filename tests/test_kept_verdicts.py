@@ -12,6 +12,7 @@ import pytest
 from answers import Answers
 from test_kept_decisions import about, candidate, estimate, fitted, one_of
 
+import knobcam as kc
 from knobcam.fit.diagnose import Diagnosis
 from knobcam.fit.forward import Forward, ForwardRun
 from knobcam.fit.rule import RULE
@@ -37,7 +38,9 @@ class Fake:
 def whole(rng: np.random.Generator, before: Any = None, effects: tuple[str, ...] = ()) -> Any:
     """A fit of which anything may be said."""
     fit = fitted(rng, before)
-    fit.model = SimpleNamespace(effects=("inertia", *effects), period=None, coordinate="rotary")
+    fit.model = SimpleNamespace(
+        effects=("inertia", *effects), period=None, coordinate="rotary", catalogue=kc.effects
+    )
     fit.log_fault = one_of(rng, *(None,) * 7, "tau is in another unit")
     fit.impossible = one_of(rng, *(None,) * 4, "inertia came out negative")
     words = "waves beyond the filter"

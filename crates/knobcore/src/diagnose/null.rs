@@ -46,16 +46,11 @@ impl Null {
             .into_iter()
             .flat_map(|(id, starts)| evenly(starts, MOST).map(move |start| (id, start)))
             .collect();
-        let at: Vec<usize> = (0..starts.len()).collect();
-        let mut signed = screen.watch.each(&at, |at| {
-            let (id, start) = starts[*at];
-            (*at, id, chance.signature(id, &start.model))
-        });
-        signed.sort_by_cached_key(|(at, ..)| *at);
+        let signed = screen.watch.each(&starts, |(id, start)| (*id, chance.signature(*id, &start.model)));
         let mut groups: Vec<(Id, std::ops::Range<usize>)> = Vec::new();
         let mut columns: Vec<Vec<f64>> = Vec::new();
         let mut of: BTreeMap<Id, usize> = BTreeMap::new();
-        for (_, id, own) in signed {
+        for (id, own) in signed {
             let before = of.entry(id).or_default();
             if *before < MOST {
                 *before += own.len();

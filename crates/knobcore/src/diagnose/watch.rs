@@ -54,19 +54,18 @@ impl<'a> Watch<'a> {
         wanted
     }
 
-    /// Does the same with each of some things, as many at a time as there are processors, as long as it is wanted; in
-    /// any order.
+    /// Does the same with each of some things, as many at a time as there are processors, as long as it is wanted. The
+    /// results are in the order of the things, whichever was done first: sums of them round alike each time.
     pub fn each<T: Sync, R: Send>(&self, things: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
         let next = AtomicUsize::new(0);
         let done = Mutex::new(Vec::new());
         let worker = || {
-            while let Some(thing) = things.get(next.fetch_add(1, Ordering::Relaxed)) {
-                if !self.wanted() {
-                    break;
-                }
+            loop {
+                let at = next.fetch_add(1, Ordering::Relaxed);
+                let Some(thing) = things.get(at).filter(|_| self.wanted()) else { break };
                 let result = work(thing);
                 if let Ok(mut done) = done.lock() {
-                    done.push(result);
+                    done.push((at, result));
                 }
             }
         };
@@ -78,7 +77,9 @@ impl<'a> Watch<'a> {
             }
             worker();
         });
-        done.into_inner().unwrap_or_default()
+        let mut done = done.into_inner().unwrap_or_default();
+        done.sort_by_key(|(at, _)| *at);
+        done.into_iter().map(|(_, result)| result).collect()
     }
 }
 
@@ -95,6 +96,18 @@ mod tests {
         std::thread::sleep(APART);
         assert!(!watch.wanted());
         assert_eq!(asked.into_inner(), 1);
+    }
+
+    #[test]
+    fn results_are_in_the_order_of_the_things_whichever_was_done_first() {
+        let watch = Watch::new(&|_| true, 1);
+        let waits: Vec<u64> = (0..12).map(|at| if at % 2 == 0 { 5 } else { 0 }).collect();
+        let things: Vec<(usize, u64)> = waits.into_iter().enumerate().collect();
+        let done = watch.each(&things, |(at, wait)| {
+            std::thread::sleep(Duration::from_millis(*wait));
+            *at
+        });
+        assert!(done.iter().copied().eq(0..12));
     }
 
     #[test]
