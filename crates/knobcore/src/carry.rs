@@ -1,7 +1,7 @@
 //! Carriers: what an effect costs on a knob, in a motion, to the sensors that watch it.
 
 use crate::effects::{Carrier, Id, Survey};
-use crate::model::{Model, Role};
+use crate::model::Model;
 use crate::param::Axis;
 use crate::predict::{Columns, Seeds, measured, torque_raw};
 use crate::signals::Signals;
@@ -18,8 +18,7 @@ const QUANTILES: usize = 200;
 /// A knob on a motion. `signals` hold the motion, and the measurement filter; `noise` is the standard deviation
 /// of the raw torque, N m.
 pub fn carrier<'a>(model: &'a Model, signals: &'a Signals, noise: f64, limit: f64) -> Carrier<'a> {
-    let free: Vec<usize> =
-        (0..model.slots().len()).filter(|&i| model.slots()[i].role == Role::Free).collect();
+    let free: Vec<usize> = model.free().collect();
     let seeds = Seeds::of(model, &free);
     let mut taken: Vec<Vec<f64>> = vec![Vec::new(); free.len()];
     let mut columns = Columns::default();

@@ -3,7 +3,7 @@
 use super::screen::Screen;
 use super::thinned::{Thinned, orthonormal, orthonormal_beside, whole};
 use crate::effects::Id;
-use crate::model::{Model, Role};
+use crate::model::Model;
 use crate::noise::Noise;
 use crate::signals::Signals;
 
@@ -25,8 +25,7 @@ impl<'a> Chance<'a> {
     pub fn of(screen: &'a Screen<'a>, noises: &'a [Noise]) -> Self {
         let thinned = Thinned::of(screen.data, ENOUGH);
         let mut chance = Self { screen, noises, rows: thinned.rows(), thinned, base: Vec::new() };
-        let slots = screen.model.slots();
-        let free: Vec<usize> = (0..slots.len()).filter(|&i| slots[i].role == Role::Free).collect();
+        let free: Vec<usize> = screen.model.free().collect();
         chance.base = orthonormal(&chance.both(screen.data, screen.model, &free), chance.rows);
         chance
     }

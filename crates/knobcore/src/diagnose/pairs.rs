@@ -11,7 +11,7 @@ use super::watch::{Tell, Watch};
 use crate::effects::{Id, Place};
 use crate::fit::{Fit, Found, glance, report, sketch};
 use crate::floor::Floor;
-use crate::model::{Model, Role};
+use crate::model::Model;
 use crate::order::Ascending;
 use crate::rule::rule;
 use crate::signals::Signals;
@@ -57,7 +57,7 @@ impl Way {
 
     /// What it leaves with so much on it for each of its parameters.
     fn priced(&self, price: f64) -> f64 {
-        self.squares + price * free(&self.model)
+        self.squares + price * self.model.free().count() as f64
     }
 
     /// Where it ended.
@@ -113,7 +113,11 @@ pub fn pairs(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_>) 
     let mut ends: Vec<Pair> = ends.into_iter().flatten().collect();
     let left = |fit: &Fit| fit.white_squares * (fit.rmse / fit.noise_floor).powi(2);
     ends.sort_by_cached_key(|Pair { fit, .. }| {
-        Ascending(if price > 0.0 { left(fit) + rule().price * free(&fit.model) } else { fit.rmse })
+        Ascending(if price > 0.0 {
+            left(fit) + rule().price * fit.model.free().count() as f64
+        } else {
+            fit.rmse
+        })
     });
     watch.wanted().then_some(ends)
 }
@@ -142,11 +146,6 @@ fn beside(rigid: &Screen<'_>, companion: Id, couplings: &[Id]) -> Vec<Way> {
         all.into_iter().map(way).collect::<Vec<_>>()
     };
     models.iter().flat_map(ways).collect()
-}
-
-/// Free parameters of a model.
-fn free(model: &Model) -> f64 {
-    model.slots().iter().filter(|slot| slot.role == Role::Free).count() as f64
 }
 
 /// The best of them for their parameters, so many of a kind at most.

@@ -57,8 +57,7 @@ pub struct Start {
 impl<'a> Screen<'a> {
     /// Of a fitted model.
     pub fn new(data: &'a [&'a Signals], model: &'a Model, watch: &'a Watch<'a>) -> Self {
-        let free: Vec<usize> =
-            (0..model.slots().len()).filter(|&i| model.slots()[i].role == Role::Free).collect();
+        let free: Vec<usize> = model.free().collect();
         let thinned = Thinned::of(data, usize::MAX);
         let (columns, residual, squares) = thinned.columns(data, model, &free);
         let base = orthonormal(&columns, residual.len());

@@ -8,7 +8,7 @@ use super::watch::{Tell, Watch};
 use crate::effects::Id;
 use crate::fit::{Fit, Found, report, sketch};
 use crate::floor::Floor;
-use crate::model::{Model, Role};
+use crate::model::Model;
 use crate::order::Ascending;
 use crate::rule::rule;
 use crate::signals::Signals;
@@ -40,7 +40,6 @@ pub fn sets(
     let watch = Watch::new(tell, members.len());
     let white = Floor::of(data, base).white;
     let price = if white.is_finite() { rule().price * white } else { 0.0 };
-    let free = |model: &Model| model.slots().iter().filter(|slot| slot.role == Role::Free).count() as f64;
     let mut ends: Vec<(f64, Vec<Id>, Model, Found)> = watch
         .each(&members, |set| {
             watch.step();
@@ -48,7 +47,7 @@ pub fn sets(
             let model = chosen().try_fold(base.clone(), |model, (id, from)| joined(&model, *id, from))?;
             let found = sketch(data, &model);
             let own: Vec<Id> = chosen().map(|(id, _)| *id).collect();
-            Some((found.cost + price * free(&model), own, model, found))
+            Some((found.cost + price * model.free().count() as f64, own, model, found))
         })
         .into_iter()
         .flatten()

@@ -119,7 +119,7 @@ impl Layout {
     /// Of a model.
     pub fn of(model: &Model) -> Self {
         let slots = model.slots();
-        let free: Vec<usize> = (0..slots.len()).filter(|&i| slots[i].role == Role::Free).collect();
+        let free: Vec<usize> = model.free().collect();
         let tied_to = |i: usize| slots.iter().any(|slot| slot.role == Role::Tied(i));
         let (mut linear, mut hard, mut polar) = (Vec::new(), Vec::new(), Vec::new());
         for (column, &i) in free.iter().enumerate() {

@@ -214,6 +214,11 @@ impl Model {
         &self.slots
     }
 
+    /// Places of the parameters that a fit may move, in the order of [`Model::slots`].
+    pub fn free(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.slots.len()).filter(|&at| self.slots[at].role == Role::Free)
+    }
+
     /// The parameter values, in the order of [`Model::slots`].
     pub fn values(&self) -> Vec<f64> {
         self.slots.iter().map(|slot| slot.value).collect()

@@ -6,7 +6,7 @@ use super::sum::Sum;
 use crate::diagnose::{Thinned, orthonormal, project};
 use crate::effects::formula::{STATES, follow};
 use crate::fit::dot;
-use crate::model::{Model, Role};
+use crate::model::Model;
 use crate::signals::Signals;
 use nalgebra::{DMatrix, DVector};
 
@@ -40,8 +40,7 @@ impl<'a> Rows<'a> {
     /// Of captures beside a fitted model, and their sum of squares.
     pub fn of(data: &'a [&'a Signals], model: &Model) -> (Self, f64) {
         let thinned = Thinned::of(data, usize::MAX);
-        let slots = model.slots();
-        let free: Vec<usize> = (0..slots.len()).filter(|&at| slots[at].role == Role::Free).collect();
+        let free: Vec<usize> = model.free().collect();
         let (columns, mut residual, squares) = thinned.columns(data, model, &free);
         let base = orthonormal(&columns, residual.len());
         let rows = residual.len();
