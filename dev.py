@@ -146,7 +146,14 @@ def test(options: list[str]) -> None:
     """Rust first: it is the foundation. Its tests run without the bindings, which need a Python to link."""
     setup()
     run("cargo", "test", "--profile", "develop", "--locked", "--workspace", "--exclude", "knobpy")
-    run(PYTHON, "-m", "pytest", *options)
+    if options:
+        run(PYTHON, "-m", "pytest", *options)
+        return
+    # A file is one worker's, so that what its tests share is made once. Where the benchmarks' tools are
+    # installed, they would warn of every worker.
+    beside = ("-n", "logical", "--maxprocesses", "8", "--dist", "loadfile", "-p", "no:benchmark")
+    run(PYTHON, "-m", "pytest", "-m", "not alone", *beside)
+    run(PYTHON, "-m", "pytest", "-m", "alone")
 
 
 def orders(_: list[str]) -> None:
@@ -186,9 +193,10 @@ def check(options: list[str]) -> None:
 
 def bench(options: list[str]) -> None:
     """The benchmarks, on what a wheel holds; their peers are installed for them alone."""
-    setup(profile="release")
+    quick = "--quick" in options  # nothing is timed, so it need not be built for speed
+    setup(profile="develop" if quick else "release")
     install("requirements-bench.lock")
-    mode = "--benchmark-disable" if "--quick" in options else "--benchmark-only"
+    mode = "--benchmark-disable" if quick else "--benchmark-only"
     run(PYTHON, "-m", "pytest", "benches", mode, *(option for option in options if option != "--quick"))
 
 

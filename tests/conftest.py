@@ -16,6 +16,16 @@ from knobcam.workbench.bench import Bench
 signal.signal(signal.SIGINT, signal.default_int_handler)
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
+# What these are about takes the time that it takes only where nothing else runs.
+ALONE = ("test_browser", "test_faults", "test_fleet", "test_loop", "test_rig_", "test_workbench_")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        if item.path.name.startswith(ALONE):
+            item.add_marker(pytest.mark.alone)
+
 
 @pytest.fixture(scope="session")
 def capture() -> kc.Capture:
