@@ -1,5 +1,6 @@
 //! Carriers: what an effect costs on a knob, in a motion, to the sensors that watch it.
 
+use crate::algebra::{dot, orthonormal, project};
 use crate::effects::{Carrier, Id, Survey};
 use crate::model::Model;
 use crate::param::Axis;
@@ -40,7 +41,8 @@ pub fn carrier<'a>(model: &'a Model, signals: &'a Signals, noise: f64, limit: f6
     let drag = both(["viscous.neg", "viscous.pos"]);
     let survey = survey(signals, &torque, value("inertia.M").map_or(0.0, f64::abs));
     let floor = (noise * gain.sqrt()).max(SHARE * rms(&torque));
-    let bare = Bare { model, signals, torque, taken: orthonormal(taken), counts };
+    let rows = taken.first().map_or(0, Vec::len);
+    let bare = Bare { model, signals, torque, taken: orthonormal(&taken, rows), counts };
     Carrier {
         dry: 0.5 * both(["coulomb.neg", "coulomb.pos"]).iter().map(|dry| dry.abs()).sum::<f64>(),
         pushes: drag.iter().fold(0.0, |pushes: f64, b| pushes.max(-b)),
@@ -81,7 +83,8 @@ impl Bare<'_> {
             added.extend_from_slice(&piece[chunk.inner()]);
         }
         weigh(&mut added, &self.counts);
-        project(&mut added, &self.taken);
+        let rows = added.len();
+        project(&mut added, &self.taken, rows);
         let counted: f64 = self.counts.iter().sum();
         Some([(dot(&added, &added) / counted.max(1.0)).sqrt(), peak])
     }
@@ -126,32 +129,6 @@ fn weigh(x: &mut [f64], weights: &[f64]) {
 
 fn rms(x: &[f64]) -> f64 {
     (dot(x, x) / x.len().max(1) as f64).sqrt()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn project(x: &mut [f64], base: &[Vec<f64>]) {
-    for own in base {
-        let along = dot(x, own);
-        x.iter_mut().zip(own).for_each(|(x, own)| *x -= along * own);
-    }
-}
-
-fn orthonormal(columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-    let mut base: Vec<Vec<f64>> = Vec::new();
-    for mut own in columns {
-        let before = dot(&own, &own);
-        project(&mut own, &base);
-        project(&mut own, &base);
-        let length = dot(&own, &own);
-        if length > 1e-9 * before && length.is_finite() {
-            own.iter_mut().for_each(|x| *x /= length.sqrt());
-            base.push(own);
-        }
-    }
-    base
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ pub mod random;
 pub mod scalar;
 pub mod special;
 
+mod algebra;
 mod fourier;
 mod order;
 mod periodogram;

@@ -1,7 +1,8 @@
 //! What an effect would do to the torque, and what becomes of it where it is multiplied with noise.
 
 use super::screen::Screen;
-use super::thinned::{Thinned, orthonormal, orthonormal_beside, whole};
+use super::thinned::{Thinned, whole};
+use crate::algebra::{orthonormal, orthonormal_beside};
 use crate::effects::Id;
 use crate::model::Model;
 use crate::noise::Noise;

@@ -7,8 +7,9 @@
 
 use super::chance::Chance;
 use super::screen::Screen;
+use crate::algebra::dot;
 use crate::effects::{Id, Wave};
-use crate::fit::{band, dot};
+use crate::fit::band;
 use crate::order::descending;
 use crate::random::Noise;
 use std::f64::consts::{FRAC_PI_3, LN_10};

@@ -33,5 +33,5 @@ pub use sets::{Set, sets};
 pub use verdict::{Evidence, Judgement, State, at_floor, complete, exact, judge};
 pub use watch::{Tell, at_most};
 
-pub(crate) use thinned::{Thinned, orthonormal, project};
+pub(crate) use thinned::Thinned;
 pub(crate) use watch::Watch;

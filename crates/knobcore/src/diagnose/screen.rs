@@ -4,11 +4,12 @@
 //! of the base's, so that what the base parameters can absorb does not count. Of all columns as many samples are kept as
 //! the measurement filter's bandwidth needs.
 
-use super::thinned::{Thinned, orthonormal, orthonormal_beside, project, subtract};
+use super::thinned::Thinned;
 use super::watch::Watch;
+use crate::algebra::{dot, orthonormal, orthonormal_beside, project, subtract};
 use crate::chain;
 use crate::effects::{Id, Place, Survey, Wave};
-use crate::fit::{beside_orders, dot, glance, runs, waves};
+use crate::fit::{beside_orders, glance, runs, waves};
 use crate::model::{Model, Role, Slot};
 use crate::order::Ascending;
 use crate::param::{Axis, Usual};

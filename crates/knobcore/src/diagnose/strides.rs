@@ -7,7 +7,8 @@
 
 use super::thinned::Thinned;
 use super::watch::Watch;
-use crate::fit::{dot, least};
+use crate::algebra::dot;
+use crate::fit::least;
 use crate::model::{Model, Role};
 use crate::rule::rule;
 use crate::signals::Signals;

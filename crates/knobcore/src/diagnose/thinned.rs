@@ -1,8 +1,9 @@
-//! Columns over captures, thinned to what tells all that they hold, and the algebra that signatures need.
+//! Columns over captures, thinned to what tells all that they hold.
 //!
 //! Behind the measurement filter a column has no more than the filter's bandwidth: every few samples tell all of it.
 
-use crate::fit::{dot, evaluate};
+use crate::algebra::dot;
+use crate::fit::evaluate;
 use crate::model::Model;
 use crate::predict::Seeds;
 use crate::signals::Signals;
@@ -10,8 +11,6 @@ use std::ops::Range;
 
 /// Stretches that stand for a capture of more samples than are to be looked at.
 const STRETCHES: usize = 12;
-/// The part of a new column that must not be in the others, as a share of its squares.
-const OWN: f64 = 1e-9;
 
 /// Which samples of captures are kept.
 pub struct Thinned {
@@ -108,66 +107,9 @@ fn stretches(segment: &Range<usize>, share: f64) -> impl Iterator<Item = Range<u
     })
 }
 
-/// Takes a direction off a column. Only the first `rows` of both are multiplied; what follows goes along.
-pub fn subtract(x: &mut [f64], direction: &[f64], rows: usize) {
-    let along = dot(&x[..rows], &direction[..rows]);
-    x.iter_mut().zip(direction).for_each(|(x, d)| *x -= along * d);
-}
-
-/// Takes all directions of an orthonormal base off a column; see [`subtract`].
-pub fn project(x: &mut [f64], base: &[Vec<f64>], rows: usize) {
-    base.iter().for_each(|direction| subtract(x, direction, rows));
-}
-
-/// Columns that span the same as these, orthonormal over the first `rows` (modified Gram-Schmidt; what depends on
-/// others is dropped).
-pub fn orthonormal(columns: &[Vec<f64>], rows: usize) -> Vec<Vec<f64>> {
-    orthonormal_beside(&[], columns, rows)
-}
-
-/// What columns span that a base does not, orthonormal over the first `rows`. A column that lies in the base leaves
-/// what rounding made of it, which is no direction: what is left is compared with what there was.
-pub fn orthonormal_beside(base: &[Vec<f64>], columns: &[Vec<f64>], rows: usize) -> Vec<Vec<f64>> {
-    let mut beside: Vec<Vec<f64>> = Vec::new();
-    for column in columns {
-        let before = dot(&column[..rows], &column[..rows]);
-        let mut own = column.clone();
-        project(&mut own, base, rows);
-        project(&mut own, &beside, rows);
-        let length = dot(&own[..rows], &own[..rows]);
-        if length > OWN * before && length > 0.0 && length.is_finite() {
-            let scale = length.sqrt().recip();
-            own.iter_mut().for_each(|x| *x *= scale);
-            beside.push(own);
-        }
-    }
-    beside
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn what_follows_the_rows_goes_along_with_them() {
-        let base = orthonormal(&[vec![2.0, 0.0, 5.0], vec![2.0, 3.0, 7.0]], 2);
-        assert_eq!(base, [[1.0, 0.0, 2.5], [0.0, 1.0, 2.0 / 3.0]]);
-        let mut column = vec![4.0, 6.0, 1.0];
-        project(&mut column, &base, 2);
-        assert_eq!(column, [0.0, 0.0, 1.0 - 10.0 - 4.0]);
-    }
-
-    #[test]
-    fn what_lies_in_a_base_spans_nothing_beside_it() {
-        // Of 0.1, 0.2 and 0.3 rounding leaves something.
-        let base = orthonormal(&[vec![0.1, 0.2, 0.3], vec![0.3, 0.1, 0.7]], 3);
-        let within = vec![0.1 + 0.3, 0.2 + 0.1, 0.3 + 0.7];
-        assert!(orthonormal_beside(&base, std::slice::from_ref(&within), 3).is_empty());
-        let beside = orthonormal_beside(&base, &[within, vec![1.0, 0.0, 0.0]], 3);
-        assert_eq!(beside.len(), 1);
-        assert!(base.iter().all(|direction| dot(direction, &beside[0]).abs() < 1e-14));
-        assert!((dot(&beside[0], &beside[0]) - 1.0).abs() < 1e-14);
-    }
 
     #[test]
     fn stretches_are_spread_over_a_segment() {

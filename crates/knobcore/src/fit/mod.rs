@@ -16,7 +16,7 @@ mod undetermined;
 
 pub use expected::Expected;
 pub use moments::Moments;
-pub(crate) use moments::{add_products, dot, evaluate};
+pub(crate) use moments::{add_products, evaluate};
 pub use orders::beside as beside_orders;
 pub(crate) use runs::{differ, runs, settled};
 pub use scan::Scan;

@@ -118,60 +118,6 @@ impl pulp::WithSimd for Products<'_> {
     }
 }
 
-/// Sum of products of two columns of one length.
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    isa::dispatch_wide(Dot { a, b })
-}
-
-struct Dot<'a> {
-    a: &'a [f64],
-    b: &'a [f64],
-}
-
-impl pulp::WithSimd for Dot<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        let (a, a_rest) = S::as_simd_f64s(self.a);
-        let (b, b_rest) = S::as_simd_f64s(self.b);
-        // Sums side by side: each addition waits for the one before it.
-        let mut sums = [simd.splat_f64s(0.0); 4];
-        for (a, b) in a.chunks(4).zip(b.chunks(4)) {
-            for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
-                *sum = simd.mul_add_e_f64s(*a, *b, *sum);
-            }
-        }
-        let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
-        sums.iter().map(|sum| simd.reduce_sum_f64s(*sum)).sum::<f64>() + rest
-    }
-}
-
-/// Sum of weighted squares.
-pub fn squares(x: &[f64], weight: &[f64]) -> f64 {
-    isa::dispatch_wide(Squares { x, weight })
-}
-
-struct Squares<'a> {
-    x: &'a [f64],
-    weight: &'a [f64],
-}
-
-impl pulp::WithSimd for Squares<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        let (x, x_rest) = S::as_simd_f64s(self.x);
-        let (w, w_rest) = S::as_simd_f64s(self.weight);
-        let mut sum = simd.splat_f64s(0.0);
-        for (x, w) in x.iter().zip(w) {
-            sum = simd.mul_add_e_f64s(simd.mul_f64s(*x, *x), *w, sum);
-        }
-        simd.reduce_sum_f64s(sum) + x_rest.iter().zip(w_rest).map(|(x, w)| x * x * w).sum::<f64>()
-    }
-}
-
 /// Products of three columns with three others, so that each is read once for three.
 #[inline(always)]
 fn nine<S: Simd>(simd: S, [a, b, c]: [&[f64]; 3], [x, y, z]: [&[f64]; 3]) -> [[f64; 3]; 3] {

@@ -5,8 +5,9 @@
 //! linear parameters are solved exactly, the cost is that of the solved problem, and the hard columns are
 //! projected off the linear ones. An amplitude and its phase count as linear, in polar form.
 
-use super::moments::{Moments, moments, squares};
+use super::moments::{Moments, moments};
 use super::solve::{Normal, independent};
+use crate::algebra::squares;
 use crate::model::{Model, Role};
 use crate::param::Kind;
 use crate::predict::Seeds;

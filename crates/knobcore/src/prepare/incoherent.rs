@@ -8,6 +8,7 @@
 //! torque, where the motion that is told from noise has none either.
 
 use super::motion::{Moving, below};
+use crate::algebra::dot;
 use crate::filter::ZeroPhase;
 use crate::param::Axis;
 use nalgebra::{DMatrix, DVector};
@@ -208,10 +209,6 @@ impl Fitted {
         let left = (dot(target, target) - values.dot(&slope)).max(0.0) / target.len() as f64;
         Some(Self { values: values.iter().enumerate().map(|(k, x)| x * scale(k)).collect(), left })
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]

@@ -3,8 +3,8 @@
 use super::grammar::{Factor, Powers, Variable};
 use super::rows::Rows;
 use super::scan::Seen;
+use crate::algebra::dot;
 use crate::diagnose::Thinned;
-use crate::fit::dot;
 use crate::noise::Noise;
 use crate::random;
 use crate::signals::Signals;

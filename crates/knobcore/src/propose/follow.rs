@@ -4,7 +4,7 @@
 use super::grammar::{Factor, Shape, Variable};
 use super::rows::Rows;
 use super::sum::Sum;
-use crate::fit::dot;
+use crate::algebra::dot;
 use nalgebra::{DMatrix, DVector};
 
 /// Steps at most.

@@ -8,8 +8,7 @@ use super::grammar::Term;
 use super::rows::Rows;
 use super::scan::Seen;
 use super::sum::Sum;
-use crate::diagnose::orthonormal;
-use crate::fit::dot;
+use crate::algebra::{dot, orthonormal};
 use crate::order::descending;
 use nalgebra::{DMatrix, DVector};
 

@@ -3,9 +3,9 @@
 
 use super::grammar::{Motions, Term};
 use super::sum::Sum;
-use crate::diagnose::{Thinned, orthonormal, project};
+use crate::algebra::{dot, orthonormal, project};
+use crate::diagnose::Thinned;
 use crate::effects::formula::{STATES, follow};
-use crate::fit::dot;
 use crate::model::Model;
 use crate::signals::Signals;
 use nalgebra::{DMatrix, DVector};

@@ -4,8 +4,8 @@
 use super::follow::Reach;
 use super::grammar::{Factor, Powers, Shape, Term, Variable};
 use super::rows::Rows;
+use crate::algebra::dot;
 use crate::diagnose::Watch;
-use crate::fit::dot;
 use crate::fourier::Transform;
 use crate::order::descending;
 use std::f64::consts::TAU;

@@ -7,7 +7,7 @@ use super::follow::Reach;
 use super::grammar::{Powers, Term, Variable};
 use super::rows::Rows;
 use super::sum::Sum;
-use crate::fit::dot;
+use crate::algebra::dot;
 use crate::rule::rule;
 use crate::special::Z95;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};

@@ -191,14 +191,6 @@ fn detents_are_found_where_they_are_and_nowhere_else() {
     }
 }
 
-#[test]
-fn weighted_squares_are_those_of_every_sample() {
-    let x: Vec<f64> = (0..37).map(f64::from).collect();
-    let weight: Vec<f64> = (0..37).map(|i| f64::from(u8::from(i % 3 > 0))).collect();
-    let sum: f64 = (0..37).filter(|i| i % 3 > 0).map(|i| f64::from(i * i)).sum();
-    assert_eq!(moments::squares(&x, &weight), sum);
-}
-
 /// A motion's torque with noise of a memory: of each sample `memory` of the one before.
 fn remembering(memory: f64, seed: u64) -> Signals {
     let mut data = turned(0.9, 0.0, |_, _| 0.0);
