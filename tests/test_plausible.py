@@ -77,6 +77,18 @@ def test_a_term_is_none_that_another_takes_away(torques: dict[str, float]):
         assert plausible.impossible(fit) == (words if said else None)
 
 
+def test_friction_of_which_only_the_offset_is_unknown_is_told(torques: dict[str, float]):
+    """A zero of the sensor that drifts slowly takes an offset away, and leaves what both directions have."""
+    torques |= {"coulomb.neg": 20.0, "coulomb.pos": 20.0}
+    fit = fitted(coulomb__neg=(0.12, 0.4), coulomb__pos=(-0.11, 0.4))
+    fit.prepared = (SimpleNamespace(tau=np.array([0.8, -1.2]), used=np.array([True, True])),)
+    for correlation, said in ((-1.0, False), (-0.5, True)):
+        fit.correlation["coulomb.neg"]["coulomb.pos"] = fit.correlation["coulomb.pos"]["coulomb.neg"] = (
+            correlation
+        )
+        assert (plausible.impossible(fit) is not None) == said
+
+
 def test_friction_below_zero_is_told_by_its_power_alone(
     monkeypatch: pytest.MonkeyPatch, torques: dict[str, float]
 ):

@@ -94,13 +94,32 @@ def impossible(fit: Fit) -> str | None:
 
 
 def _taken_away(told: Mapping[str, Estimate], fit: Fit) -> str | None:
-    """Return a parameter that is as large as may be, because others make up for it."""
-    unknown = [name for name, e in told.items() if e.determined and abs(e.value) < RULE.sure * e.se]
+    """Return a parameter that is as large as may be, because others make up for it.
+
+    Of an effect that has one for each direction, what these have in common: by how much they differ is an
+    offset, which a zero that drifts as slowly as one likes may take away, and friction is told all the same.
+    """
+    unknown = [
+        name
+        for name, e in told.items()
+        if e.determined and abs(e.value) < RULE.sure * e.se and not _told_in_common(name, told, fit)
+    ]
     if not unknown:
         return None
     squares = np.concatenate([np.square(one.tau[one.used]) for one in fit.prepared])
     most = _MANY * float(np.sqrt(np.mean(squares)))
     return next((name for name in unknown if _torque_of(fit, name) > most), None)
+
+
+def _told_in_common(name: str, told: Mapping[str, Estimate], fit: Fit) -> bool:
+    """Whether the mean of the parameters of an effect is known, though one of them is not."""
+    names = [other for other in told if other.split(".")[0] == name.split(".")[0]]
+    if not all(told[other].determined for other in names):
+        return False
+    se = np.array([told[other].se for other in names])
+    joint = np.array([[fit.correlation[a][b] for b in names] for a in names])
+    mean = np.mean([told[other].value for other in names])
+    return bool(abs(mean) >= RULE.sure * np.sqrt(max(se @ joint @ se, 0.0)) / len(names))
 
 
 def _friction(coordinate: str) -> list[str]:
