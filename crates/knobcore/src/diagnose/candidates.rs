@@ -128,7 +128,10 @@ fn followed(screen: &Screen<'_>, id: Id, starts: &[Start]) -> Option<(Model, Fou
     let rival = if id.info().needs.is_some() { 0.3 * rule().rival_start } else { rule().rival_start };
     let worth = |start: &&Start| {
         let predicted = screen.squares - start.predicted;
-        predicted >= rival * best_predicted && predicted >= least
+        // Many waves over slower detents draw more in one step than fewer over those of the model, which may be a few
+        // per cent off: they have their steps too.
+        let own = !id.info().slower.is_empty() && screen.keeps(&start.model);
+        predicted >= least && (own || predicted >= rival * best_predicted)
     };
     let ends = starts.iter().take(most).filter(worth).take_while(|_| screen.watch.wanted());
     let ends = ends.map(|start| (start.model.clone(), sketch(screen.data, &start.model)));
@@ -256,6 +259,31 @@ mod tests {
         let end = sketch(&data, &start.model).cost;
         assert!((period / 0.1 - 1.0).abs() < 0.01 && end < 0.5 * screen.squares, "{period}");
         assert!((start.predicted / end - 1.0).abs() < 0.1, "{} {end}", start.predicted);
+    }
+
+    #[test]
+    fn the_harmonics_of_few_detents_are_looked_for_over_the_detents_that_were_found_too() {
+        let theta = recorded(&knob(&[], &[]), "a").theta;
+        let ends = [f64::min, f64::max].map(|of| theta.iter().copied().reduce(of).unwrap());
+        let period = (ends[1] - ends[0]) / (2.3 * std::f64::consts::TAU);
+        let detents = [
+            ("detent.A", 0.0218),
+            ("detent.P", period),
+            ("detent.S", 0.51),
+            ("detent_harmonics.A2", 0.014),
+            ("detent_harmonics.S2", 1.4),
+            ("detent_harmonics.A3", 0.003),
+            ("detent_harmonics.S3", 0.4),
+        ];
+        let data = recorded(&knob(&[Id::Detent, Id::DetentHarmonics], &detents), "a");
+        let data = [&data];
+        let base = refine(&data, &knob(&[Id::Detent], &detents[..3])).unwrap().model;
+        let watch = Watch::new(&|_| true, 1);
+        let screen = Screen::new(&data, &base, &watch);
+        let noise = [SD * SD, SD * SD * data[0].used() as f64];
+        let model = fitted(&screen, Id::DetentHarmonics, noise).0.fit.unwrap().model;
+        let found = model.values()[model.period().unwrap()];
+        assert!((found / period - 1.0).abs() < 0.01, "{found} {period}");
     }
 
     #[test]

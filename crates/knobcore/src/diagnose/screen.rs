@@ -251,11 +251,7 @@ impl<'a> Screen<'a> {
     /// they tell.
     pub fn brought(&self, id: Id, model: &Model) -> Vec<usize> {
         let slots = model.slots();
-        let moved = |i: usize| {
-            slots[i].value
-                != self.model.index(&slots[i].name()).map_or(slots[i].value, |j| self.model.slots()[j].value)
-        };
-        let slower = !id.info().slower.is_empty() && (0..slots.len()).any(moved);
+        let slower = !id.info().slower.is_empty() && !self.keeps(model);
         let brings = |slot: &Slot| {
             let of_slower = slower && id.info().needs == Some(slot.effect.info().id);
             slot.effect == id || slot.run.is_some() || of_slower
@@ -264,6 +260,12 @@ impl<'a> Screen<'a> {
             .filter(|&i| slots[i].role == Role::Free && id.info().place != Place::Coupling)
             .filter(|&i| brings(&slots[i]))
             .collect()
+    }
+
+    /// Whether a start has the values of the screen's model in all that this has.
+    pub fn keeps(&self, start: &Model) -> bool {
+        let known = |slot: &Slot| self.model.index(&slot.name()).ok().map(|j| self.model.slots()[j].value);
+        start.slots().iter().all(|slot| known(slot).is_none_or(|value| value == slot.value))
     }
 
     /// A model and some of its parameters as they are looked at: beside a coupling as if it were rigid, along the
