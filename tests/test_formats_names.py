@@ -172,8 +172,21 @@ def test_a_cell_that_is_no_number_is_named_where_its_column_is_taken(tmp_path: P
 
 def test_columns_without_names_are_shown_with_the_clock_that_is_among_them(tmp_path: Path) -> None:
     np.save(tmp_path / "run.npy", np.stack([T, 8192.3 * THETA, TAU]))
-    with pytest.raises(InputError, match=r'theta=c1/COUNTS \[turn\], tau=c2" \(COUNTS: .*c2 \[A\]\)'):
+    with pytest.raises(
+        InputError, match=r'theta=c1/COUNTS \[turn\], tau=c2" \(COUNTS: .*c2 \[A\] of a current'
+    ):
         kc.load(tmp_path / "run.npy")
+
+
+@pytest.mark.parametrize("columns", [("qg", "qm", "vir"), ("qm", "qg", "vir"), ("vir", "qg", "qm")])
+def test_of_a_position_that_was_asked_and_one_that_was_measured_the_measured_one_is_shown(
+    tmp_path: Path, columns: tuple[str, ...]
+) -> None:
+    asked = 0.1 * np.sin(3.0 * T)
+    encoder = 1e-5 * np.round(1e5 * 0.1 * np.sin(3.0 * (T - 2e-3)))
+    held = {"qg": asked, "qm": encoder, "vir": np.sin(3.0 * T) + 0.1 * np.sin(70.0 * T)}
+    path = log(tmp_path, ",".join(("t", *columns)), T, *(held[name] for name in columns))
+    refused(knobcam("learn", path), "theta=qm, tau=vir")
 
 
 def test_the_word_that_stands_for_the_counts_of_a_turn_is_told_from_a_column(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
@@ -22,6 +23,8 @@ _UNIT_ALONE = {"current": "A", "voltage": "V", "duty": "duty"}
 _NEEDED = {"theta": "an angle", "tau": "a torque"}
 _FAR = 2000.0  # of an angle: what runs further is not in rad
 _SLOWEST_S = 0.5  # between two samples of a log of motion: longer is another unit
+_SAME = 0.01  # of how far a position goes, by which what was asked differs from what was done
+_COMPARED = 20  # columns, each with each
 _MOST_NAMES = 1000  # of columns: what has more is no log
 PLACEHOLDER = "COUNTS"
 """Stands in a map that a message shows for a number that no log says: the counts of a turn."""
@@ -124,13 +127,21 @@ def by_content(table: Table) -> dict[str, Entry]:
     others = [name for name in names if name != clock]
     entries = {} if clock is None else {"t": Entry(f"`{clock}`", read_label(clock).unit)}
     if others:
-        entries["theta"] = Entry(f"`{others[0]}`", None)
-    if len(others) > 1:
+        # What was asked of the axis stands beside what it did, and is the smoother of the two.
+        few = others[:_COMPARED]
+        pair = next(
+            (two for two in combinations(few, 2) if _follow(*(table.columns[one] for one in two))), None
+        )
+        alike = others[:1] if pair is None else list(pair)
+        theta = max(alike, key=lambda name: _rough(table.columns[name], 2))
+        entries["theta"] = Entry(f"`{theta}`", None)
+        others = [name for name in others if name not in alike]
+    if others:
         # A position is the integral of what moves it: the torque is what changes most from row to row.
-        torque = max(others[1:], key=lambda name: _rough(table.columns[name]))
+        torque = max(others, key=lambda name: _rough(table.columns[name]))
         entries["tau"] = Entry(f"`{torque}`", read_label(torque).unit)
     if "theta" in entries:
-        far = float(np.ptp(np.nan_to_num(table.columns[others[0]]))) > _FAR
+        far = float(np.ptp(np.nan_to_num(table.columns[entries["theta"].column]))) > _FAR
         if far or _counted(table, entries["theta"]):
             entries["theta"] = Entry(entries["theta"].expression, COUNTS)
     return entries
@@ -142,11 +153,17 @@ def _advances(column: FloatArray) -> bool:
         return bool(np.all(steps > 0.0) and np.std(steps) < np.mean(steps))
 
 
-def _rough(column: FloatArray) -> float:
-    """How far a column goes from row to row, of how far it goes at all."""
+def _rough(column: FloatArray, order: int = 1) -> float:
+    """How far a column, or its difference of some order, goes from row to row, of how far it goes at all."""
     finite = column[np.isfinite(column)]
-    spread = float(np.std(finite)) if finite.size else 0.0
-    return float(np.std(np.diff(finite))) / spread if spread > 0.0 else 0.0
+    spread = float(np.std(finite)) if finite.size > order else 0.0
+    return float(np.std(np.diff(finite, order))) / spread if spread > 0.0 else 0.0
+
+
+def _follow(a: FloatArray, b: FloatArray) -> bool:
+    """Whether two columns are the same but for a hundredth of how far they go."""
+    finite = np.isfinite(a) & np.isfinite(b)
+    return bool(finite.any()) and bool(np.std(a[finite] - b[finite]) <= _SAME * np.std(b[finite]))
 
 
 def _counted(table: Table, entry: Entry) -> bool:
@@ -192,7 +209,8 @@ def ask(table: Table, why: str, entries: dict[str, Entry]) -> InputError:
     rate = "" if "t" in entries else " --rate HZ"
     notes = [constant for _, constant in parts.values() if constant]
     if "tau" in entries and entries["tau"].unit is None:
-        notes.append(f"tau: in N m, of a current {parts['tau'][0]} [A]")
+        name = parts["tau"][0]
+        notes.append(f"tau: in N m, or {name} [A] of a current, {name} [V] of a voltage")
     constants = "; ".join(notes)
     # A shell runs what stands between backquotes, but not within single quotes.
     mark = "'" if "`" in shown and "'" not in shown else '"'
