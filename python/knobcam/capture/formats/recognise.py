@@ -23,7 +23,7 @@ _UNIT_ALONE = {"current": "A", "voltage": "V", "duty": "duty"}
 _NEEDED = {"theta": "an angle", "tau": "a torque"}
 _FAR = 2000.0  # of an angle: what runs further is not in rad
 _SLOWEST_S = 0.5  # between two samples of a log of motion: longer is another unit
-_SAME = 0.01  # of how far a position goes, by which what was asked differs from what was done
+_SAME = 0.05  # of how far a position goes, by which what was asked differs from what was done
 _COMPARED = 20  # columns, each with each
 _MOST_NAMES = 1000  # of columns: what has more is no log
 PLACEHOLDER = "COUNTS"
@@ -161,7 +161,7 @@ def _rough(column: FloatArray, order: int = 1) -> float:
 
 
 def _follow(a: FloatArray, b: FloatArray) -> bool:
-    """Whether two columns are the same but for a hundredth of how far they go."""
+    """Whether two columns are the same but for a twentieth of how far they go."""
     finite = np.isfinite(a) & np.isfinite(b)
     return bool(finite.any()) and bool(np.std(a[finite] - b[finite]) <= _SAME * np.std(b[finite]))
 
