@@ -287,6 +287,30 @@ mod tests {
     }
 
     #[test]
+    fn of_two_stops_each_is_found_however_far_the_other_is_pressed() {
+        let theta = recorded(&knob(&[], &[]), "a").theta;
+        let [low, high] = [f64::min, f64::max].map(|of| theta.iter().copied().reduce(of).unwrap());
+        let range = high - low;
+        for [lower, upper] in [[0.3, 0.03], [0.03, 0.3]] {
+            let ends = [low + lower * range, high - upper * range];
+            let stops = [("end_stop.k_lo", 0.05), ("end_stop.lo", ends[0])];
+            let truth =
+                knob(&[Id::EndStop], &[stops, [("end_stop.k_hi", 0.05), ("end_stop.hi", ends[1])]].concat());
+            let data = recorded(&truth, "a");
+            let data = [&data];
+            let base = refine(&data, &knob(&[], &[])).unwrap().model;
+            let watch = Watch::new(&|_| true, 1);
+            let screen = Screen::new(&data, &base, &watch);
+            let noise = [SD * SD, SD * SD * data[0].used() as f64];
+            let model = fitted(&screen, Id::EndStop, noise).0.fit.unwrap().model;
+            for (name, end) in ["end_stop.lo", "end_stop.hi"].into_iter().zip(ends) {
+                let found = model.values()[model.index(name).unwrap()];
+                assert!((found - end).abs() < 0.01 * range, "{name}: {found} {end}");
+            }
+        }
+    }
+
+    #[test]
     fn along_the_hidden_knobs_motion_its_loads_alone_leave_the_same_error() {
         let joint = [("compliance.k", 0.3), ("compliance.d", 2e-3), ("compliance.share", 0.7)];
         let model = knob(&[Id::Compliance], &joint);

@@ -65,11 +65,19 @@ impl Effect<6> for EndStop {
         let at = |share: f64| low + share * range;
         // A stop that is not pressed has no derivative: each begins with a little of the torque.
         let stiff = |share: f64| 0.2 * Survey::quantile(&survey.torque, 0.5) / (share * range);
-        let sides = |x: f64| [[1.0, 1.0], [1.0, 0.0], [0.0, 1.0]].map(|[lower, upper]| (x, lower, upper));
-        [0.03, 0.08, 0.15, 0.25, 0.4]
+        // Each side on its own: a motion may go far into one stop and hardly into the other.
+        let shares = [None, Some(0.03), Some(0.08), Some(0.15), Some(0.25), Some(0.4)];
+        let sides = |lower: Option<f64>| shares.map(|upper| [lower, upper]);
+        shares
             .into_iter()
             .flat_map(sides)
-            .map(|(x, lower, upper)| [lower * stiff(x), at(x), upper * stiff(x), at(1.0 - x), 0.0, 0.0])
+            .filter(|sides| sides.iter().any(Option::is_some))
+            .map(|[lower, upper]| {
+                let [k_lo, k_hi] = [lower, upper].map(|share| share.map_or(0.0, stiff));
+                // A side without a stop starts where the other has its own.
+                let [lo, hi] = [lower.or(upper), upper.or(lower)].map(Option::unwrap_or_default);
+                [k_lo, at(lo), k_hi, at(1.0 - hi), 0.0, 0.0]
+            })
             .collect()
     }
 
