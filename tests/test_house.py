@@ -19,19 +19,8 @@ PYTHON = ROOT / "python" / "knobcam"
 CRATE_ORDER = ["knobcore", "knobrender", "knobrig", "knobstep", "knobpy"]
 """A crate knows those before it, by its Cargo.toml."""
 RUST_ORDER = [
-    *(
-        "error",
-        "isa",
-        "random",
-        "scalar",
-        "special",
-        "algebra",
-        "order",
-        "fourier",
-        "periodogram",
-        "motion",
-        "param",
-    ),
+    *("error", "isa", "random", "scalar", "special", "algebra"),
+    *("order", "fourier", "periodogram", "motion", "param"),
     *("effects", "model", "model_file", "chain", "filter", "signals", "smooth", "prepare", "predict"),
     *("forward", "carry", "noise", "rule", "floor", "fit", "diagnose", "propose", "stiction"),
 ]
