@@ -86,6 +86,6 @@ def test_of_columns_without_names_the_roughest_is_guessed_to_be_the_torque(tmp_p
     told = explained(refused.value, path, {}, 10**8)
     assert isinstance(told, Unmapped)
     assert {name: one["expression"] for name, one in told.guess.items()} == {
-        **{"t": "`t`", "theta": "`qa`", "tau": "`u0`"}
+        **{"t": "`t`", "theta": "`qb`", "tau": "`u0`"}  # of two alike `qa` is the smoother: it was asked for
     }
     assert {one["unit"] for one in told.guess.values()} == {None}  # nobody can know: metres are no radians
