@@ -61,14 +61,17 @@ class Stratum(NamedTuple):
         coupled = [name for name in self.effects if KINDS[name].order == 0]
         return bool(coupled) and len(self.effects) > 1 and (self.seed // 4 + self.seed) % 2 == 1
 
-    def make(self) -> Hidden:
-        """The capture; under the next motion where the effects cannot be so strong under its own."""
-        motions = list(MOTIONS)
+    def make(self, motion: str | None = None) -> Hidden:
+        """The capture; under the next motion where the effects cannot be so strong under its own.
+
+        Who knows under which `motion` they can spares the looking, which may take a minute.
+        """
+        every = list(MOTIONS)
         keep = NOISES[self.topic] if self.sitting == "none" else 0.0
-        for turn in range(len(motions)):
-            motion = motions[(self.seed + turn) % len(motions)]
+        turned = [every[(self.seed + later) % len(every)] for later in range(len(every))]
+        for turn in turned if motion is None else [motion]:
             try:
-                return make(self.seed, self.effects, motion, self.band, keep=keep, at_shaft=self.at_shaft)
+                return make(self.seed, self.effects, turn, self.band, keep=keep, at_shaft=self.at_shaft)
             except ValueError:
                 continue
         raise ValueError(f"{self}: under no motion is there such a knob")

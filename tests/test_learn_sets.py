@@ -10,8 +10,8 @@ import knobcam as kc
 from knobcam.learn import LearningResult
 
 
-def learnt(case: str) -> LearningResult:
-    hidden = Stratum.parse(case).make().capture
+def learnt(case: str, motion: str | None = None) -> LearningResult:
+    hidden = Stratum.parse(case).make(motion).capture
     t, theta, omega, alpha, tau = (
         hidden[name] for name in ("t_s", "theta_rad", "omega_rad_s", "alpha_rad_s2", "tau_Nm")
     )
@@ -28,7 +28,7 @@ def test_what_came_in_first_gives_way_to_the_two_that_it_stood_in_for() -> None:
 
 @pytest.mark.parametrize("seed", [907, 908])
 def test_a_ripple_is_found_beside_detents_that_are_a_whole_order_or_taken_for_one(seed: int) -> None:
-    story = learnt(f"one/cogging:{seed}")
+    story = learnt(f"one/cogging:{seed}", "turns")
     assert story.found == ("cogging",)
 
 
@@ -44,7 +44,7 @@ def test_of_two_that_explain_as_much_the_one_that_leaves_friction_positive() -> 
 
 
 def test_a_sensor_that_is_often_at_its_limit_keeps_its_noise() -> None:
-    story = learnt("pair/position_polynomial+saturation:982")
+    story = learnt("pair/position_polynomial+saturation:982", "hand")
     tau = story.captures[0].tau
     assert np.mean(np.abs(tau) >= np.abs(tau).max()) > 0.2
     assert story.fit.rmse < 1.03 * story.noise_floor
