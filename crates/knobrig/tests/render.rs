@@ -69,6 +69,12 @@ impl Rendered {
 }
 
 #[test]
+fn a_renderer_says_at_which_rate_it_has_to_be_called() {
+    let knob = Renderer::new(&knob(1), 4000.0, None, OPEN).unwrap();
+    assert!((knob.rate_hz() - 4000.0).abs() < 1e-6);
+}
+
+#[test]
 fn a_stuck_knob_does_not_creep_by_one_count_in_38_seconds() {
     for n in 1..=5 {
         let model = knob(n);

@@ -322,6 +322,12 @@ mod tests {
     }
 
     #[test]
+    fn effects_stand_in_the_order_in_which_they_were_registered() {
+        let [first, second] = ["first_drag", "second_drag"].map(|id| drag(id, |d, omega| d * omega));
+        assert!(first < second && second > first);
+    }
+
+    #[test]
     fn the_derivative_by_a_linear_parameter_is_exact() {
         let user = drag("exact_drag", |d, omega| d * omega * omega.abs());
         assert_eq!(user.over(&[2.0], &MOTION), [-8.0, 18.0]);
