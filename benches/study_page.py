@@ -19,19 +19,19 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 RESULT = ROOT / "benches" / "results" / "page.json"
 SAMPLES = (25_000, 250_000)
-UNWEIGHED = {"return_spring": 600, "quadratic_drag": 600, "stribeck": 2000, "friction_drift": 2000}
+UNWEIGHED = {"return_spring": 400, "quadratic_drag": 400, "stribeck": 1000, "friction_drift": 1000}
 """Effects that are added before they are weighed, two of them linear, and the milliseconds aimed at."""
 DEEDS = {
-    "first": ("first picture after opening the page", 2500),
-    "brush": ("brush moved, the others painted", 250),
+    "first": ("first picture after opening the page", 600),
+    "brush": ("brush moved, the others painted", 30),
     "look": ("hover a candidate, overlay painted", None),
-    "add": ("add stribeck, weighed before", 2000),
-    "undo": ("undo", 300),
-    "redo": ("redo", 300),
+    "add": ("add stribeck, weighed before", 1000),
+    "undo": ("undo", 100),
+    "redo": ("redo", 100),
     "beside": ("two branches side by side", None),
     "closer": ("zoom to a region", None),
     "wheel": ("zoom by the wheel", None),
-    "drag": ("drag a parameter", None),
+    "drag": ("drag a parameter", 100),
     "switch": ("switch to the other branch", None),
     "report": ("brush in the report's file", 250),
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,9 @@ from knobcam.workbench.bench import Bench
 from knobcam.workbench.closing import close
 from knobcam.workbench.preview import Unmapped, explained
 from knobcam.workbench.session import Session
+
+ROOT = Path(__file__).parents[1]
+SHARED = Path(os.environ.get("KNOBCAM_SHARED_DATA", ROOT.parent / "shared" / "data"))
 
 
 def quiet(_: str, __: float | None = None, *, last: bool = False) -> None:
@@ -89,3 +93,17 @@ def test_of_columns_without_names_the_roughest_is_guessed_to_be_the_torque(tmp_p
         **{"t": "`t`", "theta": "`qb`", "tau": "`u0`"}  # of two alike `qa` is the smoother: it was asked for
     }
     assert {one["unit"] for one in told.guess.values()} == {None}  # nobody can know: metres are no radians
+
+
+def test_what_is_said_to_be_missing_is_not_said_to_be_needless_once_it_is_added() -> None:
+    """Of few independent samples an effect cannot pay its price, though nothing else explains the rest."""
+    path = SHARED / "dfki_pendulum" / "pd_system_identification.csv"
+    if not path.is_file():
+        pytest.skip(f"{path} is absent; set KNOBCAM_SHARED_DATA to the folder of real measurements")
+    session = Session()
+    session.open(str(path))
+    session.weigh()
+    session.add("unbalance")
+    session.weigh()
+    said = state.document(session)["verdict_text"]
+    assert said.startswith("unbalance found") and "too little" not in said

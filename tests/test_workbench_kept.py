@@ -12,6 +12,7 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -22,10 +23,11 @@ from workbench_server import served, wrong
 
 import knobcam as kc
 from knobcam.errors import InputError
-from knobcam.workbench import journal, kept, saving
+from knobcam.workbench import challenge, journal, kept, saving
 from knobcam.workbench.bench import Bench
 from knobcam.workbench.guard import HEADER
 from knobcam.workbench.journal import Journal
+from knobcam.workbench.sources import Simulated
 from knobcam.workbench.tree import Start
 
 
@@ -143,6 +145,21 @@ def test_what_was_simulated_or_handed_over_goes_on_without_a_file(root: Path, sm
         second.go_on(second.document()["left"][0]["id"], quiet)
         assert shown(second) == before
         assert [one.hidden for one in second.session.captures.values()] == [(), ("return_spring",)]
+
+
+def test_a_challenge_that_goes_on_has_the_score_that_it_had(root: Path) -> None:
+    with kept_in(root) as first:
+        hidden = Simulated("knob4", ("return_spring",), "sweep", 2.0, 3, level="easy")
+        origin = {"simulated": asdict(hidden), "hidden": hidden.hidden}
+        capture = first.session.take(hidden.capture(), "a knob", **origin)
+        challenge.hint(first.session, capture, whole=False)
+        first.session.add("quadratic_drag")  # is not there, and nothing of it stays in the branch
+        first.session.undo()
+        first.session.add("return_spring")
+        before = challenge.standing(first.session, capture)
+        assert (len(before["hints"]), before["wrong"], before["score"]) == (1, ["quadratic_drag"], 75)
+    with continued(root) as second:
+        assert challenge.standing(second.session, capture) == before
 
 
 @pytest.mark.parametrize("change", ["gone", "another"])

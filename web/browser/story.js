@@ -68,6 +68,8 @@ for (const [width, height] of [[720, 450], [700, 950], [800, 950], [1280, 950], 
     assert.ok(inside, `${seen} is not on a screen of ${width} x ${height}: ${JSON.stringify(box)}`);
   }
   assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth), `${width} px`);
+  const inside = await page.evaluate(() => document.querySelector("aside").scrollWidth <= document.querySelector("aside").clientWidth);
+  assert.ok(inside, `the parameters are cut off at ${width} px`);
   await page.locator("h1").hover();
   if (width === 700 || width === 720 || width === 1920) await picture(`3-at-${width}`);
   const plots = await page.locator("#plots").boundingBox();

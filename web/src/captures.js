@@ -71,7 +71,7 @@ export function showFindings(place, { captures, active, limitations, notes, job 
   });
   const missing = limitations.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
-  place.replaceChildren(...noted, ...found, ...missing);
+  place.replaceChildren(...noted, ...missing, ...found); // what to record next is not to be scrolled for
   const again = focused && place.querySelector(`[data-finding="${CSS.escape(focused)}"]`);
   if (again instanceof HTMLElement) again.focus();
 }

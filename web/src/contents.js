@@ -40,6 +40,7 @@ export const AXES = /** @type {Record<Along, AxisOf>} */ ({
 export const USUAL = ["position", "velocity", "time"];
 
 const NAME = 32; // letters of a branch's name in a title
+const FEW = 3; // samples that may be outliers of a short capture
 
 /**
  * The columns that a view needs.
@@ -56,12 +57,37 @@ export function columnsOf(view) {
 }
 
 /**
- * How far the residuals reach from zero, in SI.
+ * How far the residuals reach from zero, in SI, but for a few that would flatten all others.
  * @param {Data} data
  */
 export function reachOf({ columns, beside, noise }) {
-  const [low, high] = limits(beside ? [columns.residual, beside.residual] : [columns.residual], { around: 0 });
-  return Math.max(-low, high, 2 * (noise ?? 0));
+  const shown = beside ? [columns.residual, beside.residual] : [columns.residual];
+  return Math.max(...shown.map(mostReach), 2 * (noise ?? 0)) || 1;
+}
+
+/**
+ * How far values reach from zero where the few that reach more than twice as far as all the others are left out.
+ * @param {Float32Array} values
+ */
+export function mostReach(values) {
+  const few = Math.max(FEW, values.length / 5000);
+  for (let reach = Infinity; ; ) {
+    let [most, beyond] = [0, 0];
+    for (let i = 0; i < values.length; i++) {
+      const size = Math.abs(values[i]);
+      if (size <= reach && size > most) most = size;
+    }
+    for (let i = 0; i < values.length; i++) if (Math.abs(values[i]) > most / 2) beyond++;
+    if (most === 0 || beyond > few) return most;
+    reach = most / 2;
+  }
+}
+
+/** What stands at an axis that some values are beyond; they are drawn at its edge. @param {Float32Array} y @param {number} most */
+export function beyondWords(y, most) {
+  let count = 0;
+  for (let i = 0; i < y.length; i++) if (Math.abs(y[i]) > most) count++;
+  return count === 0 ? "" : ` (${count.toLocaleString("en")} ${count === 1 ? "sample" : "samples"} beyond, at the edge)`;
 }
 
 /**
@@ -104,7 +130,7 @@ export function rowsOf(data, view, widest) {
     const fine = torqueScale(data.unit, widest);
     const rest = (/** @type {Float32Array} */ y, /** @type {string} */ colour, /** @type {string} */ title) => ({
       ...common,
-      yAxis: { low: -1.04 * widest, high: 1.04 * widest, factor: fine.factor, label: `residual, ${fine.unit}` },
+      yAxis: { low: -1.04 * widest, high: 1.04 * widest, factor: fine.factor, label: `residual, ${fine.unit}${beyondWords(y, 1.04 * widest)}` },
       title,
       series: [{ colour, chosen: "--chosen", y, strength: 0.3 }],
       noise: data.noise && 2 * data.noise,

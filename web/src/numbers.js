@@ -62,8 +62,13 @@ export function ticks(low, high, count) {
   if (!(span > 0) || !Number.isFinite(span)) return [];
   const rough = span / Math.max(1, count);
   const power = 10 ** Math.floor(Math.log10(rough));
-  const step = power * ([1, 2, 5].find((factor) => factor * power >= rough) ?? 10);
-  const first = Math.ceil(low / step - 1e-9);
-  const last = Math.floor(high / step + 1e-9);
-  return Array.from({ length: last - first + 1 }, (_, at) => (first + at) * step);
+  const steps = [10, 5, 2, 1].map((factor) => factor * power);
+  const wide = steps.findLastIndex((step) => step >= rough);
+  // A single tick is no scale: then the next finer step, though that is more of them.
+  for (const step of steps.slice(wide)) {
+    const first = Math.ceil(low / step - 1e-9);
+    const last = Math.floor(high / step + 1e-9);
+    if (last > first || step === steps[3]) return Array.from({ length: last - first + 1 }, (_, at) => (first + at) * step);
+  }
+  return [];
 }

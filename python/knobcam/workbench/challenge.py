@@ -65,8 +65,7 @@ def standing(session: Session, capture: str) -> pages_sources.Challenge:
     base = {*base_effects_shown(opened.capture.coordinate)}
     if fits:
         base |= {*fits[0].fit.model.effects}
-    tried = {node.effect for node in fits if node.how == "added" and node.effect is not None}
-    wrong = sorted(tried - base - {*opened.hidden})
+    wrong = sorted(session.guessed.get(capture, set()) - base - {*opened.hidden})
     own = {*here.fit.model.effects} if capture in here.captures else set()
     found = [one for one in opened.hidden if one in own]
     solved = len(found) == len(opened.hidden) and own <= base | {*opened.hidden}

@@ -76,8 +76,11 @@ def of_place(session: Session) -> Record:
         for one in session.branches.values()
     ]
     told = {"branches": branches, "branch": session.branch_id, "made": session.made, "looked": session.looked}
-    closed = [one.id for one in session.captures.values() if one.closed]
-    return {"place": told | {"closed": closed}, "time": time.time()}
+    told |= {"closed": [one.id for one in session.captures.values() if one.closed]}
+    # Else a challenge that goes on would have its whole score again.
+    guessed = {capture: sorted(effects) for capture, effects in session.guessed.items()}
+    told |= {"hints": dict(session.hints), "guessed": guessed}
+    return {"place": told, "time": time.time()}
 
 
 def nodes(session: Session) -> dict[str, tuple[Node, Node | None]]:
@@ -150,6 +153,8 @@ class Again:
     branch_id: str = ""
     made: int = 0
     looked: Mapping[str, Any] | None = None
+    hints: dict[str, int] = field(default_factory=dict)
+    guessed: dict[str, set[str]] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     whole: bool = True
 
@@ -180,6 +185,8 @@ def _again(told: Told, journal: Journal, tell: Tell) -> Again:
     model = told.start["model"]
     start = Start(None if model is None else Model.parse(model), told.start["name"], told.start["options"])
     found = Again(start, made=told.place.get("made", 0), looked=told.place.get("looked"))
+    found.hints = {**told.place.get("hints", {})}
+    found.guessed = {capture: {*effects} for capture, effects in told.place.get("guessed", {}).items()}
     for one in told.captures.values():
         tell(f"reading {one['name']}")
         try:

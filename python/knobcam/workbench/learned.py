@@ -14,7 +14,7 @@ from ..model.effects import base_effects_shown
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ..fit.diagnose import Diagnosis
+    from ..fit.diagnose import Candidate, Diagnosis
     from .tree import Node
 
 
@@ -41,7 +41,10 @@ def ladder(done: Sequence[Node]) -> list[LearningStep]:
 
 
 def in_vain(steps: Sequence[LearningStep]) -> list[str]:
-    """Return the effects that were added and took off no more than an effect has to."""
+    """Return the effects that were added and took off no more than an effect has to.
+
+    One that was weighed before and could be missing is none of them, as it is not where `learn` takes it in.
+    """
     return [
         step.added
         for step in steps
@@ -49,7 +52,12 @@ def in_vain(steps: Sequence[LearningStep]) -> list[str]:
         and step.fit.before is not None
         and step.fit.noise_floor > 0.0
         and refit.needless(step.fit, step.fit.before)
+        and not any(one.effect == step.added and one.could_be for one in _weighed(step))
     ]
+
+
+def _weighed(step: LearningStep) -> Sequence[Candidate]:
+    return () if step.diagnosis is None else step.diagnosis.candidates
 
 
 def conclusion(steps: list[LearningStep], last: Diagnosis) -> Selection:

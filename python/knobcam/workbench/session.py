@@ -65,6 +65,7 @@ class Session:
         self.proposals: dict[str, Proposals] = {}
         self.tried: tuple[str, Fit] | None = None
         self.hints: dict[str, int] = {}
+        self.guessed: dict[str, set[str]] = {}  # of each capture, what was ever added to its model
         self.made = 0
         self.looked: Mapping[str, Any] | None = None
 
@@ -349,6 +350,7 @@ class Session:
                 )
             self.start, self.captures, self.branches = found.start, found.captures, found.branches
             self.branch_id, self.looked = found.branch_id, found.looked
+            self.hints, self.guessed = found.hints, found.guessed
             self.made = max(self.made, found.made)
             self.nodes, self.designs = dict(found.nodes), dict(found.designs)
             self._views = {one.dragged.id: one.dragged for one in found.branches.values() if one.dragged}
@@ -382,6 +384,9 @@ class Session:
             if after is not None and branch is not None and branch.node is not after:
                 raise InputError("the session has moved on meanwhile; nothing was changed")
             self.nodes[node.id] = node
+            if node.how == "added" and node.effect is not None:
+                for capture in node.captures:
+                    self.guessed.setdefault(capture, set()).add(node.effect)
             if branch is None:
                 self.branch_id = self.new("b")
                 self.branches[self.branch_id] = Branch(self.branch_id, "main", [node], 0)

@@ -116,10 +116,14 @@ function ticks(low, high, count) {
   if (!(span3 > 0) || !Number.isFinite(span3)) return [];
   const rough = span3 / Math.max(1, count);
   const power = 10 ** Math.floor(Math.log10(rough));
-  const step = power * ([1, 2, 5].find((factor) => factor * power >= rough) ?? 10);
-  const first = Math.ceil(low / step - 1e-9);
-  const last = Math.floor(high / step + 1e-9);
-  return Array.from({ length: last - first + 1 }, (_, at) => (first + at) * step);
+  const steps = [10, 5, 2, 1].map((factor) => factor * power);
+  const wide = steps.findLastIndex((step) => step >= rough);
+  for (const step of steps.slice(wide)) {
+    const first = Math.ceil(low / step - 1e-9);
+    const last = Math.floor(high / step + 1e-9);
+    if (last > first || step === steps[3]) return Array.from({ length: last - first + 1 }, (_, at) => (first + at) * step);
+  }
+  return [];
 }
 
 // src/branches.js
@@ -209,7 +213,7 @@ function showFindings(place4, { captures, active, limitations, notes, job }, dee
   });
   const missing = limitations.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
-  place4.replaceChildren(...noted, ...found2, ...missing);
+  place4.replaceChildren(...noted, ...missing, ...found2);
   const again = focused && place4.querySelector(`[data-finding="${CSS.escape(focused)}"]`);
   if (again instanceof HTMLElement) again.focus();
 }
@@ -1466,6 +1470,7 @@ var AXES = (
 );
 var USUAL = ["position", "velocity", "time"];
 var NAME = 32;
+var FEW = 3;
 function columnsOf(view) {
   const needed = ["t", "theta", "omega", "tau", "residual"];
   for (const { column } of view.axes.map((along) => AXES[along])) if (column && !needed.includes(column)) needed.push(column);
@@ -1475,8 +1480,26 @@ function columnsOf(view) {
   return needed;
 }
 function reachOf({ columns, beside, noise }) {
-  const [low, high] = limits(beside ? [columns.residual, beside.residual] : [columns.residual], { around: 0 });
-  return Math.max(-low, high, 2 * (noise ?? 0));
+  const shown = beside ? [columns.residual, beside.residual] : [columns.residual];
+  return Math.max(...shown.map(mostReach), 2 * (noise ?? 0)) || 1;
+}
+function mostReach(values) {
+  const few = Math.max(FEW, values.length / 5e3);
+  for (let reach2 = Infinity; ; ) {
+    let [most, beyond] = [0, 0];
+    for (let i = 0; i < values.length; i++) {
+      const size = Math.abs(values[i]);
+      if (size <= reach2 && size > most) most = size;
+    }
+    for (let i = 0; i < values.length; i++) if (Math.abs(values[i]) > most / 2) beyond++;
+    if (most === 0 || beyond > few) return most;
+    reach2 = most / 2;
+  }
+}
+function beyondWords(y, most) {
+  let count = 0;
+  for (let i = 0; i < y.length; i++) if (Math.abs(y[i]) > most) count++;
+  return count === 0 ? "" : ` (${count.toLocaleString("en")} ${count === 1 ? "sample" : "samples"} beyond, at the edge)`;
 }
 function rowsOf(data, view, widest) {
   const { columns, beside } = data;
@@ -1513,7 +1536,7 @@ function rowsOf(data, view, widest) {
     const fine = torqueScale(data.unit, widest);
     const rest = (y, colour, title) => ({
       ...common,
-      yAxis: { low: -1.04 * widest, high: 1.04 * widest, factor: fine.factor, label: `residual, ${fine.unit}` },
+      yAxis: { low: -1.04 * widest, high: 1.04 * widest, factor: fine.factor, label: `residual, ${fine.unit}${beyondWords(y, 1.04 * widest)}` },
       title,
       series: [{ colour, chosen: "--chosen", y, strength: 0.3 }],
       noise: data.noise && 2 * data.noise
@@ -2092,7 +2115,7 @@ function pixelColour(text) {
 }
 
 // src/plot.js
-var FEW = 8e3;
+var FEW2 = 8e3;
 var FEW_CHOSEN = 20;
 var Plot = class {
   /**
@@ -2141,7 +2164,7 @@ var Plot = class {
     const inner = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - MARGIN.bottom];
     const [columns, rows] = inner.map((length) => Math.max(8, Math.round(length * this.scale)));
     const part = { x: xAxis.part ?? false, y: yAxis.part ?? false };
-    const many = x.length > FEW && !(part.x && fewBetween(x, xAxis));
+    const many = x.length > FEW2 && !(part.x && fewBetween(x, xAxis));
     const dot2 = Math.max(1, Math.round((many ? 2 : 3) * this.scale));
     this.frame = { width: columns, height: rows, x: [xAxis.low, xAxis.high], y: [yAxis.low, yAxis.high], dot: dot2, part };
     const same = before?.x === x && frame === JSON.stringify(this.frame);
@@ -2268,8 +2291,8 @@ var Plot = class {
 };
 function fewBetween(x, { low, high }) {
   let count = 0;
-  for (let i = 0; i < x.length && count <= FEW; i++) if (x[i] >= low && x[i] <= high) count++;
-  return count <= FEW;
+  for (let i = 0; i < x.length && count <= FEW2; i++) if (x[i] >= low && x[i] <= high) count++;
+  return count <= FEW2;
 }
 
 // src/settling.js
@@ -4010,15 +4033,24 @@ function themed(changed) {
 }
 
 // src/verdict.js
-function showVerdict(element2, { verdict_text: text, places }, go) {
-  const key2 = JSON.stringify([text, places]);
+function showVerdict(element2, { verdict_text: text, places, candidates }, go) {
+  const first = plainly(candidates);
+  const key2 = JSON.stringify([first, text, places]);
   if (element2.dataset.told === key2) return;
   element2.dataset.told = key2;
   element2.replaceChildren(
+    ...first ? [make("strong", { text: first }), " "] : [],
     ...parted(text, places).map(
       (part) => typeof part === "string" ? part : make("button", { ...LEADS, text: part.words, on: { click: () => go(part) } })
     )
   );
+}
+function plainly({ ready, rows }) {
+  const first = ready ? rows.find(({ could_be: could }) => could) : void 0;
+  if (!first) return "";
+  const said = `${first.said.slice(0, 1).toUpperCase()}${first.said.slice(1)}`;
+  const next = first.equivalent.length > 0 ? "This motion looks the same with other causes: Tell apart designs what to record next." : "Add it, and see what is left.";
+  return `${said}: ${first.name} (${first.effect}). ${next}`;
 }
 var LEADS = { type: "button", class: "leads", title: "show its samples in every plot" };
 function parted(text, places) {

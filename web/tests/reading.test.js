@@ -1,0 +1,41 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { beyondWords, mostReach } from "../src/contents.js";
+import { ticks } from "../src/numbers.js";
+import { plainly } from "../src/verdict.js";
+
+test("an axis always has two ticks at least, for one is no scale", () => {
+  for (let span = 1; span < 10; span += 0.01) {
+    for (const count of [2, 2.5, 3, 3.75]) {
+      const marks = ticks(-span, span, count);
+      assert.ok(marks.length >= 2 && marks.length <= 2 * count + 2, `${marks} from ${-span} to ${span}`);
+    }
+  }
+});
+
+test("a few outliers do not flatten all other residuals, and are said to be beyond", () => {
+  const values = Float32Array.from({ length: 5000 }, (_, at) => Math.sin(at));
+  assert.ok(Math.abs(mostReach(values) - 1) < 1e-3);
+  values[7] = -50;
+  values[4000] = 9;
+  assert.ok(Math.abs(mostReach(values) - 1) < 1e-3);
+  assert.match(beyondWords(values, 1.04), /2 samples beyond/);
+  assert.equal(beyondWords(values, 60), "");
+});
+
+test("what is there at every reversal is no outlier, and nothing at all has no reach", () => {
+  const peaks = Float32Array.from({ length: 5000 }, (_, at) => (at % 100 === 0 ? 10 : Math.sin(at)));
+  assert.equal(mostReach(peaks), 10);
+  assert.equal(mostReach(new Float32Array(9)), 0);
+  assert.equal(mostReach(Float32Array.from([NaN, NaN])), 0);
+});
+
+test("a verdict begins with what is missing in plain words, and with what to do next", () => {
+  const row = { could_be: true, said: "missing", name: "there are detents", effect: "detent", equivalent: [] };
+  assert.equal(plainly({ ready: true, rows: [row] }), "Missing: there are detents (detent). Add it, and see what is left.");
+  const tied = plainly({ ready: true, rows: [{ ...row, equivalent: ["unbalance"] }] });
+  assert.match(tied, /Tell apart designs what to record next/);
+  assert.equal(plainly({ ready: false, rows: [row] }), "");
+  assert.equal(plainly({ ready: true, rows: [{ ...row, could_be: false }] }), "");
+});
