@@ -9,7 +9,7 @@ import numpy as np
 
 from .. import _core
 from ..model.effects import base_effects
-from .plausible import REVERSED
+from .plausible import REVERSED, torque_of
 
 if TYPE_CHECKING:
     from ..capture.prepare import Prepared
@@ -47,6 +47,26 @@ def doubts(fit: Fit) -> tuple[str, ...]:
 def below_zero(fit: Fit) -> list[str]:
     """Return the parameters of the base model that came out negative beyond doubt."""
     return [name for name, e in _of_base(fit).items() if e.determined and e.ci95[1] < 0.0]
+
+
+def log_in_doubt(fit: Fit) -> str | None:
+    """Return what no knob has, of more torque than is left, so that the log may be wrong; None where nothing is.
+
+    What makes less torque than is left is bent by that, whatever it is; and of an effect that has a value for
+    each direction an offset may take one of them below zero.
+    """
+    own = _of_base(fit)
+
+    def in_common(name: str) -> float:
+        return sum(e.value for other, e in own.items() if other.split(".")[0] == name.split(".")[0])
+
+    negative = [name for name in below_zero(fit) if in_common(name) < 0.0 and torque_of(fit, name) > fit.rmse]
+    if not negative:
+        return None
+    return (
+        f"{' and '.join(negative)} came out negative, which no knob has, so that the log, not an effect, "
+        "may be what is wrong: look for other units or signs, columns of different times, a motor that was off"
+    )
 
 
 def _of_base(fit: Fit) -> dict[str, Estimate]:

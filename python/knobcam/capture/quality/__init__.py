@@ -53,8 +53,9 @@ def check(
     """Check the columns t, theta, tau and, where there, omega and alpha: SI, shape (samples,) each.
 
     `rows` is the data row of each sample, from 1; `limit` whose it is where the torque sits at one,
-    `voltage` that the torque is one, which holds a motor's back-EMF. About a finding whose key is `overruled` nothing is done. Raises InputError when there is nothing to work with:
-    fewer than two samples, a needed column without a number, time that stands still.
+    `voltage` that the torque is one, which holds a motor's back-EMF. About a finding whose key is `overruled`
+    nothing is done. Raises InputError when there is nothing to work with: fewer than two samples, a needed
+    column without a number, time that stands still.
     """
     if limit not in ("sensor", "actuator"):
         raise InputError(f"limit={limit!r} is unknown; choose sensor or actuator")

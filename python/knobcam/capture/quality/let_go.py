@@ -1,7 +1,7 @@
 """Rows in which a motor that a voltage drives was let go: open, it has no back-EMF, which elsewhere it has.
 
-Volts are torque and back-EMF together, R tau / kt + ke omega. Where the driver lets go both are gone at once, so
-that rows of either kind are no one model's: between them they bend friction, even below zero.
+Volts are torque and back-EMF together, R tau / kt + ke omega. Where the driver lets go both are gone at
+once, so that rows of either kind are no one model's: between them they bend friction, even below zero.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ _GONE = 0.5  # of what is in proportion to the speed elsewhere: friction of that
 def check_let_go(
     columns: dict[str, FloatArray], usable: BoolArray, rows: Rows
 ) -> tuple[BoolArray, list[Finding]]:
-    """Return the rows at which a voltage stands at zero while the knob moves without back-EMF, and the finding.
+    """Return the rows at which a voltage is zero while the knob moves without back-EMF, and the finding.
 
-    A driver that commands zero shorts the motor: there the back-EMF brakes it as elsewhere, and the rows count.
+    A driver that commands zero shorts the motor: its back-EMF brakes it there as elsewhere; those rows count.
     """
     off = np.zeros(len(rows), dtype=np.bool_)
     index = np.flatnonzero(usable)
@@ -37,14 +37,14 @@ def check_let_go(
         off[index[first:end]] = True
     found = rows[off]
     message = (
-        f"tau: is zero in {len(found)} rows ({rows_in_words(found)}) while the knob moves without the back-EMF "
-        "that the other rows have: the motor was off, and its voltage says nothing there; masked"
+        f"tau: is zero in {len(found)} rows ({rows_in_words(found)}) while the knob moves without the "
+        "back-EMF that the other rows have: the motor was off, and its voltage says nothing there; masked"
     )
     return off, [Finding("let_go", "tau", len(found), spans(found), message, "masked")]
 
 
 def _without(signatures: FloatArray, torque: FloatArray, standing: BoolArray) -> bool:
-    """Return whether what is in proportion to the speed (the second signature) is gone where a torque stands."""
+    """Return whether what goes with the speed, the second signature, is gone where a torque stands."""
     columns = np.column_stack([signatures, signatures[:, 1] * standing])
     free = len(torque) - columns.shape[1]
     if free < 1:
