@@ -50,7 +50,7 @@ def below_zero(fit: Fit) -> list[str]:
 
 
 def log_in_doubt(fit: Fit) -> str | None:
-    """Return what no knob has, of more torque than is left, so that the log may be wrong; None where nothing is.
+    """Return what no knob has, of more torque than is left, so that the log may be wrong; else None.
 
     What makes less torque than is left is bent by that, whatever it is; and of an effect that has a value for
     each direction an offset may take one of them below zero.
@@ -65,7 +65,8 @@ def log_in_doubt(fit: Fit) -> str | None:
         return None
     return (
         f"{' and '.join(negative)} came out negative, which no knob has, so that the log, not an effect, "
-        "may be what is wrong: look for other units or signs, columns of different times, a motor that was off"
+        "may be what is wrong: look for other units or signs, columns of different times, "
+        "a motor that was off"
     )
 
 
