@@ -181,3 +181,31 @@ def test_a_motor_that_lets_go_is_no_sensor_that_was_off(tmp_path: Path) -> None:
     # Of a torque sensor it would be said: it read nothing while the knob moved.
     sensor = kc.load(tmp_path / "swing.csv", map="t=t theta=pos [rad] tau=u")
     assert [one.kind for one in sensor.findings] == ["dead"] and not sensor.mask[500:].any()
+
+
+@pytest.mark.parametrize("let_go", [True, False])
+def test_rows_of_a_motor_without_back_emf_are_no_volts_of_the_others(tmp_path: Path, let_go: bool) -> None:
+    """A pendulum is driven, then its motor is let go, or shorted: only where it is open is no back-EMF."""
+    step, off = 2e-4, 500
+    theta = omega = 0.0
+    log = []
+    for row in range(1600):
+        t = row / 250.0
+        wanted = 0.5 * np.sin(4.0 * t) + 0.2 * np.sin(11.0 * t)
+        volts = 25.0 * (wanted - theta) if row < off else 0.0
+        log.append((t, theta, volts))
+        for _ in range(20):
+            back = 0.0 if let_go and row >= off else 0.3 * omega
+            rubs = 0.005 * np.tanh(omega / 0.02)
+            omega += step * (0.1 * (volts - back) - 0.4 * np.sin(theta) - rubs) / 0.006
+            theta += step * omega
+    table = np.array(log)
+    table[:, 1] = np.round(table[:, 1] / 1.5e-3) * 1.5e-3  # rad, a count of the encoder
+    np.savetxt(tmp_path / "servo.csv", table, delimiter=",", header="t,pos,u", comments="")
+    capture = kc.load(tmp_path / "servo.csv", map="t=t theta=pos [rad] tau=u [V]")
+    said = [one.key for one in capture.findings if one.severity == "masked"]
+    assert said == (["let_go:tau"] if let_go else [])
+    assert not let_go or not capture.mask[off + 20 :].any()
+    # A constant that says when it was off is told by those very rows.
+    formula = {"map": "t=t theta=pos [rad] tau=u-ke*omega [V]", "free": "ke"}
+    assert kc.fit_constants(tmp_path / "servo.csv", **formula).prepared[0].capture.mask.all()

@@ -14,6 +14,7 @@ from known import estimate
 import knobcam as kc
 from knobcam.errors import InputError
 from knobcam.fit import plausible
+from knobcam.fit.doubts import log_in_doubt
 from knobcam.fit.rule import RULE
 from knobcam.learn import designing
 from knobcam.learn.contenders import BASE
@@ -42,7 +43,7 @@ def fitted(rmse: float = 1.0, effects: tuple[str, ...] = EFFECTS, heldout: float
 def torques(monkeypatch: pytest.MonkeyPatch) -> dict[str, float]:
     """The RMS torque of each parameter; a tenth of the error where it is not said."""
     known: dict[str, float] = {}
-    monkeypatch.setattr(plausible, "_torque_of", lambda fit, name: known.get(name, 0.1 * fit.rmse))
+    monkeypatch.setattr(plausible, "torque_of", lambda fit, name: known.get(name, 0.1 * fit.rmse))
     monkeypatch.setattr(plausible, "gives_back", lambda prepared: False)
     return known
 
@@ -303,3 +304,17 @@ def test_the_parameter_to_be_sharpened_is_the_one_that_is_known_worst(monkeypatc
     alone.telling.errors = lambda track: {"coulomb.pos": 0.3}  # type: ignore[method-assign,assignment]
     track: Any = None
     assert alone._told(track)[1] == -0.3
+
+
+def test_friction_below_zero_both_ways_is_a_fault_of_the_log_and_an_offset_is_none() -> None:
+    knob = kc.simulate(kc.Model.load("knob4"), duration_s=2.0)
+    given = np.sign(knob.omega)
+
+    def doubt(tau: np.ndarray) -> str | None:
+        columns = {"t": knob.t, "theta": knob.theta, "omega": knob.omega, "alpha": knob.alpha, "tau": tau}
+        return log_in_doubt(kc.fit(kc.Capture.from_arrays(**columns)))
+
+    assert doubt(knob.tau) is None
+    assert doubt(knob.tau + 0.02) is None
+    said = doubt(knob.tau - 0.02 * given)
+    assert said is not None and said.startswith("coulomb.neg and coulomb.pos came out negative")

@@ -370,7 +370,9 @@ def _checked(
     overrule: Collection[str] = (),
 ) -> Capture:
     between(source, columns, rate_hz, None, None)
-    verdict = check(columns, coordinate, rows, source, limit or usual_limit(torque_unit), overrule)
+    whose = limit or usual_limit(torque_unit)
+    voltage = torque_unit in ("V", "duty")
+    verdict = check(columns, coordinate, rows, source, whose, overrule, voltage=voltage)
     if rate_hz is not None and abs(rate_hz / verdict.rate_hz - 1.0) > _RATE_AGREEMENT:
         raise InputError(
             f"{source}: the time stamps run at {verdict.rate_hz:.6g} Hz, a rate of {rate_hz:.6g} was given; "

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 SPEED = "omega"
 """The smoothed velocity in a formula, of a file that has no column of that name."""
 
+_LET_GO = "let_go:tau"
 _STRAIGHT = 1e-9  # how far from proportional rounding takes what is so
 _PROBED = 64  # values of a column that a formula is tried with
 
@@ -52,7 +53,12 @@ class Formula:
         ones = dict.fromkeys([*free, *([SPEED] if unknown_speed else [])], np.asarray(1.0))
         self.scales, self.terms = self._roles(free, ones)
         self._constants = ones | dict.fromkeys(self.terms, np.asarray(0.0))
-        self.capture = of_table(file, self._with(self._constants), reading)
+        capture = of_table(file, self._with(self._constants), reading)
+        if self.terms and _LET_GO in {one.key for one in capture.findings if not one.overruled}:
+            # A term may say when the motor was off, and is told there.
+            reading = replace(reading, overrule=(*reading.overrule, _LET_GO))
+            capture = of_table(file, self._with(self._constants), reading)
+        self.capture = capture
         columns = resolve(self._with(self._constants), column_map, self._coordinate).columns
         self._keep = reading.kept(str(file), columns)
         if unknown_speed:

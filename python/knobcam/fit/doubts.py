@@ -9,7 +9,7 @@ import numpy as np
 
 from .. import _core
 from ..model.effects import base_effects
-from .plausible import REVERSED
+from .plausible import REVERSED, torque_of
 
 if TYPE_CHECKING:
     from ..capture.prepare import Prepared
@@ -49,6 +49,32 @@ def below_zero(fit: Fit) -> list[str]:
     return [name for name, e in _of_base(fit).items() if e.determined and e.ci95[1] < 0.0]
 
 
+def log_in_doubt(fit: Fit) -> str | None:
+    """Return what no knob has, of more torque than is left, so that the log may be wrong; else None.
+
+    What makes less torque than is left is bent by that, whatever it is; of one that has a value for each
+    direction an offset may take one of them below zero, and friction that falls with the speed a viscous one.
+    """
+    own = {name: e for name, e in _of_base(fit).items() if e.unit != _per_speed(fit)}
+
+    def in_common(name: str) -> float:
+        return sum(e.value for other, e in own.items() if other.split(".")[0] == name.split(".")[0])
+
+    below = [name for name in below_zero(fit) if name in own and in_common(name) < 0.0]
+    negative = [name for name in below if torque_of(fit, name) > fit.rmse]
+    if not negative:
+        return None
+    return (
+        f"{' and '.join(negative)} came out negative, which no knob has, so that the log, not an effect, "
+        "may be what is wrong: look for other units or signs, columns of different times, "
+        "a motor that was off"
+    )
+
+
+def _per_speed(fit: Fit) -> str:
+    return f"{fit.torque_unit} s/{'rad' if fit.model.coordinate == 'rotary' else 'm'}"
+
+
 def _of_base(fit: Fit) -> dict[str, Estimate]:
     base = base_effects(fit.model.coordinate)
     return {name: e for name, e in fit.params.items() if name.split(".", 1)[0] in base}
@@ -57,8 +83,7 @@ def _of_base(fit: Fit) -> dict[str, Estimate]:
 def _back_emf(fit: Fit) -> list[str]:
     """What is said of friction in proportion to the speed where the torque is what drives the current."""
     own = _of_base(fit)
-    per_speed = f"{fit.torque_unit} s/{'rad' if fit.model.coordinate == 'rotary' else 'm'}"
-    names = [name for name, e in own.items() if e.unit == per_speed]
+    names = [name for name, e in own.items() if e.unit == _per_speed(fit)]
     if fit.torque_unit not in ("V", "duty") or not names or fit.constants:
         return []
     what = f"hold the motor's back-EMF beside its friction, unless the {fit.torque_unit} command a current"

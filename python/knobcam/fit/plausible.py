@@ -84,9 +84,7 @@ def impossible(fit: Fit) -> str | None:
         return None
     rubs = _friction(fit.model.coordinate)
     # What makes less torque than is left is bent by that: a motion that hardly speeds up says nothing of it.
-    stores = [
-        name for name in negative if name.split(".")[0] not in rubs and _torque_of(fit, name) > fit.rmse
-    ]
+    stores = [name for name in negative if name.split(".")[0] not in rubs and torque_of(fit, name) > fit.rmse]
     if stores:
         return f"{' and '.join(stores)} came out negative, which no knob has"
     power, error = _friction_power(fit)
@@ -108,7 +106,7 @@ def _taken_away(told: Mapping[str, Estimate], fit: Fit) -> str | None:
         return None
     squares = np.concatenate([np.square(one.tau[one.used]) for one in fit.prepared])
     most = _MANY * float(np.sqrt(np.mean(squares)))
-    return next((name for name in unknown if _torque_of(fit, name) > most), None)
+    return next((name for name in unknown if torque_of(fit, name) > most), None)
 
 
 def _told_in_common(name: str, told: Mapping[str, Estimate], fit: Fit) -> bool:
@@ -208,12 +206,12 @@ def _below_zero(candidate: Candidate, before: Fit) -> list[str]:
             continue
         bent = now.value + RULE.sure * now.se < min(0.0, then.value - RULE.sure * then.se)
         # What makes less torque than remains unexplained is bent by that.
-        if bent and _torque_of(candidate.fit, name) > candidate.rmse:
+        if bent and torque_of(candidate.fit, name) > candidate.rmse:
             said.append(f"beside it {name} = {now.value:.3g}, which no knob has")
     return said
 
 
-def _torque_of(fit: Fit, name: str) -> float:
+def torque_of(fit: Fit, name: str) -> float:
     """Return the RMS torque that a parameter makes, N m."""
     return float(np.sqrt(np.nanmean(np.square(_of(fit, name)))))
 

@@ -17,6 +17,7 @@ from ..capture import Capture
 from ..fit import Fit
 from ..fit.beyond import incoherent
 from ..fit.diagnose import Diagnosis, check_effects, diagnose, p_in_words
+from ..fit.doubts import log_in_doubt
 from ..fit.fitting import as_logged
 from ..fit.refit import percent
 from ..fit.runs import in_words
@@ -122,8 +123,17 @@ class LearningResult(showing.Tabled):
 
     @property
     def headline(self) -> str:
-        """The verdict in one sentence, and what was left out of it in another."""
-        return f"{self._judged} {self.fit.beyond or ''}".rstrip()
+        """The verdict in one sentence, and in others what it may be wrong by and what was left out of it."""
+        return " ".join(filter(None, (self._judged, self._in_doubt, str(self.fit.beyond or ""))))
+
+    @property
+    def _in_doubt(self) -> str:
+        """That the log may be wrong, where no effect explains what is left and nothing says so already."""
+        what, fit = self.unexplained, self.fit
+        if what is None or self.cut is not None or fit.log_fault is not None or what.hint == fit.impossible:
+            return ""
+        doubt = log_in_doubt(fit)
+        return f"Beside that {doubt}." if doubt else ""
 
     @property
     def _judged(self) -> str:

@@ -15,6 +15,7 @@ from .dead import check_dead
 from .garbage import check_garbage
 from .held import check_held, held
 from .late import check_late
+from .let_go import check_let_go
 from .motion import check_stuck, check_wrapped
 from .ruled import Ruled
 from .scales import check_scales
@@ -46,19 +47,22 @@ def check(
     source: str,
     limit: Limit = "sensor",
     overruled: Collection[str] = (),
+    *,
+    voltage: bool = False,
 ) -> Checked:
     """Check the columns t, theta, tau and, where there, omega and alpha: SI, shape (samples,) each.
 
-    `rows` is the data row of each sample, from 1; `limit` whose it is where the torque sits at one. About
-    a finding whose key is `overruled` nothing is done. Raises InputError when there is nothing to work with:
-    fewer than two samples, a needed column without a number, time that stands still.
+    `rows` is the data row of each sample, from 1; `limit` whose it is where the torque sits at one,
+    `voltage` that the torque is one, which holds a motor's back-EMF. About a finding whose key is `overruled`
+    nothing is done. Raises InputError when there is nothing to work with: fewer than two samples, a needed
+    column without a number, time that stands still.
     """
     if limit not in ("sensor", "actuator"):
         raise InputError(f"limit={limit!r} is unknown; choose sensor or actuator")
     if len(rows) < 2:
         raise InputError(f"{source}: {len(rows)} rows of data; a capture needs at least 2, better thousands")
     with np.errstate(all="ignore"):
-        return _check(columns, coordinate, rows, source, limit, Ruled(overruled))
+        return _check(columns, coordinate, rows, source, limit, Ruled(overruled), voltage)
 
 
 def _check(
@@ -68,6 +72,7 @@ def _check(
     source: str,
     limit: Limit,
     ruled: Ruled,
+    voltage: bool,
 ) -> Checked:
     findings = ruled.findings
     present = dict(columns)
@@ -112,7 +117,10 @@ def _check(
     mask &= ~ruled.masks(spikes, found, rows)
     garbage, found = check_garbage(present, mask, rows)
     mask &= ~ruled.masks(garbage, found, rows)
-    dead, found = check_dead(present, mask, rows, limit)
+    off, found = check_let_go(present, mask, rows) if voltage else (~mask, [])
+    mask &= ~ruled.masks(off, found, rows)
+    # A voltage whose motor was off is known to have been none, whoever overrules that.
+    dead, found = check_dead(present, mask & ~off, rows, limit)
     mask &= ~ruled.masks(dead, found, rows)
     _check_left(mask, findings, source)
     clipped, found = check_clipping(present["tau"], present["theta"], mask, rows, limit)

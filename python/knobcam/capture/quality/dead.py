@@ -39,15 +39,15 @@ def check_dead(
         moved["theta"] = np.abs(columns["omega"][index])
     for name, way in moved.items():
         at = np.zeros(len(index), dtype=np.bool_)
-        stands = _stands(columns[name][index])
+        standing = stands(columns[name][index])
         # What hardly ever does anything else is no sensor that was off: a torque of steps was commanded.
-        if not 1 <= len(stands) <= _OFTEN or len(index) - sum(end - at for at, end in stands) < _FEWEST:
+        if not 1 <= len(standing) <= _OFTEN or _elsewhere(index, standing) < _FEWEST:
             continue
         if name == "tau":
-            off = limit == "actuator" and not any(columns[name][index[first]] for first, _ in stands)
-            if _acted(columns, index, stands, unless_told=off):
+            off = limit == "actuator" and not any(columns[name][index[first]] for first, _ in standing)
+            if _acted(columns, index, standing, unless_told=off):
                 continue
-        for first, end in stands:
+        for first, end in standing:
             part = way[first + 1 : end]
             if part.sum() >= _PART * way.sum() and np.ptp(part) > _EVEN * part.max():
                 at[first:end] = True
@@ -63,8 +63,12 @@ def check_dead(
     return dead, findings
 
 
+def _elsewhere(index: IntArray, standing: list[tuple[int, int]]) -> int:
+    return len(index) - sum(end - first for first, end in standing)
+
+
 def _acted(
-    columns: dict[str, FloatArray], index: IntArray, stands: list[tuple[int, int]], unless_told: bool
+    columns: dict[str, FloatArray], index: IntArray, standing: list[tuple[int, int]], unless_told: bool
 ) -> bool:
     """Return whether one rigid knob moves under the torque as it is, where it stands and elsewhere.
 
@@ -72,22 +76,41 @@ def _acted(
     torque's mean square, p being the share of the rows in which it stands. `unless_told` is the answer where
     the motion cannot tell.
     """
-    edges = [0, *(edge for stand in stands for edge in stand), len(index)]
+    windows = rigid_windows(columns, index, standing)
+    if windows is None:
+        return unless_told
+    signatures, torque, still = windows
+    if _left(signatures[~still], torque[~still]) > _TOLD * np.sum(torque[~still] ** 2):
+        return unless_told
+    return agrees(signatures, torque, still)
+
+
+def agrees(signatures: FloatArray, torque: FloatArray, still: BoolArray) -> bool:
+    """Return whether the windows in which a torque stands ask for the same factors of it as the others."""
+    size = np.sum(torque[~still] ** 2)
+    more = _left(signatures, torque) - _left(signatures[~still], torque[~still])
+    return bool(more <= _MEANT * size * still.mean())
+
+
+def rigid_windows(
+    columns: dict[str, FloatArray], index: IntArray, standing: list[tuple[int, int]]
+) -> tuple[FloatArray, FloatArray, BoolArray] | None:
+    """Return what makes a rigid knob's torque in each window, the torque, and which windows it stands in.
+
+    None where too few rows are left beside those in which it stands.
+    """
+    edges = [0, *(edge for stand in standing for edge in stand), len(index)]
     pieces = [index[first:end] for first, end in pairwise(edges)]
     window = min(_WINDOW[1], sum(map(len, pieces[::2])) // _JUDGES)
     if window < _WINDOW[0]:
-        return unless_told
-    standing = np.concatenate([np.full(len(p) // window, n % 2 == 1) for n, p in enumerate(pieces)])
+        return None
+    still = np.concatenate([np.full(len(p) // window, n % 2 == 1) for n, p in enumerate(pieces)])
     span = np.linspace(-0.5, 0.5, window) * window * np.median(np.diff(columns["t"][index]))
     parabola = np.asarray(np.linalg.pinv(np.vander(span, 3, increasing=True)), dtype=np.float64)
-    rigid = [_rigid(columns, p, parabola) for p in pieces]
-    signatures, torque = (np.concatenate(part) for part in zip(*rigid, strict=True))
+    parts = [_rigid(columns, p, parabola) for p in pieces]
+    signatures, torque = (np.concatenate(part) for part in zip(*parts, strict=True))
     signatures /= np.sqrt(np.mean(signatures**2, axis=0)) + np.finfo(float).tiny
-    size = np.sum(torque[~standing] ** 2)
-    beside, whole = _left(signatures[~standing], torque[~standing]), _left(signatures, torque)
-    if beside > _TOLD * size:
-        return unless_told
-    return bool(whole - beside <= _MEANT * size * standing.mean())
+    return signatures, torque, still
 
 
 def _rigid(
@@ -109,7 +132,7 @@ def _left(signatures: FloatArray, torque: FloatArray) -> float:
     return float(np.sum((torque - signatures @ factors) ** 2))
 
 
-def _stands(values: FloatArray) -> list[tuple[int, int]]:
+def stands(values: FloatArray) -> list[tuple[int, int]]:
     """Return the runs of one value, first and end, that are far longer than all others."""
     firsts, ends = runs(np.diff(values) == 0.0)
     ends = ends + 1
