@@ -36,7 +36,7 @@ class Known:
 
     @property
     def core(self) -> Any:
-        return SimpleNamespace(free=self.effects, model=None)
+        return SimpleNamespace(free=self.effects, model=None, worth=lambda effect: 0.0)
 
     @property
     def model(self) -> Any:

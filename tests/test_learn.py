@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import knobcam as kc
+from knobcam.fit.refit import gain, needed
 from knobcam.learn import selection
 from knobcam.learn.limitations import limitations
 
@@ -89,6 +90,14 @@ def test_an_effect_that_is_gone_already_is_not_tested_again(capture: kc.Capture)
     bare = kc.fit(capture, detents="no").drop("viscous")
     fit, dropped = selection.retested(bare, ["detent", "viscous"])
     assert fit is bare and dropped == ()
+
+
+def test_what_an_effect_is_worth_at_least_is_told_without_a_fit_that_lacks_it(sprung: kc.Capture) -> None:
+    fit = kc.fit(sprung).add("return_spring")
+    took = gain(fit.drop("return_spring"), fit, fit)
+    assert 0.3 * took < fit.core.worth("return_spring") < 1.02 * took
+    assert needed(fit, "return_spring") and fit.core.worth("backlash") == 0.0
+    assert not needed(fit.add("quadratic_drag"), "quadratic_drag")
 
 
 def test_an_effect_left_out_of_the_catalogue_is_never_found(sprung: kc.Capture) -> None:

@@ -61,6 +61,11 @@ impl PyFit {
         self.0.rmse_heldout
     }
 
+    /// What it would cost at least to do without an effect, in variances of the raw noise, to first order.
+    fn worth(&self, effect: &str) -> f64 {
+        self.0.worth(effect)
+    }
+
     #[getter]
     fn noise_floor(&self) -> f64 {
         self.0.noise_floor

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
 
 _ROUNDING = 1e-9  # of an error
+# Times what an effect has to be worth. Judgement: a fit that follows a bent surface loses less than first
+# order says.
+_FAR = 10.0
 
 
 class Moved(NamedTuple):
@@ -136,6 +139,13 @@ def gain(before: Fit, after: Fit, noise: Fit) -> float:
 def needless(fit: Fit, bare: Fit) -> bool:
     """Whether a barer fit leaves no more than what the effects that it lacks have to be worth."""
     return unpaid(fit, bare) or fit.rmse**2 >= (1.0 - RULE.worth) * bare.rmse**2
+
+
+def needed(fit: Fit, effect: str) -> bool:
+    """Whether an effect is worth so much by first order alone that no fit without it has to be made."""
+    count = sum(name.startswith(f"{effect}.") for name in fit.core.free)
+    share = fit.white_squares * RULE.worth / (1.0 - RULE.worth)
+    return fit.noise_floor > 0.0 and fit.core.worth(effect) > _FAR * max(RULE.price * count, share)
 
 
 def worse(fit: Fit) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from .. import _core
 from ..capture.prepare import travel
 from ..fit.diagnose import Candidate, Diagnosis, absent, diagnose
 from ..fit.plausible import columns_at_fault
-from ..fit.refit import converged, cores, gain, needless, with_clipped
+from ..fit.refit import converged, cores, gain, needed, needless, with_clipped
 from ..fit.rule import RULE
 from ..fit.verdict import judged, within_law
 from ..model.effects import base_effects_shown, clipping, descriptions
@@ -228,6 +228,8 @@ def without_help(richer: Fit, candidate: Candidate, fit: Fit) -> Fit | None:
     places = {one: row.place for one, row in fit.model.catalogue().items()}
     if candidate.place == "coupling" or all(places[one] != "coupling" for one in fit.model.effects):
         return None
+    if needed(richer, candidate.effect):
+        return None
     bare = richer.drop(candidate.effect)
     helped = bare.rmse < (1.0 - RULE.helped) * fit.rmse
     return replace(bare, before=fit.before) if helped and needless(richer, bare) else None
@@ -239,6 +241,8 @@ def retested(fit: Fit, tested: Collection[str]) -> tuple[Fit, tuple[str, ...]]:
     for effect in tested:
         if effect not in fit.model.effects:
             continue  # it went before, or with another that it changed
+        if needed(fit, effect):
+            continue
         # What an effect did, a joint has to be fitted anew to do.
         bare = fit.drop(effect)
         if needless(fit, bare):

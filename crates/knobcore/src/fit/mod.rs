@@ -13,6 +13,7 @@ mod separable;
 mod serial;
 mod solve;
 mod undetermined;
+mod worth;
 
 pub use expected::Expected;
 pub use moments::Moments;
@@ -90,6 +91,8 @@ pub struct Fit {
     pub blocks: Vec<Moments>,
     /// Columns of `blocks` that the data determine.
     kept: Vec<usize>,
+    /// Samples that count.
+    used: f64,
 }
 
 /// Fits `model` to one or several captures of the same knob; what belongs to a run may differ between them.
@@ -325,6 +328,7 @@ fn finish(
         scan,
         blocks,
         kept,
+        used,
         model,
     })
 }
