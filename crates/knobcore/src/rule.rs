@@ -167,6 +167,8 @@ search {
     hopeless: 2.0, "times the noise floor", "judgement";
     /// A joint whose error ends lower by less has not moved.
     helped: 1e-3, "share of the error", "judgement: a tenth of converged";
+    /// An effect that is worth so much by first order is needed, and no fit without it is made to see.
+    needed: 10.0, "times what it has to be worth", "judgement: a fit that follows a bent surface loses less";
 }
 }
 

@@ -23,9 +23,6 @@ if TYPE_CHECKING:
 
 
 _ROUNDING = 1e-9  # of an error
-# Times what an effect has to be worth. Judgement: a fit that follows a bent surface loses less than first
-# order says.
-_FAR = 10.0
 
 
 class Moved(NamedTuple):
@@ -145,7 +142,7 @@ def needed(fit: Fit, effect: str) -> bool:
     """Whether an effect is worth so much by first order alone that no fit without it has to be made."""
     count = sum(name.startswith(f"{effect}.") for name in fit.core.free)
     share = fit.white_squares * RULE.worth / (1.0 - RULE.worth)
-    return fit.noise_floor > 0.0 and fit.core.worth(effect) > _FAR * max(RULE.price * count, share)
+    return fit.noise_floor > 0.0 and fit.core.worth(effect) > RULE.needed * max(RULE.price * count, share)
 
 
 def worse(fit: Fit) -> tuple[str, ...]:
