@@ -68,8 +68,8 @@ class Stratum(NamedTuple):
         """
         every = list(MOTIONS)
         keep = NOISES[self.topic] if self.sitting == "none" else 0.0
-        turned = [every[(self.seed + later) % len(every)] for later in range(len(every))]
-        for turn in turned if motion is None else [motion]:
+        first = self.seed % len(every)
+        for turn in [*every[first:], *every[:first]] if motion is None else [motion]:
             try:
                 return make(self.seed, self.effects, turn, self.band, keep=keep, at_shaft=self.at_shaft)
             except ValueError:

@@ -102,6 +102,8 @@ export function rowsOf(data, view, widest) {
   const word = torqueWord(data.unit);
   const model = less(columns.tau, columns.residual);
   const other = beside ? less(columns.tau, beside.residual) : null;
+  const fine = torqueScale(data.unit, widest);
+  const [ownLabel, besideLabel] = [columns, beside].map((one) => (one ? `residual, ${fine.unit}${beyondWords(one.residual, 1.04 * widest)}` : ""));
   return view.axes.map((along) => {
     if (along === "frequency") return { torque: null, residual: alongFrequency(data), beside: null };
     const axis = AXES[along];
@@ -127,10 +129,9 @@ export function rowsOf(data, view, widest) {
       series,
       noise: null,
     };
-    const fine = torqueScale(data.unit, widest);
-    const rest = (/** @type {Float32Array} */ y, /** @type {string} */ colour, /** @type {string} */ title) => ({
+    const rest = (/** @type {Float32Array} */ y, /** @type {string} */ label, /** @type {string} */ colour, /** @type {string} */ title) => ({
       ...common,
-      yAxis: { low: -1.04 * widest, high: 1.04 * widest, factor: fine.factor, label: `residual, ${fine.unit}${beyondWords(y, 1.04 * widest)}` },
+      yAxis: { low: -1.04 * widest, high: 1.04 * widest, factor: fine.factor, label },
       title,
       series: [{ colour, chosen: "--chosen", y, strength: 0.3 }],
       noise: data.noise && 2 * data.noise,
@@ -138,8 +139,8 @@ export function rowsOf(data, view, widest) {
     const own = beside && data.name ? `residual, ${short(data.name)}` : "measured − modelled";
     return {
       torque,
-      residual: rest(columns.residual, "--wrong", own),
-      beside: beside ? rest(beside.residual, "--beside", `residual, ${short(beside.name)}`) : null,
+      residual: rest(columns.residual, ownLabel, "--wrong", own),
+      beside: beside ? rest(beside.residual, besideLabel, "--beside", `residual, ${short(beside.name)}`) : null,
     };
   });
 }

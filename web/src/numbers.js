@@ -65,10 +65,10 @@ export function ticks(low, high, count) {
   const steps = [10, 5, 2, 1].map((factor) => factor * power);
   const wide = steps.findLastIndex((step) => step >= rough);
   // A single tick is no scale: then the next finer step, though that is more of them.
-  for (const step of steps.slice(wide)) {
+  const scales = steps.slice(wide).map((step) => {
     const first = Math.ceil(low / step - 1e-9);
     const last = Math.floor(high / step + 1e-9);
-    if (last > first || step === steps[3]) return Array.from({ length: last - first + 1 }, (_, at) => (first + at) * step);
-  }
-  return [];
+    return Array.from({ length: last - first + 1 }, (_, at) => (first + at) * step);
+  });
+  return scales.find((marks) => marks.length > 1) ?? scales[scales.length - 1];
 }

@@ -26,7 +26,7 @@ from .formats import DEFAULT_MAX_BYTES, Table, document, write_table
 from .formats.clock import NO_CLOCK, between
 from .formats.columnmap import ColumnMap
 from .formats.resolve import contract, resolve
-from .formats.units import SI, Coordinate, torque_unit_of
+from .formats.units import SI, VOLTAGES, Coordinate, torque_unit_of
 from .motor import as_torque
 from .quality import check, check_size
 from .quality.limits import check_limits
@@ -371,7 +371,7 @@ def _checked(
 ) -> Capture:
     between(source, columns, rate_hz, None, None)
     whose = limit or usual_limit(torque_unit)
-    voltage = torque_unit in ("V", "duty")
+    voltage = torque_unit in VOLTAGES
     verdict = check(columns, coordinate, rows, source, whose, overrule, voltage=voltage)
     if rate_hz is not None and abs(rate_hz / verdict.rate_hz - 1.0) > _RATE_AGREEMENT:
         raise InputError(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .. import _core
+from ..capture.formats.units import VOLTAGES
 from ..model.effects import base_effects
 from .plausible import REVERSED, torque_of
 
@@ -84,7 +85,7 @@ def _back_emf(fit: Fit) -> list[str]:
     """What is said of friction in proportion to the speed where the torque is what drives the current."""
     own = _of_base(fit)
     names = [name for name, e in own.items() if e.unit == _per_speed(fit)]
-    if fit.torque_unit not in ("V", "duty") or not names or fit.constants:
+    if fit.torque_unit not in VOLTAGES or not names or fit.constants:
         return []
     what = f"hold the motor's back-EMF beside its friction, unless the {fit.torque_unit} command a current"
     way = (

@@ -239,10 +239,8 @@ def retested(fit: Fit, tested: Collection[str]) -> tuple[Fit, tuple[str, ...]]:
     """Return the fit without those of the tested effects that it no longer needs, and which they were."""
     dropped: list[str] = []
     for effect in tested:
-        if effect not in fit.model.effects:
-            continue  # it went before, or with another that it changed
-        if needed(fit, effect):
-            continue
+        if effect not in fit.model.effects or needed(fit, effect):
+            continue  # it went before, or with another that it changed; or it is worth far too much to go
         # What an effect did, a joint has to be fitted anew to do.
         bare = fit.drop(effect)
         if needless(fit, bare):

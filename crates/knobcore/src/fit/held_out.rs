@@ -30,8 +30,7 @@ pub fn held_out(
     kept: &[usize],
 ) -> f64 {
     let Some(first) = blocks.first() else { return f64::NAN };
-    let mut all = Moments::empty(first.k);
-    blocks.iter().for_each(|block| all.add(block));
+    let all = Moments::of_all(first.k, blocks);
     let folds = FOLDS.min(blocks.len());
     let steps: Vec<Vec<f64>> = (0..folds)
         .map(|fold| {

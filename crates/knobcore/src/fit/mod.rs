@@ -281,8 +281,7 @@ fn finish(
         residuals[evaluated.capture].extend(rest);
     });
     let blocks = blocks.done();
-    let mut at = Moments::empty(k);
-    blocks.iter().for_each(|block| at.add(block));
+    let at = Moments::of_all(k, &blocks);
     let gram = |i: usize, j: usize| at.gram(i, j);
     let kept = solvable(gram, independent(gram, &layout.linear_first()));
     let serial = serial(&residuals.iter().map(Vec::as_slice).collect::<Vec<_>>());

@@ -26,6 +26,13 @@ impl Moments {
         Self { k, products: vec![0.0; (k + 1) * (k + 1)], rows: 0.0 }
     }
 
+    /// Of the data of several, of `k` columns each.
+    pub fn of_all(k: usize, parts: &[Self]) -> Self {
+        let mut all = Self::empty(k);
+        parts.iter().for_each(|part| all.add(part));
+        all
+    }
+
     /// Columns `i` and `j` multiplied.
     #[inline(always)]
     pub fn gram(&self, i: usize, j: usize) -> f64 {

@@ -90,8 +90,7 @@ impl Parts {
 
 /// Variance of the fits without one part each, for every column.
 fn jackknife(parts: &[Moments], k: usize, kept: &[usize]) -> Vec<f64> {
-    let mut all = Moments::empty(k);
-    parts.iter().for_each(|part| all.add(part));
+    let all = Moments::of_all(k, parts);
     let without = |part: &Moments| {
         let mut others = all.clone();
         others.add_scaled(part, -1.0);

@@ -10,8 +10,7 @@ impl Fit {
     /// that holding one of the parameters in proportion to which its torque is at zero takes while all others follow.
     /// Nothing where it has none.
     pub fn worth(&self, effect: &str) -> f64 {
-        let mut at = Moments::empty(self.blocks.first().map_or(0, |block| block.k));
-        self.blocks.iter().for_each(|block| at.add(block));
+        let at = Moments::of_all(self.blocks.first().map_or(0, |block| block.k), &self.blocks);
         let Some(normal) = Normal::of(|i, j| at.gram(i, j), &self.kept) else { return 0.0 };
         let (bread, values, slots) = (normal.inverse(), self.model.values(), self.model.slots());
         let white = self.noise_floor.powi(2) * self.used / self.white_squares;

@@ -20,6 +20,9 @@ SI: dict[Coordinate, dict[str, str]] = {
 GIVEN = {"A": "current", "V": "voltage", "duty": "duty cycle"}
 """Units of what a motor was given, which stand for a torque that nobody measured, and what it is."""
 
+VOLTAGES = ("V", "duty")
+"""Those of them that hold the motor's back-EMF beside what drives its current."""
+
 _DUTY = {"duty": 1.0, "1": 1.0, "%": 0.01}
 
 COUNTS = "counts"

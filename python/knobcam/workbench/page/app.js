@@ -118,12 +118,12 @@ function ticks(low, high, count) {
   const power = 10 ** Math.floor(Math.log10(rough));
   const steps = [10, 5, 2, 1].map((factor) => factor * power);
   const wide = steps.findLastIndex((step) => step >= rough);
-  for (const step of steps.slice(wide)) {
+  const scales = steps.slice(wide).map((step) => {
     const first = Math.ceil(low / step - 1e-9);
     const last = Math.floor(high / step + 1e-9);
-    if (last > first || step === steps[3]) return Array.from({ length: last - first + 1 }, (_, at) => (first + at) * step);
-  }
-  return [];
+    return Array.from({ length: last - first + 1 }, (_, at) => (first + at) * step);
+  });
+  return scales.find((marks) => marks.length > 1) ?? scales[scales.length - 1];
 }
 
 // src/branches.js
@@ -1506,6 +1506,8 @@ function rowsOf(data, view, widest) {
   const word = torqueWord(data.unit);
   const model = less(columns.tau, columns.residual);
   const other = beside ? less(columns.tau, beside.residual) : null;
+  const fine = torqueScale(data.unit, widest);
+  const [ownLabel, besideLabel] = [columns, beside].map((one) => one ? `residual, ${fine.unit}${beyondWords(one.residual, 1.04 * widest)}` : "");
   return view.axes.map((along) => {
     if (along === "frequency") return { torque: null, residual: alongFrequency(data), beside: null };
     const axis2 = AXES[along];
@@ -1533,10 +1535,9 @@ function rowsOf(data, view, widest) {
       series,
       noise: null
     };
-    const fine = torqueScale(data.unit, widest);
-    const rest = (y, colour, title) => ({
+    const rest = (y, label, colour, title) => ({
       ...common,
-      yAxis: { low: -1.04 * widest, high: 1.04 * widest, factor: fine.factor, label: `residual, ${fine.unit}${beyondWords(y, 1.04 * widest)}` },
+      yAxis: { low: -1.04 * widest, high: 1.04 * widest, factor: fine.factor, label },
       title,
       series: [{ colour, chosen: "--chosen", y, strength: 0.3 }],
       noise: data.noise && 2 * data.noise
@@ -1544,8 +1545,8 @@ function rowsOf(data, view, widest) {
     const own = beside && data.name ? `residual, ${short(data.name)}` : "measured − modelled";
     return {
       torque,
-      residual: rest(columns.residual, "--wrong", own),
-      beside: beside ? rest(beside.residual, "--beside", `residual, ${short(beside.name)}`) : null
+      residual: rest(columns.residual, ownLabel, "--wrong", own),
+      beside: beside ? rest(beside.residual, besideLabel, "--beside", `residual, ${short(beside.name)}`) : null
     };
   });
 }
