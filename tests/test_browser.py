@@ -119,7 +119,7 @@ def test_files_are_handed_over_in_the_browser_and_their_names_never_become_marku
     np.savetxt(broken, rows, delimiter=",", header="t,angle,moment", comments="")
     with workbench() as address:
         seen = script("files.js", address, good, broken, pictures)
-    assert "no column is a torque" in seen["refused"]
+    assert "fields hold what they seem to be" in seen["refused"]
     assert seen["mapped"] == capture.samples
     as_kept(pictures, "8-welcome", "9-mapped")
 

@@ -40,7 +40,8 @@ export const AXES = /** @type {Record<Along, AxisOf>} */ ({
 export const USUAL = ["position", "velocity", "time"];
 
 const NAME = 32; // letters of a branch's name in a title
-const FEW = 3; // samples that may be outliers of a short capture
+const FEW = 3; // samples that may be outliers of a short capture; of a long one a share of all
+const FEW_OF = 5000;
 
 /**
  * The columns that a view needs.
@@ -70,7 +71,7 @@ export function reachOf({ columns, beside, noise }) {
  * @param {Float32Array} values
  */
 export function mostReach(values) {
-  const few = Math.max(FEW, values.length / 5000);
+  const few = Math.max(FEW, values.length / FEW_OF);
   for (let reach = Infinity; ; ) {
     let [most, beyond] = [0, 0];
     for (let i = 0; i < values.length; i++) {
@@ -83,10 +84,48 @@ export function mostReach(values) {
   }
 }
 
-/** What stands at an axis that some values are beyond; they are drawn at its edge. @param {Float32Array} y @param {number} most */
-export function beyondWords(y, most) {
+/**
+ * From where to where values go; without the few at either end that would take more than half of the axis from all others.
+ * @param {Float32Array[]} columns
+ * @returns {[number, number]}
+ */
+export function mostLimits(columns) {
+  const few = Math.max(FEW, columns[0].length / FEW_OF);
+  let [low, high] = within(columns, -Infinity, Infinity);
+  const whole = /** @type {[number, number]} */ ([low, high]);
+  while (low < high) {
+    const quarter = 0.25 * (high - low);
+    let [above, below] = [0, 0];
+    for (const y of columns) {
+      for (let i = 0; i < y.length; i++) {
+        if (y[i] > high - quarter) above++;
+        else if (y[i] < low + quarter) below++;
+      }
+    }
+    if (above > few && below > few) break;
+    [low, high] = within(columns, below > few ? low : low + quarter, above > few ? high : high - quarter);
+  }
+  return whole[1] - whole[0] > 2 * (high - low) ? [low, high] : whole;
+}
+
+/** The least and the largest of the values between two limits; NaN where there are none.
+ * @param {Float32Array[]} columns @param {number} low @param {number} high @returns {[number, number]} */
+function within(columns, low, high) {
+  let [least, most] = [Infinity, -Infinity];
+  for (const y of columns) {
+    for (let i = 0; i < y.length; i++) {
+      if (y[i] < low || y[i] > high) continue;
+      if (y[i] < least) least = y[i];
+      if (y[i] > most) most = y[i];
+    }
+  }
+  return least <= most ? [least, most] : [NaN, NaN];
+}
+
+/** What stands at an axis that some values are beyond; they are drawn at its edge. @param {Float32Array} y @param {number} low @param {number} high */
+export function beyondWords(y, low, high) {
   let count = 0;
-  for (let i = 0; i < y.length; i++) if (Math.abs(y[i]) > most) count++;
+  for (let i = 0; i < y.length; i++) if (y[i] < low || y[i] > high) count++;
   return count === 0 ? "" : ` (${count.toLocaleString("en")} ${count === 1 ? "sample" : "samples"} beyond, at the edge)`;
 }
 
@@ -103,7 +142,7 @@ export function rowsOf(data, view, widest) {
   const model = less(columns.tau, columns.residual);
   const other = beside ? less(columns.tau, beside.residual) : null;
   const fine = torqueScale(data.unit, widest);
-  const [ownLabel, besideLabel] = [columns, beside].map((one) => (one ? `residual, ${fine.unit}${beyondWords(one.residual, 1.04 * widest)}` : ""));
+  const [ownLabel, besideLabel] = [columns, beside].map((one) => (one ? `residual, ${fine.unit}${beyondWords(one.residual, -1.04 * widest, 1.04 * widest)}` : ""));
   return view.axes.map((along) => {
     if (along === "frequency") return { torque: null, residual: alongFrequency(data), beside: null };
     const axis = AXES[along];
@@ -118,13 +157,13 @@ export function rowsOf(data, view, widest) {
       ...(other && !part ? [{ colour: "--beside", chosen: "--beside", y: other, strength: 0.35 }] : []),
       { colour: "--modelled", chosen: "--modelled", y: modelled, strength: 0.35 },
     ];
-    const [lowest, highest] = limits([measured, modelled]);
+    const [lowest, highest] = limits([Float32Array.from(mostLimits([measured, modelled]))]);
     const scale = torqueScale(data.unit, Math.max(-lowest, highest));
     const torque = {
       ...common,
       picked: series.findIndex(({ colour }) => colour === "--measured"), // masked samples are not taken by a brush
       xAxis: { ...common.xAxis, label: "" }, // where it is chosen it stands already
-      yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}, ${scale.unit}` },
+      yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}, ${scale.unit}${beyondWords(measured, lowest, highest)}` },
       title: part ? `what depends on ${along} alone` : `${word} over ${axis.words}`,
       series,
       noise: null,

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { beyondWords, mostReach } from "../src/contents.js";
+import { beyondWords, mostLimits, mostReach } from "../src/contents.js";
 import { ticks } from "../src/numbers.js";
 import { plainly } from "../src/verdict.js";
 
@@ -20,8 +20,8 @@ test("a few outliers do not flatten all other residuals, and are said to be beyo
   values[7] = -50;
   values[4000] = 9;
   assert.ok(Math.abs(mostReach(values) - 1) < 1e-3);
-  assert.match(beyondWords(values, 1.04), /2 samples beyond/);
-  assert.equal(beyondWords(values, 60), "");
+  assert.match(beyondWords(values, -1.04, 1.04), /2 samples beyond/);
+  assert.equal(beyondWords(values, -60, 60), "");
 });
 
 test("what is there at every reversal is no outlier, and nothing at all has no reach", () => {
@@ -38,4 +38,18 @@ test("a verdict begins with what is missing in plain words, and with what to do 
   assert.match(tied, /Tell apart designs what to record next/);
   assert.equal(plainly({ ready: false, rows: [row] }), "");
   assert.equal(plainly({ ready: true, rows: [{ ...row, could_be: false }] }), "");
+});
+
+test("a torque's axis is that of all but a few samples that would have half of it alone", () => {
+  const torque = Float32Array.from({ length: 5000 }, (_, at) => 1 + Math.sin(at));
+  const [low, high] = mostLimits([torque]);
+  assert.ok(low < 0.001 && high > 1.999);
+  torque[70] = 90;
+  torque[71] = -40;
+  torque[72] = NaN;
+  assert.deepEqual(mostLimits([torque]).map((one) => Math.round(one)), [0, 2]);
+  torque.fill(30, 100, 110); // ten are no outliers
+  assert.deepEqual(mostLimits([torque]).map((one) => Math.round(one)), [0, 30]);
+  assert.deepEqual(mostLimits([new Float32Array(9)]), [0, 0]);
+  assert.deepEqual(mostLimits([Float32Array.from([NaN, NaN])]), [NaN, NaN]);
 });

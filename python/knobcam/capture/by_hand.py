@@ -1,7 +1,8 @@
 """A motion in words for a person without a motor: steps in degrees, seconds and beats of a metronome.
 
-What follows one another and is alike becomes one step: passes between the same ends, stairs with rests. Each
-turning of the hand is a beat; a pass that takes longer has several, so that they come about once a second.
+What follows one another and is alike becomes one step: passes between the same ends, stairs with rests. The
+metronome goes at 40 to 120 beats a minute, which a hand can follow: each turning of it is a beat; a quick there
+and back is one together; a pass that takes longer has several, so that they come about once a second.
 """
 
 from __future__ import annotations
@@ -17,11 +18,14 @@ if TYPE_CHECKING:
     from .formats.units import Coordinate
     from .motion_plan import MotionPlan
 
+FASTEST = 120.0
+"""Beats a minute: faster ones no hand keeps to."""
 QUICKEST_S = 0.15
-"""A pass that takes less is too quick for a hand."""
+"""A pass that takes less is too quick for a hand, whatever rest follows; as is, to and fro, half a beat."""
 FINEST_RAD, FINEST_M = math.radians(0.5), 2e-4
 """What is smaller no hand does on purpose."""
 _ALIKE = 0.04  # of the seconds or of the way of two passes that are one step
+_BEAT_LEAST_S = 60.0 / FASTEST
 _BEAT_S = 1.0  # about so long is a beat of a slow pass
 _SLOW_S = 1.5  # a pass that takes longer has more than one
 
@@ -139,7 +143,7 @@ def _to_and_fro(passes: Sequence[_Pass], coordinate: Coordinate) -> HandStep:
         return HandStep(f"rest for {one.rest:.2g} s", one.rest, 0.0)
     here, there = _place(one.start, coordinate), _place(one.to, coordinate)
     unit = _unit(coordinate)
-    how = _pace(one)
+    how = _pace(one, n)
     if n == 1:
         words = f"to {there} {unit}{how if one.seconds >= QUICKEST_S or one.rest else ''}"
     elif n < 4:
@@ -156,7 +160,7 @@ def _stairs(passes: Sequence[_Pass], coordinate: Coordinate) -> HandStep:
     way = _place(abs(one.to - one.start), coordinate)
     to = _place(passes[-1].to, coordinate)
     unit = _unit(coordinate)
-    return _step(f"in {n} steps of {way} {unit} to {to}, each{_pace(one)}", passes, coordinate)
+    return _step(f"in {n} steps of {way} {unit} to {to}, each{_pace(one, n)}", passes, coordinate)
 
 
 def _step(words: str, passes: Sequence[_Pass], coordinate: Coordinate) -> HandStep:
@@ -166,23 +170,35 @@ def _step(words: str, passes: Sequence[_Pass], coordinate: Coordinate) -> HandSt
     alone = len(passes) == 1  # a way to a place, for which a hand may take its time
     if abs(one.to - one.start) < (0.5 * finest if alone else finest):
         cannot = "too small for a hand"
-    elif not alone and one.seconds < QUICKEST_S:
+    elif not alone and (one.seconds < QUICKEST_S or _beats(one, len(passes)) == 0.0):
         cannot = "too quick for a hand"
     seconds = sum(each.seconds + each.rest for each in passes)
-    return HandStep(words, seconds, 60.0 * _beats(one) / (one.seconds + one.rest), cannot)
+    return HandStep(words, seconds, 0.0 if cannot else _tempo(one, len(passes)), cannot)
 
 
-def _beats(one: _Pass) -> int:
-    """Beats of a pass and the rest behind it."""
+def _beats(one: _Pass, of: int) -> float:
+    """Beats of a pass and the rest behind it, of so many: half a one each where two are a beat; 0: none."""
     whole = one.seconds + one.rest
-    return 1 if whole <= _SLOW_S else round(whole / _BEAT_S)
+    if whole > _SLOW_S:
+        return float(round(whole / _BEAT_S))
+    if whole >= _BEAT_LEAST_S:
+        return 1.0
+    return 0.5 if of > 1 and whole >= 0.5 * _BEAT_LEAST_S else 0.0  # what is done once needs no tempo
 
 
-def _pace(one: _Pass) -> str:
-    beats = _beats(one)
-    pace = f"{60.0 * beats / (one.seconds + one.rest):.0f} beats a minute"
+def _tempo(one: _Pass, of: int) -> float:
+    """Beats a minute; 0 where there are none."""
+    return 60.0 * _beats(one, of) / (one.seconds + one.rest)
+
+
+def _pace(one: _Pass, of: int) -> str:
+    beats, tempo = _beats(one, of), _tempo(one, of)
     rest = f", then {one.rest:.2g} s of rest" if one.rest else ""
-    return f" in {one.seconds:.2g} s{rest} ({pace if beats == 1 else f'{beats} beats, {pace}'})"
+    said = f" in {one.seconds:.2g} s{rest}"
+    if tempo == 0.0:
+        return said
+    each = {0.5: "two on a beat, ", 1.0: ""}.get(beats, f"{beats:.0f} beats, ")
+    return f"{said} ({each}{tempo:.0f} beats a minute)"
 
 
 def _place(value: float, coordinate: Coordinate) -> str:

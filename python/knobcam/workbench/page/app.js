@@ -165,6 +165,8 @@ function showBranches(place4, state, beside, deeds) {
 }
 
 // src/captures.js
+var FEW = 2;
+var PLURAL = { note: "notes", warning: "warnings" };
 function showCaptures(place4, { captures, active }, { use, close }) {
   const key2 = JSON.stringify([captures, active]);
   if (place4.dataset.shown === key2) return;
@@ -207,15 +209,25 @@ function showFindings(place4, { captures, active, limitations, notes, job }, dee
   place4.dataset.shown = key2;
   const focused = document.activeElement?.getAttribute("data-finding");
   const fitted = captures.filter(({ id }) => active.includes(id));
+  const told = fitted.flatMap(({ findings }) => findings);
   const found2 = fitted.flatMap(({ id, name, findings }) => {
-    const own = [...findings.filter(({ note }) => !note), ...findings.filter(({ note }) => note)];
-    return own.map((one) => finding(one, { id, name: fitted.length > 1 ? `${name}: ` : "", job }, deeds));
+    const own2 = [...findings.filter(({ note }) => !note), ...findings.filter(({ note }) => note)];
+    return own2.map((one) => finding(one, { id, name: fitted.length > 1 ? `${name}: ` : "", job }, deeds));
   });
   const missing = limitations.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
-  place4.replaceChildren(...noted, ...missing, ...found2);
+  const open = place4.querySelector("details")?.open ?? false;
+  const own = found2.length > FEW ? [folded(found2, told, open)] : found2;
+  place4.replaceChildren(...noted, ...missing, ...own);
   const again = focused && place4.querySelector(`[data-finding="${CSS.escape(focused)}"]`);
   if (again instanceof HTMLElement) again.focus();
+}
+function folded(items, told, open) {
+  const kinds = Map.groupBy(told, ({ text, overruled }) => overruled ? "overruled" : text.split(":")[0]);
+  const words3 = [...kinds].map(([kind, those]) => `${those.length} ${PLURAL[kind] && those.length > 1 ? PLURAL[kind] : kind}`);
+  const doubtful = told.some(({ note, overruled }) => !note && !overruled);
+  const summary = make("summary", { class: doubtful ? "doubt" : "soft", text: `${doubtful ? "⚠ " : ""}${told.length} findings: ${words3.join(", ")}` });
+  return make("li", {}, make("details", { open }, summary, make("ul", {}, ...items)));
 }
 function finding({ key: key2, text, note, overruled, stands, seen }, { id, name, job }, { see, overrule }) {
   const said = `${note || overruled ? "" : "⚠ "}${name}${text}`;
@@ -372,6 +384,15 @@ var Reader = class {
     return ["mrow", {}, ["mo", { stretchy: "true", form: "prefix" }, "{"], ["mtable", {}, ...rows]];
   }
 };
+var SMALLEST = 0.62;
+function fitFormulas(place4) {
+  const every = [...place4.querySelectorAll(".formula")].filter((one) => one instanceof HTMLElement);
+  for (const one of every) one.style.fontSize = "";
+  const shares = every.map((one) => one.clientWidth > 0 ? one.clientWidth / one.scrollWidth : 1);
+  for (const [at, share] of shares.entries()) {
+    if (share < 1) every[at].style.fontSize = `${Math.max(SMALLEST, 0.98 * share).toFixed(3)}em`;
+  }
+}
 function fence(token2) {
   return token2 === "." ? null : ["mo", { stretchy: "true" }, token2];
 }
@@ -417,6 +438,7 @@ var Candidates = class {
     this.rows = [];
     place4.tabIndex = -1;
     place4.addEventListener("keydown", (event) => this.key(event));
+    new ResizeObserver(() => fitFormulas(place4)).observe(place4);
   }
   /** @param {Pick<State, "candidates" | "node" | "job">} state */
   show({ candidates, node, job }) {
@@ -438,9 +460,10 @@ var Candidates = class {
       ...candidates.ready && this.items.length === 0 ? [make("p", { class: "well", text: "Nothing is left to be weighed." })] : [],
       candidates.ready && could.length === 0 && others.length > 0 ? make("p", { class: "soft", text: NOTHING }) : "",
       make("ul", { "aria-label": "candidates", class: "candidates" }, ...this.items.slice(0, could.length)),
-      others.length > 0 ? folded(others) : "",
+      others.length > 0 ? folded2(others) : "",
       ...remainder(candidates.unexplained)
     );
+    fitFormulas(this.place);
     if (this.inside && document.activeElement === document.body) this.place.focus();
     if (this.items.length > 0) this.inside = false;
   }
@@ -474,7 +497,7 @@ var Candidates = class {
       make("span", { class: "figure", text: percent(-Math.max(0, row.error_fall)), title: "fall of the RMS error" }),
       make("span", { class: "deeds" }, this.deeds.about ? about2 : null, take),
       make("span", { class: "alike", text: row.name }),
-      row.could_be ? make("span", { class: "alike" }, lawOf(row)) : null,
+      row.could_be ? make("span", { class: "alike law-of" }, lawOf(row)) : null,
       make("span", { class: "evidence soft", text: evidence(row) }),
       this.untold(row),
       ...remarks(row).map((text) => make("span", { class: "alike soft", text })),
@@ -526,7 +549,7 @@ var Candidates = class {
     }
   }
 };
-function folded(items) {
+function folded2(items) {
   const words3 = `${items.length} weighed in vain: too little, or chance`;
   return make("details", {}, make("summary", { class: "soft", text: words3 }), make("ul", { class: "candidates" }, ...items));
 }
@@ -831,6 +854,7 @@ function about(effect, shown) {
     frame
   );
   dialog().showModal();
+  fitFormulas(byId("about-text"));
   const alt = `${law}: what it adds to the torque of a small knob; it shows ${shows}`;
   const drawn = () => frame.replaceChildren(make("img", { alt, src: pictures.get(id) }));
   if (pictures.has(id)) return drawn();
@@ -855,11 +879,14 @@ function dialog() {
 
 // src/mapping.js
 var MOTOR = ["A", "mA", "V", "duty"];
+var COUNTS = "counts";
+var PER = { rotary: { words: "turn", unit: "turn" }, linear: { words: "millimetre", unit: "mm" } };
+var RATE = 20;
 var TARGETS = {
   t: { words: "Time", units: { rotary: ["s", "ms", "us", "min"], linear: ["s", "ms", "us", "min"] }, needed: true },
   theta: {
     words: "Angle or position",
-    ...{ units: { rotary: ["rad", "deg", "turn"], linear: ["m", "mm", "um"] }, needed: true }
+    ...{ units: { rotary: ["rad", "deg", "turn", COUNTS], linear: ["m", "mm", "um", COUNTS] }, needed: true }
   },
   tau: {
     words: "Torque or force, or motor current",
@@ -897,6 +924,10 @@ var Mapping = class {
   constructor(place4, found2) {
     this.found = found2;
     this.columns = [];
+    this.counts = make("input", { ...{ name: "counts", type: "number", min: 0, step: "any", inputmode: "decimal" }, list: "counts-usual" });
+    this.counts.addEventListener("input", () => this.tell());
+    this.perWhat = make("span", {});
+    this.per = make("label", { class: "per", hidden: true }, this.perWhat, this.counts);
     this.fields = Object.entries(TARGETS).map(([name, target]) => {
       const text = make("input", { name, type: "text", autocomplete: "off", spellcheck: "false", "aria-label": target.words });
       const unit = make("select", { "aria-label": `unit of ${target.words}`, name: `${name}-unit` });
@@ -905,7 +936,7 @@ var Mapping = class {
       text.addEventListener("focus", () => this.at = text);
       text.addEventListener("input", () => this.tell());
       unit.addEventListener("change", () => this.chose(unit.value));
-      place4.append(make("div", {}, make("span", { text: target.words }), text, unit, range2));
+      place4.append(make("div", {}, make("span", { text: target.words }), text, unit, name === "theta" ? this.per : null, range2));
       return field3;
     });
     this.at = this.fields[0].text;
@@ -925,7 +956,9 @@ var Mapping = class {
     const filled = this.fields.filter(({ text }) => text.value.trim());
     const map = filled.map(({ name, text, unit }) => {
       const written = text.value.trim();
-      return `${name}=${written}${unit.value && !saysUnit(written) ? ` [${unit.value}]` : ""}`;
+      if (saysUnit(written) || !unit.value) return `${name}=${written}`;
+      if (unit.value !== COUNTS) return `${name}=${written} [${unit.value}]`;
+      return `${name}=(${written})/${this.counts.value.trim()} [${PER[this.kind ?? "rotary"].unit}]`;
     });
     const options = map.length > 0 ? { map: map.join(", ") } : {};
     if (map.length > 0 && this.kind) options.coordinate = this.kind;
@@ -943,13 +976,19 @@ var Mapping = class {
       return "Does it turn or slide? Metres must not be taken for radians.";
     }
     const without = filled.find(({ text, unit }) => !unit.value && !saysUnit(text.value.trim()));
-    without?.unit.focus();
-    return without ? `In which unit is ${without.text.value}? (${without.target.words.toLowerCase()})` : "";
+    if (without) {
+      without.unit.focus();
+      return `In which unit is ${without.text.value}? (${without.target.words.toLowerCase()})`;
+    }
+    if (this.per.hidden || Number(this.counts.value) > 0) return "";
+    this.counts.focus();
+    return `How many counts has a ${PER[this.kind].words}? The data sheet of the encoder says; often it is four times its lines.`;
   }
   clear() {
     for (const { text } of this.fields) text.value = "";
     for (const box of this.kinds) box.checked = false;
     for (const { unit } of this.fields) unit.value = "";
+    this.counts.value = "";
     this.columns = [];
     this.found.replaceChildren();
     this.tell();
@@ -967,10 +1006,16 @@ var Mapping = class {
       const same = columns.some(({ name }) => name === field3.name) ? field3.name : "";
       if (field3.text.value) continue;
       field3.text.value = known ? plain3(known.expression.replace(/^`([^`]*)`$/, "$1")) : same;
-      if (known?.unit) this.measure(field3, known.unit);
+      const unit = known?.unit ?? (field3.name === "t" && known ? this.seconds(field3.text.value) : "");
+      if (unit) this.measure(field3, unit);
     }
     this.at = this.fields.find(({ text }) => !text.value)?.text ?? this.at;
     this.tell();
+  }
+  /** The second, where a time without a unit can hardly be in another one. @param {string} written */
+  seconds(written) {
+    const column = this.columns.find(({ name }) => plain3(name) === written);
+    return column && rateOf(column) >= RATE ? "s" : "";
   }
   /** @param {FileColumn} column */
   tile({ name, low, high, outline }) {
@@ -1015,6 +1060,9 @@ var Mapping = class {
   /** Offer the units of the kind of axis, and say what each column would be in them. */
   tell() {
     const kind = this.kind;
+    const counted = this.fields.find(({ name }) => name === "theta");
+    this.per.hidden = counted?.unit.value !== COUNTS || saysUnit(counted.text.value.trim());
+    this.perWhat.textContent = `counts in a ${PER[kind ?? "rotary"].words}${kind ? "" : " (or a millimetre)"}`;
     for (const { target, text, unit, range: range2 } of this.fields) {
       const offered = [...new Set(kind ? target.units[kind] : KINDS2.flatMap((one) => target.units[one]))];
       const chosen = unit.value;
@@ -1022,14 +1070,24 @@ var Mapping = class {
       if (unit.options.length !== options.length || unit.options[1].value !== offered[0]) unit.replaceChildren(...options);
       unit.value = offered.includes(chosen) ? chosen : "";
       const column = this.columns.find(({ name }) => plain3(name) === text.value.trim());
-      range2.textContent = column ? spread(column, unit.value) : "";
+      range2.textContent = column ? spread(column, unit.value, Number(this.counts.value), kind) : "";
     }
   }
 };
-function spread({ low, high }, unit) {
+function spread(column, unit, counts, kind) {
+  const { low, high } = column;
   if (low === null || high === null) return "no value at all";
-  const felt = unit in DEGREES ? `, over ${number((high - low) * DEGREES[unit])} degrees` : "";
-  return `${number(low)} … ${number(high)} ${unit}${felt}`;
+  const ends = `${number(low)} … ${number(high)}`;
+  if (unit === COUNTS) {
+    const way = (high - low) / counts;
+    const felt = kind === "linear" ? `${number(way)} mm` : `${number(360 * way)} degrees`;
+    return `${ends} counts${counts > 0 ? `, over ${felt}` : ""}`;
+  }
+  if (unit === "s") return `${ends} s, ${number(rateOf(column))} rows a second`;
+  return `${ends} ${unit}${unit in DEGREES ? `, over ${number((high - low) * DEGREES[unit])} degrees` : ""}`;
+}
+function rateOf({ rows, low, high }) {
+  return (rows - 1) / ((high ?? 0) - (low ?? 0));
 }
 function plain3(column) {
   return /^[A-Za-z_]\w*$/.test(column) ? column : `\`${column}\``;
@@ -1115,6 +1173,7 @@ function opening(heard) {
     fresh([...chosen.files ?? []]);
     chosen.value = "";
   });
+  byId("open-map").addEventListener("input", () => told.textContent = "");
   byId("open-form").addEventListener("submit", async (event) => {
     event.preventDefault();
     const named = path.value.trim();
@@ -1470,7 +1529,8 @@ var AXES = (
 );
 var USUAL = ["position", "velocity", "time"];
 var NAME = 32;
-var FEW = 3;
+var FEW2 = 3;
+var FEW_OF = 5e3;
 function columnsOf(view) {
   const needed = ["t", "theta", "omega", "tau", "residual"];
   for (const { column } of view.axes.map((along) => AXES[along])) if (column && !needed.includes(column)) needed.push(column);
@@ -1484,7 +1544,7 @@ function reachOf({ columns, beside, noise }) {
   return Math.max(...shown.map(mostReach), 2 * (noise ?? 0)) || 1;
 }
 function mostReach(values) {
-  const few = Math.max(FEW, values.length / 5e3);
+  const few = Math.max(FEW2, values.length / FEW_OF);
   for (let reach2 = Infinity; ; ) {
     let [most, beyond] = [0, 0];
     for (let i = 0; i < values.length; i++) {
@@ -1496,9 +1556,41 @@ function mostReach(values) {
     reach2 = most / 2;
   }
 }
-function beyondWords(y, most) {
+function mostLimits(columns) {
+  const few = Math.max(FEW2, columns[0].length / FEW_OF);
+  let [low, high] = within(columns, -Infinity, Infinity);
+  const whole = (
+    /** @type {[number, number]} */
+    [low, high]
+  );
+  while (low < high) {
+    const quarter = 0.25 * (high - low);
+    let [above, below] = [0, 0];
+    for (const y of columns) {
+      for (let i = 0; i < y.length; i++) {
+        if (y[i] > high - quarter) above++;
+        else if (y[i] < low + quarter) below++;
+      }
+    }
+    if (above > few && below > few) break;
+    [low, high] = within(columns, below > few ? low : low + quarter, above > few ? high : high - quarter);
+  }
+  return whole[1] - whole[0] > 2 * (high - low) ? [low, high] : whole;
+}
+function within(columns, low, high) {
+  let [least, most] = [Infinity, -Infinity];
+  for (const y of columns) {
+    for (let i = 0; i < y.length; i++) {
+      if (y[i] < low || y[i] > high) continue;
+      if (y[i] < least) least = y[i];
+      if (y[i] > most) most = y[i];
+    }
+  }
+  return least <= most ? [least, most] : [NaN, NaN];
+}
+function beyondWords(y, low, high) {
   let count = 0;
-  for (let i = 0; i < y.length; i++) if (Math.abs(y[i]) > most) count++;
+  for (let i = 0; i < y.length; i++) if (y[i] < low || y[i] > high) count++;
   return count === 0 ? "" : ` (${count.toLocaleString("en")} ${count === 1 ? "sample" : "samples"} beyond, at the edge)`;
 }
 function rowsOf(data, view, widest) {
@@ -1507,7 +1599,7 @@ function rowsOf(data, view, widest) {
   const model = less(columns.tau, columns.residual);
   const other = beside ? less(columns.tau, beside.residual) : null;
   const fine = torqueScale(data.unit, widest);
-  const [ownLabel, besideLabel] = [columns, beside].map((one) => one ? `residual, ${fine.unit}${beyondWords(one.residual, 1.04 * widest)}` : "");
+  const [ownLabel, besideLabel] = [columns, beside].map((one) => one ? `residual, ${fine.unit}${beyondWords(one.residual, -1.04 * widest, 1.04 * widest)}` : "");
   return view.axes.map((along) => {
     if (along === "frequency") return { torque: null, residual: alongFrequency(data), beside: null };
     const axis2 = AXES[along];
@@ -1522,7 +1614,7 @@ function rowsOf(data, view, widest) {
       ...other && !part ? [{ colour: "--beside", chosen: "--beside", y: other, strength: 0.35 }] : [],
       { colour: "--modelled", chosen: "--modelled", y: modelled, strength: 0.35 }
     ];
-    const [lowest, highest] = limits([measured, modelled]);
+    const [lowest, highest] = limits([Float32Array.from(mostLimits([measured, modelled]))]);
     const scale = torqueScale(data.unit, Math.max(-lowest, highest));
     const torque = {
       ...common,
@@ -1530,7 +1622,7 @@ function rowsOf(data, view, widest) {
       // masked samples are not taken by a brush
       xAxis: { ...common.xAxis, label: "" },
       // where it is chosen it stands already
-      yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}, ${scale.unit}` },
+      yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}, ${scale.unit}${beyondWords(measured, lowest, highest)}` },
       title: part ? `what depends on ${along} alone` : `${word} over ${axis2.words}`,
       series,
       noise: null
@@ -1850,7 +1942,7 @@ var Looking = class {
 };
 
 // src/brush.js
-var SMALLEST = 4;
+var SMALLEST2 = 4;
 function brushable(plot) {
   byPointer(plot);
   plot.element.addEventListener("keydown", (event) => byKeys(plot, event));
@@ -1879,13 +1971,13 @@ function byPointer(plot) {
     const { x, y, wide, high } = spot(event);
     if (start.moved) {
       plot.brushed(plot, shifted(plot, start.moved, x - start.x, y - start.y));
-    } else if (Math.abs(x - start.x) * wide >= SMALLEST && Math.abs(y - start.y) * high >= SMALLEST) {
+    } else if (Math.abs(x - start.x) * wide >= SMALLEST2 && Math.abs(y - start.y) * high >= SMALLEST2) {
       plot.brushed(plot, between(plot, start, { x, y }));
     }
   });
   element2.addEventListener("pointerup", (event) => {
     const { x, y, wide, high } = spot(event);
-    if (start && Math.hypot((x - start.x) * wide, (y - start.y) * high) < SMALLEST) plot.brushed(plot, null);
+    if (start && Math.hypot((x - start.x) * wide, (y - start.y) * high) < SMALLEST2) plot.brushed(plot, null);
     start = null;
   });
   element2.addEventListener("pointercancel", () => start = null);
@@ -2116,7 +2208,7 @@ function pixelColour(text) {
 }
 
 // src/plot.js
-var FEW2 = 8e3;
+var FEW3 = 8e3;
 var FEW_CHOSEN = 20;
 var Plot = class {
   /**
@@ -2165,7 +2257,7 @@ var Plot = class {
     const inner = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - MARGIN.bottom];
     const [columns, rows] = inner.map((length) => Math.max(8, Math.round(length * this.scale)));
     const part = { x: xAxis.part ?? false, y: yAxis.part ?? false };
-    const many = x.length > FEW2 && !(part.x && fewBetween(x, xAxis));
+    const many = x.length > FEW3 && !(part.x && fewBetween(x, xAxis));
     const dot2 = Math.max(1, Math.round((many ? 2 : 3) * this.scale));
     this.frame = { width: columns, height: rows, x: [xAxis.low, xAxis.high], y: [yAxis.low, yAxis.high], dot: dot2, part };
     const same = before?.x === x && frame === JSON.stringify(this.frame);
@@ -2292,8 +2384,8 @@ var Plot = class {
 };
 function fewBetween(x, { low, high }) {
   let count = 0;
-  for (let i = 0; i < x.length && count <= FEW2; i++) if (x[i] >= low && x[i] <= high) count++;
-  return count <= FEW2;
+  for (let i = 0; i < x.length && count <= FEW3; i++) if (x[i] >= low && x[i] <= high) count++;
+  return count <= FEW3;
 }
 
 // src/settling.js
@@ -2386,13 +2478,13 @@ function zoomed([low, high], whole, at, factor) {
   const span3 = Math.max(CLOSEST * all, factor * (high - low));
   if (!(span3 < all)) return null;
   const fixed = low + at * (high - low);
-  return within([fixed - at * span3, fixed + (1 - at) * span3], whole);
+  return within2([fixed - at * span3, fixed + (1 - at) * span3], whole);
 }
 function panned([low, high], whole, share) {
   const step = share * (high - low);
-  return within([low + step, high + step], whole);
+  return within2([low + step, high + step], whole);
 }
-function within([low, high], [lowest, highest]) {
+function within2([low, high], [lowest, highest]) {
   const back = Math.max(0, lowest - low) - Math.max(0, high - highest);
   return [low + back, high + back];
 }
@@ -2549,7 +2641,7 @@ var Linked = class {
     const bins = row.residual.spectrum === void 0 && !own ? along : null;
     for (const [column, contents] of [row.torque, { ...row.residual, bins }, row.beside].entries()) {
       const plot = this.rows[at][column];
-      const [xAxis, yAxis] = [within2(contents?.xAxis, this.seen[at]), within2(contents?.yAxis, this.heights.get(plot))];
+      const [xAxis, yAxis] = [within3(contents?.xAxis, this.seen[at]), within3(contents?.yAxis, this.heights.get(plot))];
       if (contents && xAxis && yAxis) plot.show({ ...contents, xAxis, yAxis });
     }
   }
@@ -2715,7 +2807,7 @@ function showPicked(choice, offered, { along, data }) {
   }
   choice.value = along;
 }
-function within2(axis2, seen) {
+function within3(axis2, seen) {
   return axis2 && seen ? { ...axis2, low: seen[0], high: seen[1], part: true } : axis2;
 }
 
@@ -3382,14 +3474,14 @@ var Next = class {
     return this.state?.experiment ?? null;
   }
   /** Design a motion for effects, and show it. @param {string[]} effects @param {object} [within] */
-  async design(effects, within3 = {}) {
+  async design(effects, within4 = {}) {
     this.effects = effects;
     const by_hand = (
       /** @type {HTMLInputElement} */
       byId("next-only-hand").checked
     );
     this.enable(false);
-    const made = await this.deeds.design({ effects, limits: within3, by_hand });
+    const made = await this.deeds.design({ effects, limits: within4, by_hand });
     this.enable(true);
     if (made) this.open();
   }
@@ -3400,15 +3492,15 @@ var Next = class {
     }
   }
   designAgain() {
-    const within3 = {};
+    const within4 = {};
     for (const [name, value] of new FormData(
       /** @type {HTMLFormElement} */
       byId("next-limits")
     )) {
       const typed = Number(value);
-      within3[name] = String(value).trim() && Number.isFinite(typed) ? typed : value;
+      within4[name] = String(value).trim() && Number.isFinite(typed) ? typed : value;
     }
-    this.design(this.effects ?? this.told?.rivals.map((one) => one.split(" + ").at(-1) ?? "") ?? [], within3);
+    this.design(this.effects ?? this.told?.rivals.map((one) => one.split(" + ").at(-1) ?? "") ?? [], within4);
   }
   open() {
     byId("next").hidden = false;
@@ -3440,7 +3532,7 @@ var Next = class {
   }
   /** @param {Experiment} experiment */
   tell(experiment) {
-    const { headline, verdict, source, pairs, steps, by_hand, seconds: seconds2, limits: within3 } = experiment;
+    const { headline, verdict, source, pairs, steps, by_hand, seconds: seconds2, limits: within4 } = experiment;
     byId("next-time").textContent = `${number(seconds2)} s`;
     byId("next-headline").textContent = headline;
     byId("next-verdict").textContent = verdict ?? "";
@@ -3456,7 +3548,7 @@ var Next = class {
         ({ words: words3, cannot }) => make("li", {}, words3, cannot ? make("span", { class: "doubt", text: ` (${cannot})` }) : null)
       )
     );
-    for (const [name, value] of Object.entries(within3)) {
+    for (const [name, value] of Object.entries(within4)) {
       const field3 = byId("next-limits").querySelector(`[name=${name}]`);
       if (field3 instanceof HTMLInputElement) field3.value = String(Number(value.toPrecision(4)));
     }
