@@ -33,6 +33,25 @@ def test_passes_between_the_same_ends_are_one_step_with_degrees_seconds_and_beat
     assert hand_can([first, second])
 
 
+def test_a_quick_there_and_back_is_one_beat() -> None:
+    motion = to_and_fro(20.0 * RAD, 4.0, 20)
+    one_way = motion.parts[1].seconds(20.0 * RAD)
+    assert 0.25 < one_way < 0.5
+    step = by_hand(motion)[-1]
+    assert step.beats_per_minute == pytest.approx(30.0 / one_way)
+    assert f"(two on a beat, {30.0 / one_way:.0f} beats a minute)" in step.words
+
+
+def test_no_metronome_is_faster_or_slower_than_a_hand_can_follow() -> None:
+    tempi = []
+    for speed in (1.0, 4.0, 12.0, 30.0):
+        limits = Limits(0.1, speed, 20.0 * speed, -1.0, 1.0, duration_s=9.0, sample_rate_hz=2000.0)
+        tempi += [one.beats_per_minute for pieces in bank() for one in by_hand(plan(pieces, limits))]
+    asked = [one for one in tempi if one > 0.0]
+    assert len(asked) > 50
+    assert 40.0 <= min(asked) and max(asked) <= 120.0 + 1e-9
+
+
 def test_a_slow_pass_has_a_beat_about_every_second() -> None:
     (step,) = by_hand(MotionPlan((Move(1.0, 0.1, 50.0),)))
     assert step.seconds > 10.0 and 55.0 < step.beats_per_minute < 65.0

@@ -3204,7 +3204,7 @@ function head(brush, [x, y], way) {
 
 // src/lead.js
 var COUNT_IN = 4;
-var SLOW = 1.5;
+var AT_ONCE = 0.1;
 var STILL = 1e-4;
 function angleAt({ t, theta }, seconds2) {
   if (!(seconds2 > t[0])) return theta[0];
@@ -3217,7 +3217,7 @@ function angleAt({ t, theta }, seconds2) {
   }
   return theta[low] + (theta[high] - theta[low]) * (seconds2 - t[low]) / (t[high] - t[low]);
 }
-function beats({ t, theta }) {
+function turnings({ t, theta }) {
   const [low, high] = range(theta);
   const least = STILL * Math.max(high - low, 1e-9);
   const turns = [{ at: t[0], theta: theta[0], turn: true }];
@@ -3227,21 +3227,26 @@ function beats({ t, theta }) {
     const now = Math.abs(step) < least ? 0 : Math.sign(step);
     if (now === way) continue;
     const last = turns[turns.length - 1];
-    if (t[i - 1] - last.at > 0.1) turns.push({ at: t[i - 1], theta: theta[i - 1], turn: true });
+    if (t[i - 1] - last.at > AT_ONCE) turns.push({ at: t[i - 1], theta: theta[i - 1], turn: true });
     way = now;
   }
   const end = t.length - 1;
-  if (t[end] - turns[turns.length - 1].at > 0.1) turns.push({ at: t[end], theta: theta[end], turn: true });
-  return turns.flatMap((beat, n) => [beat, ...between3(beat, turns[n + 1], { t, theta })]);
+  if (t[end] - turns[turns.length - 1].at > AT_ONCE) turns.push({ at: t[end], theta: theta[end], turn: true });
+  return turns;
 }
-function between3(beat, next, motion) {
-  const passes = next ? next.at - beat.at : 0;
-  if (!next || passes <= SLOW) return [];
-  const count = Math.round(passes);
-  return Array.from({ length: count - 1 }, (_, n) => {
-    const at = beat.at + passes * (n + 1) / count;
-    return { at, theta: angleAt(motion, at), turn: false };
+function beats(motion, steps) {
+  const turns = turnings(motion);
+  let begun = motion.t[0];
+  const times2 = steps.flatMap(({ seconds: seconds2, beats: minute }) => {
+    const count = minute > 0 ? Math.max(1, Math.round(seconds2 * minute / 60)) : 1;
+    const first = begun;
+    begun += seconds2;
+    return Array.from({ length: count }, (_, n) => first + (minute > 0 ? 60 * n / minute : 0));
   });
+  times2.push(motion.t[motion.t.length - 1]);
+  const apart = times2.filter((at, n) => n === 0 || at - times2[n - 1] > AT_ONCE);
+  const turn = (at) => turns.some((one) => Math.abs(one.at - at) < AT_ONCE);
+  return apart.map((at) => ({ at, theta: angleAt(motion, at), turn: turn(at) }));
 }
 function range(values) {
   let [low, high] = [Infinity, -Infinity];
@@ -3270,6 +3275,7 @@ var Metronome = class {
     this.motion = null;
     this.steps = [];
     this.beats = [];
+    this.turnings = [];
     this.unit = { factor: 180 / Math.PI, name: "°" };
     this.next = 0;
     this.start = null;
@@ -3287,7 +3293,8 @@ var Metronome = class {
   open(motion, steps, coordinate) {
     this.motion = motion;
     this.steps = steps;
-    this.beats = beats(motion);
+    this.beats = beats(motion, steps);
+    this.turnings = turnings(motion);
     this.unit = coordinate === "linear" ? { factor: 1e3, name: " mm" } : { factor: 180 / Math.PI, name: "°" };
     byId("lead").hidden = false;
     this.stop();
@@ -3394,7 +3401,7 @@ var Metronome = class {
     brush.strokeStyle = colour("--signature");
     brush.lineWidth = 3;
     stroke2(brush, points.map((t) => [across(angleAt(motion, t)), up(t)]));
-    for (const beat of this.beats) {
+    for (const beat of [...this.beats.filter(({ turn }) => !turn), ...this.turnings]) {
       if (beat.at < now || beat.at > now + AHEAD) continue;
       dot(brush, across(beat.theta), up(beat.at), beat.turn ? 5 : 3, colour(beat.turn ? "--chosen" : "--soft"));
     }
@@ -3444,6 +3451,7 @@ var Next = class {
     byId("next-plots").append(...this.plots.map(({ element: element2 }) => element2));
     this.state = null;
     this.motion = null;
+    this.loading = null;
     this.drawn = "";
     this.fault = null;
     this.by_hand = false;
@@ -3451,7 +3459,7 @@ var Next = class {
     new ResizeObserver(() => this.draw()).observe(byId("next-plots"));
   }
   buttons() {
-    byId("next-show").addEventListener("click", () => this.open());
+    byId("next-show").addEventListener("click", () => this.told ? this.open() : this.design([]));
     byId("next-close").addEventListener("click", () => this.close());
     byId("next-record").addEventListener("click", () => this.attempt({}));
     byId("next-port").addEventListener("click", () => this.askPort(false));
@@ -3473,7 +3481,12 @@ var Next = class {
   get told() {
     return this.state?.experiment ?? null;
   }
-  /** Design a motion for effects, and show it. @param {string[]} effects @param {object} [within] */
+  /**
+   * Design a motion for effects, and show it; for none: for what is known least.
+   * @param {string[]} effects
+   * @param {object} [within]
+   * @returns {Promise<boolean>} whether there is one
+   */
   async design(effects, within4 = {}) {
     this.effects = effects;
     const by_hand = (
@@ -3484,13 +3497,15 @@ var Next = class {
     const made = await this.deeds.design({ effects, limits: within4, by_hand });
     this.enable(true);
     if (made) this.open();
+    return Boolean(made);
   }
   /** What makes another one waits for this one. @param {boolean} free */
   enable(free) {
-    for (const id of ["next-record", "next-port", "next-again"]) {
+    for (const id of ["next-record", "next-port", "next-again", "next-hand", "next-show"]) {
       byId(id).disabled = !free;
     }
   }
+  /** Design it anew within the limits that are typed. */
   designAgain() {
     const within4 = {};
     for (const [name, value] of new FormData(
@@ -3500,7 +3515,9 @@ var Next = class {
       const typed = Number(value);
       within4[name] = String(value).trim() && Number.isFinite(typed) ? typed : value;
     }
-    this.design(this.effects ?? this.told?.rivals.map((one) => one.split(" + ").at(-1) ?? "") ?? [], within4);
+    const rivals = this.told?.rivals ?? [];
+    const before = rivals.length > 1 ? rivals.map((one) => one.split(" + ").at(-1) ?? "") : [];
+    return this.design(this.effects ?? before, within4);
   }
   open() {
     byId("next").hidden = false;
@@ -3515,10 +3532,12 @@ var Next = class {
   /** @param {State} state */
   show(state) {
     this.state = state;
-    const { experiment, node, recording } = state;
-    byId("next-line").hidden = experiment === null;
+    const { experiment, node, recording, candidates } = state;
+    byId("next-line").hidden = experiment === null && !(candidates.ready && node !== null);
+    byId("next-show").textContent = experiment ? "Next experiment…" : "What to record next…";
     if (experiment === null) {
       byId("next").hidden = true;
+      byId("next-said").textContent = "the motion that tells most";
       return;
     }
     byId("next-said").textContent = experiment.verdict ?? experiment.headline;
@@ -3528,7 +3547,7 @@ var Next = class {
     if (shown === this.drawn) return;
     this.drawn = shown;
     this.tell(experiment);
-    this.load(experiment, state).catch(this.deeds.failed);
+    this.loading = this.load(experiment, state).catch(this.deeds.failed);
   }
   /** @param {Experiment} experiment */
   tell(experiment) {
@@ -3541,13 +3560,12 @@ var Next = class {
     byId("next-record").title = source ? `from ${source}` : "";
     byId("next-source").textContent = source ? `from ${source}` : "";
     byId("next-keys").replaceChildren(...experiment.rivals.map(key));
+    byId("next-evidence").hidden = pairs.length === 0;
+    byId("next-only-hand").checked = by_hand;
     byId("next-pairs").replaceChildren(...pairs.flatMap((pair) => bars(pair, experiment.told, largest2(pairs))));
-    byId("next-can").textContent = by_hand ? "A hand can do it, led by a metronome:" : "No hand can do all of it; what a hand would have to do:";
-    byId("next-steps").replaceChildren(
-      ...steps.map(
-        ({ words: words3, cannot }) => make("li", {}, words3, cannot ? make("span", { class: "doubt", text: ` (${cannot})` }) : null)
-      )
-    );
+    byId("next-can").textContent = by_hand ? "By hand, led by a metronome" : "For a motor";
+    byId("next-no-hand").hidden = by_hand;
+    byId("next-steps").replaceChildren(...(by_hand ? steps : []).map(({ words: words3 }) => make("li", {}, words3)));
     for (const [name, value] of Object.entries(within4)) {
       const field3 = byId("next-limits").querySelector(`[name=${name}]`);
       if (field3 instanceof HTMLInputElement) field3.value = String(Number(value.toPrecision(4)));
@@ -3592,11 +3610,11 @@ var Next = class {
     const [low, high] = limits(apart);
     const scale = torqueScale(state.unit, Math.max(-low, high));
     this.plots[2].show({
-      title: "how the rivals' torques part",
+      title: apart.length > 1 ? "how the rivals' torques part" : "torque that it takes",
       x: motion.t,
       series: apart.map((y, at) => ({ colour: COLOURS[at % COLOURS.length], chosen: null, y, strength: 1 })),
       xAxis: axis(limits([motion.t]), "time, s"),
-      yAxis: { low, high, factor: scale.factor, label: `less their mean, ${scale.unit}` },
+      yAxis: { low, high, factor: scale.factor, label: apart.length > 1 ? `less their mean, ${scale.unit}` : scale.unit },
       ...{ picked: 0, noise: null }
     });
   }
@@ -3651,8 +3669,13 @@ var Next = class {
       byId("rig-fault").hidden = fault === null;
     }
   }
-  /** Lead a hand through the motion. */
-  lead() {
+  /** Lead a hand through the motion; where it is for a motor, through one that a hand can make. */
+  async lead() {
+    if (this.told && !this.told.by_hand) {
+      byId("next-only-hand").checked = true;
+      if (!await this.designAgain()) return;
+    }
+    await this.loading;
     const { told, motion, state } = this;
     if (!told || !motion) return;
     const coordinate = state?.captures[0]?.coordinate ?? "rotary";
@@ -3887,7 +3910,7 @@ var Params = class {
     const value = make("span", { class: "figure" });
     const error = make("span", { class: "error soft figure", text: plusMinus(param) });
     this.rows.set(param.name, { slider, value, error, low, high });
-    const between4 = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
+    const between3 = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
     const doubt = param.doubt ? make("span", { class: "doubt", text: " ⚠", "aria-hidden": "true" }) : null;
     const about2 = [param.name, param.meaning, param.doubt].filter(Boolean).join(": ");
     return make(
@@ -3895,7 +3918,7 @@ var Params = class {
       {},
       make("th", { scope: "row", title: about2 }, param.name.split(".").slice(1).join("."), doubt),
       make("td", { class: "slide" }, interval(param.ci95, { low, high }), slider),
-      make("td", { class: "value", title: `95 % interval ${between4} ${param.unit}` }, value, " ", error),
+      make("td", { class: "value", title: `95 % interval ${between3} ${param.unit}` }, value, " ", error),
       make("td", { class: "soft unit", text: unitWords(param.unit), title: param.unit })
     );
   }
