@@ -3561,7 +3561,6 @@ var Next = class {
     byId("next-source").textContent = source ? `from ${source}` : "";
     byId("next-keys").replaceChildren(...experiment.rivals.map(key));
     byId("next-evidence").hidden = pairs.length === 0;
-    byId("next-only-hand").checked = by_hand;
     byId("next-pairs").replaceChildren(...pairs.flatMap((pair) => bars(pair, experiment.told, largest2(pairs))));
     byId("next-can").textContent = by_hand ? "By hand, led by a metronome" : "For a motor";
     byId("next-no-hand").hidden = by_hand;
