@@ -7,7 +7,7 @@ import math
 import pytest
 
 import knobcam as kc
-from knobcam.capture.by_hand import by_hand, hand_can, in_words
+from knobcam.capture.by_hand import TEMPI, by_hand, hand_can, in_words, on_beats
 from knobcam.capture.motion_plan import MotionPlan, Move, Rest, Waves
 from knobcam.learn.limits import Limits
 from knobcam.learn.motion_space import bank, plan
@@ -42,6 +42,24 @@ def test_a_quick_there_and_back_is_one_beat() -> None:
     assert f"(two on a beat, {30.0 / one_way:.0f} beats a minute)" in step.words
 
 
+def test_a_motion_for_a_hand_keeps_to_one_metronome_and_becomes_slower_nowhere_faster() -> None:
+    limits = Limits(0.1, 6.0, 80.0, -1.0, 1.0, duration_s=9.0, sample_rate_hz=2000.0)
+    for pieces in bank():
+        whole = plan(pieces, limits)
+        if any(isinstance(part, Waves) for part in whole.parts):
+            continue
+        made = on_beats(whole, 9.0)
+        assert 0.0 < made.seconds <= 9.0
+        assert limits.hold(made.track(2000.0))
+        steps = by_hand(made)
+        (tempo,) = {one.beats_per_minute for one in steps if not one.cannot} or {TEMPI[0]}
+        assert tempo in TEMPI or len(made.parts) == 1
+        for step in steps:
+            assert 2.0 * step.seconds * tempo / 60.0 == pytest.approx(
+                round(step.seconds * tempo / 30.0), abs=0.1
+            )
+
+
 def test_no_metronome_is_faster_or_slower_than_a_hand_can_follow() -> None:
     tempi = []
     for speed in (1.0, 4.0, 12.0, 30.0):
@@ -49,7 +67,7 @@ def test_no_metronome_is_faster_or_slower_than_a_hand_can_follow() -> None:
         tempi += [one.beats_per_minute for pieces in bank() for one in by_hand(plan(pieces, limits))]
     asked = [one for one in tempi if one > 0.0]
     assert len(asked) > 50
-    assert 40.0 <= min(asked) and max(asked) <= 120.0 + 1e-9
+    assert min(asked) >= 40.0 and max(asked) <= 120.0 + 1e-9
 
 
 def test_a_slow_pass_has_a_beat_about_every_second() -> None:
@@ -103,4 +121,6 @@ def test_only_what_a_hand_can_make_is_designed_where_that_is_asked_for() -> None
     story = kc.learn(kc.simulate(knob, "sweep", duration_s=3.0))
     rivals = ["return_spring", "unbalance"]
     designed = kc.next_experiment(story, rivals=rivals, by_hand=True, search_s=1.0)
-    assert hand_can(by_hand(designed.plan)) and designed.separable
+    steps = by_hand(designed.plan)
+    assert hand_can(steps) and designed.separable
+    assert len({one.beats_per_minute for one in steps}) == 1

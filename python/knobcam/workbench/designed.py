@@ -43,7 +43,7 @@ class Pair:
 
 @dataclass(frozen=True)
 class Known:
-    """The parameter that a motion makes known best where nothing is left to be told apart, and its error now."""
+    """The parameter that a motion makes known best where nothing is to be told apart, and its error now."""
 
     param: str
     before: float
