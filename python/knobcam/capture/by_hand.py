@@ -33,7 +33,7 @@ _STRETCHED = 1.15  # of its time, by which a motion may be slowed for a slower m
 _ALIKE = 0.04  # of the seconds or of the way of two passes that are one step
 _BEAT_LEAST_S = 60.0 / FASTEST
 _BEAT_S = 1.0  # about so long is a beat of a slow pass
-_OFF = 0.02  # of half a beat: what keeps to a metronome
+_OFF = 0.01  # of a beat: what keeps to a metronome
 _SLOW_S = 1.5  # a pass that takes longer has more than one
 
 
@@ -74,10 +74,7 @@ def on_beats(plan: MotionPlan, longest_s: float) -> MotionPlan:
 
     What takes less than half a beat takes half a one, all else whole ones. Nothing becomes faster.
     """
-    made = [
-        replace(_slowed(plan, 60.0 / tempo), about=f"{plan.about}, slowed to {tempo:.0f} beats a minute")
-        for tempo in TEMPI
-    ]
+    made = [_slowed(plan, 60.0 / tempo) for tempo in TEMPI]
     soon = [one for one in made if one.seconds <= _STRETCHED * plan.seconds]
     chosen = (soon or made[-1:])[0]
     parts: list[Part] = []
@@ -88,7 +85,8 @@ def on_beats(plan: MotionPlan, longest_s: float) -> MotionPlan:
             break
         parts.append(part)
         at = part.end(at)
-    return replace(chosen, parts=tuple(parts)) if parts else chosen
+    parts = parts or list(chosen.parts)
+    return replace(chosen, parts=tuple(parts), about=f"{plan.about}, slowed to a metronome")
 
 
 def hand_can(steps: Sequence[HandStep]) -> bool:
@@ -145,8 +143,8 @@ def _common(runs: Sequence[list[_Pass] | Waves]) -> float:
     """Beats a minute of the metronome that all of a motion keeps to; 0 where it keeps to none."""
     times = [s for run in runs if not isinstance(run, Waves) for one in run for s in (one.seconds, one.rest)]
     for tempo in TEMPI:
-        halves = [s * tempo / 30.0 for s in times]
-        if all(abs(one - round(one)) <= _OFF for one in halves):
+        beats = [s * tempo / 60.0 for s in times]
+        if all(abs(one - 0.5) <= _OFF or abs(one - round(one)) <= _OFF for one in beats):
             return tempo if len(times) > 2 else 0.0
     return 0.0
 
