@@ -28,10 +28,11 @@ CHROME = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "g
 PICTURES = os.environ.get("KNOBCAM_PICTURES")
 """Where the pictures of the page are kept to be looked at; a temporary folder by default."""
 
-pytestmark = pytest.mark.skipif(
+needs_browser = pytest.mark.skipif(
     CHROME is None or shutil.which("node") is None or not (WEB / "node_modules" / "playwright-core").is_dir(),
     reason="needs Node.js, Chromium and playwright-core: python3 dev.py browser",
 )
+pytestmark = needs_browser
 
 
 def capture_with_stribeck(folder: Path, samples: int) -> Path:

@@ -3,6 +3,7 @@
 import { limits } from "./axes.js";
 import { spectrumOf } from "./spectrum.js";
 import { torqueScale, torqueWord } from "./numbers.js";
+import { beyondWords, mostLimits, mostReach } from "./outliers.js";
 
 /** @typedef {import("./store.js").Columns} Columns */
 /** @typedef {import("./plot.js").Contents} Contents */
@@ -40,8 +41,6 @@ export const AXES = /** @type {Record<Along, AxisOf>} */ ({
 export const USUAL = ["position", "velocity", "time"];
 
 const NAME = 32; // letters of a branch's name in a title
-const FEW = 3; // samples that may be outliers of a short capture; of a long one a share of all
-const FEW_OF = 5000;
 
 /**
  * The columns that a view needs.
@@ -64,69 +63,6 @@ export function columnsOf(view) {
 export function reachOf({ columns, beside, noise }) {
   const shown = beside ? [columns.residual, beside.residual] : [columns.residual];
   return Math.max(...shown.map(mostReach), 2 * (noise ?? 0)) || 1;
-}
-
-/**
- * How far values reach from zero where the few that reach more than twice as far as all the others are left out.
- * @param {Float32Array} values
- */
-export function mostReach(values) {
-  const few = Math.max(FEW, values.length / FEW_OF);
-  for (let reach = Infinity; ; ) {
-    let [most, beyond] = [0, 0];
-    for (let i = 0; i < values.length; i++) {
-      const size = Math.abs(values[i]);
-      if (size <= reach && size > most) most = size;
-    }
-    for (let i = 0; i < values.length; i++) if (Math.abs(values[i]) > most / 2) beyond++;
-    if (most === 0 || beyond > few) return most;
-    reach = most / 2;
-  }
-}
-
-/**
- * From where to where values go; without the few at either end that would take more than half of the axis from all others.
- * @param {Float32Array[]} columns
- * @returns {[number, number]}
- */
-export function mostLimits(columns) {
-  const few = Math.max(FEW, columns[0].length / FEW_OF);
-  let [low, high] = within(columns, -Infinity, Infinity);
-  const whole = /** @type {[number, number]} */ ([low, high]);
-  while (low < high) {
-    const quarter = 0.25 * (high - low);
-    let [above, below] = [0, 0];
-    for (const y of columns) {
-      for (let i = 0; i < y.length; i++) {
-        if (y[i] > high - quarter) above++;
-        else if (y[i] < low + quarter) below++;
-      }
-    }
-    if (above > few && below > few) break;
-    [low, high] = within(columns, below > few ? low : low + quarter, above > few ? high : high - quarter);
-  }
-  return whole[1] - whole[0] > 2 * (high - low) ? [low, high] : whole;
-}
-
-/** The least and the largest of the values between two limits; NaN where there are none.
- * @param {Float32Array[]} columns @param {number} low @param {number} high @returns {[number, number]} */
-function within(columns, low, high) {
-  let [least, most] = [Infinity, -Infinity];
-  for (const y of columns) {
-    for (let i = 0; i < y.length; i++) {
-      if (y[i] < low || y[i] > high) continue;
-      if (y[i] < least) least = y[i];
-      if (y[i] > most) most = y[i];
-    }
-  }
-  return least <= most ? [least, most] : [NaN, NaN];
-}
-
-/** What stands at an axis that some values are beyond; they are drawn at its edge. @param {Float32Array} y @param {number} low @param {number} high */
-export function beyondWords(y, low, high) {
-  let count = 0;
-  for (let i = 0; i < y.length; i++) if (y[i] < low || y[i] > high) count++;
-  return count === 0 ? "" : ` (${count.toLocaleString("en")} ${count === 1 ? "sample" : "samples"} beyond, at the edge)`;
 }
 
 /**

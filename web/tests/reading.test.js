@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { beyondWords, mostLimits, mostReach } from "../src/contents.js";
+import { beyondWords, mostLimits, mostReach } from "../src/outliers.js";
 import { ticks } from "../src/numbers.js";
 import { plainly } from "../src/verdict.js";
 

@@ -19,6 +19,8 @@ from .designing import origin
 from .learned import conclusion, in_vain, ladder
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ..fit import Estimate, Fit
     from ..fit.diagnose import Diagnosis
     from ..learn.ladder import LearningStep
@@ -49,6 +51,7 @@ def document(session: Session) -> pages.Session:
     left = None if end is None else end.unexplained
     return {
         **known,
+        "captures": [_capture(one, fitted, view.node.captures) for one in open_ones(session)],
         "active": list(view.node.captures),
         "branch": branch.id,
         "node": view.id,
@@ -137,15 +140,16 @@ def _nothing(session: Session) -> pages.Session:
     }
 
 
-def _capture(opened: Opened) -> pages.CaptureInfo:
+def _capture(opened: Opened, fitted: Fit | None = None, to: Sequence[str] = ()) -> pages.CaptureInfo:
     capture = opened.capture
+    there = opened.id in to
     return {
         "id": opened.id,
         "name": opened.name,
         "samples": capture.samples,
         "rate_hz": capture.rate_hz,
         "coordinate": capture.coordinate,
-        "findings": ruling.document(opened),
+        "findings": ruling.document(opened, fitted if there else None, to.index(opened.id) if there else 0),
         "hides": bool(opened.hidden),
     }
 

@@ -1514,50 +1514,25 @@ function limits(columns, { air = 0.03, around = NaN } = {}) {
   return [low - room, high + room];
 }
 
-// src/contents.js
-var AXES = (
-  /** @type {Record<Along, AxisOf>} */
-  {
-    position: { words: "position", column: "theta", part: "position_part", units: ["rad", "m"] },
-    velocity: { words: "velocity", column: "omega", part: "velocity_part", units: ["rad/s", "m/s"] },
-    acceleration: { words: "acceleration", column: "alpha", part: null, units: ["rad/s²", "m/s²"] },
-    load: { words: "modelled torque", column: null, part: null, units: null },
-    history: { words: "distance since reversal", column: "history", part: null, units: ["rad", "m"] },
-    time: { words: "time", column: "t", part: null, units: ["s", "s"] },
-    frequency: { words: "frequency", column: null, part: null, units: ["Hz", "Hz"] }
-  }
-);
-var USUAL = ["position", "velocity", "time"];
-var NAME = 32;
+// src/outliers.js
+var TIMES = 2;
+var SHARE = 2e-4;
 var FEW2 = 3;
-var FEW_OF = 5e3;
-function columnsOf(view) {
-  const needed = ["t", "theta", "omega", "tau", "residual"];
-  for (const { column } of view.axes.map((along) => AXES[along])) if (column && !needed.includes(column)) needed.push(column);
-  if (view.axes.includes("time")) needed.push("masked");
-  if (view.isolated) needed.push("position_part", "velocity_part");
-  if (view.band) needed.push("band");
-  return needed;
-}
-function reachOf({ columns, beside, noise }) {
-  const shown = beside ? [columns.residual, beside.residual] : [columns.residual];
-  return Math.max(...shown.map(mostReach), 2 * (noise ?? 0)) || 1;
-}
 function mostReach(values) {
-  const few = Math.max(FEW2, values.length / FEW_OF);
+  const few = Math.max(FEW2, SHARE * values.length);
   for (let reach2 = Infinity; ; ) {
     let [most, beyond] = [0, 0];
     for (let i = 0; i < values.length; i++) {
       const size = Math.abs(values[i]);
       if (size <= reach2 && size > most) most = size;
     }
-    for (let i = 0; i < values.length; i++) if (Math.abs(values[i]) > most / 2) beyond++;
+    for (let i = 0; i < values.length; i++) if (Math.abs(values[i]) > most / TIMES) beyond++;
     if (most === 0 || beyond > few) return most;
-    reach2 = most / 2;
+    reach2 = most / TIMES;
   }
 }
 function mostLimits(columns) {
-  const few = Math.max(FEW2, columns[0].length / FEW_OF);
+  const few = Math.max(FEW2, SHARE * columns[0].length);
   let [low, high] = within(columns, -Infinity, Infinity);
   const whole = (
     /** @type {[number, number]} */
@@ -1575,7 +1550,7 @@ function mostLimits(columns) {
     if (above > few && below > few) break;
     [low, high] = within(columns, below > few ? low : low + quarter, above > few ? high : high - quarter);
   }
-  return whole[1] - whole[0] > 2 * (high - low) ? [low, high] : whole;
+  return whole[1] - whole[0] > TIMES * (high - low) ? [low, high] : whole;
 }
 function within(columns, low, high) {
   let [least, most] = [Infinity, -Infinity];
@@ -1592,6 +1567,34 @@ function beyondWords(y, low, high) {
   let count = 0;
   for (let i = 0; i < y.length; i++) if (y[i] < low || y[i] > high) count++;
   return count === 0 ? "" : ` (${count.toLocaleString("en")} ${count === 1 ? "sample" : "samples"} beyond, at the edge)`;
+}
+
+// src/contents.js
+var AXES = (
+  /** @type {Record<Along, AxisOf>} */
+  {
+    position: { words: "position", column: "theta", part: "position_part", units: ["rad", "m"] },
+    velocity: { words: "velocity", column: "omega", part: "velocity_part", units: ["rad/s", "m/s"] },
+    acceleration: { words: "acceleration", column: "alpha", part: null, units: ["rad/s²", "m/s²"] },
+    load: { words: "modelled torque", column: null, part: null, units: null },
+    history: { words: "distance since reversal", column: "history", part: null, units: ["rad", "m"] },
+    time: { words: "time", column: "t", part: null, units: ["s", "s"] },
+    frequency: { words: "frequency", column: null, part: null, units: ["Hz", "Hz"] }
+  }
+);
+var USUAL = ["position", "velocity", "time"];
+var NAME = 32;
+function columnsOf(view) {
+  const needed = ["t", "theta", "omega", "tau", "residual"];
+  for (const { column } of view.axes.map((along) => AXES[along])) if (column && !needed.includes(column)) needed.push(column);
+  if (view.axes.includes("time")) needed.push("masked");
+  if (view.isolated) needed.push("position_part", "velocity_part");
+  if (view.band) needed.push("band");
+  return needed;
+}
+function reachOf({ columns, beside, noise }) {
+  const shown = beside ? [columns.residual, beside.residual] : [columns.residual];
+  return Math.max(...shown.map(mostReach), 2 * (noise ?? 0)) || 1;
 }
 function rowsOf(data, view, widest) {
   const { columns, beside } = data;
