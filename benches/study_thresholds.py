@@ -191,7 +191,7 @@ def pictures() -> list[str]:
     return [
         "## What the workbench draws at the edge of a plot",
         "",
-        "It decides nothing but what is seen: such samples stand at the edge, and are counted beside the axis.",
+        "It decides nothing but what is seen: such samples stand at the edge, counted beside the axis.",
         "",
         "| name | value | meaning | source |",
         "|---|---|---|---|",

@@ -60,7 +60,7 @@ assert.match(await page.locator("#moment-words").textContent(), /^[\d.]+ s, .* r
 assert.equal(await page.locator(".plot .moment:visible").count(), 6, "one moment in every plot");
 
 // 720 x 450: a screen of 1440 x 900 at 200 %.
-for (const [width, height] of [[720, 450], [700, 950], [800, 950], [1280, 950], [1440, 900], [1920, 950]]) {
+for (const [width, height] of [[720, 450], [700, 950], [800, 950], [1120, 800], [1280, 950], [1366, 768], [1440, 900], [1920, 950]]) {
   await page.setViewportSize({ width, height });
   for (const seen of ["#ladder .track", ".candidate .label", ".plot[aria-label='residual over position']"]) {
     const box = await page.locator(seen).first().boundingBox();

@@ -4,6 +4,7 @@ import { limits } from "./axes.js";
 import { spectrumOf } from "./spectrum.js";
 import { torqueScale, torqueWord } from "./numbers.js";
 import { beyondWords, mostLimits, mostReach } from "./outliers.js";
+import { remembered } from "./remembered.js";
 
 /** @typedef {import("./store.js").Columns} Columns */
 /** @typedef {import("./plot.js").Contents} Contents */
@@ -62,7 +63,7 @@ export function columnsOf(view) {
  */
 export function reachOf({ columns, beside, noise }) {
   const shown = beside ? [columns.residual, beside.residual] : [columns.residual];
-  return Math.max(...shown.map(mostReach), 2 * (noise ?? 0)) || 1;
+  return Math.max(...shown.map((one) => mostReach(one)), 2 * (noise ?? 0)) || 1;
 }
 
 /**
@@ -75,8 +76,8 @@ export function reachOf({ columns, beside, noise }) {
 export function rowsOf(data, view, widest) {
   const { columns, beside } = data;
   const word = torqueWord(data.unit);
-  const model = less(columns.tau, columns.residual);
-  const other = beside ? less(columns.tau, beside.residual) : null;
+  const model = modelOf(columns.residual, columns.tau);
+  const other = beside ? modelOf(beside.residual, columns.tau) : null;
   const fine = torqueScale(data.unit, widest);
   const [ownLabel, besideLabel] = [columns, beside].map((one) => (one ? `residual, ${fine.unit}${beyondWords(one.residual, -1.04 * widest, 1.04 * widest)}` : ""));
   return view.axes.map((along) => {
@@ -93,7 +94,7 @@ export function rowsOf(data, view, widest) {
       ...(other && !part ? [{ colour: "--beside", chosen: "--beside", y: other, strength: 0.35 }] : []),
       { colour: "--modelled", chosen: "--modelled", y: modelled, strength: 0.35 },
     ];
-    const [lowest, highest] = limits([Float32Array.from(mostLimits([measured, modelled]))]);
+    const [lowest, highest] = limits([Float32Array.from(mostLimits(modelled, measured))]);
     const scale = torqueScale(data.unit, Math.max(-lowest, highest));
     const torque = {
       ...common,
@@ -145,7 +146,7 @@ export function alongFrequency({ splits, unit, fitted }) {
  * @param {Data} data
  */
 function axisOf(along, x, data) {
-  const [low, high] = limits([x], { air: 0.01 });
+  const [low, high] = span(x);
   return { low, high, factor: 1, label: labelOf(along, data) };
 }
 
@@ -169,7 +170,7 @@ export function labelOf(along, { unit, coordinate }) {
 export function samplesIn({ columns }, { axis, low, high, direction }) {
   if (axis === "frequency") return null;
   const { column } = AXES[axis];
-  const x = column ? columns[column] : less(columns.tau, columns.residual);
+  const x = column ? columns[column] : modelOf(columns.residual, columns.tau);
   const found = [];
   for (let i = 0; i < x.length; i++) {
     const counts = columns.residual[i] === columns.residual[i] && x[i] >= low && x[i] <= high;
@@ -178,10 +179,14 @@ export function samplesIn({ columns }, { axis, low, high, direction }) {
   return Uint32Array.from(found);
 }
 
-/** @param {Float32Array} from @param {Float32Array} what */
-function less(from, what) {
-  return from.map((value, i) => value - what[i]);
-}
+/** What is modelled: what was measured less what is left. */
+const modelOf = remembered((/** @type {Float32Array} */ residual, /** @type {Float32Array} */ tau) => {
+  const model = new Float32Array(tau.length);
+  for (let i = 0; i < tau.length; i++) model[i] = tau[i] - residual[i];
+  return model;
+});
+
+const span = remembered((/** @type {Float32Array} */ x) => limits([x], { air: 0.01 }));
 
 /** @param {string} name */
 function short(name) {

@@ -125,7 +125,7 @@ export class Next {
     byId("next-show").textContent = experiment ? "Next experiment…" : "What to record next…";
     if (experiment === null) {
       byId("next").hidden = true;
-      byId("next-said").textContent = "the motion that tells most";
+      byId("next-said").textContent = "";
       return;
     }
     byId("next-said").textContent = experiment.verdict ?? experiment.headline;

@@ -1,14 +1,13 @@
 /** Samples that no axis is made for: a few that would flatten all the others. They are drawn at its edge, and counted. */
 
+import { remembered } from "./remembered.js";
+
 const TIMES = 2; // as far as all the others, beyond which a sample may be an outlier
 const SHARE = 0.0002; // of all samples that may be, and of a short capture
 const FEW = 3; // of them
 
-/**
- * How far values reach from zero where the few that reach more than twice as far as all the others are left out.
- * @param {Float32Array} values
- */
-export function mostReach(values) {
+/** How far values reach from zero where the few that reach more than twice as far as all the others are left out. */
+export const mostReach = remembered((/** @type {Float32Array} */ values) => {
   const few = Math.max(FEW, SHARE * values.length);
   for (let reach = Infinity; ; ) {
     let [most, beyond] = [0, 0];
@@ -20,14 +19,12 @@ export function mostReach(values) {
     if (most === 0 || beyond > few) return most;
     reach = most / TIMES;
   }
-}
+});
 
-/**
- * From where to where values go; without the few at either end that would take more than half of the axis from all others.
- * @param {Float32Array[]} columns
- * @returns {[number, number]}
- */
-export function mostLimits(columns) {
+/** From where to where values of two columns go; without the few at either end that would take more than half of the axis from
+ * all others. */
+export const mostLimits = remembered((/** @type {Float32Array} */ one, /** @type {Float32Array} */ other) => {
+  const columns = [one, other];
   const few = Math.max(FEW, SHARE * columns[0].length);
   let [low, high] = within(columns, -Infinity, Infinity);
   const whole = /** @type {[number, number]} */ ([low, high]);
@@ -44,7 +41,7 @@ export function mostLimits(columns) {
     [low, high] = within(columns, below > few ? low : low + quarter, above > few ? high : high - quarter);
   }
   return whole[1] - whole[0] > TIMES * (high - low) ? [low, high] : whole;
-}
+});
 
 /** The least and the largest of the values between two limits; NaN where there are none.
  * @param {Float32Array[]} columns @param {number} low @param {number} high @returns {[number, number]} */

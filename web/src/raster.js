@@ -13,62 +13,91 @@
  */
 
 /**
- * Work out the pixel of each point's upper left corner; −1 for points that are not finite or not to be seen.
+ * What works out the pixel of a point's upper left corner; −1 for one that is not finite or not to be seen.
  *
  * Points beyond the frame land on its edge, so that nothing is hidden; unless only a part is meant to be seen.
  *
+ * @param {Frame} frame
+ * @returns {(x: number, y: number) => number}
+ */
+function placer({ width, height, dot, x, y, part }) {
+  const [right, bottom] = [width - dot, height - dot];
+  const [xLow, yHigh] = [x[0], y[1]];
+  const [xStep, yStep] = [right / (x[1] - x[0]), bottom / (y[1] - y[0])];
+  const { x: cutX, y: cutY } = part ?? { x: false, y: false };
+  return (x, y) => {
+    let column = (x - xLow) * xStep;
+    let row = (yHigh - y) * yStep;
+    const hidden = (cutX && (column < 0 || column > right)) || (cutY && (row < 0 || row > bottom));
+    if (column - column !== 0 || row - row !== 0 || hidden) return -1;
+    column = column < 0 ? 0 : column > right ? right : column + 0.5;
+    row = row < 0 ? 0 : row > bottom ? bottom : row + 0.5;
+    return (row | 0) * width + (column | 0);
+  };
+}
+
+/**
+ * Work out the pixel of each point.
  * @param {Float32Array} xs
  * @param {Float32Array} ys
  * @param {Frame} frame
  * @returns {Int32Array}
  */
 export function place(xs, ys, frame) {
-  const { width, height, dot } = frame;
+  const spot = placer(frame);
   const pixels = new Int32Array(xs.length);
-  const [right, bottom] = [width - dot, height - dot];
-  const xStep = right / (frame.x[1] - frame.x[0]);
-  const yStep = bottom / (frame.y[1] - frame.y[0]);
-  const [xLow, yHigh] = [frame.x[0], frame.y[1]];
-  const { x: cutX, y: cutY } = frame.part ?? { x: false, y: false };
-  for (let i = 0; i < xs.length; i++) {
-    let column = (xs[i] - xLow) * xStep;
-    let row = (yHigh - ys[i]) * yStep;
-    const hidden = (cutX && (column < 0 || column > right)) || (cutY && (row < 0 || row > bottom));
-    if (column - column !== 0 || row - row !== 0 || hidden) {
-      pixels[i] = -1;
-      continue;
-    }
-    column = column < 0 ? 0 : column > right ? right : column + 0.5;
-    row = row < 0 ? 0 : row > bottom ? bottom : row + 0.5;
-    pixels[i] = (row | 0) * width + (column | 0);
-  }
+  for (let i = 0; i < xs.length; i++) pixels[i] = spot(xs[i], ys[i]);
   return pixels;
 }
 
 const USUAL = 4; // times the mean count of points on a pixel have the full colour
 
+/** @typedef {{counts: Uint32Array, full: number}} Cloud of each pixel how many dots are on it; how many are many */
+
+/**
+ * Count the dots on each pixel.
+ * @param {Float32Array} xs
+ * @param {Float32Array} ys
+ * @param {Frame} frame
+ * @returns {Cloud}
+ */
+export function cloudOf(xs, ys, frame) {
+  const { dot, width, height } = frame;
+  const spot = placer(frame);
+  const corners = new Uint32Array(width * height);
+  let points = 0;
+  for (let i = 0; i < xs.length; i++) {
+    const pixel = spot(xs[i], ys[i]);
+    if (pixel < 0) continue;
+    corners[pixel]++;
+    points++;
+  }
+  // Every dot lies within the frame, so that none is carried over to the next row.
+  const counts = new Uint32Array(corners.length);
+  let hit = 0;
+  for (let pixel = 0; pixel < corners.length; pixel++) {
+    const more = corners[pixel];
+    if (more === 0) continue;
+    for (let row = 0; row < dot; row++) {
+      const first = pixel + row * width;
+      for (let at = first; at < first + dot; at++) {
+        if (counts[at] === 0) hit++;
+        counts[at] += more;
+      }
+    }
+  }
+  return { counts, full: Math.max(2, Math.ceil((USUAL * dot * dot * points) / Math.max(1, hit))) };
+}
+
 /**
  * Draw a cloud over what is there; where more points meet, the colour is fuller, by the logarithm of how many.
  *
  * @param {Uint32Array} image opaque pixels
- * @param {Int32Array} pixels of `place`
- * @param {Frame} frame
+ * @param {Cloud} cloud
  * @param {number} colour as in `image`
  * @param {number} strength share of the colour that a single point has
  */
-export function drawCloud(image, pixels, frame, colour, strength) {
-  const counts = new Uint16Array(image.length);
-  let [points, hit] = [0, 0];
-  const { dot, width } = frame;
-  for (let i = 0; i < pixels.length; i++) {
-    if (pixels[i] < 0) continue;
-    for (let row = 0; row < dot; row++) {
-      const first = pixels[i] + row * width;
-      for (let at = first; at < first + dot; at++) if (counts[at]++ === 0) hit++;
-    }
-    points += dot * dot;
-  }
-  const full = Math.max(2, Math.ceil((USUAL * points) / Math.max(1, hit)));
+export function drawCloud(image, { counts, full }, colour, strength) {
   const rise = (1 - strength) / Math.log(full);
   const weights = Float32Array.from({ length: full + 1 }, (_, n) => strength + rise * Math.log(Math.max(1, n)));
   for (let at = 0; at < counts.length; at++) {

@@ -112,9 +112,9 @@ function torqueWord(unit) {
   return words3[unit] ?? "torque";
 }
 function ticks(low, high, count) {
-  const span3 = high - low;
-  if (!(span3 > 0) || !Number.isFinite(span3)) return [];
-  const rough = span3 / Math.max(1, count);
+  const span4 = high - low;
+  if (!(span4 > 0) || !Number.isFinite(span4)) return [];
+  const rough = span4 / Math.max(1, count);
   const power = 10 ** Math.floor(Math.log10(rough));
   const steps = [10, 5, 2, 1].map((factor) => factor * power);
   const wide = steps.findLastIndex((step) => step >= rough);
@@ -627,10 +627,10 @@ var Motion = class {
     };
   }
 };
-function hillsOf(theta, torque, low, span3) {
+function hillsOf(theta, torque, low, span4) {
   const [sum, count] = [new Float32Array(BINS), new Float32Array(BINS)];
   for (let i = 0; i < theta.length; i++) {
-    const bin = Math.min(BINS - 1, Math.floor(BINS * (theta[i] - low) / span3));
+    const bin = Math.min(BINS - 1, Math.floor(BINS * (theta[i] - low) / span4));
     if (!(bin >= 0) || torque[i] !== torque[i]) continue;
     sum[bin] += torque[i];
     count[bin]++;
@@ -1514,11 +1514,23 @@ function limits(columns, { air = 0.03, around = NaN } = {}) {
   return [low - room, high + room];
 }
 
+// src/remembered.js
+function remembered(work) {
+  const known = /* @__PURE__ */ new WeakMap();
+  return (key2, ...others) => {
+    const before = known.get(key2);
+    if (before && before.others.every((one, at) => one === others[at])) return before.told;
+    const told = work(key2, ...others);
+    known.set(key2, { others, told });
+    return told;
+  };
+}
+
 // src/outliers.js
 var TIMES = 2;
 var SHARE = 2e-4;
 var FEW2 = 3;
-function mostReach(values) {
+var mostReach = remembered((values) => {
   const few = Math.max(FEW2, SHARE * values.length);
   for (let reach2 = Infinity; ; ) {
     let [most, beyond] = [0, 0];
@@ -1530,8 +1542,9 @@ function mostReach(values) {
     if (most === 0 || beyond > few) return most;
     reach2 = most / TIMES;
   }
-}
-function mostLimits(columns) {
+});
+var mostLimits = remembered((one, other) => {
+  const columns = [one, other];
   const few = Math.max(FEW2, SHARE * columns[0].length);
   let [low, high] = within(columns, -Infinity, Infinity);
   const whole = (
@@ -1551,7 +1564,7 @@ function mostLimits(columns) {
     [low, high] = within(columns, below > few ? low : low + quarter, above > few ? high : high - quarter);
   }
   return whole[1] - whole[0] > TIMES * (high - low) ? [low, high] : whole;
-}
+});
 function within(columns, low, high) {
   let [least, most] = [Infinity, -Infinity];
   for (const y of columns) {
@@ -1594,13 +1607,13 @@ function columnsOf(view) {
 }
 function reachOf({ columns, beside, noise }) {
   const shown = beside ? [columns.residual, beside.residual] : [columns.residual];
-  return Math.max(...shown.map(mostReach), 2 * (noise ?? 0)) || 1;
+  return Math.max(...shown.map((one) => mostReach(one)), 2 * (noise ?? 0)) || 1;
 }
 function rowsOf(data, view, widest) {
   const { columns, beside } = data;
   const word = torqueWord(data.unit);
-  const model = less(columns.tau, columns.residual);
-  const other = beside ? less(columns.tau, beside.residual) : null;
+  const model = modelOf(columns.residual, columns.tau);
+  const other = beside ? modelOf(beside.residual, columns.tau) : null;
   const fine = torqueScale(data.unit, widest);
   const [ownLabel, besideLabel] = [columns, beside].map((one) => one ? `residual, ${fine.unit}${beyondWords(one.residual, -1.04 * widest, 1.04 * widest)}` : "");
   return view.axes.map((along) => {
@@ -1617,7 +1630,7 @@ function rowsOf(data, view, widest) {
       ...other && !part ? [{ colour: "--beside", chosen: "--beside", y: other, strength: 0.35 }] : [],
       { colour: "--modelled", chosen: "--modelled", y: modelled, strength: 0.35 }
     ];
-    const [lowest, highest] = limits([Float32Array.from(mostLimits([measured, modelled]))]);
+    const [lowest, highest] = limits([Float32Array.from(mostLimits(modelled, measured))]);
     const scale = torqueScale(data.unit, Math.max(-lowest, highest));
     const torque = {
       ...common,
@@ -1658,7 +1671,7 @@ function alongFrequency({ splits, unit, fitted }) {
   };
 }
 function axisOf(along, x, data) {
-  const [low, high] = limits([x], { air: 0.01 });
+  const [low, high] = span(x);
   return { low, high, factor: 1, label: labelOf(along, data) };
 }
 function labelOf(along, { unit, coordinate }) {
@@ -1668,7 +1681,7 @@ function labelOf(along, { unit, coordinate }) {
 function samplesIn({ columns }, { axis: axis2, low, high, direction }) {
   if (axis2 === "frequency") return null;
   const { column } = AXES[axis2];
-  const x = column ? columns[column] : less(columns.tau, columns.residual);
+  const x = column ? columns[column] : modelOf(columns.residual, columns.tau);
   const found2 = [];
   for (let i = 0; i < x.length; i++) {
     const counts = columns.residual[i] === columns.residual[i] && x[i] >= low && x[i] <= high;
@@ -1676,9 +1689,12 @@ function samplesIn({ columns }, { axis: axis2, low, high, direction }) {
   }
   return Uint32Array.from(found2);
 }
-function less(from, what) {
-  return from.map((value, i) => value - what[i]);
-}
+var modelOf = remembered((residual, tau) => {
+  const model = new Float32Array(tau.length);
+  for (let i = 0; i < tau.length; i++) model[i] = tau[i] - residual[i];
+  return model;
+});
+var span = remembered((x) => limits([x], { air: 0.01 }));
 function short(name) {
   return name.length > NAME ? `${name.slice(0, NAME)}…` : name;
 }
@@ -2050,7 +2066,7 @@ function pointing(plots, times2, told) {
   return { none: () => go(null) };
 }
 function nearest(plot, x, y) {
-  const pixels = plot.placed[plot.contents?.picked ?? 0];
+  const pixels = plot.pixels(plot.contents?.picked ?? 0);
   if (!pixels || pixels.length === 0) return null;
   const { width, height } = plot.frame;
   const [column, row, reach2] = [x, y, NEAR].map((length) => Math.round(length * plot.scale));
@@ -2133,42 +2149,55 @@ var Pick = class {
 };
 
 // src/raster.js
-function place(xs, ys, frame) {
-  const { width, height, dot: dot2 } = frame;
-  const pixels = new Int32Array(xs.length);
+function placer({ width, height, dot: dot2, x, y, part }) {
   const [right, bottom] = [width - dot2, height - dot2];
-  const xStep = right / (frame.x[1] - frame.x[0]);
-  const yStep = bottom / (frame.y[1] - frame.y[0]);
-  const [xLow, yHigh] = [frame.x[0], frame.y[1]];
-  const { x: cutX, y: cutY } = frame.part ?? { x: false, y: false };
-  for (let i = 0; i < xs.length; i++) {
-    let column = (xs[i] - xLow) * xStep;
-    let row = (yHigh - ys[i]) * yStep;
+  const [xLow, yHigh] = [x[0], y[1]];
+  const [xStep, yStep] = [right / (x[1] - x[0]), bottom / (y[1] - y[0])];
+  const { x: cutX, y: cutY } = part ?? { x: false, y: false };
+  return (x2, y2) => {
+    let column = (x2 - xLow) * xStep;
+    let row = (yHigh - y2) * yStep;
     const hidden = cutX && (column < 0 || column > right) || cutY && (row < 0 || row > bottom);
-    if (column - column !== 0 || row - row !== 0 || hidden) {
-      pixels[i] = -1;
-      continue;
-    }
+    if (column - column !== 0 || row - row !== 0 || hidden) return -1;
     column = column < 0 ? 0 : column > right ? right : column + 0.5;
     row = row < 0 ? 0 : row > bottom ? bottom : row + 0.5;
-    pixels[i] = (row | 0) * width + (column | 0);
-  }
+    return (row | 0) * width + (column | 0);
+  };
+}
+function place(xs, ys, frame) {
+  const spot = placer(frame);
+  const pixels = new Int32Array(xs.length);
+  for (let i = 0; i < xs.length; i++) pixels[i] = spot(xs[i], ys[i]);
   return pixels;
 }
 var USUAL2 = 4;
-function drawCloud(image, pixels, frame, colour, strength) {
-  const counts = new Uint16Array(image.length);
-  let [points, hit] = [0, 0];
-  const { dot: dot2, width } = frame;
-  for (let i = 0; i < pixels.length; i++) {
-    if (pixels[i] < 0) continue;
-    for (let row = 0; row < dot2; row++) {
-      const first = pixels[i] + row * width;
-      for (let at = first; at < first + dot2; at++) if (counts[at]++ === 0) hit++;
-    }
-    points += dot2 * dot2;
+function cloudOf(xs, ys, frame) {
+  const { dot: dot2, width, height } = frame;
+  const spot = placer(frame);
+  const corners = new Uint32Array(width * height);
+  let points = 0;
+  for (let i = 0; i < xs.length; i++) {
+    const pixel = spot(xs[i], ys[i]);
+    if (pixel < 0) continue;
+    corners[pixel]++;
+    points++;
   }
-  const full = Math.max(2, Math.ceil(USUAL2 * points / Math.max(1, hit)));
+  const counts = new Uint32Array(corners.length);
+  let hit = 0;
+  for (let pixel = 0; pixel < corners.length; pixel++) {
+    const more = corners[pixel];
+    if (more === 0) continue;
+    for (let row = 0; row < dot2; row++) {
+      const first = pixel + row * width;
+      for (let at = first; at < first + dot2; at++) {
+        if (counts[at] === 0) hit++;
+        counts[at] += more;
+      }
+    }
+  }
+  return { counts, full: Math.max(2, Math.ceil(USUAL2 * dot2 * dot2 * points / Math.max(1, hit))) };
+}
+function drawCloud(image, { counts, full }, colour, strength) {
   const rise = (1 - strength) / Math.log(full);
   const weights = Float32Array.from({ length: full + 1 }, (_, n) => strength + rise * Math.log(Math.max(1, n)));
   for (let at = 0; at < counts.length; at++) {
@@ -2213,6 +2242,7 @@ function pixelColour(text) {
 // src/plot.js
 var FEW3 = 8e3;
 var FEW_CHOSEN = 20;
+var CLOUDS = 8;
 var Plot = class {
   /**
    * @param {string} name in words, for those who hear the page
@@ -2234,6 +2264,7 @@ var Plot = class {
     this.contents = null;
     this.frame = { width: 0, height: 0, x: [0, 1], y: [0, 1], dot: 2 };
     this.placed = [];
+    this.clouds = [];
     this.pick = null;
     this.region = null;
     this.scale = 1;
@@ -2252,10 +2283,9 @@ var Plot = class {
    */
   drawAll(contents = this.contents) {
     const { clientWidth: width, clientHeight: height } = this.element;
-    const [before, frame] = [this.contents, JSON.stringify(this.frame)];
     this.contents = contents;
     if (!contents || width < 100 || height < 80) return;
-    const { x, xAxis, yAxis, series } = contents;
+    const { x, xAxis, yAxis } = contents;
     this.scale = globalThis.devicePixelRatio || 1;
     const inner = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - MARGIN.bottom];
     const [columns, rows] = inner.map((length) => Math.max(8, Math.round(length * this.scale)));
@@ -2263,30 +2293,46 @@ var Plot = class {
     const many = x.length > FEW3 && !(part.x && fewBetween(x, xAxis));
     const dot2 = Math.max(1, Math.round((many ? 2 : 3) * this.scale));
     this.frame = { width: columns, height: rows, x: [xAxis.low, xAxis.high], y: [yAxis.low, yAxis.high], dot: dot2, part };
-    const same = before?.x === x && frame === JSON.stringify(this.frame);
-    this.placed = series.map(
-      ({ y }, at) => same && before.series[at]?.y === y ? this.placed[at] : place(x, y, this.frame)
-    );
     this.pick = null;
     for (const canvas of [this.base, this.light]) {
       if (canvas.width !== columns || canvas.height !== rows) [canvas.width, canvas.height] = [columns, rows];
       canvas.style.width = `${inner[0]}px`;
       canvas.style.height = `${inner[1]}px`;
     }
-    this.drawBase(series);
+    this.drawBase(contents);
     this.drawFrame(width, height);
     this.drawBox();
     this.mark(this.marked);
   }
-  /** @param {Series[]} series */
-  drawBase(series) {
+  /** @param {Contents} contents */
+  drawBase({ x, series }) {
     const image = new ImageData(this.frame.width, this.frame.height);
     const pixels = new Uint32Array(image.data.buffer);
     pixels.fill(pixelColour(this.colour("--paper")));
-    for (const [at, { colour, strength }] of series.entries()) {
-      drawCloud(pixels, this.placed[at], this.frame, pixelColour(this.colour(colour)), strength);
+    for (const { y, colour, strength } of series) {
+      drawCloud(pixels, this.cloud(x, y), pixelColour(this.colour(colour)), strength);
     }
     this.base.getContext("2d")?.putImageData(image, 0, 0);
+  }
+  /** How many dots each pixel has. @param {Float32Array} x @param {Float32Array} y */
+  cloud(x, y) {
+    const frame = JSON.stringify(this.frame);
+    const at = this.clouds.findIndex((one) => one.x === x && one.y === y && one.frame === frame);
+    const [known] = at < 0 ? [{ x, y, frame, cloud: cloudOf(x, y, this.frame) }] : this.clouds.splice(at, 1);
+    this.clouds = [...this.clouds.slice(1 - CLOUDS), known];
+    return known.cloud;
+  }
+  /** The pixel of each point of a series, by its number; none where it is not there. @param {number} at */
+  pixels(at) {
+    const { x, series } = this.contents ?? { x: null, series: [] };
+    const y = series[at]?.y;
+    if (!x || !y || this.frame.width === 0) return new Int32Array(0);
+    const frame = JSON.stringify(this.frame);
+    const known = this.placed[at];
+    if (known?.x === x && known.y === y && known.frame === frame) return known.pixels;
+    const pixels = place(x, y, this.frame);
+    this.placed[at] = { x, y, frame, pixels };
+    return pixels;
   }
   /** @param {number} width @param {number} height */
   drawFrame(width, height) {
@@ -2314,7 +2360,7 @@ var Plot = class {
     if (chosen) {
       const draw2 = chosen.length <= FEW_CHOSEN ? drawFew : drawPoints;
       for (const [at, { chosen: colour }] of this.contents.series.entries()) {
-        if (colour) draw2(pixels, this.placed[at], chosen, this.frame, pixelColour(this.colour(colour)));
+        if (colour) draw2(pixels, this.pixels(at), chosen, this.frame, pixelColour(this.colour(colour)));
       }
     }
     if (above) {
@@ -2325,7 +2371,7 @@ var Plot = class {
   }
   /** Sort the points for the brush, once per change of the data: when it is put on, before it moves. */
   sorted() {
-    const picked = this.placed[this.contents?.picked ?? 0] ?? new Int32Array(0);
+    const picked = this.pixels(this.contents?.picked ?? 0);
     this.pick ??= new Pick(picked, this.frame.width, this.frame.height);
     return this.pick;
   }
@@ -2334,7 +2380,7 @@ var Plot = class {
    * @returns {Uint32Array | null}
    */
   chosen() {
-    if (!this.region || !this.contents || this.placed.length === 0) return null;
+    if (!this.region || !this.contents || this.frame.width === 0) return null;
     const { left, top, width, height } = this.boxInside(this.region);
     const [wide, high] = [this.frame.width, this.frame.height];
     const half = this.frame.dot / 2;
@@ -2358,7 +2404,7 @@ var Plot = class {
   /** Mark where a sample is; nowhere, if it is not drawn. @param {number | null} at */
   mark(at) {
     this.marked = at;
-    const pixel = at === null ? -1 : this.placed[this.contents?.picked ?? 0]?.[at] ?? -1;
+    const pixel = at === null ? -1 : this.pixels(this.contents?.picked ?? 0)[at] ?? -1;
     this.dot.hidden = pixel < 0;
     if (pixel < 0) return;
     const { width, dot: dot2 } = this.frame;
@@ -2415,9 +2461,11 @@ function settle(from, to, show) {
 }
 
 // src/squares.js
-function squaresOf(residual) {
-  return residual.reduce((sum, value) => value === value ? sum + value * value : sum, 0);
-}
+var squaresOf = remembered((residual) => {
+  let sum = 0;
+  for (let i = 0; i < residual.length; i++) if (residual[i] === residual[i]) sum += residual[i] * residual[i];
+  return sum;
+});
 function chosenSquares(residual, chosen) {
   let [sum, count] = [0, 0];
   for (let at = 0; at < chosen.length; at++) {
@@ -2442,6 +2490,10 @@ function timed(what, draw2, start = performance.now()) {
       if (times.length > KEPT) times.shift();
     });
   });
+}
+function idle(work) {
+  if ("requestIdleCallback" in globalThis) requestIdleCallback(work);
+  else setTimeout(work, 50);
 }
 
 // src/zoom.js
@@ -2478,10 +2530,10 @@ function zoomable(plot, deeds) {
 }
 function zoomed([low, high], whole, at, factor) {
   const all = whole[1] - whole[0];
-  const span3 = Math.max(CLOSEST * all, factor * (high - low));
-  if (!(span3 < all)) return null;
+  const span4 = Math.max(CLOSEST * all, factor * (high - low));
+  if (!(span4 < all)) return null;
   const fixed = low + at * (high - low);
-  return within2([fixed - at * span3, fixed + (1 - at) * span3], whole);
+  return within2([fixed - at * span4, fixed + (1 - at) * span4], whole);
 }
 function panned([low, high], whole, share) {
   const step = share * (high - low);
@@ -2568,7 +2620,19 @@ var Linked = class {
     for (const at of this.rows.keys()) this.drawRow(at);
     this.tell();
     this.drawLight();
+    this.prepare(data);
     if (from) settle(from, columns.residual, (residual) => this.data === data && this.moved(residual));
+  }
+  /** Work out, while nothing else is to be done, where each point of what a brush lights up is. @param {Data} data */
+  prepare(data) {
+    const left = this.plots.flatMap((plot) => (plot.contents?.series ?? []).map(({ chosen }, at) => chosen ? { plot, at } : null));
+    const go = () => {
+      const one = left.shift();
+      if (one === void 0 || this.data !== data) return;
+      if (one && !one.plot.element.hidden) one.plot.pixels(one.at);
+      idle(go);
+    };
+    idle(go);
   }
   /** Let the residuals be these, though others come. @param {Float32Array} residual */
   put(residual) {
@@ -3086,7 +3150,7 @@ var Live = class {
     if (!t || t.length === 0 || byId("live").hidden) return;
     for (const [at, { x, y, name }] of PLOTS.entries()) {
       const [low, high] = limits([this.columns[y]]);
-      const across = x === "t" ? [0, span(t[t.length - 1], this.told?.total_s)] : limits([this.columns[x]]);
+      const across = x === "t" ? [0, span2(t[t.length - 1], this.told?.total_s)] : limits([this.columns[x]]);
       const scale = y === "tau" ? torqueScale("N m", Math.max(-low, high)) : null;
       this.plots[at].show({
         title: name,
@@ -3108,7 +3172,7 @@ function appended(before, more) {
   whole.set(more, before.length);
   return whole;
 }
-function span(elapsed, total = Infinity) {
+function span2(elapsed, total = Infinity) {
   return Math.min(total, Math.max(2, 2 ** Math.ceil(Math.log2(elapsed))));
 }
 function seconds(value) {
@@ -3540,7 +3604,7 @@ var Next = class {
     byId("next-show").textContent = experiment ? "Next experiment…" : "What to record next…";
     if (experiment === null) {
       byId("next").hidden = true;
-      byId("next-said").textContent = "the motion that tells most";
+      byId("next-said").textContent = "";
       return;
     }
     byId("next-said").textContent = experiment.verdict ?? experiment.headline;
@@ -3905,7 +3969,7 @@ var Params = class {
   }
   /** @param {Param} param */
   line(param) {
-    const { low, high } = span2(param);
+    const { low, high } = span3(param);
     const slider = make("input", {
       ...{ type: "range", min: 0, max: STEPS, step: 1, value: place3(param.value, { low, high }) },
       ...{ "aria-label": param.name, "data-param": param.name, disabled: param.role === "fixed" },
@@ -3947,7 +4011,7 @@ function showTogether(together) {
   );
   byId("together-rows").replaceChildren(...rows);
 }
-function span2({ fitted, ci95, lower, upper }) {
+function span3({ fitted, ci95, lower, upper }) {
   const half = ci95 ? 2 * Math.abs(ci95[1] - ci95[0]) : 0;
   const reach2 = Math.max(Math.abs(fitted), half, 1e-9);
   return { low: Math.max(fitted - reach2, lower ?? -Infinity), high: Math.min(fitted + reach2, upper ?? Infinity) };
