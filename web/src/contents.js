@@ -94,7 +94,7 @@ export function rowsOf(data, view, widest) {
       ...(other && !part ? [{ colour: "--beside", chosen: "--beside", y: other, strength: 0.35 }] : []),
       { colour: "--modelled", chosen: "--modelled", y: modelled, strength: 0.35 },
     ];
-    const [lowest, highest] = limits([Float32Array.from(mostLimits(modelled, measured))]);
+    const [lowest, highest] = limits([Float32Array.from(mostLimits(modelled, counted(modelled, measured)))]);
     const scale = torqueScale(data.unit, Math.max(-lowest, highest));
     const torque = {
       ...common,
@@ -184,6 +184,13 @@ const modelOf = remembered((/** @type {Float32Array} */ residual, /** @type {Flo
   const model = new Float32Array(tau.length);
   for (let i = 0; i < tau.length; i++) model[i] = tau[i] - residual[i];
   return model;
+});
+
+/** What was measured where the model is held against it: what counts for nothing sets no axis. */
+const counted = remembered((/** @type {Float32Array} */ model, /** @type {Float32Array} */ tau) => {
+  const measured = new Float32Array(tau.length);
+  for (let i = 0; i < tau.length; i++) measured[i] = model[i] === model[i] ? tau[i] : NaN;
+  return measured;
 });
 
 const span = remembered((/** @type {Float32Array} */ x) => limits([x], { air: 0.01 }));

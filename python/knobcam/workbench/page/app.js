@@ -1060,8 +1060,8 @@ var Mapping = class {
   /** Offer the units of the kind of axis, and say what each column would be in them. */
   tell() {
     const kind = this.kind;
-    const counted = this.fields.find(({ name }) => name === "theta");
-    this.per.hidden = counted?.unit.value !== COUNTS || saysUnit(counted.text.value.trim());
+    const counted2 = this.fields.find(({ name }) => name === "theta");
+    this.per.hidden = counted2?.unit.value !== COUNTS || saysUnit(counted2.text.value.trim());
     this.perWhat.textContent = `counts in a ${PER[kind ?? "rotary"].words}${kind ? "" : " (or a millimetre)"}`;
     for (const { target, text, unit, range: range2 } of this.fields) {
       const offered = [...new Set(kind ? target.units[kind] : KINDS2.flatMap((one) => target.units[one]))];
@@ -1630,7 +1630,7 @@ function rowsOf(data, view, widest) {
       ...other && !part ? [{ colour: "--beside", chosen: "--beside", y: other, strength: 0.35 }] : [],
       { colour: "--modelled", chosen: "--modelled", y: modelled, strength: 0.35 }
     ];
-    const [lowest, highest] = limits([Float32Array.from(mostLimits(modelled, measured))]);
+    const [lowest, highest] = limits([Float32Array.from(mostLimits(modelled, counted(modelled, measured)))]);
     const scale = torqueScale(data.unit, Math.max(-lowest, highest));
     const torque = {
       ...common,
@@ -1693,6 +1693,11 @@ var modelOf = remembered((residual, tau) => {
   const model = new Float32Array(tau.length);
   for (let i = 0; i < tau.length; i++) model[i] = tau[i] - residual[i];
   return model;
+});
+var counted = remembered((model, tau) => {
+  const measured = new Float32Array(tau.length);
+  for (let i = 0; i < tau.length; i++) measured[i] = model[i] === model[i] ? tau[i] : NaN;
+  return measured;
 });
 var span = remembered((x) => limits([x], { air: 0.01 }));
 function short(name) {
@@ -2846,8 +2851,8 @@ var Linked = class {
     const own = chosen.length > 0 ? ` (${rms(share.rms)})` : "";
     let words3 = `${count}: they have ${percent(share.ofError)} of the squared error${own}`;
     if (data.beside && chosen.length > 0) {
-      const { sum, count: counted } = chosenSquares(data.beside.residual, chosen);
-      words3 += `; in ${data.beside.name}: ${rms(Math.sqrt(sum / Math.max(1, counted)))}`;
+      const { sum, count: counted2 } = chosenSquares(data.beside.residual, chosen);
+      words3 += `; in ${data.beside.name}: ${rms(Math.sqrt(sum / Math.max(1, counted2)))}`;
     }
     return this.told(words3);
   }
