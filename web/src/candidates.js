@@ -115,6 +115,14 @@ export class Candidates {
     return make("span", { class: "alike soft" }, words, this.deeds.apart ? apart : null);
   }
 
+  /** Go to an effect. @param {string} effect */
+  go(effect) {
+    const item = this.items.find(({ dataset }) => dataset.effect === effect);
+    const fold = item?.closest("details");
+    if (fold) fold.open = true; // what is folded away takes no focus
+    item?.focus();
+  }
+
   /** @param {number} at */
   focused(at) {
     this.at = at;
@@ -133,9 +141,7 @@ export class Candidates {
     if (event.key in moves) {
       const to = moves[/** @type {keyof typeof moves} */ (event.key)];
       const item = this.items[Math.min(this.items.length - 1, Math.max(0, to))];
-      const fold = item?.closest("details");
-      if (fold) fold.open = true; // what is folded away takes no focus
-      item?.focus();
+      if (item) this.go(item.dataset.effect ?? "");
       event.preventDefault();
     } else if (event.key === "Enter" && event.target === this.items[this.at]) {
       this.deeds.take(this.items[this.at].dataset.effect ?? "");

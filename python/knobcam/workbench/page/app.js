@@ -85,6 +85,13 @@ function byId(id) {
 function styleValue(name, element2) {
   return getComputedStyle(element2).getPropertyValue(name).trim();
 }
+function shown(element2) {
+  for (const fold of element2.querySelectorAll("details")) fold.open = true;
+  element2.scrollIntoView({ block: "nearest" });
+  element2.classList.remove("shown");
+  void element2.offsetWidth;
+  element2.classList.add("shown");
+}
 
 // src/numbers.js
 function number(value, digits = 3) {
@@ -442,9 +449,9 @@ var Candidates = class {
   }
   /** @param {Pick<State, "candidates" | "node" | "job">} state */
   show({ candidates, node, job }) {
-    const shown = JSON.stringify([candidates, node, job?.id]);
-    if (shown === this.shown) return;
-    this.shown = shown;
+    const shown2 = JSON.stringify([candidates, node, job?.id]);
+    if (shown2 === this.shown) return;
+    this.shown = shown2;
     this.inside ||= this.place.contains(document.activeElement);
     this.at = 0;
     const could = candidates.rows.filter((row) => row.could_be);
@@ -517,6 +524,13 @@ var Candidates = class {
     const words3 = `this capture cannot tell it from ${equivalent.join(", ")} `;
     return make("span", { class: "alike soft" }, words3, this.deeds.apart ? apart : null);
   }
+  /** Go to an effect. @param {string} effect */
+  go(effect) {
+    const item = this.items.find(({ dataset }) => dataset.effect === effect);
+    const fold = item?.closest("details");
+    if (fold) fold.open = true;
+    item?.focus();
+  }
   /** @param {number} at */
   focused(at) {
     this.at = at;
@@ -537,9 +551,7 @@ var Candidates = class {
         event.key
       ];
       const item = this.items[Math.min(this.items.length - 1, Math.max(0, to))];
-      const fold = item?.closest("details");
-      if (fold) fold.open = true;
-      item?.focus();
+      if (item) this.go(item.dataset.effect ?? "");
       event.preventDefault();
     } else if (event.key === "Enter" && event.target === this.items[this.at]) {
       this.deeds.take(this.items[this.at].dataset.effect ?? "");
@@ -840,7 +852,7 @@ var AnyEffect = class {
     this.absent = absent;
   }
 };
-function about(effect, shown) {
+function about(effect, shown2) {
   const { effect: id, place: place4, law, source, shows, name, about: sentence, causes, remedies } = effect;
   const drawing = make("p", { class: "soft", text: "The picture is being drawn …" });
   const frame = make("div", { class: "picture", role: "status" }, drawing);
@@ -848,7 +860,7 @@ function about(effect, shown) {
   byId("about-text").replaceChildren(
     make("p", { text: sentence }),
     lawOf(effect),
-    shown ? acting(effect, shown) : "",
+    shown2 ? acting(effect, shown2) : "",
     make("div", { class: "columns-of-two" }, listed("Usual causes", causes), listed("What helps", remedies)),
     make("p", { class: "soft", text: `Acts on the ${PLACES[place4] ?? place4}. Shows ${shows}. ${source}` }),
     frame
@@ -1214,9 +1226,9 @@ function saving(heard) {
       try {
         heard.say(`making the ${what} …`);
         const { name, blob } = await download(what);
-        const link = make("a", { href: URL.createObjectURL(blob), download: name });
-        link.click();
-        setTimeout(() => URL.revokeObjectURL(link.href), 1e4);
+        const link2 = make("a", { href: URL.createObjectURL(blob), download: name });
+        link2.click();
+        setTimeout(() => URL.revokeObjectURL(link2.href), 1e4);
         heard.say(`saved ${name}`);
       } catch (reason2) {
         heard.failed(reason2);
@@ -1314,7 +1326,7 @@ function showLadder(place4, state) {
   const floor = state.noise_floor;
   const widest = Math.max(...errors.map((error) => error ?? 0), floor ?? 0) * 1.02;
   const scale = torqueScale(state.unit, widest);
-  const shown = (value) => number(value === null ? null : value * scale.factor);
+  const shown2 = (value) => number(value === null ? null : value * scale.factor);
   const lines = steps.map(({ added, dropped, rmse, rmse_heldout }, at) => {
     const now = at === here;
     const undone = at > here;
@@ -1329,21 +1341,21 @@ function showLadder(place4, state) {
       "li",
       { class: `ladder-line${now ? " now" : ""}${undone ? " undone" : ""}`, "aria-current": now ? "step" : null },
       make("span", { class: "label", text: label, title: label }),
-      make("span", { class: "figure", text: shown(rmse), title: "RMS error" }),
-      make("span", { class: "figure soft", text: shown(rmse_heldout), title: "on blocks that the fit did not see" }),
+      make("span", { class: "figure", text: shown2(rmse), title: "RMS error" }),
+      make("span", { class: "figure soft", text: shown2(rmse_heldout), title: "on blocks that the fit did not see" }),
       track
     );
   });
   const head2 = make(
     "div",
     { class: "ladder-line head" },
-    make("span", { class: "legend", text: floor === null ? "noise floor unknown" : `▖noise floor ${shown(floor)}` }),
+    make("span", { class: "legend", text: floor === null ? "noise floor unknown" : `▖noise floor ${shown2(floor)}` }),
     make("span", { class: "figure", text: `RMS, ${scale.unit}` }),
     make("span", { class: "figure", text: "unseen" })
   );
   place4.replaceChildren(head2, make("ol", {}, ...lines));
   const dragged = state.params.some((param) => param.dragged);
-  if (dragged) place4.append(make("p", { class: "soft", text: `as dragged: ${shown(state.rmse)} ${scale.unit}` }));
+  if (dragged) place4.append(make("p", { class: "soft", text: `as dragged: ${shown2(state.rmse)} ${scale.unit}` }));
 }
 function sameCaptures(steps, at) {
   const of = (step) => steps[step]?.captures.join();
@@ -1383,14 +1395,14 @@ function spectrumOf(split) {
   const level = split.band.map((value) => value ?? 0);
   const highest = Math.max(...level);
   const middle = split.low.map((low, at) => (low + split.high[at]) / 2);
-  const shown = [...middle.keys()].filter((at) => middle[at] > 0 && level[at] > SEEN2 * highest);
-  if (shown.length < 2) return null;
-  const levels = shown.map((at) => level[at]).sort((a, b) => a - b);
+  const shown2 = [...middle.keys()].filter((at) => middle[at] > 0 && level[at] > SEEN2 * highest);
+  if (shown2.length < 2) return null;
+  const levels = shown2.map((at) => level[at]).sort((a, b) => a - b);
   const least = LEAST * levels[levels.length >> 1];
   return {
-    x: shown.map((at) => Math.log10(middle[at])),
-    y: shown.map((at) => Math.log10(Math.max(split.mean[at], least))),
-    chance: shown.map((at) => Math.log10(level[at]))
+    x: shown2.map((at) => Math.log10(middle[at])),
+    y: shown2.map((at) => Math.log10(Math.max(split.mean[at], least))),
+    chance: shown2.map((at) => Math.log10(level[at]))
   };
 }
 function drawSpectrum(brush, { x, y, chance }, { across, up, bottom }, colours) {
@@ -1606,8 +1618,8 @@ function columnsOf(view) {
   return needed;
 }
 function reachOf({ columns, beside, noise }) {
-  const shown = beside ? [columns.residual, beside.residual] : [columns.residual];
-  return Math.max(...shown.map((one) => mostReach(one)), 2 * (noise ?? 0)) || 1;
+  const shown2 = beside ? [columns.residual, beside.residual] : [columns.residual];
+  return Math.max(...shown2.map((one) => mostReach(one)), 2 * (noise ?? 0)) || 1;
 }
 function rowsOf(data, view, widest) {
   const { columns, beside } = data;
@@ -1728,8 +1740,8 @@ function drawCurve(canvas, curve, about2, looked) {
   const edges = [-1, 1].map((side) => value.map((one, at) => one === null ? NaN : one + side * (band2[at] ?? NaN)));
   const drawn = laws.map((law) => law?.map((one) => one ?? NaN) ?? null);
   const [low, high] = limits([...edges, ...drawn.filter((law) => law !== null)].map((one) => Float32Array.from(one)), { around: 0 });
-  const shown = curve.times ? { factor: 1, unit: "" } : torqueScale(about2.unit, Math.max(-low, high));
-  const y = { low, high, factor: shown.factor, label: `left over${curve.times ? ` / (${curve.times})` : `, ${shown.unit}`}` };
+  const shown2 = curve.times ? { factor: 1, unit: "" } : torqueScale(about2.unit, Math.max(-low, high));
+  const y = { low, high, factor: shown2.factor, label: `left over${curve.times ? ` / (${curve.times})` : `, ${shown2.unit}`}` };
   const names = { ink: "--ink", soft: "--soft", line: "--grid", band: "--band", wrong: "--wrong", law: "--signature", rest: "--measured" };
   const colours = Object.fromEntries(Object.entries(names).map(([name, style]) => [name, styleValue(style, canvas)]));
   const first = { low: x[0], high: x[x.length - 1], factor: 1, label: overWords(curve.over, about2) };
@@ -1854,9 +1866,9 @@ var Laws = class {
   }
   /** @param {State} state */
   show({ candidates, proposed, proposed_text, node, job, rmse, curve, unit, captures }) {
-    const shown = JSON.stringify([candidates.ready, proposed, node, job === null]);
-    if (shown === this.shown) return;
-    this.shown = shown;
+    const shown2 = JSON.stringify([candidates.ready, proposed, node, job === null]);
+    if (shown2 === this.shown) return;
+    this.shown = shown2;
     byId("own").hidden = node === null;
     this.about = { curve, unit, coordinate: captures[0]?.coordinate ?? "rotary" };
     this.draw();
@@ -3211,8 +3223,8 @@ function showMoment(data, at) {
   let largest3 = 0;
   for (let i = 0; i < tau.length; i++) if (Math.abs(tau[i]) > largest3) largest3 = Math.abs(tau[i]);
   const { factor, unit } = torqueScale(data.unit, largest3);
-  const shown = (value) => number(value * factor);
-  byId("moment-words").textContent = `${number(t[at], 4)} s, ${number(theta[at])} ${angle}, ${number(omega[at])} ${rate}; ${torqueWord(data.unit)} ` + (counts ? `${shown(tau[at])} measured, ${shown(modelled)} modelled, ${shown(residual[at])} ${unit} left` : `masked: it does not count`);
+  const shown2 = (value) => number(value * factor);
+  byId("moment-words").textContent = `${number(t[at], 4)} s, ${number(theta[at])} ${angle}, ${number(omega[at])} ${rate}; ${torqueWord(data.unit)} ` + (counts ? `${shown2(tau[at])} measured, ${shown2(modelled)} modelled, ${shown2(residual[at])} ${unit} left` : `masked: it does not count`);
   brush.scale(scale, scale);
   brush.lineWidth = 2.5;
   const colours = ["--measured", "--modelled"].map((name) => styleValue(name, canvas));
@@ -3615,9 +3627,9 @@ var Next = class {
     byId("next-said").textContent = experiment.verdict ?? experiment.headline;
     if (byId("next").hidden) return;
     this.enable(!recording);
-    const shown = JSON.stringify([experiment, node, state.active]);
-    if (shown === this.drawn) return;
-    this.drawn = shown;
+    const shown2 = JSON.stringify([experiment, node, state.active]);
+    if (shown2 === this.drawn) return;
+    this.drawn = shown2;
     this.tell(experiment);
     this.loading = this.load(experiment, state).catch(this.deeds.failed);
   }
@@ -4056,7 +4068,7 @@ function sources(heard) {
   const told = byId("new-said");
   let known = null;
   let busy = false;
-  const shown = () => {
+  const shown2 = () => {
     const source = valueOf(form, "source");
     for (const part of form.querySelectorAll("[data-for]")) {
       part.toggleAttribute("hidden", !part.getAttribute("data-for")?.split(" ").includes(source));
@@ -4073,7 +4085,7 @@ function sources(heard) {
     for (const box of byId("new-effects").querySelectorAll("input")) box.disabled = !hideable.includes(box.value);
   };
   const opened = async () => {
-    shown();
+    shown2();
     dialog2.showModal();
     told.textContent = "";
     byId("new-fault").hidden = true;
@@ -4101,7 +4113,7 @@ function sources(heard) {
     emulated.disabled = known.no_emulated_rig !== null;
     byId("new-absent").textContent = known.no_emulated_rig && `No emulated rig here: ${known.no_emulated_rig}.`;
     byId("new-absent").hidden = known.no_emulated_rig === null;
-    shown();
+    shown2();
   };
   const wait = (waiting) => {
     busy = waiting;
@@ -4110,7 +4122,7 @@ function sources(heard) {
   };
   byId("new").addEventListener("click", opened);
   byId("new-first").addEventListener("click", opened);
-  form.addEventListener("change", shown);
+  form.addEventListener("change", shown2);
   byId("new-close").addEventListener("click", () => dialog2.close());
   dialog2.addEventListener("close", () => {
     if (busy) post("stop", { keep: false }).catch(() => {
@@ -4222,17 +4234,29 @@ function themed(changed) {
 }
 
 // src/verdict.js
-function showVerdict(element2, { verdict_text: text, places, candidates }, go) {
+function showVerdict(element2, { verdict_text: text, places, candidates }, to) {
   const first = plainly(candidates);
-  const key2 = JSON.stringify([first, text, places]);
+  const key2 = JSON.stringify([first, text, places, candidates.rows.map(({ effect }) => effect)]);
   if (element2.dataset.told === key2) return;
   element2.dataset.told = key2;
-  element2.replaceChildren(
-    ...first ? [make("strong", { text: first }), " "] : [],
-    ...parted(text, places).map(
-      (part) => typeof part === "string" ? part : make("button", { ...LEADS, text: part.words, on: { click: () => go(part) } })
-    )
-  );
+  const leads = leadsOf(places, candidates, to);
+  const shown2 = (said) => parted(said, leads).map((part) => typeof part === "string" ? part : link(part));
+  element2.replaceChildren(...first ? [make("strong", {}, ...shown2(first)), " "] : [], ...shown2(text));
+}
+function leadsOf(places, { rows }, to) {
+  const lead = (words3, title, go, kind = "") => ({ words: words3, title, go, class: `leads ${kind}`.trim() });
+  const first = rows.find(({ could_be: could }) => could);
+  return [
+    ...places.map((place4) => lead(place4.words, "show its samples in every plot", () => to.place(place4), "place")),
+    ...places.map((place4) => lead(`along ${place4.axis}`, "draw a row over it", () => to.place(place4))),
+    ...rows.map(({ effect }) => lead(effect, "what it would explain", () => to.effect(effect))),
+    ...first ? ["Add it", "Tell apart"].map((words3) => lead(words3, "where that is", () => to.effect(first.effect))) : [],
+    lead("RMS error", "the ladder of errors", to.error),
+    lead("Not weighed", "why: what was found in the log", to.findings)
+  ];
+}
+function link({ words: words3, title, go, ...rest }) {
+  return make("button", { ...rest, type: "button", title, text: words3, on: { click: go } });
 }
 function plainly({ ready, rows }) {
   const first = ready ? rows.find(({ could_be: could }) => could) : void 0;
@@ -4241,14 +4265,20 @@ function plainly({ ready, rows }) {
   const next = first.equivalent.length > 0 ? "This motion looks the same with other causes: Tell apart designs what to record next." : "Add it, and see what is left.";
   return `${said}: ${first.name} (${first.effect}). ${next}`;
 }
-var LEADS = { type: "button", class: "leads", title: "show its samples in every plot" };
-function parted(text, places) {
-  const [first, ...others] = places;
+function parted(text, leads) {
+  const [first, ...others] = leads;
   if (!first) return text === "" ? [] : [text];
-  const at = text.lastIndexOf(first.words);
-  if (first.words === "" || at < 0) return parted(text, others);
+  const at = lastOf(text, first.words);
+  if (at < 0) return parted(text, others);
   const [before, after] = [text.slice(0, at), text.slice(at + first.words.length)];
   return [...parted(before, others), first, ...parted(after, others)];
+}
+function lastOf(text, words3) {
+  const part = /\w/;
+  for (let at = words3 === "" ? -1 : text.lastIndexOf(words3); at >= 0; at = at === 0 ? -1 : text.lastIndexOf(words3, at - 1)) {
+    if (!part.test(text[at - 1] ?? " ") && !part.test(text[at + words3.length] ?? " ")) return at;
+  }
+  return -1;
 }
 
 // src/app.js
@@ -4434,7 +4464,12 @@ var App = class {
     if (!this.state?.node && state.node !== null && state.looked) this.lookAgain(state.looked);
     this.state = state;
     byId("welcome").toggleAttribute("hidden", state.node !== null);
-    showVerdict(byId("verdict"), state, (place4) => this.go(place4));
+    showVerdict(byId("verdict"), state, {
+      place: (place4) => this.go(place4),
+      effect: (effect) => this.candidates.go(effect),
+      error: () => shown(byId("ladder")),
+      findings: () => shown(byId("findings"))
+    });
     if (state.recording) this.live?.follow();
     showHidden(state);
     showLeft(state.left, {
