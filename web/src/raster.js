@@ -13,42 +13,39 @@
  */
 
 /**
- * What works out the pixel of a point's upper left corner; −1 for one that is not finite or not to be seen.
+ * Work out the pixel of each point's upper left corner; −1 for points that are not finite or not to be seen.
  *
  * Points beyond the frame land on its edge, so that nothing is hidden; unless only a part is meant to be seen.
  *
- * @param {Frame} frame
- * @returns {(x: number, y: number) => number}
- */
-function placer({ width, height, dot, x, y, part }) {
-  const [right, bottom] = [width - dot, height - dot];
-  const [xLow, yHigh] = [x[0], y[1]];
-  const [xStep, yStep] = [right / (x[1] - x[0]), bottom / (y[1] - y[0])];
-  const { x: cutX, y: cutY } = part ?? { x: false, y: false };
-  return (x, y) => {
-    let column = (x - xLow) * xStep;
-    let row = (yHigh - y) * yStep;
-    const hidden = (cutX && (column < 0 || column > right)) || (cutY && (row < 0 || row > bottom));
-    if (column - column !== 0 || row - row !== 0 || hidden) return -1;
-    column = column < 0 ? 0 : column > right ? right : column + 0.5;
-    row = row < 0 ? 0 : row > bottom ? bottom : row + 0.5;
-    return (row | 0) * width + (column | 0);
-  };
-}
-
-/**
- * Work out the pixel of each point.
  * @param {Float32Array} xs
  * @param {Float32Array} ys
  * @param {Frame} frame
+ * @param {Int32Array} [pixels] where they go, as many as points
  * @returns {Int32Array}
  */
-export function place(xs, ys, frame) {
-  const spot = placer(frame);
-  const pixels = new Int32Array(xs.length);
-  for (let i = 0; i < xs.length; i++) pixels[i] = spot(xs[i], ys[i]);
+export function place(xs, ys, frame, pixels = new Int32Array(xs.length)) {
+  const { width, height, dot } = frame;
+  const [right, bottom] = [width - dot, height - dot];
+  const xStep = right / (frame.x[1] - frame.x[0]);
+  const yStep = bottom / (frame.y[1] - frame.y[0]);
+  const [xLow, yHigh] = [frame.x[0], frame.y[1]];
+  const { x: cutX, y: cutY } = frame.part ?? { x: false, y: false };
+  for (let i = 0; i < xs.length; i++) {
+    let column = (xs[i] - xLow) * xStep;
+    let row = (yHigh - ys[i]) * yStep;
+    const hidden = (cutX && (column < 0 || column > right)) || (cutY && (row < 0 || row > bottom));
+    if (column - column !== 0 || row - row !== 0 || hidden) {
+      pixels[i] = -1;
+      continue;
+    }
+    column = column < 0 ? 0 : column > right ? right : column + 0.5;
+    row = row < 0 ? 0 : row > bottom ? bottom : row + 0.5;
+    pixels[i] = (row | 0) * width + (column | 0);
+  }
   return pixels;
 }
+
+let scratch = new Int32Array(0); // of points whose pixels are counted and forgotten
 
 const USUAL = 4; // times the mean count of points on a pixel have the full colour
 
@@ -63,13 +60,13 @@ const USUAL = 4; // times the mean count of points on a pixel have the full colo
  */
 export function cloudOf(xs, ys, frame) {
   const { dot, width, height } = frame;
-  const spot = placer(frame);
   const corners = new Uint32Array(width * height);
   let points = 0;
+  if (scratch.length < xs.length) scratch = new Int32Array(xs.length);
+  const pixels = place(xs, ys, frame, scratch);
   for (let i = 0; i < xs.length; i++) {
-    const pixel = spot(xs[i], ys[i]);
-    if (pixel < 0) continue;
-    corners[pixel]++;
+    if (pixels[i] < 0) continue;
+    corners[pixels[i]]++;
     points++;
   }
   // Every dot lies within the frame, so that none is carried over to the next row.

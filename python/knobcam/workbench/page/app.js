@@ -2166,37 +2166,38 @@ var Pick = class {
 };
 
 // src/raster.js
-function placer({ width, height, dot: dot2, x, y, part }) {
+function place(xs, ys, frame, pixels = new Int32Array(xs.length)) {
+  const { width, height, dot: dot2 } = frame;
   const [right, bottom] = [width - dot2, height - dot2];
-  const [xLow, yHigh] = [x[0], y[1]];
-  const [xStep, yStep] = [right / (x[1] - x[0]), bottom / (y[1] - y[0])];
-  const { x: cutX, y: cutY } = part ?? { x: false, y: false };
-  return (x2, y2) => {
-    let column = (x2 - xLow) * xStep;
-    let row = (yHigh - y2) * yStep;
+  const xStep = right / (frame.x[1] - frame.x[0]);
+  const yStep = bottom / (frame.y[1] - frame.y[0]);
+  const [xLow, yHigh] = [frame.x[0], frame.y[1]];
+  const { x: cutX, y: cutY } = frame.part ?? { x: false, y: false };
+  for (let i = 0; i < xs.length; i++) {
+    let column = (xs[i] - xLow) * xStep;
+    let row = (yHigh - ys[i]) * yStep;
     const hidden = cutX && (column < 0 || column > right) || cutY && (row < 0 || row > bottom);
-    if (column - column !== 0 || row - row !== 0 || hidden) return -1;
+    if (column - column !== 0 || row - row !== 0 || hidden) {
+      pixels[i] = -1;
+      continue;
+    }
     column = column < 0 ? 0 : column > right ? right : column + 0.5;
     row = row < 0 ? 0 : row > bottom ? bottom : row + 0.5;
-    return (row | 0) * width + (column | 0);
-  };
-}
-function place(xs, ys, frame) {
-  const spot = placer(frame);
-  const pixels = new Int32Array(xs.length);
-  for (let i = 0; i < xs.length; i++) pixels[i] = spot(xs[i], ys[i]);
+    pixels[i] = (row | 0) * width + (column | 0);
+  }
   return pixels;
 }
+var scratch = new Int32Array(0);
 var USUAL2 = 4;
 function cloudOf(xs, ys, frame) {
   const { dot: dot2, width, height } = frame;
-  const spot = placer(frame);
   const corners = new Uint32Array(width * height);
   let points = 0;
+  if (scratch.length < xs.length) scratch = new Int32Array(xs.length);
+  const pixels = place(xs, ys, frame, scratch);
   for (let i = 0; i < xs.length; i++) {
-    const pixel = spot(xs[i], ys[i]);
-    if (pixel < 0) continue;
-    corners[pixel]++;
+    if (pixels[i] < 0) continue;
+    corners[pixels[i]]++;
     points++;
   }
   const counts = new Uint32Array(corners.length);
