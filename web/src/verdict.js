@@ -44,9 +44,13 @@ function leadsOf(places, { rows }, to) {
   ];
 }
 
-/** @param {Lead} lead */
+/** Text that leads, which breaks where a line ends as text does. @param {Lead} lead */
 function link({ words, title, go, ...rest }) {
-  return make("button", { ...rest, type: "button", title, text: words, on: { click: go } });
+  const click = (/** @type {Event} */ event) => {
+    event.preventDefault();
+    go();
+  };
+  return make("a", { ...rest, href: "#plots", title, text: words, on: { click } });
 }
 
 /**

@@ -4257,7 +4257,11 @@ function leadsOf(places, { rows }, to) {
   ];
 }
 function link({ words: words3, title, go, ...rest }) {
-  return make("button", { ...rest, type: "button", title, text: words3, on: { click: go } });
+  const click = (event) => {
+    event.preventDefault();
+    go();
+  };
+  return make("a", { ...rest, href: "#plots", title, text: words3, on: { click } });
 }
 function plainly({ ready, rows }) {
   const first = ready ? rows.find(({ could_be: could }) => could) : void 0;
