@@ -90,8 +90,13 @@ def on_beats(plan: MotionPlan, longest_s: float) -> MotionPlan:
 
 
 def hand_can(steps: Sequence[HandStep]) -> bool:
-    """Whether a hand can do all of it."""
-    return len(steps) <= MOST_STEPS and not any(one.cannot for one in steps)
+    """Whether a hand can do all of it, led by one metronome."""
+    return len(steps) <= MOST_STEPS and len(_tempi(steps)) <= 1 and not any(one.cannot for one in steps)
+
+
+def _tempi(steps: Sequence[HandStep]) -> set[float]:
+    """The metronomes that steps ask for, beats a minute; what is done once, at once, asks for none."""
+    return {one.beats_per_minute for one in steps if one.beats_per_minute}
 
 
 def in_words(steps: Sequence[HandStep], most: int = 8) -> str:
@@ -105,9 +110,15 @@ def in_words(steps: Sequence[HandStep], most: int = 8) -> str:
         lines.append(
             f"  and {len(steps) - len(shown)} steps more, {seconds:.2g} s; the workbench leads a hand through"
         )
-    tempi = {one.beats_per_minute for one in steps}
-    led = f", at {min(tempi):.0f} beats a minute" if len(tempi) == 1 and min(tempi) > 0.0 else ""
-    head = f"By hand, without a motor{led}:" if hand_can(steps) else "No hand can do all of this:"
+    tempi = _tempi(steps)
+    led = f", at {min(tempi):.0f} beats a minute" if len(tempi) == 1 else ""
+    head = (
+        "More steps or tempi than a hand keeps to (--by-hand asks for a motion that is led by one metronome):"
+    )
+    if hand_can(steps):
+        head = f"By hand, without a motor{led}:"
+    elif any(one.cannot for one in steps):
+        head = "No hand can do all of this:"
     return "\n".join([head, *lines])
 
 

@@ -3647,7 +3647,7 @@ var Next = class {
     byId("next-keys").replaceChildren(...experiment.rivals.map(key));
     byId("next-evidence").hidden = pairs.length === 0;
     byId("next-pairs").replaceChildren(...pairs.flatMap((pair) => bars(pair, experiment.told, largest2(pairs))));
-    const tempi = new Set(steps.map(({ beats: beats2 }) => Math.round(beats2)));
+    const tempi = new Set(steps.map(({ beats: beats2 }) => Math.round(beats2)).filter(Boolean));
     const led = tempi.size === 1 ? ` at ${[...tempi][0]} beats a minute` : "";
     byId("next-can").textContent = by_hand ? `By hand, led by a metronome${led}` : "For a motor";
     byId("next-no-hand").hidden = by_hand;
