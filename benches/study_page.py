@@ -32,10 +32,8 @@ DEEDS = {
     "undo": ("undo", 100),
     "redo": ("redo", 100),
     "beside": ("two branches side by side", None),
-    "closer": ("zoom to a region", None),
     "wheel": ("zoom by the wheel", None),
     "drag": ("drag a parameter", 100),
-    "switch": ("switch to the other branch", None),
     "report": ("brush in the report's file", 250),
 }
 
@@ -78,8 +76,7 @@ def report(result: dict[str, Any]) -> Iterator[str]:
         ]
         own = LARGE_WANTED.get(deed, "")
         yield f"{words:<42} | {most or '':>6} | {cells[0]:>16} | {cells[1]:>16} | {own:>6} | {cells[2]:>17}"
-    yield f"main thread busy for a move of the brush, at most 30 ms wanted: {many['brush']['script']:.0f} ms"
-    yield "a frame has 16.7 ms: busy for 50 ms is three of them"
+    yield "busy: the main thread; a frame has 16.7 ms"
     yield f"load of the machine when it was measured: {result['load']:.1f}"
 
 
