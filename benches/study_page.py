@@ -66,7 +66,7 @@ def measured_large() -> dict[str, dict[str, float]]:
 def report(result: dict[str, Any]) -> Iterator[str]:
     """What came out, in lines."""
     few, many, large = (result[str(samples)] for samples in (*SAMPLES, LARGE))
-    head = "ms until painted (busy)"
+    head = "ms until painted (busy; a frame has 16.7)"
     yield f"{head:<42} | wanted |   25 000 samples |  250 000 samples | wanted | 2 000 000 samples"
     wanted = DEEDS | {one: (f"add {one}, not weighed yet", most) for one, most in UNWEIGHED.items()}
     for deed, (words, most) in wanted.items():
@@ -76,7 +76,6 @@ def report(result: dict[str, Any]) -> Iterator[str]:
         ]
         own = LARGE_WANTED.get(deed, "")
         yield f"{words:<42} | {most or '':>6} | {cells[0]:>16} | {cells[1]:>16} | {own:>6} | {cells[2]:>17}"
-    yield "busy: the main thread; a frame has 16.7 ms"
     yield f"load of the machine when it was measured: {result['load']:.1f}"
 
 
