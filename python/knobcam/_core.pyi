@@ -165,6 +165,7 @@ def prepare(
     method: str,
     options: dict[str, float],
     run: tuple[str, str] | None = None,
+    trusted: list[str] = [],
 ) -> Signals: ...
 
 DeviceRow = tuple[float, float, int, float, float, float, bool]

@@ -43,14 +43,26 @@ def mended(fit: Fit) -> Fit:
 
     What moves with the delay has an interval that holds what the captures leave open of it.
     """
+    if overruled(fit):
+        return fit
     return fit if fit.delayed is None else refit.converged(replace(fit, core=fit.delayed, before=fit))
 
 
 def ahead(fit: Fit) -> Finding | None:
     """Return the finding that the torque of a fit is ahead of its motion; None where nothing says so.
 
-    It is mended where the delay is fitted with the rest.
+    It is mended where the delay is fitted with the rest, and a note where a person has overruled it.
     """
+    found = _found(fit)
+    return found.over() if found and overruled(fit) else found
+
+
+def overruled(fit: Fit) -> bool:
+    """Whether a person has overruled it, of any capture."""
+    return any(one.capture.overrules("late_column", "tau") for one in fit.prepared)
+
+
+def _found(fit: Fit) -> Finding | None:
     here = _DELAY in fit.core.free and _sure(fit, fit.core)
     core = fit.core if here else fit.delayed
     if core is None:
