@@ -19,7 +19,7 @@ signal.signal(signal.SIGHUP, signal.SIG_DFL)
 # What these are about takes the time that it takes only where nothing else runs.
 ALONE = ("browser", "faults", "fleet", "fleet_stores", "fleet_watch", "loop", "rig_capture", "rig_emulator")
 ALONE += ("rig_faults", "rig_placing", "rig_safety", "rig_trust", "workbench_fault", "workbench_patience")
-ALONE += ("workbench_safety", "workbench_sources")
+ALONE += ("workbench_proposing", "workbench_safety", "workbench_sources")
 
 
 @pytest.hookimpl(tryfirst=True)
