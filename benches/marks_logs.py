@@ -9,11 +9,10 @@ from logs import Row, barred
 
 WIDTH = 37  # of a fault's name
 SAID = (
-    "said: the fault is named by a finding, or as an effect; M off: the inertia from the true one, %, median",
-    "and most, of what was learned the most; holds: its 95 % interval does; besides: findings of what is not",
-    "there; accused: an effect is named that is not there, or none is and the rest called unexplained (which",
-    "is right of logs marked *: no model of them is one of the knob); floor: noise floor over the true one,",
-    "median and worst",
+    "said: the fault is named by a finding or effect; M off: the inertia from the true one, %, median and",
+    "most, of what was learned the most; holds: its 95 % interval does; besides: findings of what is not",
+    "there; accused: an effect is named that is not there, or none and the rest called unexplained (right of",
+    "logs marked *: no model of them is of the knob); floor: noise floor over the true one, median and worst",
 )
 
 

@@ -1,13 +1,14 @@
 """Writes BENCHMARKS.md and docs/measured.md from what this machine measures: `python benches/report.py`.
 
 The statistical part comes from `benches/results`, which the `benches/study_*.py` write; `--studies` writes
-that part alone and leaves the figures of speed as they stand.
+that part alone and leaves the figures of speed as they stand. What was written by hand beside a table stays.
 """
 
 import argparse
 import json
 import os
 import platform
+import re
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -118,45 +119,58 @@ def lines() -> Iterator[str]:
     yield ""
     yield from table(bench_memory.HEAD, [g.cells for g in bench_memory.growth()])
     yield ""
-    yield from studies(STUDIES, "report", "```")
 
 
-def at_length() -> Iterator[str]:
-    """The page of the longer tables."""
-    yield "# Measured, at length"
-    yield ""
-    yield "What is too long for [the page of figures](../BENCHMARKS.md)."
-    yield ""
-    yield from studies(AT_LENGTH, "at_length", "```text")  # a page of the site says what each block is
+def renewed(page: str, titles: dict[str, str], part: str, fence: str) -> str:
+    """A page with the table of each study that was held, that part of its results or else the report, anew.
 
-
-def studies(titles: dict[str, str], part: str, fence: str) -> Iterator[str]:
-    """A section for each study that was held: that part of its results, or else the report."""
-    sections = []
+    What was written beside a table, and whatever section is of no study, stays.
+    """
     for name, title in titles.items():
         results = ROOT / "benches" / "results" / f"{name}.json"
-        if results.is_file():
-            document = json.loads(results.read_text("utf-8"))
-            sections.append(
-                "\n".join([f"## {title}", "", fence, *document.get(part, document["report"]), "```"])
-            )
-    yield "\n\n".join(sections)
+        if not results.is_file():
+            continue
+        document = json.loads(results.read_text("utf-8"))
+        told = "\n".join(document.get(part, document["report"])).splitlines()
+        table = "\n".join([fence, *(line.rstrip() for line in told), "```"])
+        head = f"\n## {title}\n"
+        start = page.find(head)
+        if start < 0:
+            page = f"{page.rstrip()}\n{head}\n{table}\n"
+            continue
+        end = page.find("\n## ", start + len(head))
+        end = len(page) if end < 0 else end
+        section, there = re.subn(
+            r"```.*?\n```", lambda _, new=table: new, page[start:end], count=1, flags=re.S
+        )
+        if not there:
+            section = f"{page[start:end].rstrip()}\n\n{table}\n"
+        page = page[:start] + section + page[end:]
+    return page
+
+
+def write_studies(timed: str = "") -> None:
+    """Write both pages, with the figures of speed as they stand or as they were `timed`."""
+    page = ROOT / "BENCHMARKS.md"
+    first = f"## {next(iter(STUDIES.values()))}"
+    before, _, rest = page.read_text("utf-8").partition(first)
+    written = (timed or before) + first + rest
+    page.write_text(renewed(written, STUDIES, "report", "```"), "utf-8")
+    longer = ROOT / "docs" / "measured.md"
+    # A page of the site says what each block is.
+    longer.write_text(renewed(longer.read_text("utf-8"), AT_LENGTH, "at_length", "```text"), "utf-8")
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description="The pages of figures.")
     parser.add_argument("--studies", action="store_true", help="the studies' tables alone, nothing is timed")
     if parser.parse_args().studies:
-        page = ROOT / "BENCHMARKS.md"
-        timed, _, _ = page.read_text("utf-8").partition(f"## {next(iter(STUDIES.values()))}")
-        page.write_text(timed + "\n".join(studies(STUDIES, "report", "```")) + "\n", "utf-8")
-        (ROOT / "docs" / "measured.md").write_text("\n".join(at_length()) + "\n", "utf-8")
+        write_studies()
         return
     if os.environ.get(THREADS) != "1":
         os.environ[THREADS] = "1"
         os.execv(sys.executable, [sys.executable, *sys.argv])  # NumPy reads it when it is loaded
-    (ROOT / "BENCHMARKS.md").write_text("\n".join(lines()) + "\n", "utf-8")
-    (ROOT / "docs" / "measured.md").write_text("\n".join(at_length()) + "\n", "utf-8")
+    write_studies("\n".join(lines()) + "\n")
 
 
 if __name__ == "__main__":

@@ -90,11 +90,11 @@ def planted(seed: int, size: int, client: str | None) -> dict[str, Any]:
     return result | {name: (bool(rows[name]["outlier"]), rows[name]["found"] == [name]) for name in single}
 
 
-def lots(rounds: int, size: int) -> None:
+def lots(first: int, rounds: int, size: int) -> None:
     """Print how often what was planted is found and named."""
     with cluster.workers(None) as client:
-        told = [planted(seed, size, client.scheduler.address) for seed in range(rounds)]
-    print(f"{rounds} rounds, {size} parts of each kind, {SAMPLES} samples each")
+        told = [planted(seed, size, client.scheduler.address) for seed in range(first, first + rounds)]
+    print(f"{rounds} rounds from seed {first}, {size} parts of each kind, {SAMPLES} samples each")
     for name in ("friction", "gain", "backlash", "compliance"):
         found, named = (sum(one[name][at] for one in told) for at in (0, 1))
         print(f"  {name:<11} found in {found} of {rounds}, named rightly in {named}")
@@ -162,10 +162,11 @@ def timed(found: list[Any], workers: int) -> tuple[float, float, float]:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cost", action="store_true")
+    parser.add_argument("--first", type=int, default=0, help="seed of the first round")
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--size", type=int, default=20, help="parts of each kind; with --cost captures")
     args = parser.parse_args()
     if args.cost:
         cost(args.size, args.rounds)
     else:
-        lots(args.rounds, args.size)
+        lots(args.first, args.rounds, args.size)

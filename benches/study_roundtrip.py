@@ -69,7 +69,8 @@ def trip(knob: str, effect: str, speed: float, folder: Path) -> dict[str, Any]:
     with EmulatedRig(model, seed=11, speed=speed) as rig:
         knobcam("capture", "--port", rig.port, "-o", folder / "knob.npz")
         learned = knobcam("learn", folder / "knob.npz", "-o", folder / "learned.toml")
-        knobcam("capture", "--port", rig.port, "--model", folder / "learned.toml", "-o", folder / "felt.npz")
+        felt = ("-o", folder / "felt.npz", "--force")  # two of the paper's knobs feed the hand at some speed
+        knobcam("capture", "--port", rig.port, "--model", folder / "learned.toml", *felt)
         again = knobcam("learn", folder / "felt.npz")
     before, after = learned["ladder"][-1]["params"], again["ladder"][-1]["params"]
     true = positive({name: p.value for name, p in model.params.items()})

@@ -11,6 +11,7 @@ import argparse
 import json
 import os
 import pickle
+import re
 import subprocess
 import sys
 import tempfile
@@ -51,7 +52,9 @@ thresholds of a process, when the library is loaded.
 """
 
 
-_COLUMNS = "| name | value | meaning | source | halved; doubled |"
+_EDGE = (
+    "judgement: a spike or two; a stretch that is wrong, or a peak that the motion makes, has more samples"
+)
 
 
 def asked(changes: str, knobs: Path) -> dict[str, Any]:
@@ -169,7 +172,32 @@ def page(table: dict[str, Any]) -> str:
                 value = f"{one.value:g} {one.unit}"
                 lines.append(f"| `{one.name}` | {value} | {one.meaning} | {one.source} | {said} |")
         lines.append("")
-    return "\n".join(lines)
+    return "\n".join([*lines, *pictures()])
+
+
+def pictures() -> list[str]:
+    """What decides which samples the axes of the page's plots are made for, of the file that says it."""
+    told = (HERE.parent / "web" / "src" / "outliers.js").read_text("utf-8")
+    value = {name: float(number) for name, number in re.findall(r"^const (\w+) = ([\d.]+);", told, re.M)}
+    rows = [
+        (
+            "TIMES",
+            "times the others",
+            "How much farther than all others samples reach that no axis is made for.",
+        ),
+        ("SHARE", "share of the samples", "How many those may be at most, at either end of a torque's axis."),
+        ("FEW", "samples", "The same of a capture in which that would be fewer."),
+    ]
+    return [
+        "## What the workbench draws at the edge of a plot",
+        "",
+        "It decides nothing but what is seen: such samples stand at the edge, counted beside the axis.",
+        "",
+        "| name | value | meaning | source |",
+        "|---|---|---|---|",
+        *(f"| `{name}` | {value[name]:g} {unit} | {meaning} | {_EDGE} |" for name, unit, meaning in rows),
+        "",
+    ]
 
 
 def _measured(entry: dict[str, Any] | None) -> str:

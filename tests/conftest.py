@@ -17,13 +17,15 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 # What these are about takes the time that it takes only where nothing else runs.
-ALONE = ("test_browser", "test_faults", "test_fleet", "test_loop", "test_rig_", "test_workbench_")
+ALONE = ("browser", "faults", "fleet", "fleet_stores", "fleet_watch", "loop", "rig_capture", "rig_emulator")
+ALONE += ("rig_faults", "rig_placing", "rig_safety", "rig_trust", "workbench_fault", "workbench_patience")
+ALONE += ("workbench_safety", "workbench_sources")
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
-        if item.path.name.startswith(ALONE):
+        if item.path.stem.removeprefix("test_") in ALONE:
             item.add_marker(pytest.mark.alone)
 
 

@@ -7,7 +7,7 @@ import math
 import pytest
 
 import knobcam as kc
-from knobcam.capture.by_hand import by_hand, hand_can, in_words
+from knobcam.capture.by_hand import TEMPI, by_hand, hand_can, in_words, on_beats
 from knobcam.capture.motion_plan import MotionPlan, Move, Rest, Waves
 from knobcam.learn.limits import Limits
 from knobcam.learn.motion_space import bank, plan
@@ -31,6 +31,43 @@ def test_passes_between_the_same_ends_are_one_step_with_degrees_seconds_and_beat
     assert second.beats_per_minute == pytest.approx(60.0 / one_way)
     assert f"{60.0 / one_way:.0f} beats a minute" in second.words
     assert hand_can([first, second])
+
+
+def test_a_quick_there_and_back_is_one_beat() -> None:
+    motion = to_and_fro(20.0 * RAD, 4.0, 20)
+    one_way = motion.parts[1].seconds(20.0 * RAD)
+    assert 0.25 < one_way < 0.5
+    step = by_hand(motion)[-1]
+    assert step.beats_per_minute == pytest.approx(30.0 / one_way)
+    assert f"(two on a beat, {30.0 / one_way:.0f} beats a minute)" in step.words
+
+
+def test_a_motion_for_a_hand_keeps_to_one_metronome_and_becomes_slower_nowhere_faster() -> None:
+    limits = Limits(0.1, 6.0, 80.0, -1.0, 1.0, duration_s=9.0, sample_rate_hz=2000.0)
+    for pieces in bank():
+        whole = plan(pieces, limits)
+        if any(isinstance(part, Waves) for part in whole.parts):
+            continue
+        made = on_beats(whole, 9.0)
+        assert 0.0 < made.seconds <= 9.0
+        assert limits.hold(made.track(2000.0))
+        steps = by_hand(made)
+        (tempo,) = {one.beats_per_minute for one in steps if not one.cannot} or {TEMPI[0]}
+        assert tempo in TEMPI or len(made.parts) == 1
+        for step in steps:
+            assert 2.0 * step.seconds * tempo / 60.0 == pytest.approx(
+                round(step.seconds * tempo / 30.0), abs=0.1
+            )
+
+
+def test_no_metronome_is_faster_or_slower_than_a_hand_can_follow() -> None:
+    tempi = []
+    for speed in (1.0, 4.0, 12.0, 30.0):
+        limits = Limits(0.1, speed, 20.0 * speed, -1.0, 1.0, duration_s=9.0, sample_rate_hz=2000.0)
+        tempi += [one.beats_per_minute for pieces in bank() for one in by_hand(plan(pieces, limits))]
+    asked = [one for one in tempi if one > 0.0]
+    assert len(asked) > 50
+    assert min(asked) >= 40.0 and max(asked) <= 120.0 + 1e-9
 
 
 def test_a_slow_pass_has_a_beat_about_every_second() -> None:
@@ -84,4 +121,6 @@ def test_only_what_a_hand_can_make_is_designed_where_that_is_asked_for() -> None
     story = kc.learn(kc.simulate(knob, "sweep", duration_s=3.0))
     rivals = ["return_spring", "unbalance"]
     designed = kc.next_experiment(story, rivals=rivals, by_hand=True, search_s=1.0)
-    assert hand_can(by_hand(designed.plan)) and designed.separable
+    steps = by_hand(designed.plan)
+    assert hand_can(steps) and designed.separable
+    assert len({one.beats_per_minute for one in steps}) == 1

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from test_browser import needs_browser, script
 
 import knobcam
 from knobcam import plot
@@ -103,6 +104,13 @@ def test_nothing_that_a_page_loads_comes_from_a_network(site: Path) -> None:
         assert re.findall(r"(?:url\(|@import)\s*[\"']?(?:\w+:)?//", style.read_text("utf-8")) == [], (
             style.name
         )
+
+
+@needs_browser
+def test_no_page_scrolls_sideways_on_an_ordinary_screen_and_every_picture_is_there(site: Path) -> None:
+    seen = script("docs.js", site)
+    assert seen["pages"] >= len(PAGES)
+    assert seen["wide"] == {} and seen["lost"] == {}
 
 
 def test_links_of_the_site_lead_to_files_in_it(site: Path) -> None:

@@ -98,8 +98,18 @@ def test_what_is_asked_for_of_a_torque_that_is_ahead_is_left_as_it_is() -> None:
     assert [one["done"] for one in story.document()["findings"] if one["kind"] == "late_column"] == ["mended"]
 
 
-@pytest.mark.parametrize("effects", [(), ("stribeck",), ("torque_lag",), ("directional_detent",)])
-def test_a_torque_that_is_in_its_place_is_not_said_to_be_ahead(effects: tuple[str, ...]) -> None:
+@pytest.mark.parametrize("motion", ["multisine", "turns"])
+def test_a_torque_that_is_read_late_is_fitted_with_its_delay_and_the_inertia_is_right(motion: str) -> None:
+    fit = kc.fit(spoiled("torque late 5 rows", motion))
+    (late,) = [one for one in fit.document()["findings"] if one["kind"] == "late_column"]
+    assert late["column"] == "tau" and late["done"] == "mended" and "ms after the motion" in late["message"]
+    later = fit.params["torque_lag.lag"].value + fit.params["torque_lag.delay"].value
+    assert later == pytest.approx(1e-3, rel=0.02) and off(fit, motion) < 0.02  # 5 rows of 0.2 ms
+    assert fit.before is not None and fit.params["inertia.M"].se < fit.before.params["inertia.M"].se
+
+
+@pytest.mark.parametrize("effects", [(), ("stribeck",), ("presliding",), ("directional_detent",)])
+def test_a_torque_that_is_in_its_place_is_not_said_to_be_ahead_or_late(effects: tuple[str, ...]) -> None:
     log = capture(knob("multisine", effects, 6.0 if effects else None).capture)
     assert kc.fit(log).ahead is None
 

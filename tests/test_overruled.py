@@ -7,6 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command import knobcam, refused
+from test_bands import pendulum
+from test_logs_held import spoiled
 from workbench_server import served, wrong
 
 import knobcam as kc
@@ -82,6 +84,67 @@ def test_a_reading_that_stands_counts_anew_where_a_person_says_so() -> None:
     assert [one.key for one in slow.findings] == ["held:tau"]
     anew = kc.Capture.from_arrays(**columns, overrule=["held:tau"])
     assert len(anew.prepare().rows) > 3 * len(slow.prepare().rows)
+
+
+def arrays(capture: kc.Capture) -> dict[str, object]:
+    names = [name for name in ("t", "theta", "omega", "alpha", "tau") if name in capture.columns]
+    return {name: capture.columns[name] for name in names}
+
+
+def test_what_the_preparation_finds_is_told_and_left_as_it_is_where_a_person_overrules_it() -> None:
+    shaken = pendulum(0.02)
+    (band,) = [one for one in shaken.prepare().findings if one.key == "band:theta"]
+    assert band.severity == "mended"
+    trusted = kc.Capture.from_arrays(**arrays(shaken), overrule=["band:theta"])
+    (told,) = [one for one in trusted.prepare().findings if one.key == "band:theta"]
+    assert told.overruled and told.severity == "note" and told.count > band.count
+    edges = [one.prepare().core.edge_hz for one in (shaken, trusted)]
+    assert edges[1] > 1.5 * edges[0]
+    # What is not there after all is said not to be looked for, and changes nothing.
+    calm = kc.Capture.from_arrays(**arrays(pendulum()), overrule=["band:theta"])
+    assert [one.key for one in calm.findings if one.overruled] == ["band:theta"]
+    np.testing.assert_array_equal(calm.prepare().theta, pendulum().prepare().theta)
+
+
+def test_a_reading_that_all_others_contradict_counts_where_a_person_says_so() -> None:
+    capture = kc.simulate("knob4", "sweep", duration_s=1.0)
+    theta = capture.theta.copy()
+    theta[2500] += 0.004
+    columns = {**arrays(capture), "theta": theta}
+    key = "spike:theta"
+    found = [one for one in kc.Capture.from_arrays(**columns).prepare().findings if one.key == key]
+    assert len(found) == 1
+    assert kc.Capture.from_arrays(**columns).where(found[0]) == [(2500, 2500)]
+    trusted = kc.Capture.from_arrays(**columns, overrule=[key])
+    told = [one for one in trusted.prepare().findings if one.key == key]
+    assert [one.overruled for one in told] == [True]
+    away = [abs(one.prepare().theta[2500] - capture.theta[2500]) for one in (trusted, capture)]
+    assert away[0] > 3.0 * away[1]
+
+
+def test_a_torque_that_is_ahead_keeps_its_time_where_a_person_overrules_that(tmp_path: Path) -> None:
+    ahead = spoiled("torque ahead 5 rows", "multisine")
+    assert "actuation_delay" in kc.fit(ahead).model.effects
+    saved = ahead.save(tmp_path / "ahead.npz")
+    kept = kc.load(saved, overrule=["late_column:tau"])
+    fit = kc.fit(kept)
+    assert "actuation_delay" not in fit.model.effects and fit.ahead is not None
+    assert fit.ahead.overruled and fit.ahead.message not in fit.warnings
+    with served(Bench()) as client:
+        client.post("/api/open", json={"path": str(saved)})
+        (first,) = client.get("/api/state").json()["captures"]
+        told = {one["key"]: one for one in first["findings"]}["late_column:tau"]
+        assert not told["overruled"] and not told["note"] and told["stands"] == ""
+        asked = {"capture": first["id"], "finding": "late_column:tau", "on": True}
+        assert client.post("/api/overrule", json=asked).is_success
+        state = client.get("/api/state").json()
+        (second,) = state["captures"]
+        keys = [one["key"] for one in second["findings"] if one["overruled"]]
+        assert keys == ["late_column:tau"]
+        assert not any(one["name"].startswith("actuation_delay") for one in state["params"])
+        client.post("/api/overrule", json={**asked, "capture": second["id"], "on": False})
+        state = client.get("/api/state").json()
+        assert any(one["name"].startswith("actuation_delay") for one in state["params"])
 
 
 def test_the_command_line_overrules_what_the_call_does(log: Path, tmp_path: Path) -> None:

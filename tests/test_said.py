@@ -369,3 +369,12 @@ def test_sets_are_weighed_of_what_came_in_and_of_the_best_that_did_not(monkeypat
     # What explains as much, but for less than its parameters' price, is no better.
     price = Known(math.sqrt(1.5**2 - 1e-3), (*BASE, "unbalance", "stribeck"))
     assert of([(better[0], price)], False, *two) is None
+
+
+def test_what_could_be_in_the_place_of_a_name_is_said_with_it_unless_it_came_in_too():
+    story = learned(("stribeck", "offset"))
+    tied = [replace(one, equivalent=("presliding", "offset")) for one in story.ladder[1:]]
+    story = replace(story, ladder=(story.ladder[0], *tied))
+    assert story.headline == (
+        "stribeck (or presliding) and offset (or presliding) were missing; with them the rest is chance."
+    )

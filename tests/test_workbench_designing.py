@@ -112,6 +112,27 @@ def test_the_model_becomes_that_of_who_was_right_and_can_be_taken_back(
     assert shown(client)["node"] == before["node"] and shown(client)["params"] == before["params"]
 
 
+def test_where_nothing_is_tied_the_next_motion_is_for_what_is_known_least(
+    client: httpx.Client, bench: Bench, tmp_path: Path
+) -> None:
+    post(client, "simulate", knob="knob2", effects=[], motion="sweep", duration_s=3.0)
+    post(client, "design", effects=[])
+    found = shown(client)["experiment"]
+    assert found["pairs"] == [] and len(found["rivals"]) == 1
+    assert "would be known" in found["headline"]
+    param = found["headline"].split()[0]
+    before = bench.session.node.fit.params[param].se
+    motion = columns(client.get("/api/motion", params={"experiment": found["id"]}))
+    assert np.abs(motion["rival 0"]).max() > 0.0
+    post(client, "try", experiment=found["id"])
+    state = shown(client)
+    assert state["experiment"]["verdict"].startswith(f"{param} is known ")
+    assert len(state["active"]) == 2 and bench.session.node.fit.params[param].se < before
+    design = bench.session.designed(found["id"])
+    again = designing.Designed.again(json.loads(json.dumps(design.record())))
+    assert again.known == design.known and again.verdict == design.verdict
+
+
 def test_an_emulated_rig_is_recorded_from_with_the_same_knob_in_it(
     client: httpx.Client, bench: Bench, tmp_path: Path
 ) -> None:

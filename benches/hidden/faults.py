@@ -257,6 +257,12 @@ def commanded(rng: Rng, columns: Columns) -> Columns:
     return early | {"tau_Nm": columns["tau_Nm"][LATE:]}
 
 
+def read_late(rng: Rng, columns: Columns) -> Columns:
+    """Torque that is read late, as over a slow bus."""
+    later = {name: values[LATE:] for name, values in columns.items()}
+    return later | {"tau_Nm": columns["tau_Nm"][:-LATE]}
+
+
 def joined(rng: Rng, columns: Columns) -> Columns:
     """Two stretches one after the other under one clock, the second with another zero of the angle."""
     n, cut = len(columns["t_s"]), int(rng.integers(500, 2000))
@@ -320,6 +326,9 @@ _SINGLE = {
     "omega late 5 rows": Fault(late_velocity, frozenset({"late", "late_column"})),
     "torque ahead 5 rows": Fault(
         commanded, frozenset({"late", "late_column"}), effects=frozenset({"actuation_delay"})
+    ),
+    "torque late 5 rows": Fault(
+        read_late, frozenset({"late", "late_column"}), effects=frozenset({"torque_lag"})
     ),
     "AR(1) noise 0.9": Fault(_nothing, keep=0.9),
     "AR(1) noise 0.97": Fault(_nothing, keep=0.97),

@@ -165,6 +165,7 @@ def prepare(
     method: str,
     options: dict[str, float],
     run: tuple[str, str] | None = None,
+    trusted: list[str] = [],
 ) -> Signals: ...
 
 DeviceRow = tuple[float, float, int, float, float, float, bool]
@@ -274,7 +275,7 @@ def at_floor(white_squares: float) -> float: ...
 def judge(
     fit: tuple[float, float, float, float, list[float]],
     law: float,
-    effects: Sequence[tuple[float, int, float, float, float, float, bool, int]],
+    effects: Sequence[tuple[float, int, float, float, float, float, float, bool, int]],
 ) -> list[tuple[Word, list[int]]]: ...
 def thresholds() -> list[tuple[str, float, str, str, str, str]]: ...
 def stiction(

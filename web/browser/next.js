@@ -70,8 +70,11 @@ const file = join(folder, "motion.toml");
 await (await saving).saveAs(file);
 assert.match(readFileSync(file, "utf8"), /^schema = "knobcam.motion\/1"/);
 
-// A hand is led: the mark moves with the clock, and stands where the motion is.
+// A hand is led, through a motion that it can make: the mark moves with the clock, and stands where the motion is.
 await button("By hand…").click();
+await page.locator("#lead").waitFor({ timeout: 90_000 });
+const third = await experiment();
+assert.ok(third.by_hand && (second.by_hand || third.id !== second.id));
 await picture("24-metronome");
 await accessible(page, "metronome");
 await page.getByLabel("click at each beat").check();
@@ -131,7 +134,7 @@ const state = await stateOf(page);
 await browser.close();
 console.log(
   JSON.stringify({
-    ...{ shares, first, second, counted, left, clicks, told, words },
+    ...{ shares, first, second, third, counted, left, clicks, told, words },
     effects: [...new Set(state.params.map(({ name }) => name.split(".")[0]))],
     captures: state.captures.map(({ name, samples }) => ({ name, samples })),
   }),

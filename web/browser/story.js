@@ -34,13 +34,19 @@ await candidates.first().waitFor({ timeout: 60_000 });
 assert.equal(await candidates.first().getAttribute("data-effect"), effect);
 
 await page.getByRole("button", { name: "Clear" }).click();
-const lead = page.locator("#verdict .leads");
+const lead = page.locator("#verdict .leads.place");
 const [low] = /-?[\d.]+/.exec(await lead.textContent()) ?? [];
 await lead.click();
 await page.locator(".brush:visible").waitFor();
 assert.match(await page.locator("#chosen").textContent(), /samples chosen, .* of the squared error/);
 const marked = await page.evaluate(() => globalThis.knobcam.app.linked.brushed);
 assert.ok(Math.abs(marked.x[0] - Number(low)) < 1e-3 * (1 + Math.abs(marked.x[0])), `${marked.x} is not from ${low} on`);
+// Its other words lead too: to the effect that they name, which is laid over the residuals, and to the ladder.
+await page.locator("#verdict .leads", { hasText: new RegExp(`^${effect}$`) }).last().click();
+assert.equal(await page.evaluate(() => document.activeElement.dataset.effect), effect);
+await page.locator("#looked:visible").waitFor();
+await page.locator("#verdict .leads", { hasText: "RMS error" }).click();
+await page.locator("#ladder.shown").waitFor();
 for (const axis of ["acceleration", "load", "history"]) {
   await done(page, "data", () => page.getByLabel("axis of row 3").selectOption(axis));
   assert.equal(await page.evaluate(() => globalThis.knobcam.app.linked.axes[2]), axis);
@@ -60,7 +66,7 @@ assert.match(await page.locator("#moment-words").textContent(), /^[\d.]+ s, .* r
 assert.equal(await page.locator(".plot .moment:visible").count(), 6, "one moment in every plot");
 
 // 720 x 450: a screen of 1440 x 900 at 200 %.
-for (const [width, height] of [[720, 450], [700, 950], [800, 950], [1280, 950], [1440, 900], [1920, 950]]) {
+for (const [width, height] of [[720, 450], [700, 950], [800, 950], [1120, 800], [1280, 950], [1366, 768], [1440, 900], [1920, 950]]) {
   await page.setViewportSize({ width, height });
   for (const seen of ["#ladder .track", ".candidate .label", ".plot[aria-label='residual over position']"]) {
     const box = await page.locator(seen).first().boundingBox();

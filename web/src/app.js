@@ -4,7 +4,7 @@ import { download, fetchState, listen, post, wordsOf } from "./api.js";
 import { comparable, showBranches } from "./branches.js";
 import { samplesOf, showCaptures, showFindings } from "./captures.js";
 import { Candidates } from "./candidates.js";
-import { byId } from "./dom.js";
+import { byId, shown } from "./dom.js";
 import { AnyEffect, about } from "./effects.js";
 import { opening, saving } from "./files.js";
 import { showHidden, unhiding } from "./hidden.js";
@@ -219,7 +219,12 @@ class App {
     if (!this.state?.node && state.node !== null && state.looked) this.lookAgain(state.looked);
     this.state = state;
     byId("welcome").toggleAttribute("hidden", state.node !== null);
-    showVerdict(byId("verdict"), state, (place) => this.go(place));
+    showVerdict(byId("verdict"), state, {
+      place: (place) => this.go(place),
+      effect: (effect) => this.candidates.go(effect),
+      error: () => shown(byId("ladder")),
+      findings: () => shown(byId("findings")),
+    });
     if (state.recording) this.live?.follow();
     showHidden(state);
     showLeft(state.left, {

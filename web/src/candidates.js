@@ -1,7 +1,7 @@
 /** What could be missing: each effect with its evidence; the one that is looked at is laid over the residuals. */
 
 import { make } from "./dom.js";
-import { lawOf } from "./math.js";
+import { fitFormulas, lawOf } from "./math.js";
 import { number, percent } from "./numbers.js";
 
 /** @typedef {import("./types.js").Candidate} Candidate */
@@ -29,6 +29,7 @@ export class Candidates {
     this.rows = [];
     place.tabIndex = -1;
     place.addEventListener("keydown", (event) => this.key(event));
+    new ResizeObserver(() => fitFormulas(place)).observe(place);
   }
 
   /** @param {Pick<State, "candidates" | "node" | "job">} state */
@@ -56,6 +57,7 @@ export class Candidates {
       others.length > 0 ? folded(others) : "",
       ...remainder(candidates.unexplained),
     );
+    fitFormulas(this.place);
     // On the list as a whole: on an item a second Enter would take another one, unseen.
     if (this.inside && document.activeElement === document.body) this.place.focus();
     if (this.items.length > 0) this.inside = false;
@@ -91,7 +93,7 @@ export class Candidates {
       make("span", { class: "figure", text: percent(-Math.max(0, row.error_fall)), title: "fall of the RMS error" }),
       make("span", { class: "deeds" }, this.deeds.about ? about : null, take),
       make("span", { class: "alike", text: row.name }),
-      row.could_be ? make("span", { class: "alike" }, lawOf(row)) : null,
+      row.could_be ? make("span", { class: "alike law-of" }, lawOf(row)) : null,
       make("span", { class: "evidence soft", text: evidence(row) }),
       this.untold(row),
       ...remarks(row).map((text) => make("span", { class: "alike soft", text })),
@@ -113,6 +115,14 @@ export class Candidates {
     return make("span", { class: "alike soft" }, words, this.deeds.apart ? apart : null);
   }
 
+  /** Go to an effect. @param {string} effect */
+  go(effect) {
+    const item = this.items.find(({ dataset }) => dataset.effect === effect);
+    const fold = item?.closest("details");
+    if (fold) fold.open = true; // what is folded away takes no focus
+    item?.focus();
+  }
+
   /** @param {number} at */
   focused(at) {
     this.at = at;
@@ -131,9 +141,7 @@ export class Candidates {
     if (event.key in moves) {
       const to = moves[/** @type {keyof typeof moves} */ (event.key)];
       const item = this.items[Math.min(this.items.length - 1, Math.max(0, to))];
-      const fold = item?.closest("details");
-      if (fold) fold.open = true; // what is folded away takes no focus
-      item?.focus();
+      if (item) this.go(item.dataset.effect ?? "");
       event.preventDefault();
     } else if (event.key === "Enter" && event.target === this.items[this.at]) {
       this.deeds.take(this.items[this.at].dataset.effect ?? "");

@@ -6,6 +6,10 @@ import { make } from "./dom.js";
 /** @typedef {import("./types.js").State} State */
 /** @typedef {import("./types.js").CaptureInfo} CaptureInfo */
 
+const FEW = 2; // findings that are seen at once
+/** @type {Record<string, string>} */
+const PLURAL = { note: "notes", warning: "warnings" };
+
 /**
  * @param {HTMLElement} place
  * @param {State} state
@@ -65,15 +69,32 @@ export function showFindings(place, { captures, active, limitations, notes, job 
   place.dataset.shown = key;
   const focused = document.activeElement?.getAttribute("data-finding");
   const fitted = captures.filter(({ id }) => active.includes(id));
+  const told = fitted.flatMap(({ findings }) => findings);
   const found = fitted.flatMap(({ id, name, findings }) => {
     const own = [...findings.filter(({ note }) => !note), ...findings.filter(({ note }) => note)];
     return own.map((one) => finding(one, { id, name: fitted.length > 1 ? `${name}: ` : "", job }, deeds));
   });
   const missing = limitations.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
-  place.replaceChildren(...noted, ...missing, ...found); // what to record next is not to be scrolled for
+  const open = place.querySelector("details")?.open ?? false;
+  const own = found.length > FEW ? [folded(found, told, open)] : found;
+  place.replaceChildren(...noted, ...missing, ...own); // what to record next is not to be looked for
   const again = focused && place.querySelector(`[data-finding="${CSS.escape(focused)}"]`);
   if (again instanceof HTMLElement) again.focus();
+}
+
+/**
+ * Many findings behind a line that says how many of which kind there are: what could be missing stands on the screen too.
+ * @param {HTMLElement[]} items
+ * @param {import("./types.js").Finding[]} told
+ * @param {boolean} open
+ */
+function folded(items, told, open) {
+  const kinds = Map.groupBy(told, ({ text, overruled }) => (overruled ? "overruled" : text.split(":")[0]));
+  const words = [...kinds].map(([kind, those]) => `${those.length} ${PLURAL[kind] && those.length > 1 ? PLURAL[kind] : kind}`);
+  const doubtful = told.some(({ note, overruled }) => !note && !overruled);
+  const summary = make("summary", { class: doubtful ? "doubt" : "soft", text: `${doubtful ? "⚠ " : ""}${told.length} findings: ${words.join(", ")}` });
+  return make("li", {}, make("details", { open }, summary, make("ul", {}, ...items)));
 }
 
 /**

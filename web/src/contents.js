@@ -3,6 +3,8 @@
 import { limits } from "./axes.js";
 import { spectrumOf } from "./spectrum.js";
 import { torqueScale, torqueWord } from "./numbers.js";
+import { beyondWords, mostLimits, mostReach } from "./outliers.js";
+import { remembered } from "./remembered.js";
 
 /** @typedef {import("./store.js").Columns} Columns */
 /** @typedef {import("./plot.js").Contents} Contents */
@@ -40,7 +42,6 @@ export const AXES = /** @type {Record<Along, AxisOf>} */ ({
 export const USUAL = ["position", "velocity", "time"];
 
 const NAME = 32; // letters of a branch's name in a title
-const FEW = 3; // samples that may be outliers of a short capture
 
 /**
  * The columns that a view needs.
@@ -62,32 +63,7 @@ export function columnsOf(view) {
  */
 export function reachOf({ columns, beside, noise }) {
   const shown = beside ? [columns.residual, beside.residual] : [columns.residual];
-  return Math.max(...shown.map(mostReach), 2 * (noise ?? 0)) || 1;
-}
-
-/**
- * How far values reach from zero where the few that reach more than twice as far as all the others are left out.
- * @param {Float32Array} values
- */
-export function mostReach(values) {
-  const few = Math.max(FEW, values.length / 5000);
-  for (let reach = Infinity; ; ) {
-    let [most, beyond] = [0, 0];
-    for (let i = 0; i < values.length; i++) {
-      const size = Math.abs(values[i]);
-      if (size <= reach && size > most) most = size;
-    }
-    for (let i = 0; i < values.length; i++) if (Math.abs(values[i]) > most / 2) beyond++;
-    if (most === 0 || beyond > few) return most;
-    reach = most / 2;
-  }
-}
-
-/** What stands at an axis that some values are beyond; they are drawn at its edge. @param {Float32Array} y @param {number} most */
-export function beyondWords(y, most) {
-  let count = 0;
-  for (let i = 0; i < y.length; i++) if (Math.abs(y[i]) > most) count++;
-  return count === 0 ? "" : ` (${count.toLocaleString("en")} ${count === 1 ? "sample" : "samples"} beyond, at the edge)`;
+  return Math.max(...shown.map((one) => mostReach(one)), 2 * (noise ?? 0)) || 1;
 }
 
 /**
@@ -100,10 +76,10 @@ export function beyondWords(y, most) {
 export function rowsOf(data, view, widest) {
   const { columns, beside } = data;
   const word = torqueWord(data.unit);
-  const model = less(columns.tau, columns.residual);
-  const other = beside ? less(columns.tau, beside.residual) : null;
+  const model = modelOf(columns.residual, columns.tau);
+  const other = beside ? modelOf(beside.residual, columns.tau) : null;
   const fine = torqueScale(data.unit, widest);
-  const [ownLabel, besideLabel] = [columns, beside].map((one) => (one ? `residual, ${fine.unit}${beyondWords(one.residual, 1.04 * widest)}` : ""));
+  const [ownLabel, besideLabel] = [columns, beside].map((one) => (one ? `residual, ${fine.unit}${beyondWords(one.residual, -1.04 * widest, 1.04 * widest)}` : ""));
   return view.axes.map((along) => {
     if (along === "frequency") return { torque: null, residual: alongFrequency(data), beside: null };
     const axis = AXES[along];
@@ -118,13 +94,13 @@ export function rowsOf(data, view, widest) {
       ...(other && !part ? [{ colour: "--beside", chosen: "--beside", y: other, strength: 0.35 }] : []),
       { colour: "--modelled", chosen: "--modelled", y: modelled, strength: 0.35 },
     ];
-    const [lowest, highest] = limits([measured, modelled]);
+    const [lowest, highest] = limits([Float32Array.from(mostLimits(modelled, counted(modelled, measured)))]);
     const scale = torqueScale(data.unit, Math.max(-lowest, highest));
     const torque = {
       ...common,
       picked: series.findIndex(({ colour }) => colour === "--measured"), // masked samples are not taken by a brush
       xAxis: { ...common.xAxis, label: "" }, // where it is chosen it stands already
-      yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}, ${scale.unit}` },
+      yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}, ${scale.unit}${beyondWords(measured, lowest, highest)}` },
       title: part ? `what depends on ${along} alone` : `${word} over ${axis.words}`,
       series,
       noise: null,
@@ -170,7 +146,7 @@ export function alongFrequency({ splits, unit, fitted }) {
  * @param {Data} data
  */
 function axisOf(along, x, data) {
-  const [low, high] = limits([x], { air: 0.01 });
+  const [low, high] = span(x);
   return { low, high, factor: 1, label: labelOf(along, data) };
 }
 
@@ -194,7 +170,7 @@ export function labelOf(along, { unit, coordinate }) {
 export function samplesIn({ columns }, { axis, low, high, direction }) {
   if (axis === "frequency") return null;
   const { column } = AXES[axis];
-  const x = column ? columns[column] : less(columns.tau, columns.residual);
+  const x = column ? columns[column] : modelOf(columns.residual, columns.tau);
   const found = [];
   for (let i = 0; i < x.length; i++) {
     const counts = columns.residual[i] === columns.residual[i] && x[i] >= low && x[i] <= high;
@@ -203,10 +179,21 @@ export function samplesIn({ columns }, { axis, low, high, direction }) {
   return Uint32Array.from(found);
 }
 
-/** @param {Float32Array} from @param {Float32Array} what */
-function less(from, what) {
-  return from.map((value, i) => value - what[i]);
-}
+/** What is modelled: what was measured less what is left. */
+const modelOf = remembered((/** @type {Float32Array} */ residual, /** @type {Float32Array} */ tau) => {
+  const model = new Float32Array(tau.length);
+  for (let i = 0; i < tau.length; i++) model[i] = tau[i] - residual[i];
+  return model;
+});
+
+/** What was measured where the model is held against it: what counts for nothing sets no axis. */
+const counted = remembered((/** @type {Float32Array} */ model, /** @type {Float32Array} */ tau) => {
+  const measured = new Float32Array(tau.length);
+  for (let i = 0; i < tau.length; i++) measured[i] = model[i] === model[i] ? tau[i] : NaN;
+  return measured;
+});
+
+const span = remembered((/** @type {Float32Array} */ x) => limits([x], { air: 0.01 }));
 
 /** @param {string} name */
 function short(name) {

@@ -47,7 +47,7 @@ export function pointing(plots, times, told) {
  * @returns {number | null}
  */
 function nearest(plot, x, y) {
-  const pixels = plot.placed[plot.contents?.picked ?? 0];
+  const pixels = plot.pixels(plot.contents?.picked ?? 0);
   if (!pixels || pixels.length === 0) return null;
   const { width, height } = plot.frame;
   const [column, row, reach] = [x, y, NEAR].map((length) => Math.round(length * plot.scale));

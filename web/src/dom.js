@@ -45,3 +45,12 @@ export function byId(id) {
 export function styleValue(name, element) {
   return getComputedStyle(element).getPropertyValue(name).trim();
 }
+
+/** Bring what somebody was led to into sight, opened, and let it stand out for a moment. @param {HTMLElement} element */
+export function shown(element) {
+  for (const fold of element.querySelectorAll("details")) fold.open = true;
+  element.scrollIntoView({ block: "nearest" });
+  element.classList.remove("shown");
+  void element.offsetWidth; // so that the same animation begins anew
+  element.classList.add("shown");
+}

@@ -3,7 +3,7 @@
 import { acting } from "./acting.js";
 import { fetchPicture, wordsOf } from "./api.js";
 import { byId, make } from "./dom.js";
-import { lawOf } from "./math.js";
+import { fitFormulas, lawOf } from "./math.js";
 
 /** @typedef {import("./types.js").Effect} Effect */
 
@@ -64,6 +64,7 @@ export function about(effect, shown) {
     frame,
   );
   dialog().showModal();
+  fitFormulas(byId("about-text"));
   const alt = `${law}: what it adds to the torque of a small knob; it shows ${shows}`;
   const drawn = () => frame.replaceChildren(make("img", { alt, src: pictures.get(id) }));
   if (pictures.has(id)) return drawn();

@@ -72,6 +72,7 @@ export function opening(heard) {
     fresh([...(chosen.files ?? [])]);
     chosen.value = "";
   });
+  byId("open-map").addEventListener("input", () => (told.textContent = "")); // what was asked is being answered
   byId("open-form").addEventListener("submit", async (event) => {
     event.preventDefault();
     const named = path.value.trim();

@@ -2,10 +2,11 @@
 
 /** @typedef {{t: Float32Array, theta: Float32Array}} Motion */
 /** @typedef {{at: number, theta: number, turn: boolean}} Beat s, rad; `turn`: here the hand turns, stops or sets off */
+/** @typedef {Pick<import("./types.js").HandStep, "seconds" | "beats">} Step */
 
 /** Seconds that a hand is counted in before a motion begins. */
 export const COUNT_IN = 4;
-const SLOW = 1.5; // a pass that takes longer has beats on its way, about one a second
+const AT_ONCE = 0.1; // s: beats that are nearer are one
 const STILL = 1e-4; // of the range: what moves less in a sample stands
 
 /**
@@ -26,11 +27,11 @@ export function angleAt({ t, theta }, seconds) {
 }
 
 /**
- * The beats of a motion: one wherever the hand turns, stops or sets off, and about one a second between.
+ * Where the hand turns, stops or sets off.
  * @param {Motion} motion
  * @returns {Beat[]}
  */
-export function beats({ t, theta }) {
+export function turnings({ t, theta }) {
   const [low, high] = range(theta);
   const least = STILL * Math.max(high - low, 1e-9);
   /** @type {Beat[]} */
@@ -40,30 +41,35 @@ export function beats({ t, theta }) {
     const step = theta[i] - theta[i - 1];
     const now = Math.abs(step) < least ? 0 : Math.sign(step);
     if (now === way) continue;
-    // Where it is slowest, around a turning, it stands for a moment: that is one beat, not two.
+    // Where it is slowest, around a turning, it stands for a moment: that is one turning, not two.
     const last = turns[turns.length - 1];
-    if (t[i - 1] - last.at > 0.1) turns.push({ at: t[i - 1], theta: theta[i - 1], turn: true });
+    if (t[i - 1] - last.at > AT_ONCE) turns.push({ at: t[i - 1], theta: theta[i - 1], turn: true });
     way = now;
   }
   const end = t.length - 1;
-  if (t[end] - turns[turns.length - 1].at > 0.1) turns.push({ at: t[end], theta: theta[end], turn: true });
-  return turns.flatMap((beat, n) => [beat, ...between(beat, turns[n + 1], { t, theta })]);
+  if (t[end] - turns[turns.length - 1].at > AT_ONCE) turns.push({ at: t[end], theta: theta[end], turn: true });
+  return turns;
 }
 
 /**
- * @param {Beat} beat
- * @param {Beat | undefined} next
+ * The beats of a metronome: as many a minute as each step says, from its beginning on, and one at the end.
  * @param {Motion} motion
+ * @param {Step[]} steps
  * @returns {Beat[]}
  */
-function between(beat, next, motion) {
-  const passes = next ? next.at - beat.at : 0;
-  if (!next || passes <= SLOW) return [];
-  const count = Math.round(passes);
-  return Array.from({ length: count - 1 }, (_, n) => {
-    const at = beat.at + (passes * (n + 1)) / count;
-    return { at, theta: angleAt(motion, at), turn: false };
+export function beats(motion, steps) {
+  const turns = turnings(motion);
+  let begun = motion.t[0];
+  const times = steps.flatMap(({ seconds, beats: minute }) => {
+    const count = minute > 0 ? Math.max(1, Math.round((seconds * minute) / 60)) : 1;
+    const first = begun;
+    begun += seconds;
+    return Array.from({ length: count }, (_, n) => first + (minute > 0 ? (60 * n) / minute : 0));
   });
+  times.push(motion.t[motion.t.length - 1]);
+  const apart = times.filter((at, n) => n === 0 || at - times[n - 1] > AT_ONCE);
+  const turn = (/** @type {number} */ at) => turns.some((one) => Math.abs(one.at - at) < AT_ONCE);
+  return apart.map((at) => ({ at, theta: angleAt(motion, at), turn: turn(at) }));
 }
 
 /**

@@ -8,7 +8,7 @@ import { number, percent, torqueScale } from "./numbers.js";
 import { Plot } from "./plot.js";
 import { movesFrom, settle } from "./settling.js";
 import { chosenSquares, squaresOf } from "./squares.js";
-import { timed } from "./timing.js";
+import { idle, timed } from "./timing.js";
 import { panned, zoomable, zoomed } from "./zoom.js";
 
 /** @typedef {import("./plot.js").Region} Region */
@@ -103,7 +103,20 @@ export class Linked {
     for (const at of this.rows.keys()) this.drawRow(at);
     this.tell();
     this.drawLight();
+    this.prepare(data);
     if (from) settle(from, columns.residual, (residual) => this.data === data && this.moved(residual));
+  }
+
+  /** Work out, while nothing else is to be done, where each point of what a brush lights up is. @param {Data} data */
+  prepare(data) {
+    const left = this.plots.flatMap((plot) => (plot.contents?.series ?? []).map(({ chosen }, at) => (chosen ? { plot, at } : null)));
+    const go = () => {
+      const one = left.shift();
+      if (one === undefined || this.data !== data) return;
+      if (one && !one.plot.element.hidden) one.plot.pixels(one.at);
+      idle(go);
+    };
+    idle(go);
   }
 
   /** Let the residuals be these, though others come. @param {Float32Array} residual */

@@ -8,13 +8,17 @@ import { number } from "./numbers.js";
 /** @typedef {{words: string, units: Record<Kind, string[]>, needed: boolean}} Target */
 
 const MOTOR = ["A", "mA", "V", "duty"]; // of what a motor is given, on either axis
+const COUNTS = "counts"; // of an encoder: how many a turn (a millimetre) has, no file says
+/** What counts are divided into, and how the unit of that is written. @type {Record<Kind, {words: string, unit: string}>} */
+const PER = { rotary: { words: "turn", unit: "turn" }, linear: { words: "millimetre", unit: "mm" } };
+const RATE = 20; // rows a unit of time, from which on the unit is taken for the second
 
 /** What a column can be, in words, and the units that it often has; the first is SI. @type {Record<string, Target>} */
 const TARGETS = {
   t: { words: "Time", units: { rotary: ["s", "ms", "us", "min"], linear: ["s", "ms", "us", "min"] }, needed: true },
   theta: {
     words: "Angle or position",
-    ...{ units: { rotary: ["rad", "deg", "turn"], linear: ["m", "mm", "um"] }, needed: true },
+    ...{ units: { rotary: ["rad", "deg", "turn", COUNTS], linear: ["m", "mm", "um", COUNTS] }, needed: true },
   },
   tau: {
     words: "Torque or force, or motor current",
@@ -45,6 +49,10 @@ export class Mapping {
     this.found = found;
     /** @type {FileColumn[]} */
     this.columns = [];
+    this.counts = make("input", { ...{ name: "counts", type: "number", min: 0, step: "any", inputmode: "decimal" }, list: "counts-usual" });
+    this.counts.addEventListener("input", () => this.tell());
+    this.perWhat = make("span", {});
+    this.per = make("label", { class: "per", hidden: true }, this.perWhat, this.counts);
     this.fields = Object.entries(TARGETS).map(([name, target]) => {
       const text = make("input", { name, type: "text", autocomplete: "off", spellcheck: "false", "aria-label": target.words });
       const unit = make("select", { "aria-label": `unit of ${target.words}`, name: `${name}-unit` });
@@ -53,7 +61,7 @@ export class Mapping {
       text.addEventListener("focus", () => (this.at = text));
       text.addEventListener("input", () => this.tell());
       unit.addEventListener("change", () => this.chose(unit.value));
-      place.append(make("div", {}, make("span", { text: target.words }), text, unit, range));
+      place.append(make("div", {}, make("span", { text: target.words }), text, unit, name === "theta" ? this.per : null, range));
       return field;
     });
     /** @type {HTMLInputElement} where a column goes that is pressed */
@@ -73,7 +81,9 @@ export class Mapping {
     const filled = this.fields.filter(({ text }) => text.value.trim());
     const map = filled.map(({ name, text, unit }) => {
       const written = text.value.trim();
-      return `${name}=${written}${unit.value && !saysUnit(written) ? ` [${unit.value}]` : ""}`;
+      if (saysUnit(written) || !unit.value) return `${name}=${written}`;
+      if (unit.value !== COUNTS) return `${name}=${written} [${unit.value}]`;
+      return `${name}=(${written})/${this.counts.value.trim()} [${PER[this.kind ?? "rotary"].unit}]`;
     });
     /** @type {Record<string, string>} */
     const options = map.length > 0 ? { map: map.join(", ") } : {};
@@ -93,14 +103,20 @@ export class Mapping {
       return "Does it turn or slide? Metres must not be taken for radians.";
     }
     const without = filled.find(({ text, unit }) => !unit.value && !saysUnit(text.value.trim()));
-    without?.unit.focus();
-    return without ? `In which unit is ${without.text.value}? (${without.target.words.toLowerCase()})` : "";
+    if (without) {
+      without.unit.focus();
+      return `In which unit is ${without.text.value}? (${without.target.words.toLowerCase()})`;
+    }
+    if (this.per.hidden || Number(this.counts.value) > 0) return "";
+    this.counts.focus();
+    return `How many counts has a ${PER[this.kind].words}? The data sheet of the encoder says; often it is four times its lines.`;
   }
 
   clear() {
     for (const { text } of this.fields) text.value = "";
     for (const box of this.kinds) box.checked = false;
     for (const { unit } of this.fields) unit.value = "";
+    this.counts.value = "";
     this.columns = [];
     this.found.replaceChildren();
     this.tell();
@@ -119,10 +135,17 @@ export class Mapping {
       const same = columns.some(({ name }) => name === field.name) ? field.name : "";
       if (field.text.value) continue;
       field.text.value = known ? plain(known.expression.replace(/^`([^`]*)`$/, "$1")) : same;
-      if (known?.unit) this.measure(field, known.unit);
+      const unit = known?.unit ?? (field.name === "t" && known ? this.seconds(field.text.value) : "");
+      if (unit) this.measure(field, unit);
     }
     this.at = this.fields.find(({ text }) => !text.value)?.text ?? this.at;
     this.tell();
+  }
+
+  /** The second, where a time without a unit can hardly be in another one. @param {string} written */
+  seconds(written) {
+    const column = this.columns.find(({ name }) => plain(name) === written);
+    return column && rateOf(column) >= RATE ? "s" : "";
   }
 
   /** @param {FileColumn} column */
@@ -173,6 +196,9 @@ export class Mapping {
   /** Offer the units of the kind of axis, and say what each column would be in them. */
   tell() {
     const kind = this.kind;
+    const counted = this.fields.find(({ name }) => name === "theta");
+    this.per.hidden = counted?.unit.value !== COUNTS || saysUnit(counted.text.value.trim());
+    this.perWhat.textContent = `counts in a ${PER[kind ?? "rotary"].words}${kind ? "" : " (or a millimetre)"}`;
     for (const { target, text, unit, range } of this.fields) {
       const offered = [...new Set(kind ? target.units[kind] : KINDS.flatMap((one) => target.units[one]))];
       const chosen = unit.value;
@@ -180,7 +206,7 @@ export class Mapping {
       if (unit.options.length !== options.length || unit.options[1].value !== offered[0]) unit.replaceChildren(...options);
       unit.value = offered.includes(chosen) ? chosen : "";
       const column = this.columns.find(({ name }) => plain(name) === text.value.trim());
-      range.textContent = column ? spread(column, unit.value) : "";
+      range.textContent = column ? spread(column, unit.value, Number(this.counts.value), kind) : "";
     }
   }
 }
@@ -189,11 +215,25 @@ export class Mapping {
  * From where to where a column goes, in a unit and in one that is easily felt.
  * @param {FileColumn} column
  * @param {string} unit
+ * @param {number} counts in a turn or a millimetre
+ * @param {Kind | null} kind of axis
  */
-function spread({ low, high }, unit) {
+function spread(column, unit, counts, kind) {
+  const { low, high } = column;
   if (low === null || high === null) return "no value at all";
-  const felt = unit in DEGREES ? `, over ${number((high - low) * DEGREES[unit])} degrees` : "";
-  return `${number(low)} … ${number(high)} ${unit}${felt}`;
+  const ends = `${number(low)} … ${number(high)}`;
+  if (unit === COUNTS) {
+    const way = (high - low) / counts;
+    const felt = kind === "linear" ? `${number(way)} mm` : `${number(360 * way)} degrees`;
+    return `${ends} counts${counts > 0 ? `, over ${felt}` : ""}`;
+  }
+  if (unit === "s") return `${ends} s, ${number(rateOf(column))} rows a second`;
+  return `${ends} ${unit}${unit in DEGREES ? `, over ${number((high - low) * DEGREES[unit])} degrees` : ""}`;
+}
+
+/** Rows for each unit of a column that is a time. @param {FileColumn} column */
+function rateOf({ rows, low, high }) {
+  return (rows - 1) / ((high ?? 0) - (low ?? 0));
 }
 
 /** A column's name as a map has it. @param {string} column */

@@ -173,6 +173,18 @@ class Reader {
   }
 }
 
+const SMALLEST = 0.62; // of the size of a formula: what needs less is no longer read, and scrolls
+
+/** Let every formula in a place be seen whole: one that is wider than its column is written smaller. @param {HTMLElement} place */
+export function fitFormulas(place) {
+  const every = [...place.querySelectorAll(".formula")].filter((one) => one instanceof HTMLElement);
+  for (const one of every) one.style.fontSize = "";
+  const shares = every.map((one) => (one.clientWidth > 0 ? one.clientWidth / one.scrollWidth : 1));
+  for (const [at, share] of shares.entries()) {
+    if (share < 1) every[at].style.fontSize = `${Math.max(SMALLEST, 0.98 * share).toFixed(3)}em`;
+  }
+}
+
 /** A bracket as high as what it holds. @param {string} token @returns {Node_ | null} */
 function fence(token) {
   return token === "." ? null : ["mo", { stretchy: "true" }, token];

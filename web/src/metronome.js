@@ -1,7 +1,7 @@
 /** A metronome that leads a hand through a motion: a moving mark, where it turns next, the time left, and clicks. */
 
 import { byId, styleValue } from "./dom.js";
-import { COUNT_IN, angleAt, beats, range, stepAt } from "./lead.js";
+import { COUNT_IN, angleAt, beats, range, stepAt, turnings } from "./lead.js";
 import { number } from "./numbers.js";
 
 /** @typedef {import("./types.js").HandStep} HandStep */
@@ -21,6 +21,8 @@ export class Metronome {
     this.steps = [];
     /** @type {import("./lead.js").Beat[]} */
     this.beats = [];
+    /** @type {import("./lead.js").Beat[]} */
+    this.turnings = [];
     this.unit = { factor: 180 / Math.PI, name: "°" };
     this.next = 0; // of the beats
     /** @type {number | null} when the motion begins, ms; null while nothing is led */
@@ -41,7 +43,8 @@ export class Metronome {
   open(motion, steps, coordinate) {
     this.motion = motion;
     this.steps = steps;
-    this.beats = beats(motion);
+    this.beats = beats(motion, steps);
+    this.turnings = turnings(motion);
     this.unit = coordinate === "linear" ? { factor: 1000, name: " mm" } : { factor: 180 / Math.PI, name: "°" };
     byId("lead").hidden = false;
     this.stop();
@@ -154,7 +157,7 @@ export class Metronome {
     brush.strokeStyle = colour("--signature");
     brush.lineWidth = 3;
     stroke(brush, points.map((t) => [across(angleAt(motion, t)), up(t)]));
-    for (const beat of this.beats) {
+    for (const beat of [...this.beats.filter(({ turn }) => !turn), ...this.turnings]) {
       if (beat.at < now || beat.at > now + AHEAD) continue;
       dot(brush, across(beat.theta), up(beat.at), beat.turn ? 5 : 3, colour(beat.turn ? "--chosen" : "--soft"));
     }

@@ -34,6 +34,8 @@ export class Next {
     this.state = null;
     /** @type {Columns | null} */
     this.motion = null;
+    /** @type {Promise<unknown> | null} what brings it */
+    this.loading = null;
     this.drawn = "";
     /** @type {number | null} the fault that a rig has told */
     this.fault = null;
@@ -43,7 +45,7 @@ export class Next {
   }
 
   buttons() {
-    byId("next-show").addEventListener("click", () => this.open());
+    byId("next-show").addEventListener("click", () => (this.told ? this.open() : this.design([])));
     byId("next-close").addEventListener("click", () => this.close());
     byId("next-record").addEventListener("click", () => this.attempt({}));
     byId("next-port").addEventListener("click", () => this.askPort(false));
@@ -67,7 +69,12 @@ export class Next {
     return this.state?.experiment ?? null;
   }
 
-  /** Design a motion for effects, and show it. @param {string[]} effects @param {object} [within] */
+  /**
+   * Design a motion for effects, and show it; for none: for what is known least.
+   * @param {string[]} effects
+   * @param {object} [within]
+   * @returns {Promise<boolean>} whether there is one
+   */
   async design(effects, within = {}) {
     this.effects = effects;
     const by_hand = /** @type {HTMLInputElement} */ (byId("next-only-hand")).checked;
@@ -75,15 +82,17 @@ export class Next {
     const made = await this.deeds.design({ effects, limits: within, by_hand });
     this.enable(true);
     if (made) this.open();
+    return Boolean(made);
   }
 
   /** What makes another one waits for this one. @param {boolean} free */
   enable(free) {
-    for (const id of ["next-record", "next-port", "next-again"]) {
+    for (const id of ["next-record", "next-port", "next-again", "next-hand", "next-show"]) {
       /** @type {HTMLButtonElement} */ (byId(id)).disabled = !free;
     }
   }
 
+  /** Design it anew within the limits that are typed. */
   designAgain() {
     /** @type {Record<string, unknown>} */
     const within = {};
@@ -91,7 +100,9 @@ export class Next {
       const typed = Number(value);
       within[name] = String(value).trim() && Number.isFinite(typed) ? typed : value;
     }
-    this.design(this.effects ?? this.told?.rivals.map((one) => one.split(" + ").at(-1) ?? "") ?? [], within);
+    const rivals = this.told?.rivals ?? [];
+    const before = rivals.length > 1 ? rivals.map((one) => one.split(" + ").at(-1) ?? "") : [];
+    return this.design(this.effects ?? before, within);
   }
 
   open() {
@@ -109,10 +120,12 @@ export class Next {
   /** @param {State} state */
   show(state) {
     this.state = state;
-    const { experiment, node, recording } = state;
-    byId("next-line").hidden = experiment === null;
+    const { experiment, node, recording, candidates } = state;
+    byId("next-line").hidden = experiment === null && !(candidates.ready && node !== null);
+    byId("next-show").textContent = experiment ? "Next experiment…" : "What to record next…";
     if (experiment === null) {
       byId("next").hidden = true;
+      byId("next-said").textContent = "";
       return;
     }
     byId("next-said").textContent = experiment.verdict ?? experiment.headline;
@@ -122,7 +135,7 @@ export class Next {
     if (shown === this.drawn) return;
     this.drawn = shown;
     this.tell(experiment);
-    this.load(experiment, state).catch(this.deeds.failed);
+    this.loading = this.load(experiment, state).catch(this.deeds.failed);
   }
 
   /** @param {Experiment} experiment */
@@ -136,15 +149,13 @@ export class Next {
     byId("next-record").title = source ? `from ${source}` : "";
     byId("next-source").textContent = source ? `from ${source}` : "";
     byId("next-keys").replaceChildren(...experiment.rivals.map(key));
+    byId("next-evidence").hidden = pairs.length === 0;
     byId("next-pairs").replaceChildren(...pairs.flatMap((pair) => bars(pair, experiment.told, largest(pairs))));
-    byId("next-can").textContent = by_hand
-      ? "A hand can do it, led by a metronome:"
-      : "No hand can do all of it; what a hand would have to do:";
-    byId("next-steps").replaceChildren(
-      ...steps.map(({ words, cannot }) =>
-        make("li", {}, words, cannot ? make("span", { class: "doubt", text: ` (${cannot})` }) : null),
-      ),
-    );
+    const tempi = new Set(steps.map(({ beats }) => Math.round(beats)).filter(Boolean));
+    const led = tempi.size === 1 ? ` at ${[...tempi][0]} beats a minute` : "";
+    byId("next-can").textContent = by_hand ? `By hand, led by a metronome${led}` : "For a motor";
+    byId("next-no-hand").hidden = by_hand;
+    byId("next-steps").replaceChildren(...(by_hand ? steps : []).map(({ words }) => make("li", {}, words)));
     for (const [name, value] of Object.entries(within)) {
       const field = byId("next-limits").querySelector(`[name=${name}]`);
       if (field instanceof HTMLInputElement) field.value = String(Number(value.toPrecision(4)));
@@ -188,11 +199,11 @@ export class Next {
     const [low, high] = limits(apart);
     const scale = torqueScale(state.unit, Math.max(-low, high));
     this.plots[2].show({
-      title: "how the rivals' torques part",
+      title: apart.length > 1 ? "how the rivals' torques part" : "torque that it takes",
       x: motion.t,
       series: apart.map((y, at) => ({ colour: COLOURS[at % COLOURS.length], chosen: null, y, strength: 1 })),
       xAxis: axis(limits([motion.t]), "time, s"),
-      yAxis: { low, high, factor: scale.factor, label: `less their mean, ${scale.unit}` },
+      yAxis: { low, high, factor: scale.factor, label: apart.length > 1 ? `less their mean, ${scale.unit}` : scale.unit },
       ...{ picked: 0, noise: null },
     });
   }
@@ -253,8 +264,13 @@ export class Next {
     }
   }
 
-  /** Lead a hand through the motion. */
-  lead() {
+  /** Lead a hand through the motion; where it is for a motor, through one that a hand can make. */
+  async lead() {
+    if (this.told && !this.told.by_hand) {
+      /** @type {HTMLInputElement} */ (byId("next-only-hand")).checked = true;
+      if (!(await this.designAgain())) return;
+    }
+    await this.loading;
     const { told, motion, state } = this;
     if (!told || !motion) return;
     const coordinate = state?.captures[0]?.coordinate ?? "rotary";

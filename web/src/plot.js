@@ -6,7 +6,7 @@
 import { MARGIN, drawAxes } from "./axes.js";
 import { make, styleValue } from "./dom.js";
 import { Pick } from "./pick.js";
-import { drawCloud, drawFew, drawPoints, pixelColour, place } from "./raster.js";
+import { cloudOf, drawCloud, drawFew, drawPoints, pixelColour, place } from "./raster.js";
 
 /**
  * @typedef {{colour: string, chosen: string | null, y: Float32Array, strength: number}} Series
@@ -20,6 +20,7 @@ import { drawCloud, drawFew, drawPoints, pixelColour, place } from "./raster.js"
 
 const FEW = 8000; // points of which each is worth a larger dot
 const FEW_CHOSEN = 20; // which are drawn larger
+const CLOUDS = 8; // that are kept: undo and redo, or a zoom and back, draw what was drawn before
 
 export class Plot {
   /**
@@ -44,8 +45,10 @@ export class Plot {
     this.contents = null;
     /** @type {import("./raster.js").Frame} */
     this.frame = { width: 0, height: 0, x: [0, 1], y: [0, 1], dot: 2 };
-    /** @type {Int32Array[]} */
+    /** @type {{x: Float32Array, y: Float32Array, frame: string, pixels: Int32Array}[]} of each series, once it was asked for */
     this.placed = [];
+    /** @type {{x: Float32Array, y: Float32Array, frame: string, cloud: import("./raster.js").Cloud}[]} the oldest first */
+    this.clouds = [];
     /** @type {Pick | null} */
     this.pick = null;
     /** @type {Region | null} */
@@ -69,10 +72,9 @@ export class Plot {
    */
   drawAll(contents = this.contents) {
     const { clientWidth: width, clientHeight: height } = this.element;
-    const [before, frame] = [this.contents, JSON.stringify(this.frame)];
     this.contents = contents;
     if (!contents || width < 100 || height < 80) return;
-    const { x, xAxis, yAxis, series } = contents;
+    const { x, xAxis, yAxis } = contents;
     this.scale = globalThis.devicePixelRatio || 1;
     const inner = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - MARGIN.bottom];
     const [columns, rows] = inner.map((length) => Math.max(8, Math.round(length * this.scale)));
@@ -80,10 +82,6 @@ export class Plot {
     const many = x.length > FEW && !(part.x && fewBetween(x, xAxis));
     const dot = Math.max(1, Math.round((many ? 2 : 3) * this.scale));
     this.frame = { width: columns, height: rows, x: [xAxis.low, xAxis.high], y: [yAxis.low, yAxis.high], dot, part };
-    const same = before?.x === x && frame === JSON.stringify(this.frame);
-    this.placed = series.map(({ y }, at) =>
-      same && before.series[at]?.y === y ? this.placed[at] : place(x, y, this.frame),
-    );
     this.pick = null;
 
     for (const canvas of [this.base, this.light]) {
@@ -91,21 +89,43 @@ export class Plot {
       canvas.style.width = `${inner[0]}px`;
       canvas.style.height = `${inner[1]}px`;
     }
-    this.drawBase(series);
+    this.drawBase(contents);
     this.drawFrame(width, height);
     this.drawBox();
     this.mark(this.marked);
   }
 
-  /** @param {Series[]} series */
-  drawBase(series) {
+  /** @param {Contents} contents */
+  drawBase({ x, series }) {
     const image = new ImageData(this.frame.width, this.frame.height);
     const pixels = new Uint32Array(image.data.buffer);
     pixels.fill(pixelColour(this.colour("--paper")));
-    for (const [at, { colour, strength }] of series.entries()) {
-      drawCloud(pixels, this.placed[at], this.frame, pixelColour(this.colour(colour)), strength);
+    for (const { y, colour, strength } of series) {
+      drawCloud(pixels, this.cloud(x, y), pixelColour(this.colour(colour)), strength);
     }
     this.base.getContext("2d")?.putImageData(image, 0, 0);
+  }
+
+  /** How many dots each pixel has. @param {Float32Array} x @param {Float32Array} y */
+  cloud(x, y) {
+    const frame = JSON.stringify(this.frame);
+    const at = this.clouds.findIndex((one) => one.x === x && one.y === y && one.frame === frame);
+    const [known] = at < 0 ? [{ x, y, frame, cloud: cloudOf(x, y, this.frame) }] : this.clouds.splice(at, 1);
+    this.clouds = [...this.clouds.slice(1 - CLOUDS), known];
+    return known.cloud;
+  }
+
+  /** The pixel of each point of a series, by its number; none where it is not there. @param {number} at */
+  pixels(at) {
+    const { x, series } = this.contents ?? { x: null, series: [] };
+    const y = series[at]?.y;
+    if (!x || !y || this.frame.width === 0) return new Int32Array(0);
+    const frame = JSON.stringify(this.frame);
+    const known = this.placed[at];
+    if (known?.x === x && known.y === y && known.frame === frame) return known.pixels;
+    const pixels = place(x, y, this.frame);
+    this.placed[at] = { x, y, frame, pixels };
+    return pixels;
   }
 
   /** @param {number} width @param {number} height */
@@ -135,7 +155,7 @@ export class Plot {
     if (chosen) {
       const draw = chosen.length <= FEW_CHOSEN ? drawFew : drawPoints;
       for (const [at, { chosen: colour }] of this.contents.series.entries()) {
-        if (colour) draw(pixels, this.placed[at], chosen, this.frame, pixelColour(this.colour(colour)));
+        if (colour) draw(pixels, this.pixels(at), chosen, this.frame, pixelColour(this.colour(colour)));
       }
     }
     if (above) {
@@ -147,7 +167,7 @@ export class Plot {
 
   /** Sort the points for the brush, once per change of the data: when it is put on, before it moves. */
   sorted() {
-    const picked = this.placed[this.contents?.picked ?? 0] ?? new Int32Array(0);
+    const picked = this.pixels(this.contents?.picked ?? 0);
     this.pick ??= new Pick(picked, this.frame.width, this.frame.height);
     return this.pick;
   }
@@ -157,7 +177,7 @@ export class Plot {
    * @returns {Uint32Array | null}
    */
   chosen() {
-    if (!this.region || !this.contents || this.placed.length === 0) return null;
+    if (!this.region || !this.contents || this.frame.width === 0) return null;
     const { left, top, width, height } = this.boxInside(this.region);
     const [wide, high] = [this.frame.width, this.frame.height];
     const half = this.frame.dot / 2; // a point is taken by its middle
@@ -183,7 +203,7 @@ export class Plot {
   /** Mark where a sample is; nowhere, if it is not drawn. @param {number | null} at */
   mark(at) {
     this.marked = at;
-    const pixel = at === null ? -1 : (this.placed[this.contents?.picked ?? 0]?.[at] ?? -1);
+    const pixel = at === null ? -1 : (this.pixels(this.contents?.picked ?? 0)[at] ?? -1);
     this.dot.hidden = pixel < 0;
     if (pixel < 0) return;
     const { width, dot } = this.frame;

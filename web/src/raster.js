@@ -20,11 +20,11 @@
  * @param {Float32Array} xs
  * @param {Float32Array} ys
  * @param {Frame} frame
+ * @param {Int32Array} [pixels] where they go, as many as points
  * @returns {Int32Array}
  */
-export function place(xs, ys, frame) {
+export function place(xs, ys, frame, pixels = new Int32Array(xs.length)) {
   const { width, height, dot } = frame;
-  const pixels = new Int32Array(xs.length);
   const [right, bottom] = [width - dot, height - dot];
   const xStep = right / (frame.x[1] - frame.x[0]);
   const yStep = bottom / (frame.y[1] - frame.y[0]);
@@ -45,30 +45,56 @@ export function place(xs, ys, frame) {
   return pixels;
 }
 
+let scratch = new Int32Array(0); // of points whose pixels are counted and forgotten
+
 const USUAL = 4; // times the mean count of points on a pixel have the full colour
+
+/** @typedef {{counts: Uint32Array, full: number}} Cloud of each pixel how many dots are on it; how many are many */
+
+/**
+ * Count the dots on each pixel.
+ * @param {Float32Array} xs
+ * @param {Float32Array} ys
+ * @param {Frame} frame
+ * @returns {Cloud}
+ */
+export function cloudOf(xs, ys, frame) {
+  const { dot, width, height } = frame;
+  const corners = new Uint32Array(width * height);
+  let points = 0;
+  if (scratch.length < xs.length) scratch = new Int32Array(xs.length);
+  const pixels = place(xs, ys, frame, scratch);
+  for (let i = 0; i < xs.length; i++) {
+    if (pixels[i] < 0) continue;
+    corners[pixels[i]]++;
+    points++;
+  }
+  // Every dot lies within the frame, so that none is carried over to the next row.
+  const counts = new Uint32Array(corners.length);
+  let hit = 0;
+  for (let pixel = 0; pixel < corners.length; pixel++) {
+    const more = corners[pixel];
+    if (more === 0) continue;
+    for (let row = 0; row < dot; row++) {
+      const first = pixel + row * width;
+      for (let at = first; at < first + dot; at++) {
+        if (counts[at] === 0) hit++;
+        counts[at] += more;
+      }
+    }
+  }
+  return { counts, full: Math.max(2, Math.ceil((USUAL * dot * dot * points) / Math.max(1, hit))) };
+}
 
 /**
  * Draw a cloud over what is there; where more points meet, the colour is fuller, by the logarithm of how many.
  *
  * @param {Uint32Array} image opaque pixels
- * @param {Int32Array} pixels of `place`
- * @param {Frame} frame
+ * @param {Cloud} cloud
  * @param {number} colour as in `image`
  * @param {number} strength share of the colour that a single point has
  */
-export function drawCloud(image, pixels, frame, colour, strength) {
-  const counts = new Uint16Array(image.length);
-  let [points, hit] = [0, 0];
-  const { dot, width } = frame;
-  for (let i = 0; i < pixels.length; i++) {
-    if (pixels[i] < 0) continue;
-    for (let row = 0; row < dot; row++) {
-      const first = pixels[i] + row * width;
-      for (let at = first; at < first + dot; at++) if (counts[at]++ === 0) hit++;
-    }
-    points += dot * dot;
-  }
-  const full = Math.max(2, Math.ceil((USUAL * points) / Math.max(1, hit)));
+export function drawCloud(image, { counts, full }, colour, strength) {
   const rise = (1 - strength) / Math.log(full);
   const weights = Float32Array.from({ length: full + 1 }, (_, n) => strength + rise * Math.log(Math.max(1, n)));
   for (let at = 0; at < counts.length; at++) {

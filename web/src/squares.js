@@ -1,9 +1,13 @@
 /** Squared errors: of all samples, and of those that are chosen. */
 
-/** @param {Float32Array} residual */
-export function squaresOf(residual) {
-  return residual.reduce((sum, value) => (value === value ? sum + value * value : sum), 0);
-}
+import { remembered } from "./remembered.js";
+
+/** Of all samples. */
+export const squaresOf = remembered((/** @type {Float32Array} */ residual) => {
+  let sum = 0;
+  for (let i = 0; i < residual.length; i++) if (residual[i] === residual[i]) sum += residual[i] * residual[i];
+  return sum;
+});
 
 /** @param {Float32Array} residual @param {Uint32Array} chosen */
 export function chosenSquares(residual, chosen) {

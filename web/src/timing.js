@@ -27,3 +27,9 @@ export function timed(what, draw, start = performance.now()) {
     });
   });
 }
+
+/** @param {() => void} work for when nothing else is to be done */
+export function idle(work) {
+  if ("requestIdleCallback" in globalThis) requestIdleCallback(work);
+  else setTimeout(work, 50);
+}

@@ -104,13 +104,14 @@
  */
 
 /**
- * What a hand has to do, in words; `beats` a minute, 0 at rest; why it `cannot`, empty where it can.
+ * What a hand has to do, in words; `beats` a minute, 0: none; why it `cannot`, empty where it can.
  * @typedef {{words: string, seconds: number, beats: number, cannot: string}} HandStep
  */
 
 /**
  * A motion that tells rivals apart from D = `told` on; `verdict` is what its recording `capture` told.
  *
+ * Of one rival alone it makes a parameter known better.
  * `source` is what it can be recorded from at once, in words.
  * @typedef {{id: string, rivals: string[], headline: string, separable: boolean, seconds: number,
  *   limits: Record<string, number>, pairs: Pair[], told: number, by_hand: boolean, steps: HandStep[],

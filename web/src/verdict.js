@@ -5,23 +5,52 @@ import { make } from "./dom.js";
 /** @typedef {import("./types.js").Place} Place */
 /** @typedef {import("./types.js").State} State */
 
+/** @typedef {{words: string, class: string, title: string, go: () => void}} Lead words of a verdict that lead somewhere */
+
 /**
  * Show a verdict; it is announced only where its words have changed.
  * @param {HTMLElement} element
  * @param {{verdict_text: string, places: Place[], candidates: State["candidates"]}} told
- * @param {(place: Place) => void} go
+ * @param {{place: (place: Place) => void, effect: (effect: string) => void, error: () => void, findings: () => void}} to
  */
-export function showVerdict(element, { verdict_text: text, places, candidates }, go) {
+export function showVerdict(element, { verdict_text: text, places, candidates }, to) {
   const first = plainly(candidates);
-  const key = JSON.stringify([first, text, places]);
+  const key = JSON.stringify([first, text, places, candidates.rows.map(({ effect }) => effect)]);
   if (element.dataset.told === key) return;
   element.dataset.told = key;
-  element.replaceChildren(
-    ...(first ? [make("strong", { text: first }), " "] : []),
-    ...parted(text, places).map((part) =>
-      typeof part === "string" ? part : make("button", { ...LEADS, text: part.words, on: { click: () => go(part) } }),
-    ),
-  );
+  const leads = leadsOf(places, candidates, to);
+  const shown = (/** @type {string} */ said) => parted(said, leads).map((part) => (typeof part === "string" ? part : link(part)));
+  element.replaceChildren(...(first ? [make("strong", {}, ...shown(first)), " "] : []), ...shown(text));
+}
+
+/**
+ * Where the words of a verdict lead: to samples, to what could be missing, to the error, to what was found in the log.
+ * @param {Place[]} places
+ * @param {State["candidates"]} candidates
+ * @param {Parameters<typeof showVerdict>[2]} to
+ * @returns {Lead[]}
+ */
+function leadsOf(places, { rows }, to) {
+  const lead = (/** @type {string} */ words, /** @type {string} */ title, /** @type {() => void} */ go, kind = "") =>
+    ({ words, title, go, class: `leads ${kind}`.trim() });
+  const first = rows.find(({ could_be: could }) => could);
+  return [
+    ...places.map((place) => lead(place.words, "show its samples in every plot", () => to.place(place), "place")),
+    ...places.map((place) => lead(`along ${place.axis}`, "draw a row over it", () => to.place(place))),
+    ...rows.map(({ effect }) => lead(effect, "what it would explain", () => to.effect(effect))),
+    ...(first ? ["Add it", "Tell apart"].map((words) => lead(words, "where that is", () => to.effect(first.effect))) : []),
+    lead("RMS error", "the ladder of errors", to.error),
+    lead("Not weighed", "why: what was found in the log", to.findings),
+  ];
+}
+
+/** Text that leads, which breaks where a line ends as text does. @param {Lead} lead */
+function link({ words, title, go, ...rest }) {
+  const click = (/** @type {Event} */ event) => {
+    event.preventDefault();
+    go();
+  };
+  return make("a", { ...rest, href: "#plots", title, text: words, on: { click } });
 }
 
 /**
@@ -39,19 +68,27 @@ export function plainly({ ready, rows }) {
   return `${said}: ${first.name} (${first.effect}). ${next}`;
 }
 
-const LEADS = { type: "button", class: "leads", title: "show its samples in every plot" };
-
 /**
- * A text, taken apart into the places that it names and what stands between them.
+ * A text, taken apart into the words that lead somewhere and what stands between them: of each the last that stands alone.
+ * @template {{words: string}} L
  * @param {string} text
- * @param {Place[]} places
- * @returns {(string | Place)[]}
+ * @param {L[]} leads
+ * @returns {(string | L)[]}
  */
-export function parted(text, places) {
-  const [first, ...others] = places;
+export function parted(text, leads) {
+  const [first, ...others] = leads;
   if (!first) return text === "" ? [] : [text];
-  const at = text.lastIndexOf(first.words);
-  if (first.words === "" || at < 0) return parted(text, others);
+  const at = lastOf(text, first.words);
+  if (at < 0) return parted(text, others);
   const [before, after] = [text.slice(0, at), text.slice(at + first.words.length)];
   return [...parted(before, others), first, ...parted(after, others)];
+}
+
+/** Where words stand last in a text that are no part of others; -1 where they do not. @param {string} text @param {string} words */
+function lastOf(text, words) {
+  const part = /\w/;
+  for (let at = words === "" ? -1 : text.lastIndexOf(words); at >= 0; at = at === 0 ? -1 : text.lastIndexOf(words, at - 1)) {
+    if (!part.test(text[at - 1] ?? " ") && !part.test(text[at + words.length] ?? " ")) return at;
+  }
+  return -1;
 }

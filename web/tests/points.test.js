@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { Pick } from "../src/pick.js";
-import { drawCloud, drawPoints, pixelColour, place } from "../src/raster.js";
+import { cloudOf, drawCloud, drawPoints, pixelColour, place } from "../src/raster.js";
 
 /** Numbers from 0 to 1 that look random and are the same every time. */
 function* numbers(seed) {
@@ -56,7 +56,8 @@ test("where more points meet the colour is fuller, and what is chosen is drawn i
   const small = { width: 8, height: 8, x: [0, 1], y: [0, 1], dot: 1 };
   const [white, blue] = [pixelColour("#ffffff"), pixelColour("#0072b2")];
   const image = new Uint32Array(64).fill(white);
-  drawCloud(image, Int32Array.of(3, 5, 5, 5, -1), small, blue, 0.4);
+  const across = Float32Array.of(3, 5, 5, 5, NaN).map((column) => column / 7);
+  drawCloud(image, cloudOf(across, new Float32Array(5).fill(1), small), blue, 0.4);
   const red = (pixel) => pixel & 0xff;
   assert.ok(red(image[5]) < red(image[3]));
   assert.ok(red(image[3]) < 0xff);
@@ -64,4 +65,12 @@ test("where more points meet the colour is fuller, and what is chosen is drawn i
   drawPoints(image, Int32Array.of(3, 5, -1), Uint32Array.of(1, 2), small, blue);
   assert.equal(image[5], blue);
   assert.notEqual(image[3], blue);
+});
+
+test("a dot has as many counts on each of its pixels as points are there", () => {
+  const small = { width: 6, height: 6, x: [0, 1], y: [0, 1], dot: 2 };
+  const { counts } = cloudOf(Float32Array.of(0, 0, 1, 0.5), Float32Array.of(1, 1, 0, NaN), small);
+  assert.deepEqual([0, 1, 6, 7].map((at) => counts[at]), [2, 2, 2, 2]);
+  assert.deepEqual([28, 29, 34, 35].map((at) => counts[at]), [1, 1, 1, 1]);
+  assert.equal(counts.reduce((sum, one) => sum + one, 0), 12);
 });

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { beyondWords, mostReach } from "../src/contents.js";
+import { beyondWords, mostLimits, mostReach } from "../src/outliers.js";
 import { ticks } from "../src/numbers.js";
 import { plainly } from "../src/verdict.js";
 
@@ -16,17 +16,17 @@ test("an axis always has two ticks at least, for one is no scale", () => {
 
 test("a few outliers do not flatten all other residuals, and are said to be beyond", () => {
   const values = Float32Array.from({ length: 5000 }, (_, at) => Math.sin(at));
-  assert.ok(Math.abs(mostReach(values) - 1) < 1e-3);
+  assert.ok(Math.abs(mostReach(values.slice()) - 1) < 1e-3);
   values[7] = -50;
   values[4000] = 9;
-  assert.ok(Math.abs(mostReach(values) - 1) < 1e-3);
-  assert.match(beyondWords(values, 1.04), /2 samples beyond/);
-  assert.equal(beyondWords(values, 60), "");
+  assert.ok(Math.abs(mostReach(values.slice()) - 1) < 1e-3);
+  assert.match(beyondWords(values, -1.04, 1.04), /2 samples beyond/);
+  assert.equal(beyondWords(values, -60, 60), "");
 });
 
 test("what is there at every reversal is no outlier, and nothing at all has no reach", () => {
   const peaks = Float32Array.from({ length: 5000 }, (_, at) => (at % 100 === 0 ? 10 : Math.sin(at)));
-  assert.equal(mostReach(peaks), 10);
+  assert.equal(mostReach(peaks.slice()), 10);
   assert.equal(mostReach(new Float32Array(9)), 0);
   assert.equal(mostReach(Float32Array.from([NaN, NaN])), 0);
 });
@@ -38,4 +38,18 @@ test("a verdict begins with what is missing in plain words, and with what to do 
   assert.match(tied, /Tell apart designs what to record next/);
   assert.equal(plainly({ ready: false, rows: [row] }), "");
   assert.equal(plainly({ ready: true, rows: [{ ...row, could_be: false }] }), "");
+});
+
+test("a torque's axis is that of all but a few samples that would have half of it alone", () => {
+  const torque = Float32Array.from({ length: 5000 }, (_, at) => 1 + Math.sin(at));
+  const [low, high] = mostLimits(torque.slice(), torque);
+  assert.ok(low < 0.001 && high > 1.999);
+  torque[70] = 90;
+  torque[71] = -40;
+  torque[72] = NaN;
+  assert.deepEqual(mostLimits(torque.slice(), torque).map((one) => Math.round(one)), [0, 2]);
+  torque.fill(30, 100, 110); // ten are no outliers
+  assert.deepEqual(mostLimits(torque.slice(), torque).map((one) => Math.round(one)), [0, 30]);
+  assert.deepEqual(mostLimits(new Float32Array(9), new Float32Array(9)), [0, 0]);
+  assert.deepEqual(mostLimits(Float32Array.from([NaN, NaN]), new Float32Array(2).fill(NaN)), [NaN, NaN]);
 });

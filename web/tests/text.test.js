@@ -59,6 +59,9 @@ test("a verdict is parted into the places that it names and what stands between"
   assert.deepEqual(parted("1 to 2 rad forward", [place]), [place]);
   assert.deepEqual(parted("nothing", []), ["nothing"]);
   assert.deepEqual(parted("", [place]), []);
+  const effect = { words: "detent" };
+  assert.deepEqual(parted("second_detent, or detent.", [effect]), ["second_detent, or ", effect, "."]);
+  assert.deepEqual(parted("second_detent", [effect]), ["second_detent"]);
 });
 
 test("a parameter says half its interval, that it is fixed, or that nothing determines it", () => {

@@ -97,6 +97,8 @@ verdict {
     alike: 6.0, "variances of the raw noise", "2 log(19): the likelier of two is the wrong one in 5 of 100";
     /// The same, as a share of what either leaves beyond the noise.
     relative: 0.02, "share of what is left", "judgement: where much is left, shapes differ by that much";
+    /// Standard errors by which two effects that leave more than noise must differ in what they leave to be told apart.
+    told_apart: 2.0, "standard errors", "the usual 95 %; of how they differ in one stretch and the next, as what is left is no noise";
     /// What a parameter that each of several runs has for itself must take off what noise does not explain.
     own_of_runs: 0.2, "share of the excess", "judgement, as share: what the model misses looks like a zero of the run that has more of it";
     /// Chance of detents that are not there, in a scan of their spatial frequency.

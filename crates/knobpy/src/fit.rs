@@ -231,17 +231,16 @@ pub fn at_floor(white_squares: f64) -> f64 {
     at_floor_core(white_squares)
 }
 
-/// What speaks for an effect as it comes in: see [`judge`].
-type EvidenceRow = (f64, usize, f64, f64, f64, f64, bool, usize);
+/// What speaks for an effect as it comes in: the fields of [`Evidence`].
+type EvidenceRow = (f64, usize, f64, f64, f64, f64, f64, bool, usize);
 
-/// What is said of effects beside a fit, one each: a word, and the places of those that cannot be told from it. An effect
-/// has a gain, a number of parameters, how many it is charged for where others do as well, a p-value, the error with it, the largest share that it takes off a capture's
-/// squared error, whether its values are implausible, and how many of the base model it bends below zero. `law` is the
-/// mean squared error by which laws that were added may be off.
+/// What is said of effects beside a fit, one each: a word, and the places of those that cannot be told from it; what speaks
+/// for them as [`Evidence`] has it. `law` is the mean squared error by which laws that were added may be off.
 #[pyfunction]
 pub fn judge(fit: Judged, law: f64, effects: Vec<EvidenceRow>) -> Vec<(&'static str, Vec<usize>)> {
-    let evidence = |(gain, parameters, charged, p_value, rmse, felt, implausible, bent): EvidenceRow| {
-        Evidence { gain, parameters, charged, p_value, rmse, felt, implausible, bent }
+    let evidence = |row: EvidenceRow| {
+        let (gain, parameters, charged, p_value, rmse, felt, doubt, implausible, bent) = row;
+        Evidence { gain, parameters, charged, p_value, rmse, felt, doubt, implausible, bent }
     };
     let all: Vec<Evidence> = effects.into_iter().map(evidence).collect();
     judge_core(&State { law, ..state(fit) }, &all)

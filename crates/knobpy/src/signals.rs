@@ -6,7 +6,7 @@ use knobcore::error::Error;
 use knobcore::model::Run;
 use knobcore::param::Axis;
 use knobcore::prepare::{
-    LowPass, Preparation, Prepared, Recording, Ripple, Source, prepare as prepare_core, taken_off,
+    LowPass, Preparation, Prepared, Recording, Ripple, Source, Trusted, prepare as prepare_core, taken_off,
 };
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
@@ -131,8 +131,9 @@ fn positive(options: &Bound<'_, PyDict>, name: &str) -> PyResult<Option<f64>> {
 }
 
 /// Prepares a recording (`run` is its name and its fingerprint) by method `smooth`, `paper`, `none` or `differences`; see `knobcam.prepare`.
+/// Of what is `trusted`, `theta`, `omega`, `alpha` or `bands`, what is found is told and left as it is.
 #[pyfunction]
-#[pyo3(signature = (axis_name, rate_hz, t, theta, omega, alpha, tau, after_gap, measured, method, options, run=None))]
+#[pyo3(signature = (axis_name, rate_hz, t, theta, omega, alpha, tau, after_gap, measured, method, options, run=None, trusted=vec![]))]
 #[allow(clippy::too_many_arguments)]
 pub fn prepare(
     py: Python<'_>,
@@ -148,6 +149,7 @@ pub fn prepare(
     method: &str,
     options: &Bound<'_, PyDict>,
     run: Option<(String, String)>,
+    trusted: Vec<String>,
 ) -> PyResult<PySignals> {
     let mut how = match method {
         "smooth" => Preparation::smooth(rate_hz),
@@ -170,6 +172,8 @@ pub fn prepare(
     {
         (*theta, *omega, *alpha) = (LowPass::Paper(edge), LowPass::Paper(edge), LowPass::Paper(0.5 * edge));
     }
+    let trusts = |what: &str| trusted.iter().any(|one| one == what);
+    how.trusted = Trusted { readings: ["theta", "omega", "alpha"].map(trusts), bands: trusts("bands") };
     let (name, fingerprint) = run.unwrap_or_default();
     let recording = Recording {
         run: &Run { name, fingerprint },

@@ -188,7 +188,7 @@ class Pair(TypedDict):
 
 
 class HandStep(TypedDict):
-    """What a hand has to do, in words; `beats` a minute, 0 at rest; why it `cannot`, empty where it can."""
+    """What a hand has to do, in words; `beats` a minute, 0: none; why it `cannot`, empty where it can."""
 
     words: str
     seconds: float
@@ -199,6 +199,7 @@ class HandStep(TypedDict):
 class Experiment(TypedDict):
     """A motion that tells rivals apart from D = `told` on; `verdict` is what its recording `capture` told.
 
+    Of one rival alone it makes a parameter known better.
     `source` is what it can be recorded from at once, in words.
     """
 

@@ -30,7 +30,7 @@ from .formats.units import SI, VOLTAGES, Coordinate, torque_unit_of
 from .motor import as_torque
 from .quality import check, check_size
 from .quality.limits import check_limits
-from .quality.ruled import Ruled, check_overruled
+from .quality.ruled import Ruled, awaited, check_overruled
 from .quality.torque import Limit, usual_limit
 from .reading import PLAIN, Reading
 
@@ -135,7 +135,7 @@ class Capture(showing.Tabled):
         checked_as = (limit, rate_hz, meta or {}, rows, "arrays", overrule)
         capture = _checked(columns, coordinate, torque_unit, *checked_as)
         check_overruled("arrays", overrule, capture.findings)
-        return capture
+        return capture._awaiting(overrule)
 
     @property
     def axis(self) -> Coordinate:
@@ -165,6 +165,9 @@ class Capture(showing.Tabled):
     def overrules(self, kind: str, column: str) -> bool:
         """Whether a person has overruled what was found of this kind in a column."""
         return any(one.overruled and (one.kind, one.column) == (kind, column) for one in self.findings)
+
+    def _awaiting(self, overrule: Collection[str]) -> Capture:
+        return replace(self, findings=(*self.findings, *awaited(overrule, self.findings)))
 
     def with_clipped(self) -> Capture:
         """Return the capture with those samples counted at which the torque sensor was at its limit."""
@@ -342,7 +345,7 @@ def of_table(file: Path, table: Table, reading: Reading = PLAIN) -> Capture:
         capture = capture if limit is None else saved.limited(capture, limit, rows[keep])
         capture = saved.ruled(capture, reading.overrule)
         check_overruled(str(file), reading.overrule, capture.findings)
-        return capture
+        return capture._awaiting(reading.overrule)
     limits = {name: at[keep] for name, at in table.limits.items() if name in capture.columns}
     ruled = Ruled(reading.overrule)
     clipped, found = check_limits(limits, capture.mask, rows[keep])
@@ -355,7 +358,7 @@ def of_table(file: Path, table: Table, reading: Reading = PLAIN) -> Capture:
     beside.lets((*table.notes, *resolved.notes))
     said = (*beside.findings, *capture.findings, *ruled.findings)
     check_overruled(str(file), reading.overrule, said)
-    return replace(capture, mask=capture.mask & ~clipped, findings=said)
+    return replace(capture, mask=capture.mask & ~clipped, findings=said)._awaiting(reading.overrule)
 
 
 def _checked(

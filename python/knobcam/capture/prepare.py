@@ -13,8 +13,9 @@ from ..base.arrays import runs
 from ..base.door import checked
 from ..errors import InputError
 from . import run
-from .finding import Finding
+from .finding import Finding, spans
 from .quality.held import held
+from .quality.ruled import with_later
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from ..base.arrays import BoolArray, FloatArray
     from ..base.showing import Figure
     from .capture import Capture
+    from .finding import Rows
 
 METHODS = ("smooth", "paper", "none", "differences")
 _OPTIONS = {
@@ -170,20 +172,25 @@ def prepare(capture: Capture, method: str = "smooth", **options: float) -> Prepa
             method,
             options,
             (run.name(capture), run.fingerprint(capture)),
+            _trusted(capture),
         )
     except InputError as error:
         source = capture.meta.get("source")  # of several captures somebody wants to know which
         raise InputError(f"{source}: {error}" if source else str(error)) from None
+    at = rows + int(capture.meta.get("first_row", 1))
     if "tau" in stands and stands["tau"].any():
         rows = rows[~stands["tau"]]
     notes = _notes(capture, method, options, core)
-    found = (
-        *capture.findings,
-        *_strays(core, kept["t"]),
-        *_wrong(core),
-        *_cut(capture, method, options, core),
-    )
+    later = [*_strays(core, kept["t"], at), *_wrong(core), *_cut(capture, method, options, core)]
+    over = {one.key for one in capture.findings if one.overruled}
+    found = with_later(capture.findings, later, over)
     return Prepared(capture, method, rows, dict(options), notes, core, found)
+
+
+def _trusted(capture: Capture) -> list[str]:
+    """Return what the preparation tells of and leaves as it is: a person knows better."""
+    names = [name for name in ("theta", "omega", "alpha") if capture.overrules("spike", name)]
+    return [*names, "bands"] if capture.overrules("band", "theta") else names
 
 
 def check_options(method: str, options: Mapping[str, float]) -> None:
@@ -253,18 +260,18 @@ def _notes(
     return tuple(notes)
 
 
-def _strays(core: _core.Signals, t: FloatArray) -> list[Finding]:
+def _strays(core: _core.Signals, t: FloatArray, rows: Rows) -> list[Finding]:
     """Readings that all the others contradict, by sensor; what is there of a row beside them counts."""
     found = []
     for name in ("theta", "omega", "alpha"):
-        at = [t[row] for column, row in core.strays if column == name]
+        at = sorted(row for column, row in core.strays if column == name)
         if at:
-            times = ", ".join(f"{time:.6g}" for time in at[:_NAMED]) + (", ..." if len(at) > _NAMED else "")
+            times = ", ".join(f"{t[row]:.6g}" for row in at[:_NAMED]) + (", ..." if len(at) > _NAMED else "")
             message = (
                 f"{name}: {len(at)} readings are of no motion beside all the others (at t = {times} s); "
                 "left out of the motion"
             )
-            found.append(Finding("spike", name, len(at), (), message, "masked"))
+            found.append(Finding("spike", name, len(at), spans(rows[at]), message, "masked"))
     return found
 
 

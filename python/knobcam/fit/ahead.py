@@ -1,4 +1,4 @@
-"""A torque that stands in the log before the motion that it makes, as a command does."""
+"""A torque that stands in the log before the motion that it makes, as a command does, or after it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from .rule import RULE
 if TYPE_CHECKING:
     from .fitting import Fit
 
-_EFFECT, _DELAY = "actuation_delay", "actuation_delay.delay"
+_AHEAD, _BEHIND = "actuation_delay", "torque_lag"
+_TIMES = {_AHEAD: ("actuation_delay.delay",), _BEHIND: ("torque_lag.lag", "torque_lag.delay")}
 _NOTICED = 1.02  # times the noise floor, below which a delay is not looked for: it takes its time
 _ROWS = 0.6  # below which nobody can tell a delay from how a derivative is taken
 
@@ -22,18 +23,27 @@ def delayed(fit: Fit) -> _core.Fit | None:
     """Return the sketch of a fit with the delay beside it, where that is beyond doubt; None where it is not.
 
     Only where the delay explains all that the model leaves beyond noise: what else is missing may look like
-    a delay, and is for the diagnosis to tell. Nor beside a joint or a sensor's lag, where it was looked for.
+    a delay, and is for the diagnosis to tell. Nor beside a joint, or where it was looked for already.
     """
     catalogue, floor = fit.model.catalogue(), fit.noise_floor
     have = fit.model.effects
-    late = catalogue[_EFFECT].taken_up
-    known = late is not None and any(name in fit.model.params for name in late.by)
+    known = any(name in fit.model.params for one in _TIMES for name in _TIMES[one])
     joined = any(catalogue[one].place == "coupling" for one in have)
     # Not where a floor is unknown either.
-    if fit.before or known or joined or _EFFECT in have or not fit.rmse > _NOTICED * floor:
+    if fit.before or known or joined or not fit.rmse > _NOTICED * floor:
         return None
-    ((_, core, gain, _, p_value, _),) = _core.diagnose(refit.cores(fit), fit.model.core, [_EFFECT], None)
-    if core is None or p_value > RULE.rare or gain < RULE.price or not _sure(fit, core):
+    ahead = _sketched(fit, _AHEAD)
+    if ahead is not None:
+        return ahead
+    behind = _sketched(fit, _BEHIND)
+    # Much else leaves a torque behind its motion: what explains as much is for the diagnosis to tell.
+    best = fit.diagnose().best if behind is not None else None
+    return behind if best is not None and best.effect == _BEHIND and not best.equivalent else None
+
+
+def _sketched(fit: Fit, effect: str) -> _core.Fit | None:
+    ((_, core, gain, _, p_value, _),) = _core.diagnose(refit.cores(fit), fit.model.core, [effect], None)
+    if core is None or p_value > RULE.rare or gain < RULE.price or not _sure(fit, core, effect):
         return None
     return core
 
@@ -43,34 +53,57 @@ def mended(fit: Fit) -> Fit:
 
     What moves with the delay has an interval that holds what the captures leave open of it.
     """
+    if overruled(fit):
+        return fit
     return fit if fit.delayed is None else refit.converged(replace(fit, core=fit.delayed, before=fit))
 
 
 def ahead(fit: Fit) -> Finding | None:
-    """Return the finding that the torque of a fit is ahead of its motion; None where nothing says so.
+    """Return the finding that the torque of a fit is ahead of its motion or behind it; else None.
 
-    It is mended where the delay is fitted with the rest.
+    It is mended where the delay is fitted with the rest, and a note where a person has overruled it.
     """
-    here = _DELAY in fit.core.free and _sure(fit, fit.core)
-    core = fit.core if here else fit.delayed
+    found = _found(fit)
+    return found.over() if found and overruled(fit) else found
+
+
+def overruled(fit: Fit) -> bool:
+    """Whether a person has overruled it, of any capture."""
+    return any(one.capture.overrules("late_column", "tau") for one in fit.prepared)
+
+
+def _found(fit: Fit) -> Finding | None:
+    effect = next((one for one in _TIMES if _fitted(fit.core, one) and _sure(fit, fit.core, one)), None)
+    core = fit.core if effect else fit.delayed
     if core is None:
         return None
+    here = effect is not None
+    effect = effect or next(one for one in _TIMES if _fitted(core, one))
     samples = sum(one.capture.samples for one in fit.prepared)
-    message = f"tau: stands {1e3 * _delay(core):.3g} ms before the motion that it makes, as a command does"
+    message = f"tau: stands {1e3 * _delay(core, effect):.3g} ms " + (
+        "before the motion that it makes, as a command does"
+        if effect == _AHEAD
+        else "after the motion that it makes"
+    )
     if here:
         return Finding(
-            "late_column", "tau", samples, (), f"{message}: {_EFFECT} is fitted with the rest", "mended"
+            "late_column", "tau", samples, (), f"{message}: {effect} is fitted with the rest", "mended"
         )
     fall = 100.0 * (1.0 - core.rmse / fit.rmse)
-    message += f"; that takes {fall:.2g} % off the error and moves what was fitted: add {_EFFECT}"
+    message += f"; that takes {fall:.2g} % off the error and moves what was fitted: add {effect}"
     return Finding("late_column", "tau", samples, (), message, "warning")
 
 
-def _sure(fit: Fit, core: _core.Fit) -> bool:
+def _fitted(core: _core.Fit, effect: str) -> bool:
+    return any(name in core.free for name in _TIMES[effect])
+
+
+def _sure(fit: Fit, core: _core.Fit, effect: str) -> bool:
     """Whether a fit with a delay leaves nothing but noise, and has one that can be told from none."""
-    told = _delay(core) * min(one.capture.rate_hz for one in fit.prepared) >= _ROWS
+    told = _delay(core, effect) * min(one.capture.rate_hz for one in fit.prepared) >= _ROWS
     return told and core.rmse <= RULE.at_floor * fit.noise_floor
 
 
-def _delay(core: _core.Fit) -> float:
-    return next(value for name, value, *_ in core.model.rows() if name == _DELAY)
+def _delay(core: _core.Fit, effect: str) -> float:
+    """Return by how much a torque is off, s: a lag moves it by its time constant."""
+    return sum(value for name, value, *_ in core.model.rows() if name in _TIMES[effect])

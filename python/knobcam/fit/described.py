@@ -51,10 +51,14 @@ def said(prepared: Sequence[Prepared]) -> list[dict[str, Any]]:
 
 def found(fit: Fit) -> list[dict[str, Any]]:
     """What was found in the captures of a fit, by themselves and by what the model cannot be."""
+    return said(fit.prepared) + [one.document() for one in by_model(fit)]
+
+
+def by_model(fit: Fit) -> list[Finding]:
+    """Return what was found by what the model cannot be."""
     every = sum(one.capture.samples for one in fit.prepared)
     reversed_ = Finding("sign", "tau", every, ((1, every),), REVERSED, "warning")
-    by_model = [reversed_ if fit.log_fault == REVERSED else None, fit.ahead]
-    return said(fit.prepared) + [one.document() for one in by_model if one]
+    return [one for one in (reversed_ if fit.log_fault == REVERSED else None, fit.ahead) if one]
 
 
 def summary(fit: Fit) -> str:

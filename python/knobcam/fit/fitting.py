@@ -291,12 +291,12 @@ class Fit(showing.Tabled):
 
     @cached_property
     def delayed(self) -> _core.Fit | None:
-        """A sketch of it with a torque that acts later, where that is beyond doubt; None where it is not."""
+        """A sketch of it with a torque that acts or is read late, where that is beyond doubt; else None."""
         return delayed(self)
 
     @cached_property
     def ahead(self) -> Finding | None:
-        """The finding that the torque stands in the log before the motion that it makes; None otherwise."""
+        """The finding that the torque stands before the motion that it makes or after it; else None."""
         return ahead(self)
 
     @cached_property
@@ -347,10 +347,10 @@ def fit(
 
     What belongs to a run (a sensor's zero) is each capture's own where they ask for it (`Fit.per_capture`).
     Without a model: the paper's Equation 1; detents are part of it if the data show them (`detents="auto"`),
-    always (`"yes"`) or never (`"no"`), and so is a torque that acts later than it is logged where that is
-    beyond doubt (`actuation_delay`, `Fit.ahead`). A model (or its file) is fitted as it is: its fixed and
-    tied values stay so, and a free detent period is found from the data whatever its value; `detents` is not
-    for it. `prepare` and `options` as in `prepare`.
+    always (`"yes"`) or never (`"no"`), and so is a torque that acts later than it is logged, or is read late,
+    where that is beyond doubt (`actuation_delay`, `torque_lag`, `Fit.ahead`). A model (or its file) is fitted
+    as it is: its fixed and tied values stay so, and a free detent period is found from the data whatever its
+    value; `detents` is not for it. `prepare` and `options` as in `prepare`.
 
     Raises InputError for captures that cannot be fitted, with what to do.
     """

@@ -41,6 +41,7 @@ def implausible(candidate: Candidate, before: Fit) -> tuple[str, ...]:
     return (
         *_out_of_range(candidate.effect, fit),
         *_below_zero(candidate, before),
+        *_pushed_out(candidate, before),
         *_unseen(fit, before),
         *own,
     )
@@ -195,6 +196,14 @@ def out_of_range(estimate: Estimate, plausible: tuple[float, float]) -> str | No
         return None
     limits = f"at least {low:g}" if math.isinf(high) else f"{low:g} to {high:g}"
     return f"{estimate.value:.3g} is implausible: it should be {limits}"
+
+
+def _pushed_out(candidate: Candidate, before: Fit) -> list[str]:
+    """Return what came in before and ends out of its range beside it, where it was not."""
+    base, there = base_effects(before.model.coordinate), candidate.fit.model.effects
+    came = [one for one in before.model.effects if one not in base and one in there]
+    fine = [one for one in came if not _out_of_range(one, before)]
+    return [f"beside it {said}" for one in fine for said in _out_of_range(one, candidate.fit)]
 
 
 def _below_zero(candidate: Candidate, before: Fit) -> list[str]:

@@ -157,8 +157,10 @@ def worse(fit: Fit) -> tuple[str, ...]:
         said.append(f"the error on unseen blocks rose from {was:.4g} to {now:.4g} {unit} ({rise})")
     if fit.rmse >= before.rmse * (1.0 - _ROUNDING):
         said.append("the error that it was fitted to did not fall")
-    elif fit.noise_floor > 0.0 and before.noise_floor > 0.0 and unpaid(fit, before):
-        count = len(fit.core.free) - len(before.core.free)
+        return tuple(said)
+    count = len(fit.core.free) - len(before.core.free)
+    # Held against the noise that `diagnose` holds it against: that of the fit before.
+    if before.noise_floor > 0.0 and gain(before, fit, before) <= RULE.price * count:
         more = "another parameter" if count == 1 else f"{count} more parameters"
         said.append(f"the error fell by no more than chance takes off with {more}")
     return tuple(said)

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, get_args
 
@@ -16,7 +17,7 @@ from .doubts import at_floor, below_zero
 from .rule import RULE
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Collection, Sequence
 
     from .compare import Comparison
     from .diagnose import Candidate
@@ -38,6 +39,7 @@ _WORDS: dict[Word, str] = {
     "untold": "the noise is not known, nor what is chance",
 }
 _RANKS = get_args(Word)
+_STRETCHES = 40  # long beside the memory of the filter, and enough to see how the error varies
 
 
 def explained(fit: Fit) -> float:
@@ -67,6 +69,7 @@ def judged(comparison: Comparison, candidates: Collection[Candidate]) -> tuple[C
     """
     several = list(candidates)
     fit = comparison.fit
+    doubts = _doubts(several)
     evidence = [
         (
             one.gain,
@@ -75,10 +78,11 @@ def judged(comparison: Comparison, candidates: Collection[Candidate]) -> tuple[C
             one.p_value,
             one.rmse,
             _felt(one, fit),
+            doubt,
             bool(one.implausible),
             len(below_zero(one.fit)),
         )
-        for one in several
+        for one, doubt in zip(several, doubts, strict=True)
     ]
     told = _core.judge(comparison.judged, off_by_law(fit) if at_floor(fit) else 0.0, evidence)
     chosen = next((one.effect for one, (word, _) in zip(several, told, strict=True) if word in CHOSEN), "")
@@ -92,6 +96,30 @@ def judged(comparison: Comparison, candidates: Collection[Candidate]) -> tuple[C
         for one, (word, alike) in zip(several, told, strict=True)
     ]
     return tuple(sorted(known, key=lambda one: (_RANKS.index(one.word), -one.score)))
+
+
+def _doubts(candidates: Sequence[Candidate]) -> list[float]:
+    """Return how uncertain it is what each takes off beside the one that takes off most.
+
+    That is the standard error of the difference of their squared errors, in variances of the raw noise, from
+    how it varies between stretches of the captures.
+    """
+    could = [one for one in candidates if one.score > 0.0 and not one.implausible and not at_floor(one.fit)]
+    if len(could) < 2:
+        return [0.0] * len(candidates)
+    squares = {one.effect: np.square(one.fit.residual) for one in could}
+    best = max(could, key=lambda one: one.score)
+    known = np.isfinite(squares[best.effect])
+
+    def doubt(one: Candidate) -> float:
+        if one.effect not in squares or one.effect == best.effect:
+            return 0.0
+        more = (squares[one.effect] - squares[best.effect])[known]
+        sums = [float(np.nansum(stretch)) for stretch in np.array_split(more, _STRETCHES)]
+        noise = one.fit.noise_floor**2 / one.fit.white_squares
+        return float(np.std(sums)) * math.sqrt(len(sums)) / len(more) / noise
+
+    return [doubt(one) for one in candidates]
 
 
 def _felt(candidate: Candidate, before: Fit) -> float:

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..base.door import checked
 from ..capture.by_hand import by_hand as steps_by_hand
-from ..capture.by_hand import hand_can
+from ..capture.by_hand import hand_can, on_beats
 from ..errors import InputError
 from .contenders import contenders
 from .experiment import Change, Expected, Experiment, Sharpened
@@ -242,8 +242,11 @@ class _Design:
         rate = self.limits.sample_rate_hz if draws else self._search_hz()
         for _ in range(_EASINGS):
             made = plan(pieces, self.limits, eased)
-            if self.by_hand and not hand_can(steps_by_hand(made, self.telling.coordinate)):
-                return None
+            if self.by_hand:
+                # The last sample is at rest.
+                made = on_beats(made, self.limits.duration_s - 2.0 / self.limits.sample_rate_hz)
+                if not hand_can(steps_by_hand(made, self.telling.coordinate)):
+                    return None
             track = made.track(rate)
             if len(track.theta) < _SHORTEST:
                 return None

@@ -31,6 +31,7 @@ from .limitations import Limitation, limitations
 from .proposals import Proposals, accepted, propose
 from .rivals import in_percent, with_choice
 from .selection import concluded, select
+from .ties import with_ties
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -138,7 +139,7 @@ class LearningResult(showing.Tabled):
 
     @property
     def _judged(self) -> str:
-        names = " and ".join(self.found)
+        names = " and ".join(with_ties(self.found, self.ladder))
         what = self.unexplained
         beyond = what is not None and self.fit.beyond is not None and what.hint == self.fit.beyond.words
         if self.cut is not None:

@@ -20,6 +20,7 @@ from .joined import joined, rejoined
 from .joints import overlooked
 from .ladder import LearningStep, Unexplained
 from .limitations import width
+from .ties import told_again
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
@@ -63,7 +64,8 @@ def select(
     fit = with_clipped(first) if clipping(coordinate) - set(without) else first
     ladder = [LearningStep(fit)]
     try:
-        return _grown(ladder, without, tell, deadline, given=given, detents=detents)
+        grown = _grown(ladder, without, tell, deadline, given=given, detents=detents)
+        return grown._replace(ladder=told_again(grown.ladder, tell, deadline))
     except (OutOfTime, KeyboardInterrupt) as ended:
         return _cut_short(ladder, deadline.cut(ended), given=given)
 

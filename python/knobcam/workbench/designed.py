@@ -10,7 +10,6 @@ import numpy as np
 from ..base import pages
 from ..capture.by_hand import by_hand, hand_can
 from ..capture.motion_plan import MotionPlan
-from ..errors import InputError
 from ..fit import fit
 from ..fit.rule import RULE
 from ..learn.designing import next_experiment
@@ -42,6 +41,14 @@ class Pair:
     came: float | None = None
 
 
+@dataclass(frozen=True)
+class Known:
+    """The parameter that a motion makes known best where nothing is to be told apart, and its error now."""
+
+    param: str
+    before: float
+
+
 @dataclass(frozen=True, eq=False)
 class Designed:
     """A motion that was designed at a node of a session; `white` is the variance of the noise, (N m)^2.
@@ -63,18 +70,22 @@ class Designed:
     capture: str | None = None
     verdict: str | None = None
     right: int | None = None
+    known: Known | None = None
 
     def track(self) -> Any:
         """Return the motion at the rate of the captures."""
         return self.plan.track(self.limits.sample_rate_hz)
 
     def columns(self) -> dict[str, FloatArray]:
-        """Return the motion and by what each rival's torque differs from their mean, thinned for the eye."""
+        """Return the motion and by what each rival's torque differs from their mean, thinned for the eye.
+
+        Of one model alone, what its torque is.
+        """
         track = self.track()
         coordinate = self.models[0].coordinate
         still = exact(coordinate, track)
         torques = np.array([model.core.torque(still, filtered=False) for model in self.models])
-        apart = torques - torques.mean(axis=0)
+        apart = torques - torques.mean(axis=0) if len(torques) > 1 else torques
         some = slice(None, None, max(1, -(-len(track.t) // _SHOWN)))
         found = {"t": track.t, "theta": track.theta, "omega": track.omega}
         found |= {f"rival {at}": torque for at, torque in enumerate(apart)}
@@ -120,6 +131,7 @@ class Designed:
         """Return it as a journal keeps it."""
         told: dict[str, Any] = {one.name: getattr(self, one.name) for one in fields(self)}
         told |= {"models": [model.text() for model in self.models], "plan": self.plan.text()}
+        told |= {"known": None if self.known is None else asdict(self.known)}
         return told | {"limits": asdict(self.limits), "pairs": [asdict(pair) for pair in self.pairs]}
 
     @classmethod
@@ -131,6 +143,8 @@ class Designed:
         given["plan"] = MotionPlan.parse(told["plan"])
         given["limits"] = Limits(**told["limits"])
         given["pairs"] = tuple(Pair(**pair) for pair in told["pairs"])
+        known = told.get("known")  # which older journals do not have
+        given["known"] = None if known is None else Known(**known)
         return cls(**given)
 
 
@@ -153,14 +167,14 @@ def designed(
     node: str,
     tell: Tell,
 ) -> Designed:
-    """Return the motion that would tell models with each of these effects apart; none: what is not told."""
+    """Return the motion that would tell models with each of these effects apart.
+
+    Of none: what the captures could not tell, and where they told everything, the motion that makes the
+    parameter known best which is known least.
+    """
     tell("fitting the rivals")
     within = Limits.reached(story.fit.prepared).with_some(limits)
     found = next_experiment(story, rivals=rivals(story, names), limits=within, by_hand=by_hand, progress=tell)
-    if found.sharpened:
-        raise InputError(
-            "nothing is left that could be taken for what was found; there is nothing to tell apart"
-        )
     return _kept(found, node)
 
 
@@ -176,6 +190,7 @@ def _kept(found: Experiment, node: str) -> Designed:
         found.headline,
         found.separable,
         tuple(Pair(*one.pair, one.d, one.standard_d) for one in found.expected),
+        known=next((Known(one.param, one.before) for one in found.sharpened), None),
     )
 
 
@@ -183,6 +198,8 @@ def came(
     kept: Designed, captures: Sequence[Capture], name: str, options: Mapping[str, Any], tell: Tell
 ) -> Designed:
     """Return it with what a recording of the motion told: every rival is fitted to it and to all before."""
+    if kept.known is not None:
+        return _sharper(kept, kept.known, captures, name, options, tell)
     left, params = [], []
     for rival, model in zip(kept.names, kept.models, strict=True):
         tell(f"fitting {rival} to all")
@@ -206,3 +223,19 @@ def came(
     pairs = tuple(replace(one, came=abs(left[one.one] - left[one.other])) for one in kept.pairs)
     verdict = f"{'; '.join(words)}."
     return replace(kept, pairs=pairs, capture=name, verdict=verdict, right=None if tied else best)
+
+
+def _sharper(
+    kept: Designed,
+    known: Known,
+    captures: Sequence[Capture],
+    name: str,
+    options: Mapping[str, Any],
+    tell: Tell,
+) -> Designed:
+    """Return a motion for one parameter with how well that is known by all captures now."""
+    tell("fitting all")
+    now = fit(captures, kept.models[0], **options).params[known.param]
+    half = f"{now.value:.4g} ± {0.5 * (now.ci95[1] - now.ci95[0]):.2g} {now.unit}"
+    times = f"{known.before / now.se:.3g} times as well as before" if now.se > 0.0 else "exactly"
+    return replace(kept, capture=name, verdict=f"{known.param} is known {times}: {half}.", right=0)

@@ -21,6 +21,10 @@ if TYPE_CHECKING:
 
 _MOST = 60  # columns; what has more was not meant to be looked at
 _WIDE = 60  # pieces of a column's outline
+_FILLED_IN = (
+    "The names of its columns do not say which is which. The fields hold what they seem to be, by names and "
+    "values: look whether that is right."
+)
 
 
 class Unmapped(InputError):
@@ -47,6 +51,8 @@ def explained(error: InputError, path: Path, options: Mapping[str, Any], max_byt
         shown = [_described(*one) for one in columns.items() if one[1].ndim == 1]
         said = str(error).partition("; say which is which, for example --map")[0]
         said = said if said == str(error) else f"{said}; say which is which"
+        if isinstance(again, Unclear) and again.unnamed and {"theta", "tau"} <= set(found):
+            said = _FILLED_IN  # what it lacks by name stands in the fields already
         guess = {name: _guessed(entry) for name, entry in found.items()}
         return Unmapped(said, shown[:_MOST], guess)
     return error

@@ -7,16 +7,21 @@ from typing import TYPE_CHECKING
 
 from ..base.reading import digest
 from ..capture import load
+from ..capture.quality.ruled import with_later
 from ..errors import InputError
+from ..fit.described import by_model
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
     from ..base import pages
+    from ..capture.finding import Finding
+    from ..fit import Fit
     from .session import Session, Tell
     from .tree import Opened
 
+_SIGN = "it says what the model cannot be: turn the sign of the torque in the map"
 _SAVED = "it was overruled before the capture was saved"
 
 
@@ -56,8 +61,19 @@ def overrule(
     return new.id
 
 
-def document(opened: Opened) -> list[pages.Finding]:
-    """Return what was found in a capture, as a page is told it."""
+def found(opened: Opened, fit: Fit | None, at: int) -> tuple[Finding, ...]:
+    """Return what was found in a capture, and on the way from it to a fit in whose `prepared` it is `at`.
+
+    What a fit says of all its captures is said of the first.
+    """
+    if fit is None:
+        return opened.capture.findings
+    over = {one.key for one in opened.capture.findings if one.overruled}
+    return with_later(fit.prepared[at].findings, by_model(fit) if at == 0 else (), over)
+
+
+def document(opened: Opened, fit: Fit | None = None, at: int = 0) -> list[pages.Finding]:
+    """Return what was found in a capture, and by a fit to it, as a page is told it."""
     told = opened.options.get("overrule", ())
     return [
         {
@@ -65,19 +81,25 @@ def document(opened: Opened) -> list[pages.Finding]:
             "text": str(one),
             "note": one.severity == "note" and not one.overruled,
             "overruled": one.overruled,
-            "stands": _SAVED if one.overruled and one.key not in told else one.stands,
+            "stands": _SAVED if one.overruled and one.key not in told else _stands(one),
             "seen": bool(opened.capture.where(one)),
         }
-        for one in opened.capture.findings
+        for one in found(opened, fit, at)
     ]
+
+
+def _stands(finding: Finding) -> str:
+    return _SIGN if finding.kind == "sign" else finding.stands
 
 
 def samples(session: Session, capture: str, finding: str) -> list[tuple[int, int]]:
     """Return the samples that a finding names, first and last of each run, from 0."""
     if capture not in session.captures:
         raise InputError(f"capture {capture!r} is not in this session")
-    read = session.captures[capture].capture
-    found = [one for one in read.findings if one.key == finding]
-    if not found:
-        raise InputError(f"finding {finding!r} is not among those of {session.captures[capture].name}")
-    return sorted({span for one in found for span in read.where(one)})
+    opened, node = session.captures[capture], session.node
+    fitted = capture in node.captures
+    told = found(opened, node.fit, node.captures.index(capture)) if fitted else opened.capture.findings
+    named = [one for one in told if one.key == finding]
+    if not named:
+        raise InputError(f"finding {finding!r} is not among those of {opened.name}")
+    return sorted({span for one in named for span in opened.capture.where(one)})

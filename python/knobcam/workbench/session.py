@@ -34,7 +34,7 @@ class Tell(Protocol):
         """`done` is from 0 to 1, or None where nobody can tell; after the `last` there is no way back."""
 
 
-_VIEWS = 32  # of a dragged parameter that can still be looked at
+_VIEWS = 8  # of a dragged parameter that can still be looked at
 _NAME = 80  # characters of a branch's name
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from itertools import combinations
-from typing import TYPE_CHECKING, cast, get_args
+from typing import TYPE_CHECKING, NamedTuple, cast, get_args
+from weakref import WeakKeyDictionary
 
 from ..base import pages
 from ..errors import InputError
@@ -19,6 +20,8 @@ from .designing import origin
 from .learned import conclusion, in_vain, ladder
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ..fit import Estimate, Fit
     from ..fit.diagnose import Diagnosis
     from ..learn.ladder import LearningStep
@@ -44,18 +47,20 @@ def document(session: Session) -> pages.Session:
         diagnosis = session.diagnosis_of(branch.node.id)
         shown, laws = session.experiment, session.proposals.get(branch.node.id)
     fitted = view.fit
+    said = _said(fitted)
     steps = ladder(branch.done)
     end = _end(steps, diagnosis)
     left = None if end is None else end.unexplained
     return {
         **known,
+        "captures": [_capture(one, fitted, view.node.captures) for one in open_ones(session)],
         "active": list(view.node.captures),
         "branch": branch.id,
         "node": view.id,
         "noise_floor": fitted.noise_floor,
         "unit": fitted.torque_unit,
         "params": _parameters(view),
-        "together": _together(fitted),
+        "together": said.together,
         "rmse": view.rmse,
         "rmse_heldout": view.rmse_heldout,
         "verdict_text": _verdict(steps, diagnosis, end),
@@ -70,14 +75,34 @@ def document(session: Session) -> pages.Session:
         ],
         "candidates": known["candidates"] if diagnosis is None else candidates(diagnosis, left),
         "warnings": list(fitted.warnings),
-        "limitations": [f"{one.message}; {one.record}" for one in limitations(fitted)],
-        "absent": [one.document() for one in absent(fitted.model)],
+        "limitations": said.limitations,
+        "absent": said.absent,
         "untold": _untold(steps),
         "proposed": proposing.document(laws),
         "proposed_text": "" if laws is None else laws.headline,
         "curve": proposing.curve(laws),
         "experiment": None if shown is None else shown.document(_source(session, shown)),
     }
+
+
+class _Said(NamedTuple):
+    """What is said of a fit whatever a hand moves; looking through its samples takes its time."""
+
+    together: list[pages.Together]
+    limitations: list[str]
+    absent: list[pages.Effect]
+
+
+_KNOWN: WeakKeyDictionary[Fit, _Said] = WeakKeyDictionary()
+
+
+def _said(fitted: Fit) -> _Said:
+    """Return it as it was said before, where it was."""
+    if fitted not in _KNOWN:
+        said = [f"{one.message}; {one.record}" for one in limitations(fitted)]
+        missing = [one.document() for one in absent(fitted.model)]
+        _KNOWN[fitted] = _Said(_together(fitted), said, missing)
+    return _KNOWN[fitted]
 
 
 def unexplained(session: Session) -> bool:
@@ -137,15 +162,16 @@ def _nothing(session: Session) -> pages.Session:
     }
 
 
-def _capture(opened: Opened) -> pages.CaptureInfo:
+def _capture(opened: Opened, fitted: Fit | None = None, to: Sequence[str] = ()) -> pages.CaptureInfo:
     capture = opened.capture
+    there = opened.id in to
     return {
         "id": opened.id,
         "name": opened.name,
         "samples": capture.samples,
         "rate_hz": capture.rate_hz,
         "coordinate": capture.coordinate,
-        "findings": ruling.document(opened),
+        "findings": ruling.document(opened, fitted if there else None, to.index(opened.id) if there else 0),
         "hides": bool(opened.hidden),
     }
 

@@ -64,11 +64,14 @@ class View:
 
     def residual(self, at: int) -> FloatArray:
         """Measured minus modelled torque on a capture, N m; NaN at samples that do not count."""
-        if not self.dragged:
-            return self.fit.residuals[at]
-        signals = self.fit.prepared[at]
-        rest = np.where(signals.used, signals.tau - self.model.core.torque(signals.core), np.nan)
-        return signals.on_capture(rest)
+        return self._moved[at] if self.dragged else self.fit.residuals[at]
+
+    @cached_property
+    def _moved(self) -> list[FloatArray]:
+        """The residuals of a model that a hand has moved: asked for twice, as an error and as samples."""
+        prepared, core = self.fit.prepared, self.model.core
+        rests = [np.where(one.used, one.tau - core.torque(one.core), np.nan) for one in prepared]
+        return [one.on_capture(rest) for one, rest in zip(prepared, rests, strict=True)]
 
     def masked(self, at: int) -> FloatArray:
         """The torque of a capture as it was recorded where its samples are masked, N m; NaN elsewhere."""

@@ -37,6 +37,8 @@ pub struct Evidence {
     /// Of the squared error of one capture the share that it takes off, where it takes off most: what a capture
     /// shows is no less for others that do not.
     pub felt: f64,
+    /// Standard error of what it takes off more or less than the one that explains most, in variances of the raw noise.
+    pub doubt: f64,
     /// Whether its values cannot be its own.
     pub implausible: bool,
     /// Parameters of the base model that are negative beyond doubt beside it, which no knob has.
@@ -126,6 +128,11 @@ fn judge_by(rule: &Rule, state: &State, all: &[Evidence]) -> Vec<Judgement> {
         rule.alike.max(state.white_squares * rule.relative * more)
     };
     let near = |at: usize, other: usize| (score(&all[other]) - score(&all[at])).abs() <= margin(&all[at]);
+    // What is left then is no noise, so that it is asked where one leaves less than the other (Vuong 1989).
+    let beside = |best: usize, at: usize| {
+        let left = all[best].rmse > at_floor(state.white_squares) * state.noise_floor;
+        margin(&all[best]).max(if left { rule.told_apart * all[at].doubt } else { 0.0 })
+    };
     let of_those = |word| -> Vec<usize> { (0..all.len()).filter(|&at| words[at] == word).collect() };
     let mut could = of_those(Word::Less);
     let best_of =
@@ -139,14 +146,21 @@ fn judge_by(rule: &Rule, state: &State, all: &[Evidence]) -> Vec<Judgement> {
     let group = best.map_or_else(Vec::new, &alike);
     // What is hardly known of another's parameters makes it no less likely.
     let told = |one: &Evidence| one.gain - rule.price * one.charged;
-    let likely =
-        |at: usize| best.is_some_and(|best| told(&all[at]) >= score(&all[best]) - margin(&all[best]));
+    let likely = |at: usize| best.is_some_and(|best| told(&all[at]) >= score(&all[best]) - beside(best, at));
     let simplest = |a: &usize, b: &usize| {
         // What explains as much without friction that gives power back has a better claim than what is simpler.
         let claim = |at: usize| (all[at].bent, all[at].parameters);
         claim(*a).cmp(&claim(*b)).then(score(&all[*b]).total_cmp(&score(&all[*a])))
     };
     let chosen = group.iter().copied().min_by(simplest);
+    // What does as well in most stretches takes its place if it is simpler, and bends no more.
+    let chosen = chosen.map(|chosen| {
+        let close =
+            |at: &usize| best.is_some_and(|best| score(&all[best]) - score(&all[*at]) <= beside(best, *at));
+        let plainer =
+            |at: &usize| all[*at].parameters < all[chosen].parameters && all[*at].bent <= all[chosen].bent;
+        could.iter().copied().filter(|at| close(at) && plainer(at)).min_by(simplest).unwrap_or(chosen)
+    });
     let mut group = group;
     group.extend(could.iter().copied().filter(|&at| likely(at)));
     group.sort_unstable();
@@ -205,7 +219,7 @@ mod tests {
         let felt = 1.0 - rmse.powi(2) / 4.0;
         let gain = 3000.0 * share;
         let (charged, p_value) = (parameters as f64, 0.001);
-        Evidence { gain, parameters, charged, p_value, rmse, felt, implausible: false, bent: 0 }
+        Evidence { gain, parameters, charged, p_value, rmse, felt, doubt: 0.0, implausible: false, bent: 0 }
     }
 
     fn words(state: &State, all: &[Evidence]) -> Vec<Word> {
@@ -249,6 +263,23 @@ mod tests {
         // Where the one that is not enough by a hair has the better claim it is named.
         let all = [Evidence { felt: 0.0149, ..takes(0.99, 1) }, takes(0.991, 3)];
         assert_eq!(words(&BENT, &all), [Word::Missing, Word::Less]);
+    }
+
+    #[test]
+    fn of_two_that_leave_more_than_noise_neither_is_told_where_each_is_better_here_and_there() {
+        let other = |doubt| [takes(0.9, 3), Evidence { doubt, ..takes(0.8, 2) }];
+        assert_eq!(words(&BENT, &other(140.0)), [Word::Missing, Word::Less]);
+        assert_eq!(words(&BENT, &other(160.0)), [Word::Alike, Word::Missing]);
+        let richer = Evidence { parameters: 4, bent: 0, ..other(160.0)[1] };
+        assert_eq!(
+            words(&BENT, &[Evidence { bent: 1, ..takes(0.9, 3) }, richer]),
+            [Word::Missing, Word::Alike]
+        );
+        // Where noise alone is left its odds are known.
+        let at_floor = State { rmse: 1.01, ..BENT };
+        let plain = Evidence { gain: 40.0, rmse: 1.0, felt: 0.02, ..takes(0.99, 1) };
+        let worse = Evidence { gain: 30.0, doubt: 160.0, ..plain };
+        assert_eq!(words(&at_floor, &[plain, worse]), [Word::Missing, Word::Less]);
     }
 
     #[test]
@@ -305,6 +336,7 @@ mod tests {
             p_value: 0.02,
             rmse: 1.01,
             felt: 0.02,
+            doubt: 0.0,
             implausible: false,
             bent: 0,
         };

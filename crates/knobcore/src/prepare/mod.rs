@@ -90,20 +90,25 @@ pub struct Preparation {
     pub trim: Option<usize>,
     /// Of the filtered samples only every so many count.
     pub every: usize,
+    /// What is found and told, but left as it is.
+    pub trusted: Trusted,
+}
+
+/// What a person knows better: nothing is done about it.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Trusted {
+    /// Readings of theta, omega and alpha that all the others contradict.
+    pub readings: [bool; 3],
+    /// Bands in which the motion is not what the torque made.
+    pub bands: bool,
 }
 
 impl Preparation {
     /// The default: the motion from the smoother, the torque through the paper's filter. Edges of Table 6
     /// belong to 5 kHz; at a lower rate they keep their share of it, or follow the torque.
     pub fn smooth(rate_hz: f64) -> Self {
-        Self {
-            source: Source::Smoother,
-            torque: Some(LowPass::Paper(500.0 * slower(rate_hz))),
-            follows: true,
-            skip: 0,
-            trim: None,
-            every: 1,
-        }
+        let torque = Some(LowPass::Paper(500.0 * slower(rate_hz)));
+        Self { source: Source::Smoother, torque, follows: true, trim: None, ..Self::none() }
     }
 
     /// The same for a torque at this rate: where the edge is not given it keeps its share of it.
@@ -115,12 +120,21 @@ impl Preparation {
     pub fn paper(rate_hz: f64) -> Self {
         let [fast, slow] = [1000.0, 500.0].map(|edge| LowPass::Paper(edge * slower(rate_hz)));
         let source = Source::Filtered { theta: fast, omega: fast, alpha: slow };
-        Self { source, torque: Some(slow), follows: false, skip: 0, trim: None, every: 1 }
+        Self { source, torque: Some(slow), trim: None, ..Self::none() }
     }
 
     /// Everything as it is.
     pub fn none() -> Self {
-        Self { source: Source::AsGiven, torque: None, follows: false, skip: 0, trim: Some(0), every: 1 }
+        let trusted = Trusted::default();
+        Self {
+            source: Source::AsGiven,
+            torque: None,
+            follows: false,
+            skip: 0,
+            trim: Some(0),
+            every: 1,
+            trusted,
+        }
     }
 
     /// The practice of robot identification (Gautier 1997; Janot, Gautier & Brunot 2019): a 4th-order
@@ -129,7 +143,7 @@ impl Preparation {
         let butterworth = LowPass::Butterworth(4, cutoff_hz);
         let source = Source::Filtered { theta: butterworth, omega: butterworth, alpha: butterworth };
         let torque = (decimate > 1).then_some(LowPass::Decimation(decimate));
-        Self { source, torque, follows: false, skip: 49, trim: Some(0), every: decimate.max(1) }
+        Self { source, torque, skip: 49, every: decimate.max(1), ..Self::none() }
     }
 }
 
@@ -185,7 +199,7 @@ pub struct Prepared {
 pub fn prepare(recording: &Recording<'_>, how: &Preparation) -> Result<Prepared> {
     let stretches = stretches(recording);
     let moving = match how.source {
-        Source::Smoother => smoothed(recording, &stretches)?,
+        Source::Smoother => smoothed(recording, &stretches, how.trusted.readings)?,
         Source::Filtered { theta, omega, alpha } => {
             let design = |low_pass: LowPass| low_pass.design(recording.rate_hz).map(Some);
             columns(recording, &stretches, [design(theta)?, design(omega)?, design(alpha)?])?
@@ -221,11 +235,14 @@ fn with_motion(
         if how.follows
             && let Some(without) = beside(recording, &moving, &usable, found.hz)
         {
-            let lowered = LowPass::Paper(without.hz).design(recording.rate_hz)?;
-            usable = Usable::within(&usable.inside(), &lowered)?;
-            filter = Some(lowered);
-            moving.keep_below(without.hz, recording, &usable.segments)?;
-            edge = Some(found.lowered(without));
+            edge = Some(Edge { incoherent: Some(without), ..found });
+            if !how.trusted.bands {
+                let lowered = LowPass::Paper(without.hz).design(recording.rate_hz)?;
+                usable = Usable::within(&usable.inside(), &lowered)?;
+                filter = Some(lowered);
+                moving.keep_below(without.hz, recording, &usable.segments)?;
+                edge = Some(found.lowered(without));
+            }
         }
     }
     let Usable { settle, trim, segments } = usable;

@@ -59,8 +59,12 @@ impl Moving {
     }
 }
 
-/// From one smoother over all sensors.
-pub(super) fn smoothed(recording: &Recording<'_>, stretches: &[Range<usize>]) -> Result<Moving> {
+/// From one smoother over all sensors; of those that are `trusted` every reading counts.
+pub(super) fn smoothed(
+    recording: &Recording<'_>,
+    stretches: &[Range<usize>],
+    trusted: [bool; 3],
+) -> Result<Moving> {
     let sensors =
         Sensors { t: recording.t, theta: recording.theta, omega: recording.omega, alpha: recording.alpha };
     let noise = noise_from_capture(&sensors)?;
@@ -79,14 +83,20 @@ pub(super) fn smoothed(recording: &Recording<'_>, stretches: &[Range<usize>]) ->
     let mut strays: [Vec<usize>; 3] = Default::default();
     for _ in 0..LOOKS {
         let found = take(&mut motion.strays);
-        if found.iter().all(Vec::is_empty) {
+        let rest = found.iter().zip(trusted).all(|(found, trusted)| trusted || found.is_empty());
+        for (strays, found) in strays.iter_mut().zip(found) {
+            let told: Vec<usize> = found.into_iter().filter(|row| !strays.contains(row)).collect();
+            strays.extend(told);
+        }
+        if rest {
             break;
         }
-        strays.iter_mut().zip(found).for_each(|(strays, found)| strays.extend(found));
         // All anew: where the motion is liveliest its jerk is read, and there they were.
         let [theta, omega, alpha] = [0, 1, 2].map(|i| {
             let mut column = [Some(recording.theta), recording.omega, recording.alpha][i]?.to_vec();
-            strays[i].iter().for_each(|&row| column[row] = f64::NAN);
+            if !trusted[i] {
+                strays[i].iter().for_each(|&row| column[row] = f64::NAN);
+            }
             Some(column)
         });
         let theta = theta.as_deref().unwrap_or(recording.theta);

@@ -37,6 +37,7 @@ fn evidence(chance: &mut Chance, state: &State) -> Evidence {
         p_value: one_of(chance, &[1e-3, 2e-3, 8e-3, 0.03, 0.2, 1.0]),
         rmse,
         felt: (1.0 - (rmse / state.rmse).powi(2)) * one_of(chance, &[1.0, 1.0, 2.0]),
+        doubt: 0.03 * gain,
         implausible: chance.uniform() < 0.15,
         bent: one_of(chance, &[0, 0, 0, 1, 2]),
     }

@@ -202,6 +202,7 @@ pub fn diagnosed(
             p_value: one.p_value,
             rmse,
             felt: 1.0 - (rmse / before.rmse).powi(2),
+            doubt: 0.0,
             implausible: one.fit.as_ref().is_some_and(cannot_be),
             bent: 0,
         });

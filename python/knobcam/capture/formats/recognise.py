@@ -21,6 +21,7 @@ _UNIT_ALONE = {"current": "A", "voltage": "V", "duty": "duty"}
 """What may stand for a torque where no column is one, and its unit where none is said."""
 
 _NEEDED = {"theta": "an angle", "tau": "a torque"}
+_UNNAMED = "no column"
 _FAR = 2000.0  # of an angle: what runs further is not in rad
 _SLOWEST_S = 0.5  # between two samples of a log of motion: longer is another unit
 _SAME = 0.05  # of how far a position goes, by which what was asked differs from what was done
@@ -32,11 +33,15 @@ _SIMPLE_NAME = re.compile(r"[A-Za-z_][\w.]*")
 
 
 class Unclear(InputError):
-    """A file whose columns nobody can be sure of; `entries` are what they would be taken for, to be asked."""
+    """A file whose columns nobody can be sure of; `entries` are what they would be taken for, to be asked.
 
-    def __init__(self, said: str, entries: dict[str, Entry]) -> None:
+    `unnamed` says that no name is in doubt: there is none of an angle or a torque.
+    """
+
+    def __init__(self, said: str, entries: dict[str, Entry], unnamed: bool) -> None:
         super().__init__(said)
         self.entries = entries
+        self.unnamed = unnamed
 
 
 @dataclass(frozen=True)
@@ -91,7 +96,7 @@ def _chosen(table: Table, labels: dict[str, Label]) -> tuple[dict[str, Entry], d
         plain = [name for name in found if labels[name].plain]
         if not found:
             if target in _NEEDED:
-                doubts[target] = f"no column is {_NEEDED[target]}"
+                doubts[target] = f"{_UNNAMED} is {_NEEDED[target]}"
             continue
         name = (plain or found)[0]
         entries[target] = Entry(f"`{name}`", labels[name].unit or _UNIT_ALONE.get(quantity))
@@ -218,7 +223,7 @@ def ask(table: Table, why: str, entries: dict[str, Entry]) -> InputError:
         f"{table.source}: {why}; the file has {table.listing()}; say which is which, for example "
         f"--map {mark}{shown}{mark}{rate}{f' ({constants})' if constants else ''}"
     )
-    return Unclear(said, entries)
+    return Unclear(said, entries, why.startswith(_UNNAMED))
 
 
 def _mapped(entry: Entry) -> tuple[str, str]:

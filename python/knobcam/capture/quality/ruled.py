@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...errors import InputError
+from ..finding import Finding
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Sequence
 
     from ...base.arrays import BoolArray
-    from ..finding import Finding, Rows
+    from ..finding import Rows
 
 
 class Ruled:
@@ -47,11 +48,49 @@ def within(finding: Finding, rows: Rows) -> BoolArray:
     return named
 
 
+LATER = {
+    "spike:theta": "readings of theta that all the others contradict",
+    "spike:omega": "readings of omega that all the others contradict",
+    "spike:alpha": "readings of alpha that all the others contradict",
+    "band:theta": "a band in which the motion is not what the torque made",
+    "edge:tau": "waves of the torque that its filter takes off",
+    "late_column:tau": "a torque that stands before the motion that it makes",
+}
+"""What a preparation or a fit finds, which can be overruled before it was looked for; in words."""
+
+
+def awaited(overruled: Collection[str], findings: Collection[Finding]) -> tuple[Finding, ...]:
+    """Return notes of what was overruled of that which is found later."""
+    there = {one.key for one in findings}
+    notes = []
+    for key in (one for one in dict.fromkeys(overruled) if one in LATER and one not in there):
+        kind, column = key.split(":")
+        message = f"overruled, so nothing is to be done about {LATER[key]}"
+        notes.append(Finding(kind, column, 0, (), message, "note", overruled=True))
+    return tuple(notes)
+
+
+def with_later(
+    findings: Collection[Finding], later: Iterable[Finding], over: Collection[str]
+) -> tuple[Finding, ...]:
+    """Return findings with those that came later, which are overruled if their keys are `over`.
+
+    What was overruled at once is said once; a note of what was awaited makes room for what came.
+    """
+    said = {one.key for one in findings if one.overruled and one.count}
+    new = [one.over() if one.key in over else one for one in later if one.key not in said]
+    came = {one.key for one in new}
+    return (*(one for one in findings if one.count or one.key not in came), *new)
+
+
 def check_overruled(source: str, overruled: Collection[str], findings: Collection[Finding]) -> None:
-    """Raise InputError for what was overruled and was not found, or stands whatever one says."""
+    """Raise InputError for what was overruled and was not found, or stands whatever one says.
+
+    What is found later cannot be known yet.
+    """
     for key in overruled:
         of_key = [one for one in findings if one.key == key]
-        if any(one.overruled for one in of_key):
+        if any(one.overruled for one in of_key) or (key in LATER and not of_key):
             continue
         stands = next((f"{key} cannot be overruled: {one.stands}" for one in of_key if one.stands), None)
         there = ", ".join(dict.fromkeys(one.key for one in findings if not one.stands)) or "nothing"

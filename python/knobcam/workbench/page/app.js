@@ -85,6 +85,13 @@ function byId(id) {
 function styleValue(name, element2) {
   return getComputedStyle(element2).getPropertyValue(name).trim();
 }
+function shown(element2) {
+  for (const fold of element2.querySelectorAll("details")) fold.open = true;
+  element2.scrollIntoView({ block: "nearest" });
+  element2.classList.remove("shown");
+  void element2.offsetWidth;
+  element2.classList.add("shown");
+}
 
 // src/numbers.js
 function number(value, digits = 3) {
@@ -112,9 +119,9 @@ function torqueWord(unit) {
   return words3[unit] ?? "torque";
 }
 function ticks(low, high, count) {
-  const span3 = high - low;
-  if (!(span3 > 0) || !Number.isFinite(span3)) return [];
-  const rough = span3 / Math.max(1, count);
+  const span4 = high - low;
+  if (!(span4 > 0) || !Number.isFinite(span4)) return [];
+  const rough = span4 / Math.max(1, count);
   const power = 10 ** Math.floor(Math.log10(rough));
   const steps = [10, 5, 2, 1].map((factor) => factor * power);
   const wide = steps.findLastIndex((step) => step >= rough);
@@ -165,6 +172,8 @@ function showBranches(place4, state, beside, deeds) {
 }
 
 // src/captures.js
+var FEW = 2;
+var PLURAL = { note: "notes", warning: "warnings" };
 function showCaptures(place4, { captures, active }, { use, close }) {
   const key2 = JSON.stringify([captures, active]);
   if (place4.dataset.shown === key2) return;
@@ -207,15 +216,25 @@ function showFindings(place4, { captures, active, limitations, notes, job }, dee
   place4.dataset.shown = key2;
   const focused = document.activeElement?.getAttribute("data-finding");
   const fitted = captures.filter(({ id }) => active.includes(id));
+  const told = fitted.flatMap(({ findings }) => findings);
   const found2 = fitted.flatMap(({ id, name, findings }) => {
-    const own = [...findings.filter(({ note }) => !note), ...findings.filter(({ note }) => note)];
-    return own.map((one) => finding(one, { id, name: fitted.length > 1 ? `${name}: ` : "", job }, deeds));
+    const own2 = [...findings.filter(({ note }) => !note), ...findings.filter(({ note }) => note)];
+    return own2.map((one) => finding(one, { id, name: fitted.length > 1 ? `${name}: ` : "", job }, deeds));
   });
   const missing = limitations.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
-  place4.replaceChildren(...noted, ...missing, ...found2);
+  const open = place4.querySelector("details")?.open ?? false;
+  const own = found2.length > FEW ? [folded(found2, told, open)] : found2;
+  place4.replaceChildren(...noted, ...missing, ...own);
   const again = focused && place4.querySelector(`[data-finding="${CSS.escape(focused)}"]`);
   if (again instanceof HTMLElement) again.focus();
+}
+function folded(items, told, open) {
+  const kinds = Map.groupBy(told, ({ text, overruled }) => overruled ? "overruled" : text.split(":")[0]);
+  const words3 = [...kinds].map(([kind, those]) => `${those.length} ${PLURAL[kind] && those.length > 1 ? PLURAL[kind] : kind}`);
+  const doubtful = told.some(({ note, overruled }) => !note && !overruled);
+  const summary = make("summary", { class: doubtful ? "doubt" : "soft", text: `${doubtful ? "⚠ " : ""}${told.length} findings: ${words3.join(", ")}` });
+  return make("li", {}, make("details", { open }, summary, make("ul", {}, ...items)));
 }
 function finding({ key: key2, text, note, overruled, stands, seen }, { id, name, job }, { see, overrule }) {
   const said = `${note || overruled ? "" : "⚠ "}${name}${text}`;
@@ -372,6 +391,15 @@ var Reader = class {
     return ["mrow", {}, ["mo", { stretchy: "true", form: "prefix" }, "{"], ["mtable", {}, ...rows]];
   }
 };
+var SMALLEST = 0.62;
+function fitFormulas(place4) {
+  const every = [...place4.querySelectorAll(".formula")].filter((one) => one instanceof HTMLElement);
+  for (const one of every) one.style.fontSize = "";
+  const shares = every.map((one) => one.clientWidth > 0 ? one.clientWidth / one.scrollWidth : 1);
+  for (const [at, share] of shares.entries()) {
+    if (share < 1) every[at].style.fontSize = `${Math.max(SMALLEST, 0.98 * share).toFixed(3)}em`;
+  }
+}
 function fence(token2) {
   return token2 === "." ? null : ["mo", { stretchy: "true" }, token2];
 }
@@ -417,12 +445,13 @@ var Candidates = class {
     this.rows = [];
     place4.tabIndex = -1;
     place4.addEventListener("keydown", (event) => this.key(event));
+    new ResizeObserver(() => fitFormulas(place4)).observe(place4);
   }
   /** @param {Pick<State, "candidates" | "node" | "job">} state */
   show({ candidates, node, job }) {
-    const shown = JSON.stringify([candidates, node, job?.id]);
-    if (shown === this.shown) return;
-    this.shown = shown;
+    const shown2 = JSON.stringify([candidates, node, job?.id]);
+    if (shown2 === this.shown) return;
+    this.shown = shown2;
     this.inside ||= this.place.contains(document.activeElement);
     this.at = 0;
     const could = candidates.rows.filter((row) => row.could_be);
@@ -438,9 +467,10 @@ var Candidates = class {
       ...candidates.ready && this.items.length === 0 ? [make("p", { class: "well", text: "Nothing is left to be weighed." })] : [],
       candidates.ready && could.length === 0 && others.length > 0 ? make("p", { class: "soft", text: NOTHING }) : "",
       make("ul", { "aria-label": "candidates", class: "candidates" }, ...this.items.slice(0, could.length)),
-      others.length > 0 ? folded(others) : "",
+      others.length > 0 ? folded2(others) : "",
       ...remainder(candidates.unexplained)
     );
+    fitFormulas(this.place);
     if (this.inside && document.activeElement === document.body) this.place.focus();
     if (this.items.length > 0) this.inside = false;
   }
@@ -474,7 +504,7 @@ var Candidates = class {
       make("span", { class: "figure", text: percent(-Math.max(0, row.error_fall)), title: "fall of the RMS error" }),
       make("span", { class: "deeds" }, this.deeds.about ? about2 : null, take),
       make("span", { class: "alike", text: row.name }),
-      row.could_be ? make("span", { class: "alike" }, lawOf(row)) : null,
+      row.could_be ? make("span", { class: "alike law-of" }, lawOf(row)) : null,
       make("span", { class: "evidence soft", text: evidence(row) }),
       this.untold(row),
       ...remarks(row).map((text) => make("span", { class: "alike soft", text })),
@@ -493,6 +523,13 @@ var Candidates = class {
     });
     const words3 = `this capture cannot tell it from ${equivalent.join(", ")} `;
     return make("span", { class: "alike soft" }, words3, this.deeds.apart ? apart : null);
+  }
+  /** Go to an effect. @param {string} effect */
+  go(effect) {
+    const item = this.items.find(({ dataset }) => dataset.effect === effect);
+    const fold = item?.closest("details");
+    if (fold) fold.open = true;
+    item?.focus();
   }
   /** @param {number} at */
   focused(at) {
@@ -514,9 +551,7 @@ var Candidates = class {
         event.key
       ];
       const item = this.items[Math.min(this.items.length - 1, Math.max(0, to))];
-      const fold = item?.closest("details");
-      if (fold) fold.open = true;
-      item?.focus();
+      if (item) this.go(item.dataset.effect ?? "");
       event.preventDefault();
     } else if (event.key === "Enter" && event.target === this.items[this.at]) {
       this.deeds.take(this.items[this.at].dataset.effect ?? "");
@@ -526,7 +561,7 @@ var Candidates = class {
     }
   }
 };
-function folded(items) {
+function folded2(items) {
   const words3 = `${items.length} weighed in vain: too little, or chance`;
   return make("details", {}, make("summary", { class: "soft", text: words3 }), make("ul", { class: "candidates" }, ...items));
 }
@@ -604,10 +639,10 @@ var Motion = class {
     };
   }
 };
-function hillsOf(theta, torque, low, span3) {
+function hillsOf(theta, torque, low, span4) {
   const [sum, count] = [new Float32Array(BINS), new Float32Array(BINS)];
   for (let i = 0; i < theta.length; i++) {
-    const bin = Math.min(BINS - 1, Math.floor(BINS * (theta[i] - low) / span3));
+    const bin = Math.min(BINS - 1, Math.floor(BINS * (theta[i] - low) / span4));
     if (!(bin >= 0) || torque[i] !== torque[i]) continue;
     sum[bin] += torque[i];
     count[bin]++;
@@ -817,7 +852,7 @@ var AnyEffect = class {
     this.absent = absent;
   }
 };
-function about(effect, shown) {
+function about(effect, shown2) {
   const { effect: id, place: place4, law, source, shows, name, about: sentence, causes, remedies } = effect;
   const drawing = make("p", { class: "soft", text: "The picture is being drawn …" });
   const frame = make("div", { class: "picture", role: "status" }, drawing);
@@ -825,12 +860,13 @@ function about(effect, shown) {
   byId("about-text").replaceChildren(
     make("p", { text: sentence }),
     lawOf(effect),
-    shown ? acting(effect, shown) : "",
+    shown2 ? acting(effect, shown2) : "",
     make("div", { class: "columns-of-two" }, listed("Usual causes", causes), listed("What helps", remedies)),
     make("p", { class: "soft", text: `Acts on the ${PLACES[place4] ?? place4}. Shows ${shows}. ${source}` }),
     frame
   );
   dialog().showModal();
+  fitFormulas(byId("about-text"));
   const alt = `${law}: what it adds to the torque of a small knob; it shows ${shows}`;
   const drawn = () => frame.replaceChildren(make("img", { alt, src: pictures.get(id) }));
   if (pictures.has(id)) return drawn();
@@ -855,11 +891,14 @@ function dialog() {
 
 // src/mapping.js
 var MOTOR = ["A", "mA", "V", "duty"];
+var COUNTS = "counts";
+var PER = { rotary: { words: "turn", unit: "turn" }, linear: { words: "millimetre", unit: "mm" } };
+var RATE = 20;
 var TARGETS = {
   t: { words: "Time", units: { rotary: ["s", "ms", "us", "min"], linear: ["s", "ms", "us", "min"] }, needed: true },
   theta: {
     words: "Angle or position",
-    ...{ units: { rotary: ["rad", "deg", "turn"], linear: ["m", "mm", "um"] }, needed: true }
+    ...{ units: { rotary: ["rad", "deg", "turn", COUNTS], linear: ["m", "mm", "um", COUNTS] }, needed: true }
   },
   tau: {
     words: "Torque or force, or motor current",
@@ -897,6 +936,10 @@ var Mapping = class {
   constructor(place4, found2) {
     this.found = found2;
     this.columns = [];
+    this.counts = make("input", { ...{ name: "counts", type: "number", min: 0, step: "any", inputmode: "decimal" }, list: "counts-usual" });
+    this.counts.addEventListener("input", () => this.tell());
+    this.perWhat = make("span", {});
+    this.per = make("label", { class: "per", hidden: true }, this.perWhat, this.counts);
     this.fields = Object.entries(TARGETS).map(([name, target]) => {
       const text = make("input", { name, type: "text", autocomplete: "off", spellcheck: "false", "aria-label": target.words });
       const unit = make("select", { "aria-label": `unit of ${target.words}`, name: `${name}-unit` });
@@ -905,7 +948,7 @@ var Mapping = class {
       text.addEventListener("focus", () => this.at = text);
       text.addEventListener("input", () => this.tell());
       unit.addEventListener("change", () => this.chose(unit.value));
-      place4.append(make("div", {}, make("span", { text: target.words }), text, unit, range2));
+      place4.append(make("div", {}, make("span", { text: target.words }), text, unit, name === "theta" ? this.per : null, range2));
       return field3;
     });
     this.at = this.fields[0].text;
@@ -925,7 +968,9 @@ var Mapping = class {
     const filled = this.fields.filter(({ text }) => text.value.trim());
     const map = filled.map(({ name, text, unit }) => {
       const written = text.value.trim();
-      return `${name}=${written}${unit.value && !saysUnit(written) ? ` [${unit.value}]` : ""}`;
+      if (saysUnit(written) || !unit.value) return `${name}=${written}`;
+      if (unit.value !== COUNTS) return `${name}=${written} [${unit.value}]`;
+      return `${name}=(${written})/${this.counts.value.trim()} [${PER[this.kind ?? "rotary"].unit}]`;
     });
     const options = map.length > 0 ? { map: map.join(", ") } : {};
     if (map.length > 0 && this.kind) options.coordinate = this.kind;
@@ -943,13 +988,19 @@ var Mapping = class {
       return "Does it turn or slide? Metres must not be taken for radians.";
     }
     const without = filled.find(({ text, unit }) => !unit.value && !saysUnit(text.value.trim()));
-    without?.unit.focus();
-    return without ? `In which unit is ${without.text.value}? (${without.target.words.toLowerCase()})` : "";
+    if (without) {
+      without.unit.focus();
+      return `In which unit is ${without.text.value}? (${without.target.words.toLowerCase()})`;
+    }
+    if (this.per.hidden || Number(this.counts.value) > 0) return "";
+    this.counts.focus();
+    return `How many counts has a ${PER[this.kind].words}? The data sheet of the encoder says; often it is four times its lines.`;
   }
   clear() {
     for (const { text } of this.fields) text.value = "";
     for (const box of this.kinds) box.checked = false;
     for (const { unit } of this.fields) unit.value = "";
+    this.counts.value = "";
     this.columns = [];
     this.found.replaceChildren();
     this.tell();
@@ -967,10 +1018,16 @@ var Mapping = class {
       const same = columns.some(({ name }) => name === field3.name) ? field3.name : "";
       if (field3.text.value) continue;
       field3.text.value = known ? plain3(known.expression.replace(/^`([^`]*)`$/, "$1")) : same;
-      if (known?.unit) this.measure(field3, known.unit);
+      const unit = known?.unit ?? (field3.name === "t" && known ? this.seconds(field3.text.value) : "");
+      if (unit) this.measure(field3, unit);
     }
     this.at = this.fields.find(({ text }) => !text.value)?.text ?? this.at;
     this.tell();
+  }
+  /** The second, where a time without a unit can hardly be in another one. @param {string} written */
+  seconds(written) {
+    const column = this.columns.find(({ name }) => plain3(name) === written);
+    return column && rateOf(column) >= RATE ? "s" : "";
   }
   /** @param {FileColumn} column */
   tile({ name, low, high, outline }) {
@@ -1015,6 +1072,9 @@ var Mapping = class {
   /** Offer the units of the kind of axis, and say what each column would be in them. */
   tell() {
     const kind = this.kind;
+    const counted2 = this.fields.find(({ name }) => name === "theta");
+    this.per.hidden = counted2?.unit.value !== COUNTS || saysUnit(counted2.text.value.trim());
+    this.perWhat.textContent = `counts in a ${PER[kind ?? "rotary"].words}${kind ? "" : " (or a millimetre)"}`;
     for (const { target, text, unit, range: range2 } of this.fields) {
       const offered = [...new Set(kind ? target.units[kind] : KINDS2.flatMap((one) => target.units[one]))];
       const chosen = unit.value;
@@ -1022,14 +1082,24 @@ var Mapping = class {
       if (unit.options.length !== options.length || unit.options[1].value !== offered[0]) unit.replaceChildren(...options);
       unit.value = offered.includes(chosen) ? chosen : "";
       const column = this.columns.find(({ name }) => plain3(name) === text.value.trim());
-      range2.textContent = column ? spread(column, unit.value) : "";
+      range2.textContent = column ? spread(column, unit.value, Number(this.counts.value), kind) : "";
     }
   }
 };
-function spread({ low, high }, unit) {
+function spread(column, unit, counts, kind) {
+  const { low, high } = column;
   if (low === null || high === null) return "no value at all";
-  const felt = unit in DEGREES ? `, over ${number((high - low) * DEGREES[unit])} degrees` : "";
-  return `${number(low)} … ${number(high)} ${unit}${felt}`;
+  const ends = `${number(low)} … ${number(high)}`;
+  if (unit === COUNTS) {
+    const way = (high - low) / counts;
+    const felt = kind === "linear" ? `${number(way)} mm` : `${number(360 * way)} degrees`;
+    return `${ends} counts${counts > 0 ? `, over ${felt}` : ""}`;
+  }
+  if (unit === "s") return `${ends} s, ${number(rateOf(column))} rows a second`;
+  return `${ends} ${unit}${unit in DEGREES ? `, over ${number((high - low) * DEGREES[unit])} degrees` : ""}`;
+}
+function rateOf({ rows, low, high }) {
+  return (rows - 1) / ((high ?? 0) - (low ?? 0));
 }
 function plain3(column) {
   return /^[A-Za-z_]\w*$/.test(column) ? column : `\`${column}\``;
@@ -1115,6 +1185,7 @@ function opening(heard) {
     fresh([...chosen.files ?? []]);
     chosen.value = "";
   });
+  byId("open-map").addEventListener("input", () => told.textContent = "");
   byId("open-form").addEventListener("submit", async (event) => {
     event.preventDefault();
     const named = path.value.trim();
@@ -1155,9 +1226,9 @@ function saving(heard) {
       try {
         heard.say(`making the ${what} …`);
         const { name, blob } = await download(what);
-        const link = make("a", { href: URL.createObjectURL(blob), download: name });
-        link.click();
-        setTimeout(() => URL.revokeObjectURL(link.href), 1e4);
+        const link2 = make("a", { href: URL.createObjectURL(blob), download: name });
+        link2.click();
+        setTimeout(() => URL.revokeObjectURL(link2.href), 1e4);
         heard.say(`saved ${name}`);
       } catch (reason2) {
         heard.failed(reason2);
@@ -1255,7 +1326,7 @@ function showLadder(place4, state) {
   const floor = state.noise_floor;
   const widest = Math.max(...errors.map((error) => error ?? 0), floor ?? 0) * 1.02;
   const scale = torqueScale(state.unit, widest);
-  const shown = (value) => number(value === null ? null : value * scale.factor);
+  const shown2 = (value) => number(value === null ? null : value * scale.factor);
   const lines = steps.map(({ added, dropped, rmse, rmse_heldout }, at) => {
     const now = at === here;
     const undone = at > here;
@@ -1270,21 +1341,21 @@ function showLadder(place4, state) {
       "li",
       { class: `ladder-line${now ? " now" : ""}${undone ? " undone" : ""}`, "aria-current": now ? "step" : null },
       make("span", { class: "label", text: label, title: label }),
-      make("span", { class: "figure", text: shown(rmse), title: "RMS error" }),
-      make("span", { class: "figure soft", text: shown(rmse_heldout), title: "on blocks that the fit did not see" }),
+      make("span", { class: "figure", text: shown2(rmse), title: "RMS error" }),
+      make("span", { class: "figure soft", text: shown2(rmse_heldout), title: "on blocks that the fit did not see" }),
       track
     );
   });
   const head2 = make(
     "div",
     { class: "ladder-line head" },
-    make("span", { class: "legend", text: floor === null ? "noise floor unknown" : `▖noise floor ${shown(floor)}` }),
+    make("span", { class: "legend", text: floor === null ? "noise floor unknown" : `▖noise floor ${shown2(floor)}` }),
     make("span", { class: "figure", text: `RMS, ${scale.unit}` }),
     make("span", { class: "figure", text: "unseen" })
   );
   place4.replaceChildren(head2, make("ol", {}, ...lines));
   const dragged = state.params.some((param) => param.dragged);
-  if (dragged) place4.append(make("p", { class: "soft", text: `as dragged: ${shown(state.rmse)} ${scale.unit}` }));
+  if (dragged) place4.append(make("p", { class: "soft", text: `as dragged: ${shown2(state.rmse)} ${scale.unit}` }));
 }
 function sameCaptures(steps, at) {
   const of = (step) => steps[step]?.captures.join();
@@ -1324,14 +1395,14 @@ function spectrumOf(split) {
   const level = split.band.map((value) => value ?? 0);
   const highest = Math.max(...level);
   const middle = split.low.map((low, at) => (low + split.high[at]) / 2);
-  const shown = [...middle.keys()].filter((at) => middle[at] > 0 && level[at] > SEEN2 * highest);
-  if (shown.length < 2) return null;
-  const levels = shown.map((at) => level[at]).sort((a, b) => a - b);
+  const shown2 = [...middle.keys()].filter((at) => middle[at] > 0 && level[at] > SEEN2 * highest);
+  if (shown2.length < 2) return null;
+  const levels = shown2.map((at) => level[at]).sort((a, b) => a - b);
   const least = LEAST * levels[levels.length >> 1];
   return {
-    x: shown.map((at) => Math.log10(middle[at])),
-    y: shown.map((at) => Math.log10(Math.max(split.mean[at], least))),
-    chance: shown.map((at) => Math.log10(level[at]))
+    x: shown2.map((at) => Math.log10(middle[at])),
+    y: shown2.map((at) => Math.log10(Math.max(split.mean[at], least))),
+    chance: shown2.map((at) => Math.log10(level[at]))
   };
 }
 function drawSpectrum(brush, { x, y, chance }, { across, up, bottom }, colours) {
@@ -1455,6 +1526,74 @@ function limits(columns, { air = 0.03, around = NaN } = {}) {
   return [low - room, high + room];
 }
 
+// src/remembered.js
+function remembered(work) {
+  const known = /* @__PURE__ */ new WeakMap();
+  return (key2, ...others) => {
+    const before = known.get(key2);
+    if (before && before.others.every((one, at) => one === others[at])) return before.told;
+    const told = work(key2, ...others);
+    known.set(key2, { others, told });
+    return told;
+  };
+}
+
+// src/outliers.js
+var TIMES = 2;
+var SHARE = 2e-4;
+var FEW2 = 3;
+var mostReach = remembered((values) => {
+  const few = Math.max(FEW2, SHARE * values.length);
+  for (let reach2 = Infinity; ; ) {
+    let [most, beyond] = [0, 0];
+    for (let i = 0; i < values.length; i++) {
+      const size = Math.abs(values[i]);
+      if (size <= reach2 && size > most) most = size;
+    }
+    for (let i = 0; i < values.length; i++) if (Math.abs(values[i]) > most / TIMES) beyond++;
+    if (most === 0 || beyond > few) return most;
+    reach2 = most / TIMES;
+  }
+});
+var mostLimits = remembered((one, other) => {
+  const columns = [one, other];
+  const few = Math.max(FEW2, SHARE * columns[0].length);
+  let [low, high] = within(columns, -Infinity, Infinity);
+  const whole = (
+    /** @type {[number, number]} */
+    [low, high]
+  );
+  while (low < high) {
+    const quarter = 0.25 * (high - low);
+    let [above, below] = [0, 0];
+    for (const y of columns) {
+      for (let i = 0; i < y.length; i++) {
+        if (y[i] > high - quarter) above++;
+        else if (y[i] < low + quarter) below++;
+      }
+    }
+    if (above > few && below > few) break;
+    [low, high] = within(columns, below > few ? low : low + quarter, above > few ? high : high - quarter);
+  }
+  return whole[1] - whole[0] > TIMES * (high - low) ? [low, high] : whole;
+});
+function within(columns, low, high) {
+  let [least, most] = [Infinity, -Infinity];
+  for (const y of columns) {
+    for (let i = 0; i < y.length; i++) {
+      if (y[i] < low || y[i] > high) continue;
+      if (y[i] < least) least = y[i];
+      if (y[i] > most) most = y[i];
+    }
+  }
+  return least <= most ? [least, most] : [NaN, NaN];
+}
+function beyondWords(y, low, high) {
+  let count = 0;
+  for (let i = 0; i < y.length; i++) if (y[i] < low || y[i] > high) count++;
+  return count === 0 ? "" : ` (${count.toLocaleString("en")} ${count === 1 ? "sample" : "samples"} beyond, at the edge)`;
+}
+
 // src/contents.js
 var AXES = (
   /** @type {Record<Along, AxisOf>} */
@@ -1470,7 +1609,6 @@ var AXES = (
 );
 var USUAL = ["position", "velocity", "time"];
 var NAME = 32;
-var FEW = 3;
 function columnsOf(view) {
   const needed = ["t", "theta", "omega", "tau", "residual"];
   for (const { column } of view.axes.map((along) => AXES[along])) if (column && !needed.includes(column)) needed.push(column);
@@ -1480,34 +1618,16 @@ function columnsOf(view) {
   return needed;
 }
 function reachOf({ columns, beside, noise }) {
-  const shown = beside ? [columns.residual, beside.residual] : [columns.residual];
-  return Math.max(...shown.map(mostReach), 2 * (noise ?? 0)) || 1;
-}
-function mostReach(values) {
-  const few = Math.max(FEW, values.length / 5e3);
-  for (let reach2 = Infinity; ; ) {
-    let [most, beyond] = [0, 0];
-    for (let i = 0; i < values.length; i++) {
-      const size = Math.abs(values[i]);
-      if (size <= reach2 && size > most) most = size;
-    }
-    for (let i = 0; i < values.length; i++) if (Math.abs(values[i]) > most / 2) beyond++;
-    if (most === 0 || beyond > few) return most;
-    reach2 = most / 2;
-  }
-}
-function beyondWords(y, most) {
-  let count = 0;
-  for (let i = 0; i < y.length; i++) if (Math.abs(y[i]) > most) count++;
-  return count === 0 ? "" : ` (${count.toLocaleString("en")} ${count === 1 ? "sample" : "samples"} beyond, at the edge)`;
+  const shown2 = beside ? [columns.residual, beside.residual] : [columns.residual];
+  return Math.max(...shown2.map((one) => mostReach(one)), 2 * (noise ?? 0)) || 1;
 }
 function rowsOf(data, view, widest) {
   const { columns, beside } = data;
   const word = torqueWord(data.unit);
-  const model = less(columns.tau, columns.residual);
-  const other = beside ? less(columns.tau, beside.residual) : null;
+  const model = modelOf(columns.residual, columns.tau);
+  const other = beside ? modelOf(beside.residual, columns.tau) : null;
   const fine = torqueScale(data.unit, widest);
-  const [ownLabel, besideLabel] = [columns, beside].map((one) => one ? `residual, ${fine.unit}${beyondWords(one.residual, 1.04 * widest)}` : "");
+  const [ownLabel, besideLabel] = [columns, beside].map((one) => one ? `residual, ${fine.unit}${beyondWords(one.residual, -1.04 * widest, 1.04 * widest)}` : "");
   return view.axes.map((along) => {
     if (along === "frequency") return { torque: null, residual: alongFrequency(data), beside: null };
     const axis2 = AXES[along];
@@ -1522,7 +1642,7 @@ function rowsOf(data, view, widest) {
       ...other && !part ? [{ colour: "--beside", chosen: "--beside", y: other, strength: 0.35 }] : [],
       { colour: "--modelled", chosen: "--modelled", y: modelled, strength: 0.35 }
     ];
-    const [lowest, highest] = limits([measured, modelled]);
+    const [lowest, highest] = limits([Float32Array.from(mostLimits(modelled, counted(modelled, measured)))]);
     const scale = torqueScale(data.unit, Math.max(-lowest, highest));
     const torque = {
       ...common,
@@ -1530,7 +1650,7 @@ function rowsOf(data, view, widest) {
       // masked samples are not taken by a brush
       xAxis: { ...common.xAxis, label: "" },
       // where it is chosen it stands already
-      yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}, ${scale.unit}` },
+      yAxis: { low: lowest, high: highest, factor: scale.factor, label: `${word}, ${scale.unit}${beyondWords(measured, lowest, highest)}` },
       title: part ? `what depends on ${along} alone` : `${word} over ${axis2.words}`,
       series,
       noise: null
@@ -1563,7 +1683,7 @@ function alongFrequency({ splits, unit, fitted }) {
   };
 }
 function axisOf(along, x, data) {
-  const [low, high] = limits([x], { air: 0.01 });
+  const [low, high] = span(x);
   return { low, high, factor: 1, label: labelOf(along, data) };
 }
 function labelOf(along, { unit, coordinate }) {
@@ -1573,7 +1693,7 @@ function labelOf(along, { unit, coordinate }) {
 function samplesIn({ columns }, { axis: axis2, low, high, direction }) {
   if (axis2 === "frequency") return null;
   const { column } = AXES[axis2];
-  const x = column ? columns[column] : less(columns.tau, columns.residual);
+  const x = column ? columns[column] : modelOf(columns.residual, columns.tau);
   const found2 = [];
   for (let i = 0; i < x.length; i++) {
     const counts = columns.residual[i] === columns.residual[i] && x[i] >= low && x[i] <= high;
@@ -1581,9 +1701,17 @@ function samplesIn({ columns }, { axis: axis2, low, high, direction }) {
   }
   return Uint32Array.from(found2);
 }
-function less(from, what) {
-  return from.map((value, i) => value - what[i]);
-}
+var modelOf = remembered((residual, tau) => {
+  const model = new Float32Array(tau.length);
+  for (let i = 0; i < tau.length; i++) model[i] = tau[i] - residual[i];
+  return model;
+});
+var counted = remembered((model, tau) => {
+  const measured = new Float32Array(tau.length);
+  for (let i = 0; i < tau.length; i++) measured[i] = model[i] === model[i] ? tau[i] : NaN;
+  return measured;
+});
+var span = remembered((x) => limits([x], { air: 0.01 }));
 function short(name) {
   return name.length > NAME ? `${name.slice(0, NAME)}…` : name;
 }
@@ -1612,8 +1740,8 @@ function drawCurve(canvas, curve, about2, looked) {
   const edges = [-1, 1].map((side) => value.map((one, at) => one === null ? NaN : one + side * (band2[at] ?? NaN)));
   const drawn = laws.map((law) => law?.map((one) => one ?? NaN) ?? null);
   const [low, high] = limits([...edges, ...drawn.filter((law) => law !== null)].map((one) => Float32Array.from(one)), { around: 0 });
-  const shown = curve.times ? { factor: 1, unit: "" } : torqueScale(about2.unit, Math.max(-low, high));
-  const y = { low, high, factor: shown.factor, label: `left over${curve.times ? ` / (${curve.times})` : `, ${shown.unit}`}` };
+  const shown2 = curve.times ? { factor: 1, unit: "" } : torqueScale(about2.unit, Math.max(-low, high));
+  const y = { low, high, factor: shown2.factor, label: `left over${curve.times ? ` / (${curve.times})` : `, ${shown2.unit}`}` };
   const names = { ink: "--ink", soft: "--soft", line: "--grid", band: "--band", wrong: "--wrong", law: "--signature", rest: "--measured" };
   const colours = Object.fromEntries(Object.entries(names).map(([name, style]) => [name, styleValue(style, canvas)]));
   const first = { low: x[0], high: x[x.length - 1], factor: 1, label: overWords(curve.over, about2) };
@@ -1738,9 +1866,9 @@ var Laws = class {
   }
   /** @param {State} state */
   show({ candidates, proposed, proposed_text, node, job, rmse, curve, unit, captures }) {
-    const shown = JSON.stringify([candidates.ready, proposed, node, job === null]);
-    if (shown === this.shown) return;
-    this.shown = shown;
+    const shown2 = JSON.stringify([candidates.ready, proposed, node, job === null]);
+    if (shown2 === this.shown) return;
+    this.shown = shown2;
     byId("own").hidden = node === null;
     this.about = { curve, unit, coordinate: captures[0]?.coordinate ?? "rotary" };
     this.draw();
@@ -1850,7 +1978,7 @@ var Looking = class {
 };
 
 // src/brush.js
-var SMALLEST = 4;
+var SMALLEST2 = 4;
 function brushable(plot) {
   byPointer(plot);
   plot.element.addEventListener("keydown", (event) => byKeys(plot, event));
@@ -1879,13 +2007,13 @@ function byPointer(plot) {
     const { x, y, wide, high } = spot(event);
     if (start.moved) {
       plot.brushed(plot, shifted(plot, start.moved, x - start.x, y - start.y));
-    } else if (Math.abs(x - start.x) * wide >= SMALLEST && Math.abs(y - start.y) * high >= SMALLEST) {
+    } else if (Math.abs(x - start.x) * wide >= SMALLEST2 && Math.abs(y - start.y) * high >= SMALLEST2) {
       plot.brushed(plot, between(plot, start, { x, y }));
     }
   });
   element2.addEventListener("pointerup", (event) => {
     const { x, y, wide, high } = spot(event);
-    if (start && Math.hypot((x - start.x) * wide, (y - start.y) * high) < SMALLEST) plot.brushed(plot, null);
+    if (start && Math.hypot((x - start.x) * wide, (y - start.y) * high) < SMALLEST2) plot.brushed(plot, null);
     start = null;
   });
   element2.addEventListener("pointercancel", () => start = null);
@@ -1955,7 +2083,7 @@ function pointing(plots, times2, told) {
   return { none: () => go(null) };
 }
 function nearest(plot, x, y) {
-  const pixels = plot.placed[plot.contents?.picked ?? 0];
+  const pixels = plot.pixels(plot.contents?.picked ?? 0);
   if (!pixels || pixels.length === 0) return null;
   const { width, height } = plot.frame;
   const [column, row, reach2] = [x, y, NEAR].map((length) => Math.round(length * plot.scale));
@@ -2038,9 +2166,8 @@ var Pick = class {
 };
 
 // src/raster.js
-function place(xs, ys, frame) {
+function place(xs, ys, frame, pixels = new Int32Array(xs.length)) {
   const { width, height, dot: dot2 } = frame;
-  const pixels = new Int32Array(xs.length);
   const [right, bottom] = [width - dot2, height - dot2];
   const xStep = right / (frame.x[1] - frame.x[0]);
   const yStep = bottom / (frame.y[1] - frame.y[0]);
@@ -2060,20 +2187,35 @@ function place(xs, ys, frame) {
   }
   return pixels;
 }
+var scratch = new Int32Array(0);
 var USUAL2 = 4;
-function drawCloud(image, pixels, frame, colour, strength) {
-  const counts = new Uint16Array(image.length);
-  let [points, hit] = [0, 0];
-  const { dot: dot2, width } = frame;
-  for (let i = 0; i < pixels.length; i++) {
+function cloudOf(xs, ys, frame) {
+  const { dot: dot2, width, height } = frame;
+  const corners = new Uint32Array(width * height);
+  let points = 0;
+  if (scratch.length < xs.length) scratch = new Int32Array(xs.length);
+  const pixels = place(xs, ys, frame, scratch);
+  for (let i = 0; i < xs.length; i++) {
     if (pixels[i] < 0) continue;
-    for (let row = 0; row < dot2; row++) {
-      const first = pixels[i] + row * width;
-      for (let at = first; at < first + dot2; at++) if (counts[at]++ === 0) hit++;
-    }
-    points += dot2 * dot2;
+    corners[pixels[i]]++;
+    points++;
   }
-  const full = Math.max(2, Math.ceil(USUAL2 * points / Math.max(1, hit)));
+  const counts = new Uint32Array(corners.length);
+  let hit = 0;
+  for (let pixel = 0; pixel < corners.length; pixel++) {
+    const more = corners[pixel];
+    if (more === 0) continue;
+    for (let row = 0; row < dot2; row++) {
+      const first = pixel + row * width;
+      for (let at = first; at < first + dot2; at++) {
+        if (counts[at] === 0) hit++;
+        counts[at] += more;
+      }
+    }
+  }
+  return { counts, full: Math.max(2, Math.ceil(USUAL2 * dot2 * dot2 * points / Math.max(1, hit))) };
+}
+function drawCloud(image, { counts, full }, colour, strength) {
   const rise = (1 - strength) / Math.log(full);
   const weights = Float32Array.from({ length: full + 1 }, (_, n) => strength + rise * Math.log(Math.max(1, n)));
   for (let at = 0; at < counts.length; at++) {
@@ -2116,8 +2258,9 @@ function pixelColour(text) {
 }
 
 // src/plot.js
-var FEW2 = 8e3;
+var FEW3 = 8e3;
 var FEW_CHOSEN = 20;
+var CLOUDS = 8;
 var Plot = class {
   /**
    * @param {string} name in words, for those who hear the page
@@ -2139,6 +2282,7 @@ var Plot = class {
     this.contents = null;
     this.frame = { width: 0, height: 0, x: [0, 1], y: [0, 1], dot: 2 };
     this.placed = [];
+    this.clouds = [];
     this.pick = null;
     this.region = null;
     this.scale = 1;
@@ -2157,41 +2301,56 @@ var Plot = class {
    */
   drawAll(contents = this.contents) {
     const { clientWidth: width, clientHeight: height } = this.element;
-    const [before, frame] = [this.contents, JSON.stringify(this.frame)];
     this.contents = contents;
     if (!contents || width < 100 || height < 80) return;
-    const { x, xAxis, yAxis, series } = contents;
+    const { x, xAxis, yAxis } = contents;
     this.scale = globalThis.devicePixelRatio || 1;
     const inner = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - MARGIN.bottom];
     const [columns, rows] = inner.map((length) => Math.max(8, Math.round(length * this.scale)));
     const part = { x: xAxis.part ?? false, y: yAxis.part ?? false };
-    const many = x.length > FEW2 && !(part.x && fewBetween(x, xAxis));
+    const many = x.length > FEW3 && !(part.x && fewBetween(x, xAxis));
     const dot2 = Math.max(1, Math.round((many ? 2 : 3) * this.scale));
     this.frame = { width: columns, height: rows, x: [xAxis.low, xAxis.high], y: [yAxis.low, yAxis.high], dot: dot2, part };
-    const same = before?.x === x && frame === JSON.stringify(this.frame);
-    this.placed = series.map(
-      ({ y }, at) => same && before.series[at]?.y === y ? this.placed[at] : place(x, y, this.frame)
-    );
     this.pick = null;
     for (const canvas of [this.base, this.light]) {
       if (canvas.width !== columns || canvas.height !== rows) [canvas.width, canvas.height] = [columns, rows];
       canvas.style.width = `${inner[0]}px`;
       canvas.style.height = `${inner[1]}px`;
     }
-    this.drawBase(series);
+    this.drawBase(contents);
     this.drawFrame(width, height);
     this.drawBox();
     this.mark(this.marked);
   }
-  /** @param {Series[]} series */
-  drawBase(series) {
+  /** @param {Contents} contents */
+  drawBase({ x, series }) {
     const image = new ImageData(this.frame.width, this.frame.height);
     const pixels = new Uint32Array(image.data.buffer);
     pixels.fill(pixelColour(this.colour("--paper")));
-    for (const [at, { colour, strength }] of series.entries()) {
-      drawCloud(pixels, this.placed[at], this.frame, pixelColour(this.colour(colour)), strength);
+    for (const { y, colour, strength } of series) {
+      drawCloud(pixels, this.cloud(x, y), pixelColour(this.colour(colour)), strength);
     }
     this.base.getContext("2d")?.putImageData(image, 0, 0);
+  }
+  /** How many dots each pixel has. @param {Float32Array} x @param {Float32Array} y */
+  cloud(x, y) {
+    const frame = JSON.stringify(this.frame);
+    const at = this.clouds.findIndex((one) => one.x === x && one.y === y && one.frame === frame);
+    const [known] = at < 0 ? [{ x, y, frame, cloud: cloudOf(x, y, this.frame) }] : this.clouds.splice(at, 1);
+    this.clouds = [...this.clouds.slice(1 - CLOUDS), known];
+    return known.cloud;
+  }
+  /** The pixel of each point of a series, by its number; none where it is not there. @param {number} at */
+  pixels(at) {
+    const { x, series } = this.contents ?? { x: null, series: [] };
+    const y = series[at]?.y;
+    if (!x || !y || this.frame.width === 0) return new Int32Array(0);
+    const frame = JSON.stringify(this.frame);
+    const known = this.placed[at];
+    if (known?.x === x && known.y === y && known.frame === frame) return known.pixels;
+    const pixels = place(x, y, this.frame);
+    this.placed[at] = { x, y, frame, pixels };
+    return pixels;
   }
   /** @param {number} width @param {number} height */
   drawFrame(width, height) {
@@ -2219,7 +2378,7 @@ var Plot = class {
     if (chosen) {
       const draw2 = chosen.length <= FEW_CHOSEN ? drawFew : drawPoints;
       for (const [at, { chosen: colour }] of this.contents.series.entries()) {
-        if (colour) draw2(pixels, this.placed[at], chosen, this.frame, pixelColour(this.colour(colour)));
+        if (colour) draw2(pixels, this.pixels(at), chosen, this.frame, pixelColour(this.colour(colour)));
       }
     }
     if (above) {
@@ -2230,7 +2389,7 @@ var Plot = class {
   }
   /** Sort the points for the brush, once per change of the data: when it is put on, before it moves. */
   sorted() {
-    const picked = this.placed[this.contents?.picked ?? 0] ?? new Int32Array(0);
+    const picked = this.pixels(this.contents?.picked ?? 0);
     this.pick ??= new Pick(picked, this.frame.width, this.frame.height);
     return this.pick;
   }
@@ -2239,7 +2398,7 @@ var Plot = class {
    * @returns {Uint32Array | null}
    */
   chosen() {
-    if (!this.region || !this.contents || this.placed.length === 0) return null;
+    if (!this.region || !this.contents || this.frame.width === 0) return null;
     const { left, top, width, height } = this.boxInside(this.region);
     const [wide, high] = [this.frame.width, this.frame.height];
     const half = this.frame.dot / 2;
@@ -2263,7 +2422,7 @@ var Plot = class {
   /** Mark where a sample is; nowhere, if it is not drawn. @param {number | null} at */
   mark(at) {
     this.marked = at;
-    const pixel = at === null ? -1 : this.placed[this.contents?.picked ?? 0]?.[at] ?? -1;
+    const pixel = at === null ? -1 : this.pixels(this.contents?.picked ?? 0)[at] ?? -1;
     this.dot.hidden = pixel < 0;
     if (pixel < 0) return;
     const { width, dot: dot2 } = this.frame;
@@ -2292,8 +2451,8 @@ var Plot = class {
 };
 function fewBetween(x, { low, high }) {
   let count = 0;
-  for (let i = 0; i < x.length && count <= FEW2; i++) if (x[i] >= low && x[i] <= high) count++;
-  return count <= FEW2;
+  for (let i = 0; i < x.length && count <= FEW3; i++) if (x[i] >= low && x[i] <= high) count++;
+  return count <= FEW3;
 }
 
 // src/settling.js
@@ -2320,9 +2479,11 @@ function settle(from, to, show) {
 }
 
 // src/squares.js
-function squaresOf(residual) {
-  return residual.reduce((sum, value) => value === value ? sum + value * value : sum, 0);
-}
+var squaresOf = remembered((residual) => {
+  let sum = 0;
+  for (let i = 0; i < residual.length; i++) if (residual[i] === residual[i]) sum += residual[i] * residual[i];
+  return sum;
+});
 function chosenSquares(residual, chosen) {
   let [sum, count] = [0, 0];
   for (let at = 0; at < chosen.length; at++) {
@@ -2347,6 +2508,10 @@ function timed(what, draw2, start = performance.now()) {
       if (times.length > KEPT) times.shift();
     });
   });
+}
+function idle(work) {
+  if ("requestIdleCallback" in globalThis) requestIdleCallback(work);
+  else setTimeout(work, 50);
 }
 
 // src/zoom.js
@@ -2383,16 +2548,16 @@ function zoomable(plot, deeds) {
 }
 function zoomed([low, high], whole, at, factor) {
   const all = whole[1] - whole[0];
-  const span3 = Math.max(CLOSEST * all, factor * (high - low));
-  if (!(span3 < all)) return null;
+  const span4 = Math.max(CLOSEST * all, factor * (high - low));
+  if (!(span4 < all)) return null;
   const fixed = low + at * (high - low);
-  return within([fixed - at * span3, fixed + (1 - at) * span3], whole);
+  return within2([fixed - at * span4, fixed + (1 - at) * span4], whole);
 }
 function panned([low, high], whole, share) {
   const step = share * (high - low);
-  return within([low + step, high + step], whole);
+  return within2([low + step, high + step], whole);
 }
-function within([low, high], [lowest, highest]) {
+function within2([low, high], [lowest, highest]) {
   const back = Math.max(0, lowest - low) - Math.max(0, high - highest);
   return [low + back, high + back];
 }
@@ -2473,7 +2638,19 @@ var Linked = class {
     for (const at of this.rows.keys()) this.drawRow(at);
     this.tell();
     this.drawLight();
+    this.prepare(data);
     if (from) settle(from, columns.residual, (residual) => this.data === data && this.moved(residual));
+  }
+  /** Work out, while nothing else is to be done, where each point of what a brush lights up is. @param {Data} data */
+  prepare(data) {
+    const left = this.plots.flatMap((plot) => (plot.contents?.series ?? []).map(({ chosen }, at) => chosen ? { plot, at } : null));
+    const go = () => {
+      const one = left.shift();
+      if (one === void 0 || this.data !== data) return;
+      if (one && !one.plot.element.hidden) one.plot.pixels(one.at);
+      idle(go);
+    };
+    idle(go);
   }
   /** Let the residuals be these, though others come. @param {Float32Array} residual */
   put(residual) {
@@ -2549,7 +2726,7 @@ var Linked = class {
     const bins = row.residual.spectrum === void 0 && !own ? along : null;
     for (const [column, contents] of [row.torque, { ...row.residual, bins }, row.beside].entries()) {
       const plot = this.rows[at][column];
-      const [xAxis, yAxis] = [within2(contents?.xAxis, this.seen[at]), within2(contents?.yAxis, this.heights.get(plot))];
+      const [xAxis, yAxis] = [within3(contents?.xAxis, this.seen[at]), within3(contents?.yAxis, this.heights.get(plot))];
       if (contents && xAxis && yAxis) plot.show({ ...contents, xAxis, yAxis });
     }
   }
@@ -2687,8 +2864,8 @@ var Linked = class {
     const own = chosen.length > 0 ? ` (${rms(share.rms)})` : "";
     let words3 = `${count}: they have ${percent(share.ofError)} of the squared error${own}`;
     if (data.beside && chosen.length > 0) {
-      const { sum, count: counted } = chosenSquares(data.beside.residual, chosen);
-      words3 += `; in ${data.beside.name}: ${rms(Math.sqrt(sum / Math.max(1, counted)))}`;
+      const { sum, count: counted2 } = chosenSquares(data.beside.residual, chosen);
+      words3 += `; in ${data.beside.name}: ${rms(Math.sqrt(sum / Math.max(1, counted2)))}`;
     }
     return this.told(words3);
   }
@@ -2715,7 +2892,7 @@ function showPicked(choice, offered, { along, data }) {
   }
   choice.value = along;
 }
-function within2(axis2, seen) {
+function within3(axis2, seen) {
   return axis2 && seen ? { ...axis2, low: seen[0], high: seen[1], part: true } : axis2;
 }
 
@@ -2991,7 +3168,7 @@ var Live = class {
     if (!t || t.length === 0 || byId("live").hidden) return;
     for (const [at, { x, y, name }] of PLOTS.entries()) {
       const [low, high] = limits([this.columns[y]]);
-      const across = x === "t" ? [0, span(t[t.length - 1], this.told?.total_s)] : limits([this.columns[x]]);
+      const across = x === "t" ? [0, span2(t[t.length - 1], this.told?.total_s)] : limits([this.columns[x]]);
       const scale = y === "tau" ? torqueScale("N m", Math.max(-low, high)) : null;
       this.plots[at].show({
         title: name,
@@ -3013,7 +3190,7 @@ function appended(before, more) {
   whole.set(more, before.length);
   return whole;
 }
-function span(elapsed, total = Infinity) {
+function span2(elapsed, total = Infinity) {
   return Math.min(total, Math.max(2, 2 ** Math.ceil(Math.log2(elapsed))));
 }
 function seconds(value) {
@@ -3047,8 +3224,8 @@ function showMoment(data, at) {
   let largest3 = 0;
   for (let i = 0; i < tau.length; i++) if (Math.abs(tau[i]) > largest3) largest3 = Math.abs(tau[i]);
   const { factor, unit } = torqueScale(data.unit, largest3);
-  const shown = (value) => number(value * factor);
-  byId("moment-words").textContent = `${number(t[at], 4)} s, ${number(theta[at])} ${angle}, ${number(omega[at])} ${rate}; ${torqueWord(data.unit)} ` + (counts ? `${shown(tau[at])} measured, ${shown(modelled)} modelled, ${shown(residual[at])} ${unit} left` : `masked: it does not count`);
+  const shown2 = (value) => number(value * factor);
+  byId("moment-words").textContent = `${number(t[at], 4)} s, ${number(theta[at])} ${angle}, ${number(omega[at])} ${rate}; ${torqueWord(data.unit)} ` + (counts ? `${shown2(tau[at])} measured, ${shown2(modelled)} modelled, ${shown2(residual[at])} ${unit} left` : `masked: it does not count`);
   brush.scale(scale, scale);
   brush.lineWidth = 2.5;
   const colours = ["--measured", "--modelled"].map((name) => styleValue(name, canvas));
@@ -3112,7 +3289,7 @@ function head(brush, [x, y], way) {
 
 // src/lead.js
 var COUNT_IN = 4;
-var SLOW = 1.5;
+var AT_ONCE = 0.1;
 var STILL = 1e-4;
 function angleAt({ t, theta }, seconds2) {
   if (!(seconds2 > t[0])) return theta[0];
@@ -3125,7 +3302,7 @@ function angleAt({ t, theta }, seconds2) {
   }
   return theta[low] + (theta[high] - theta[low]) * (seconds2 - t[low]) / (t[high] - t[low]);
 }
-function beats({ t, theta }) {
+function turnings({ t, theta }) {
   const [low, high] = range(theta);
   const least = STILL * Math.max(high - low, 1e-9);
   const turns = [{ at: t[0], theta: theta[0], turn: true }];
@@ -3135,21 +3312,26 @@ function beats({ t, theta }) {
     const now = Math.abs(step) < least ? 0 : Math.sign(step);
     if (now === way) continue;
     const last = turns[turns.length - 1];
-    if (t[i - 1] - last.at > 0.1) turns.push({ at: t[i - 1], theta: theta[i - 1], turn: true });
+    if (t[i - 1] - last.at > AT_ONCE) turns.push({ at: t[i - 1], theta: theta[i - 1], turn: true });
     way = now;
   }
   const end = t.length - 1;
-  if (t[end] - turns[turns.length - 1].at > 0.1) turns.push({ at: t[end], theta: theta[end], turn: true });
-  return turns.flatMap((beat, n) => [beat, ...between3(beat, turns[n + 1], { t, theta })]);
+  if (t[end] - turns[turns.length - 1].at > AT_ONCE) turns.push({ at: t[end], theta: theta[end], turn: true });
+  return turns;
 }
-function between3(beat, next, motion) {
-  const passes = next ? next.at - beat.at : 0;
-  if (!next || passes <= SLOW) return [];
-  const count = Math.round(passes);
-  return Array.from({ length: count - 1 }, (_, n) => {
-    const at = beat.at + passes * (n + 1) / count;
-    return { at, theta: angleAt(motion, at), turn: false };
+function beats(motion, steps) {
+  const turns = turnings(motion);
+  let begun = motion.t[0];
+  const times2 = steps.flatMap(({ seconds: seconds2, beats: minute }) => {
+    const count = minute > 0 ? Math.max(1, Math.round(seconds2 * minute / 60)) : 1;
+    const first = begun;
+    begun += seconds2;
+    return Array.from({ length: count }, (_, n) => first + (minute > 0 ? 60 * n / minute : 0));
   });
+  times2.push(motion.t[motion.t.length - 1]);
+  const apart = times2.filter((at, n) => n === 0 || at - times2[n - 1] > AT_ONCE);
+  const turn = (at) => turns.some((one) => Math.abs(one.at - at) < AT_ONCE);
+  return apart.map((at) => ({ at, theta: angleAt(motion, at), turn: turn(at) }));
 }
 function range(values) {
   let [low, high] = [Infinity, -Infinity];
@@ -3178,6 +3360,7 @@ var Metronome = class {
     this.motion = null;
     this.steps = [];
     this.beats = [];
+    this.turnings = [];
     this.unit = { factor: 180 / Math.PI, name: "°" };
     this.next = 0;
     this.start = null;
@@ -3195,7 +3378,8 @@ var Metronome = class {
   open(motion, steps, coordinate) {
     this.motion = motion;
     this.steps = steps;
-    this.beats = beats(motion);
+    this.beats = beats(motion, steps);
+    this.turnings = turnings(motion);
     this.unit = coordinate === "linear" ? { factor: 1e3, name: " mm" } : { factor: 180 / Math.PI, name: "°" };
     byId("lead").hidden = false;
     this.stop();
@@ -3302,7 +3486,7 @@ var Metronome = class {
     brush.strokeStyle = colour("--signature");
     brush.lineWidth = 3;
     stroke2(brush, points.map((t) => [across(angleAt(motion, t)), up(t)]));
-    for (const beat of this.beats) {
+    for (const beat of [...this.beats.filter(({ turn }) => !turn), ...this.turnings]) {
       if (beat.at < now || beat.at > now + AHEAD) continue;
       dot(brush, across(beat.theta), up(beat.at), beat.turn ? 5 : 3, colour(beat.turn ? "--chosen" : "--soft"));
     }
@@ -3352,6 +3536,7 @@ var Next = class {
     byId("next-plots").append(...this.plots.map(({ element: element2 }) => element2));
     this.state = null;
     this.motion = null;
+    this.loading = null;
     this.drawn = "";
     this.fault = null;
     this.by_hand = false;
@@ -3359,7 +3544,7 @@ var Next = class {
     new ResizeObserver(() => this.draw()).observe(byId("next-plots"));
   }
   buttons() {
-    byId("next-show").addEventListener("click", () => this.open());
+    byId("next-show").addEventListener("click", () => this.told ? this.open() : this.design([]));
     byId("next-close").addEventListener("click", () => this.close());
     byId("next-record").addEventListener("click", () => this.attempt({}));
     byId("next-port").addEventListener("click", () => this.askPort(false));
@@ -3381,34 +3566,43 @@ var Next = class {
   get told() {
     return this.state?.experiment ?? null;
   }
-  /** Design a motion for effects, and show it. @param {string[]} effects @param {object} [within] */
-  async design(effects, within3 = {}) {
+  /**
+   * Design a motion for effects, and show it; for none: for what is known least.
+   * @param {string[]} effects
+   * @param {object} [within]
+   * @returns {Promise<boolean>} whether there is one
+   */
+  async design(effects, within4 = {}) {
     this.effects = effects;
     const by_hand = (
       /** @type {HTMLInputElement} */
       byId("next-only-hand").checked
     );
     this.enable(false);
-    const made = await this.deeds.design({ effects, limits: within3, by_hand });
+    const made = await this.deeds.design({ effects, limits: within4, by_hand });
     this.enable(true);
     if (made) this.open();
+    return Boolean(made);
   }
   /** What makes another one waits for this one. @param {boolean} free */
   enable(free) {
-    for (const id of ["next-record", "next-port", "next-again"]) {
+    for (const id of ["next-record", "next-port", "next-again", "next-hand", "next-show"]) {
       byId(id).disabled = !free;
     }
   }
+  /** Design it anew within the limits that are typed. */
   designAgain() {
-    const within3 = {};
+    const within4 = {};
     for (const [name, value] of new FormData(
       /** @type {HTMLFormElement} */
       byId("next-limits")
     )) {
       const typed = Number(value);
-      within3[name] = String(value).trim() && Number.isFinite(typed) ? typed : value;
+      within4[name] = String(value).trim() && Number.isFinite(typed) ? typed : value;
     }
-    this.design(this.effects ?? this.told?.rivals.map((one) => one.split(" + ").at(-1) ?? "") ?? [], within3);
+    const rivals = this.told?.rivals ?? [];
+    const before = rivals.length > 1 ? rivals.map((one) => one.split(" + ").at(-1) ?? "") : [];
+    return this.design(this.effects ?? before, within4);
   }
   open() {
     byId("next").hidden = false;
@@ -3423,24 +3617,26 @@ var Next = class {
   /** @param {State} state */
   show(state) {
     this.state = state;
-    const { experiment, node, recording } = state;
-    byId("next-line").hidden = experiment === null;
+    const { experiment, node, recording, candidates } = state;
+    byId("next-line").hidden = experiment === null && !(candidates.ready && node !== null);
+    byId("next-show").textContent = experiment ? "Next experiment…" : "What to record next…";
     if (experiment === null) {
       byId("next").hidden = true;
+      byId("next-said").textContent = "";
       return;
     }
     byId("next-said").textContent = experiment.verdict ?? experiment.headline;
     if (byId("next").hidden) return;
     this.enable(!recording);
-    const shown = JSON.stringify([experiment, node, state.active]);
-    if (shown === this.drawn) return;
-    this.drawn = shown;
+    const shown2 = JSON.stringify([experiment, node, state.active]);
+    if (shown2 === this.drawn) return;
+    this.drawn = shown2;
     this.tell(experiment);
-    this.load(experiment, state).catch(this.deeds.failed);
+    this.loading = this.load(experiment, state).catch(this.deeds.failed);
   }
   /** @param {Experiment} experiment */
   tell(experiment) {
-    const { headline, verdict, source, pairs, steps, by_hand, seconds: seconds2, limits: within3 } = experiment;
+    const { headline, verdict, source, pairs, steps, by_hand, seconds: seconds2, limits: within4 } = experiment;
     byId("next-time").textContent = `${number(seconds2)} s`;
     byId("next-headline").textContent = headline;
     byId("next-verdict").textContent = verdict ?? "";
@@ -3449,14 +3645,14 @@ var Next = class {
     byId("next-record").title = source ? `from ${source}` : "";
     byId("next-source").textContent = source ? `from ${source}` : "";
     byId("next-keys").replaceChildren(...experiment.rivals.map(key));
+    byId("next-evidence").hidden = pairs.length === 0;
     byId("next-pairs").replaceChildren(...pairs.flatMap((pair) => bars(pair, experiment.told, largest2(pairs))));
-    byId("next-can").textContent = by_hand ? "A hand can do it, led by a metronome:" : "No hand can do all of it; what a hand would have to do:";
-    byId("next-steps").replaceChildren(
-      ...steps.map(
-        ({ words: words3, cannot }) => make("li", {}, words3, cannot ? make("span", { class: "doubt", text: ` (${cannot})` }) : null)
-      )
-    );
-    for (const [name, value] of Object.entries(within3)) {
+    const tempi = new Set(steps.map(({ beats: beats2 }) => Math.round(beats2)).filter(Boolean));
+    const led = tempi.size === 1 ? ` at ${[...tempi][0]} beats a minute` : "";
+    byId("next-can").textContent = by_hand ? `By hand, led by a metronome${led}` : "For a motor";
+    byId("next-no-hand").hidden = by_hand;
+    byId("next-steps").replaceChildren(...(by_hand ? steps : []).map(({ words: words3 }) => make("li", {}, words3)));
+    for (const [name, value] of Object.entries(within4)) {
       const field3 = byId("next-limits").querySelector(`[name=${name}]`);
       if (field3 instanceof HTMLInputElement) field3.value = String(Number(value.toPrecision(4)));
     }
@@ -3500,11 +3696,11 @@ var Next = class {
     const [low, high] = limits(apart);
     const scale = torqueScale(state.unit, Math.max(-low, high));
     this.plots[2].show({
-      title: "how the rivals' torques part",
+      title: apart.length > 1 ? "how the rivals' torques part" : "torque that it takes",
       x: motion.t,
       series: apart.map((y, at) => ({ colour: COLOURS[at % COLOURS.length], chosen: null, y, strength: 1 })),
       xAxis: axis(limits([motion.t]), "time, s"),
-      yAxis: { low, high, factor: scale.factor, label: `less their mean, ${scale.unit}` },
+      yAxis: { low, high, factor: scale.factor, label: apart.length > 1 ? `less their mean, ${scale.unit}` : scale.unit },
       ...{ picked: 0, noise: null }
     });
   }
@@ -3559,8 +3755,13 @@ var Next = class {
       byId("rig-fault").hidden = fault === null;
     }
   }
-  /** Lead a hand through the motion. */
-  lead() {
+  /** Lead a hand through the motion; where it is for a motor, through one that a hand can make. */
+  async lead() {
+    if (this.told && !this.told.by_hand) {
+      byId("next-only-hand").checked = true;
+      if (!await this.designAgain()) return;
+    }
+    await this.loading;
     const { told, motion, state } = this;
     if (!told || !motion) return;
     const coordinate = state?.captures[0]?.coordinate ?? "rotary";
@@ -3786,7 +3987,7 @@ var Params = class {
   }
   /** @param {Param} param */
   line(param) {
-    const { low, high } = span2(param);
+    const { low, high } = span3(param);
     const slider = make("input", {
       ...{ type: "range", min: 0, max: STEPS, step: 1, value: place3(param.value, { low, high }) },
       ...{ "aria-label": param.name, "data-param": param.name, disabled: param.role === "fixed" },
@@ -3795,7 +3996,7 @@ var Params = class {
     const value = make("span", { class: "figure" });
     const error = make("span", { class: "error soft figure", text: plusMinus(param) });
     this.rows.set(param.name, { slider, value, error, low, high });
-    const between4 = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
+    const between3 = param.ci95 ? `${number(param.ci95[0])} … ${number(param.ci95[1])}` : "not determined";
     const doubt = param.doubt ? make("span", { class: "doubt", text: " ⚠", "aria-hidden": "true" }) : null;
     const about2 = [param.name, param.meaning, param.doubt].filter(Boolean).join(": ");
     return make(
@@ -3803,7 +4004,7 @@ var Params = class {
       {},
       make("th", { scope: "row", title: about2 }, param.name.split(".").slice(1).join("."), doubt),
       make("td", { class: "slide" }, interval(param.ci95, { low, high }), slider),
-      make("td", { class: "value", title: `95 % interval ${between4} ${param.unit}` }, value, " ", error),
+      make("td", { class: "value", title: `95 % interval ${between3} ${param.unit}` }, value, " ", error),
       make("td", { class: "soft unit", text: unitWords(param.unit), title: param.unit })
     );
   }
@@ -3828,7 +4029,7 @@ function showTogether(together) {
   );
   byId("together-rows").replaceChildren(...rows);
 }
-function span2({ fitted, ci95, lower, upper }) {
+function span3({ fitted, ci95, lower, upper }) {
   const half = ci95 ? 2 * Math.abs(ci95[1] - ci95[0]) : 0;
   const reach2 = Math.max(Math.abs(fitted), half, 1e-9);
   return { low: Math.max(fitted - reach2, lower ?? -Infinity), high: Math.min(fitted + reach2, upper ?? Infinity) };
@@ -3868,7 +4069,7 @@ function sources(heard) {
   const told = byId("new-said");
   let known = null;
   let busy = false;
-  const shown = () => {
+  const shown2 = () => {
     const source = valueOf(form, "source");
     for (const part of form.querySelectorAll("[data-for]")) {
       part.toggleAttribute("hidden", !part.getAttribute("data-for")?.split(" ").includes(source));
@@ -3885,7 +4086,7 @@ function sources(heard) {
     for (const box of byId("new-effects").querySelectorAll("input")) box.disabled = !hideable.includes(box.value);
   };
   const opened = async () => {
-    shown();
+    shown2();
     dialog2.showModal();
     told.textContent = "";
     byId("new-fault").hidden = true;
@@ -3913,7 +4114,7 @@ function sources(heard) {
     emulated.disabled = known.no_emulated_rig !== null;
     byId("new-absent").textContent = known.no_emulated_rig && `No emulated rig here: ${known.no_emulated_rig}.`;
     byId("new-absent").hidden = known.no_emulated_rig === null;
-    shown();
+    shown2();
   };
   const wait = (waiting) => {
     busy = waiting;
@@ -3922,7 +4123,7 @@ function sources(heard) {
   };
   byId("new").addEventListener("click", opened);
   byId("new-first").addEventListener("click", opened);
-  form.addEventListener("change", shown);
+  form.addEventListener("change", shown2);
   byId("new-close").addEventListener("click", () => dialog2.close());
   dialog2.addEventListener("close", () => {
     if (busy) post("stop", { keep: false }).catch(() => {
@@ -4034,17 +4235,33 @@ function themed(changed) {
 }
 
 // src/verdict.js
-function showVerdict(element2, { verdict_text: text, places, candidates }, go) {
+function showVerdict(element2, { verdict_text: text, places, candidates }, to) {
   const first = plainly(candidates);
-  const key2 = JSON.stringify([first, text, places]);
+  const key2 = JSON.stringify([first, text, places, candidates.rows.map(({ effect }) => effect)]);
   if (element2.dataset.told === key2) return;
   element2.dataset.told = key2;
-  element2.replaceChildren(
-    ...first ? [make("strong", { text: first }), " "] : [],
-    ...parted(text, places).map(
-      (part) => typeof part === "string" ? part : make("button", { ...LEADS, text: part.words, on: { click: () => go(part) } })
-    )
-  );
+  const leads = leadsOf(places, candidates, to);
+  const shown2 = (said) => parted(said, leads).map((part) => typeof part === "string" ? part : link(part));
+  element2.replaceChildren(...first ? [make("strong", {}, ...shown2(first)), " "] : [], ...shown2(text));
+}
+function leadsOf(places, { rows }, to) {
+  const lead = (words3, title, go, kind = "") => ({ words: words3, title, go, class: `leads ${kind}`.trim() });
+  const first = rows.find(({ could_be: could }) => could);
+  return [
+    ...places.map((place4) => lead(place4.words, "show its samples in every plot", () => to.place(place4), "place")),
+    ...places.map((place4) => lead(`along ${place4.axis}`, "draw a row over it", () => to.place(place4))),
+    ...rows.map(({ effect }) => lead(effect, "what it would explain", () => to.effect(effect))),
+    ...first ? ["Add it", "Tell apart"].map((words3) => lead(words3, "where that is", () => to.effect(first.effect))) : [],
+    lead("RMS error", "the ladder of errors", to.error),
+    lead("Not weighed", "why: what was found in the log", to.findings)
+  ];
+}
+function link({ words: words3, title, go, ...rest }) {
+  const click = (event) => {
+    event.preventDefault();
+    go();
+  };
+  return make("a", { ...rest, href: "#plots", title, text: words3, on: { click } });
 }
 function plainly({ ready, rows }) {
   const first = ready ? rows.find(({ could_be: could }) => could) : void 0;
@@ -4053,14 +4270,20 @@ function plainly({ ready, rows }) {
   const next = first.equivalent.length > 0 ? "This motion looks the same with other causes: Tell apart designs what to record next." : "Add it, and see what is left.";
   return `${said}: ${first.name} (${first.effect}). ${next}`;
 }
-var LEADS = { type: "button", class: "leads", title: "show its samples in every plot" };
-function parted(text, places) {
-  const [first, ...others] = places;
+function parted(text, leads) {
+  const [first, ...others] = leads;
   if (!first) return text === "" ? [] : [text];
-  const at = text.lastIndexOf(first.words);
-  if (first.words === "" || at < 0) return parted(text, others);
+  const at = lastOf(text, first.words);
+  if (at < 0) return parted(text, others);
   const [before, after] = [text.slice(0, at), text.slice(at + first.words.length)];
   return [...parted(before, others), first, ...parted(after, others)];
+}
+function lastOf(text, words3) {
+  const part = /\w/;
+  for (let at = words3 === "" ? -1 : text.lastIndexOf(words3); at >= 0; at = at === 0 ? -1 : text.lastIndexOf(words3, at - 1)) {
+    if (!part.test(text[at - 1] ?? " ") && !part.test(text[at + words3.length] ?? " ")) return at;
+  }
+  return -1;
 }
 
 // src/app.js
@@ -4246,7 +4469,12 @@ var App = class {
     if (!this.state?.node && state.node !== null && state.looked) this.lookAgain(state.looked);
     this.state = state;
     byId("welcome").toggleAttribute("hidden", state.node !== null);
-    showVerdict(byId("verdict"), state, (place4) => this.go(place4));
+    showVerdict(byId("verdict"), state, {
+      place: (place4) => this.go(place4),
+      effect: (effect) => this.candidates.go(effect),
+      error: () => shown(byId("ladder")),
+      findings: () => shown(byId("findings"))
+    });
     if (state.recording) this.live?.follow();
     showHidden(state);
     showLeft(state.left, {

@@ -1,0 +1,73 @@
+"""Whether what could not be told apart when it came in still cannot, beside what came in after it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from ..fit.diagnose import diagnose
+from ..fit.doubts import at_floor
+from ..fit.refit import started
+from .cut import OutOfTime
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from ..fit import Fit
+    from .cut import Deadline
+    from .ladder import LearningStep
+
+
+def with_ties(found: Sequence[str], ladder: Sequence[LearningStep]) -> list[str]:
+    """Return what was found, each with what the captures cannot tell it from in brackets."""
+    there = ladder[-1].fit.model.effects
+    alike = {step.added: [one for one in step.equivalent if one not in there] for step in reversed(ladder)}
+    return [f"{one} (or {' or '.join(alike[one])})" if alike.get(one) else one for one in found]
+
+
+def told_again(
+    ladder: Sequence[LearningStep], tell: Callable[[str], None], deadline: Deadline
+) -> tuple[LearningStep, ...]:
+    """Return the steps, each with what still explains as much in the place of what it added.
+
+    Where the time is over, and beside a joint where more than noise is left, ties stay as they were.
+    """
+    last = ladder[-1].fit
+    rows = last.model.catalogue()
+    joint = any(rows[one].place == "coupling" for one in last.model.effects)
+    if joint and not at_floor(last):
+        return tuple(ladder)
+    steps = list(ladder)
+    for at, step in enumerate(ladder[:-1]):
+        others = [one for one in step.equivalent if one not in last.model.effects]
+        if step.added not in last.model.effects or not others:
+            continue
+        bare = last.drop(step.added)
+        if len(bare.model.effects) < len(last.model.effects) - 1:
+            continue  # what changes it would have to go too
+        tell(f"weighing {step.added} against {', '.join(others)} again")
+        try:
+            still = _as_far(bare, step, others) if joint else _alike(bare, step, others, deadline)
+        except OutOfTime:
+            break
+        steps[at] = replace(step, equivalent=tuple(one for one in step.equivalent if one in still))
+    return tuple(steps)
+
+
+def _alike(bare: Fit, step: LearningStep, others: Sequence[str], deadline: Deadline) -> tuple[str, ...]:
+    """Return what explains as much beside the others as what a step added."""
+    assert step.added is not None
+    weighed = diagnose(bare, only=[step.added, *others], progress=deadline)
+    known = {one.effect: one for one in weighed.candidates}
+    return known[step.added].equivalent if step.added in known else ()
+
+
+def _as_far(bare: Fit, step: LearningStep, others: Sequence[str]) -> list[str]:
+    """Return what leaves chance alone beside a joint too, from the values that it had when it was weighed."""
+    still = []
+    for other in others:
+        weighed = step.diagnosis[other].parameters if step.diagnosis is not None else {}
+        start = {name.partition(".")[2]: one.value for name, one in weighed.items() if "@" not in name}
+        if at_floor(started(bare, other, start)):
+            still.append(other)
+    return still
