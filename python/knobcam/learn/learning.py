@@ -23,6 +23,7 @@ from ..fit.refit import percent
 from ..fit.runs import in_words
 from ..fit.verdict import explained
 from ..model import Model
+from ..model.effects import base_effects_shown
 from .agreement import Disagreement, disagreements
 from .cut import Cut, Deadline, Interrupted
 from .ladder import LearningStep, Unexplained
@@ -204,7 +205,9 @@ class LearningResult(showing.Tabled):
         kept = self.ladder if proposals.beside is self.fit else self.ladder[:1]
         step = LearningStep(fit, name, proposals.p_value)
         left = diagnose(fit, only=())
-        selection = concluded([*kept, step], left, self.ladder[0].fit.model.effects)
+        shown = base_effects_shown(fit.model.coordinate)
+        base = [*self.ladder[0].fit.model.effects, *(one for one in shown if one not in self.found)]
+        selection = concluded([*kept, step], left, base)
         return LearningResult(*selection, self.without)
 
     def plot(self) -> Figure:

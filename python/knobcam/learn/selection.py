@@ -29,6 +29,9 @@ if TYPE_CHECKING:
     from ..fit.compare import Comparison
 
 
+_TOGETHER = "weighing what could be missing together with a joint of shaft and knob"
+
+
 class Selection(NamedTuple):
     """The ladder, which effects were missing, what was weighed last and not added, and what none explains.
 
@@ -92,6 +95,15 @@ def _grown(
         diagnosis = diagnose(fit, without={*without, *described}, progress=deadline)
         diagnosis = overlooked(diagnosis, {*without, *described}, deadline)
         best = diagnosis.best
+        pair = None
+        if not together and len(ladder) == 1 and bent(diagnosis):
+            together = True
+            tell(_TOGETHER)
+            deadline.weighing = ["sets of a joint and another effect"]
+            pair = joined(diagnosis, best.fit if best else fit, {*without, *described}, deadline)
+        if pair is not None:
+            ladder[1:] = pair
+            continue
         if best is None and not sets and not fit.log_fault and fit.noise_floor > 0.0:
             tell("weighing what came in against other sets")
             if (lower := anew(ladder, diagnosis.comparison, deadline)) is not None:
@@ -115,7 +127,7 @@ def _grown(
             diagnosis = led or diagnosis
         if best is None:
             together = True
-            tell("weighing what could be missing together with a joint of shaft and knob")
+            tell(_TOGETHER)
             first_weighed = next((step.diagnosis for step in ladder if step.diagnosis is not None), diagnosis)
             deadline.weighing = ["sets of a joint and another effect"]
             pair = joined(first_weighed, fit, {*without, *described}, deadline)
@@ -142,6 +154,8 @@ def _grown(
 def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]) -> Selection:
     """Return what the ladder says: which effects were causes, and what remains."""
     came = dict.fromkeys(step.added for step in ladder if step.added is not None)
+    # Detents may come with a joint, whose step bears its name alone.
+    came |= dict.fromkeys(base_effects_shown(last.fit.model.coordinate))
     effects_now = ladder[-1].fit.model.effects
     found = tuple(one for one in came if one in effects_now and one not in base)
     if (fault := ladder[-1].fit.log_fault) is not None:
@@ -214,6 +228,17 @@ def followed(diagnosis: Diagnosis, tell: Callable[[str], None]) -> Diagnosis | N
     end = replace(end, gain=gain(fit, end.fit, fit))
     rest = [one for one in diagnosis.candidates if one is not best]
     return replace(diagnosis, candidates=judged(diagnosis.comparison, [end, *rest]))
+
+
+def bent(diagnosis: Diagnosis) -> bool:
+    """Whether a joint leads that cannot be one by its values, and what would be added in its place is a part.
+
+    What loads the shaft beside it bends it so; one after the other neither is found.
+    """
+    led = max(diagnosis.candidates, key=lambda one: one.score, default=None)
+    best = diagnosis.best
+    open_still = best is None or best.word == "part"
+    return led is not None and led.place == "coupling" and led.word == "implausible" and open_still
 
 
 def with_detents(fit: Fit) -> Fit:

@@ -4,6 +4,7 @@ use super::beside::beside;
 use super::coupled::{Ways, coupled};
 use super::null::Null;
 use super::screen::{Screen, Start};
+use super::shown::may_come;
 use super::watch::{Tell, Watch};
 use crate::effects::{Id, Place};
 use crate::fit::{Fit, Found, differ, report, sketch};
@@ -44,6 +45,7 @@ pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_
     let floor = Floor::with(data, &noises);
     let white = if floor.white > 0.0 { floor.white } else { screen.squares.max(f64::MIN_POSITIVE) * 1e-12 };
     let (slow, quick): (Vec<Id>, Vec<Id>) = effects.iter().partition(|id| id.info().place == Place::Coupling);
+    let detents = may_come(model, effects);
     // Beside a coupling each step takes long; what several runs have apart is not looked at in steps.
     let told = |Ways { id, starts, end }| {
         watch.step();
@@ -65,7 +67,7 @@ pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_
     let explained = left <= rule().explained * floor.squares && better || most;
     // Who asks for couplings alone wants to know.
     if quick.is_empty() || left.is_nan() || floor.squares.is_nan() || !explained {
-        found.extend(coupled(&screen, &slow).into_iter().map(told));
+        found.extend(coupled(&screen, &slow, detents).into_iter().map(told));
     }
     found.sort_by_cached_key(|(candidate, _)| candidate.id);
     let noises: Vec<Noise> = noises.into_iter().map(|noise| noise.unwrap_or(Noise::white(white))).collect();
@@ -109,7 +111,7 @@ fn fitted(screen: &Screen<'_>, id: Id, [white, floor]: [f64; 2]) -> (Candidate, 
     let shared = ends.min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost));
     // Each run's own parameters have their price like any others, and have to differ beyond chance.
     let priced =
-        |(model, found): &(Model, Found)| found.cost + rule().price * white * added(screen, id, model) as f64;
+        |(model, found): &(Model, Found)| found.cost + rule().price * white * added(screen, model) as f64;
     let own = followed(screen, id, &apart)
         .filter(|own| shared.as_ref().is_none_or(|shared| priced(own) < priced(shared)))
         .filter(|(model, found)| report(screen.data, model, found.clone()).is_ok_and(|fit| differ(&fit, id)));
@@ -138,10 +140,9 @@ fn followed(screen: &Screen<'_>, id: Id, starts: &[Start]) -> Option<(Model, Fou
     ends.min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost))
 }
 
-/// Free parameters that a model with an effect has more: the effect's own, and those of runs.
-fn added(screen: &Screen<'_>, id: Id, model: &Model) -> usize {
-    let known = |slot: &Slot| screen.model.index(&slot.name()).is_ok();
-    let more = |slot: &&Slot| slot.effect == id || slot.run.is_some() && !known(slot);
+/// Free parameters that a model with an effect has more: the effect's own, those of runs, and what came with it.
+fn added(screen: &Screen<'_>, model: &Model) -> usize {
+    let more = |slot: &&Slot| screen.model.index(&slot.name()).is_err();
     model.slots().iter().filter(more).filter(|slot| slot.role == Role::Free).count()
 }
 
@@ -152,9 +153,9 @@ fn candidate(
     end: Option<(Model, Found)>,
     white: f64,
 ) -> Candidate {
-    let ended = end.as_ref().map(|(model, _)| model).filter(|model| model.is_apart(id));
+    let ended = end.as_ref().map(|(model, _)| model);
     let parameters =
-        ended.or(starts.first().map(|start| &start.model)).map_or(0, |model| added(screen, id, model));
+        ended.or(starts.first().map(|start| &start.model)).map_or(0, |model| added(screen, model));
     let failed = |note: String| Candidate { id, fit: None, gain: 0.0, parameters, p_value: 1.0, note };
     let Some((model, found)) = end else {
         return failed("does not go with this model, or explains too little of it to be followed".into());
@@ -194,10 +195,10 @@ mod tests {
             let screen = Screen::new(&data, base, &watch);
             for &id in Id::BUILT_IN {
                 let Ok(with) = base.with(id) else { continue };
-                assert_eq!(added(&screen, id, &with), with.free().count() - base.free().count(), "{id:?}");
+                assert_eq!(added(&screen, &with), with.free().count() - base.free().count(), "{id:?}");
                 if let Some(apart) = with.apart(id, &named) {
                     assert_eq!(
-                        added(&screen, id, &apart),
+                        added(&screen, &apart),
                         apart.free().count() - base.free().count(),
                         "{id:?} apart"
                     );

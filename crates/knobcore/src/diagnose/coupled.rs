@@ -3,13 +3,14 @@
 //! The torque of a contact comes in pulses of a few milliseconds: a gap that is a little off moves them, and the
 //! error knows no way back once they no longer overlap. Through a slower filter they are broad and do.
 
-use super::screen::{Screen, Start, loads, survey};
+use super::screen::{Screen, Start, survey};
+use super::shown::{detents, shown};
 use super::slower::{self, COARSE_HZ, MIDDLE_HZ, beginnings, slowed};
 use super::strides::{FEW, ROUNDS, strides};
 use super::watch::{Tell, Watch};
 use crate::effects::{Id, Place};
 use crate::error::Result;
-use crate::fit::{Fit, Found, glance, refine, report, settled, sketch};
+use crate::fit::{Fit, Found, glance, loads, refine, report, settled, sketch};
 use crate::floor::Floor;
 use crate::model::{Model, Slot};
 use crate::order::{Ascending, descending};
@@ -39,8 +40,8 @@ pub struct Ways {
 }
 
 /// Couplings beside a screen's model, fitted from coarse to fine. What explains much less of it through the coarse
-/// filter than another does is not followed further.
-pub fn coupled(whole: &Screen<'_>, couplings: &[Id]) -> Vec<Ways> {
+/// filter than another does is not followed further. If they `may_come`, detents come with them that show through them.
+pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool) -> Vec<Ways> {
     let (data, base, watch) = (whole.data, whole.model, whole.watch);
     let first = beginnings(data, ENOUGH);
     let first: Vec<&Signals> = first.iter().collect();
@@ -49,21 +50,22 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id]) -> Vec<Ways> {
     let screen = Screen::new(&coarse, base, watch);
     // What is in the model beside the base may load the shaft as well as the knob.
     let beside: Vec<Id> = base.effects().filter(|id| Model::may_be_at_shaft(*id)).collect();
-    let shaft = (!beside.is_empty()).then(|| Screen::new(&coarse, base, watch).with_shaft(beside));
+    let shaft = (!beside.is_empty()).then(|| Screen::new(&coarse, base, watch).with_shaft(beside.clone()));
+    let floor = slower::floor(&first, COARSE_HZ, &coarse, base);
     let mut ways: Vec<Ways> = Vec::new();
     let mut looked: Vec<(usize, Model)> = Vec::new();
     for id in couplings {
         let starts = screen.starts(*id);
         let before = shaft.iter().flat_map(|screen| screen.starts(*id).into_iter().take(LOOKED));
-        let models = before.chain(starts.iter().take(LOOKED).cloned()).map(|start| (ways.len(), start.model));
-        looked.extend(models);
+        let through = if may_come { shown(&screen, *id, &starts, &beside, floor) } else { Vec::new() };
+        let all = before.chain(starts.iter().take(LOOKED).cloned()).chain(through);
+        looked.extend(all.map(|start| (ways.len(), start.model)));
         ways.push(Ways { id: *id, starts, end: None });
     }
     let mut seen = watch.each(&looked, |(of, model)| (*of, on(model, |m| glance(&coarse, m))));
     seen.sort_by_cached_key(cost);
     let few = |of: usize| seen.iter().filter(move |(own, _)| *own == of).take(FOLLOWED);
     let few: Vec<&(usize, (Model, Found))> = (0..ways.len()).flat_map(few).collect();
-    let floor = slower::floor(&first, COARSE_HZ, &coarse, base);
     let to = |model: &Model| strode(&coarse, on(model, |model| sketch(&coarse, model)), floor, watch);
     let mut ends = watch.each(&few, |(of, (model, _))| (*of, to(model)));
     ends.sort_by_cached_key(cost);
@@ -106,9 +108,24 @@ fn crossed(
         .filter(|of| of != best)
         .filter_map(own)
         .filter(|(_, (_, found))| found.cost > (1.0 + SAME) * lowest.cost)
-        .map(|(of, (model, _))| (*of, joined_as(model, from)))
+        .filter_map(|(of, (model, _))| Some((*of, crossing(model, from)?)))
         .collect();
     watch.each(&worse, |(of, model)| (*of, on(model, &to)))
+}
+
+/// A model with the values that another ended with, and with the detents that came with that one's coupling.
+fn crossing(model: &Model, from: &Model) -> Option<Model> {
+    let has = |model: &Model| detents().is_some_and(|own| model.has(own));
+    if has(model) == has(from) {
+        return Some(joined_as(model, from));
+    }
+    let coupling = model.effects().find(|id| id.info().place == Place::Coupling)?;
+    Some(joined_as(&joined_by(from, coupling)?, from))
+}
+
+/// What a model's coupling joins, joined by another.
+fn joined_by(model: &Model, other: Id) -> Option<Model> {
+    model.shafts().iter().try_fold(loads(model).with(other).ok()?, |with, id| with.with_at_shaft(*id).ok())
 }
 
 /// A fit with another coupling in the place of a model's own, from where that one ended. None for a model without one or
@@ -117,12 +134,10 @@ pub fn in_place(data: &[&Signals], model: &Model, other: Id, tell: &Tell<'_>) ->
     if !model.is_coupled() || model.has(other) {
         return None;
     }
-    let rigid = loads(model);
-    let bare = model.shafts().iter().try_fold(rigid.with(other).ok()?, |with, id| with.with_at_shaft(*id));
-    let bare = joined_as(&bare.ok()?, model);
+    let bare = joined_as(&joined_by(model, other)?, model);
     // What its own joint lacks it starts with.
     let mut starts = vec![bare.clone()];
-    for values in other.law().starts(&survey(data, &rigid)) {
+    for values in other.law().starts(&survey(data, &loads(model))) {
         let mut start = bare.clone();
         for (param, value) in other.info().params.iter().zip(values) {
             // The names are the joint's own, the values within their bounds.

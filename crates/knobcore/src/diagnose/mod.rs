@@ -13,6 +13,7 @@ mod pairs;
 mod rest;
 mod screen;
 mod sets;
+mod shown;
 mod slower;
 mod spectrum;
 mod strides;

@@ -6,6 +6,7 @@
 
 use super::coupled::{on, strode};
 use super::screen::{Screen, Start};
+use super::shown::{may_come, shown, with_joint};
 use super::slower::{self, COARSE_HZ, MIDDLE_HZ, beginnings, slowed};
 use super::watch::{Tell, Watch};
 use crate::effects::{Id, Place};
@@ -40,6 +41,7 @@ pub struct Pair {
 }
 
 /// A pair somewhere on its way.
+#[derive(Clone)]
 struct Way {
     coupling: Id,
     companion: Id,
@@ -49,10 +51,31 @@ struct Way {
 }
 
 impl Way {
-    /// The same with all loads at the knob; none where they are.
-    fn behind(&self) -> Option<Self> {
-        let model = self.model.with_all_at_knob().ok()?;
-        (!self.model.shafts().is_empty()).then_some(Self { model, ..*self })
+    /// The best of these with the other effect on the other side of the joint; with it at the knob, if it is at the
+    /// shaft, where there is none.
+    fn elsewhere(&self, looked: &[Self]) -> Option<Self> {
+        let at_shaft = |way: &Self| !way.model.shafts().is_empty();
+        let other = |way: &&Self| {
+            (way.coupling, way.companion) == (self.coupling, self.companion)
+                && at_shaft(way) != at_shaft(self)
+        };
+        let best = looked.iter().filter(other).min_by(|a, b| a.squares.total_cmp(&b.squares));
+        let moved = || Some(Self { model: self.model.with_all_at_knob().ok()?, ..*self });
+        best.cloned().or_else(|| if self.at_shaft() { moved() } else { None })
+    }
+
+    /// Which pair it is.
+    fn kind(&self) -> (Id, Id) {
+        (self.coupling, self.companion)
+    }
+
+    /// The same, and on which side of the joint the other effect is.
+    fn side(&self) -> ((Id, Id), bool) {
+        (self.kind(), self.at_shaft())
+    }
+
+    fn at_shaft(&self) -> bool {
+        !self.model.shafts().is_empty()
     }
 
     /// What it leaves with so much on it for each of its parameters.
@@ -81,30 +104,36 @@ pub fn pairs(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_>) 
     // Of few samples a parameter takes off as much less.
     let price = if white.is_finite() { rule().price * white * used(&coarse) / used(&first) } else { 0.0 };
     let rigid = Screen::new(&coarse, model, &watch);
+    let floor = slower::floor(&first, COARSE_HZ, &coarse, model);
+    let detents = may_come(model, effects);
+    let through: Vec<(Id, Vec<Start>)> = couplings
+        .iter()
+        .filter(|_| detents)
+        .map(|id| (*id, shown(&rigid, *id, &rigid.starts(*id), &[], floor)))
+        .collect();
     let starts = watch.each(&others, |companion| {
         watch.step();
-        beside(&rigid, *companion, &couplings)
+        beside(&rigid, *companion, &couplings, &through)
     });
-    let looked = best_of(starts.into_iter().flatten().collect(), price, LOOKED, ALIKE);
+    let looked = best_of(starts.into_iter().flatten().collect(), price, LOOKED, ALIKE, Way::side);
     let looked = watch.each(&looked, |way| {
         watch.step();
         way.at(on(&way.model, |model| glance(&coarse, model)))
     });
-    let followed = best_of(looked, price, COARSE, 1);
+    let followed = best_of(looked.clone(), price, COARSE, 1, Way::kind);
     // Where the other effect acts the first steps do not tell.
-    let behind: Vec<Way> = followed.iter().filter_map(Way::behind).collect();
-    let followed: Vec<Way> = followed.into_iter().chain(behind).collect();
+    let elsewhere: Vec<Way> = followed.iter().filter_map(|way| way.elsewhere(&looked)).collect();
+    let followed: Vec<Way> = followed.into_iter().chain(elsewhere).collect();
     let further = |way: &Way, view: &[&Signals], floor: f64| {
         watch.step();
         let end = on(&way.model, |model| sketch(view, model));
         way.at(strode(view, end, floor, &watch))
     };
-    let floor = slower::floor(&first, COARSE_HZ, &coarse, model);
     let followed = watch.each(&followed, |way| further(way, &coarse, floor));
     let middle = slowed(data, MIDDLE_HZ);
     let middle: Vec<&Signals> = middle.iter().collect();
     let floor = slower::floor(data, MIDDLE_HZ, &middle, model);
-    let ends = watch.each(&best_of(followed, price, FINE, 1), |way| {
+    let ends = watch.each(&best_of(followed, price, FINE, 1, Way::kind), |way| {
         let way = further(way, &middle, floor);
         let found = sketch(data, &way.model);
         let fit = report(data, &way.model, found).ok()?;
@@ -123,37 +152,51 @@ pub fn pairs(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_>) 
 }
 
 /// The starts of joints beside the models that have another effect: fitted as if the shaft were rigid, and as it
-/// starts, for a joint may bend it so far that no way leads back.
-fn beside(rigid: &Screen<'_>, companion: Id, couplings: &[Id]) -> Vec<Way> {
+/// starts, for a joint may bend it so far that no way leads back. `through` has the joints with the detents that show
+/// through them.
+fn beside(rigid: &Screen<'_>, companion: Id, couplings: &[Id], through: &[(Id, Vec<Start>)]) -> Vec<Way> {
     let mut models: Vec<Model> =
         rigid.starts(companion).into_iter().take(STARTS).map(|start| start.model).collect();
     let Some(first) = models.first() else { return Vec::new() };
     let mut fitted = first.clone();
     fitted.set_values(&sketch(rigid.data, first).p);
-    models.push(fitted);
+    models.push(fitted.clone());
     let shaft = if Model::may_be_at_shaft(companion) { vec![companion] } else { Vec::new() };
+    let way = |(coupling, start): (Id, Start)| Way {
+        coupling,
+        companion,
+        model: start.model,
+        squares: start.predicted,
+    };
     let ways = |model: &Model| {
         let screen = Screen::new(rigid.data, model, rigid.watch).with_shaft(shaft.clone());
         let joined =
             |coupling: &Id| screen.starts(*coupling).into_iter().map(|start| (*coupling, start)).collect();
         let all: Vec<(Id, Start)> = couplings.iter().flat_map::<Vec<_>, _>(joined).collect();
-        let way = |(coupling, start): (Id, Start)| Way {
-            coupling,
-            companion,
-            model: start.model,
-            squares: start.predicted,
-        };
         all.into_iter().map(way).collect::<Vec<_>>()
     };
-    models.iter().flat_map(ways).collect()
+    let mut all: Vec<Way> = models.iter().flat_map(ways).collect();
+    let screen = Screen::new(rigid.data, &fitted, rigid.watch);
+    for (coupling, starts) in through {
+        let with = starts.iter().take(STARTS).flat_map(|start| with_joint(&fitted, &start.model, &shaft));
+        let starts = screen.by_promise(*coupling, with.collect());
+        all.extend(starts.into_iter().map(|start| way((*coupling, start))));
+    }
+    all
 }
 
 /// The best of them for their parameters, so many of a kind at most.
-fn best_of(mut ways: Vec<Way>, price: f64, most: usize, alike: usize) -> Vec<Way> {
+fn best_of<K: PartialEq>(
+    mut ways: Vec<Way>,
+    price: f64,
+    most: usize,
+    alike: usize,
+    kind: impl Fn(&Way) -> K,
+) -> Vec<Way> {
     ways.sort_by_cached_key(|way| Ascending(way.priced(price)));
     let mut seen = Vec::new();
     ways.retain(|way| {
-        let kind = (way.coupling, way.companion);
+        let kind = kind(way);
         let before = seen.iter().filter(|other| **other == kind).count();
         seen.push(kind);
         before < alike

@@ -7,13 +7,11 @@
 use super::thinned::Thinned;
 use super::watch::Watch;
 use crate::algebra::{dot, orthonormal, orthonormal_beside, project, subtract};
-use crate::chain;
 use crate::effects::{Id, Place, Survey, Wave};
-use crate::fit::{beside_orders, glance, runs, waves};
+use crate::fit::{behind, beside_orders, glance, loads, runs, waves};
 use crate::model::{Model, Role, Slot};
 use crate::order::Ascending;
 use crate::param::{Axis, Usual};
-use crate::predict;
 use crate::signals::Signals;
 
 /// What resists one way is at least so much of what does the other way.
@@ -73,12 +71,7 @@ impl<'a> Screen<'a> {
             squares,
             coupled,
             shaft: Vec::new(),
-            behind: if coupled {
-                let loads = loads(model);
-                data.iter().map(|signals| behind(signals, model, &loads)).collect()
-            } else {
-                Vec::new()
-            },
+            behind: behind(data, model),
             watch,
         }
     }
@@ -176,7 +169,7 @@ impl<'a> Screen<'a> {
     }
 
     /// Models with an effect as starts, most promising first.
-    fn by_promise(&self, id: Id, models: Vec<Model>) -> Vec<Start> {
+    pub fn by_promise(&self, id: Id, models: Vec<Model>) -> Vec<Start> {
         let mut starts: Vec<Start> = models
             .into_iter()
             .take_while(|_| self.watch.wanted())
@@ -283,12 +276,6 @@ impl<'a> Screen<'a> {
     }
 }
 
-/// A model without its coupling.
-pub(super) fn loads(model: &Model) -> Model {
-    let loads: Vec<Id> = model.effects().filter(|id| id.info().place != Place::Coupling).collect();
-    model.only(&loads).unwrap_or_else(|_| model.clone())
-}
-
 /// A model with the values and roles that another has by the same names.
 fn moved(model: &Model, other: &Model) -> Model {
     let mut moved = model.clone();
@@ -297,34 +284,6 @@ fn moved(model: &Model, other: &Model) -> Model {
         let _ = moved.set(&slot.name(), slot.value).and_then(|()| moved.set_role(&slot.name(), slot.role));
     }
     moved
-}
-
-/// A capture with the motion of the hidden knob of a model, whose forward is that of its speed alone; its torque is what
-/// leaves the same error beside the same loads on a rigid shaft that moves so.
-fn behind(signals: &Signals, model: &Model, loads: &Model) -> Signals {
-    let mut hidden = signals.clone();
-    let values = model.values();
-    let (p, _) = model.in_run(&signals.run, &values, &[]);
-    for segment in &signals.segments {
-        let motion = signals.motion_columns(segment.clone());
-        let Some([theta, omega, alpha]) =
-            chain::knob(model, &p, motion, 1.0 / signals.rate_hz, signals.substeps)
-        else {
-            continue;
-        };
-        let forward = omega.iter().map(|omega| if *omega == 0.0 { 0.5 } else { f64::from(*omega > 0.0) });
-        hidden.forward.splice(segment.clone(), forward);
-        hidden.theta[segment.clone()].copy_from_slice(&theta);
-        hidden.omega[segment.clone()].copy_from_slice(&omega);
-        hidden.alpha[segment.clone()].copy_from_slice(&alpha);
-    }
-    let (joined, rigid) = (predict::torque(model, signals), predict::torque(loads, &hidden));
-    for segment in &signals.segments {
-        for at in segment.clone() {
-            hidden.tau[at] += rigid[at] - joined[at];
-        }
-    }
-    hidden
 }
 
 /// Brings what resists forward and backward nearer to each other: a joint bends them apart, even below zero, and a

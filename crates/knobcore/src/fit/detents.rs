@@ -1,6 +1,7 @@
 //! Are there detents, and which?
 
 use super::at;
+use super::hidden::{behind, loads};
 use super::scan::{LEAST_PHASE, Scan, range, scan};
 use super::separable::{Effort, Found, Layout, Status, descend};
 use crate::effects::{Id, Wave};
@@ -57,7 +58,7 @@ pub fn best_from_scan(
     Ok(best.map(|found| Found { evaluations, ..found }))
 }
 
-/// The scan beside everything of `model` but its detents, evaluated where `start` has the other parameters.
+/// The scan beside everything of `model` but its detents, over the positions of the knob that they act on.
 pub fn scan_beside(data: &[&Signals], model: &Model) -> Option<(Model, Found, Scan)> {
     let effects: Vec<Id> = model.effects().filter(|id| *id != Id::Detent).collect();
     let bare = model.only(&effects).ok()?;
@@ -76,7 +77,13 @@ pub fn scan_beside(data: &[&Signals], model: &Model) -> Option<(Model, Found, Sc
         return Some((bare, found, scan));
     }
     let found = descend(data, &bare, &layout, &bare.values(), Effort::Full);
-    let (scan, _) = scan(data, &bare, &found.p, &layout.free, Wave::Torque)?;
+    let hidden = behind(data, &at(&bare, &found));
+    let (scan, _) = if hidden.is_empty() {
+        scan(data, &bare, &found.p, &layout.free, Wave::Torque)?
+    } else {
+        let (hidden, loads): (Vec<&Signals>, Model) = (hidden.iter().collect(), loads(&at(&bare, &found)));
+        scan(&hidden, &loads, &loads.values(), &Layout::of(&loads).free, Wave::Torque)?
+    };
     Some((bare, found, scan))
 }
 

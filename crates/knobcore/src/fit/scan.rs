@@ -40,7 +40,7 @@ pub struct Scan {
     /// Sum of squares without detent, (N m)^2.
     pub without: f64,
     /// The detent of each period: its sine and cosine coefficient, N m.
-    wave: Vec<[f64; 2]>,
+    pub(super) wave: Vec<[f64; 2]>,
 }
 
 /// A local maximum of the scan: a detent to start a descent from.
@@ -135,22 +135,22 @@ pub fn band(data: &[&Signals]) -> Option<([f64; 2], f64)> {
 // Vectors of eight that lie across two lines of the cache take several times as long to be written and read again.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
-struct Cell(Wide);
+pub(super) struct Cell(Wide);
 
 /// Grid of positions shared by all captures.
-struct Grid {
+pub(super) struct Grid {
     /// The first cell, one before the lowest position.
-    first_cell: f64,
+    pub first_cell: f64,
     width: f64,
     cells: usize,
     transform: usize,
     /// Index of the first and the last frequency of the transform that is looked at.
-    first: usize,
-    last: usize,
+    pub first: usize,
+    pub last: usize,
 }
 
 impl Grid {
-    fn over(data: &[&Signals]) -> Option<Self> {
+    pub fn over(data: &[&Signals]) -> Option<Self> {
         let (low, high) = extremes(data);
         let range = high - low;
         if !(range.is_finite() && range > 0.0) {
@@ -171,18 +171,23 @@ impl Grid {
         (first <= last).then_some(Self { first_cell: low - width, width, cells, transform, first, last })
     }
 
-    fn frequency(&self, index: usize) -> f64 {
+    /// Cells that nothing was spread over yet.
+    pub fn empty(&self) -> Vec<Cell> {
+        vec![Cell(Wide::of(0.0)); self.cells + 4]
+    }
+
+    pub fn frequency(&self, index: usize) -> f64 {
         TAU * index as f64 / (self.transform as f64 * self.width)
     }
 
     /// Spreads rows of up to a pack of columns over the four cells around each position.
-    fn spread(&self, theta: &[f64], columns: &[&[f64]], cells: &mut [Cell]) {
+    pub fn spread(&self, theta: &[f64], columns: &[&[f64]], cells: &mut [Cell]) {
         isa::dispatch_wide(Spread { grid: self, theta, columns, cells });
     }
 
     /// Sum over the samples of value * exp(-i k theta), up to a common phase, for every frequency k up to the `last` of a
     /// pack of columns, side by side: real and imaginary parts.
-    fn spectra(&self, cells: &[Cell], last: usize) -> [Vec<f64>; 2] {
+    pub fn spectra(&self, cells: &[Cell], last: usize) -> [Vec<f64>; 2] {
         let transform = Transform::of(self.transform);
         let mut rows = transform.rows(WIDE);
         for (at, cell) in cells.iter().enumerate() {
@@ -252,7 +257,7 @@ pub fn scan(
     let seeds = Seeds::of(model, linear);
     let k = linear.len();
     // The k columns, the residual, and the count of samples, packed.
-    let mut spread = vec![vec![Cell(Wide::of(0.0)); grid.cells + 4]; (k + 2).div_ceil(WIDE)];
+    let mut spread = vec![grid.empty(); (k + 2).div_ceil(WIDE)];
     let mut sum = super::moments::Moments::empty(k);
     evaluate(data, model, p, &seeds, |evaluated| {
         sum.add_columns(evaluated.columns);

@@ -1,0 +1,163 @@
+//! Detents that come with a joint: what the base has where it shows may show through a joint alone.
+
+use super::screen::{Screen, Start};
+use crate::effects::{Base, Id, Joint, Place, Survey};
+use crate::fit::{Shown, Through, range};
+use crate::model::{Model, Role, Slot};
+use crate::order::descending;
+use crate::param::Unit;
+use crate::rule::rule;
+use std::f64::consts::PI;
+
+/// Starts that are told of.
+const TOLD: usize = 4;
+
+/// What the base has where it shows: detents.
+pub fn detents() -> Option<Id> {
+    Id::BUILT_IN.iter().copied().find(|id| id.info().base == Some(Base::WhereShown))
+}
+
+/// Whether detents may come with a joint beside a model: where it has some, or lacks them and they are weighed.
+pub fn may_come(model: &Model, weighed: &[Id]) -> bool {
+    detents().is_some_and(|own| model.has(own) || weighed.contains(&own))
+}
+
+/// Of a joint's starts those through which detents show that the screen's model does not have, with these; and again with
+/// `shaft` loading the shaft. `floor` is what noise leaves of the sum of squares.
+pub fn shown(screen: &Screen<'_>, id: Id, starts: &[Start], shaft: &[Id], floor: f64) -> Vec<Start> {
+    let (data, model) = (screen.data, screen.model);
+    let Some(detents) = detents() else { return Vec::new() };
+    let others: Vec<Id> = model.effects().filter(|id| *id != detents).collect();
+    if others.iter().any(|id| id.info().needs == Some(detents.info().id)) {
+        // They are known by what changes them.
+        return Vec::new();
+    }
+    let Some(through) = model.only(&others).ok().and_then(|bare| Through::of(data, &bare)) else {
+        return Vec::new();
+    };
+    let known = model.period().map(|at| 1.0 / model.slots()[at].value);
+    let apart = PI / range(data);
+    let excess = through.squares - if floor.is_finite() { floor } else { 0.0 };
+    let through = |at: &usize, times: f64| {
+        let model = &starts[*at].model;
+        let joint = model.joint(&model.values())?;
+        let inertia = model.inertia().map(|at| model.slots()[at].value.abs())?;
+        let joint = Joint { stiffness: times * joint.stiffness, ..joint };
+        let seen = through.shown(&joint, joint.share * inertia)?;
+        Some((*at, Shown { stiffness: times * seen.stiffness, ..seen }))
+    };
+    let all: Vec<usize> = (0..starts.len()).collect();
+    let mut seen: Vec<(usize, Shown)> =
+        screen.watch.each(&all, |at| through(at, 1.0)).into_iter().flatten().collect();
+    seen.sort_by_cached_key(|(_, shown)| descending(shown.peak.gain));
+    seen.truncate(TOLD);
+    // Where the knob is depends on the stiffness: once more from the one that shows most.
+    let better = |(at, first): &(usize, Shown)| {
+        let again = through(at, first.stiffness).filter(|(_, again)| again.peak.gain > first.peak.gain);
+        again.unwrap_or((*at, *first))
+    };
+    let mut seen = screen.watch.each(&seen, better);
+    seen.retain(|(_, shown)| {
+        let gain = shown.peak.gain;
+        let other = known.is_none_or(|known| (known - 1.0 / shown.peak.period).abs() > apart);
+        let stands_out = gain >= rule().detents_stand_out * shown.background;
+        other && stands_out && gain >= rule().detents_share * excess
+    });
+    let with = |(at, shown): &(usize, Shown)| -> Option<Model> {
+        let mut with = starts[*at].model.clone();
+        if !with.has(detents) {
+            with = with.with(detents).ok()?;
+        }
+        let mut values = with.values();
+        for (value, slot) in values.iter_mut().zip(with.slots()).filter(|(_, slot)| slot.effect == id) {
+            if slot.param.unit == Unit::of(1, -1, 0) {
+                *value *= shown.stiffness;
+            }
+        }
+        let wave = [shown.peak.amplitude, shown.peak.period, shown.peak.phase];
+        let start = detents.law().starts(&Survey { waves: Some(vec![wave]), ..screen.survey.clone() });
+        let own = with.slots().iter().zip(&mut values).filter(|(slot, _)| slot.effect == detents);
+        for ((slot, value), new) in own.zip(start.first()?) {
+            if slot.role == Role::Free {
+                *value = *new;
+            }
+        }
+        with.set_values(&values);
+        Some(with)
+    };
+    let models = seen.iter().filter_map(with);
+    screen.by_promise(id, models.flat_map(|with| placed(&with, shaft)).collect())
+}
+
+/// A model without a joint with that of another and its detents; and again with `shaft` loading the shaft.
+pub fn with_joint(model: &Model, joined: &Model, shaft: &[Id]) -> Vec<Model> {
+    let came = |slot: &&Slot| Some(slot.effect) == detents() || slot.effect.info().place == Place::Coupling;
+    let mut with = model.clone();
+    for slot in joined.slots().iter().filter(came) {
+        if !with.has(slot.effect) {
+            let Ok(more) = with.with(slot.effect) else { return Vec::new() };
+            with = more;
+        }
+        // It has the same bounds there.
+        let _ = with.set(&slot.name(), slot.value);
+    }
+    placed(&with, shaft)
+}
+
+/// A model, and again with these effects at the shaft.
+fn placed(model: &Model, shaft: &[Id]) -> Vec<Model> {
+    let moved = || shaft.iter().try_fold(model.clone(), |model, id| model.with_at_shaft(*id)).ok();
+    let moved = if shaft.is_empty() { None } else { moved() };
+    std::iter::once(model.clone()).chain(moved).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::recorded::{knob, recorded};
+    use super::super::{Candidate, diagnose};
+    use super::*;
+    use crate::effects::Wave;
+    use crate::fit::{refine, waves};
+
+    const JOINT: [(&str, f64); 3] =
+        [("compliance.k", 0.6), ("compliance.d", 2e-3), ("compliance.share", 0.7)];
+
+    /// A soft joint beside a rigid knob without detents.
+    fn found(truth: &Model, weighed: &[Id]) -> Candidate {
+        let signals = recorded(truth, "a");
+        let base = refine(&[&signals], &knob(&[], &[])).unwrap().model;
+        let all = diagnose(&[&signals], &base, weighed, &|_| true).unwrap();
+        all.into_iter().find(|one| one.id == Id::Compliance).unwrap()
+    }
+
+    #[test]
+    fn a_soft_joint_without_detents_comes_without() {
+        let with = found(&knob(&[Id::Compliance], &JOINT), &[Id::Compliance, Id::Detent]);
+        let fit = with.fit.unwrap();
+        assert!(!fit.model.has(Id::Detent) && fit.rmse < 1.05 * fit.noise_floor);
+        assert_eq!(with.parameters, 3);
+    }
+
+    #[test]
+    fn through_a_soft_joint_the_detents_show_that_over_the_position_of_the_shaft_do_not() {
+        let joint = [("compliance.k", 0.6), ("compliance.d", 2e-3), ("compliance.share", 0.7)];
+        let detents = [("detent.A", 3e-3), ("detent.P", 0.03), ("detent.S", 0.5)];
+        let truth = knob(&[Id::Compliance, Id::Detent], &[&joint[..], &detents].concat());
+        let signals = recorded(&truth, "a");
+        let data = [&signals];
+        let rigid = refine(&data, &knob(&[], &[])).unwrap().model;
+        let through = Through::of(&data, &rigid).unwrap();
+        let own = truth.joint(&truth.values()).unwrap();
+        for off in [0.8, 1.0, 1.3] {
+            let joint = Joint { stiffness: off * own.stiffness, ..own };
+            let seen = through.shown(&joint, 0.7e-4).unwrap();
+            assert!((seen.peak.period / 0.03 - 1.0).abs() < 0.02, "{off}: {seen:?}");
+            assert!((seen.stiffness * off - 1.0).abs() < 0.3, "{off}: {seen:?}");
+            assert!((seen.peak.amplitude / 3e-3 - 1.0).abs() < 0.4, "{off}: {seen:?}");
+            assert!(seen.peak.gain > 30.0 * seen.background, "{off}: {seen:?}");
+            assert!(seen.peak.gain > 0.3 * through.squares, "{off}: {seen:?} {}", through.squares);
+        }
+        let [amplitude, ..] = waves(&data, &rigid, Wave::Torque)[0];
+        assert!(amplitude < 2e-3, "{amplitude}");
+    }
+}
