@@ -155,7 +155,7 @@ def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]
     """Return what the ladder says: which effects were causes, and what remains."""
     came = dict.fromkeys(step.added for step in ladder if step.added is not None)
     # Detents may come with a joint, whose step bears its name alone.
-    came |= dict.fromkeys(base_effects_shown(last.fit.model.coordinate))
+    came |= dict.fromkeys(base_effects_shown(ladder[-1].fit.model.coordinate))
     effects_now = ladder[-1].fit.model.effects
     found = tuple(one for one in came if one in effects_now and one not in base)
     if (fault := ladder[-1].fit.log_fault) is not None:
