@@ -109,6 +109,9 @@ await page.route("**/api/picture*", async (route) => {
 await page.emulateMedia({ reducedMotion: "no-preference" });
 await page.keyboard.press("?");
 await page.waitForFunction(() => document.querySelector("#about img")?.naturalWidth > 500);
+const moment = page.getByLabel("moment");
+await moment.fill(String(Math.round(0.6 * Number(await moment.getAttribute("max"))))); // by hand it stands still
+await page.getByRole("button", { name: "Play" }).waitFor();
 await picture("3-about");
 await page.emulateMedia({ reducedMotion: "reduce" });
 await page.getByRole("button", { name: "Close" }).click();
