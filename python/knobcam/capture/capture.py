@@ -134,8 +134,7 @@ class Capture(showing.Tabled):
         rows = np.arange(1, len(columns["theta"]) + 1)
         checked_as = (limit, rate_hz, meta or {}, rows, "arrays", overrule)
         capture = _checked(columns, coordinate, torque_unit, *checked_as)
-        check_overruled("arrays", overrule, capture.findings)
-        return capture._awaiting(overrule)
+        return capture._overruled("arrays", overrule)
 
     @property
     def axis(self) -> Coordinate:
@@ -166,7 +165,9 @@ class Capture(showing.Tabled):
         """Whether a person has overruled what was found of this kind in a column."""
         return any(one.overruled and (one.kind, one.column) == (kind, column) for one in self.findings)
 
-    def _awaiting(self, overrule: Collection[str]) -> Capture:
+    def _overruled(self, source: str, overrule: Collection[str]) -> Capture:
+        """Return it with notes of what was overruled before it is found; InputError for what it cannot be."""
+        check_overruled(source, overrule, self.findings)
         return replace(self, findings=(*self.findings, *awaited(overrule, self.findings)))
 
     def with_clipped(self) -> Capture:
@@ -344,8 +345,7 @@ def of_table(file: Path, table: Table, reading: Reading = PLAIN) -> Capture:
         capture = saved.restored(capture, native, table, keep, untouched)
         capture = capture if limit is None else saved.limited(capture, limit, rows[keep])
         capture = saved.ruled(capture, reading.overrule)
-        check_overruled(str(file), reading.overrule, capture.findings)
-        return capture._awaiting(reading.overrule)
+        return capture._overruled(str(file), reading.overrule)
     limits = {name: at[keep] for name, at in table.limits.items() if name in capture.columns}
     ruled = Ruled(reading.overrule)
     clipped, found = check_limits(limits, capture.mask, rows[keep])
@@ -357,8 +357,8 @@ def of_table(file: Path, table: Table, reading: Reading = PLAIN) -> Capture:
     beside = Ruled(reading.overrule)
     beside.lets((*table.notes, *resolved.notes))
     said = (*beside.findings, *capture.findings, *ruled.findings)
-    check_overruled(str(file), reading.overrule, said)
-    return replace(capture, mask=capture.mask & ~clipped, findings=said)._awaiting(reading.overrule)
+    whole = replace(capture, mask=capture.mask & ~clipped, findings=said)
+    return whole._overruled(str(file), reading.overrule)
 
 
 def _checked(

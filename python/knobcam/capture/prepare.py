@@ -182,8 +182,7 @@ def prepare(capture: Capture, method: str = "smooth", **options: float) -> Prepa
         rows = rows[~stands["tau"]]
     notes = _notes(capture, method, options, core)
     later = [*_strays(core, kept["t"], at), *_wrong(core), *_cut(capture, method, options, core)]
-    over = {one.key for one in capture.findings if one.overruled}
-    found = with_later(capture.findings, later, over)
+    found = with_later(capture.findings, later)
     return Prepared(capture, method, rows, dict(options), notes, core, found)
 
 

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from typing import TYPE_CHECKING
 
 from .. import _core
 from ..capture.finding import Finding
+from ..model.effects import effect as catalogued
 from . import refit
 from .rule import RULE
 
 if TYPE_CHECKING:
     from .fitting import Fit
 
-_AHEAD, _BEHIND = "actuation_delay", "torque_lag"
-_TIMES = {_AHEAD: ("actuation_delay.delay",), _BEHIND: ("torque_lag.lag", "torque_lag.delay")}
+_AHEAD, _BEHIND = _BOTH = "actuation_delay", "torque_lag"
 _NOTICED = 1.02  # times the noise floor, below which a delay is not looked for: it takes its time
 _ROWS = 0.6  # below which nobody can tell a delay from how a derivative is taken
 
@@ -27,7 +28,7 @@ def delayed(fit: Fit) -> _core.Fit | None:
     """
     catalogue, floor = fit.model.catalogue(), fit.noise_floor
     have = fit.model.effects
-    known = any(name in fit.model.params for one in _TIMES for name in _TIMES[one])
+    known = any(name in fit.model.params for one in _BOTH for name in _times(one))
     joined = any(catalogue[one].place == "coupling" for one in have)
     # Not where a floor is unknown either.
     if fit.before or known or joined or not fit.rmse > _NOTICED * floor:
@@ -73,12 +74,12 @@ def overruled(fit: Fit) -> bool:
 
 
 def _found(fit: Fit) -> Finding | None:
-    effect = next((one for one in _TIMES if _fitted(fit.core, one) and _sure(fit, fit.core, one)), None)
+    effect = next((one for one in _BOTH if _fitted(fit.core, one) and _sure(fit, fit.core, one)), None)
     core = fit.core if effect else fit.delayed
     if core is None:
         return None
     here = effect is not None
-    effect = effect or next(one for one in _TIMES if _fitted(core, one))
+    effect = effect or next(one for one in _BOTH if _fitted(core, one))
     samples = sum(one.capture.samples for one in fit.prepared)
     message = f"tau: stands {1e3 * _delay(core, effect):.3g} ms " + (
         "before the motion that it makes, as a command does"
@@ -94,8 +95,14 @@ def _found(fit: Fit) -> Finding | None:
     return Finding("late_column", "tau", samples, (), message, "warning")
 
 
+@cache
+def _times(effect: str) -> tuple[str, ...]:
+    """Return the parameters of an effect that are times."""
+    return tuple(f"{effect}.{one.name}" for one in catalogued(effect).params if one.unit == "s")
+
+
 def _fitted(core: _core.Fit, effect: str) -> bool:
-    return any(name in core.free for name in _TIMES[effect])
+    return any(name in core.free for name in _times(effect))
 
 
 def _sure(fit: Fit, core: _core.Fit, effect: str) -> bool:
@@ -106,4 +113,4 @@ def _sure(fit: Fit, core: _core.Fit, effect: str) -> bool:
 
 def _delay(core: _core.Fit, effect: str) -> float:
     """Return by how much a torque is off, s: a lag moves it by its time constant."""
-    return sum(value for name, value, *_ in core.model.rows() if name in _TIMES[effect])
+    return sum(value for name, value, *_ in core.model.rows() if name in _times(effect))

@@ -122,10 +122,13 @@ def error_fall(before: Fit, after: Fit) -> float:
     return 1.0 - after.rmse / before.rmse if before.rmse > 0.0 else 0.0
 
 
-def unpaid(fit: Fit, bare: Fit) -> bool:
-    """Whether a fit takes off no more than the price of the parameters that a barer one lacks."""
+def unpaid(fit: Fit, bare: Fit, noise: Fit | None = None) -> bool:
+    """Whether a fit takes off no more than the price of the parameters that a barer one lacks.
+
+    Held against its own noise, or against that of a third fit.
+    """
     count = len(fit.core.free) - len(bare.core.free)
-    return gain(bare, fit, fit) <= RULE.price * count
+    return gain(bare, fit, noise or fit) <= RULE.price * count
 
 
 def gain(before: Fit, after: Fit, noise: Fit) -> float:
@@ -158,9 +161,9 @@ def worse(fit: Fit) -> tuple[str, ...]:
     if fit.rmse >= before.rmse * (1.0 - _ROUNDING):
         said.append("the error that it was fitted to did not fall")
         return tuple(said)
-    count = len(fit.core.free) - len(before.core.free)
     # Held against the noise that `diagnose` holds it against: that of the fit before.
-    if before.noise_floor > 0.0 and gain(before, fit, before) <= RULE.price * count:
+    if before.noise_floor > 0.0 and unpaid(fit, before, before):
+        count = len(fit.core.free) - len(before.core.free)
         more = "another parameter" if count == 1 else f"{count} more parameters"
         said.append(f"the error fell by no more than chance takes off with {more}")
     return tuple(said)

@@ -29,9 +29,6 @@ if TYPE_CHECKING:
     from ..fit.compare import Comparison
 
 
-_TOGETHER = "weighing what could be missing together with a joint of shaft and knob"
-
-
 class Selection(NamedTuple):
     """The ladder, which effects were missing, what was weighed last and not added, and what none explains.
 
@@ -87,6 +84,12 @@ def _grown(
     nothing_to_find = base if given else [*base, *shown]
     together = sets = False
     helped: set[str] = set()
+
+    def weighed_together(diagnosis: Diagnosis, beside: Fit) -> list[LearningStep] | None:
+        tell("weighing what could be missing together with a joint of shaft and knob")
+        deadline.weighing = ["sets of a joint and another effect"]
+        return joined(diagnosis, beside, {*without, *described}, deadline)
+
     while True:
         fit = ladder[-1].fit
         tell(f"weighing what could be missing from {', '.join(fit.model.effects)}")
@@ -95,15 +98,12 @@ def _grown(
         diagnosis = diagnose(fit, without={*without, *described}, progress=deadline)
         diagnosis = overlooked(diagnosis, {*without, *described}, deadline)
         best = diagnosis.best
-        pair = None
         if not together and len(ladder) == 1 and bent(diagnosis):
             together = True
-            tell(_TOGETHER)
-            deadline.weighing = ["sets of a joint and another effect"]
-            pair = joined(diagnosis, best.fit if best else fit, {*without, *described}, deadline)
-        if pair is not None:
-            ladder[1:] = pair
-            continue
+            pair = weighed_together(diagnosis, best.fit if best else fit)
+            if pair is not None:
+                ladder[1:] = pair
+                continue
         if best is None and not sets and not fit.log_fault and fit.noise_floor > 0.0:
             tell("weighing what came in against other sets")
             if (lower := anew(ladder, diagnosis.comparison, deadline)) is not None:
@@ -127,10 +127,8 @@ def _grown(
             diagnosis = led or diagnosis
         if best is None:
             together = True
-            tell(_TOGETHER)
             first_weighed = next((step.diagnosis for step in ladder if step.diagnosis is not None), diagnosis)
-            deadline.weighing = ["sets of a joint and another effect"]
-            pair = joined(first_weighed, fit, {*without, *described}, deadline)
+            pair = weighed_together(first_weighed, fit)
             if pair is None:
                 return selection
             ladder[1:] = pair

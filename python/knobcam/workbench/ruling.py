@@ -68,8 +68,7 @@ def found(opened: Opened, fit: Fit | None, at: int) -> tuple[Finding, ...]:
     """
     if fit is None:
         return opened.capture.findings
-    over = {one.key for one in opened.capture.findings if one.overruled}
-    return with_later(fit.prepared[at].findings, by_model(fit) if at == 0 else (), over)
+    return with_later(fit.prepared[at].findings, by_model(fit) if at == 0 else ())
 
 
 def document(opened: Opened, fit: Fit | None = None, at: int = 0) -> list[pages.Finding]:

@@ -54,11 +54,7 @@ impl Way {
     /// The best of these with the other effect on the other side of the joint; with it at the knob, if it is at the
     /// shaft, where there is none.
     fn elsewhere(&self, looked: &[Self]) -> Option<Self> {
-        let at_shaft = |way: &Self| !way.model.shafts().is_empty();
-        let other = |way: &&Self| {
-            (way.coupling, way.companion) == (self.coupling, self.companion)
-                && at_shaft(way) != at_shaft(self)
-        };
+        let other = |way: &&Self| way.kind() == self.kind() && way.at_shaft() != self.at_shaft();
         let best = looked.iter().filter(other).min_by(|a, b| a.squares.total_cmp(&b.squares));
         let moved = || Some(Self { model: self.model.with_all_at_knob().ok()?, ..*self });
         best.cloned().or_else(|| if self.at_shaft() { moved() } else { None })

@@ -140,9 +140,8 @@ mod tests {
 
     #[test]
     fn through_a_soft_joint_the_detents_show_that_over_the_position_of_the_shaft_do_not() {
-        let joint = [("compliance.k", 0.6), ("compliance.d", 2e-3), ("compliance.share", 0.7)];
         let detents = [("detent.A", 3e-3), ("detent.P", 0.03), ("detent.S", 0.5)];
-        let truth = knob(&[Id::Compliance, Id::Detent], &[&joint[..], &detents].concat());
+        let truth = knob(&[Id::Compliance, Id::Detent], &[&JOINT[..], &detents].concat());
         let signals = recorded(&truth, "a");
         let data = [&signals];
         let rigid = refine(&data, &knob(&[], &[])).unwrap().model;

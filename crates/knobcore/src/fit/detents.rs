@@ -77,11 +77,12 @@ pub fn scan_beside(data: &[&Signals], model: &Model) -> Option<(Model, Found, Sc
         return Some((bare, found, scan));
     }
     let found = descend(data, &bare, &layout, &bare.values(), Effort::Full);
-    let hidden = behind(data, &at(&bare, &found));
+    let joined = at(&bare, &found);
+    let hidden = behind(data, &joined);
     let (scan, _) = if hidden.is_empty() {
         scan(data, &bare, &found.p, &layout.free, Wave::Torque)?
     } else {
-        let (hidden, loads): (Vec<&Signals>, Model) = (hidden.iter().collect(), loads(&at(&bare, &found)));
+        let (hidden, loads): (Vec<&Signals>, Model) = (hidden.iter().collect(), loads(&joined));
         scan(&hidden, &loads, &loads.values(), &Layout::of(&loads).free, Wave::Torque)?
     };
     Some((bare, found, scan))

@@ -101,6 +101,7 @@ impl<'a> Through<'a> {
             }
         }
         let [re, im] = self.grid.spectra(&cells, self.grid.last);
+        let count: f64 = self.speeds.iter().map(|(_, count, _)| count).sum();
         let lane = |lane: usize| {
             let mut scan = Scan { without: self.squares, ..Scan::default() };
             for (index, at) in (self.grid.first..=self.grid.last).enumerate() {
@@ -109,7 +110,6 @@ impl<'a> Through<'a> {
                     count * passes[index] * own.power(k * speed)
                 };
                 let passed: f64 = self.speeds.iter().map(part).sum();
-                let count: f64 = self.speeds.iter().map(|(_, count, _)| count).sum();
                 let [re, im] = [&re, &im].map(|x| x[at * WIDE + lane]);
                 // Counted from position zero.
                 let turn = Complex64::from_polar(1.0, k * self.grid.first_cell);
@@ -132,12 +132,10 @@ impl<'a> Through<'a> {
 
 /// How many samples go how fast, and what of a wave of each frequency of a grid then passes the filter.
 fn speeds(data: &[&Signals], grid: &Grid) -> Vec<(f64, f64, Vec<f64>)> {
-    let counted = |signals: &&Signals| -> Vec<f64> {
-        signals.omega.iter().zip(&signals.weight).filter(|(_, w)| **w > 0.0).map(|(x, _)| x.abs()).collect()
-    };
     let mut told = Vec::new();
     for signals in data {
-        let speeds = counted(signals);
+        let counted = signals.omega.iter().zip(&signals.weight).filter(|(_, w)| **w > 0.0);
+        let speeds: Vec<f64> = counted.map(|(x, _)| x.abs()).collect();
         let most = speeds.iter().copied().fold(0.0, f64::max) * (1.0 + 1e-9);
         let mut counts = [0.0; SPEEDS];
         speeds.iter().for_each(|speed| counts[(speed / most * SPEEDS as f64) as usize] += 1.0);

@@ -54,7 +54,7 @@ LATER = {
     "spike:alpha": "readings of alpha that all the others contradict",
     "band:theta": "a band in which the motion is not what the torque made",
     "edge:tau": "waves of the torque that its filter takes off",
-    "late_column:tau": "a torque that stands before the motion that it makes",
+    "late_column:tau": "a torque that stands before the motion that it makes, or after it",
 }
 """What a preparation or a fit finds, which can be overruled before it was looked for; in words."""
 
@@ -70,13 +70,12 @@ def awaited(overruled: Collection[str], findings: Collection[Finding]) -> tuple[
     return tuple(notes)
 
 
-def with_later(
-    findings: Collection[Finding], later: Iterable[Finding], over: Collection[str]
-) -> tuple[Finding, ...]:
-    """Return findings with those that came later, which are overruled if their keys are `over`.
+def with_later(findings: Collection[Finding], later: Iterable[Finding]) -> tuple[Finding, ...]:
+    """Return findings with those that came later, which are overruled where their keys are already.
 
     What was overruled at once is said once; a note of what was awaited makes room for what came.
     """
+    over = {one.key for one in findings if one.overruled}
     said = {one.key for one in findings if one.overruled and one.count}
     new = [one.over() if one.key in over else one for one in later if one.key not in said]
     came = {one.key for one in new}
