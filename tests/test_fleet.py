@@ -182,6 +182,21 @@ def test_ctrl_c_keeps_what_is_done_and_a_killed_worker_costs_no_more_than_what_i
     assert not nanny.is_running()
 
 
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # what Python says of it
+def test_an_interrupt_that_a_finaliser_swallows_ends_a_batch_all_the_same(lot: Path, tmp_path: Path):
+    class Ends:
+        def __del__(self) -> None:
+            signal.raise_signal(signal.SIGINT)
+
+    def told(words: str) -> None:
+        if words.startswith("fitting") and " of " in words:
+            Ends()
+
+    with pytest.raises(KeyboardInterrupt, match="captures are kept; the same command goes on from there"):
+        kc.batch(lot, tmp_path / "results", progress=told)
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
 def test_a_scheduler_that_goes_away_costs_one_line_and_nothing_that_was_done(tmp_path: Path):
     for seed in range(30):
         part(seed).save(tmp_path / f"{seed:02d}.npz")

@@ -66,3 +66,11 @@ def test_what_only_led_to_a_joint_is_not_named_with_it() -> None:
     story = learnt("one/compliance:6000")
     assert story.found == ("compliance",)
     assert story.verdict == "missing"
+
+
+def test_a_spring_over_fine_detents_is_no_soft_joint() -> None:
+    # One slow wave follows the spring, with any joint and without.
+    knob = kc.hiding("knob3", "return_spring", motion="sweep", duration_s=6.0)
+    story = kc.learn(kc.simulate(knob, "sweep", duration_s=6.0))
+    assert (story.verdict, story.found) == ("missing", ("return_spring",))
+    assert "detent" in story.fit.model.effects

@@ -206,6 +206,18 @@ def test_a_formula_is_fitted_while_it_is_typed_and_changes_nothing(asked: httpx.
     wrong(asked.get("/api/law", params=now), 400, "type one first")
 
 
+def test_of_two_formulas_the_one_that_was_typed_last_is_fitted_whichever_comes_first(
+    opened: httpx.Client,
+) -> None:
+    tried = opened.post("/api/typed", json={"law": "k*theta", "typed_ms": 2000}).json()
+    assert tried["tried"]["law"] == "k*theta"
+    late = opened.post("/api/typed", json={"law": "k*th", "typed_ms": 1999}).json()
+    assert "tried" not in late and late["unfinished"].startswith("cancelled")
+    newer = opened.post("/api/typed", json={"law": "k*th", "typed_ms": 2001}).json()
+    assert "character" in newer["unfinished"]
+    wrong(opened.post("/api/typed", json={"law": "k*theta", "typed_ms": -1}), 400, "typed_ms")
+
+
 def test_where_nothing_has_a_name_a_law_is_looked_for_unasked(
     bench: Bench, braked: kc.Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -62,7 +62,8 @@ export class Overlay {
    */
   async attempt(formula, told) {
     try {
-      const { tried, unfinished } = await post("typed", formula);
+      // Two requests may arrive the other way round: the older one would give up the newer.
+      const { tried, unfinished } = await post("typed", { ...formula, typed_ms: Date.now() });
       if (unfinished !== undefined) this.look(null);
       if (!tried) return unfinished ?? "";
       told(tried);

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -61,3 +61,31 @@ def by_exception() -> Iterator[None]:
         for number in ours:
             if signal.getsignal(number) in (end, signal.SIG_IGN):
                 signal.signal(number, signal.SIG_DFL)
+
+
+@contextmanager
+def heard() -> Iterator[Callable[[], None]]:
+    """Give what raises the KeyboardInterrupt or `Ended` that was lost, for long work to call as it goes on.
+
+    Python prints and forgets what is raised in a finaliser, and libraries have some that run at any time.
+    """
+    lost: list[BaseException] = []
+    before = signal.getsignal(signal.SIGINT)
+    ours = before is signal.default_int_handler and threading.current_thread() is threading.main_thread()
+    known = len(_asked)
+
+    def interrupt(number: int, frame: Any) -> None:
+        lost.append(KeyboardInterrupt())
+        signal.default_int_handler(number, frame)
+
+    def check() -> None:
+        for one in (*_asked[known:], *lost):
+            raise one
+
+    if ours:
+        signal.signal(signal.SIGINT, interrupt)
+    try:
+        yield check
+    finally:
+        if ours:
+            signal.signal(signal.SIGINT, before)

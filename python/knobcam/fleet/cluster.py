@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import Any
 
+from ..base.ended import heard
 from ..base.optional import require
 from ..errors import InputError, KnobcamError
 from .row import Row, lost, row_of
@@ -151,20 +152,24 @@ def run(
     under_way: dict[Any, list[Task]] = {}
     done = distributed.as_completed(loop=client.loop)
     try:
-        while waiting or under_way:
-            while waiting and len(under_way) < _AHEAD * max(len(client.nthreads()), 1):
-                some = waiting.pop()
-                future = client.submit(work, some, settings, learned, pure=False)
-                under_way[future] = some
-                done.add(future)
-            future = next(done)
-            some = under_way.pop(future)
-            if future.status == "finished":
-                take(some, future.result())
-            elif future.status == "error":
-                waiting += _again(some, future.exception(), settings, learned, take)
-            else:
-                raise Gone("the scheduler went away")
+        with heard() as check:  # the futures of Dask have finalisers
+            while True:
+                check()
+                if not (waiting or under_way):
+                    return
+                while waiting and len(under_way) < _AHEAD * max(len(client.nthreads()), 1):
+                    some = waiting.pop()
+                    future = client.submit(work, some, settings, learned, pure=False)
+                    under_way[future] = some
+                    done.add(future)
+                future = next(done)
+                some = under_way.pop(future)
+                if future.status == "finished":
+                    take(some, future.result())
+                elif future.status == "error":
+                    waiting += _again(some, future.exception(), settings, learned, take)
+                else:
+                    raise Gone("the scheduler went away")
     except (OSError, TimeoutError) as error:
         raise Gone("the scheduler went away") from error
 

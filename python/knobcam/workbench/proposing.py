@@ -15,6 +15,7 @@ from ..model.own_law import free_name, guesses, own_law
 from . import arrays
 from .answers import answered, bytes_answer, finished
 from .bodies import read_json, text, whole
+from .jobs import Cancelled
 from .learned import learned
 
 if TYPE_CHECKING:
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from .tree import Node
 
 _MOST = 99
+_LATEST_MS = 2**53  # of a clock in JavaScript
 
 
 class Proposing:
@@ -40,6 +42,7 @@ class Proposing:
 
     def __init__(self, bench: Bench) -> None:
         self.bench = bench
+        self._typed_ms = 0  # when the newest formula was typed, which may not be the last that came
         self.gets = {"law": self.law}
         self.posts = {
             "propose": self.propose,
@@ -85,12 +88,16 @@ class Proposing:
         return answered(session)
 
     async def attempt(self, request: Request) -> Response:
-        """Fit a formula on the side while it is typed; one that was tried before is given up.
+        """Fit a formula on the side while it is typed; one that was typed before is given up.
 
         What is no formula yet is no wrong request: what it lacks is the answer.
         """
         body = await read_json(request)
         law, guess, session = text(body, "law").strip(), text(body, "guess", ""), self.bench.session
+        at_ms = whole(body, "typed_ms", self._typed_ms, 0, _LATEST_MS)
+        if at_ms < self._typed_ms:
+            return answered(session, unfinished=str(Cancelled()))
+        self._typed_ms = at_ms
         self.bench.trying.cancel()
         try:
             start = guesses(guess.replace(",", " ").split(), "start")

@@ -33,7 +33,8 @@ pub fn beside(screen: &Screen<'_>, effects: &[Id]) -> Vec<Ways> {
     first.sort_by_cached_key(|(_, start)| Ascending(start.predicted));
     let most = first.first().map_or(0.0, |(_, start)| promise(start));
     let least = (rule().rival_beside * most).max(rule().worth_following * screen.squares);
-    first.retain(|(_, start)| promise(start) >= least);
+    // Who asks for one alone wants it followed, however little it explains.
+    first.retain(|(_, start)| promise(start) >= least || effects.len() == 1);
     first.truncate(LOOKED);
     let [coarse, middle] = [COARSE_HZ, MIDDLE_HZ].map(|edge| slowed(data, edge));
     let [coarse, middle]: [Vec<&Signals>; 2] = [&coarse, &middle].map(|view| view.iter().collect());

@@ -4,7 +4,7 @@ use super::beside::beside;
 use super::coupled::{Ways, coupled};
 use super::null::Null;
 use super::screen::{Screen, Start};
-use super::shown::may_come;
+use super::shown::{detents, may_come, needed};
 use super::watch::{Tell, Watch};
 use crate::effects::{Id, Place};
 use crate::fit::{Fit, Found, differ, report, sketch};
@@ -45,7 +45,7 @@ pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_
     let floor = Floor::with(data, &noises);
     let white = if floor.white > 0.0 { floor.white } else { screen.squares.max(f64::MIN_POSITIVE) * 1e-12 };
     let (slow, quick): (Vec<Id>, Vec<Id>) = effects.iter().partition(|id| id.info().place == Place::Coupling);
-    let detents = may_come(model, effects);
+    let may_come = may_come(model, effects);
     // Beside a coupling each step takes long; what several runs have apart is not looked at in steps.
     let told = |Ways { id, starts, end }| {
         watch.step();
@@ -67,7 +67,18 @@ pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_
     let explained = left <= rule().explained * floor.squares && better || most;
     // Who asks for couplings alone wants to know.
     if quick.is_empty() || left.is_nan() || floor.squares.is_nan() || !explained {
-        found.extend(coupled(&screen, &slow, detents).into_iter().map(told));
+        let joints: Vec<_> = coupled(&screen, &slow, may_come).into_iter().map(told).collect();
+        let own = detents().filter(|own| !joints.is_empty() && !model.has(*own));
+        let known = found.iter().map(|(one, _)| one).find(|one| Some(one.id) == own).cloned();
+        // Who asks for a joint alone gets one without detents rather than none.
+        let alone = own.filter(|_| quick.is_empty());
+        let rigid = known.or_else(|| Some(fitted(&screen, alone?, [white, floor.squares]).0));
+        let mut joints: Vec<_> =
+            joints.into_iter().map(|(joint, starts)| (needed(joint, rigid.as_ref()), starts)).collect();
+        if alone.is_some() && joints.iter().all(|(joint, _)| joint.fit.is_none()) {
+            joints = coupled(&screen, &slow, false).into_iter().map(told).collect();
+        }
+        found.extend(joints);
     }
     found.sort_by_cached_key(|(candidate, _)| candidate.id);
     let noises: Vec<Noise> = noises.into_iter().map(|noise| noise.unwrap_or(Noise::white(white))).collect();
@@ -344,6 +355,18 @@ mod tests {
         let signals = recorded(&knob(&own, truth), "fifth");
         let base = refine(&[&signals], &knob(&[], &[])).unwrap().model;
         diagnose(&[&signals], &base, effects, &|_| true).unwrap()
+    }
+
+    #[test]
+    fn an_effect_that_is_asked_for_alone_is_fitted_beside_a_joint_however_little_it_explains() {
+        let joint = [("compliance.k", 0.3), ("compliance.d", 2e-3), ("compliance.share", 0.7)];
+        let truth = knob(&[Id::Compliance], &joint);
+        let signals = recorded(&truth, "fifth");
+        let data = [&signals];
+        let base = refine(&data, &truth).unwrap();
+        let found = diagnose(&data, &base.model, &[Id::ReturnSpring], &|_| true).unwrap();
+        let fit = found[0].fit.as_ref().unwrap();
+        assert!(found[0].p_value > 0.05 && (fit.rmse / base.rmse - 1.0).abs() < 0.01);
     }
 
     #[test]

@@ -10,6 +10,7 @@ use super::chosen;
 use super::screen::{Screen, Start};
 use crate::effects::{Id, Place};
 use crate::fit::add_products;
+use crate::floor::doubt;
 use crate::noise::Noise;
 use crate::random;
 use nalgebra::{Cholesky, DMatrix, DVector};
@@ -19,6 +20,8 @@ use std::collections::BTreeMap;
 const DRAWS: usize = 999;
 /// Signatures of an effect that are looked at, over all of its starts.
 const MOST: usize = 40;
+/// Cube root of the smallest variance that noise is drawn with, of what it was read to have.
+const SMALLEST: f64 = 0.3;
 
 /// Gains of effects by chance.
 pub struct Null {
@@ -75,6 +78,8 @@ impl Null {
         let waves =
             screen.watch.each(&scanned, |(id, _)| (*id, chosen::gains(screen, &chance, white, *id, DRAWS)));
         gains.extend(waves.into_iter().filter(|(_, gains)| !gains.is_empty()));
+        let off = off(doubt(screen.data, noises));
+        gains.values_mut().for_each(|gains| gains.iter_mut().zip(&off).for_each(|(gain, off)| *gain *= off));
         let scale: BTreeMap<Id, (f64, f64)> = gains.iter().map(|(id, g)| (*id, spread(g))).collect();
         let mut largest: Vec<f64> = (0..DRAWS)
             .map(|draw| {
@@ -98,6 +103,15 @@ impl Null {
         let above = self.largest.len() - self.largest.partition_point(|x| *x < standardised);
         (1 + above) as f64 / (1 + self.largest.len()) as f64
     }
+}
+
+/// What gains are off by in each draw, for a noise of which the variance is known to this share alone: it is one over that
+/// of as many independent samples (Student 1908), by Wilson & Hilferty 1931.
+fn off(error: f64) -> Vec<f64> {
+    let ninth = error * error / 9.0; // 2 / (9 n) of n samples
+    let mut noise = random::Noise::new(0x6f66_6600);
+    let square = |_| (1.0 - ninth + noise.normal() * ninth.sqrt()).max(SMALLEST).powi(3);
+    (0..DRAWS).map(square).map(f64::recip).collect()
 }
 
 fn spread(values: &[f64]) -> (f64, f64) {
@@ -169,5 +183,29 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn of_a_noise_that_is_hardly_known_rare_gains_are_less_rare() {
+        assert!(off(0.0).iter().all(|off| *off == 1.0));
+        let known = off(0.3);
+        let variances: Vec<f64> = known.iter().map(|off| off.recip()).collect();
+        let (mean, sd) = spread(&variances);
+        assert!((mean - 1.0).abs() < 0.03 && (sd - 0.3).abs() < 0.03, "{mean} {sd}");
+        // Of 22 independent samples in one of a hundred the variance is below 9.54 / 22 of what it is.
+        let rare = known.iter().filter(|off| **off > 22.0 / 9.54).count();
+        assert!((4..=20).contains(&rare), "{rare}");
+    }
+
+    #[test]
+    fn slow_noise_is_known_less_and_that_of_two_captures_better() {
+        let data = recorded(&knob(&[], &[]), "a");
+        let white = Noise::white(1.0);
+        let slow = Noise { coefficients: vec![-0.97], innovation: 0.0591 };
+        let one = doubt(&[&data], std::slice::from_ref(&white));
+        let ratio = doubt(&[&data], std::slice::from_ref(&slow)) / one;
+        let alike = (1.0 + 0.97_f64.powi(2)) / (1.0 - 0.97_f64.powi(2)); // Bartlett 1946
+        assert!((ratio / alike.sqrt() - 1.0).abs() < 1e-2, "{ratio}");
+        assert!((doubt(&[&data, &data], &[white.clone(), white]) * 2.0_f64.sqrt() / one - 1.0).abs() < 1e-9);
     }
 }

@@ -1,5 +1,6 @@
 //! Detents that come with a joint: what the base has where it shows may show through a joint alone.
 
+use super::candidates::Candidate;
 use super::screen::{Screen, Start};
 use crate::effects::{Base, Id, Joint, Place, Survey};
 use crate::fit::{Shown, Through, range};
@@ -17,9 +18,11 @@ pub fn detents() -> Option<Id> {
     Id::BUILT_IN.iter().copied().find(|id| id.info().base == Some(Base::WhereShown))
 }
 
-/// Whether detents may come with a joint beside a model: where it has some, or lacks them and they are weighed.
+/// Whether detents may come with a joint beside a model: where it has some, or lacks them and they are weighed, or where
+/// nothing but joints is asked for.
 pub fn may_come(model: &Model, weighed: &[Id]) -> bool {
-    detents().is_some_and(|own| model.has(own) || weighed.contains(&own))
+    let joints = weighed.iter().all(|id| id.info().place == Place::Coupling);
+    detents().is_some_and(|own| joints || model.has(own) || weighed.contains(&own))
 }
 
 /// Of a joint's starts those through which detents show that the screen's model does not have, with these; and again with
@@ -104,6 +107,18 @@ pub fn with_joint(model: &Model, joined: &Model, shaft: &[Id]) -> Vec<Model> {
     placed(&with, shaft)
 }
 
+/// A joint, unless the detents that come with it explain as much without it: then they are what is found.
+pub fn needed(joint: Candidate, rigid: Option<&Candidate>) -> Candidate {
+    let came = |own: &&Candidate| joint.fit.as_ref().is_some_and(|fit| fit.model.has(own.id));
+    let Some(rigid) = rigid.filter(came) else { return joint };
+    let price = rule().price * (joint.parameters as f64 - rigid.parameters as f64);
+    if joint.gain - rigid.gain > price {
+        return joint;
+    }
+    let note = format!("the {} that comes with it explains as much without it", rigid.id.info().id);
+    Candidate { fit: None, gain: 0.0, p_value: 1.0, note, ..joint }
+}
+
 /// A model, and again with these effects at the shaft.
 fn placed(model: &Model, shaft: &[Id]) -> Vec<Model> {
     let moved = || shaft.iter().try_fold(model.clone(), |model, id| model.with_at_shaft(*id)).ok();
@@ -113,8 +128,8 @@ fn placed(model: &Model, shaft: &[Id]) -> Vec<Model> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::diagnose;
     use super::super::tests::recorded::{knob, recorded};
-    use super::super::{Candidate, diagnose};
     use super::*;
     use crate::effects::Wave;
     use crate::fit::{refine, waves};
@@ -158,5 +173,33 @@ mod tests {
         }
         let [amplitude, ..] = waves(&data, &rigid, Wave::Torque)[0];
         assert!(amplitude < 2e-3, "{amplitude}");
+    }
+
+    #[test]
+    fn a_joint_is_no_candidate_where_the_detents_that_come_with_it_explain_as_much_alone() {
+        let data = recorded(&knob(&[], &[]), "a");
+        let beside = |ids: &[Id], gain: f64| {
+            let fit = refine(&[&data], &knob(ids, &[])).unwrap();
+            let parameters = 3 * ids.len();
+            Candidate { id: ids[0], fit: Some(fit), gain, parameters, p_value: 0.001, note: String::new() }
+        };
+        let rigid = beside(&[Id::Detent], 9000.0);
+        let price = 3.0 * rule().price;
+        let with = [Id::Compliance, Id::Detent];
+        let none = needed(beside(&with, 9000.0 + price), Some(&rigid));
+        assert!(none.fit.is_none() && none.gain == 0.0 && none.note.contains("detent"), "{none:?}");
+        assert!(needed(beside(&with, 9000.1 + price), Some(&rigid)).fit.is_some());
+        assert!(needed(beside(&with, 9000.0), None).fit.is_some());
+        assert!(needed(beside(&with[..1], 1.0), Some(&rigid)).fit.is_some(), "no detents came with it");
+    }
+
+    #[test]
+    fn who_asks_for_a_joint_alone_gets_what_a_diagnosis_promises() {
+        let detents = [("detent.A", 3e-3), ("detent.P", 0.03), ("detent.S", 0.5)];
+        let truth = knob(&[Id::Compliance, Id::Detent], &[&JOINT[..], &detents].concat());
+        let promised = found(&truth, &[Id::Compliance, Id::Detent]).fit.unwrap();
+        let alone = found(&truth, &[Id::Compliance]).fit.unwrap();
+        assert!(alone.model.effects().eq(promised.model.effects()));
+        assert!((alone.rmse / promised.rmse - 1.0).abs() < 1e-6);
     }
 }

@@ -75,6 +75,20 @@ fn repeated(heard: Vec<Heard>, data: &[&Signals]) -> Vec<Option<Noise>> {
     spectral.into_iter().zip(pure).zip(data).zip(&rests).map(of).collect()
 }
 
+/// Standard error of the variance of all captures' noise together, as a share of it.
+///
+/// What is white is read before the measurement filter, where all samples are independent.
+pub fn doubt(data: &[&Signals], noises: &[Noise]) -> f64 {
+    let (mut rows, mut squares) = (0.0, 0.0);
+    for (signals, noise) in data.iter().zip(noises) {
+        let own = signals.used() as f64;
+        let alike = if noise.coefficients.is_empty() { 1.0 } else { noise.alike(signals.filter.as_ref()) };
+        rows += own;
+        squares += (own * spectral::error(alike, own)).powi(2);
+    }
+    squares.sqrt() / rows
+}
+
 /// What the measurement filter leaves of white noise.
 fn gain(signals: &Signals) -> f64 {
     signals.filter.as_ref().map_or(1.0, |filter| filter.sos().mean_power())

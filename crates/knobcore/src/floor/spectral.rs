@@ -141,7 +141,7 @@ fn as_left(noise: Noise, signals: &Signals, rest: &[f64]) -> Noise {
     let rows = signals.used().max(1) as f64;
     let filter = signals.filter.as_ref();
     let louder = left(signals, rest) / noise.behind(filter);
-    let error = ((1.0 + QUANTILES_ERROR) * 2.0 * noise.alike(filter) / rows).sqrt();
+    let error = error(noise.alike(filter), rows);
     if louder.is_finite() && louder <= 1.0 + rule().steady * error {
         return Noise { innovation: noise.innovation * louder, ..noise };
     }
@@ -166,8 +166,12 @@ pub(super) fn left(signals: &Signals, rest: &[f64]) -> f64 {
 
 /// The least that noise which leaves so much, of so many rows of which some are `alike`, surely leaves.
 pub(super) fn least(noise: f64, rows: f64, alike: f64) -> f64 {
-    let error = ((1.0 + QUANTILES_ERROR) * 2.0 * alike / rows).sqrt();
-    noise / (rule().explained * (1.0 + rule().steady * error))
+    noise / (rule().explained * (1.0 + rule().steady * error(alike, rows)))
+}
+
+/// Standard error of a noise's variance, as a share of it, that was read of so many rows of which some are `alike`.
+pub(super) fn error(alike: f64, rows: f64) -> f64 {
+    ((1.0 + QUANTILES_ERROR) * 2.0 * alike / rows).sqrt()
 }
 
 /// Variance behind the filter of white noise with straight lines in it, over what its power in the band above lets

@@ -3919,7 +3919,7 @@ var Overlay = class {
    */
   async attempt(formula, told) {
     try {
-      const { tried, unfinished } = await post("typed", formula);
+      const { tried, unfinished } = await post("typed", { ...formula, typed_ms: Date.now() });
       if (unfinished !== void 0) this.look(null);
       if (!tried) return unfinished ?? "";
       told(tried);
