@@ -9,15 +9,27 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 /// A law as it goes out: formula, parameters, variables, gain, whether it explains as much as the best,
-/// complexity, how many laws are added in it.
-type LawRow = (String, Vec<(String, f64)>, Vec<&'static str>, f64, bool, usize, usize);
+/// complexity, how many laws are added in it, how many of its parameters are free.
+type LawRow = (String, Vec<(String, f64)>, Vec<&'static str>, f64, bool, usize, usize, usize);
 
-/// Laws, the chance of the first, what is left as a curve, and the spline that is a law with what it leaves.
-type Answer<'py> = (Vec<LawRow>, f64, Option<Bound<'py, PyDict>>, Option<(LawRow, f64)>);
+/// Variables of a curve or a surface, what it leaves on blocks that it did not see, as a share, and the chance of that.
+type NeedRow = (Vec<&'static str>, f64, f64);
+
+/// Laws, the chance of the first, what is left as a curve, the curve or surface that is a law with what it leaves, which
+/// variables it needs, and what is left as a map.
+type Answer<'py> = (
+    Vec<LawRow>,
+    f64,
+    Option<Bound<'py, PyDict>>,
+    Option<(LawRow, f64)>,
+    Vec<NeedRow>,
+    Option<Bound<'py, PyDict>>,
+);
 
 /// Laws for what a fitted model leaves, best first, the chance of the first where nothing is missing, the curve of what
-/// is left (a dict with the fields of `Curve`), if there is one, and a spline that explains more than each law with what it
-/// leaves on blocks that it did not see, as a share, if one does. `progress` as of `diagnose`.
+/// is left (a dict with the fields of `Curve`), if there is one, a spline or surface that explains more than each law with
+/// what it leaves on blocks that it did not see, as a share, if one does, which variables curves and surfaces need, and what
+/// is left over the best pair of them (a dict with the fields of `Map`). `progress` as of `diagnose`.
 #[pyfunction]
 #[pyo3(signature = (data, model, progress=None))]
 pub fn propose<'py>(
@@ -31,8 +43,10 @@ pub fn propose<'py>(
     let progress = Progress::of(progress);
     let found = watched(py, model, || propose_core(signals, model, &|share| progress.tell(share)))?;
     let found = progress.ended(found)?;
-    let row =
-        |law: Law| (law.text, law.params, law.variables, law.gain, law.alike, law.complexity, law.terms);
+    let row = |law: Law| {
+        let Law { text, params, variables, gain, alike, count, complexity, terms } = law;
+        (text, params, variables, gain, alike, complexity, terms, count)
+    };
     let laws = found.laws.into_iter().map(row);
     let curve = found.curve.map(|curve| {
         let told = PyDict::new(py);
@@ -45,5 +59,16 @@ pub fn propose<'py>(
         Ok::<_, PyErr>(told)
     });
     let spline = found.spline.map(|spline| (row(spline.law), spline.heldout));
-    Ok((laws.collect(), found.p_value, curve.transpose()?, spline))
+    let needs = found.needs.into_iter().map(|need| (need.variables, need.heldout, need.p_value)).collect();
+    let map = found.map.map(|map| {
+        let told = PyDict::new(py);
+        told.set_item("over", map.over)?;
+        told.set_item("times", map.times)?;
+        let [x, y] = &map.places;
+        for (name, column) in [("x", x), ("y", y), ("value", &map.value), ("band", &map.band)] {
+            told.set_item(name, array(py, column))?;
+        }
+        Ok::<_, PyErr>(told)
+    });
+    Ok((laws.collect(), found.p_value, curve.transpose()?, spline, needs, map.transpose()?))
 }

@@ -8,11 +8,14 @@ mod chance;
 mod curve;
 mod follow;
 mod grammar;
+mod needs;
 mod pairs;
+mod penalized;
 mod rows;
 mod scan;
 mod spline;
 mod sum;
+mod surface;
 #[cfg(test)]
 mod tests;
 
@@ -24,13 +27,17 @@ use crate::order::descending;
 use crate::param::Axis;
 use crate::rule::rule;
 use crate::signals::Signals;
+use chance::Chance;
 pub use curve::Curve;
 use follow::{Followed, Reach};
 use grammar::{Factor, Powers, Shape, Term, Variable};
+pub use needs::Need;
+use needs::needs;
 use rows::Rows;
 use scan::{Seen, functions, scan, sines, turning, widened};
 pub use spline::Written;
 use sum::Sum;
+pub use surface::Map;
 
 /// Rows that tell what is fast.
 const MEDIUM: usize = 8000;
@@ -75,6 +82,8 @@ pub struct Law {
     pub gain: f64,
     /// Whether it explains as much as the best.
     pub alike: bool,
+    /// How many of its parameters are free.
+    pub count: usize,
     /// How long it is.
     pub complexity: usize,
     /// How many laws are added in it.
@@ -90,6 +99,10 @@ pub struct Proposed {
     pub p_value: f64,
     /// What is left as a curve over the variable of the first law.
     pub curve: Option<Curve>,
+    /// What it is of, by curves and surfaces: the one first that does best on blocks that it did not see.
+    pub needs: Vec<Need>,
+    /// What is left over the best pair of variables.
+    pub map: Option<Map>,
     /// A spline that explains more than each of the laws, if one does.
     pub spline: Option<Written>,
 }
@@ -100,7 +113,8 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
     let (fine, squares) = Rows::of(data, model);
     let noises = noises(data, model);
     let floor = Floor::with(data, &noises);
-    let none = Proposed { laws: Vec::new(), p_value: 1.0, curve: None, spline: None };
+    let none =
+        Proposed { laws: Vec::new(), p_value: 1.0, curve: None, needs: Vec::new(), map: None, spline: None };
     let white = floor.white;
     if !(white > 0.0 && floor.squares.is_finite()) || fine.len() == 0 {
         return Some(none);
@@ -135,7 +149,8 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
     }
     ended.sort_by_cached_key(|one| descending(search.score(one)));
     let (Some(found), Some(first)) = (seen.first(), ended.first()) else { return Some(none) };
-    let p_value = chance::p_value(data, &noises, &rows[1], (&powers, &tried), found, white);
+    let chance = Chance::of(data, &noises, &rows[1], white);
+    let p_value = chance.p_value((&powers, &tried), found);
     let excess = squares - floor.squares;
     let enough = first.gain >= rule().share * excess && first.gain >= rule().worth * squares;
     if p_value > rule().chance || !enough || search.score(first) <= 0.0 {
@@ -150,8 +165,7 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
         let by_chance = |pair: &Followed| {
             pair.law.0.iter().any(|term| {
                 let second = Seen { term: term.clone(), gain: more(pair) };
-                let p = chance::p_value(data, &noises, &rows[1], (&powers, &tried), &second, white);
-                p > rule().chance
+                chance.p_value((&powers, &tried), &second) > rule().chance
             })
         };
         // What is small beside the first shows once that is taken off.
@@ -181,13 +195,24 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
             variables: one.law.variables(),
             gain: one.gain / white,
             alike: top - search.score(&one) <= margin,
+            count: one.law.count(),
             complexity: one.law.complexity(),
             terms: one.law.0.len(),
         }
     };
     let laws: Vec<Law> = ended.into_iter().map(law).collect();
-    let spline = spline::beyond(&laws, [&fine, &rows[1]], &of, &reach, white);
-    Some(Proposed { laws, p_value, curve, spline })
+    let (splines, surfaces) = (spline::all(&rows[1], &reach, &watch), surface::all(&rows[1], &reach, &watch));
+    if !watch.wanted() {
+        return None;
+    }
+    let needs = needs(&splines, &surfaces, &rows[1], (&chance, &watch));
+    let surface = surfaces.first().and_then(|first| first.better(&rows[0], &reach));
+    let map = surface.as_ref().map(|surface| surface.map(&rows[0]));
+    // A surface says whatever a curve does: it has to do better on what neither saw.
+    let curves = splines.iter().map(|one| one.held.unseen).fold(0.0, f64::min);
+    let surface = surface.filter(|_| surfaces.first().is_some_and(|one| one.held.unseen < curves));
+    let spline = spline::beyond(&laws, (&splines, surface), &fine, &reach, white);
+    Some(Proposed { laws, p_value, curve, needs, map, spline })
 }
 
 /// Of laws, best first, those that pay for their length: no shorter one explains as much; those that explain as much as the
@@ -196,9 +221,11 @@ fn paid(laws: Vec<Followed>, margin: f64, white: f64) -> Vec<Followed> {
     let score = |one: &Followed| one.gain / white - rule().price * one.law.count() as f64;
     let top = laws.iter().map(score).fold(f64::NEG_INFINITY, f64::max);
     let far = |one: &Followed| top - score(one) > margin;
+    // Of two that are as long the one with fewer parameters is the shorter.
+    let length = |one: &Followed| (one.law.complexity(), one.law.count());
     let needless = |one: &Followed| {
         laws.iter().any(|other| {
-            let shorter = other.law.complexity() < one.law.complexity();
+            let shorter = length(other) < length(one);
             shorter && ((one.gain - other.gain) / white <= margin || score(other) >= score(one))
         })
     };
@@ -208,7 +235,7 @@ fn paid(laws: Vec<Followed>, margin: f64, white: f64) -> Vec<Followed> {
             if far(a) {
                 score(b).total_cmp(&score(a))
             } else {
-                a.law.complexity().cmp(&b.law.complexity()).then(b.gain.total_cmp(&a.gain))
+                length(a).cmp(&length(b)).then(b.gain.total_cmp(&a.gain))
             }
         })
     });
