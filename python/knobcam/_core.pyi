@@ -310,14 +310,13 @@ def propose(
     data: Sequence[Signals],
     model: Model,
     progress: Callable[[float], object] | None = None,
-) -> tuple[
-    list[_Law],
-    float,
-    dict[str, Any] | None,
-    tuple[_Law, float] | None,
-    list[tuple[list[str], float, float]],
-    dict[str, Any] | None,
-]: ...
+) -> tuple[list[_Law], float, dict[str, Any] | None]: ...
+def shapes(
+    data: Sequence[Signals],
+    model: Model,
+    best: float,
+    progress: Callable[[float], object] | None = None,
+) -> tuple[list[tuple[list[str], float, float]], dict[str, Any] | None, tuple[_Law, float] | None]: ...
 def pairs(
     data: Sequence[Signals],
     model: Model,

@@ -17,7 +17,7 @@ from ..errors import InputError
 from ..fit.beyond import incoherent
 from ..fit.described import documented
 from ..fit.diagnose import Diagnosis, diagnose, p_in_words
-from ..fit.doubts import below_zero
+from ..fit.doubts import at_floor, below_zero
 from ..fit.refit import converged, cores, gain, started
 from ..fit.rule import RULE
 from ..model.effects import base_effects_shown, descriptions, effects
@@ -234,7 +234,7 @@ def propose(story: LearningResult, progress: Callable[[float], object] | None = 
     if best[1] and (detented := _detented(best[0], best[1][0])) is not None:
         found.append(_found(story, detented, progress))
         best = max(found, key=lambda one: _speaks(story, one[0], one[1]))
-    fit, laws, p_value, curve, spline, needs, surface = best
+    fit, laws, p_value, curve = best
     none = Proposals(fit, p_value=p_value)
     if _closed(story) and _speaks(story, fit, laws) <= _speaks(story, last, []) + RULE.alike:
         return replace(none, why="what came in explains as much, and has names")
@@ -243,8 +243,9 @@ def propose(story: LearningResult, progress: Callable[[float], object] | None = 
     ordered = _ordered([(_fitted(fit, row), row[4]) for row in laws[:FITTED]])
     if (name := _named(story, fit, ordered[0])) is not None:
         return replace(none, why=f"{name} explains as much, and has a name")
-    if spline is not None:
-        row, unseen = spline
+    needs, surface, written = _core.shapes(cores(fit), fit.core.model, max(map(_worth, laws)), progress)
+    if written is not None:
+        row, unseen = written
         ordered = (*ordered, replace(_fitted(fit, row), unseen=unseen * fit.rmse))
     line = None if curve is None else drawn(curve, [row[0] for row in laws])
     return Proposals(
@@ -317,10 +318,15 @@ def _speaks(story: LearningResult, fit: Fit, laws: list[Any]) -> float:
     """
     first = story.ladder[0].fit
     effects = len(fit.core.free) - len(first.core.free)
-    own = laws[0][3] - RULE.price * laws[0][7] if laws else 0.0
+    own = _worth(laws[0]) if laws else 0.0
     if laws and laws[0][6] > 1 and story.found and fit is not story.fit:
         own -= NAMED * RULE.price
     return float(gain(first, fit, first) - RULE.price * effects + own)
+
+
+def _worth(row: Any) -> float:
+    """What a law of the search takes off, less the price of its parameters."""
+    return float(row[3] - RULE.price * row[7])
 
 
 def _fitted(fit: Fit, row: Any) -> Proposal:
@@ -349,7 +355,9 @@ def _named(story: LearningResult, fit: Fit, law: Proposal) -> str | None:
     """The effect of the catalogue that explains as much beside the same model, if one does."""
     weighed = _weighed(story, fit)
     came = gain(weighed.fit, fit, fit)
-    margin = max(RULE.alike, RULE.relative * law.gain)
+    # A law that leaves noise alone shows what a name is off by: either may be by as much as a textbook's.
+    share = (2.0 * RULE.law) ** 2 if at_floor(law.fit) else RULE.relative
+    margin = max(RULE.alike, share * law.gain)
     alike = [
         one
         for one in weighed.candidates

@@ -8,11 +8,11 @@ mod chance;
 mod curve;
 mod follow;
 mod grammar;
-mod needs;
 mod pairs;
 mod penalized;
 mod rows;
 mod scan;
+mod shapes;
 mod spline;
 mod sum;
 mod surface;
@@ -31,10 +31,9 @@ use chance::Chance;
 pub use curve::Curve;
 use follow::{Followed, Reach};
 use grammar::{Factor, Powers, Shape, Term, Variable};
-pub use needs::Need;
-use needs::needs;
 use rows::Rows;
 use scan::{Seen, functions, scan, sines, turning, widened};
+pub use shapes::{Need, Shapes, shapes};
 pub use spline::Written;
 use sum::Sum;
 pub use surface::Map;
@@ -99,27 +98,27 @@ pub struct Proposed {
     pub p_value: f64,
     /// What is left as a curve over the variable of the first law.
     pub curve: Option<Curve>,
-    /// What it is of, by curves and surfaces: the one first that does best on blocks that it did not see.
-    pub needs: Vec<Need>,
-    /// What is left over the best pair of variables.
-    pub map: Option<Map>,
-    /// A spline that explains more than each of the laws, if one does.
-    pub spline: Option<Written>,
+}
+
+/// What noise leaves of captures, and its spectra; None where that is not known.
+fn known(data: &[&Signals], model: &Model) -> Option<(Floor, Vec<Noise>)> {
+    let noises = noises(data, model);
+    let floor = Floor::with(data, &noises);
+    let white = floor.white;
+    let known = white > 0.0 && floor.squares.is_finite();
+    known.then(|| {
+        let filled = noises.into_iter().map(|noise| noise.unwrap_or(Noise::white(white))).collect();
+        (floor, filled)
+    })
 }
 
 /// Laws for what a fitted model leaves of captures; None if `tell` no longer wanted it.
 pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Proposed> {
     let watch = Watch::new(tell, 5);
     let (fine, squares) = Rows::of(data, model);
-    let noises = noises(data, model);
-    let floor = Floor::with(data, &noises);
-    let none =
-        Proposed { laws: Vec::new(), p_value: 1.0, curve: None, needs: Vec::new(), map: None, spline: None };
+    let none = Proposed { laws: Vec::new(), p_value: 1.0, curve: None };
+    let Some((floor, noises)) = known(data, model).filter(|_| fine.len() > 0) else { return Some(none) };
     let white = floor.white;
-    if !(white > 0.0 && floor.squares.is_finite()) || fine.len() == 0 {
-        return Some(none);
-    }
-    let noises: Vec<Noise> = noises.into_iter().map(|noise| noise.unwrap_or(Noise::white(white))).collect();
     let rows = [fine.coarse(MEDIUM), fine.coarse(COARSE)];
     let reach = Reach::of(&fine);
     let of = Variable::ALL;
@@ -201,18 +200,7 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
         }
     };
     let laws: Vec<Law> = ended.into_iter().map(law).collect();
-    let (splines, surfaces) = (spline::all(&rows[1], &reach, &watch), surface::all(&rows[1], &reach, &watch));
-    if !watch.wanted() {
-        return None;
-    }
-    let needs = needs(&splines, &surfaces, &rows[1], (&chance, &watch));
-    let surface = surfaces.first().and_then(|first| first.better(&rows[0], &reach));
-    let map = surface.as_ref().map(|surface| surface.map(&rows[0]));
-    // A surface says whatever a curve does: it has to do better on what neither saw.
-    let curves = splines.iter().map(|one| one.held.unseen).fold(0.0, f64::min);
-    let surface = surface.filter(|_| surfaces.first().is_some_and(|one| one.held.unseen < curves));
-    let spline = spline::beyond(&laws, (&splines, surface), &fine, &reach, white);
-    Some(Proposed { laws, p_value, curve, needs, map, spline })
+    Some(Proposed { laws, p_value, curve })
 }
 
 /// Of laws, best first, those that pay for their length: no shorter one explains as much; those that explain as much as the

@@ -132,17 +132,16 @@ fn stiffnesses() -> impl Iterator<Item = f64> {
     (0..STIFFNESSES).map(|at| 10_f64.powf(0.7 * at as f64 - 5.0))
 }
 
-/// The best of splines that were chosen among few rows, or a surface, where it explains more than each of some laws; `white` is
-/// the variance of the raw noise.
+/// The best of splines that were chosen among few rows, or a surface, where it explains more than the best formula does, the price
+/// of its parameters taken off; `white` is the variance of the raw noise.
 pub fn beyond(
-    laws: &[Law],
+    best: f64,
     (splines, surface): (&[Smooth], Option<Surface>),
     fine: &Rows<'_>,
     reach: &Reach,
     white: f64,
 ) -> Option<Written> {
     let price = rule().price;
-    let best = laws.iter().map(|law| law.gain - price * law.count as f64).fold(0.0, f64::max);
     let squares = dot(&fine.residual, &fine.residual);
     let said = |(law, unseen): (Law, f64)| {
         let more = law.gain - price * law.complexity as f64 - best;
@@ -153,7 +152,7 @@ pub fn beyond(
         Some((smooth.written(white), smooth.held.unseen))
     });
     let surface = surface.and_then(|one| one.written(fine, white));
-    let found = [curve, surface].into_iter().flatten().map(said);
-    let (more, written) = found.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    (more > rule().alike.max(rule().relative * best)).then_some(written)
+    let enough = |(more, _): &(f64, Written)| *more > rule().alike.max(rule().relative * best);
+    let found = [curve, surface].into_iter().flatten().map(said).filter(enough).map(|(_, written)| written);
+    found.min_by(|a, b| a.heldout.total_cmp(&b.heldout))
 }

@@ -142,6 +142,7 @@ fn a_knob_of_which_nothing_is_missing_is_proposed_nothing() {
 fn work_that_is_no_longer_wanted_ends() {
     let (signals, model) = turned(|(_, theta, ..)| 1e-3 * theta.powi(2), 3);
     assert!(propose(&[&signals], &model, &|_| false).is_none());
+    assert!(shapes(&[&signals], &model, 0.0, &|_| false).is_none());
 }
 
 #[test]
@@ -164,8 +165,7 @@ fn what_no_formula_says_is_written_as_a_spline_and_what_one_does_is_not() {
             - 4e-3 * bump(x, 0.8, 0.3)
     };
     let (signals, model) = turned(|(_, theta, omega, _)| relief(theta) * omega, 9);
-    let found = propose(&[&signals], &model, &|_| true).unwrap();
-    let Written { law, heldout } = found.spline.unwrap();
+    let Written { law, heldout } = left(&signals, &model).written.unwrap();
     let formula = Formula::parse(&law.text).unwrap();
     assert_eq!(formula.params(), ["a", "from", "step"]);
     assert_eq!(law.variables, ["omega", "theta"]);
@@ -180,7 +180,14 @@ fn what_no_formula_says_is_written_as_a_spline_and_what_one_does_is_not() {
     let unseen = heldout.powi(2) * squares(&signals, &model) / (SD * SD);
     assert!((1.0..1.08).contains(&unseen), "{unseen}");
     let (signals, model) = turned(|(_, theta, omega, _)| 3e-3 * omega * (5.0 * theta).sin(), 9);
-    assert!(propose(&[&signals], &model, &|_| true).unwrap().spline.is_none());
+    assert!(left(&signals, &model).written.is_none());
+}
+
+/// What a model leaves, beside the best formula for it.
+fn left(signals: &Signals, model: &Model) -> Shapes {
+    let laws = propose(&[signals], model, &|_| true).unwrap().laws;
+    let worth = |law: &Law| law.gain - rule().price * law.count as f64;
+    shapes(&[signals], model, laws.iter().map(worth).fold(0.0, f64::max), &|_| true).unwrap()
 }
 
 /// The mean square of what a model leaves.
@@ -225,7 +232,7 @@ fn every_law_of_the_grammar_is_one_that_formulas_know_and_has_units_and_the_same
             assert!(units.is_ok(), "{}: {units:?}", written.text);
             let named = |name: &String| written.params.iter().find(|(own, _)| own == name).unwrap().1;
             let p: Vec<f64> = formula.params().iter().map(named).collect();
-            let held = usize::from(written.text.contains(")^n"));
+            let held = written.text.matches(")^n").count();
             assert_eq!(p.len(), count + held, "{}", written.text);
             let value = formula.over(&p, &motion);
             for at in (0..value.len()).step_by(97) {

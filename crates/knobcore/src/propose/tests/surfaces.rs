@@ -11,7 +11,7 @@ fn relief(theta: f64, omega: f64) -> f64 {
 fn what_no_formula_and_no_curve_says_is_a_surface_over_the_variables_that_it_is_of() {
     let (signals, model) = turned(|(_, theta, omega, _)| relief(theta, omega), 9);
     let data = [&signals];
-    let found = propose(&data, &model, &|_| true).unwrap();
+    let found = left(&signals, &model);
     let first = &found.needs[0];
     assert_eq!(first.variables, ["omega", "theta"]);
     assert!(first.p_value < 0.01 && first.heldout < 0.6, "{first:?}");
@@ -33,7 +33,7 @@ fn what_no_formula_and_no_curve_says_is_a_surface_over_the_variables_that_it_is_
     assert!((400..1500).contains(&known) && map.value[0].is_nan(), "{known}");
     assert!(off < 3e-3, "{off}");
 
-    let Written { law, heldout } = found.spline.unwrap();
+    let Written { law, heldout } = found.written.unwrap();
     assert!(law.text.len() < 1000 && law.text.contains("*spline((omega - from2)/step2, "), "{}", law.text);
     let formula = Formula::parse(&law.text).unwrap();
     assert!(formula.units(&HashMap::new(), Unit::of(1, 0, 0)).is_ok());
@@ -51,8 +51,8 @@ fn what_no_formula_and_no_curve_says_is_a_surface_over_the_variables_that_it_is_
 #[test]
 fn a_law_of_one_variable_needs_no_second_and_no_surface_is_written() {
     let (signals, model) = turned(|(_, _, omega, _)| 0.02 * (omega / 0.8) / (1.0 + (omega / 0.8).powi(2)), 5);
-    let found = propose(&[&signals], &model, &|_| true).unwrap();
-    assert!(found.spline.is_none());
+    let found = left(&signals, &model);
+    assert!(found.written.is_none());
     let alone = found.needs.iter().position(|need| need.variables == ["omega"]).unwrap();
     // Whatever holds the speed says as much, and no pair much more.
     assert!(found.needs[alone].heldout < 1.1 * found.needs[0].heldout, "{:?}", found.needs);
