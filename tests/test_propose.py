@@ -157,8 +157,8 @@ def test_a_power_with_an_exponent_of_its_own_is_proposed_and_kept_with_its_speed
 
 
 def test_what_is_left_over_two_variables_is_ranked_mapped_and_kept() -> None:
-    plain = kc.simulate("knob4", "sweep", duration_s=5.0, seed=3)
-    motion = kc.motion("sweep", 5.0)
+    plain = kc.simulate("knob4", "multisine", duration_s=5.0, seed=3)
+    motion = kc.motion("multisine", 5.0)
     theta, omega = (column / np.quantile(np.abs(column), 0.9) for column in (motion.theta, motion.omega))
     places = ((0.015, -0.5, 0.6), (-0.015, 0.5, 0.1), (0.015, 0.1, -0.7))
     relief = sum(

@@ -82,7 +82,7 @@ class Proposal:
     @property
     def rmse_heldout(self) -> float:
         """The same on blocks that the fit did not see, N m."""
-        return self.fit.rmse_heldout if self.unseen is None else self.unseen
+        return self.fit.rmse_heldout if self.unseen is None else max(self.unseen, self.fit.rmse)
 
     @property
     def score(self) -> float:
@@ -230,11 +230,11 @@ def propose(story: LearningResult, progress: Callable[[float], object] | None = 
     several = {fit.model.effects: fit for fit in _bases(story)}
     found = [_found(story, fit, progress) for fit in several.values()]
     # Of what came in without explaining it, nothing is needed if a law explains as much without.
-    best = max(found, key=lambda one: _speaks(story, one[0], one[1]))
+    best = max(found, key=lambda one: _speaks(story, one[0], one[1], one[-1]))
     if best[1] and (detented := _detented(best[0], best[1][0])) is not None:
         found.append(_found(story, detented, progress))
-        best = max(found, key=lambda one: _speaks(story, one[0], one[1]))
-    fit, laws, p_value, curve = best
+        best = max(found, key=lambda one: _speaks(story, one[0], one[1], one[-1]))
+    fit, laws, p_value, curve, shapes = best
     none = Proposals(fit, p_value=p_value)
     if _closed(story) and _speaks(story, fit, laws) <= _speaks(story, last, []) + RULE.alike:
         return replace(none, why="what came in explains as much, and has names")
@@ -243,7 +243,7 @@ def propose(story: LearningResult, progress: Callable[[float], object] | None = 
     ordered = _ordered([(_fitted(fit, row), row[4]) for row in laws[:FITTED]])
     if (name := _named(story, fit, ordered[0])) is not None:
         return replace(none, why=f"{name} explains as much, and has a name")
-    needs, surface, written = _core.shapes(cores(fit), fit.core.model, max(map(_worth, laws)), progress)
+    needs, surface, written = shapes
     if written is not None:
         row, unseen = written
         ordered = (*ordered, replace(_fitted(fit, row), unseen=unseen * fit.rmse))
@@ -262,7 +262,9 @@ def _found(story: LearningResult, fit: Fit, progress: Callable[[float], object] 
     """What the core proposes beside a model, after it; no sum of which a part is what the first model has."""
     laws, *others = _core.propose(cores(fit), fit.core.model, progress)
     whole = {*story.ladder[0].fit.model.effects} <= {*fit.model.effects}
-    return (fit, [law for law in laws if whole or law[6] == 1], *others)
+    kept = [law for law in laws if whole or law[6] == 1]
+    shapes = _core.shapes(cores(fit), fit.core.model, max(map(_worth, kept)), progress) if kept else None
+    return (fit, kept, *others, shapes)
 
 
 def _bases(story: LearningResult) -> list[Fit]:
@@ -311,8 +313,8 @@ def _needless(story: LearningResult) -> str:
     return ""
 
 
-def _speaks(story: LearningResult, fit: Fit, laws: list[Any]) -> float:
-    """What speaks for a model with the first of some laws, beside that of the first step.
+def _speaks(story: LearningResult, fit: Fit, laws: list[Any], shapes: Any = None) -> float:
+    """What speaks for a model with the first of some laws, or what no formula says, beside the first step's.
 
     A sum of laws in place of what came in under a name has to explain it with less.
     """
@@ -321,6 +323,9 @@ def _speaks(story: LearningResult, fit: Fit, laws: list[Any]) -> float:
     own = _worth(laws[0]) if laws else 0.0
     if laws and laws[0][6] > 1 and story.found and fit is not story.fit:
         own -= NAMED * RULE.price
+    if shapes is not None and shapes[-1] is not None:
+        law = shapes[-1][0]
+        own = max(own, law[3] - RULE.price * law[5])
     return float(gain(first, fit, first) - RULE.price * effects + own)
 
 
