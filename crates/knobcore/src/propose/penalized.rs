@@ -65,6 +65,12 @@ impl Penalized {
         2.0 * high.dot(right) - high.dot(&(&self.gram * high))
     }
 
+    /// What being off by so much costs: the squares of the data, and the penalty.
+    pub fn metric(&self) -> DMatrix<f64> {
+        let factor = self.solved.l();
+        &factor * factor.transpose()
+    }
+
     /// What they take off the sum of squares.
     pub fn gain(&self) -> f64 {
         self.taken(&self.high, &self.right)

@@ -11,7 +11,7 @@ use crate::algebra::dot;
 use crate::diagnose::Watch;
 use crate::rule::rule;
 use crate::special::Z95;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector};
 
 /// Pieces in each direction.
 const PIECES: usize = 9;
@@ -25,6 +25,10 @@ const PLACES: usize = 41;
 const SURE: f64 = 4.0;
 /// Products of two curves that a written surface has at most: as many as a law has room for.
 const PRODUCTS: usize = 3;
+/// How often each side of the products is looked for.
+const TURNS: usize = 10;
+/// What keeps products apart that are nearly the same, beside the mean of the diagonal.
+const FIRM: f64 = 1e-9;
 /// Values of a written surface are rounded to this part of the largest.
 const ROUNDED: f64 = 1e3;
 /// The planes: what is of the velocity as well with a step where that turns round.
@@ -155,29 +159,26 @@ impl Surface {
     /// As an effect is written, and by how much it changes the squares of blocks that it did not see: a sum of products of
     /// two splines, as few as say nearly all of it.
     pub fn written(&self, fine: &Rows<'_>, white: f64) -> Option<(Law, f64)> {
-        let high = DMatrix::from_fn(SIDE, SIDE, |i, j| self.held.high[i * SIDE + j]);
-        let parts = high.svd(true, true);
-        let (left, right) = (parts.u?, parts.v_t?);
+        let explained =
+            |curves: &[[Vec<f64>; 2]]| fine.explained(&fine.over(|motions| self.over(curves, motions)));
         let curve = |column: Vec<f64>| {
             let largest = column.iter().fold(0.0_f64, |most, x| if x.abs() > most.abs() { *x } else { most });
             column.iter().map(|x| (x / largest * ROUNDED).round() / ROUNDED).collect::<Vec<f64>>()
         };
-        let mut curves: Vec<[Vec<f64>; 2]> = (0..PRODUCTS)
-            .map(|at| {
-                [left.column(at).iter().copied().collect(), right.row(at).iter().copied().collect()]
-                    .map(curve)
-            })
-            .collect();
-        let explained =
-            |curves: &[[Vec<f64>; 2]]| fine.explained(&fine.over(|motions| self.over(curves, motions)));
-        let enough = |gain: f64, more: f64| {
-            more - gain <= white * rule().alike.max(rule().relative * gain.max(0.0) / white)
+        let products = |count: usize| -> Option<Vec<[Vec<f64>; 2]>> {
+            let sides = self.products(count)?;
+            let column =
+                |at: usize| sides.each_ref().map(|side| curve(side.column(at).iter().copied().collect()));
+            Some((0..count).map(column).collect())
         };
-        let all = explained(&curves)?;
-        while curves.len() > 1 {
-            match explained(&curves[..curves.len() - 1]) {
-                Some((gain, ..)) if enough(gain, all.0) => _ = curves.pop(),
-                _ => break,
+        let mut curves = products(PRODUCTS)?;
+        let (most, ..) = explained(&curves)?;
+        let spare = (white * rule().alike).max(rule().law.powi(2) * most);
+        for count in 1..PRODUCTS {
+            let Some(fewer) = products(count) else { continue };
+            if explained(&fewer).is_some_and(|(gain, ..)| most - gain <= spare) {
+                curves = fewer;
+                break;
             }
         }
         let (gain, amplitudes, _) = explained(&curves)?;
@@ -186,6 +187,34 @@ impl Surface {
         let numbers = curves.len() * (2 * SIDE - curves.len());
         let count = self.held.free().ceil().min(numbers as f64) as usize;
         Some((self.law(&curves, &amplitudes, gain / white, count), self.held.unseen + lost))
+    }
+
+    /// The sum of so many products that is nearest to it where the data say something: each side in turn by least squares.
+    fn products(&self, count: usize) -> Option<[DMatrix<f64>; 2]> {
+        let high = DMatrix::from_fn(SIDE, SIDE, |i, j| self.held.high[i * SIDE + j]);
+        let metric = self.held.metric();
+        let right = &metric * &self.held.high;
+        let parts = high.svd(true, true);
+        let mut sides = [parts.u?.columns(0, count).into_owned(), parts.v_t?.rows(0, count).transpose()];
+        for turn in 0..2 * TURNS {
+            let (own, other) = (turn % 2, &sides[1 - turn % 2]);
+            let base = DMatrix::from_fn(SIDE * SIDE, SIDE * count, |at, column| {
+                let places = [at / SIDE, at % SIDE];
+                if places[own] == column % SIDE { other[(places[1 - own], column / SIDE)] } else { 0.0 }
+            });
+            let gram = base.tr_mul(&(&metric * &base));
+            let held = gram.diagonal().mean() * FIRM;
+            let firm = gram + DMatrix::from_diagonal_element(SIDE * count, SIDE * count, held);
+            let found = Cholesky::new(firm)?.solve(&base.tr_mul(&right));
+            let mut side = DMatrix::from_column_slice(SIDE, count, found.as_slice());
+            // Sizes are the amplitudes'.
+            side.column_iter_mut().for_each(|mut column| {
+                let size = column.norm();
+                column /= if size > 0.0 { size } else { 1.0 };
+            });
+            sides[own] = side;
+        }
+        Some(sides)
     }
 
     fn over(&self, curves: &[[Vec<f64>; 2]], motions: &Motions) -> Vec<Vec<f64>> {
