@@ -139,13 +139,17 @@ def test_of_which_laws_are_proposed_and_which_names_do_as_well() -> None:
             )
             if math.isnan(base.noise_floor) or base.noise_floor == 0.0:
                 continue
+            noise_alone = SimpleNamespace(rmse=1e-3, noise_floor=1e-3, white_squares=1500.0)
             for gain in (0.0, 20.0, 60.0, 400.0):
-                law: Any = SimpleNamespace(gain=gain, score=gain - RULE.price * 2)
-                told.put("  named", proposals._named(story, base, law))
+                for left in (base, noise_alone):
+                    law: Any = SimpleNamespace(gain=gain, score=gain - RULE.price * 2, fit=left)
+                    told.put("  named", proposals._named(story, base, law))
         if fit.noise_floor > 0.0:
             story = SimpleNamespace(ladder=[SimpleNamespace(fit=fit)])
-            rows = [["a*theta", {"a": 1.0, "b": 2.0}, None, 55.0, True, 3, 1]]
+            rows = [["a*theta", {"a": 1.0, "b": 2.0}, None, 55.0, True, 3, 1, 2]]
+            spline = [["a*spline(theta, 1, 2)", {"a": 1.0}, None, 90.0, False, 5, 1, 1], 0.5]
             told.put("  gain", [proposals._speaks(story, later, []), proposals._speaks(story, later, rows)])
+            told.put("  curve", proposals._speaks(story, later, rows, ([], None, spline)))
     told.done()
 
 

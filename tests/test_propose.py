@@ -130,3 +130,53 @@ def test_options_of_proposals_without_them_are_refused() -> None:
     refused(knobcam("learn", "log.npz", "--accept", "1"), "--propose")
     refused(knobcam("add", "stribeck", "log.npz", "knob4", "--guess", "a=1"), "--law")
     refused(knobcam("add", "log.npz", "knob4", "--law", "a omega", "--guess", "a=x"), "no number")
+
+
+def test_a_power_with_an_exponent_of_its_own_is_proposed_and_kept_with_its_speed_held(tmp_path: Path) -> None:
+    plain = kc.simulate("knob4", "sweep", duration_s=5.0, seed=3)
+    omega = kc.motion("sweep", 5.0).omega
+    film = 0.02 * np.sign(omega) * (np.abs(omega) / 3.0) ** 0.4
+    thinned = dataclasses.replace(plain, tau=plain.tau + film)
+    story = kc.learn(thinned, without=COUPLINGS)
+    found = story.propose()
+    first = found.laws[0]
+    assert first.law == "a*sign(omega)*(abs(omega)/w)^n" and first.variables == ("omega",)
+    low, high = first.params["n"].ci95
+    assert low < 0.4 < high and high - low < 0.2
+    assert first.params["w"].held and first.params["w"].interval == "fixed" and "w=" in first.guess
+    assert first.rmse_heldout < 1.03 * story.noise_floor
+    taken = story.accept(found, 1, "film")
+    taken.model.save(tmp_path / "film.toml")
+    kc.forget_effect("film")
+    model = kc.Model.load(tmp_path / "film.toml")
+    assert model.params["film.w"].role == "fixed" and model.params["film.n"].role == "free"
+    # It has a value at rest, where it is simulated and rendered too.
+    hand = kc.Renderer(model, 5000.0)
+    assert all(np.isfinite(hand.step(0.3, speed)) for speed in (0.0, 1e-12, -2.0, 0.0, 2.0))
+    assert np.isfinite(kc.simulate(model, "sweep", duration_s=1.0).tau).all()
+
+
+def test_what_is_left_over_two_variables_is_ranked_mapped_and_kept() -> None:
+    plain = kc.simulate("knob4", "multisine", duration_s=5.0, seed=3)
+    motion = kc.motion("multisine", 5.0)
+    theta, omega = (column / np.quantile(np.abs(column), 0.9) for column in (motion.theta, motion.omega))
+    places = ((0.015, -0.5, 0.6), (-0.015, 0.5, 0.1), (0.015, 0.1, -0.7))
+    relief = sum(
+        high * np.exp(-(((theta - x) / 0.45) ** 2) - ((omega - v) / 0.45) ** 2) for high, x, v in places
+    )
+    story = kc.learn(dataclasses.replace(plain, tau=plain.tau + relief), without=COUPLINGS)
+    found = story.propose()
+    assert found.needs[0].variables == ("omega", "theta") and found.needs[0].p_value < 0.01
+    assert "omega and theta" in found.needed and found.needed in repr(found)
+    assert found.map is not None and found.map.over == ("theta", "omega")
+    known = np.isfinite(found.map.value)
+    assert 0.1 < known.mean() < 0.95 and (np.isfinite(found.map.band) == known).all()
+    assert len(found.plot().axes) == 4  # curve or time, map and its bar, front
+    last = found.laws[-1]
+    assert last.label == "a surface over theta and omega"
+    assert last.rmse < last.rmse_heldout < 0.75 * found.beside.rmse
+    taken = story.accept(found, len(found), "relief")
+    # It says what little friction there is as well, which is then nought and may come out below.
+    hand = kc.Renderer(taken.model, 5000.0, force=True)
+    assert all(np.isfinite(hand.step(0.3, 2.0)) for _ in range(500))
+    kc.forget_effect("relief")

@@ -123,8 +123,27 @@ def tilted_drag(rng: Rng, scene: Scene) -> Floats:
 
 def grease(rng: Rng, scene: Scene) -> Floats:
     """A grease that thins as it is sheared (a power-law fluid): the drag grows with a root of the speed."""
+    return _to_the(scene, rng.uniform(0.4, 0.7))
+
+
+def thinning_film(rng: Rng, scene: Scene) -> Floats:
+    """A polymer between two plates: the drag grows with a low power of the speed."""
+    return _to_the(scene, rng.choice([0.3, 0.4, 0.5]))
+
+
+def turbulent_film(rng: Rng, scene: Scene) -> Floats:
+    """A bearing whose oil film is turbulent: between what is viscous and what stirs."""
+    return _to_the(scene, rng.choice([1.4, 1.5, 1.6]))
+
+
+def churning(rng: Rng, scene: Scene) -> Floats:
+    """Vanes that lift what they stir the more, the faster they go."""
+    return _to_the(scene, rng.choice([2.5, 2.6, 2.7]))
+
+
+def _to_the(scene: Scene, power: float) -> Floats:
     omega = scene.track.omega
-    return np.sign(omega) * np.abs(omega) ** rng.uniform(0.4, 0.7)
+    return np.sign(omega) * np.abs(omega) ** power
 
 
 def _off(rng: Rng, scene: Scene, narrow: float, wide: float) -> Floats:
@@ -163,10 +182,13 @@ VARIABLES: dict[str, tuple[str, ...]] = {
     "gust": ("t",),
     "tilted_drag": ("omega", "theta"),
     "grease": ("omega",),
+    "thinning_film": ("omega",),
+    "turbulent_film": ("omega",),
+    "churning": ("omega",),
 }
 """Of what each law is one; a sign or a magnitude of the velocity counts as the velocity."""
 
-NEVER_LOOKED_AT = ("growing_ripple", "fluid_mass", "cam", "gust", "tilted_drag", "grease")
+NEVER_LOOKED_AT = ("growing_ripple", "fluid_mass", "cam", "gust", "tilted_drag")
 """Of these no capture changed anything of the search."""
 
 LAWFUL: dict[str, Kind] = {name: _kind(globals()[name]) for name in VARIABLES}

@@ -304,13 +304,19 @@ def in_place(
     progress: Callable[[float], object] | None = None,
 ) -> Fit | None: ...
 
-_Law = tuple[str, list[tuple[str, float]], list[str], float, bool, int, int]
+_Law = tuple[str, list[tuple[str, float]], list[str], float, bool, int, int, int]
 
 def propose(
     data: Sequence[Signals],
     model: Model,
     progress: Callable[[float], object] | None = None,
-) -> tuple[list[_Law], float, dict[str, Any] | None, tuple[_Law, float] | None]: ...
+) -> tuple[list[_Law], float, dict[str, Any] | None]: ...
+def shapes(
+    data: Sequence[Signals],
+    model: Model,
+    best: float,
+    progress: Callable[[float], object] | None = None,
+) -> tuple[list[tuple[list[str], float, float]], dict[str, Any] | None, tuple[_Law, float] | None]: ...
 def pairs(
     data: Sequence[Signals],
     model: Model,

@@ -26,9 +26,14 @@ class Estimate(NamedTuple):
         return math.isfinite(self.se)
 
     @property
+    def held(self) -> bool:
+        """Whether it was not fitted."""
+        return self.se == 0.0
+
+    @property
     def interval(self) -> str:
         """The interval in words."""
-        if self.se == 0.0:
+        if self.held:
             return "fixed"
         return f"{self.ci95[0]:.5g} to {self.ci95[1]:.5g}" if self.determined else "not determined"
 

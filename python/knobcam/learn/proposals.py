@@ -5,11 +5,10 @@ Nothing that is proposed is a cause: the verdict stays, until somebody takes a l
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
-
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 from .. import _core
 from ..base import showing
@@ -18,48 +17,27 @@ from ..errors import InputError
 from ..fit.beyond import incoherent
 from ..fit.described import documented
 from ..fit.diagnose import Diagnosis, diagnose, p_in_words
-from ..fit.doubts import below_zero
+from ..fit.doubts import at_floor, below_zero
 from ..fit.refit import converged, cores, gain, started
 from ..fit.rule import RULE
 from ..model.effects import base_effects_shown, descriptions, effects
 from ..model.own import forget_effect
 from ..model.own_law import free_name, own_law
+from .left import Curve, Map, Need, drawn, mapped
 from .selection import with_detents
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from ..base.arrays import BoolArray, FloatArray
     from ..base.showing import Figure
     from ..fit import Estimate, Fit
     from .learning import LearningResult
 
 FITTED = 5
 """Laws that are fitted with the whole model, and so end up in the front."""
-_SURE = 4.0  # times the usual half-width of the band
+_NEEDS = 4  # that are said
 NAMED = 2
 """Parameters that a sum of laws has to do without before it takes the place of a name."""
-
-
-class Curve(NamedTuple):
-    """What is left as a smooth function of `over` times `times`, with half the width of its 95 % band.
-
-    `laws` has the curves of the first laws by their formulas: what the parameters of the model can absorb is
-    taken off all of them alike.
-    """
-
-    over: str
-    times: str
-    x: FloatArray
-    value: FloatArray
-    band: FloatArray
-    laws: Mapping[str, FloatArray]
-
-    @property
-    def known(self) -> BoolArray:
-        """Where the motion went often enough for the curve to be looked at."""
-        known: BoolArray = self.band < _SURE * np.nanmedian(self.band)
-        return known
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,8 +45,9 @@ class Proposal:
     """A law that could be what is missing: `fit` is the whole model fitted with it under the name `name`.
 
     `gain` is what it takes off the sum of squares in variances of the raw noise, `complexity` how long it is.
-    Of a curve without a formula `law` is a spline, `complexity` how many numbers the data decide of it, and
-    `unseen` its RMS error on blocks that were left out while it was drawn, N m; None for a formula.
+    Of a curve or surface without a formula `law` is made of splines, `complexity` how many numbers the data
+    decide of it, and `unseen` its RMS error on blocks that were left out while it was drawn, N m; None for a
+    formula.
     """
 
     law: str
@@ -84,9 +63,10 @@ class Proposal:
         """The formula, or of what the curve is one, N m."""
         if self.unseen is None:
             return self.law
-        before, _, inside = self.law.partition("*spline((")
-        times = before.removeprefix("a").removeprefix("*")
-        return f"a curve over {inside.partition(' - from')[0]}" + (f", times {times}" if times else "")
+        times = self.law.partition("*spline((")[0].removeprefix("a").removeprefix("*")
+        over = list(dict.fromkeys(re.findall(r"spline\(\((\S+) - from", self.law)))
+        what = "a curve" if len(over) == 1 else "a surface"
+        return f"{what} over {' and '.join(over)}" + (f", times {times}" if times else "")
 
     @property
     def params(self) -> Mapping[str, Estimate]:
@@ -102,12 +82,13 @@ class Proposal:
     @property
     def rmse_heldout(self) -> float:
         """The same on blocks that the fit did not see, N m."""
-        return self.fit.rmse_heldout if self.unseen is None else self.unseen
+        return self.fit.rmse_heldout if self.unseen is None else max(self.unseen, self.fit.rmse)
 
     @property
     def score(self) -> float:
         """Its gain less the price of its parameters."""
-        return self.gain - RULE.price * (len(self.params) if self.unseen is None else self.complexity)
+        free = sum(not e.held for e in self.params.values())
+        return self.gain - RULE.price * (free if self.unseen is None else self.complexity)
 
     @property
     def start(self) -> dict[str, float]:
@@ -142,7 +123,8 @@ class Proposals(showing.Tabled):
     """Laws for what a story leaves unexplained, the one for which most speaks first; immutable.
 
     `beside` is the fit that they were looked for beside, `why` says why there are none, `p_value` how often
-    chance gives as much as the first.
+    chance gives as much as the first. `needs` are the variables that what is left is of, by curves and
+    surfaces without a formula, the best on unseen blocks first, and `map` what is left over the best pair.
     """
 
     beside: Fit
@@ -150,6 +132,8 @@ class Proposals(showing.Tabled):
     p_value: float = 1.0
     curve: Curve | None = None
     why: str = ""
+    needs: tuple[Need, ...] = ()
+    map: Map | None = None
 
     def __len__(self) -> int:
         return len(self.laws)
@@ -175,6 +159,15 @@ class Proposals(showing.Tabled):
             if all(one.rmse < other.rmse for other in kept):
                 kept.append(one)
         return tuple(kept)
+
+    @property
+    def needed(self) -> str:
+        """Which variables what is left needs, in one sentence; empty where that is not known."""
+        shown = [one for one in self.needs if one.p_value <= RULE.chance][:_NEEDS]
+        told = [f"{' and '.join(one.variables)} ({100.0 * one.heldout:.0f} %)" for one in shown]
+        if not told:
+            return ""
+        return f"Without a formula, on unseen blocks, of the error remain over {', '.join(told)}."
 
     @property
     def head(self) -> tuple[str, ...]:
@@ -214,7 +207,8 @@ class Proposals(showing.Tabled):
             return self.headline
         parameters = text_table(("of the first", "value", "95 % interval", "unit"), self._parameters())
         keep = f"To keep one: --accept N, or knobcam add CAPTURE MODEL -o BETTER {self.laws[0].option}"
-        return "\n".join([self.headline, text_table(self.head, self.rows()), parameters, keep])
+        said = [self.headline, text_table(self.head, self.rows()), parameters, self.needed, keep]
+        return "\n".join(one for one in said if one)
 
     def tables(self) -> tuple[TextTable, ...]:
         """What it says of itself, as text."""
@@ -236,11 +230,11 @@ def propose(story: LearningResult, progress: Callable[[float], object] | None = 
     several = {fit.model.effects: fit for fit in _bases(story)}
     found = [_found(story, fit, progress) for fit in several.values()]
     # Of what came in without explaining it, nothing is needed if a law explains as much without.
-    best = max(found, key=lambda one: _speaks(story, one[0], one[1]))
+    best = max(found, key=lambda one: _speaks(story, one[0], one[1], one[-1]))
     if best[1] and (detented := _detented(best[0], best[1][0])) is not None:
         found.append(_found(story, detented, progress))
-        best = max(found, key=lambda one: _speaks(story, one[0], one[1]))
-    fit, laws, p_value, curve, spline = best
+        best = max(found, key=lambda one: _speaks(story, one[0], one[1], one[-1]))
+    fit, laws, p_value, curve, shapes = best
     none = Proposals(fit, p_value=p_value)
     if _closed(story) and _speaks(story, fit, laws) <= _speaks(story, last, []) + RULE.alike:
         return replace(none, why="what came in explains as much, and has names")
@@ -249,18 +243,28 @@ def propose(story: LearningResult, progress: Callable[[float], object] | None = 
     ordered = _ordered([(_fitted(fit, row), row[4]) for row in laws[:FITTED]])
     if (name := _named(story, fit, ordered[0])) is not None:
         return replace(none, why=f"{name} explains as much, and has a name")
-    if spline is not None:
-        row, unseen = spline
+    needs, surface, written = shapes
+    if written is not None:
+        row, unseen = written
         ordered = (*ordered, replace(_fitted(fit, row), unseen=unseen * fit.rmse))
-    drawn = None if curve is None else _drawn(curve, [row[0] for row in laws])
-    return Proposals(fit, ordered, p_value, drawn)
+    line = None if curve is None else drawn(curve, [row[0] for row in laws])
+    return Proposals(
+        fit,
+        ordered,
+        p_value,
+        line,
+        needs=tuple(Need(tuple(sorted(names)), left, p) for names, left, p in needs),
+        map=None if surface is None else mapped(surface),
+    )
 
 
 def _found(story: LearningResult, fit: Fit, progress: Callable[[float], object] | None) -> tuple[Any, ...]:
     """What the core proposes beside a model, after it; no sum of which a part is what the first model has."""
     laws, *others = _core.propose(cores(fit), fit.core.model, progress)
     whole = {*story.ladder[0].fit.model.effects} <= {*fit.model.effects}
-    return (fit, [law for law in laws if whole or law[6] == 1], *others)
+    kept = [law for law in laws if whole or law[6] == 1]
+    shapes = _core.shapes(cores(fit), fit.core.model, max(map(_worth, kept)), progress) if kept else None
+    return (fit, kept, *others, shapes)
 
 
 def _bases(story: LearningResult) -> list[Fit]:
@@ -309,22 +313,30 @@ def _needless(story: LearningResult) -> str:
     return ""
 
 
-def _speaks(story: LearningResult, fit: Fit, laws: list[Any]) -> float:
-    """What speaks for a model with the first of some laws, beside that of the first step.
+def _speaks(story: LearningResult, fit: Fit, laws: list[Any], shapes: Any = None) -> float:
+    """What speaks for a model with the first of some laws, or what no formula says, beside the first step's.
 
     A sum of laws in place of what came in under a name has to explain it with less.
     """
     first = story.ladder[0].fit
     effects = len(fit.core.free) - len(first.core.free)
-    own = laws[0][3] - RULE.price * len(laws[0][1]) if laws else 0.0
+    own = _worth(laws[0]) if laws else 0.0
     if laws and laws[0][6] > 1 and story.found and fit is not story.fit:
         own -= NAMED * RULE.price
+    if shapes is not None and shapes[-1] is not None:
+        law = shapes[-1][0]
+        own = max(own, law[3] - RULE.price * law[5])
     return float(gain(first, fit, first) - RULE.price * effects + own)
+
+
+def _worth(row: Any) -> float:
+    """What a law of the search takes off, less the price of its parameters."""
+    return float(row[3] - RULE.price * row[7])
 
 
 def _fitted(fit: Fit, row: Any) -> Proposal:
     """A law of the search, fitted with the whole model."""
-    law, values, variables, _, _, complexity, _ = row
+    law, values, variables, _, _, complexity, *_ = row
     name = free_name(fit.model)
     own_law(name, law)
     try:
@@ -348,7 +360,9 @@ def _named(story: LearningResult, fit: Fit, law: Proposal) -> str | None:
     """The effect of the catalogue that explains as much beside the same model, if one does."""
     weighed = _weighed(story, fit)
     came = gain(weighed.fit, fit, fit)
-    margin = max(RULE.alike, RULE.relative * law.gain)
+    # A law that leaves noise alone shows what a name is off by: either may be by as much as a textbook's.
+    share = (2.0 * RULE.law) ** 2 if at_floor(law.fit) else RULE.relative
+    margin = max(RULE.alike, share * law.gain)
     alike = [
         one
         for one in weighed.candidates
@@ -366,17 +380,6 @@ def _weighed(story: LearningResult, fit: Fit) -> Diagnosis:
     catalogue = effects(fit.model.coordinate)
     joints = {one for one, row in catalogue.items() if row.place == "coupling"}
     return diagnose(fit, without={*story.without, *descriptions(fit.model.coordinate), *joints})
-
-
-def _drawn(curve: Mapping[str, Any], laws: list[str]) -> Curve:
-    return Curve(
-        curve["over"],
-        curve["times"],
-        np.asarray(curve["x"]),
-        np.asarray(curve["value"]),
-        np.asarray(curve["band"]),
-        {law: np.asarray(one) for law, one in zip(laws, curve["laws"], strict=False)},
-    )
 
 
 def accepted(proposals: Proposals, number: int, name: str | None = None) -> tuple[str, Fit]:

@@ -102,12 +102,12 @@ pub(crate) fn written(user: &User) -> Option<String> {
 }
 
 /// A value of a parameter of a law with all that is known of it.
-pub(crate) fn with_its_own(value: &str, fixed: bool, param: &Param, axis: Axis) -> String {
+pub(crate) fn with_its_own(value: &str, fixed: Option<bool>, param: &Param, axis: Axis) -> String {
     let mut row = format!("{{ value = {value}, unit = \"{}\"", param.unit.text(axis));
-    if fixed {
-        row.push_str(", fixed = true");
-    }
     // Writing to a String cannot fail.
+    if let Some(fixed) = fixed {
+        let _ = write!(row, ", fixed = {fixed}");
+    }
     for (key, bound) in [("lower", param.lower), ("upper", param.upper)] {
         if bound.is_finite() {
             let _ = write!(row, ", {key} = {bound:?}");

@@ -294,7 +294,10 @@ pub fn write(model: &Model) -> String {
                 };
                 let value = match slot.role {
                     role if law.is_some() => {
-                        laws::with_its_own(&value, role == Role::Fixed, slot.param, model.axis)
+                        // A held one says so though it usually is.
+                        let fixed = role == Role::Fixed;
+                        let said = fixed || of_number(model, at) == Role::Fixed;
+                        laws::with_its_own(&value, said.then_some(fixed), slot.param, model.axis)
                     }
                     Role::Tied(_) => value,
                     role if role == of_number(model, at) => value,

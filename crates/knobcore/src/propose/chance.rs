@@ -1,13 +1,15 @@
 //! What a scan finds where nothing is missing: the largest of all that it looks at, of noise through the whole chain.
 
 use super::grammar::{Factor, Powers, Variable};
+use super::penalized::Penalized;
 use super::rows::Rows;
 use super::scan::Seen;
 use crate::algebra::dot;
-use crate::diagnose::Thinned;
+use crate::diagnose::{Thinned, Watch};
 use crate::noise::Noise;
 use crate::random;
 use crate::signals::Signals;
+use std::sync::OnceLock;
 
 /// Captures of noise alone.
 const DRAWS: usize = 199;
@@ -18,54 +20,83 @@ const LEAST: f64 = 1e-6;
 /// Frequencies by which a power spectrum is known.
 const FREQUENCIES: usize = 512;
 
-/// Chance that a scan finds as much as what it saw where nothing is missing, with those powers and functions.
-pub fn p_value(
-    data: &[&Signals],
-    noises: &[Noise],
-    coarse: &Rows<'_>,
-    (powers, functions): (&[Powers], &[Factor]),
-    seen: &Seen,
+/// Noise through the whole chain, and what may be found in it.
+pub struct Chance<'a> {
+    data: &'a [&'a Signals],
+    noises: &'a [Noise],
+    rows: &'a Rows<'a>,
     white: f64,
-) -> f64 {
-    let Seen { term, gain } = seen;
-    let thinned = Thinned::of(data, usize::MAX);
-    if let Some(sine) = term.sine() {
-        // Sines at frequencies a wave over the range apart are independent; each takes off what two numbers of the
-        // loudest part of the noise do.
-        let power = |noise: &Noise| {
-            (0..FREQUENCIES).map(|k| noise.power(0.5 * k as f64 / FREQUENCIES as f64)).fold(0.0, f64::max)
-        };
-        let loudest = noises.iter().map(power).fold(white, f64::max);
-        let waves = if sine.of == Variable::Time { 3.0 } else { powers.len() as f64 };
-        let looks = waves * thinned.rows() as f64 * 0.5;
-        return (looks * (-0.5 * gain / loudest).exp()).clamp(LEAST, 1.0);
+    drawn: OnceLock<Vec<Vec<f64>>>,
+}
+
+impl<'a> Chance<'a> {
+    /// Of captures with these noises, as some rows see it; `white` is the variance of the raw noise.
+    pub fn of(data: &'a [&'a Signals], noises: &'a [Noise], rows: &'a Rows<'a>, white: f64) -> Self {
+        Self { data, noises, rows, white, drawn: OnceLock::new() }
     }
-    let every = (powers.len() * functions.len()).div_ceil(MOST).max(1);
-    let looks = (0..powers.len() * functions.len()).step_by(every);
-    let columns: Vec<Vec<f64>> = looks
-        .filter_map(|at| {
-            let (of_power, factor) = (&powers[at / functions.len()], &functions[at % functions.len()]);
-            let Factor { of, shape, at: [w, c] } = factor;
-            let mut column = of_power.over(&coarse.motions);
-            let x = &coarse.motions[*of as usize];
-            column.iter_mut().zip(x).for_each(|(own, x)| *own *= shape.at(*x, *w, *c));
-            let square = dot(&column, &column);
-            let mut column = coarse.counted(column);
-            let own = dot(&column, &column);
-            (own > 1e-9 * square && own.is_finite()).then(|| {
-                column.iter_mut().for_each(|x| *x /= own.sqrt());
-                column
+
+    fn drawn(&self) -> &[Vec<f64>] {
+        self.drawn.get_or_init(|| {
+            let thinned = Thinned::of(self.data, usize::MAX);
+            let mut random = random::Noise::new(0x6c61_7773);
+            let mut draw = || self.rows.summed(&drawn(self.data, self.noises, &thinned, &mut random));
+            (0..DRAWS).map(|_| draw()).collect()
+        })
+    }
+
+    /// How often the best of several curves and surfaces takes off as much of noise as each does of what is left, every one
+    /// held against what it usually takes of noise.
+    pub fn of_each(&self, each: &[&Penalized], watch: &Watch<'_>) -> Vec<f64> {
+        let alone = watch.each(each, |one| {
+            let gains: Vec<f64> = self.drawn().iter().map(|noise| one.gain_of(noise)).collect();
+            let mean = gains.iter().sum::<f64>() / DRAWS as f64;
+            let spread = gains.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / DRAWS as f64;
+            let beyond = |gain: f64| (gain - mean) / spread.sqrt().max(f64::MIN_POSITIVE);
+            (gains.into_iter().map(beyond).collect::<Vec<f64>>(), beyond(one.gain()))
+        });
+        let best = (0..DRAWS).map(|at| alone.iter().map(|(drawn, _)| drawn[at]).fold(f64::MIN, f64::max));
+        let best: Vec<f64> = best.collect();
+        let p = |own: f64| best.iter().filter(|drawn| **drawn >= own).count();
+        alone.iter().map(|(_, own)| (1 + p(*own)) as f64 / (1 + DRAWS) as f64).collect()
+    }
+
+    /// Chance that a scan finds as much as what it saw where nothing is missing, with those powers and functions.
+    pub fn p_value(&self, (powers, functions): (&[Powers], &[Factor]), seen: &Seen) -> f64 {
+        let (coarse, white, noises) = (self.rows, self.white, self.noises);
+        let Seen { term, gain } = seen;
+        if let Some(sine) = term.sine() {
+            // Sines at frequencies a wave over the range apart are independent; each takes off what two numbers of the
+            // loudest part of the noise do.
+            let power = |noise: &Noise| {
+                (0..FREQUENCIES).map(|k| noise.power(0.5 * k as f64 / FREQUENCIES as f64)).fold(0.0, f64::max)
+            };
+            let loudest = noises.iter().map(power).fold(white, f64::max);
+            let waves = if sine.of == Variable::Time { 3.0 } else { powers.len() as f64 };
+            let looks = waves * Thinned::of(self.data, usize::MAX).rows() as f64 * 0.5;
+            return (looks * (-0.5 * gain / loudest).exp()).clamp(LEAST, 1.0);
+        }
+        let every = (powers.len() * functions.len()).div_ceil(MOST).max(1);
+        let looks = (0..powers.len() * functions.len()).step_by(every);
+        let columns: Vec<Vec<f64>> = looks
+            .filter_map(|at| {
+                let (of_power, factor) = (&powers[at / functions.len()], &functions[at % functions.len()]);
+                let Factor { of, shape, at: [w, c] } = factor;
+                let mut column = of_power.over(&coarse.motions);
+                let x = &coarse.motions[*of as usize];
+                column.iter_mut().zip(x).for_each(|(own, x)| *own *= shape.at(*x, *w, *c));
+                let square = dot(&column, &column);
+                let mut column = coarse.counted(column);
+                let own = dot(&column, &column);
+                (own > 1e-9 * square && own.is_finite()).then(|| {
+                    column.iter_mut().for_each(|x| *x /= own.sqrt());
+                    column
+                })
             })
-        })
-        .collect();
-    let mut random = random::Noise::new(0x6c61_7773);
-    let above = (0..DRAWS)
-        .filter(|_| {
-            let noise = coarse.summed(&drawn(data, noises, &thinned, &mut random));
-            columns.iter().any(|column| dot(column, &noise).powi(2) >= *gain)
-        })
-        .count();
-    (1 + above) as f64 / (1 + DRAWS) as f64
+            .collect();
+        let found = |noise: &&Vec<f64>| columns.iter().any(|column| dot(column, noise).powi(2) >= *gain);
+        let above = self.drawn().iter().filter(found).count();
+        (1 + above) as f64 / (1 + DRAWS) as f64
+    }
 }
 
 /// Noise alone, through the measurement filter, thinned.

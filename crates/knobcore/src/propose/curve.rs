@@ -43,10 +43,10 @@ pub fn of(rows: &Rows<'_>, laws: &[Followed]) -> Option<Curve> {
         for (column, by) in rows.columns(&law.law).iter().zip(&law.coefficients) {
             torque.iter_mut().zip(column).for_each(|(sum, x)| *sum += by * x);
         }
-        smooth.over(&x, &smooth.like(&torque))
+        smooth.over(&x, &smooth.held.like(&torque))
     };
     let laws = laws.iter().map(torque).collect();
-    let (value, band) = (smooth.over(&x, &smooth.high), smooth.band(&x, rows));
+    let (value, band) = (smooth.over(&x, &smooth.held.high), smooth.band(&x, rows));
     Some(Curve { over: over.name(), times: times.trim_start_matches("a*").to_owned(), x, value, band, laws })
 }
 

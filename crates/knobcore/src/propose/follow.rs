@@ -11,6 +11,8 @@ use nalgebra::{DMatrix, DVector};
 const STEPS: usize = 25;
 /// A step that takes less of the sum of squares than this ends it.
 const ENOUGH: f64 = 1e-6;
+/// Exponents of a power: below is a step, beyond nothing that mechanics knows.
+const EXPONENTS: [f64; 2] = [0.05, 8.0];
 /// Step of differences, as a share of a width or a range.
 const DIFFERENCE: f64 = 1e-4;
 
@@ -131,6 +133,7 @@ fn moved(law: &Sum, places: &[Place], steps: &[f64], reach: &Reach) -> Sum {
         let [w, c] = &mut factor.at;
         match (factor.shape, i) {
             (Shape::Sine, _) => *w = (1.0 / *w + step / span).recip(),
+            (Shape::Power, _) => *c = (*c + step).clamp(EXPONENTS[0], EXPONENTS[1]),
             (_, 1) => *c = (*c + step * w.abs()).clamp(-2.0 * far, 2.0 * far),
             // Time constants may be of what grows; all else narrows and widens.
             _ => {

@@ -165,6 +165,8 @@ pub enum Shape {
     Peaked,
     /// 1/(1 + ((x - c)/w)^2)
     Resonant,
+    /// (x/w)^n: w is any speed and stays, n is in the second place
+    Power,
     /// sin(n x) of a whole number n = 1/w
     Sin,
     /// cos(n x)
@@ -200,6 +202,7 @@ impl Shape {
             Self::Slow => x / (w + x.abs()),
             Self::Peaked => 2.0 * (x / w) / (1.0 + (x / w).powi(2)),
             Self::Resonant => 1.0 / (1.0 + ((x - c) / w).powi(2)),
+            Self::Power => (x / w).powf(c),
             Self::Sin | Self::Turning | Self::Sine => (x / w).sin(),
             Self::Cos => (x / w).cos(),
         }
@@ -213,7 +216,7 @@ pub struct Factor {
     pub of: Variable,
     /// Which.
     pub shape: Shape,
-    /// Its width (in a sine the period over 2 pi), and its centre.
+    /// Its width (in a sine the period over 2 pi), and its centre; of a power what it is held against, and its exponent.
     pub at: [f64; 2],
 }
 
@@ -246,7 +249,19 @@ impl Term {
     /// How long it is: its parameters, functions and variables.
     pub fn complexity(&self) -> usize {
         let powers: usize = self.powers.of.iter().map(|(_, power)| power.unsigned_abs() as usize).sum();
-        self.count() + 2 * self.factors.len() + powers + usize::from(self.powers.signed)
+        // A power of the velocity is one function, its sign with it, as tanh is.
+        let sign = self.powers.signed && !self.has_power();
+        self.count() + 2 * self.factors.len() + powers + usize::from(sign)
+    }
+
+    fn has_power(&self) -> bool {
+        self.factors.iter().any(|factor| factor.shape == Shape::Power)
+    }
+
+    /// Whether a function more says what the term could say without it: a power of a speed that it has a power of.
+    pub fn says_already(&self, factor: &Factor) -> bool {
+        let of_speed = |(one, _): &(Variable, i32)| matches!(one, Variable::Omega | Variable::Speed);
+        factor.shape == Shape::Power && (self.has_power() || self.powers.of.iter().any(of_speed))
     }
 
     /// What it is a law of, by name.
@@ -321,6 +336,10 @@ impl Term {
                 Shape::Resonant => {
                     let (c, w) = (names("c", *centre), names("w", width.abs()));
                     format!("1/(1 + (({x} - {c})/{w})^2)")
+                }
+                Shape::Power => {
+                    let (w, n) = (names("w", *width), names("n", *centre));
+                    format!("({x}/{w})^{n}")
                 }
                 Shape::Sin => format!("sin({})", times(1.0 / width, x)),
                 Shape::Cos => format!("cos({})", times(1.0 / width, x)),

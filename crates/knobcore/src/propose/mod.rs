@@ -9,10 +9,13 @@ mod curve;
 mod follow;
 mod grammar;
 mod pairs;
+mod penalized;
 mod rows;
 mod scan;
+mod shapes;
 mod spline;
 mod sum;
+mod surface;
 #[cfg(test)]
 mod tests;
 
@@ -24,13 +27,16 @@ use crate::order::descending;
 use crate::param::Axis;
 use crate::rule::rule;
 use crate::signals::Signals;
+use chance::Chance;
 pub use curve::Curve;
 use follow::{Followed, Reach};
 use grammar::{Factor, Powers, Shape, Term, Variable};
 use rows::Rows;
 use scan::{Seen, functions, scan, sines, turning, widened};
+pub use shapes::{Need, Shapes, shapes};
 pub use spline::Written;
 use sum::Sum;
+pub use surface::Map;
 
 /// Rows that tell what is fast.
 const MEDIUM: usize = 8000;
@@ -75,6 +81,8 @@ pub struct Law {
     pub gain: f64,
     /// Whether it explains as much as the best.
     pub alike: bool,
+    /// How many of its parameters are free.
+    pub count: usize,
     /// How long it is.
     pub complexity: usize,
     /// How many laws are added in it.
@@ -90,22 +98,27 @@ pub struct Proposed {
     pub p_value: f64,
     /// What is left as a curve over the variable of the first law.
     pub curve: Option<Curve>,
-    /// A spline that explains more than each of the laws, if one does.
-    pub spline: Option<Written>,
+}
+
+/// What noise leaves of captures, and its spectra; None where that is not known.
+fn known(data: &[&Signals], model: &Model) -> Option<(Floor, Vec<Noise>)> {
+    let noises = noises(data, model);
+    let floor = Floor::with(data, &noises);
+    let white = floor.white;
+    let known = white > 0.0 && floor.squares.is_finite();
+    known.then(|| {
+        let filled = noises.into_iter().map(|noise| noise.unwrap_or(Noise::white(white))).collect();
+        (floor, filled)
+    })
 }
 
 /// Laws for what a fitted model leaves of captures; None if `tell` no longer wanted it.
 pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Proposed> {
     let watch = Watch::new(tell, 5);
     let (fine, squares) = Rows::of(data, model);
-    let noises = noises(data, model);
-    let floor = Floor::with(data, &noises);
-    let none = Proposed { laws: Vec::new(), p_value: 1.0, curve: None, spline: None };
+    let none = Proposed { laws: Vec::new(), p_value: 1.0, curve: None };
+    let Some((floor, noises)) = known(data, model).filter(|_| fine.len() > 0) else { return Some(none) };
     let white = floor.white;
-    if !(white > 0.0 && floor.squares.is_finite()) || fine.len() == 0 {
-        return Some(none);
-    }
-    let noises: Vec<Noise> = noises.into_iter().map(|noise| noise.unwrap_or(Noise::white(white))).collect();
     let rows = [fine.coarse(MEDIUM), fine.coarse(COARSE)];
     let reach = Reach::of(&fine);
     let of = Variable::ALL;
@@ -135,7 +148,8 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
     }
     ended.sort_by_cached_key(|one| descending(search.score(one)));
     let (Some(found), Some(first)) = (seen.first(), ended.first()) else { return Some(none) };
-    let p_value = chance::p_value(data, &noises, &rows[1], (&powers, &tried), found, white);
+    let chance = Chance::of(data, &noises, &rows[1], white);
+    let p_value = chance.p_value((&powers, &tried), found);
     let excess = squares - floor.squares;
     let enough = first.gain >= rule().share * excess && first.gain >= rule().worth * squares;
     if p_value > rule().chance || !enough || search.score(first) <= 0.0 {
@@ -150,8 +164,7 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
         let by_chance = |pair: &Followed| {
             pair.law.0.iter().any(|term| {
                 let second = Seen { term: term.clone(), gain: more(pair) };
-                let p = chance::p_value(data, &noises, &rows[1], (&powers, &tried), &second, white);
-                p > rule().chance
+                chance.p_value((&powers, &tried), &second) > rule().chance
             })
         };
         // What is small beside the first shows once that is taken off.
@@ -181,13 +194,13 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
             variables: one.law.variables(),
             gain: one.gain / white,
             alike: top - search.score(&one) <= margin,
+            count: one.law.count(),
             complexity: one.law.complexity(),
             terms: one.law.0.len(),
         }
     };
     let laws: Vec<Law> = ended.into_iter().map(law).collect();
-    let spline = spline::beyond(&laws, [&fine, &rows[1]], &of, &reach, white);
-    Some(Proposed { laws, p_value, curve, spline })
+    Some(Proposed { laws, p_value, curve })
 }
 
 /// Of laws, best first, those that pay for their length: no shorter one explains as much; those that explain as much as the
@@ -196,9 +209,11 @@ fn paid(laws: Vec<Followed>, margin: f64, white: f64) -> Vec<Followed> {
     let score = |one: &Followed| one.gain / white - rule().price * one.law.count() as f64;
     let top = laws.iter().map(score).fold(f64::NEG_INFINITY, f64::max);
     let far = |one: &Followed| top - score(one) > margin;
+    // Of two that are as long the one with fewer parameters is the shorter.
+    let length = |one: &Followed| (one.law.complexity(), one.law.count());
     let needless = |one: &Followed| {
         laws.iter().any(|other| {
-            let shorter = other.law.complexity() < one.law.complexity();
+            let shorter = length(other) < length(one);
             shorter && ((one.gain - other.gain) / white <= margin || score(other) >= score(one))
         })
     };
@@ -208,7 +223,7 @@ fn paid(laws: Vec<Followed>, margin: f64, white: f64) -> Vec<Followed> {
             if far(a) {
                 score(b).total_cmp(&score(a))
             } else {
-                a.law.complexity().cmp(&b.law.complexity()).then(b.gain.total_cmp(&a.gain))
+                length(a).cmp(&length(b)).then(b.gain.total_cmp(&a.gain))
             }
         })
     });

@@ -24,6 +24,8 @@ const ORDERS: u32 = 12;
 const LONGEST: usize = 1 << 20;
 /// Centres of what acts at a place.
 const CENTRES: usize = 15;
+/// Exponents that powers set out from: roots as of a grease that thins, and what lies between and beyond lines and squares.
+const EXPONENTS: [f64; 4] = [0.3, 0.6, 1.5, 2.5];
 
 /// A law at a place of the scan, and what it would take off.
 #[derive(Debug, Clone)]
@@ -37,7 +39,7 @@ pub struct Seen {
 /// The functions of one variable that are tried, of those variables; of a knob that `turns` an angle has whole numbers of
 /// waves a turn.
 pub fn functions(reach: &Reach, variables: &[Variable], turns: bool) -> Vec<Factor> {
-    use Shape::{Bump, Cos, Decay, Peaked, Resonant, Saturating, Sin, Slow, Step};
+    use Shape::{Bump, Cos, Decay, Peaked, Power, Resonant, Saturating, Sin, Slow, Step};
     use Variable::{Alpha, Omega, Since, Speed, Theta, Time};
     let mut found = Vec::new();
     for &of in variables {
@@ -78,6 +80,12 @@ pub fn functions(reach: &Reach, variables: &[Variable], turns: bool) -> Vec<Fact
         }
         if of == Since {
             put(Saturating, &of_far(&[0.02, 0.08, 0.3]), 0);
+        }
+        if of == Speed {
+            // Any speed does; one digit of it is enough.
+            let size = 10_f64.powf(far.log10().floor());
+            let held = (0.5 * far / size).ceil() * size;
+            found.extend(EXPONENTS.map(|n| Factor { of, shape: Power, at: [held, n] }));
         }
     }
     found
@@ -122,7 +130,7 @@ pub fn widened(rows: &Rows<'_>, term: &Term, functions: &[Factor]) -> Vec<Seen> 
         return best;
     }
     let [sine, cosine] = &term.columns(&rows.motions)[..] else { return best };
-    for factor in functions {
+    for factor in functions.iter().filter(|factor| !term.says_already(factor)) {
         let Factor { of, shape, at: [w, c] } = factor;
         let x = &rows.motions[*of as usize];
         let times = |column: &Vec<f64>| {
@@ -157,7 +165,7 @@ fn keep_best(
     best: &mut Vec<Seen>,
 ) {
     let mut product = vec![0.0; plain.len()];
-    for (factor, shape) in functions.iter().zip(shapes) {
+    for (factor, shape) in functions.iter().zip(shapes).filter(|(factor, _)| !term.says_already(factor)) {
         product.iter_mut().zip(plain).zip(shape).for_each(|((x, a), b)| *x = a * b);
         if let Some(gain) = taken(rows, &product) {
             let mut factors = term.factors.clone();

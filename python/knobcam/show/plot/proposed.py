@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.colors import LinearSegmentedColormap
 
 from .over_time import line
 from .style import BAND, BLACK, BLUE, GREEN, GREY, ORANGE, VERMILLION, Picture, legend_above, plain, styled
@@ -12,23 +13,29 @@ from .style import BAND, BLACK, BLUE, GREEN, GREY, ORANGE, VERMILLION, Picture, 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ...learn.proposals import Curve, Proposals
+    from ...learn.left import Curve, Map
+    from ...learn.proposals import Proposals
 
+_BOTH = LinearSegmentedColormap.from_list("both", [BLUE, "white", VERMILLION])
 _COLOURS = (VERMILLION, BLUE, GREEN)
 _UNITS = {"t": "s", "theta": "rad", "omega": "rad/s", "alpha": "rad/s^2", "s": "rad"}
 
 
 @styled
 def proposals(proposals: Proposals) -> Picture:
-    """The residual over the variable of the first law with its band, the laws on it; error over length."""
+    """The residual over the variable of the first law with the laws on it, its map, error over length."""
     figure = Picture(8.5, 3.8, plain(proposals.headline, 400))
-    grid = figure.add_gridspec(1, 2, width_ratios=[1.6, 1.0])
+    mapped = proposals.map
+    widths = [1.6, 1.0] if mapped is None else [1.3, 1.2, 1.0]
+    grid = figure.add_gridspec(1, len(widths), width_ratios=widths)
+    if mapped is not None:
+        _map(figure.add_subplot(grid[1]), proposals, mapped)
     axis = figure.add_subplot(grid[0])
     if proposals.curve is not None:
         _curve(axis, proposals, proposals.curve)
     else:
         _over_time(axis, proposals)
-    _front(figure.add_subplot(grid[1]), proposals)
+    _front(figure.add_subplot(grid[-1]), proposals)
     return figure
 
 
@@ -45,6 +52,19 @@ def _curve(axis: Axes, proposals: Proposals, curve: Curve) -> None:
     axis.set_xlabel(f"{curve.over} ({_UNITS.get(curve.over, '')})")
     axis.set_ylabel(f"residual torque ({unit})" if not curve.times else f"residual / ({curve.times})")
     legend_above(axis)
+
+
+def _map(axis: Axes, proposals: Proposals, mapped: Map) -> None:
+    """What is left over the plane that it needs most; blank where that is not known."""
+    most = float(np.nanmax(np.abs(mapped.value), initial=0.0)) or 1.0
+    image = axis.pcolormesh(
+        mapped.x, mapped.y, mapped.value, cmap=_BOTH, vmin=-most, vmax=most, rasterized=True
+    )
+    for axis_of, name in zip((axis.xaxis, axis.yaxis), mapped.over, strict=True):
+        axis_of.set_label_text(f"{name} ({_UNITS.get(name, '')})")
+    bar = axis.figure.colorbar(image, ax=axis)
+    times = f" / ({mapped.times})" if mapped.times else ""
+    bar.set_label(f"residual torque{times} ({proposals.beside.torque_unit})")
 
 
 def _over_time(axis: Axes, proposals: Proposals) -> None:

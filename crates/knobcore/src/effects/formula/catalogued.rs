@@ -7,7 +7,7 @@ use crate::effects::User;
 use crate::effects::law::LEAST;
 use crate::error::{Error, Result};
 use crate::motion::Motion;
-use crate::param::{Kind, Param};
+use crate::param::{Kind, Param, Usual};
 use crate::random::Noise;
 
 /// Words of Rust, and names that the file has already: no parameter is called so.
@@ -124,6 +124,7 @@ pub fn source(user: &User, id: &str, p: &[f64]) -> Result<Source> {
         ("$touches", touches.map_or_else(String::new, |these| TOUCHES.replace("$these", these))),
         ("$starts", if searched { STARTS } else { "" }.to_owned()),
         ("$motion", if acts == Acts::Sensor { "Motion" } else { "{Channel, Load, Motion}" }.to_owned()),
+        ("$roles", if params.iter().any(held) { ", Usual" } else { "" }.to_owned()),
         ("$imports", imports.join(", ")),
         ("$takes", format!("&[{}]: &[T; $count]", names(law.params()).join(", "))),
         ("$lines", lines),
@@ -165,6 +166,10 @@ fn names(params: &[String]) -> Vec<String> {
     names
 }
 
+fn held(param: &Param) -> bool {
+    param.usual == Usual::Fixed
+}
+
 /// A parameter as its row.
 fn row(param: &Param) -> String {
     let [torque, angle, time] = param.unit.powers();
@@ -183,7 +188,10 @@ fn row(param: &Param) -> String {
         Kind::Linear => format!("        Param::linear({name:?}, {unit}, {meaning:?}),\n"),
         _ => {
             let (lower, upper, neutral) = (bound(param.lower), bound(param.upper), param.neutral);
-            format!("        Param::shape({name:?}, {unit}, [{lower}, {upper}], {neutral:?}, {meaning:?}),\n")
+            let usual = if held(param) { ".usually(Usual::Fixed)" } else { "" };
+            format!(
+                "        Param::shape({name:?}, {unit}, [{lower}, {upper}], {neutral:?}, {meaning:?}){usual},\n"
+            )
         }
     }
 }

@@ -10,6 +10,7 @@ mod distance;
 mod evaluate;
 mod functions;
 mod parse;
+mod powers;
 mod program;
 mod starts;
 mod tree;

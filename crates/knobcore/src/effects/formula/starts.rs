@@ -1,7 +1,7 @@
 //! Where a search for the parameters of a law begins.
 
 use crate::effects::Survey;
-use crate::param::{Kind, Param};
+use crate::param::{Kind, Param, Usual};
 
 /// Starts of a search at most.
 const STARTS: usize = 27;
@@ -13,8 +13,10 @@ pub(crate) fn starts(params: &[Param], survey: &Survey) -> Vec<Vec<f64>> {
         [Survey::quantile(&survey.torque, 0.5), survey.range(), survey.duration_s].map(|x| x.max(1e-9));
     let sizes = |param: &Param| match param.unit.powers() {
         _ if param.kind == Kind::Linear => vec![0.0],
+        [0, 1, -1] if param.usual == Usual::Fixed => vec![speed(0.9)],
         [0, 1, -1] => vec![speed(0.2), speed(0.5), speed(0.9)],
-        [0, 0, 0] => vec![1.0, 2.0],
+        // No exponent of a speed sets out from friction's own powers, where its slope says nothing.
+        [0, 0, 0] => vec![0.6, 1.6],
         _ => [0.1, 0.4].map(|share| param.unit.sized(scales.map(|size| share * size))).to_vec(),
     };
     let mut all = vec![Vec::new()];

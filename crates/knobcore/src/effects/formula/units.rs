@@ -163,7 +163,9 @@ pub(super) fn inferred(
                 if !checked.nought(&right, false) || !checked.nought(&left, false) {
                     return Err(Mistake {
                         at,
-                        why: "raises what has a unit to a power that is no plain number".into(),
+                        why: "raises what has a unit to a power that is no plain number; divide it by a \
+                              parameter of that unit, as in (abs(omega)/w)^n"
+                            .into(),
                     });
                 }
                 Powers::pure(count)
@@ -218,7 +220,9 @@ fn of_param(law: &Formula, checked: &Checked, param: usize) -> Result<Unit, Mist
         if (found - found.round()).abs() > NONE || found.abs() > 9.0 {
             return Err(Mistake {
                 at,
-                why: format!("'{name}' would need a broken power of a unit; give units that fit"),
+                why: format!(
+                    "'{name}' would need a broken power of a unit; divide what is raised by a parameter of its unit, as in (abs(omega)/w)^1.5"
+                ),
             });
         }
         *power = found.round() as i8;

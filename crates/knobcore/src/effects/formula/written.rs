@@ -1,12 +1,13 @@
 //! A formula as an effect of the catalogue: units found, parameters that it is proportional to told from the others.
 
+use super::powers::EXPONENTS;
 use super::{Formula, Mistake, OverAlpha};
 use crate::effects::law::Stated;
 use crate::effects::user::{Does, User};
 use crate::effects::{Info, Place};
 use crate::error::{Error, Result};
 use crate::motion::Channel;
-use crate::param::{Kind, Param, Unit};
+use crate::param::{Kind, Param, Unit, Usual};
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 
@@ -129,18 +130,24 @@ pub fn made(id: &str, acts: &str, text: &str, asked: &HashMap<String, Asked>) ->
     let linear = if acts == Acts::Friction { Vec::new() } else { law.linear() };
     // A law that is proportional to nothing changes nothing where one of its shapes is nought, as in 1 + a x.
     let silent = if linear.is_empty() { law.silent_without(acts.neutral()) } else { None };
+    let (undone, exponents) = (law.undone(), law.exponents());
     let rows: Vec<Row> = law
         .params()
         .iter()
         .zip(units)
         .enumerate()
         .map(|(at, (name, unit))| {
-            let one = asked.get(name).cloned().unwrap_or_default();
+            let mut one = asked.get(name).cloned().unwrap_or_default();
             let unbounded = one.bounds == Asked::default().bounds;
+            if unbounded && exponents.contains(&at) {
+                one.bounds = EXPONENTS;
+            }
             let linear = linear.contains(&at) && unbounded;
             let neutral = if linear || silent == Some(at) { 0.0 } else { 1.0_f64 };
             let neutral = neutral.max(one.bounds[0]).min(one.bounds[1]);
-            Row { name: name.clone(), unit, linear, neutral, asked: one }
+            // What another undoes stays as it is told.
+            let usual = if undone.contains(&at) { Usual::Fixed } else { Usual::Free };
+            Row { name: name.clone(), unit, linear, neutral, usual, asked: one }
         })
         .collect();
     let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
@@ -168,6 +175,7 @@ struct Row {
     unit: Unit,
     linear: bool,
     neutral: f64,
+    usual: Usual,
     asked: Asked,
 }
 
@@ -190,7 +198,7 @@ impl Row {
         let (kind, meaning) = (self.kind(), self.meaning().to_owned());
         let [lower, upper] = self.asked.bounds;
         let shape = Param::shape(self.name.leak(), self.unit, [lower, upper], self.neutral, meaning.leak());
-        Param { kind, ..shape }
+        Param { kind, usual: self.usual, ..shape }
     }
 }
 

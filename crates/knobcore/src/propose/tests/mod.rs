@@ -1,5 +1,7 @@
 //! Laws that are in no catalogue are proposed from captures that have them, and from no other.
 
+mod surfaces;
+
 use super::grammar::Shape;
 use super::*;
 use crate::effects::formula::Formula;
@@ -112,6 +114,22 @@ fn a_hum_and_a_wave_that_dies_away_are_laws_of_time() {
 }
 
 #[test]
+fn a_power_between_those_that_have_names_is_found_with_its_exponent() {
+    for n in [0.4, 1.5, 2.6] {
+        let (law, off) =
+            first(|(_, _, omega, _): Instant| 8e-3 * omega.signum() * (omega.abs() / 3.0).powf(n));
+        assert_eq!(law.text, "a*sign(omega)*(abs(omega)/w)^n", "{n}");
+        assert_eq!((law.params.len(), law.count, law.complexity), (3, 2, 4));
+        assert!(off < 0.03 && (law.params[2].1 - n).abs() < 0.1, "{n}: {off} {:?}", law.params);
+    }
+    // Where a power that has no free exponent does as well, it stays first.
+    let (law, _) = first(|(_, _, omega, _): Instant| 1e-3 * omega * omega.abs());
+    assert_eq!(law.text, "a*omega*abs(omega)");
+    let (law, _) = first(|(_, _, omega, _): Instant| 2e-4 * omega.powi(3));
+    assert_eq!(law.text, "a*omega^3");
+}
+
+#[test]
 fn a_knob_of_which_nothing_is_missing_is_proposed_nothing() {
     for seed in 20..26 {
         let (signals, model) = turned(|_| 0.0, seed);
@@ -124,6 +142,7 @@ fn a_knob_of_which_nothing_is_missing_is_proposed_nothing() {
 fn work_that_is_no_longer_wanted_ends() {
     let (signals, model) = turned(|(_, theta, ..)| 1e-3 * theta.powi(2), 3);
     assert!(propose(&[&signals], &model, &|_| false).is_none());
+    assert!(shapes(&[&signals], &model, 0.0, &|_| false).is_none());
 }
 
 #[test]
@@ -146,8 +165,7 @@ fn what_no_formula_says_is_written_as_a_spline_and_what_one_does_is_not() {
             - 4e-3 * bump(x, 0.8, 0.3)
     };
     let (signals, model) = turned(|(_, theta, omega, _)| relief(theta) * omega, 9);
-    let found = propose(&[&signals], &model, &|_| true).unwrap();
-    let Written { law, heldout } = found.spline.unwrap();
+    let Written { law, heldout } = left(&signals, &model).written.unwrap();
     let formula = Formula::parse(&law.text).unwrap();
     assert_eq!(formula.params(), ["a", "from", "step"]);
     assert_eq!(law.variables, ["omega", "theta"]);
@@ -162,7 +180,14 @@ fn what_no_formula_says_is_written_as_a_spline_and_what_one_does_is_not() {
     let unseen = heldout.powi(2) * squares(&signals, &model) / (SD * SD);
     assert!((1.0..1.08).contains(&unseen), "{unseen}");
     let (signals, model) = turned(|(_, theta, omega, _)| 3e-3 * omega * (5.0 * theta).sin(), 9);
-    assert!(propose(&[&signals], &model, &|_| true).unwrap().spline.is_none());
+    assert!(left(&signals, &model).written.is_none());
+}
+
+/// What a model leaves, beside the best formula for it.
+fn left(signals: &Signals, model: &Model) -> Shapes {
+    let laws = propose(&[signals], model, &|_| true).unwrap().laws;
+    let worth = |law: &Law| law.gain - rule().price * law.count as f64;
+    shapes(&[signals], model, laws.iter().map(worth).fold(0.0, f64::max), &|_| true).unwrap()
 }
 
 /// The mean square of what a model leaves.
@@ -207,7 +232,8 @@ fn every_law_of_the_grammar_is_one_that_formulas_know_and_has_units_and_the_same
             assert!(units.is_ok(), "{}: {units:?}", written.text);
             let named = |name: &String| written.params.iter().find(|(own, _)| own == name).unwrap().1;
             let p: Vec<f64> = formula.params().iter().map(named).collect();
-            assert_eq!(p.len(), count, "{}", written.text);
+            let held = written.text.matches(")^n").count();
+            assert_eq!(p.len(), count + held, "{}", written.text);
             let value = formula.over(&p, &motion);
             for at in (0..value.len()).step_by(97) {
                 let sum: f64 = columns.iter().zip(coefficients).map(|(column, by)| column[at] * by).sum();

@@ -4,6 +4,7 @@ mod catalogued;
 
 use super::*;
 use crate::motion::Motion;
+use crate::param::{Kind, Usual};
 use crate::scalar::Dual;
 
 const TORQUE: Unit = Unit::of(1, 0, 0);
@@ -152,4 +153,57 @@ fn derivatives_are_exact_and_packs_answer_as_single_samples() {
     let dual = root
         .at(&[Dual::<f64, 1>::seeded(2.0, Some(0))], &Motion::exact(0.0, 0.0, 1.0, 0.0).map(Dual::constant));
     assert_eq!((dual.v, dual.d), (0.0, [0.0]));
+}
+
+#[test]
+fn a_power_with_a_free_exponent_has_a_value_and_derivatives_at_rest_and_near_it() {
+    let law = law("a sign(omega) (abs(omega)/w)^n");
+    for n in [0.3, 1.0, 1.5, 2.6] {
+        for (omega, forward) in [(0.0, 0.5), (1e-300, 1.0), (-1e-12, 0.0), (-2.0, 0.0), (3.0, 1.0)] {
+            let motion = Motion { t: 0.0, theta: 0.0, omega, alpha: 0.0, forward };
+            let p: [Dual<f64, 3>; 3] = Dual::seeds([0.2, 2.0, n], 0);
+            let found = law.at(&p, &motion.map(Dual::constant));
+            let base = omega.abs() / 2.0;
+            let unit = base.powf(n) * (2.0 * forward - 1.0);
+            let steep = if base > 0.0 { 0.2 * unit * base.ln() } else { 0.0 };
+            let right = [0.2 * unit, unit, -0.1 * n * unit, steep];
+            for (found, right) in std::iter::once(found.v).chain(found.d).zip(right) {
+                assert!(
+                    (found - right).abs() <= 1e-13 * right.abs() + 1e-300,
+                    "{omega} {n}: {found} {right}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn what_no_capture_tells_from_the_amplitude_is_held_and_exponents_keep_a_value_at_rest() {
+    let held = |text: &str| -> Vec<String> {
+        let law = law(text);
+        law.undone().into_iter().map(|at| law.params()[at].clone()).collect()
+    };
+    assert_eq!(held("a sign(omega) (abs(omega)/w)^n"), ["w"]);
+    assert_eq!(held("(a + b t) (abs(omega)/w)^n + c"), ["w"]);
+    assert_eq!(held("a exp(-(theta - c)/d)"), ["c"]);
+    for text in
+        ["2 a (omega/w) / (1 + (omega/w)^2)", "a tanh(omega/w)", "1 + r (s/b)^n", "a sin(k theta + p)"]
+    {
+        assert!(held(text).is_empty(), "{text}");
+    }
+    let exponents = |text: &str| law(text).exponents();
+    assert_eq!(exponents("a sign(omega) (abs(omega)/w)^n"), [2]);
+    assert_eq!(exponents("1 + r (s/b)^n"), [2]);
+    assert!(exponents("a (1 + abs(omega)/w)^n").is_empty() && exponents("a theta^2").is_empty());
+    let user = written::made("film", "load", "a sign(omega) (abs(omega)/w)^n", &HashMap::new()).unwrap();
+    let [a, w, n] = user.info.params else { panic!("three parameters") };
+    assert_eq!((a.kind, w.usual, n.usual), (Kind::Linear, Usual::Fixed, Usual::Free));
+    assert_eq!((w.unit, n.unit, [n.lower, n.upper]), (Unit::of(0, 1, -1), Unit::NUMBER, [0.0, 10.0]));
+}
+
+#[test]
+fn a_power_of_what_has_a_unit_says_how_it_is_written() {
+    let why = mistake("a abs(omega)^1.5").why;
+    assert!(why.contains("broken power") && why.contains("(abs(omega)/w)^1.5"), "{why}");
+    assert!(mistake("a abs(omega)^n").why.contains("raises what has a unit"));
 }

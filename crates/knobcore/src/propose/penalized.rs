@@ -1,0 +1,143 @@
+//! Many columns that are held back: how high each is by least squares with penalties, of which the one is taken that does best on
+//! blocks that it did not see.
+
+use crate::algebra::dot;
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+/// Blocks that are left out in turn.
+const BLOCKS: usize = 10;
+/// What holds columns near nought where the data ask for nothing, or the model's parameters can say the same, beside the mean
+/// of the diagonal.
+const RIDGE: f64 = 1e-3;
+
+/// Columns that were fitted to what is left.
+pub struct Penalized {
+    /// How high each is.
+    pub high: DVector<f64>,
+    columns: Vec<Vec<f64>>,
+    gram: DMatrix<f64>,
+    right: DVector<f64>,
+    solved: Cholesky<f64, Dyn>,
+    /// By how much they change the sum of squares of blocks that they did not see.
+    pub unseen: f64,
+}
+
+impl Penalized {
+    /// Of a residual, by the best of some penalties, each beside a mean square of one. None where the columns are nothing.
+    pub fn of(columns: Vec<Vec<f64>>, residual: &[f64], penalties: &[DMatrix<f64>]) -> Option<Self> {
+        let (k, rows) = (columns.len(), residual.len());
+        let block = rows.div_ceil(BLOCKS).max(1);
+        let products = |from: usize, to: usize| {
+            let part = |i: usize| &columns[i][from..to];
+            let gram = DMatrix::from_fn(k, k, |i, j| if i <= j { dot(part(i), part(j)) } else { 0.0 });
+            let gram = DMatrix::from_fn(k, k, |i, j| gram[(i.min(j), i.max(j))]);
+            (gram, DVector::from_fn(k, |i, _| dot(part(i), &residual[from..to])))
+        };
+        let blocks: Vec<_> =
+            (0..rows).step_by(block).map(|at| products(at, (at + block).min(rows))).collect();
+        let gram: DMatrix<f64> = blocks.iter().map(|(gram, _)| gram).sum();
+        let right: DVector<f64> = blocks.iter().map(|(_, right)| right).sum();
+        let size = gram.diagonal().mean();
+        if !(size > 0.0 && size.is_finite()) {
+            return None;
+        }
+        let factor = |gram: &DMatrix<f64>, penalty: &DMatrix<f64>| -> Option<Cholesky<f64, Dyn>> {
+            Cholesky::new(gram + penalty * size + DMatrix::from_diagonal_element(k, k, RIDGE * size))
+        };
+        let missed = |penalty: &DMatrix<f64>| -> Option<f64> {
+            let mut sum = 0.0;
+            for (own, along) in &blocks {
+                let found = factor(&(&gram - own), penalty)?.solve(&(&right - along));
+                sum += found.dot(&(own * &found)) - 2.0 * found.dot(along);
+            }
+            Some(sum)
+        };
+        let (unseen, penalty) = penalties
+            .iter()
+            .filter_map(|penalty| Some((missed(penalty)?, penalty)))
+            .min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let solved = factor(&gram, penalty)?;
+        let high = solved.solve(&right);
+        Some(Self { high, columns, gram, right, solved, unseen })
+    }
+
+    fn taken(&self, high: &DVector<f64>, right: &DVector<f64>) -> f64 {
+        2.0 * high.dot(right) - high.dot(&(&self.gram * high))
+    }
+
+    /// What being off by so much costs: the squares of the data, and the penalty.
+    pub fn metric(&self) -> DMatrix<f64> {
+        let factor = self.solved.l();
+        &factor * factor.transpose()
+    }
+
+    /// What they take off the sum of squares.
+    pub fn gain(&self) -> f64 {
+        self.taken(&self.high, &self.right)
+    }
+
+    /// The same of another residual, as stiff as they are.
+    pub fn gain_of(&self, residual: &[f64]) -> f64 {
+        let right = self.along(residual);
+        self.taken(&self.solved.solve(&right), &right)
+    }
+
+    /// As many parameters as the data decide of them (Hastie & Tibshirani 1990).
+    pub fn free(&self) -> f64 {
+        self.solved.solve(&self.gram).trace()
+    }
+
+    /// How high they are where a column was left.
+    pub fn like(&self, column: &[f64]) -> DVector<f64> {
+        self.solved.solve(&self.along(column))
+    }
+
+    fn along(&self, column: &[f64]) -> DVector<f64> {
+        DVector::from_vec(self.columns.iter().map(|own| dot(own, column)).collect::<Vec<_>>())
+    }
+
+    /// The variance of a sum of them with these weights, in that of a row: by the noise alone.
+    pub fn variance(&self, weights: &DVector<f64>) -> f64 {
+        let weights = self.solved.solve(weights);
+        weights.dot(&(&self.gram * &weights)).max(0.0)
+    }
+
+    /// The same, with the doubt where the data say nothing (Nychka 1988).
+    pub fn doubt(&self, weights: &DVector<f64>) -> f64 {
+        weights.dot(&self.solved.solve(weights)).max(0.0)
+    }
+}
+
+/// Squares of second differences of neighbours.
+pub fn bending(k: usize) -> DMatrix<f64> {
+    let mut bent = DMatrix::zeros(k, k);
+    for at in 1..k - 1 {
+        for (i, a) in [(at - 1, 1.0), (at, -2.0), (at + 1, 1.0)] {
+            for (j, b) in [(at - 1, 1.0), (at, -2.0), (at + 1, 1.0)] {
+                bent[(i, j)] += a * b;
+            }
+        }
+    }
+    bent
+}
+
+/// A cubic B-spline of a place between 0 and 1 (Cox 1972, de Boor 1972), of so many equal pieces.
+pub fn spline(at: usize, x: f64, pieces: usize) -> f64 {
+    let u = x * pieces as f64 - at as f64 + DEGREE as f64;
+    match u {
+        u if (0.0..1.0).contains(&u) => u.powi(3) / 6.0,
+        u if (1.0..2.0).contains(&u) => {
+            let v = u - 1.0;
+            (1.0 + 3.0 * v + 3.0 * v * v - 3.0 * v.powi(3)) / 6.0
+        }
+        u if (2.0..3.0).contains(&u) => {
+            let v = u - 2.0;
+            (4.0 - 6.0 * v * v + 3.0 * v.powi(3)) / 6.0
+        }
+        u if (3.0..=4.0).contains(&u) => (4.0 - u).powi(3) / 6.0,
+        _ => 0.0,
+    }
+}
+
+/// Cubic.
+pub const DEGREE: usize = 3;
