@@ -3,7 +3,8 @@
 `python benches/study_fleet.py` makes lots of knobs by the second simulator, 30 000 samples each: friction
 10 % higher in a lot, a play of 0.01 rad or a soft shaft in single parts, a station with 3 % too much torque.
 `--cost` times batches instead: processor time a capture by a worker and by all that Dask does, and how much
-faster two workers are than one, round by round in turns.
+faster two workers are than one, round by round in turns. `--whole --size 10000` is one batch of so many
+captures by two workers, of which 2 % are learned, as a line has them: how long, and how much memory.
 """
 
 import argparse
@@ -31,6 +32,7 @@ from knobcam.fleet.settings import Settings
 from knobcam.fleet.sources import sources
 
 SAMPLES = 30_000
+FILE = 200  # captures in a file of a large batch
 EMPTY = 2000  # captures that cost nothing but what Dask does for each
 SPREAD = 0.02  # of a parameter from part to part, relative
 FRICTION = ("coulomb_neg", "coulomb_pos")
@@ -144,6 +146,41 @@ def cost(count: int, rounds: int) -> None:
         print(f"  {table / count / 1e3:.1f} kB of table a capture, peak memory of this process {peak:.0f} MB")
 
 
+def whole(count: int) -> None:
+    """Print how long one batch of so many captures takes by two workers, and what memory it comes to."""
+    rng = np.random.default_rng(6)
+    design = plain_knob(rng, detents=True)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        parts = {f"{at:03d}": part(design, rng, "" if at % 50 else "compliance") for at in range(FILE)}
+        write(folder / "parts.parquet", parts)
+        for lot in range(count // FILE):  # the same content under other names is work like any other
+            (folder / "captures" / f"lot={lot}").mkdir(parents=True)
+            (folder / "captures" / f"lot={lot}" / "parts.parquet").hardlink_to(folder / "parts.parquet")
+        cluster.cores = lambda: 2
+        begun = time.perf_counter()
+        memory: list[tuple[float, float]] = []
+
+        def look(_: str) -> None:
+            if not memory or time.perf_counter() - begun - memory[-1][0] > 10.0:
+                every = [psutil.Process(), *psutil.Process().children(recursive=True)]
+                memory.append(
+                    (time.perf_counter() - begun, sum(one.memory_info().rss for one in every) / 1e6)
+                )
+
+        result = kc.batch(folder / "captures", folder / "r", progress=look)
+        took = time.perf_counter() - begun
+        learned = sum(row["learned"] for row in result.rows)
+        found = sum(row["found"] == ["compliance"] for row in result.rows)
+        print(f"{len(result.rows)} captures of {SAMPLES} samples in {took / 60.0:.1f} min by two workers")
+        print(
+            f"  {learned} learned, {found} of {count // 50} named rightly, load {psutil.getloadavg()[0]:.1f}"
+        )
+        print(
+            "  memory of all processes over time: " + ", ".join(f"{s:.0f} s {mb:.0f} MB" for s, mb in memory)
+        )
+
+
 def timed(found: list[Any], workers: int) -> tuple[float, float, float]:
     """Processor time of this process and of its workers, and wall time, while captures are worked on."""
     cluster.cores = lambda: workers
@@ -162,11 +199,14 @@ def timed(found: list[Any], workers: int) -> tuple[float, float, float]:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cost", action="store_true")
+    parser.add_argument("--whole", action="store_true")
     parser.add_argument("--first", type=int, default=0, help="seed of the first round")
     parser.add_argument("--rounds", type=int, default=5)
-    parser.add_argument("--size", type=int, default=20, help="parts of each kind; with --cost captures")
+    parser.add_argument("--size", type=int, default=20, help="parts of each kind; else captures")
     args = parser.parse_args()
-    if args.cost:
+    if args.whole:
+        whole(args.size)
+    elif args.cost:
         cost(args.size, args.rounds)
     else:
         lots(args.first, args.rounds, args.size)

@@ -311,6 +311,7 @@ def propose(
     model: Model,
     progress: Callable[[float], object] | None = None,
 ) -> tuple[list[_Law], float, dict[str, Any] | None, tuple[_Law, float] | None]: ...
+def hints(data: Sequence[Signals], model: Model, effects: Sequence[str]) -> list[tuple[str, str, float]]: ...
 def pairs(
     data: Sequence[Signals],
     model: Model,

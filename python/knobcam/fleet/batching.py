@@ -21,11 +21,13 @@ from .result import BatchResult
 from .row import Row, is_known
 from .settings import Settings
 from .sources import Source, sources
-from .store import Store
+from .store import Store, hinted
 
 Learn = Literal["none", "outliers", "all"]
 _PART_S = 1.0  # of work, that is lost at most
 _PART_ROWS = 256
+_HINTED = 2000
+"""Captures of a batch up to which hints are asked for by themselves: of more they take minutes."""
 _QUICK_BYTES = 2**30  # that are read again sooner than workers are there
 
 
@@ -38,6 +40,7 @@ def batch(
     limits: str | os.PathLike[str] | None = None,
     scheduler: str | None = None,
     learn: str = "outliers",
+    hints: bool | None = None,
     prepare: str = "smooth",
     progress: Callable[[str], object] | None = None,
     reading: dict[str, Any] | None = None,
@@ -50,19 +53,23 @@ def batch(
     each, by default the base model; `limits` is a file of limits (see `docs/fleet.md`). With `learn` "all"
     the loop of `knobcam.learn` goes over every capture, with "outliers" over those that are unlike their lot
     or beyond a limit, with "none" over none. `scheduler` is the address of one of Dask; by default the cores
-    of this machine work. `reading` has what `knobcam.load` takes, `prepare` and `options` are as in `fit`.
+    of this machine work. With `hints` each row says how much its capture speaks for every effect that the
+    model lacks, which lots are compared by; by default where a batch begins with up to 2000 captures.
+    `reading` has what `knobcam.load` takes, `prepare` and `options` are as in `fit`.
 
     Raises InputError for a wrong call. A capture that cannot be read is a row that says why.
     """
     if learn not in get_args(Learn):
         raise InputError(f"learn={learn!r}: choose none, outliers or all")
     asked = Model.load(model) if isinstance(model, str | os.PathLike) else model
-    settings = Settings(None if asked is None else asked.text(), reading or {}, prepare, options)
     checks = None if limits is None else Limits.load(limits, asked, learned=learn != "none")
     folder = Path(results)
     given = [captures] if isinstance(captures, str | os.PathLike) else list(captures)
-    store = Store.open(folder, settings)
     found = sources(given, besides=folder)
+    hints = hinted(folder) if hints is None else hints
+    hints = len(found) <= _HINTED if hints is None else hints
+    settings = Settings(None if asked is None else asked.text(), reading or {}, prepare, options, hints)
+    store = Store.open(folder, settings)
     work = _Work(store, settings, found, progress or (lambda _: None))
     with ExitStack() as stack:
         stack.callback(store.close)

@@ -226,6 +226,19 @@ impl<'a> Screen<'a> {
         models
     }
 
+    /// What the signatures of an effect beside the base have of the residual, from some of its starts each.
+    pub fn leans(&self, id: Id, most: usize) -> Vec<Vec<f64>> {
+        let models = self.beside(id, self.model, id.info().scan);
+        let rows = self.residual.len();
+        let lean = |model: &Model| {
+            let (shown, own) = self.shown(model, self.brought(id, model));
+            let (columns, _, _) = self.thinned.columns(&self.seen_by(id, model), &shown, &own);
+            let beside = orthonormal_beside(&self.base, &columns, rows);
+            beside.iter().map(|direction| dot(&self.residual, direction)).collect()
+        };
+        evenly(&models, most).map(lean).collect()
+    }
+
     fn predicted(&self, id: Id, model: &Model) -> f64 {
         let (shown, own) = self.shown(model, self.brought(id, model));
         let (columns, residual, _) = self.thinned.columns(&self.seen_by(id, model), &shown, &own);
@@ -274,6 +287,11 @@ impl<'a> Screen<'a> {
         }
         (shown, params)
     }
+}
+
+/// At most so many of some things, spread over all of them.
+pub fn evenly<T>(things: &[T], most: usize) -> impl Iterator<Item = &T> {
+    things.iter().step_by(things.len().div_ceil(most).max(1))
 }
 
 /// A model with the values and roles that another has by the same names.
