@@ -35,7 +35,7 @@ SAMPLES = 30_000
 SPREAD = 0.02  # of a parameter from part to part, relative
 EFFECTS = ("stribeck", "quadratic_drag", "return_spring", "position_polynomial", "friction_drift")
 EFFECTS += ("torque_drift", "torque_lag", "position_friction", "load_friction", "detent_harmonics")
-SHARES = (0.2, 0.3, 0.4)
+SHARES = (0.2, 0.4)
 STEPS = 0.1 * np.sqrt(2.0) ** np.arange(9)  # strengths that are tried, over the noise floor
 OF_THE_KNOB = ("inertia", "coulomb_neg", "coulomb_pos", "viscous_neg", "viscous_pos", "detent")
 

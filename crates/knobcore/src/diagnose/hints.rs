@@ -60,7 +60,8 @@ mod tests {
 
     fn told(truth: &[(&str, f64)], effects: &[Id]) -> Vec<(Id, Hint)> {
         let known = |name: &str| *Id::BUILT_IN.iter().find(|id| name.starts_with(id.info().id)).unwrap();
-        let own: Vec<Id> = truth.iter().map(|(name, _)| known(name)).collect();
+        let mut own: Vec<Id> = truth.iter().map(|(name, _)| known(name)).collect();
+        own.dedup();
         let signals = recorded(&knob(&own, truth), "a");
         let base = refine(&[&signals], &knob(&[], &[])).unwrap().model;
         hints(&[&signals], &base, effects)
@@ -84,6 +85,18 @@ mod tests {
         assert!(none.abs() < 4.0 && some - none > 10.0 && less - none < -10.0, "{none} {some} {less}");
         // It is in proportion to the size, beside what noise does.
         assert!(((drag(6e-4) - none) / (some - none) - 2.0).abs() < 0.1);
+    }
+
+    #[test]
+    fn a_wave_is_seen_whatever_its_phase_is() {
+        for phi in [0.0, 1.0, 2.0, 3.0, 4.0, 5.0] {
+            let gain = |a: f64| {
+                let found = told(&[("unbalance.a", a), ("unbalance.phi", phi)], &[Id::Unbalance]);
+                let [(Id::Unbalance, Hint::Gain(gain))] = found[..] else { panic!("{found:?}") };
+                gain
+            };
+            assert!(gain(0.0) < 4.0 && gain(1e-3) > 8.0, "{phi}: {} {}", gain(0.0), gain(1e-3));
+        }
     }
 
     #[test]

@@ -11,7 +11,7 @@ use crate::effects::{Id, Place, Survey, Wave};
 use crate::fit::{behind, beside_orders, glance, loads, runs, waves};
 use crate::model::{Model, Role, Slot};
 use crate::order::Ascending;
-use crate::param::{Axis, Usual};
+use crate::param::{Axis, Kind, Usual};
 use crate::signals::Signals;
 
 /// What resists one way is at least so much of what does the other way.
@@ -232,8 +232,10 @@ impl<'a> Screen<'a> {
         let rows = self.residual.len();
         let lean = |model: &Model| {
             let (shown, own) = self.shown(model, self.brought(id, model));
-            let (columns, _, _) = self.thinned.columns(&self.seen_by(id, model), &shown, &own);
-            let beside = orthonormal_beside(&self.base, &columns, rows);
+            let columns = |of: &Model| self.thinned.columns(&self.seen_by(id, model), of, &own).0;
+            let mut both = columns(&shown);
+            both.extend(turned(&shown, id).iter().flat_map(columns));
+            let beside = orthonormal_beside(&self.base, &both, rows);
             beside.iter().map(|direction| dot(&self.residual, direction)).collect()
         };
         evenly(&models, most).map(lean).collect()
@@ -287,6 +289,21 @@ impl<'a> Screen<'a> {
         }
         (shown, params)
     }
+}
+
+/// A model with the phases of an effect's waves a quarter on; none where it has no wave without an amplitude, of which
+/// the phase tells nothing and the amplitude no more than half.
+fn turned(model: &Model, id: Id) -> Option<Model> {
+    let mut p = model.values();
+    let silent = |slot: &Slot| match slot.param.kind {
+        Kind::PhaseOf(amplitude) => slot.effect == id && model.slots()[slot.base + amplitude].value == 0.0,
+        _ => false,
+    };
+    let phases: Vec<usize> = (0..p.len()).filter(|&at| silent(&model.slots()[at])).collect();
+    phases.iter().for_each(|&at| p[at] += std::f64::consts::FRAC_PI_2);
+    let mut turned = model.clone();
+    turned.set_values(&p);
+    (!phases.is_empty()).then_some(turned)
 }
 
 /// At most so many of some things, spread over all of them.
