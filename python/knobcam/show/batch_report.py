@@ -94,7 +94,11 @@ def _lots(result: BatchResult) -> str:
     head = ("lot or station", "parameter", "against the others", "95 % interval (%)", "p-value")
     told = bullets(study.said)
     told += wide_table("What differs (Welch's test, Holm's correction)", head, rows) if rows else ""
-    some = [one for one in study.held if one.sure]
+    return told + _hints(result)
+
+
+def _hints(result: BatchResult) -> str:
+    """What lots hint at beyond chance, effect by effect; nothing where that is nothing."""
     head = ("lot", "against", "effect", "standard errors", "captures", "p-value", "remark")
     rows = [
         (
@@ -106,10 +110,10 @@ def _lots(result: BatchResult) -> str:
             f"{one.p_value:.2g}",
             "" if one.plausible else "no such effect has this sign",
         )
-        for one in some
+        for one in result.study.held
+        if one.sure
     ]
-    what = "What all captures of a lot hint at together (ranks, Holm's correction)"
-    return told + (wide_table(what, head, rows) if rows else "")
+    return wide_table("What lots hint at (ranks, Holm's correction)", head, rows) if rows else ""
 
 
 def _capable(result: BatchResult) -> str:
