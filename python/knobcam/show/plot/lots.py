@@ -76,25 +76,33 @@ def batch(result: BatchResult) -> Picture:
 @styled
 def batch_hints(result: BatchResult) -> Picture:
     """Effects over lots: how much more each lot has of what single captures may not show."""
-    every = result.study.held
-    lots = list(dict.fromkeys(one.lot for one in every))
+    every, said = result.study.held, result.study.pooled
+    lots = list(dict.fromkeys(result.study.table["lot"]))
     names = sorted({one.effect for one in every})
     score = np.full((len(names), len(lots)), np.nan)
     figure = Picture(
         max(6.0, 3.5 + 0.9 * len(lots)),
         1.6 + 0.24 * len(names),
-        "What lots have more or less of than the first, all captures taken together",
+        "What lots have more or less of than the first, by all their captures",
     )
     axes = figure.subplots()
-    said = {
-        (one.than if one.lot == lots[0] and one.than else one.lot, one.effect) for one in result.study.pooled
+    named = {
+        (one.than if one.lot == lots[0] and one.than is not None else one.lot, one.effect) for one in said
     }
     for one in every:
         row, column = names.index(one.effect), lots.index(one.lot)
         score[row, column] = one.score
         if one.sure:
-            weight = "bold" if (one.lot, one.effect) in said else "normal"
-            axes.text(column, row, f"{one.score:+.1f}", ha="center", va="center", fontsize=8.0, weight=weight)
+            axes.text(
+                column,
+                row,
+                f"{one.score:+.1f}",
+                ha="center",
+                va="center",
+                fontsize=8.0,
+                weight="bold" if (one.lot, one.effect) in named else "normal",
+                color="white" if abs(one.score) > 0.6 * _FULL else "black",
+            )
     image = axes.imshow(score, cmap="RdBu_r", vmin=-_FULL, vmax=_FULL, aspect="auto")
     bar = figure.colorbar(image, ax=axes)
     bar.set_label("standard errors; a number: beyond chance")
