@@ -39,7 +39,7 @@ pub fn hints(data: &[&Signals], model: &Model, effects: &[Id]) -> Vec<(Id, Hint)
     let watch = Watch::new(&|_| true, effects.len());
     let screen = Screen::new(data, model, &watch);
     let white = Floor::with(data, &noises(data, model)).white;
-    if !(white > 0.0) {
+    if white.is_nan() || white <= 0.0 {
         return Vec::new();
     }
     let scale = white.sqrt().recip();
