@@ -6,6 +6,7 @@ import os
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -65,11 +66,13 @@ def batch(
     checks = None if limits is None else Limits.load(limits, asked, learned=learn != "none")
     folder = Path(results)
     given = [captures] if isinstance(captures, str | os.PathLike) else list(captures)
-    found = sources(given, besides=folder)
     hints = hinted(folder) if hints is None else hints
-    hints = len(found) <= _HINTED if hints is None else hints
-    settings = Settings(None if asked is None else asked.text(), reading or {}, prepare, options, hints)
+    text = None if asked is None else asked.text()
+    settings = Settings(text, reading or {}, prepare, options, hints is not False)
     store = Store.open(folder, settings)
+    found = sources(given, besides=folder)
+    if hints is None and len(found) > _HINTED:
+        store.settings = settings = replace(settings, hints=False)
     work = _Work(store, settings, found, progress or (lambda _: None))
     with ExitStack() as stack:
         stack.callback(store.close)
