@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 from command import knobcam
 from test_fleet_lots import made
 
@@ -105,7 +106,9 @@ def test_the_report_shows_effects_over_lots_and_hints_are_read_back(tmp_path: Pa
     assert "lot B has stribeck that lot A has not" in knobcam("report", tmp_path / "r").out
 
 
-def test_a_batch_keeps_hints_and_a_folder_stays_as_it_was_begun(tmp_path: Path) -> None:
+def test_a_batch_keeps_hints_and_a_folder_stays_as_it_was_begun(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     model = kc.Model.load("knob5")
     for lot_name, rise in ("A", 0.0), ("B", 0.03):
         folder = tmp_path / "captures" / f"lot={lot_name}"
@@ -120,10 +123,12 @@ def test_a_batch_keeps_hints_and_a_folder_stays_as_it_was_begun(tmp_path: Path) 
         assert row["verdict"] == "complete" and "lean.quadratic_drag" in row["hints"]
         leans[row["lot"]].append(row["hints"]["lean.stribeck"])
     assert np.median(leans["B"]) - np.median(leans["A"]) > 1.0
-    with_none = kc.batch(tmp_path / "captures", tmp_path / "n", learn="none", hints=False)
+    monkeypatch.setattr("knobcam.fleet.batching._HINTED", 9)
+    with_none = kc.batch(tmp_path / "captures", tmp_path / "n", learn="none")
     assert all(row["hints"] == {} for row in with_none.rows) and not with_none.study.held
     (tmp_path / "captures" / "lot=A" / "0.npz").unlink()
     kc.simulate(model, "sweep", seed=5).save(tmp_path / "captures" / "lot=A" / "0.npz")
+    monkeypatch.setattr("knobcam.fleet.batching._HINTED", 10)
     again = kc.batch(tmp_path / "captures", tmp_path / "n", learn="none")
     assert again.fresh == 1 and all(row["hints"] == {} for row in again.rows)
 
