@@ -117,10 +117,10 @@ def cost(count: int, rounds: int) -> None:
         write(folder / "a.parquet", {f"{at:05d}": part(design, rng) for at in range(count)})
         size = (folder / "a.parquet").stat().st_size / count
         found = sources([folder / "a.parquet"])
-        row_of(found[0], Settings(), False, None)
+        row_of(found[0], Settings(hints=False), False, None)
         begun = time.process_time()
         for one in found:
-            row_of(one, Settings(), False, None)
+            row_of(one, Settings(hints=False), False, None)
         alone = (time.process_time() - begun) / count
         print(f"{count} captures of {SAMPLES} samples, {size / 1e3:.0f} kB each as Parquet with zstd")
         print(f"  read and fitted in this process: {1e3 * alone:.1f} ms of processor time a capture")
@@ -140,7 +140,7 @@ def cost(count: int, rounds: int) -> None:
         ratio = [one / two for one, two in zip(walls[1], walls[2], strict=True)]
         ends = f"({min(ratio):.2f} to {max(ratio):.2f}), load {psutil.getloadavg()[0]:.1f}"
         print(f"  two workers are {np.median(ratio):.2f} times one {ends}")
-        kc.batch(folder / "a.parquet", folder / "t", learn="none")
+        kc.batch(folder / "a.parquet", folder / "t", learn="none", hints=False)
         table = sum(one.stat().st_size for one in (folder / "t").rglob("*.parquet"))
         peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
         print(f"  {table / count / 1e3:.1f} kB of table a capture, peak memory of this process {peak:.0f} MB")
@@ -187,11 +187,13 @@ def timed(found: list[Any], workers: int) -> tuple[float, float, float]:
     with cluster.workers(None) as client:
         client.wait_for_workers(workers)
         tasks = [(one, None) for one in found]
-        cluster.run(client, tasks[: 8 * workers], Settings(), False, lambda *_: None)  # all is imported
+        cluster.run(
+            client, tasks[: 8 * workers], Settings(hints=False), False, lambda *_: None
+        )  # all is imported
         inside = psutil.Process().children(recursive=True)
         before = sum(sum(one.cpu_times()[:2]) for one in inside)
         own, wall = time.process_time(), time.perf_counter()
-        cluster.run(client, tasks, Settings(), False, lambda *_: None)
+        cluster.run(client, tasks, Settings(hints=False), False, lambda *_: None)
         wall, own = time.perf_counter() - wall, time.process_time() - own
         return own, sum(sum(one.cpu_times()[:2]) for one in inside) - before, wall
 
