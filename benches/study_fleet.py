@@ -3,7 +3,8 @@
 `python benches/study_fleet.py` makes lots of knobs by the second simulator, 30 000 samples each: friction
 10 % higher in a lot, a play of 0.01 rad or a soft shaft in single parts, a station with 3 % too much torque.
 `--cost` times batches instead: processor time a capture by a worker and by all that Dask does, and how much
-faster two workers are than one, round by round in turns.
+faster two workers are than one, round by round in turns. `--whole --size 10000` is one batch of so many
+captures by two workers, of which 2 % are learned, as a line has them: how long, and how much memory.
 """
 
 import argparse
@@ -31,6 +32,7 @@ from knobcam.fleet.settings import Settings
 from knobcam.fleet.sources import sources
 
 SAMPLES = 30_000
+FILE = 200  # captures in a file of a large batch
 EMPTY = 2000  # captures that cost nothing but what Dask does for each
 SPREAD = 0.02  # of a parameter from part to part, relative
 FRICTION = ("coulomb_neg", "coulomb_pos")
@@ -115,10 +117,10 @@ def cost(count: int, rounds: int) -> None:
         write(folder / "a.parquet", {f"{at:05d}": part(design, rng) for at in range(count)})
         size = (folder / "a.parquet").stat().st_size / count
         found = sources([folder / "a.parquet"])
-        row_of(found[0], Settings(), False, None)
+        row_of(found[0], Settings(hints=False), False, None)
         begun = time.process_time()
         for one in found:
-            row_of(one, Settings(), False, None)
+            row_of(one, Settings(hints=False), False, None)
         alone = (time.process_time() - begun) / count
         print(f"{count} captures of {SAMPLES} samples, {size / 1e3:.0f} kB each as Parquet with zstd")
         print(f"  read and fitted in this process: {1e3 * alone:.1f} ms of processor time a capture")
@@ -138,10 +140,45 @@ def cost(count: int, rounds: int) -> None:
         ratio = [one / two for one, two in zip(walls[1], walls[2], strict=True)]
         ends = f"({min(ratio):.2f} to {max(ratio):.2f}), load {psutil.getloadavg()[0]:.1f}"
         print(f"  two workers are {np.median(ratio):.2f} times one {ends}")
-        kc.batch(folder / "a.parquet", folder / "t", learn="none")
+        kc.batch(folder / "a.parquet", folder / "t", learn="none", hints=False)
         table = sum(one.stat().st_size for one in (folder / "t").rglob("*.parquet"))
         peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
         print(f"  {table / count / 1e3:.1f} kB of table a capture, peak memory of this process {peak:.0f} MB")
+
+
+def whole(count: int) -> None:
+    """Print how long one batch of so many captures takes by two workers, and what memory it comes to."""
+    rng = np.random.default_rng(6)
+    design = plain_knob(rng, detents=True)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        parts = {f"{at:03d}": part(design, rng, "" if at % 50 else "compliance") for at in range(FILE)}
+        write(folder / "parts.parquet", parts)
+        for lot in range(count // FILE):  # the same content under other names is work like any other
+            (folder / "captures" / f"lot={lot}").mkdir(parents=True)
+            (folder / "captures" / f"lot={lot}" / "parts.parquet").hardlink_to(folder / "parts.parquet")
+        cluster.cores = lambda: 2
+        begun = time.perf_counter()
+        memory: list[tuple[float, float]] = []
+
+        def look(_: str) -> None:
+            if not memory or time.perf_counter() - begun - memory[-1][0] > 10.0:
+                every = [psutil.Process(), *psutil.Process().children(recursive=True)]
+                memory.append(
+                    (time.perf_counter() - begun, sum(one.memory_info().rss for one in every) / 1e6)
+                )
+
+        result = kc.batch(folder / "captures", folder / "r", progress=look)
+        took = time.perf_counter() - begun
+        learned = sum(row["learned"] for row in result.rows)
+        found = sum(row["found"] == ["compliance"] for row in result.rows)
+        print(f"{len(result.rows)} captures of {SAMPLES} samples in {took / 60.0:.1f} min by two workers")
+        print(
+            f"  {learned} learned, {found} of {count // 50} named rightly, load {psutil.getloadavg()[0]:.1f}"
+        )
+        print(
+            "  memory of all processes over time: " + ", ".join(f"{s:.0f} s {mb:.0f} MB" for s, mb in memory)
+        )
 
 
 def timed(found: list[Any], workers: int) -> tuple[float, float, float]:
@@ -150,11 +187,13 @@ def timed(found: list[Any], workers: int) -> tuple[float, float, float]:
     with cluster.workers(None) as client:
         client.wait_for_workers(workers)
         tasks = [(one, None) for one in found]
-        cluster.run(client, tasks[: 8 * workers], Settings(), False, lambda *_: None)  # all is imported
+        cluster.run(
+            client, tasks[: 8 * workers], Settings(hints=False), False, lambda *_: None
+        )  # all is imported
         inside = psutil.Process().children(recursive=True)
         before = sum(sum(one.cpu_times()[:2]) for one in inside)
         own, wall = time.process_time(), time.perf_counter()
-        cluster.run(client, tasks, Settings(), False, lambda *_: None)
+        cluster.run(client, tasks, Settings(hints=False), False, lambda *_: None)
         wall, own = time.perf_counter() - wall, time.process_time() - own
         return own, sum(sum(one.cpu_times()[:2]) for one in inside) - before, wall
 
@@ -162,11 +201,14 @@ def timed(found: list[Any], workers: int) -> tuple[float, float, float]:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cost", action="store_true")
+    parser.add_argument("--whole", action="store_true")
     parser.add_argument("--first", type=int, default=0, help="seed of the first round")
     parser.add_argument("--rounds", type=int, default=5)
-    parser.add_argument("--size", type=int, default=20, help="parts of each kind; with --cost captures")
+    parser.add_argument("--size", type=int, default=20, help="parts of each kind; else captures")
     args = parser.parse_args()
-    if args.cost:
+    if args.whole:
+        whole(args.size)
+    elif args.cost:
         cost(args.size, args.rounds)
     else:
         lots(args.first, args.rounds, args.size)

@@ -209,6 +209,10 @@ def test_a_wrong_call_says_one_line_and_writes_nothing(tmp_path: Path) -> None:
     whole = tmp_path / "whole.toml"
     knob(detent__P=1.0 / 12).save(whole)
     call(whole, "--to", "cogging-table", "--without", "impossible", "-o", out)
+    expected = ("fmi=3", "leave it out of c")
+    call("knob4", "--to", "c", "--fmi", "3", "-o", out)
+    expected = ("--fmi: belongs to another form",)
+    call("knob4", "--fmi", "3", "-o", out)
     expected = ("invalid choice: 'simulink'",)
     call("knob4", "--to", "simulink", "-o", out)
     expected = ("without stribeck", "is no effect of the model")

@@ -14,6 +14,7 @@ import mujoco
 import numpy as np
 import pytest
 from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi3 import FMU3Slave
 
 import knobcam as kc
 from knobcam.render.convert import convert, library
@@ -190,7 +191,7 @@ def test_a_program_in_c_renders_to_the_last_bit_and_takes_no_memory(name: str, t
 def test_a_unit_of_fmi_renders_to_the_last_bit(name: str, tmp_path: Path) -> None:
     model = named(name)
     file = convert(model, "fmu", motion=kc.motion("hand", 0.1)).save(tmp_path / "knob.fmu")
-    assert fmpy.supported_platforms(str(file)) == [library.fmi_platform()]
+    assert fmpy.supported_platforms(str(file)) == [library.fmi_platform(2)]
     described = fmpy.read_model_description(str(file), validate=True)
     numbers = {one.name: one.valueReference for one in described.modelVariables}
     inputs = [numbers[one] for one in ("theta", "omega", "alpha")]
@@ -218,8 +219,77 @@ def test_a_unit_of_fmi_renders_to_the_last_bit(name: str, tmp_path: Path) -> Non
     assert np.array_equal(found, kc.Renderer(model, RATE_HZ).along(track.theta, track.omega, track.alpha))
 
 
-def test_the_same_model_gives_the_same_unit() -> None:
-    first, second = (convert("knob4", "fmu", motion=kc.motion("hand", 0.1)).form.content for _ in range(2))
+@pytest.mark.parametrize("name", KNOBS)
+def test_a_unit_of_fmi_3_renders_to_the_last_bit(name: str, tmp_path: Path) -> None:
+    model = named(name)
+    file = convert(model, "fmu", motion=kc.motion("hand", 0.1), fmi=3).save(tmp_path / "knob.fmu")
+    assert fmpy.supported_platforms(str(file)) == [fmpy.platform]
+    described = fmpy.read_model_description(str(file), validate=True)
+    assert described.fmiVersion == "3.0"
+    numbers = {one.name: one.valueReference for one in described.modelVariables}
+    assert len(set(numbers.values())) == len(numbers)
+    inputs = [numbers[one] for one in ("theta", "omega", "alpha")]
+    unit = FMU3Slave(
+        guid=described.guid,
+        instanceName="knob",
+        unzipDirectory=fmpy.extract(str(file), str(tmp_path / "unit")),
+        modelIdentifier=described.coSimulation.modelIdentifier,
+    )
+    unit.instantiate()
+    unit.enterInitializationMode(startTime=0.0)
+    unit.exitInitializationMode()
+    track = kc.motion("hand", 0.5)
+    found = []
+    for t, *motion in zip(*track, strict=True):
+        unit.setFloat64(inputs, motion)
+        assert unit.doStep(t - 1.0 / RATE_HZ, 1.0 / RATE_HZ) == (False, False, False, pytest.approx(t))
+        found.append(unit.getFloat64([numbers["tau"]])[0])
+    assert np.array_equal(found, kc.Renderer(model, RATE_HZ).along(track.theta, track.omega, track.alpha))
+    assert unit.getFloat64([numbers["time"]]) == [pytest.approx(track.t[-1])]
+    unit.setBoolean([numbers["held"]], [True])
+    assert unit.getBoolean([numbers["held"], numbers["tau_other_measured"]]) == [True, False]
+    for wrong in (
+        lambda: unit.doStep(1.0, 1.5 / RATE_HZ),
+        lambda: unit.setFloat64([numbers["tau"]], [1.0]),
+        lambda: unit.getFloat64([numbers["held"]]),
+        lambda: unit.setBoolean([numbers["theta"]], [True]),
+        lambda: unit.getFMUState(),
+    ):
+        with pytest.raises(Exception, match="fmi3"):
+            wrong()
+    unit.reset()
+    assert unit.getBoolean([numbers["held"]]) == [False]
+    unit.terminate()
+    unit.freeInstance()
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_unit_is_simulated_as_a_whole(fmi: int, tmp_path: Path) -> None:
+    model = named("knob4")
+    file = convert(model, "fmu", motion=kc.motion("hand", 0.1), fmi=fmi).save(tmp_path / "knob.fmu")
+    track = kc.motion("hand", 0.2)
+    rows = [("time", float), *((name, float) for name in ("theta", "omega", "alpha"))]
+    given = np.array(list(zip(*track, strict=True)), dtype=rows)
+    step = {"output_interval": 1.0 / RATE_HZ, "step_size": 1.0 / RATE_HZ}
+    told = fmpy.simulate_fmu(str(file), stop_time=0.1, input=given, output=["tau"], **step)
+    assert len(told) == 501 and np.all(np.isfinite(told["tau"])) and np.ptp(told["tau"]) > 0.0
+
+
+def test_a_unit_whose_resource_is_gone_says_so_in_a_line(tmp_path: Path) -> None:
+    file = convert("knob4", "fmu", motion=kc.motion("hand", 0.1), fmi=3).save(tmp_path / "knob.fmu")
+    folder = Path(fmpy.extract(str(file), str(tmp_path / "unit")))
+    (folder / "resources" / "knob.txt").unlink()
+    unit = FMU3Slave(guid="", instanceName="knob", unzipDirectory=str(folder), modelIdentifier="knobcam")
+    said: list[str] = []
+    with pytest.raises(Exception, match="instantiate"):
+        unit.instantiate(logMessage=lambda _, status, category, message: said.append(message.decode()))
+    assert len(said) == 1 and "knob.txt" in said[0]
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_the_same_model_gives_the_same_unit(fmi: int) -> None:
+    still = kc.motion("hand", 0.1)
+    first, second = (convert("knob4", "fmu", motion=still, fmi=fmi).form.content for _ in range(2))
     assert first == second
 
 

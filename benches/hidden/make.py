@@ -181,7 +181,7 @@ def _grown(
         ) -> float:
             return base.left(plain + signature([*known, part._replace(size=at)]), *others) / FLOOR
 
-        fitting = size or _solved(left, *KINDS[name].sizes, strength)
+        fitting = size or solved(left, *KINDS[name].sizes, strength)
         if fitting is None:
             return None
         parts.append(_Part(name, grow, fitting, left(fitting)))
@@ -202,7 +202,7 @@ def _chain(scene: Scene, parts: Sequence[_Part], at_shaft: bool) -> Chain:
     return chain._replace(shaft=chain.loads, loads=scene.knob) if at_shaft and chain.contact else chain
 
 
-def _solved(left: Callable[[float], float], low: float, high: float, strength: float) -> float | None:
+def solved(left: Callable[[float], float], low: float, high: float, strength: float) -> float | None:
     """The size for a strength, within 2 %, by bisection and false position of the logarithms."""
     below = left(low)
     if below >= strength:

@@ -317,6 +317,7 @@ def shapes(
     best: float,
     progress: Callable[[float], object] | None = None,
 ) -> tuple[list[tuple[list[str], float, float]], dict[str, Any] | None, tuple[_Law, float] | None]: ...
+def hints(data: Sequence[Signals], model: Model, effects: Sequence[str]) -> list[tuple[str, str, float]]: ...
 def pairs(
     data: Sequence[Signals],
     model: Model,

@@ -4,6 +4,7 @@ mod emulate;
 mod filter;
 mod fit;
 mod handle;
+mod hints;
 mod model;
 mod names;
 mod progress;
@@ -80,6 +81,7 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(fit::judge, m)?)?;
     m.add_function(wrap_pyfunction!(fit::diagnose, m)?)?;
     m.add_function(wrap_pyfunction!(fit::in_place, m)?)?;
+    m.add_function(wrap_pyfunction!(hints::hints, m)?)?;
     m.add_function(wrap_pyfunction!(fit::pairs, m)?)?;
     m.add_function(wrap_pyfunction!(propose::propose, m)?)?;
     m.add_function(wrap_pyfunction!(propose::shapes, m)?)?;

@@ -5,6 +5,8 @@
 #![allow(unsafe_code, reason = "a C ABI takes pointers, whose validity only its caller can know")]
 
 pub mod fmi2;
+pub mod fmi3;
+mod slave;
 
 use knobcore::error::{Error, Result};
 use knobcore::model_file;

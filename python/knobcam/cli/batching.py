@@ -35,6 +35,12 @@ def register(commands: arguments.Commands) -> None:
         default="outliers",
         help="look for missing effects in those unlike their lot or beyond limits (default), in all or none",
     )
+    parser.add_argument(
+        "--hints",
+        choices=("all", "none"),
+        help="keep how much each capture speaks for every effect, by which lots are compared; default all "
+        "where a batch begins with up to 2000 captures",
+    )
     arguments.add_preparation(parser)
     arguments.add_reading(parser)
 
@@ -61,6 +67,7 @@ def run(args: Namespace) -> Answer:
         limits=args.limits,
         scheduler=args.scheduler,
         learn=args.learn,
+        hints=None if args.hints is None else args.hints == "all",
         prepare=args.prepare,
         reading=reading(args),
         progress=status,

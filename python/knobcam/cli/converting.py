@@ -44,6 +44,9 @@ def register(commands: arguments.Commands) -> None:
     )
     parser.add_argument("--rate", type=arguments.number, default=5000.0, metavar="HZ", help="default 5000 Hz")
     parser.add_argument(
+        "--fmi", type=int, choices=(2, 3), default=2, help="version of a unit of FMI; default 2"
+    )
+    parser.add_argument(
         "--kt", type=arguments.number, metavar="NM_A", help="the motor's torque constant, N m/A"
     )
     parser.add_argument(
@@ -84,6 +87,7 @@ def _to(args: Namespace, model: Model) -> Answer:
         rate_hz=args.rate,
         kt=args.kt,
         suffix=args.output.suffix,
+        fmi=args.fmi,
     )
     with together():
         files: dict[str, object] = {"model": str(conversion.save(args.output))}
@@ -112,7 +116,7 @@ def _as_torque(args: Namespace, model: Model) -> Answer:
 
 def _alone(args: Namespace) -> None:
     """Refuse what belongs to another form where none is asked for."""
-    usual: dict[str, Any] = {"without": [], "motion": "sweep", "rate": 5000.0, "plots": None}
+    usual: dict[str, Any] = {"without": [], "motion": "sweep", "rate": 5000.0, "fmi": 2, "plots": None}
     for name, value in usual.items():
         if getattr(args, name) != value:
             raise InputError(f"--{name}: belongs to another form; name it with --to")

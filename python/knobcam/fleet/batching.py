@@ -6,6 +6,7 @@ import os
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -21,11 +22,13 @@ from .result import BatchResult
 from .row import Row, is_known
 from .settings import Settings
 from .sources import Source, sources
-from .store import Store
+from .store import Store, hinted
 
 Learn = Literal["none", "outliers", "all"]
 _PART_S = 1.0  # of work, that is lost at most
 _PART_ROWS = 256
+_HINTED = 2000
+"""Captures of a batch up to which hints are asked for by themselves: of more they take minutes."""
 _QUICK_BYTES = 2**30  # that are read again sooner than workers are there
 
 
@@ -38,6 +41,7 @@ def batch(
     limits: str | os.PathLike[str] | None = None,
     scheduler: str | None = None,
     learn: str = "outliers",
+    hints: bool | None = None,
     prepare: str = "smooth",
     progress: Callable[[str], object] | None = None,
     reading: dict[str, Any] | None = None,
@@ -50,19 +54,25 @@ def batch(
     each, by default the base model; `limits` is a file of limits (see `docs/fleet.md`). With `learn` "all"
     the loop of `knobcam.learn` goes over every capture, with "outliers" over those that are unlike their lot
     or beyond a limit, with "none" over none. `scheduler` is the address of one of Dask; by default the cores
-    of this machine work. `reading` has what `knobcam.load` takes, `prepare` and `options` are as in `fit`.
+    of this machine work. With `hints` each row says how much its capture speaks for every effect that the
+    model lacks, which lots are compared by; by default where a batch begins with up to 2000 captures.
+    `reading` has what `knobcam.load` takes, `prepare` and `options` are as in `fit`.
 
     Raises InputError for a wrong call. A capture that cannot be read is a row that says why.
     """
     if learn not in get_args(Learn):
         raise InputError(f"learn={learn!r}: choose none, outliers or all")
     asked = Model.load(model) if isinstance(model, str | os.PathLike) else model
-    settings = Settings(None if asked is None else asked.text(), reading or {}, prepare, options)
     checks = None if limits is None else Limits.load(limits, asked, learned=learn != "none")
     folder = Path(results)
     given = [captures] if isinstance(captures, str | os.PathLike) else list(captures)
+    hints = hinted(folder) if hints is None else hints
+    text = None if asked is None else asked.text()
+    settings = Settings(text, reading or {}, prepare, options, hints is not False)
     store = Store.open(folder, settings)
     found = sources(given, besides=folder)
+    if hints is None and len(found) > _HINTED:
+        store.settings = settings = replace(settings, hints=False)
     work = _Work(store, settings, found, progress or (lambda _: None))
     with ExitStack() as stack:
         stack.callback(store.close)

@@ -117,7 +117,7 @@ def shifts(table: Any, names: Sequence[str], by: str) -> list[Shift]:
     for name in every[len(every) <= 2 :]:  # of two, the later is told by the first
         mine = table[by] == name
         for parameter in names:
-            a, b = (_usual(table.loc[some, parameter].to_numpy(dtype=float)) for some in (mine, ~mine))
+            a, b = (usual(table.loc[some, parameter].to_numpy(dtype=float)) for some in (mine, ~mine))
             if len(a) < FEWEST or len(b) < FEWEST or not np.mean(b):
                 continue
             if np.ptp(a) == np.ptp(b) == 0.0:
@@ -135,7 +135,8 @@ def shifts(table: Any, names: Sequence[str], by: str) -> list[Shift]:
     return sorted((one for one, yes in zip(found, sure, strict=True) if yes), key=lambda one: one.p_value)
 
 
-def _usual(values: FloatArray) -> FloatArray:
+def usual(values: FloatArray) -> FloatArray:
+    """Return values without those far from their middle, which are said one by one."""
     some = values[np.isfinite(values)]
     if len(some) < FEWEST:
         return some
@@ -170,7 +171,7 @@ def gains(table: Any, units: dict[str, str], found: Sequence[Shift]) -> list[Gai
         mine = table[by] == name
         ratios, errors = [], []
         for parameter, unit in units.items():
-            a, b = (_usual(table.loc[some, parameter].to_numpy(dtype=float)) for some in (mine, ~mine))
+            a, b = (usual(table.loc[some, parameter].to_numpy(dtype=float)) for some in (mine, ~mine))
             if "N" not in unit.split() or min(len(a), len(b)) < FEWEST or not np.mean(a) * np.mean(b) > 0.0:
                 continue
             ratios.append(math.log(np.mean(a) / np.mean(b)))

@@ -50,17 +50,17 @@ def outliers(rows: Sequence[Row], fails: Callable[[Row], bool]) -> dict[str, lis
         for at, row in enumerate(firsts):
             reasons = [LIMIT] if fails(row) else []
             reasons += [name for name, score in far.items() if abs(score[at]) > FAR]
-            if len(some) < FEWEST and not reasons and _unexplained(row):
+            if len(some) < FEWEST and not reasons and unexplained(row):
                 reasons = [UNEXPLAINED]
             if reasons:
                 why[row["capture"]] = reasons
-        if len(some) >= FEWEST and sum(map(_unexplained, firsts)) > len(some) / 2:
+        if len(some) >= FEWEST and sum(map(unexplained, firsts)) > len(some) / 2:
             usual = _middle(firsts, far)
             why.setdefault(usual["capture"], [TYPICAL])
     return why
 
 
-def _unexplained(row: Row) -> bool:
+def unexplained(row: Row) -> bool:
     """Whether the first model leaves more than chance; a capture that was learned says so by its verdict."""
     if row.get("first") is not None:
         return bool(row["verdict"] != "complete")

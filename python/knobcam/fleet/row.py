@@ -15,6 +15,7 @@ from ..capture.formats.document import digest as digest_of
 from ..capture.reading import Reading
 from ..errors import InputError
 from ..fit import fit
+from ..fit.hints import hints
 from ..learn import learn
 from . import places
 from .curve import curve
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     from .sources import Source
 
 Row = dict[str, Any]
-"""A capture's row as JSON has it; `params` by name are value, low and high, `units` theirs."""
+"""A capture's row as JSON has it; `params` by name: value, low, high; `units` theirs; `hints` by effect."""
 
 
 def row_of(source: Source, settings: Settings, learned: bool, known: str | None) -> Row | None:
@@ -104,6 +105,7 @@ def _identity(source: Source, settings: Settings, learned: bool) -> Row:
         "params": {},
         "units": {},
         "curve": None,
+        "hints": {},
     }
 
 
@@ -146,13 +148,18 @@ def _fitted(capture: Capture, settings: Settings) -> Row:
     fitted = fit(capture, settings.parsed(), **settings.how())
     # Whether anything is missing is only known where chance explains all that is left.
     complete = fitted.compare().complete and fitted.log_fault is None and fitted.impossible is None
-    return {"verdict": "complete" if complete else None, **_numbers(fitted, fitted.params)}
+    return {
+        "verdict": "complete" if complete else None,
+        "hints": hints(fitted) if settings.hints else {},
+        **_numbers(fitted, fitted.params),
+    }
 
 
 def _learned(capture: Capture, settings: Settings) -> Row:
     story = learn(capture, settings.parsed(), **settings.how())
     weights = {step.added: step.weights.get(step.added or "") for step in story.ladder}
-    first = _numbers(story.ladder[0].fit, story.ladder[0].fit.params)
+    base = story.ladder[0].fit
+    first = _numbers(base, base.params)
     return {
         "verdict": story.verdict,
         "found": list(story.found),
@@ -160,6 +167,7 @@ def _learned(capture: Capture, settings: Settings) -> Row:
         "headline": story.headline,
         # By the first model a lot is compared: all of its captures have it.
         "first": {name: first[name] for name in ("rmse", "noise_floor", "params")},
+        "hints": hints(base) if settings.hints else {},
         **_numbers(story.fit, story.params),
     }
 

@@ -15,12 +15,16 @@ from ..model import Model
 
 @dataclass(frozen=True)
 class Settings:
-    """How captures are read, prepared and fitted; `model` is the text of a model file, None for the base."""
+    """How captures are read, prepared and fitted; `model` is the text of a model file, None for the base.
+
+    With `hints` a row says how much its capture speaks for each effect that the model lacks.
+    """
 
     model: str | None = None
     reading: Mapping[str, Any] = field(default_factory=dict)
     prepare: str = "smooth"
     options: Mapping[str, float] = field(default_factory=dict)
+    hints: bool = True
     version: str = __version__
 
     def __post_init__(self) -> None:
@@ -34,6 +38,7 @@ class Settings:
             "reading": {name: value for name, value in self.reading.items() if value is not None},
             "prepare": self.prepare,
             "options": dict(self.options),
+            "hints": self.hints,
             "version": self.version,
         }
         return hashlib.sha256(json.dumps(known, sort_keys=True, default=str).encode()).hexdigest()

@@ -72,7 +72,8 @@ class Store:
         """Make the folder what it is, if it is not yet."""
         about = make_folder(self.folder) / _ABOUT
         if not about.exists():
-            known = {"settings": self.settings.digest, "model": self.settings.model, "version": __version__}
+            known = {name: getattr(self.settings, name) for name in ("model", "hints")}
+            known |= {"settings": self.settings.digest, "version": __version__}
             write(about, as_json({"schema": SCHEMA, **known}))
         self._hold()
 
@@ -139,6 +140,12 @@ def read(folder: str | os.PathLike[str]) -> list[Row]:
     if not rows:
         raise InputError(f"{path}: has no row yet; run knobcam batch first")
     return [rows[name] for name in sorted(rows)]
+
+
+def hinted(folder: str | os.PathLike[str]) -> bool | None:
+    """Return whether the rows in a folder have hints; None where there are none yet."""
+    path = Path(folder)
+    return bool(_about(path).get("hints")) if (path / _ABOUT).is_file() else None
 
 
 def limits_of(folder: str | os.PathLike[str]) -> Limits | None:

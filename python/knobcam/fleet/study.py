@@ -10,6 +10,7 @@ from .frame import frame, parameters
 from .gauge import Gauge, gauge
 from .limits import Between, Limits
 from .lots import FEWEST, Capable, Chart, Gain, More, Shift, capable, chart, gains, more, shifts
+from .pooled import Held, Pooled, compared, pooled
 from .row import Row
 
 _BEGUN = 20  # captures, where there is one lot alone
@@ -26,6 +27,8 @@ class Study:
     shifts: tuple[Shift, ...]
     gains: tuple[Gain, ...]
     more: tuple[More, ...]
+    held: tuple[Held, ...]
+    pooled: tuple[Pooled, ...]
     gauges: tuple[Gauge, ...]
 
     @classmethod
@@ -34,8 +37,9 @@ class Study:
         units = parameters(rows)
         table = frame(rows)
         if table.empty:
-            return cls(table, {}, (), (), (), (), (), ())
+            return cls(table, {}, (), (), (), (), (), (), (), ())
         names = list(units)
+        every = compared(table, rows)
         moved = [one for by in ("lot", "station") for one in shifts(table, names, by)]
         lots = list(dict.fromkeys(table["lot"]))
         held = [one for one in (limits.checks if limits else ()) if isinstance(one, Between)]
@@ -53,6 +57,8 @@ class Study:
             tuple(moved),
             tuple(gains(table, units, moved)),
             tuple(more(rows)),
+            tuple(every),
+            tuple(pooled(every, rows)),
             tuple(one for name in names if (one := gauge(table, name)) is not None),
         )
 
@@ -61,7 +67,9 @@ class Study:
         """What is to be known of lots and stations, a sentence each, the gravest first."""
         by_gain = {(one.by, one.name) for one in self.gains}
         single = [one for one in self.shifts if (one.by, one.name) not in by_gain]
-        return [f"{one}." for one in (*self.gains, *self.more, *single)]
+        known = {(one.lot, one.effect) for one in self.more}
+        weak = [one for one in self.pooled if (one.lot, one.effect) not in known]
+        return [f"{one}." for one in (*self.gains, *self.more, *weak, *single)]
 
     def document(self) -> dict[str, Any]:
         """Return them as documents have them."""
@@ -70,6 +78,8 @@ class Study:
             "shifts": [one._asdict() for one in self.shifts],
             "gains": [one._asdict() for one in self.gains],
             "more": [one._asdict() for one in self.more],
+            "pooled": [one._asdict() for one in self.pooled],
+            "held": [one._asdict() for one in self.held],
             "capability": [one._asdict() for one in self.capability],
             "out_of_control": {
                 one.parameter: [self.table["capture"].iloc[at] for at in one.out] for one in self.charts

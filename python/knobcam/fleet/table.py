@@ -1,4 +1,4 @@
-"""Rows as a Parquet table: columns that every batch has, and three for each parameter."""
+"""Rows as a Parquet table: columns that every batch has, three for each parameter, one for each hint."""
 
 from __future__ import annotations
 
@@ -56,6 +56,7 @@ COLUMNS = {
 _ENDS = ("", ".lo", ".hi")
 _CURVE = ("theta", "forward", "backward")
 _UNIT = b"unit"
+_HINT = b"hint"
 
 
 def schema_of(rows: Iterable[Row]) -> Any:
@@ -72,6 +73,8 @@ def schema_of(rows: Iterable[Row]) -> Any:
     for name in sorted(units):
         about = {_UNIT: ", ".join(sorted(units[name])).encode()}
         fields += [arrow.field(name + end, arrow.float64(), metadata=about) for end in _ENDS]
+    hints = sorted({name for row in rows for name in row.get("hints") or {}})
+    fields += [arrow.field(name, arrow.float64(), metadata={_HINT: b""}) for name in hints]
     return arrow.schema(fields)
 
 
@@ -103,7 +106,8 @@ def rows_in(path: Path) -> list[Row]:
         ) from None
     units: dict[str, str] = {one.name: (one.metadata or {}).get(_UNIT, b"").decode() for one in found.schema}
     params = [name for name in found.column_names if f"{name}.lo" in units and name not in COLUMNS]
-    return [_deep(flat, params, units) for flat in found.to_pylist()]
+    hints = [one.name for one in found.schema if _HINT in (one.metadata or {})]
+    return [_deep(flat, params, units, hints) for flat in found.to_pylist()]
 
 
 def _flat(row: Row) -> Row:
@@ -113,15 +117,16 @@ def _flat(row: Row) -> Row:
         flat |= {f"curve.{name}": row["curve"][name] for name in _CURVE}
     for name, values in row["params"].items():
         flat |= {name + end: value for end, value in zip(_ENDS, values, strict=True)}
-    return flat
+    return flat | (row.get("hints") or {})
 
 
-def _deep(flat: Row, params: list[str], units: dict[str, str]) -> Row:
+def _deep(flat: Row, params: list[str], units: dict[str, str], hints: list[str]) -> Row:
     row: Row = {name: flat.get(name) for name in COLUMNS if not name.startswith("curve.")}
     row["first"] = None if flat.get("first") is None else json.loads(flat["first"])
     row["curve"] = None if flat["curve.theta"] is None else {one: flat[f"curve.{one}"] for one in _CURVE}
     row["params"] = {name: [flat[name + end] for end in _ENDS] for name in params if _has(flat, name)}
     row["units"] = {name: units[name] for name in row["params"]}
+    row["hints"] = {name: flat[name] for name in hints if flat[name] is not None}
     return row
 
 

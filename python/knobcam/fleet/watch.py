@@ -17,7 +17,7 @@ from .result import BatchResult
 from .row import Row, row_of
 from .settings import Settings
 from .sources import Source, sources
-from .store import Store
+from .store import Store, hinted
 
 SETTLED_S = 0.25
 """A file is complete when it did not change for so long, which one that was renamed into place did not."""
@@ -59,7 +59,8 @@ class Watch:
         if not path.is_dir():
             raise InputError(f"{path}: is no folder; make it first, or name another one")
         asked = Model.load(model) if isinstance(model, str | os.PathLike) else model
-        settings = Settings(None if asked is None else asked.text(), reading or {}, prepare, options)
+        known = hinted(results) is not False
+        settings = Settings(None if asked is None else asked.text(), reading or {}, prepare, options, known)
         checks = None if limits is None else Limits.load(limits, asked, learned=learn != "none")
         return cls(path, Store.open(Path(results), settings), checks, learn=learn)
 

@@ -250,8 +250,8 @@ class Model(showing.Tabled):
         """Return the model in another form: mujoco, c, fmu, cogging-table, urdf or modelica.
 
         What becomes of each effect there, the torque error, and the file, which `save(path)` writes. Options
-        are `without` (effects to be left out, or "impossible"), `motion`, `rate_hz`, `kt` and `suffix`, as in
-        `knobcam.render.convert.convert`. Raises InputError for an effect that is impossible there.
+        are `without` (effects to be left out, or "impossible"), `motion`, `rate_hz`, `kt`, `suffix`, `fmi`,
+        as in `knobcam.render.convert.convert`. Raises InputError for an effect that is impossible there.
         """
         return leaving.convert(self, target, **options)
 

@@ -58,6 +58,9 @@ def _verdict(result: BatchResult) -> tuple[str, str]:
 
 def _pictures(result: BatchResult) -> str:
     parts = [figure(plot.batch(result), "Verdicts by lot, and effects that were found missing.")]
+    if result.study.held:
+        said = "Bold: what is named. The first lot itself is held against chance, each other one against it."
+        parts.append(figure(plot.batch_hints(result), said))
     if result.study.units:
         said = "Dots are captures, crosses those that are not OK, broken lines the limits."
         parts.append(figure(plot.batch_parameters(result), said))
@@ -90,7 +93,27 @@ def _lots(result: BatchResult) -> str:
     ]
     head = ("lot or station", "parameter", "against the others", "95 % interval (%)", "p-value")
     told = bullets(study.said)
-    return told + (wide_table("What differs (Welch's test, Holm's correction)", head, rows) if rows else "")
+    told += wide_table("What differs (Welch's test, Holm's correction)", head, rows) if rows else ""
+    return told + _hints(result)
+
+
+def _hints(result: BatchResult) -> str:
+    """What lots hint at beyond chance, effect by effect; nothing where that is nothing."""
+    head = ("lot", "against", "effect", "standard errors", "captures", "p-value", "remark")
+    rows = [
+        (
+            one.lot or "no lot",
+            "chance" if one.against is None else one.against or "no lot",
+            one.effect,
+            f"{one.score:+.1f}",
+            f"{one.captures[0]}" if one.against is None else f"{one.captures[0]} and {one.captures[1]}",
+            f"{one.p_value:.2g}",
+            "" if one.plausible else "no such effect has this sign",
+        )
+        for one in result.study.held
+        if one.sure
+    ]
+    return wide_table("What lots hint at (ranks, Holm's correction)", head, rows) if rows else ""
 
 
 def _capable(result: BatchResult) -> str:

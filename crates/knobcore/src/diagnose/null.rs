@@ -7,7 +7,7 @@
 
 use super::chance::Chance;
 use super::chosen;
-use super::screen::{Screen, Start};
+use super::screen::{Screen, Start, evenly};
 use crate::effects::{Id, Place};
 use crate::fit::add_products;
 use crate::floor::doubt;
@@ -119,11 +119,6 @@ fn spread(values: &[f64]) -> (f64, f64) {
     let mean = values.iter().sum::<f64>() / n;
     let variance = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n;
     (mean, variance.sqrt().max(f64::MIN_POSITIVE))
-}
-
-/// At most so many starts, spread over all of them.
-fn evenly(starts: &[Start], most: usize) -> impl Iterator<Item = &Start> {
-    starts.iter().step_by(starts.len().div_ceil(most).max(1))
 }
 
 /// A root of the covariance of the products of signatures with noise, given what they become.

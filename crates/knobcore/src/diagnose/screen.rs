@@ -11,7 +11,7 @@ use crate::effects::{Id, Place, Survey, Wave};
 use crate::fit::{behind, beside_orders, glance, loads, runs, waves};
 use crate::model::{Model, Role, Slot};
 use crate::order::Ascending;
-use crate::param::{Axis, Usual};
+use crate::param::{Axis, Kind, Usual};
 use crate::signals::Signals;
 
 /// What resists one way is at least so much of what does the other way.
@@ -226,6 +226,21 @@ impl<'a> Screen<'a> {
         models
     }
 
+    /// What the signatures of an effect beside the base have of the residual, from some of its starts each.
+    pub fn leans(&self, id: Id, most: usize) -> Vec<Vec<f64>> {
+        let models = self.beside(id, self.model, id.info().scan);
+        let rows = self.residual.len();
+        let lean = |model: &Model| {
+            let (shown, own) = self.shown(model, self.brought(id, model));
+            let columns = |of: &Model| self.thinned.columns(&self.seen_by(id, model), of, &own).0;
+            let mut both = columns(&shown);
+            both.extend(turned(&shown, id).iter().flat_map(columns));
+            let beside = orthonormal_beside(&self.base, &both, rows);
+            beside.iter().map(|direction| dot(&self.residual, direction)).collect()
+        };
+        evenly(&models, most).map(lean).collect()
+    }
+
     fn predicted(&self, id: Id, model: &Model) -> f64 {
         let (shown, own) = self.shown(model, self.brought(id, model));
         let (columns, residual, _) = self.thinned.columns(&self.seen_by(id, model), &shown, &own);
@@ -274,6 +289,26 @@ impl<'a> Screen<'a> {
         }
         (shown, params)
     }
+}
+
+/// A model with the phases of an effect's waves a quarter on; none where it has no wave without an amplitude, of which
+/// the phase tells nothing and the amplitude no more than half.
+fn turned(model: &Model, id: Id) -> Option<Model> {
+    let mut p = model.values();
+    let silent = |slot: &Slot| match slot.param.kind {
+        Kind::PhaseOf(amplitude) => slot.effect == id && model.slots()[slot.base + amplitude].value == 0.0,
+        _ => false,
+    };
+    let phases: Vec<usize> = (0..p.len()).filter(|&at| silent(&model.slots()[at])).collect();
+    phases.iter().for_each(|&at| p[at] += std::f64::consts::FRAC_PI_2);
+    let mut turned = model.clone();
+    turned.set_values(&p);
+    (!phases.is_empty()).then_some(turned)
+}
+
+/// At most so many of some things, spread over all of them.
+pub fn evenly<T>(things: &[T], most: usize) -> impl Iterator<Item = &T> {
+    things.iter().step_by(things.len().div_ceil(most).max(1))
 }
 
 /// A model with the values and roles that another has by the same names.

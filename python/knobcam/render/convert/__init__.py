@@ -34,6 +34,8 @@ TARGETS = {
     "modelica": "modelica",
 }
 """The forms, each in a module of its own."""
+FMI = (2, 3)
+"""Versions of FMI that a unit can have, the usual one first."""
 EVERY = "impossible"
 """What stands for every impossible effect among those to be left out."""
 _SAME_RATE = 1e-6  # share by which the rate of a track may differ: what rounding leaves of its times
@@ -49,19 +51,24 @@ def convert(
     rate_hz: float = 5000.0,
     kt: float | None = None,
     suffix: str = "",
+    fmi: int = 2,
 ) -> Conversion:
     """Return `model` (or its file or name) in another form: mujoco, c, fmu, cogging-table, urdf, modelica.
 
     `without` names effects to be left out, `"impossible"` all that have no place there; the file then says
     so. `motion` is what the torque error is foretold and measured on, a name or a track; `rate_hz` the steps
     a second of a form that steps; `kt` the torque constant of a motor whose table is in A, N m/A; `suffix`
-    that of the file, where one target writes several kinds.
+    that of the file, where one target writes several kinds; `fmi` the version of FMI of a unit, 2 or 3.
 
     Raises InputError for an effect that is impossible there and not left out.
     """
     model = model if isinstance(model, Model) else Model.load(model)
     if to not in TARGETS:
         raise InputError(f"to={to!r}: is no form that a model can take; choose {', '.join(TARGETS)}")
+    if fmi not in FMI:
+        raise InputError(f"fmi={fmi}: no unit has such a version; choose {' or '.join(map(str, FMI))}")
+    if fmi != FMI[0] and to != "fmu":
+        raise InputError(f"fmi={fmi}: is of a unit of FMI; leave it out of {to}")
     check_torque(model)
     for name in without:
         if name not in (EVERY, *model.effects):
@@ -70,7 +77,7 @@ def convert(
     track = make_motion(motion, rate_hz=rate_hz) if isinstance(motion, str) else checked_track(motion)
     if abs(track.rate_hz - rate_hz) > _SAME_RATE * rate_hz:
         raise InputError(f"motion: has {track.rate_hz:g} samples a second; give one of rate_hz={rate_hz:g}")
-    options = Options(rate_hz, kt, suffix, track)
+    options = Options(rate_hz, kt, suffix, fmi, track)
     fates, kept = _judged(model, target, options, without, to)
     form = target.write(kept, terms_of(kept), options._replace(header=_header(model, fates)))
     errors = {fate.effect: fate for fate in form.fates}

@@ -1,12 +1,12 @@
-"""FMU: the render step as a slave of FMI 2.0 co-simulation, around the library of this platform."""
+"""FMU: the render step as a slave of FMI co-simulation, 2.0 or 3.0, around the library of this platform."""
 
 from __future__ import annotations
 
 import hashlib
 import io
 import zipfile
-from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, NamedTuple
 from xml.sax.saxutils import escape, quoteattr
 
 from ...model import Model
@@ -25,16 +25,15 @@ _WRITTEN = (1980, 1, 1, 0, 0, 0)  # the same model gives the same file
 _DESCRIPTION = """\
 <?xml version="1.0" encoding="UTF-8"?>
 <!-- {header} -->
-<fmiModelDescription fmiVersion="2.0" modelName={name} guid="{guid}" generationTool="knobcam"
-  variableNamingConvention="flat" numberOfEventIndicators="0">
-  <CoSimulation modelIdentifier="{identifier}" canHandleVariableCommunicationStepSize="true"
-    canNotUseMemoryManagementFunctions="true"/>
+<fmiModelDescription fmiVersion="{version}.0" modelName={name} {token}="{digest}" generationTool="knobcam"
+  variableNamingConvention="flat"{more}>
+  <CoSimulation modelIdentifier="{identifier}" canHandleVariableCommunicationStepSize="true"{offers}/>
   <DefaultExperiment startTime="0.0" stopTime="1.0" stepSize="{step!r}"/>
   <ModelVariables>
 {variables}
   </ModelVariables>
   <ModelStructure>
-    <Outputs><Unknown index="{last}" dependencies=""/></Outputs>
+{structure}
   </ModelStructure>
 </fmiModelDescription>
 """
@@ -45,23 +44,73 @@ _CHOICES = {
 }
 
 
-def _variables(model: Model) -> str:
+class _Variable(NamedTuple):
+    """A variable of the unit: a number, or a choice; `start` where it is set from outside."""
+
+    name: str
+    what: str
+    attributes: str
+    start: str | None = None
+
+    @property
+    def choice(self) -> bool:
+        return self.start == "false"
+
+
+def _variables(model: Model) -> list[_Variable]:
     torque, motion = units(model)
     about = (*motion.split(", "), f"torque of the hand, {torque}")
+    given = 'causality="input" variability="continuous"'
+    tuned = 'causality="parameter" variability="tunable"'
+    made = 'causality="output" variability="continuous" initial="calculated"'
+    return [
+        *(_Variable(name, what, given, "0.0") for name, what in zip(_INPUTS, about, strict=True)),
+        _Variable("tau", f"torque that a hand has to apply, {torque}", made),
+        *(_Variable(name, what, tuned, "false") for name, what in _CHOICES.items()),
+    ]
+
+
+def _second(every: Sequence[_Variable]) -> dict[str, str]:
+    """What a description of FMI 2.0 has otherwise than one of 3.0: numbers and choices are counted apart."""
     lines = []
-    for at, (name, what) in enumerate(zip(_INPUTS, about, strict=True)):
-        lines.append((name, at, what, 'causality="input" variability="continuous"', '<Real start="0.0"/>'))
-    for at, (name, what) in enumerate(_CHOICES.items()):
-        attributes = 'causality="parameter" variability="tunable"'
-        lines.append((name, at, what, attributes, '<Boolean start="false"/>'))
-    what = f"torque that a hand has to apply, {torque}"
-    attributes = 'causality="output" variability="continuous" initial="calculated"'
-    lines.append(("tau", len(_INPUTS), what, attributes, "<Real/>"))
-    return "\n".join(
-        f'    <ScalarVariable name="{name}" valueReference="{at}" description={quoteattr(what)} {attributes}>'
-        f"{kind}</ScalarVariable>"
-        for name, at, what, attributes, kind in lines
-    )
+    for at, one in enumerate(every):
+        start = "" if one.start is None else f' start="{one.start}"'
+        lines.append(
+            f'    <ScalarVariable name="{one.name}" valueReference="{at - one.choice * _COUNT}" '
+            f"description={quoteattr(one.what)} {one.attributes}>"
+            f"<{'Boolean' if one.choice else 'Real'}{start}/></ScalarVariable>"
+        )
+    return {
+        "token": "guid",
+        "more": ' numberOfEventIndicators="0"',
+        "offers": ' canNotUseMemoryManagementFunctions="true"',
+        "variables": "\n".join(lines),
+        "structure": f'    <Outputs><Unknown index="{_COUNT}" dependencies=""/></Outputs>',
+    }
+
+
+def _third(every: Sequence[_Variable]) -> dict[str, str]:
+    """What a description of FMI 3.0 has otherwise: all are counted in one row, and time is one of them."""
+    time = _Variable("time", "s", 'causality="independent" variability="continuous"')
+    lines = []
+    for at, one in enumerate([*every[:_COUNT], time, *every[_COUNT:]]):
+        start = "" if one.start is None else f' start="{one.start}"'
+        lines.append(
+            f'    <{"Boolean" if one.choice else "Float64"} name="{one.name}" valueReference="{at}" '
+            f"description={quoteattr(one.what)} {one.attributes}{start}/>"
+        )
+    unknown = f'valueReference="{_COUNT - 1}" dependencies=""/>'
+    return {
+        "token": "instantiationToken",
+        "more": "",
+        "offers": "",
+        "variables": "\n".join(lines),
+        "structure": f"    <Output {unknown}\n    <InitialUnknown {unknown}",
+    }
+
+
+_COUNT = len(_INPUTS) + 1  # of numbers, the torque last
+_VERSIONS = {2: _second, 3: _third}
 
 
 def write(model: Model, terms: Mapping[str, Term], options: Options) -> Form:
@@ -70,14 +119,14 @@ def write(model: Model, terms: Mapping[str, Term], options: Options) -> Form:
     shared = library.shared()
     description = _DESCRIPTION.format(
         header=escape(" ".join(options.header)).replace("--", "- -"),
+        version=options.fmi,
         name=quoteattr(model.name or "knob"),
-        guid=hashlib.sha256(resource.encode()).hexdigest()[:32],
+        digest=hashlib.sha256(resource.encode()).hexdigest()[:32],
         identifier=_NAME,
         step=1.0 / options.rate_hz,
-        variables=_variables(model),
-        last=len(_INPUTS) + len(_CHOICES) + 1,
+        **_VERSIONS[options.fmi](_variables(model)),
     )
-    binary = f"binaries/{library.fmi_platform()}/{_NAME}{shared.suffix}"
+    binary = f"binaries/{library.fmi_platform(options.fmi)}/{_NAME}{shared.suffix}"
     unit = io.BytesIO()
     with zipfile.ZipFile(unit, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, content in (

@@ -41,11 +41,13 @@ def static() -> Path | None:
     return path if path.is_file() else None
 
 
-def fmi_platform() -> str:
-    """Return the folder of an FMU of FMI 2.0 that this platform's library belongs in."""
+def fmi_platform(version: int) -> str:
+    """Return the folder of an FMU of a version of FMI that this platform's library belongs in."""
     machine = platform.machine().lower()
-    if machine in ("x86_64", "amd64"):
+    usual = machine in ("x86_64", "amd64")
+    if usual and version == 2:
         return {"darwin": "darwin64", "win32": "win64"}.get(sys.platform, "linux64")
+    machine = "x86_64" if usual else {"arm64": "aarch64"}.get(machine, machine)
     return f"{machine}-{ {'win32': 'windows'}.get(sys.platform, sys.platform) }"
 
 

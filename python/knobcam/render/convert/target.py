@@ -25,11 +25,12 @@ BY_PLACE = "a torque by position alone is all that it has"
 
 
 class Options(NamedTuple):
-    """What a caller may choose: steps a second, torque constant of a motor, suffix of the file, motion."""
+    """What a caller may choose: steps a second, a motor's torque constant, the file's suffix, FMI, motion."""
 
     rate_hz: float
     kt: float | None
     suffix: str
+    fmi: int
     motion: MotionTrack
     header: tuple[str, ...] = ()
     """What the file says of itself: the model, and what was left out of it."""

@@ -17,7 +17,7 @@ from .gallery import save_all, save_learning
 from .ladder import ladder
 from .laws import model
 from .learned import learned, remaining
-from .lots import batch, batch_charts, batch_curves, batch_parameters
+from .lots import batch, batch_charts, batch_curves, batch_hints, batch_parameters
 from .movements import movements
 from .over_time import capture, overlay, prepared
 from .profile import haptic_profile
@@ -33,6 +33,7 @@ __all__ = [
     "batch",
     "batch_charts",
     "batch_curves",
+    "batch_hints",
     "batch_parameters",
     "before_after",
     "calibration",

@@ -1,4 +1,4 @@
-"""Pictures of a batch: verdicts by lot, parameters over captures, torque-angle curves, control charts."""
+"""Pictures of a batch: verdicts by lot, hints, parameters over captures, torque-angle curves, charts."""
 
 from __future__ import annotations
 
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
 _ACROSS = 3  # pictures in a row
 _MOST_CURVES = 400
+_FULL = 10.0  # standard errors at which a colour is full
 _SAID = {
     "complete": ("complete", BLUE),
     "missing": ("missing", GREEN),
@@ -69,6 +70,45 @@ def batch(result: BatchResult) -> Picture:
             0.5, 0.5, "no effect was found missing", transform=right.transAxes, ha="center", color=GREY
         )
         right.set_yticks([])
+    return figure
+
+
+@styled
+def batch_hints(result: BatchResult) -> Picture:
+    """Effects over lots: how much more each lot has of what single captures may not show."""
+    every, said = result.study.held, result.study.pooled
+    lots = list(dict.fromkeys(result.study.table["lot"]))
+    names = sorted({one.effect for one in every})
+    score = np.full((len(names), len(lots)), np.nan)
+    figure = Picture(
+        max(6.0, 3.5 + 0.9 * len(lots)),
+        1.6 + 0.24 * len(names),
+        "What lots have more or less of than the first, by all their captures",
+    )
+    axes = figure.subplots()
+    named = {
+        (one.than if one.lot == lots[0] and one.than is not None else one.lot, one.effect) for one in said
+    }
+    for one in every:
+        row, column = names.index(one.effect), lots.index(one.lot)
+        score[row, column] = one.score
+        if one.sure:
+            axes.text(
+                column,
+                row,
+                f"{one.score:+.1f}",
+                ha="center",
+                va="center",
+                fontsize=8.0,
+                weight="bold" if (one.lot, one.effect) in named else "normal",
+                color="white" if abs(one.score) > 0.6 * _FULL else "black",
+            )
+    image = axes.imshow(score, cmap="RdBu_r", vmin=-_FULL, vmax=_FULL, aspect="auto")
+    bar = figure.colorbar(image, ax=axes)
+    bar.set_label("standard errors; a number: beyond chance")
+    axes.set_yticks(range(len(names)), names)
+    axes.set_xticks(range(len(lots)), [_lot(lot) for lot in lots], rotation=0 if len(lots) <= 8 else 90)
+    axes.grid(visible=False)
     return figure
 
 
