@@ -122,11 +122,16 @@ def test_maps_of_position_together_name_no_cause(monkeypatch: pytest.MonkeyPatch
     assert named(one, comparison(True)) == (("unbalance", "stribeck"), None)
 
 
-def test_what_is_no_longer_needed_goes_and_what_is_stays():
+def test_what_is_no_longer_needed_goes_and_what_is_stays(monkeypatch: pytest.MonkeyPatch):
+    followed: list[Any] = []
+    monkeypatch.setattr(selection, "drop", lambda fit, effect: fit.drop(effect))
+    monkeypatch.setattr(selection, "converged", lambda fit: followed.append(fit) or fit)
     helps = {"stribeck": 0.2, "offset": 1e-4, "unbalance": 0.1}
     fit = Known(1.0, (*BASE, *helps), helps=helps)
     left, gone = selection.retested(fit, ["stribeck", "offset", "unbalance", "backlash"])
     assert gone == ("offset",) and left.effects == (*BASE, "stribeck", "unbalance")
+    # Of what is worth far too much to go a sketch tells, and no fit without it is followed to its end.
+    assert followed and all("offset" not in one.effects for one in followed)
 
 
 def test_what_only_led_a_joint_to_a_better_end_is_left_out_again():

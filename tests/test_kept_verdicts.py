@@ -179,7 +179,9 @@ def test_of_what_is_looked_for_anew_and_what_goes(monkeypatch: pytest.MonkeyPatc
                 steps: Any = [SimpleNamespace(fit=last)] * 2
                 again = exchanged.anew(steps, SimpleNamespace(complete=complete), lambda _: None)  # type: ignore[arg-type]
                 told.put(f"{share} of {count}", [again is not None, again.rmse if again else 0.0])
-    monkeypatch.setattr(selection, "needed", lambda fit, effect: False)
+    monkeypatch.setattr(selection, "needed", lambda *_: False)
+    monkeypatch.setattr(selection, "drop", lambda fit, effect: fit.drop(effect))
+    monkeypatch.setattr(selection, "converged", lambda fit: fit)
     for _ in range(40):
         needless = {effect: bool(rng.random() < 0.5) for effect in EFFECTS}
         monkeypatch.setattr(selection, "needless", lambda fit, other, known=needless: known[gone(fit, other)])

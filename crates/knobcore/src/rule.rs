@@ -163,13 +163,13 @@ search {
     rival_coarse: 2.0, "times the rival's excess", "judgement";
     /// The same as a share of all the excess, for where the best leaves next to nothing.
     close_coarse: 0.02, "share of the excess", "judgement";
-    /// An error with a coupling that is this close to the noise floor needs no better end.
+    /// An error with a coupling that is this close to the noise floor needs no better end, and nothing beside it.
     converged: 1.01, "times the noise floor", "judgement: well within at_floor";
     /// An error with a coupling beyond this shows that more is missing: no better end is looked for.
     hopeless: 2.0, "times the noise floor", "judgement";
     /// A joint whose error ends lower by less has not moved.
     helped: 1e-3, "share of the error", "judgement: a tenth of converged";
-    /// An effect that is worth so much by first order is needed, and no fit without it is made to see.
+    /// An effect that is worth so much, by first order or by a sketch without it, is needed: no fit without it is followed to see.
     needed: 10.0, "times what it has to be worth", "judgement: a fit that follows a bent surface loses less";
 }
 }

@@ -61,7 +61,7 @@ def started(fit: Fit, effect: str, start: Mapping[str, float]) -> Fit:
     model = fit.model.with_effect(effect)
     for name, value in start.items():
         model = model.with_value(f"{effect}.{name}", value)
-    return replace(fit, core=_core.refine(cores(fit), model.core, True), before=fit)
+    return replace(fit, core=_core.refine(cores(fit), model.core, False), before=fit)
 
 
 def cores(fit: Fit) -> list[_core.Signals]:
@@ -141,11 +141,17 @@ def needless(fit: Fit, bare: Fit) -> bool:
     return unpaid(fit, bare) or fit.rmse**2 >= (1.0 - RULE.worth) * bare.rmse**2
 
 
-def needed(fit: Fit, effect: str) -> bool:
-    """Whether an effect is worth so much by first order alone that no fit without it has to be made."""
+def needed(fit: Fit, effect: str, bare: Fit | None = None) -> bool:
+    """Whether an effect is worth so much that no fit without it has to be followed to its end.
+
+    By first order alone, or by a sketch of the fit without it.
+    """
+    if not fit.noise_floor > 0.0:
+        return False
     count = sum(name.startswith(f"{effect}.") for name in fit.core.free)
     share = fit.white_squares * RULE.worth / (1.0 - RULE.worth)
-    return fit.noise_floor > 0.0 and fit.core.worth(effect) > RULE.needed * max(RULE.price * count, share)
+    worth = fit.core.worth(effect) if bare is None else gain(bare, fit, fit)
+    return worth > RULE.needed * max(RULE.price * count, share)
 
 
 def worse(fit: Fit) -> tuple[str, ...]:

@@ -340,7 +340,7 @@ def _fitted(fit: Fit, row: Any) -> Proposal:
     name = free_name(fit.model)
     own_law(name, law)
     try:
-        richer = started(fit, name, dict(values))
+        richer = converged(started(fit, name, dict(values)))
     finally:
         forget_effect(name)
     taken = gain(fit, richer, fit)

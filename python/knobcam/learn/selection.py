@@ -10,7 +10,7 @@ from .. import _core
 from ..capture.prepare import travel
 from ..fit.diagnose import Candidate, Diagnosis, absent, diagnose
 from ..fit.plausible import columns_at_fault
-from ..fit.refit import converged, cores, gain, needed, needless, with_clipped
+from ..fit.refit import converged, cores, drop, gain, needed, needless, with_clipped
 from ..fit.rule import RULE
 from ..fit.verdict import judged, within_law
 from ..model.effects import base_effects_shown, clipping, descriptions
@@ -267,8 +267,8 @@ def retested(fit: Fit, tested: Collection[str]) -> tuple[Fit, tuple[str, ...]]:
         if effect not in fit.model.effects or needed(fit, effect):
             continue  # it went before, or with another that it changed; or it is worth far too much to go
         # What an effect did, a joint has to be fitted anew to do.
-        bare = fit.drop(effect)
-        if needless(fit, bare):
+        bare = drop(fit, effect)
+        if not needed(fit, effect, bare) and needless(fit, bare := converged(bare)):
             fit = bare
             dropped.append(effect)
     return fit, tuple(dropped)

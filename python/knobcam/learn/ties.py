@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from ..errors import InputError
 from ..fit.diagnose import diagnose
 from ..fit.doubts import at_floor
-from ..fit.refit import started
+from ..fit.refit import converged, drop, started
+from ..fit.rule import RULE
 from .cut import OutOfTime
 
 if TYPE_CHECKING:
@@ -42,12 +44,15 @@ def told_again(
         others = [one for one in step.equivalent if one not in last.model.effects]
         if step.added not in last.model.effects or not others:
             continue
-        bare = last.drop(step.added)
+        bare = drop(last, step.added)
         if len(bare.model.effects) < len(last.model.effects) - 1:
             continue  # what changes it would have to go too
         tell(f"weighing {step.added} against {', '.join(others)} again")
         try:
-            still = _as_far(bare, step, others) if joint else _alike(bare, step, others, deadline)
+            if joint:
+                still: Sequence[str] = _as_far(bare, step, others)
+            else:
+                still = _alike(converged(bare), step, others, deadline)
         except OutOfTime:
             break
         steps[at] = replace(step, equivalent=tuple(one for one in step.equivalent if one in still))
@@ -68,6 +73,10 @@ def _as_far(bare: Fit, step: LearningStep, others: Sequence[str]) -> list[str]:
     for other in others:
         weighed = step.diagnosis[other].parameters if step.diagnosis is not None else {}
         start = {name.partition(".")[2]: one.value for name, one in weighed.items() if "@" not in name}
-        if at_floor(started(bare, other, start)):
+        try:
+            near = started(bare, other, start)
+        except InputError:
+            continue  # another joint does not go beside the one that there is
+        if near.rmse < RULE.hopeless * near.noise_floor and at_floor(converged(near)):
             still.append(other)
     return still

@@ -1,7 +1,7 @@
 //! What is missing beside a coupling: a descent there takes a hundred times as long as beside a rigid shaft, so that of
 //! all starts of all effects only those are followed that the first step promises most of.
 
-use super::coupled::{Ways, cost, led, on, strode};
+use super::coupled::{RIVAL, Ways, cost, led, on, squares, strode};
 use super::screen::{Screen, Start};
 use super::slower::{COARSE_HZ, MIDDLE_HZ, floor, slowed};
 use crate::effects::Id;
@@ -16,8 +16,8 @@ const LOOKED: usize = 6;
 const FOLLOWED: usize = 3;
 
 /// Effects beside a screen's model that has a coupling, fitted where they may be what is missing: as loads of the knob, or
-/// of the shaft.
-pub fn beside(screen: &Screen<'_>, effects: &[Id]) -> Vec<Ways> {
+/// of the shaft. `left` is what noise leaves of the sum of squares.
+pub fn beside(screen: &Screen<'_>, effects: &[Id], left: f64) -> Vec<Ways> {
     let (data, watch) = (screen.data, screen.watch);
     let mut started = watch.each(effects, |id| {
         let starts = screen.starts(*id);
@@ -36,23 +36,33 @@ pub fn beside(screen: &Screen<'_>, effects: &[Id]) -> Vec<Ways> {
     // Who asks for one alone wants it followed, however little it explains.
     first.retain(|(_, start)| promise(start) >= least || effects.len() == 1);
     first.truncate(LOOKED);
+    if screen.squares <= rule().converged.powi(2) * left {
+        // Nothing can be worth it.
+        first.clear();
+    }
     let [coarse, middle] = [COARSE_HZ, MIDDLE_HZ].map(|edge| slowed(data, edge));
     let [coarse, middle]: [Vec<&Signals>; 2] = [&coarse, &middle].map(|view| view.iter().collect());
     let floor = floor(data, COARSE_HZ, &coarse, screen.model);
     // A wave may be too fast for a slower filter.
     let direct = |of: usize| started[of].0.info().scan.is_some() || coarse.len() < data.len();
+    // Strides lead none there that is still far from what the model leaves without it.
+    let most = RIVAL * squares(&coarse, screen.model);
     let mut looked: Vec<(usize, (Model, Found))> = watch.each(&first, |(of, start)| {
         let near = if direct(*of) {
             start.model.clone()
         } else {
             let end = on(&start.model, |model| sketch(&coarse, model));
-            let (far, _) = strode(&coarse, end, floor, watch);
-            on(&far, |model| glance(&middle, model)).0
+            let end = if end.1.cost <= most { strode(&coarse, end, floor, watch) } else { end };
+            on(&end.0, |model| glance(&middle, model)).0
         };
         (*of, on(&near, |model| glance(data, model)))
     });
     looked.sort_by_cached_key(cost);
     looked.truncate(FOLLOWED);
+    let left = if left.is_finite() { left } else { 0.0 };
+    let best = looked.first().map_or(0.0, |(_, (_, found))| found.cost - left);
+    let rival = rule().rival_coarse * best.max(0.0) + rule().close_coarse * (screen.squares - left);
+    looked.retain(|(_, (_, found))| found.cost - left <= rival);
     let ends = watch.each(&looked, |(of, (model, _))| (*of, on(model, |model| sketch(data, model))));
     let mut ways: Vec<Ways> =
         started.into_iter().map(|(id, starts, _)| Ways { id, starts, end: None }).collect();

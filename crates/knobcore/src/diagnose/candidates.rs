@@ -52,7 +52,7 @@ pub fn diagnose(data: &[&Signals], model: &Model, effects: &[Id], tell: &Tell<'_
         (candidate(&screen, id, &starts, end, white), starts)
     };
     let mut found: Vec<(Candidate, Vec<Start>)> = if screen.coupled && data.len() == 1 {
-        beside(&screen, &quick).into_iter().map(told).collect()
+        beside(&screen, &quick, floor.squares).into_iter().map(told).collect()
     } else {
         weighed(&screen, &quick, [white, floor.squares])
     };

@@ -7,6 +7,7 @@ use super::screen::{Screen, Start, survey};
 use super::shown::{detents, shown};
 use super::slower::{self, COARSE_HZ, MIDDLE_HZ, beginnings, slowed};
 use super::strides::{FEW, ROUNDS, strides};
+use super::thinned::Thinned;
 use super::watch::{Tell, Watch};
 use crate::effects::{Id, Place};
 use crate::error::Result;
@@ -20,14 +21,20 @@ use crate::signals::Signals;
 /// Starts that are looked at by a few steps through the coarse filter, and those of them that are followed.
 const LOOKED: usize = 8;
 const FOLLOWED: usize = 3;
-/// Samples of captures that the coarse search looks at.
+/// Samples of captures that the coarse search looks at, and those that it first glances at.
 const ENOUGH: usize = 30_000;
+const GLANCED: usize = 12_000;
 /// Starts of a joint in another's place that are followed.
 const PLACED: usize = 2;
 /// Sums of squares through the filter in between of what is followed to its end, in times of the best.
-const RIVAL: f64 = 1.15;
+pub(super) const RIVAL: f64 = 1.15;
 /// Ends whose sums of squares differ by less than this share are one.
 const SAME: f64 = 1e-3;
+/// Where a descent ends strides are tried, unless it leaves more than so many times what a rival may.
+const LED: f64 = 1.5;
+
+/// Ends of descents, each with the place of its way among the ways.
+type Ends = Vec<(usize, (Model, Found))>;
 
 /// Where the starts of a coupling lead to.
 pub struct Ways {
@@ -52,45 +59,75 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool) -> Vec<Ways
     let beside: Vec<Id> = base.effects().filter(|id| Model::may_be_at_shaft(*id)).collect();
     let shaft = (!beside.is_empty()).then(|| Screen::new(&coarse, base, watch).with_shaft(beside.clone()));
     let floor = slower::floor(&first, COARSE_HZ, &coarse, base);
-    let mut ways: Vec<Ways> = Vec::new();
-    let mut looked: Vec<(usize, Model)> = Vec::new();
+    let middle = slowed(data, MIDDLE_HZ);
+    let middle: Vec<_> = middle.iter().collect();
+    let view = Screen::new(&middle, base, watch);
+    let middle_floor = slower::floor(data, MIDDLE_HZ, &middle, base);
+    let mut ways = Vec::new();
+    let (mut looked, mut detented): (Vec<(usize, Model)>, Vec<(usize, Model)>) = Default::default();
     for id in couplings {
         let starts = screen.starts(*id);
         let before = shaft.iter().flat_map(|screen| screen.starts(*id).into_iter().take(LOOKED));
-        let through = if may_come { shown(&screen, *id, &starts, &beside, floor) } else { Vec::new() };
-        let all = before.chain(starts.iter().take(LOOKED).cloned()).chain(through);
-        looked.extend(all.map(|start| (ways.len(), start.model)));
+        looked
+            .extend(before.chain(starts.iter().take(LOOKED).cloned()).map(|start| (ways.len(), start.model)));
+        if may_come {
+            // Detents may be too fast for the coarse filter.
+            let through = shown(&view, *id, &view.starts(*id), &beside, middle_floor);
+            detented.extend(through.into_iter().map(|start| (ways.len(), start.model)));
+        }
         ways.push(Ways { id: *id, starts, end: None });
     }
-    let mut seen = watch.each(&looked, |(of, model)| (*of, on(model, |m| glance(&coarse, m))));
+    let few = slowed(&beginnings(data, GLANCED).iter().collect::<Vec<_>>(), COARSE_HZ);
+    let few: Vec<&Signals> = few.iter().collect();
+    let mut seen = watch.each(&looked, |(of, model)| (*of, on(model, |m| glance(&few, m))));
     seen.sort_by_cached_key(cost);
-    let few = |of: usize| seen.iter().filter(move |(own, _)| *own == of).take(FOLLOWED);
-    let few: Vec<&(usize, (Model, Found))> = (0..ways.len()).flat_map(few).collect();
-    let to = |model: &Model| strode(&coarse, on(model, |model| sketch(&coarse, model)), floor, watch);
-    let mut ends = watch.each(&few, |(of, (model, _))| (*of, to(model)));
+    let own = |of: usize| seen.iter().filter(move |(own, _)| *own == of).take(FOLLOWED);
+    let few: Vec<_> = (0..ways.len()).flat_map(own).collect();
+    let mut ends = watch.each(&few, |(of, (model, _))| (*of, on(model, |model| sketch(&coarse, model))));
     ends.sort_by_cached_key(cost);
-    // Without a floor nothing can be said to be too little.
-    let (floor, excess) = if floor.is_nan() { (0.0, 0.0) } else { (floor, screen.squares - floor) };
-    let least = ends.first().map_or(0.0, |(_, (_, found))| (found.cost - floor).max(0.0));
-    let enough = screen.squares - rule().worth_coarse * excess;
-    ends.retain(|(_, (_, found))| {
-        found.cost <= enough.min(floor + rule().rival_coarse * least + rule().close_coarse * excess)
-    });
     others(&mut ends, f64::INFINITY);
-    let middle = slowed(data, MIDDLE_HZ);
-    let middle: Vec<&Signals> = middle.iter().collect();
-    let mut between = watch.each(&ends, |(of, (model, _))| (*of, on(model, |m| sketch(&middle, m))));
+    let strode = |view: &[&Signals], ends: &Ends, floor: f64| {
+        watch.each(ends, |(of, end)| (*of, strode(view, end.clone(), floor, watch)))
+    };
+    // Without a floor nothing can be said to be too little.
+    let enough = if floor.is_nan() { 0.0 } else { rule().worth_coarse * (screen.squares - floor) };
+    // The best shows how far strides have to lead the others.
+    let rest = ends.split_off(ends.len().min(1));
+    ends = strode(&coarse, &ends, floor);
+    let (rest, _) = rivals(LED * rival(&ends, screen.squares, floor), rest);
+    ends.extend(strode(&coarse, &rest, floor));
+    ends.sort_by_cached_key(cost);
+    let most = rival(&ends, screen.squares, floor).min(screen.squares - enough);
+    let (mut ends, _) = rivals(most, ends);
+    others(&mut ends, f64::INFINITY);
+    detented.extend(ends.into_iter().map(|(of, (model, _))| (of, model)));
+    let mut between = watch.each(&detented, |(of, model)| (*of, on(model, |m| sketch(&middle, m))));
     between.sort_by_cached_key(cost);
     others(&mut between, RIVAL);
-    let floor = slower::floor(data, MIDDLE_HZ, &middle, base);
-    let mut between = watch.each(&between, |(of, end)| (*of, strode(&middle, end.clone(), floor, watch)));
+    let (between, worse) = rivals(rival(&between, view.squares, middle_floor), between);
+    let mut between = strode(&middle, &between, middle_floor);
     between.sort_by_cached_key(cost);
     others(&mut between, RIVAL);
     let mut fine = watch.each(&between, |(of, (model, _))| (*of, on(model, |m| sketch(data, m))));
-    fine.retain(|(_, (_, found))| found.cost.is_finite());
+    // What was followed no further is told by where the best leads it.
+    let beaten = |found: Found| Found { cost: f64::INFINITY, ..found };
+    fine.extend(worse.into_iter().map(|(of, (model, found))| (of, (model, beaten(found)))));
     fine.extend(crossed(&fine, watch, |model| sketch(data, model)));
+    fine.retain(|(_, (_, found))| found.cost.is_finite());
     led(&mut ways, fine);
     ways
+}
+
+/// What an end may leave at most that is a rival of the best of these, where so much is left without a coupling.
+fn rival(ends: &Ends, squares: f64, floor: f64) -> f64 {
+    let floor = if floor.is_nan() { 0.0 } else { floor };
+    let best = ends.iter().map(|(_, (_, found))| found.cost).fold(f64::INFINITY, f64::min);
+    floor + rule().rival_coarse * (best - floor).max(0.0) + rule().close_coarse * (squares - floor)
+}
+
+/// The ends that leave at most so much, and the others.
+fn rivals(most: f64, ends: Ends) -> (Ends, Ends) {
+    ends.into_iter().partition(|(_, (_, found))| found.cost <= most)
 }
 
 /// Where each coupling but the best leads to from the best one's end: a gap that closes is compliance, and a soft shaft with
@@ -189,6 +226,11 @@ fn others(ends: &mut Vec<(usize, (Model, Found))>, within: f64) {
     });
 }
 
+/// The sum of squares that a model leaves, (N m)^2.
+pub(super) fn squares(data: &[&Signals], model: &Model) -> f64 {
+    Thinned::of(data, usize::MAX).columns(data, model, &[]).2
+}
+
 /// What an end is sorted by.
 pub(super) fn cost((_, (_, found)): &(usize, (Model, Found))) -> Ascending {
     Ascending(found.cost)
@@ -231,12 +273,28 @@ pub(super) fn strode(
 /// # Errors
 /// As of [`crate::fit::fit`].
 pub fn converge(data: &[&Signals], model: &Model) -> Result<Fit> {
-    let mut best = refine(data, model)?;
-    if model.is_coupled() && (rule().converged..rule().hopeless).contains(&(best.rmse / best.noise_floor)) {
-        let floor = Floor::of(data, &best.model).squares;
-        let led = strides(data, &best.model, floor, ROUNDS, &Watch::new(&|_| true, 1));
-        best = refine(data, &led).ok().filter(|led| led.rmse < best.rmse).unwrap_or(best);
+    if !model.is_coupled() {
+        return settled(data, refine(data, model)?, |model| refine(data, model));
     }
+    let near = |squares: f64, floor: f64| {
+        (rule().converged.powi(2)..rule().hopeless.powi(2)).contains(&(squares / floor))
+    };
+    let led = |model: &Model, floor: f64| {
+        refine(data, &strides(data, model, floor, ROUNDS, &Watch::new(&|_| true, 1)))
+    };
+    // What a search has followed is near its end: a descent before the strides and one after them were one too many.
+    let floor = Floor::of(data, model).squares;
+    let best = if near(squares(data, model), floor) {
+        led(model, floor)?
+    } else {
+        let best = refine(data, model)?;
+        if near(best.rmse.powi(2), best.noise_floor.powi(2)) {
+            let led = led(&best.model, Floor::of(data, &best.model).squares).ok();
+            led.filter(|led| led.rmse < best.rmse).unwrap_or(best)
+        } else {
+            best
+        }
+    };
     settled(data, best, |model| refine(data, model))
 }
 

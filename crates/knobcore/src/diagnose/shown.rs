@@ -12,6 +12,9 @@ use std::f64::consts::PI;
 
 /// Starts that are told of.
 const TOLD: usize = 4;
+/// Detents that take off more than so many times all that there is are none: the torque, over a joint far too soft, says
+/// nothing of where the knob is.
+const MOST: f64 = 1.5;
 
 /// What the base has where it shows: detents.
 pub fn detents() -> Option<Id> {
@@ -40,7 +43,8 @@ pub fn shown(screen: &Screen<'_>, id: Id, starts: &[Start], shaft: &[Id], floor:
     };
     let known = model.period().map(|at| 1.0 / model.slots()[at].value);
     let apart = PI / range(data);
-    let excess = through.squares - if floor.is_finite() { floor } else { 0.0 };
+    let squares = through.squares;
+    let excess = squares - if floor.is_finite() { floor } else { 0.0 };
     let through = |at: &usize, times: f64| {
         let model = &starts[*at].model;
         let joint = model.joint(&model.values())?;
@@ -52,6 +56,7 @@ pub fn shown(screen: &Screen<'_>, id: Id, starts: &[Start], shaft: &[Id], floor:
     let all: Vec<usize> = (0..starts.len()).collect();
     let mut seen: Vec<(usize, Shown)> =
         screen.watch.each(&all, |at| through(at, 1.0)).into_iter().flatten().collect();
+    seen.retain(|(_, shown)| shown.peak.gain <= MOST * squares);
     seen.sort_by_cached_key(|(_, shown)| descending(shown.peak.gain));
     seen.truncate(TOLD);
     // Where the knob is depends on the stiffness: once more from the one that shows most.
@@ -89,7 +94,9 @@ pub fn shown(screen: &Screen<'_>, id: Id, starts: &[Start], shaft: &[Id], floor:
         Some(with)
     };
     let models = seen.iter().filter_map(with);
-    screen.by_promise(id, models.flat_map(|with| placed(&with, shaft)).collect())
+    let mut starts = screen.by_promise(id, models.flat_map(|with| placed(&with, shaft)).collect());
+    starts.retain(|start| start.predicted < screen.squares);
+    starts
 }
 
 /// A model without a joint with that of another and its detents; and again with `shaft` loading the shaft.
@@ -151,6 +158,17 @@ mod tests {
         let fit = with.fit.unwrap();
         assert!(!fit.model.has(Id::Detent) && fit.rmse < 1.05 * fit.noise_floor);
         assert_eq!(with.parameters, 3);
+    }
+
+    #[test]
+    fn a_soft_joint_comes_with_the_detents_that_a_slow_filter_takes_off() {
+        let detents = [("detent.A", 4e-3), ("detent.P", 0.02), ("detent.S", 0.5)];
+        let truth = knob(&[Id::Compliance, Id::Detent], &[&JOINT[..], &detents].concat());
+        let fit = found(&truth, &[Id::Compliance, Id::Detent]).fit.unwrap();
+        let value = |name: &str| fit.model.values()[fit.model.index(name).unwrap()];
+        assert!(fit.rmse < 1.05 * fit.noise_floor, "{} {}", fit.rmse, fit.noise_floor);
+        assert!((value("detent.P") / 0.02 - 1.0).abs() < 0.01, "{}", value("detent.P"));
+        assert!((value("compliance.k") / 0.6 - 1.0).abs() < 0.1, "{}", value("compliance.k"));
     }
 
     #[test]

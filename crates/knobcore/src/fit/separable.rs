@@ -43,6 +43,8 @@ impl Effort {
 /// A step that promises less than this share of the mean square error is taken and ends the fit: it moves no
 /// parameter by more than a thirtieth of its standard error, and what is left after it is its square.
 const PREDICTED: f64 = 1e-3;
+/// With a joint, whose error is rough, so does one that promises or gains less than this: a tenth of a standard error.
+const ROUGH: f64 = 1e-2;
 /// The longest such last step, as a share of each hard parameter.
 const UNSEEN: f64 = 1e-2;
 /// A step below this share of every hard parameter ends the fit.
@@ -350,6 +352,7 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64],
         here = problem.point(problem.solved(&here));
     }
     let (mut damping, mut growth) = (0.0_f64, 2.0);
+    let least_gain = effort.least_gain().max(if model.is_coupled() { ROUGH / rows } else { 0.0 });
     loop {
         if here.cost <= EXACT * total {
             return ended(&problem, &here, iterations, Status::Exact);
@@ -362,18 +365,15 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64],
         };
         let small =
             layout.hard.iter().all(|&h| step[h].abs() <= STEP * here.p[layout.free[h]].abs().max(STEP));
-        if predicted <= (PREDICTED / rows).max(effort.least_gain()) * here.cost || small {
+        if predicted <= (PREDICTED / rows).max(least_gain) * here.cost || small {
             if damping > 1e8 {
                 return ended(&problem, &here, iterations, Status::Stalled);
             }
             // A parameter that hardly matters may take a long step for a small predicted gain: not unseen.
             let short = layout.hard.iter().all(|&h| step[h].abs() <= UNSEEN * here.p[layout.free[h]].abs());
             let found = ended(&problem, &here, iterations, Status::Converged);
-            return if short {
-                Found { p: layout.moved(model, &here.p, &step), iterations: iterations + 1, ..found }
-            } else {
-                found
-            };
+            let p = layout.moved(model, &here.p, &step);
+            return if short { Found { p, iterations: iterations + 1, ..found } } else { found };
         }
         let there = problem.point(layout.moved(model, &here.p, &step));
         let gain = (here.cost - there.cost) / predicted;
@@ -381,7 +381,7 @@ pub fn descend(data: &[&Signals], model: &Model, layout: &Layout, start: &[f64],
             let fell = 1.0 - there.cost / here.cost;
             here = there;
             iterations += 1;
-            if fell < effort.least_gain() {
+            if fell < least_gain {
                 return ended(&problem, &here, iterations, Status::Converged);
             }
             damping *= (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0);

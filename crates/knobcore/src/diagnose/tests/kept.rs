@@ -164,7 +164,8 @@ fn what_effects_promise_beside_a_joint() {
     let watch = all_wanted();
     let data = [&data];
     let screen = Screen::new(&data, &base, &watch);
-    for way in beside(&screen, &[Id::ReturnSpring, Id::Stribeck]) {
+    let floor = SD * SD * data[0].used() as f64;
+    for way in beside(&screen, &[Id::ReturnSpring, Id::Stribeck], floor) {
         let end = way.end.map_or(f64::NAN, |(_, found)| found.cost);
         told.numbers(format!("beside {}", way.id.info().id), [way.starts.len() as f64, end]);
     }
