@@ -33,13 +33,11 @@ pub fn beside(screen: &Screen<'_>, effects: &[Id], left: f64) -> Vec<Ways> {
     first.sort_by_cached_key(|(_, start)| Ascending(start.predicted));
     let most = first.first().map_or(0.0, |(_, start)| promise(start));
     let least = (rule().rival_beside * most).max(rule().worth_following * screen.squares);
+    // Beside what leaves noise alone nothing can be worth it.
+    let worth = screen.squares > rule().converged.powi(2) * left || left.is_nan();
     // Who asks for one alone wants it followed, however little it explains.
-    first.retain(|(_, start)| promise(start) >= least || effects.len() == 1);
+    first.retain(|(_, start)| worth && promise(start) >= least || effects.len() == 1);
     first.truncate(LOOKED);
-    if screen.squares <= rule().converged.powi(2) * left {
-        // Nothing can be worth it.
-        first.clear();
-    }
     let [coarse, middle] = [COARSE_HZ, MIDDLE_HZ].map(|edge| slowed(data, edge));
     let [coarse, middle]: [Vec<&Signals>; 2] = [&coarse, &middle].map(|view| view.iter().collect());
     let floor = floor(data, COARSE_HZ, &coarse, screen.model);

@@ -30,8 +30,6 @@ const PLACED: usize = 2;
 pub(super) const RIVAL: f64 = 1.15;
 /// Ends whose sums of squares differ by less than this share are one.
 const SAME: f64 = 1e-3;
-/// Where a descent ends strides are tried, unless it leaves more than so many times what a rival may.
-const LED: f64 = 1.5;
 
 /// Ends of descents, each with the place of its way among the ways.
 type Ends = Vec<(usize, (Model, Found))>;
@@ -64,7 +62,8 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool) -> Vec<Ways
     let view = Screen::new(&middle, base, watch);
     let middle_floor = slower::floor(data, MIDDLE_HZ, &middle, base);
     let mut ways = Vec::new();
-    let (mut looked, mut detented): (Vec<(usize, Model)>, Vec<(usize, Model)>) = Default::default();
+    let mut looked: Vec<(usize, Model)> = Vec::new();
+    let mut detented = looked.clone();
     for id in couplings {
         let starts = screen.starts(*id);
         let before = shaft.iter().flat_map(|screen| screen.starts(*id).into_iter().take(LOOKED));
@@ -91,11 +90,7 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool) -> Vec<Ways
     };
     // Without a floor nothing can be said to be too little.
     let enough = if floor.is_nan() { 0.0 } else { rule().worth_coarse * (screen.squares - floor) };
-    // The best shows how far strides have to lead the others.
-    let rest = ends.split_off(ends.len().min(1));
-    ends = strode(&coarse, &ends, floor);
-    let (rest, _) = rivals(LED * rival(&ends, screen.squares, floor), rest);
-    ends.extend(strode(&coarse, &rest, floor));
+    let mut ends = strode(&coarse, &ends, floor);
     ends.sort_by_cached_key(cost);
     let most = rival(&ends, screen.squares, floor).min(screen.squares - enough);
     let (mut ends, _) = rivals(most, ends);

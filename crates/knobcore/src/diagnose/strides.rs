@@ -57,9 +57,7 @@ pub fn strides(data: &[&Signals], model: &Model, floor: f64, rounds: usize, watc
     let mut widths = first(model);
     let mut failed = 0;
     for _ in 0..rounds {
-        // Where more is missing than the joint no stride of another width finds the way.
-        let most = if here.squares > rule().hopeless.powi(2) * floor { 1 } else { STRIDES.len() };
-        if here.squares <= rule().converged.powi(2) * floor || failed >= most || !watch.wanted() {
+        if here.squares <= rule().converged.powi(2) * floor || failed == STRIDES.len() || !watch.wanted() {
             break;
         }
         let left = (here.squares - floor).max(LEAST * LEAST * here.squares) / here.squares;
