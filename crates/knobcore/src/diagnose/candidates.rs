@@ -1,13 +1,14 @@
 //! Every absent effect, fitted: what would each take off the error?
 
 use super::beside::beside;
+use super::candidate::Candidate;
 use super::coupled::{Ways, coupled};
 use super::null::Null;
 use super::screen::{Screen, Start};
 use super::shown::{detents, may_come, needed};
 use super::watch::{Tell, Watch};
 use crate::effects::{Id, Place};
-use crate::fit::{Fit, Found, differ, report, sketch};
+use crate::fit::{Found, differ, report, sketch};
 use crate::floor::{Floor, noises};
 use crate::model::{Model, Role, Slot};
 use crate::noise::Noise;
@@ -17,23 +18,6 @@ use crate::signals::Signals;
 
 /// Starts of an effect that are followed to their optimum.
 const FOLLOWED: usize = 3;
-
-/// An effect that the model lacks, and what it would do.
-#[derive(Debug, Clone)]
-pub struct Candidate {
-    /// Which.
-    pub id: Id,
-    /// The model with it, fitted; None where it could not be.
-    pub fit: Option<Fit>,
-    /// What it takes off the sum of squares, in variances of the raw torque's white noise.
-    pub gain: f64,
-    /// How many parameters it adds.
-    pub parameters: usize,
-    /// Chance of such a gain of any effect of the catalogue where nothing is missing.
-    pub p_value: f64,
-    /// Why it could not be fitted.
-    pub note: String,
-}
 
 /// Fits each of the `effects` beside a fitted model; best first. None if `tell` no longer wanted it.
 ///

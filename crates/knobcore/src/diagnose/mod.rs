@@ -2,6 +2,7 @@
 
 mod beside;
 mod bins;
+mod candidate;
 mod candidates;
 mod chance;
 mod chosen;
@@ -25,7 +26,8 @@ mod verdict;
 mod watch;
 
 pub use bins::since_reversal;
-pub use candidates::{Candidate, diagnose};
+pub use candidate::Candidate;
+pub use candidates::diagnose;
 pub use coupled::{converge, in_place};
 pub use hints::{Hint, hints};
 pub use implausible::implausible;

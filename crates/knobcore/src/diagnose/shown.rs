@@ -1,6 +1,6 @@
 //! Detents that come with a joint: what the base has where it shows may show through a joint alone.
 
-use super::candidates::Candidate;
+use super::candidate::Candidate;
 use super::screen::{Screen, Start};
 use crate::effects::{Base, Id, Joint, Place, Survey};
 use crate::fit::{Shown, Through, range};

@@ -1,0 +1,21 @@
+//! What is known of an effect that was weighed.
+
+use crate::effects::Id;
+use crate::fit::Fit;
+
+/// An effect that the model lacks, and what it would do.
+#[derive(Debug, Clone)]
+pub struct Candidate {
+    /// Which.
+    pub id: Id,
+    /// The model with it, fitted; None where it could not be.
+    pub fit: Option<Fit>,
+    /// What it takes off the sum of squares, in variances of the raw torque's white noise.
+    pub gain: f64,
+    /// How many parameters it adds.
+    pub parameters: usize,
+    /// Chance of such a gain of any effect of the catalogue where nothing is missing.
+    pub p_value: f64,
+    /// Why it could not be fitted.
+    pub note: String,
+}
