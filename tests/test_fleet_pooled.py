@@ -13,7 +13,8 @@ from test_fleet_lots import made
 import knobcam as kc
 from knobcam.fit.hints import hints
 from knobcam.fleet import BatchResult
-from knobcam.fleet.pooled import LEVEL
+from knobcam.fleet.frame import frame
+from knobcam.fleet.pooled import LEVEL, compared, pooled
 from knobcam.fleet.row import Row
 from knobcam.fleet.settings import Settings
 from knobcam.fleet.store import Store
@@ -81,7 +82,8 @@ def test_of_equal_lots_nothing_is_said_but_as_often_as_was_promised() -> None:
     said = 0
     for seed in range(100):
         rng = np.random.default_rng(1000 + seed)
-        said += bool(Study.of([one for name in "ABC" for one in lot(rng, name, 12)], None).pooled)
+        rows = [one for name in "ABC" for one in lot(rng, name, 12)]
+        said += bool(pooled(compared(frame(rows), rows), rows))
     assert said <= 100 * LEVEL + 3.0 * np.sqrt(100 * LEVEL)
 
 
