@@ -1,7 +1,7 @@
 """Two versions on the same work, in turn: `python benches/study_versions.py OTHER [--rounds N]`.
 
-OTHER is a checkout of another version. Both have their extension as a wheel has it, of the release profile: what
-`dev.py setup` builds to work with takes a tenth longer a step. Prints every line of the speed table for
+OTHER is a checkout of another version. Both have their extension as a wheel has it, of the release profile:
+what `dev.py setup` builds to work with takes a tenth longer a step. Prints every line of the speed table for
 both and writes `benches/results/versions.json`.
 """
 
