@@ -24,9 +24,9 @@ _UNITS = {"t": "s", "theta": "rad", "omega": "rad/s", "alpha": "rad/s^2", "s": "
 @styled
 def proposals(proposals: Proposals) -> Picture:
     """The residual over the variable of the first law with the laws on it, its map, error over length."""
-    figure = Picture(8.5, 3.8, plain(proposals.headline, 400))
     mapped = proposals.map
-    widths = [1.6, 1.0] if mapped is None else [1.3, 1.2, 1.0]
+    widths = [1.6, 1.0] if mapped is None else [1.6, 1.2, 1.0]
+    figure = Picture(8.5 if mapped is None else 13.0, 3.8, plain(proposals.headline, 400))
     grid = figure.add_gridspec(1, len(widths), width_ratios=widths)
     if mapped is not None:
         _map(figure.add_subplot(grid[1]), proposals, mapped)
