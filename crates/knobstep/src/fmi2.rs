@@ -1,11 +1,8 @@
 //! FMI 2.0 for co-simulation (Modelica Association 2022, "Functional Mock-up Interface 2.0.4"): a [`Slave`] by its
 //! functions. What FMI leaves to choice is not offered: states of the unit, derivatives, cancelling.
 
-use super::slave::{Slave, addressed, each, read};
+use super::slave::{Any, ERROR, OK, Slave, addressed, answer, answers, each, free, read};
 use std::ffi::{c_char, c_int, c_void};
-
-const OK: c_int = 0;
-const ERROR: c_int = 3;
 
 type Logger = unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, ...);
 
@@ -71,10 +68,8 @@ pub unsafe extern "C" fn fmi2Instantiate(
 /// `slave` is null or of `fmi2Instantiate`, and is not used again.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2FreeInstance(slave: *mut Slave) {
-    if !slave.is_null() {
-        // SAFETY: `fmi2Instantiate` made it so, and the caller gives it away.
-        drop(unsafe { Box::from_raw(slave) });
-    }
+    // SAFETY: as the caller vouches.
+    unsafe { free(slave) };
 }
 
 /// Forgets everything.
@@ -84,9 +79,7 @@ pub unsafe extern "C" fn fmi2FreeInstance(slave: *mut Slave) {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2Reset(slave: *mut Slave) -> c_int {
     // SAFETY: as the caller vouches.
-    let Some(slave) = (unsafe { slave.as_mut() }) else { return ERROR };
-    slave.reset();
-    OK
+    answer(unsafe { slave.as_mut() }.map(Slave::reset).is_some())
 }
 
 /// Goes on by one communication step, which is a whole number of the knob's.
@@ -96,12 +89,7 @@ pub unsafe extern "C" fn fmi2Reset(slave: *mut Slave) -> c_int {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2DoStep(slave: *mut Slave, now: f64, duration: f64, _no_return: c_int) -> c_int {
     // SAFETY: as the caller vouches.
-    let Some(slave) = (unsafe { slave.as_mut() }) else { return ERROR };
-    answer(slave.advance(now, duration))
-}
-
-fn answer(done: bool) -> c_int {
-    if done { OK } else { ERROR }
+    answer(unsafe { slave.as_mut() }.is_some_and(|slave| slave.advance(now, duration)))
 }
 
 /// Reads real variables.
@@ -184,27 +172,14 @@ pub unsafe extern "C" fn fmi2GetBoolean(
     }
 }
 
-/// Functions that have nothing to do here, and those that are not offered.
-macro_rules! answers {
-    ($($answer:ident: $($name:ident($($argument:ty),*))*;)*) => {$($(
-        /// Of FMI; it has nothing to do here, or is not offered.
-        #[unsafe(no_mangle)]
-        pub extern "C" fn $name($(_: $argument),*) -> c_int {
-            $answer
-        }
-    )*)*};
-}
-
-type Any = *mut c_void;
-
 answers! {
-    OK:
+    OK => c_int:
         fmi2SetDebugLogging(Any, c_int, usize, Any)
         fmi2SetupExperiment(Any, c_int, f64, f64, c_int, f64)
         fmi2EnterInitializationMode(Any)
         fmi2ExitInitializationMode(Any)
         fmi2Terminate(Any);
-    ERROR:
+    ERROR => c_int:
         fmi2GetInteger(Any, Any, usize, Any)
         fmi2GetString(Any, Any, usize, Any)
         fmi2SetInteger(Any, Any, usize, Any)

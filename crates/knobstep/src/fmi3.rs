@@ -1,22 +1,15 @@
 //! FMI 3.0 for co-simulation (Modelica Association 2022, "Functional Mock-up Interface 3.0"): a [`Slave`] by its
 //! functions. What FMI leaves to choice is not offered: states of the unit, derivatives, events, clocks, early return.
 
-use super::slave::{INPUTS, Slave, each, read};
-use std::ffi::{CString, c_char, c_int, c_void};
+use super::slave::{Any, ERROR, INPUTS, OK, Slave, answer, answers, each, free, read};
+use std::ffi::{CString, c_char, c_int};
 use std::path::Path;
 
-const OK: c_int = 0;
-const ERROR: c_int = 3;
 /// References are of one row here, whatever the type: after the real variables comes time, and then the choices.
 const TIME: usize = INPUTS + 1;
 const CHOICE: usize = TIME + 1;
 
-type Any = *mut c_void;
 type Log = unsafe extern "C" fn(Any, c_int, *const c_char, *const c_char);
-
-fn answer(done: bool) -> c_int {
-    if done { OK } else { ERROR }
-}
 
 /// The version of the interface.
 #[unsafe(no_mangle)]
@@ -63,10 +56,8 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
 /// `slave` is null or of `fmi3InstantiateCoSimulation`, and is not used again.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3FreeInstance(slave: *mut Slave) {
-    if !slave.is_null() {
-        // SAFETY: `fmi3InstantiateCoSimulation` made it so, and the caller gives it away.
-        drop(unsafe { Box::from_raw(slave) });
-    }
+    // SAFETY: as the caller vouches.
+    unsafe { free(slave) };
 }
 
 /// Begins at a time.
@@ -210,17 +201,6 @@ pub unsafe extern "C" fn fmi3SetBoolean(
             Some(())
         }))
     }
-}
-
-/// Functions that have nothing to do here, and those that are not offered.
-macro_rules! answers {
-    ($($answer:expr => $type:ty: $($name:ident($($argument:ty),*))*;)*) => {$($(
-        /// Of FMI; it has nothing to do here, or is not offered.
-        #[unsafe(no_mangle)]
-        pub extern "C" fn $name($(_: $argument),*) -> $type {
-            $answer
-        }
-    )*)*};
 }
 
 answers! {

@@ -4,7 +4,7 @@
 //! rate.
 
 use knobrender::{Renderer, Sensed};
-use std::ffi::{CStr, c_char};
+use std::ffi::{CStr, c_char, c_int, c_void};
 use std::path::{Path, PathBuf};
 
 /// Share of a step by which a communication step may differ from a whole number of them.
@@ -15,6 +15,17 @@ const RESOURCE: &str = "knob.txt";
 pub const INPUTS: usize = 4;
 /// Boolean variables: whether the torque of the hand is measured, and whether the motion is imposed.
 pub const CHOICES: usize = 2;
+
+/// What a function of any version answers.
+pub const OK: c_int = 0;
+pub const ERROR: c_int = 3;
+
+/// What a simulator hands over, of which nothing is asked here.
+pub type Any = *mut c_void;
+
+pub fn answer(done: bool) -> c_int {
+    if done { OK } else { ERROR }
+}
 
 /// One knob in a simulator.
 #[derive(Debug)]
@@ -98,6 +109,17 @@ pub unsafe fn read<'a>(text: *const c_char) -> &'a str {
     unsafe { CStr::from_ptr(text) }.to_str().unwrap_or("")
 }
 
+/// Gives a knob's memory back.
+///
+/// # Safety
+/// `slave` is null or made as a box by this library, and is not used again.
+pub unsafe fn free(slave: *mut Slave) {
+    if !slave.is_null() {
+        // SAFETY: it was made so, and the caller gives it away.
+        drop(unsafe { Box::from_raw(slave) });
+    }
+}
+
 /// Does something with every variable of a call, given by its reference and its place; whether it has them all.
 ///
 /// # Safety
@@ -116,6 +138,18 @@ pub unsafe fn each(
         variable(slave, reference as usize, at).is_some()
     })
 }
+
+/// Functions that have nothing to do here, and those that are not offered.
+macro_rules! answers {
+    ($($answer:expr => $type:ty: $($name:ident($($argument:ty),*))*;)*) => {$($(
+        /// Of FMI; it has nothing to do here, or is not offered.
+        #[unsafe(no_mangle)]
+        pub extern "C" fn $name($(_: $argument),*) -> $type {
+            $answer
+        }
+    )*)*};
+}
+pub(crate) use answers;
 
 #[cfg(test)]
 mod tests {

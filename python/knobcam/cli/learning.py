@@ -207,13 +207,11 @@ def run_learn(args: Namespace) -> Answer:
     if args.propose:
         status("looking for laws of what is left")
         proposals = learned.propose()
-        said_more, document = (
-            [repr(proposals)],
-            {
-                "proposals": [one.document() for one in proposals.laws],
-                "needs": [one._asdict() for one in proposals.needs],
-            },
-        )
+        said_more = [repr(proposals)]
+        document = {
+            "proposals": [one.document() for one in proposals.laws],
+            "needs": [one._asdict() for one in proposals.needs],
+        }
         if proposals.laws:
             pictures = {"proposals": proposals.plot}
         if args.accept is not None:
