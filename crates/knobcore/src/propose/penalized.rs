@@ -1,6 +1,7 @@
 //! Many columns that are held back: how high each is by least squares with penalties, of which the one is taken that does best on
 //! blocks that it did not see.
 
+use super::rows::Rows;
 use crate::algebra::dot;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
@@ -82,6 +83,11 @@ impl Penalized {
         self.taken(&self.solved.solve(&right), &right)
     }
 
+    /// The variance of a row of what they leave.
+    pub fn left(&self, rows: &Rows<'_>) -> f64 {
+        (dot(&rows.residual, &rows.residual) - self.gain()).max(0.0) / rows.counts().max(1.0)
+    }
+
     /// As many parameters as the data decide of them (Hastie & Tibshirani 1990).
     pub fn free(&self) -> f64 {
         self.solved.solve(&self.gram).trace()
@@ -106,6 +112,11 @@ impl Penalized {
     pub fn doubt(&self, weights: &DVector<f64>) -> f64 {
         weights.dot(&self.solved.solve(weights)).max(0.0)
     }
+}
+
+/// What remains of an error on blocks that were not seen, as a share: of its squares, and by how much those change there.
+pub fn remains(unseen: f64, squares: f64) -> f64 {
+    (1.0 + unseen / squares).max(0.0).sqrt()
 }
 
 /// Squares of second differences of neighbours.

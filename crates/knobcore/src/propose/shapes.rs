@@ -2,7 +2,7 @@
 //! law where no formula is.
 
 use super::chance::Chance;
-use super::penalized::Penalized;
+use super::penalized::{Penalized, remains};
 use super::rows::Rows;
 use super::spline::{self, Smooth, Written};
 use super::surface::{self, Map, Surface};
@@ -80,7 +80,7 @@ fn needs(
         .zip(chance.of_each(&held, watch))
         .map(|((variables, held), p_value)| Need {
             variables: variables.clone(),
-            heldout: (1.0 + held.unseen / squares).max(0.0).sqrt(),
+            heldout: remains(held.unseen, squares),
             p_value,
         })
         .collect();

@@ -5,7 +5,7 @@
 use super::Law;
 use super::follow::Reach;
 use super::grammar::{Powers, Term, Variable};
-use super::penalized::{DEGREE, Penalized, bending, spline};
+use super::penalized::{DEGREE, Penalized, bending, remains, spline};
 use super::rows::Rows;
 use super::sum::Sum;
 use super::surface::Surface;
@@ -82,8 +82,7 @@ impl Smooth {
 
     /// Half-width of its 95 % band at some places.
     pub fn band(&self, x: &[f64], rows: &Rows<'_>) -> Vec<f64> {
-        let left = dot(&rows.residual, &rows.residual) - self.held.gain();
-        let variance = left.max(0.0) / rows.counts().max(1.0);
+        let variance = self.held.left(rows);
         let width = |x: &f64| Z95 * (variance * self.held.variance(&self.base(*x))).sqrt();
         x.iter().map(width).collect()
     }
@@ -145,7 +144,7 @@ pub fn beyond(
     let squares = dot(&fine.residual, &fine.residual);
     let said = |(law, unseen): (Law, f64)| {
         let more = law.gain - price * law.complexity as f64 - best;
-        (more, Written { law, heldout: (1.0 + unseen / squares).max(0.0).sqrt() })
+        (more, Written { law, heldout: remains(unseen, squares) })
     };
     let curve = splines.iter().min_by(|a, b| a.held.unseen.total_cmp(&b.held.unseen)).and_then(|one| {
         let smooth = Smooth::of(fine, one.over, one.rest.clone(), reach)?;

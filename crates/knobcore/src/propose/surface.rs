@@ -7,7 +7,6 @@ use super::follow::Reach;
 use super::grammar::{Motions, Powers, Term, Variable};
 use super::penalized::{DEGREE, Penalized, bending, spline};
 use super::rows::Rows;
-use crate::algebra::dot;
 use crate::diagnose::Watch;
 use crate::rule::rule;
 use crate::special::Z95;
@@ -106,8 +105,7 @@ impl Surface {
 
     /// What is left over its plane, as rows tell it.
     pub fn map(&self, rows: &Rows<'_>) -> Map {
-        let left = dot(&rows.residual, &rows.residual) - self.held.gain();
-        let variance = left.max(0.0) / rows.counts().max(1.0);
+        let variance = self.held.left(rows);
         let place = |[low, high]: [f64; 2], at: usize| low + (high - low) * at as f64 / (PLACES - 1) as f64;
         let places = self.ranges.map(|range| (0..PLACES).map(|at| place(range, at)).collect::<Vec<_>>());
         let base = |side: usize, x: f64| -> Vec<f64> {
