@@ -26,7 +26,7 @@ pub fn behind(data: &[&Signals], model: &Model) -> Vec<Signals> {
 fn moved(signals: &Signals, model: &Model, loads: &Model) -> Signals {
     let mut hidden = signals.clone();
     let values = model.values();
-    let (p, _) = model.in_run(&signals.run, &values, &[]);
+    let p = model.of_run(&signals.run, &values);
     for segment in &signals.segments {
         let motion = signals.motion_columns(segment.clone());
         let Some([theta, omega, alpha]) =
@@ -47,4 +47,28 @@ fn moved(signals: &Signals, model: &Model, loads: &Model) -> Signals {
         }
     }
     hidden
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::turned;
+    use super::*;
+    use crate::model::Run;
+    use crate::param::Axis;
+
+    #[test]
+    fn runs_with_a_zero_of_their_own_move_behind_a_joint_as_one_does() {
+        let runs = ["a", "b"].map(|name| Run { name: name.into(), fingerprint: format!("0{name}") });
+        let mut one = turned(1.0, 0.0, |_, _| 0.0);
+        let mut model = Model::equation_1(Axis::Rotary, false).with(Id::Compliance).unwrap();
+        model.set("inertia.M", 1e-4).unwrap();
+        model.set("compliance.k", 5.0).unwrap();
+        let alone = behind(&[&one], &model);
+        let mut apart = model.apart(Id::Offset, &runs.each_ref()[..]).unwrap();
+        apart.set("offset.tau0@b", 1e-3).unwrap();
+        one.run = runs[1].clone();
+        let beside = behind(&[&one], &apart);
+        assert!((0..one.len()).any(|at| alone[0].omega[at] != one.omega[at]));
+        assert_eq!(alone[0].omega, beside[0].omega);
+    }
 }

@@ -50,6 +50,15 @@ impl Model {
         if run.is_some() { base + place.unwrap_or(0) } else { at }
     }
 
+    /// Parameters as one run has them.
+    pub fn of_run<'a>(&self, run: &Run, p: &'a [f64]) -> Cow<'a, [f64]> {
+        let mut p = Cow::from(p);
+        for (own, shared) in self.own(run) {
+            p.to_mut()[shared] = p[own];
+        }
+        p
+    }
+
     /// Parameters and their columns as one run has them.
     pub fn in_run<'a>(
         &self,
@@ -57,12 +66,11 @@ impl Model {
         p: &'a [f64],
         columns: &'a [Option<usize>],
     ) -> (Cow<'a, [f64]>, Cow<'a, [Option<usize>]>) {
-        let (mut p, mut columns) = (Cow::from(p), Cow::from(columns));
+        let mut columns = Cow::from(columns);
         for (own, shared) in self.own(run) {
-            p.to_mut()[shared] = p[own];
             columns.to_mut()[shared] = columns[own];
         }
-        (p, columns)
+        (self.of_run(run, p), columns)
     }
 
     /// Whether runs have parameters of this effect for themselves.
@@ -185,8 +193,8 @@ mod tests {
     }
 
     fn zero(model: &Model, run: &Run) -> f64 {
-        let (p, columns) = (model.values(), vec![None; model.slots().len()]);
-        let (p, _) = model.in_run(run, &p, &columns);
+        let p = model.values();
+        let p = model.of_run(run, &p);
         model.index("offset.tau0").map_or(0.0, |at| p[at])
     }
 
