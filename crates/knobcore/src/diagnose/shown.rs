@@ -114,15 +114,18 @@ pub fn with_joint(model: &Model, joined: &Model, shaft: &[Id]) -> Vec<Model> {
     placed(&with, shaft)
 }
 
-/// A joint, unless the detents that come with it explain as much without it: then they are what is found.
+/// A joint, unless the detents that come with it explain as much without it, or the better part of what both do: then
+/// they, or what has their place, are what is found first.
 pub fn needed(joint: Candidate, rigid: Option<&Candidate>) -> Candidate {
     let came = |own: &&Candidate| joint.fit.as_ref().is_some_and(|fit| fit.model.has(own.id));
     let Some(rigid) = rigid.filter(came) else { return joint };
     let price = rule().price * (joint.parameters as f64 - rigid.parameters as f64);
-    if joint.gain - rigid.gain > price {
+    let own = joint.gain - rigid.gain;
+    if own > price.max(rigid.gain) {
         return joint;
     }
-    let note = format!("the {} that comes with it explains as much without it", rigid.id.info().id);
+    let much = if own > price { "more than it does" } else { "as much" };
+    let note = format!("the {} that comes with it explains {much} without it", rigid.id.info().id);
     Candidate { fit: None, gain: 0.0, p_value: 1.0, note, ..joint }
 }
 
@@ -201,12 +204,17 @@ mod tests {
             let parameters = 3 * ids.len();
             Candidate { id: ids[0], fit: Some(fit), gain, parameters, p_value: 0.001, note: String::new() }
         };
-        let rigid = beside(&[Id::Detent], 9000.0);
-        let price = 3.0 * rule().price;
         let with = [Id::Compliance, Id::Detent];
-        let none = needed(beside(&with, 9000.0 + price), Some(&rigid));
-        assert!(none.fit.is_none() && none.gain == 0.0 && none.note.contains("detent"), "{none:?}");
-        assert!(needed(beside(&with, 9000.1 + price), Some(&rigid)).fit.is_some());
+        let price = 3.0 * rule().price;
+        for (alone, both, why) in
+            [(2.0, 2.0 + price, "as much without"), (9000.0, 18000.0, "more than it does without")]
+        {
+            let rigid = beside(&[Id::Detent], alone);
+            let none = needed(beside(&with, both), Some(&rigid));
+            assert!(none.fit.is_none() && none.gain == 0.0 && none.note.contains(why), "{none:?}");
+            assert!(needed(beside(&with, both + 0.1), Some(&rigid)).fit.is_some());
+        }
+        let rigid = beside(&[Id::Detent], 9000.0);
         assert!(needed(beside(&with, 9000.0), None).fit.is_some());
         assert!(needed(beside(&with[..1], 1.0), Some(&rigid)).fit.is_some(), "no detents came with it");
     }
