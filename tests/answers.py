@@ -13,10 +13,10 @@ import numpy as np
 FOLDER = Path(__file__).parent / "kept"
 KEEP = "KNOBCAM_KEEP"  # the environment variable with which the files are made anew
 RELATIVE, OF_LARGEST = 2e-6, 1e-8  # instruction sets and the last digit differ by less
-ABOUT = "~"  # stands before a chance, or a gain in variances of the noise
+ABOUT = "~"  # stands before a chance, a weight, or a gain in variances of the noise
 NEAR = 0.05  # those are kept to this many of their own roots
 LONGEST = 12  # columns longer than this are kept by sums and some of their numbers
-CHANCES = ("p_value", "gain", "score", "chance", "D")
+CHANCES = ("p_value", "gain", "score", "chance", "D", "weight", "rivals")
 
 
 class Answers:
@@ -67,7 +67,8 @@ def _deep(value: Any) -> bool:
 
 def _words(name: str, value: Any) -> list[str]:
     if isinstance(value, Mapping):
-        return [word for key, own in value.items() for word in (key, *_words(key, own))]
+        own_names = {key: name if name in CHANCES else key for key in value}
+        return [word for key, own in value.items() for word in (key, *_words(own_names[key], own))]
     if isinstance(value, np.ndarray) or (isinstance(value, Sequence) and not isinstance(value, str)):
         if all(isinstance(one, int | float | np.number) for one in value):
             return [_number(float(one)) for one in _short(np.asarray(value, float))]

@@ -56,7 +56,8 @@ def searched(name: str, captures: kc.Capture | list[kc.Capture], **how: Any) -> 
     told.put("printed", repr(story).splitlines())
     for step in story.ladder:
         fitted(told, f"step {step.added}", step.fit)
-        told.put("  interval and weights", [*step.rmse_ci95, *step.weights.values()])
+        told.put("  interval", [*step.rmse_ci95])
+        told.put("  weight", step.weights)
     told.put("ladder", [without(one, "params", "moved") for one in document["ladder"]])
     compared(told, "before", story.before)
     compared(told, "after", story.after)

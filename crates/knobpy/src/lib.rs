@@ -52,6 +52,7 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     wire::register(m)?;
     m.add_class::<model::PyModel>()?;
     m.add_function(wrap_pyfunction!(model::catalogue, m)?)?;
+    m.add_function(wrap_pyfunction!(model::catalogue_version, m)?)?;
     m.add_function(wrap_pyfunction!(user::effect_source, m)?)?;
     m.add_function(wrap_pyfunction!(model::push, m)?)?;
     m.add_function(wrap_pyfunction!(model::forward, m)?)?;

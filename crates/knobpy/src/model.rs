@@ -309,6 +309,12 @@ pub fn catalogue<'py>(py: Python<'py>, axis_name: &str) -> PyResult<Vec<Bound<'p
     Id::all().into_iter().map(|id| row(py, id, axis)).collect()
 }
 
+/// A number that grows whenever the catalogue changes: an effect of one's own entered it.
+#[pyfunction]
+pub fn catalogue_version() -> usize {
+    knobcore::effects::newest()
+}
+
 /// What an effect says of itself.
 fn row(py: Python<'_>, id: Id, axis: Axis) -> PyResult<Bound<'_, PyDict>> {
     let info = id.info();

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from .. import _core
@@ -131,6 +131,11 @@ class Effect(showing.Tabled):
 def effects(coordinate: str = "rotary") -> dict[str, Effect]:
     """Return the catalogue by id, units for a rotary or a linear axis; with effects of one's own."""
     load_plugins()
+    return dict(_effects(coordinate, _core.catalogue_version()))
+
+
+@lru_cache(maxsize=2)  # one for each kind of axis, as the catalogue stands
+def _effects(coordinate: str, _version: int) -> dict[str, Effect]:
     return of_rows(_core.catalogue(coordinate))
 
 

@@ -15,10 +15,8 @@ const PER_DETENT: f64 = 16.0;
 const OVER_TIME: usize = 30;
 /// The finest history looks at this share of the range of motion.
 const FINEST: f64 = 1e-4;
-/// A sample without bin.
-const NONE: u32 = u32::MAX;
 
-/// One axis: its bins, and the bin of every sample of every capture.
+/// One axis: its bins, and which stretches of every capture fall into which.
 pub struct Bins {
     pub axis: &'static str,
     pub low: Vec<f64>,
@@ -26,7 +24,33 @@ pub struct Bins {
     pub direction: Vec<i8>,
     /// Samples that count in each bin.
     pub count: Vec<f64>,
-    member: Vec<Vec<u32>>,
+    /// Of every capture, stretches of neighbouring samples that share a bin.
+    runs: Vec<Vec<Stretch>>,
+}
+
+/// Neighbouring samples from one to before another, that share a bin.
+struct Stretch {
+    from: usize,
+    to: usize,
+    bin: usize,
+}
+
+/// Running totals of a value of every sample of captures. The sum over a stretch is then the difference of two of
+/// them: captures stay in a bin for many samples, and many axes are summed over the same values.
+pub struct Totals(Vec<Vec<f64>>);
+
+impl Totals {
+    /// Of the values of each capture.
+    pub fn of(mut values: Vec<Vec<f64>>) -> Self {
+        for column in &mut values {
+            let mut total = 0.0;
+            for value in column {
+                total += *value;
+                *value = total;
+            }
+        }
+        Self(values)
+    }
 }
 
 /// A coordinate of every sample, and the direction of motion that its bin belongs to.
@@ -42,14 +66,13 @@ impl Bins {
         self.low.len()
     }
 
-    /// Sum of `f` of each sample's value per bin.
-    pub fn sums(&self, values: &[Vec<f64>], f: impl Fn(f64) -> f64) -> Vec<f64> {
+    /// Sum of the samples' values per bin.
+    pub fn sums(&self, values: &Totals) -> Vec<f64> {
         let mut sums = vec![0.0; self.len()];
-        for (member, values) in self.member.iter().zip(values) {
-            for (bin, value) in member.iter().zip(values) {
-                if let Some(sum) = sums.get_mut(*bin as usize) {
-                    *sum += f(*value);
-                }
+        for (runs, totals) in self.runs.iter().zip(&values.0) {
+            for run in runs {
+                let before = if run.from > 0 { totals[run.from - 1] } else { 0.0 };
+                sums[run.bin] += totals[run.to - 1] - before;
             }
         }
         sums
@@ -59,30 +82,40 @@ impl Bins {
     fn new(data: &[&Signals], coordinate: &Coordinate, borders: &[f64]) -> Self {
         let cells = borders.len().saturating_sub(1);
         let directions: &[i8] = if coordinate.by_direction { &[1, -1] } else { &[0] };
-        let bin = |signals: &Signals, at: usize, value: f64| -> u32 {
-            let cell = borders.partition_point(|border| *border <= value).saturating_sub(1);
-            let counts = signals.weight[at] > 0.0 && value.is_finite() && cells > 0;
-            let side = usize::from(coordinate.by_direction && signals.omega[at] < 0.0);
-            if counts { (side * cells + cell.min(cells - 1)) as u32 } else { NONE }
+        let stretches = |(signals, values): (&&Signals, &Vec<f64>)| {
+            let mut runs: Vec<Stretch> = Vec::new();
+            let mut cell = 0;
+            for (at, value) in values.iter().enumerate() {
+                if signals.weight[at] <= 0.0 || !value.is_finite() || cells == 0 {
+                    continue;
+                }
+                // Most samples lie where the one before did.
+                if !(borders[cell]..borders[cell + 1]).contains(value) {
+                    let above = borders.partition_point(|border| *border <= *value);
+                    cell = above.saturating_sub(1).min(cells - 1);
+                }
+                let side = usize::from(coordinate.by_direction && signals.omega[at] < 0.0);
+                let bin = side * cells + cell;
+                match runs.last_mut().filter(|run| run.to == at && run.bin == bin) {
+                    Some(run) => run.to = at + 1,
+                    None => runs.push(Stretch { from: at, to: at + 1, bin }),
+                }
+            }
+            runs
         };
-        let member: Vec<Vec<u32>> = data
-            .iter()
-            .zip(&coordinate.values)
-            .map(|(signals, values)| {
-                values.iter().enumerate().map(|(at, value)| bin(signals, at, *value)).collect()
-            })
-            .collect();
-        let mut bins = Self {
+        let runs: Vec<Vec<Stretch>> = data.iter().zip(&coordinate.values).map(stretches).collect();
+        let mut count = vec![0.0; directions.len() * cells];
+        for run in runs.iter().flatten() {
+            count[run.bin] += (run.to - run.from) as f64;
+        }
+        Self {
             axis: coordinate.axis,
             low: directions.iter().flat_map(|_| borders[..cells].iter().copied()).collect(),
             high: directions.iter().flat_map(|_| borders[borders.len() - cells..].iter().copied()).collect(),
             direction: directions.iter().flat_map(|d| vec![*d; cells]).collect(),
-            count: Vec::new(),
-            member,
-        };
-        let ones: Vec<Vec<f64>> = data.iter().map(|signals| vec![1.0; signals.len()]).collect();
-        bins.count = bins.sums(&ones, |one| one);
-        bins
+            count,
+            runs,
+        }
     }
 }
 
@@ -129,7 +162,7 @@ fn even(low: f64, high: f64, cells: usize) -> Vec<f64> {
 /// Borders between which the samples fall in equal numbers; equal borders are joined.
 fn equal_counts(data: &[&Signals], coordinate: &Coordinate) -> Vec<f64> {
     let mut values: Vec<f64> = counted(data, coordinate).collect();
-    values.sort_by(f64::total_cmp);
+    values.sort_unstable_by(f64::total_cmp);
     let Some(last) = values.len().checked_sub(1) else { return Vec::new() };
     let mut borders: Vec<f64> = (0..=BINS).map(|i| values[last * i / BINS]).collect();
     borders.dedup();

@@ -3,7 +3,7 @@
 //! Along each axis the residual is averaged in bins. What chance gives is not looked up but made: noise
 //! of the sensor's level and colour goes through the same measurement filter and into the same bins.
 
-use super::bins::{Bins, all_axes};
+use super::bins::{Bins, Totals, all_axes};
 use super::rest::{Region, Rest, Split};
 use super::spectrum::split_frequency;
 use crate::model::Model;
@@ -22,21 +22,22 @@ const AT_ONCE: usize = 4;
 pub fn locate(data: &[&Signals], model: &Model) -> Vec<Split> {
     let rest = Rest::of(data, model);
     let axes = all_axes(&rest, model);
-    let measured: Vec<Vec<f64>> = axes.iter().map(|bins| bins.sums(&rest.residual, |r| r)).collect();
+    let squares = rest.residual.iter().map(|part| part.iter().map(|r| r * r).collect()).collect();
+    let [means, squares] = [rest.residual.clone(), squares].map(Totals::of);
     let mut chance: Vec<Chance> = axes.iter().map(Chance::new).collect();
     let mut noise = random::Noise::new(0x6b6e_6f62);
     for _ in 0..DRAWS / AT_ONCE {
         for draw in noise_captures(&rest, &mut noise) {
+            let draw = Totals::of(draw);
             for (bins, chance) in axes.iter().zip(&mut chance) {
-                chance.add(bins, &bins.sums(&draw, |r| r));
+                chance.add(bins, &bins.sums(&draw));
             }
         }
     }
     let mut splits: Vec<Split> = axes
         .iter()
-        .zip(measured)
         .zip(chance)
-        .map(|((bins, sums), chance)| split(&rest, bins, &sums, &chance))
+        .map(|(bins, chance)| split(&rest, bins, [&means, &squares].map(|of| bins.sums(of)), &chance))
         .collect();
     splits.push(split_frequency(&rest));
     splits
@@ -72,13 +73,14 @@ fn held(bins: &Bins, sums: &[f64]) -> f64 {
     sums.iter().zip(&bins.count).map(|(sum, count)| sum * sum / count.max(1.0)).sum()
 }
 
-fn split(rest: &Rest<'_>, bins: &Bins, sums: &[f64], chance: &Chance) -> Split {
+/// `sums` and `squares` of the residual per bin.
+fn split(rest: &Rest<'_>, bins: &Bins, [sums, squares]: [Vec<f64>; 2], chance: &Chance) -> Split {
+    let sums = &sums[..];
     let mut by_chance = chance.held.clone();
     by_chance.sort_by(f64::total_cmp);
     let expected = by_chance.iter().sum::<f64>() / by_chance.len().max(1) as f64;
     let upper = by_chance.get(by_chance.len() * 95 / 100).copied().unwrap_or(0.0);
     let mean: Vec<f64> = sums.iter().zip(&bins.count).map(|(sum, count)| sum / count.max(1.0)).collect();
-    let squares = bins.sums(&rest.residual, |r| r * r);
     let limit = normal_quantile(1.0 - 0.5 * rule().alarm / bins.len().max(1) as f64);
     let fails = |bin: usize| bins.count[bin] > 0.0 && mean[bin].abs() > limit * chance.sd(bin);
     Split {

@@ -57,6 +57,11 @@ pub(super) fn all() -> impl Iterator<Item = &'static User> {
     REGISTERED.read().unwrap_or_else(PoisonError::into_inner).clone().into_iter()
 }
 
+/// A number that grows whenever an effect enters the catalogue, also in place of one that was there.
+pub fn newest() -> usize {
+    all().map(|user| user.order + 1).max().unwrap_or(0)
+}
+
 impl User {
     /// Registers an effect; one of the same name is replaced for models that are made from now on.
     ///
