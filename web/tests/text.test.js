@@ -2,6 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { limits } from "../src/axes.js";
+import { inWords, limitWords } from "../src/evidence.js";
 import { latest } from "../src/latest.js";
 import { plusMinus } from "../src/params.js";
 import { parted } from "../src/verdict.js";
@@ -31,6 +32,15 @@ test("small torques are told in mNm, forces in N", () => {
 test("what stands for a torque is called by its unit", () => {
   assert.deepEqual(torqueScale("A", 0.1), { factor: 1, unit: "A" });
   assert.deepEqual(["N m", "N", "A", "duty"].map(torqueWord), ["torque", "force", "current", "duty cycle"]);
+});
+
+test("a next experiment says what a parameter is, and the limits of a slide are in metres", () => {
+  const params = /** @type {any[]} */ ([{ name: "detent.S", meaning: "phase" }, { name: "law.a", meaning: "" }]);
+  assert.equal(inWords("detent.S would be known twice as well.", params), "detent.S (phase) would be known twice as well.");
+  assert.equal(inWords("law.a would be known.", params), "law.a would be known.");
+  assert.equal(limitWords(true, "V").torque_Nm, "voltage, V");
+  assert.ok(Object.values(limitWords(true, "N")).every((words) => !/rad|angle|torque/.test(words)));
+  assert.equal(limitWords(false, "N m").alpha_rad_s2, "acceleration, rad/s²");
 });
 
 test("limits leave out what is not finite and are never empty", () => {

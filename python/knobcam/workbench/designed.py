@@ -100,7 +100,7 @@ class Designed:
             "headline": self.headline,
             "separable": self.separable,
             "seconds": self.plan.seconds,
-            "limits": {one.name: getattr(self.limits, one.name) for one in fields(Limits)},
+            "limits": self.limits.numbers,
             "pairs": [
                 {
                     "names": (self.names[one.one], self.names[one.other]),

@@ -3287,6 +3287,49 @@ function head(brush, [x, y], way) {
   brush.fill();
 }
 
+// src/evidence.js
+var LEAST_D = 0.1;
+function inWords(headline, params) {
+  const named = params.find(({ name }) => headline.startsWith(`${name} `));
+  return named?.meaning ? headline.replace(named.name, `${named.name} (${named.meaning})`) : headline;
+}
+function limitWords(linear, unit) {
+  const [place4, way] = linear ? ["position", "m"] : ["angle", "rad"];
+  return {
+    torque_Nm: `${torqueWord(unit)}, ${unit}`,
+    omega_rad_s: `speed, ${way}/s`,
+    alpha_rad_s2: `acceleration, ${unitWords(`${way}/s^2`)}`,
+    theta_min_rad: `from ${place4}, ${way}`,
+    theta_max_rad: `to ${place4}, ${way}`
+  };
+}
+function largest2(pairs) {
+  return Math.max(100, ...pairs.flatMap(({ d, standard_d, came }) => [d, standard_d, came ?? 0]));
+}
+function bars({ names, d, standard_d, wrong_choice, came }, told, most) {
+  const share = (value) => `${100 * Math.log(Math.max(value, LEAST_D) / LEAST_D) / Math.log(most / LEAST_D)}%`;
+  const row = (words3, value, name) => {
+    const bar2 = make("span", { class: `bar ${name}` });
+    const line2 = make("span", { class: "told" });
+    bar2.style.width = share(value);
+    line2.style.left = share(told);
+    return make(
+      "div",
+      { class: "evidence-line" },
+      make("span", { class: "label", text: words3 }),
+      make("span", { class: "track" }, bar2, line2),
+      make("span", { class: "figure", text: number(value) })
+    );
+  };
+  const wrong = wrong_choice < 1e-3 ? "less than 0.1 %" : percent(wrong_choice);
+  return [
+    make("p", {}, make("strong", { text: names.join(" or ") }), `: the wrong one is chosen in ${wrong}`),
+    row("this motion", d, "promised"),
+    row("best standard motion", standard_d, "standard"),
+    ...came === null ? [] : [row("what came", came, "came")]
+  ];
+}
+
 // src/lead.js
 var COUNT_IN = 4;
 var AT_ONCE = 0.1;
@@ -3518,9 +3561,7 @@ function dot(brush, x, y, size, colour) {
 
 // src/next.js
 var COLOURS = ["--modelled", "--wrong", "--signature", "--beside"];
-var LEAST_D = 0.1;
 var MOTION2 = ["t", "theta", "omega"];
-var WORDS2 = { theta: "angle", omega: "velocity" };
 var Next = class {
   /**
    * @param {{store: import("./store.js").Store, design: (body: object) => Promise<unknown>,
@@ -3631,14 +3672,14 @@ var Next = class {
     const shown2 = JSON.stringify([experiment, node, state.active]);
     if (shown2 === this.drawn) return;
     this.drawn = shown2;
-    this.tell(experiment);
+    this.tell(experiment, state);
     this.loading = this.load(experiment, state).catch(this.deeds.failed);
   }
-  /** @param {Experiment} experiment */
-  tell(experiment) {
+  /** @param {Experiment} experiment @param {State} state */
+  tell(experiment, { params, captures, unit }) {
     const { headline, verdict, source, pairs, steps, by_hand, seconds: seconds2, limits: within4 } = experiment;
     byId("next-time").textContent = `${number(seconds2)} s`;
-    byId("next-headline").textContent = headline;
+    byId("next-headline").textContent = inWords(headline, params);
     byId("next-verdict").textContent = verdict ?? "";
     byId("next-record").hidden = source === null;
     byId("next-record").textContent = experiment.capture ? "Record it again" : "Record it";
@@ -3651,10 +3692,13 @@ var Next = class {
     const led = tempi.size === 1 ? ` at ${[...tempi][0]} beats a minute` : "";
     byId("next-can").textContent = by_hand ? `By hand, led by a metronome${led}` : "For a motor";
     byId("next-no-hand").hidden = by_hand;
-    byId("next-steps").replaceChildren(...(by_hand ? steps : []).map(({ words: words3 }) => make("li", {}, words3)));
+    byId("next-steps").replaceChildren(...(by_hand ? steps : []).map(({ words: words4 }) => make("li", {}, words4)));
+    const words3 = limitWords(captures[0]?.coordinate === "linear", unit);
     for (const [name, value] of Object.entries(within4)) {
       const field3 = byId("next-limits").querySelector(`[name=${name}]`);
-      if (field3 instanceof HTMLInputElement) field3.value = String(Number(value.toPrecision(4)));
+      if (!(field3 instanceof HTMLInputElement)) continue;
+      field3.value = String(Number(value.toPrecision(4)));
+      if (name in words3 && field3.previousElementSibling) field3.previousElementSibling.textContent = words3[name];
     }
   }
   /** @param {Experiment} experiment @param {State} state */
@@ -3674,15 +3718,16 @@ var Next = class {
     const { motion, recorded = [], state } = this;
     if (!motion || !state?.experiment || byId("next").hidden) return;
     const rotary = state.captures[0]?.coordinate !== "linear";
+    const words3 = { theta: rotary ? "angle" : "position", omega: "velocity" };
     const units = rotary ? { theta: "rad", omega: "rad/s" } : { theta: "m", omega: "m/s" };
     const both = (name) => [...recorded.map((part) => part[name]), motion[name]];
     const since = recorded.map(({ t }) => t.map((value) => value - (t[0] ?? 0)));
     const [over, across] = ["theta", "omega"].map((name) => ({ y: both(name), name }));
     for (const [at, { y, name }] of [over, across].entries()) {
       const x = at === 0 ? [...since, motion.t] : both("theta");
-      const label = (one) => `${WORDS2[one]}, ${units[one]}`;
+      const label = (one) => `${words3[one]}, ${units[one]}`;
       this.plots[at].show({
-        title: at === 0 ? "angle over time" : "velocity over angle",
+        title: at === 0 ? `${words3.theta} over time` : `velocity over ${words3.theta}`,
         ...clouds(x, y, ["--measured", "--signature"]),
         xAxis: axis(limits(x), at === 0 ? "time, s" : label("theta")),
         yAxis: axis(limits(y), label(
@@ -3696,7 +3741,7 @@ var Next = class {
     const [low, high] = limits(apart);
     const scale = torqueScale(state.unit, Math.max(-low, high));
     this.plots[2].show({
-      title: apart.length > 1 ? "how the rivals' torques part" : "torque that it takes",
+      title: apart.length > 1 ? `how the ${torqueWord(state.unit)} of each rival parts from the others` : `${torqueWord(state.unit)} that it takes`,
       x: motion.t,
       series: apart.map((y, at) => ({ colour: COLOURS[at % COLOURS.length], chosen: null, y, strength: 1 })),
       xAxis: axis(limits([motion.t]), "time, s"),
@@ -3838,32 +3883,6 @@ function key(name, at) {
   const mark = make("i", {});
   mark.style.background = `var(${COLOURS[at % COLOURS.length]})`;
   return make("span", { class: "key" }, mark, name);
-}
-function largest2(pairs) {
-  return Math.max(100, ...pairs.flatMap(({ d, standard_d, came }) => [d, standard_d, came ?? 0]));
-}
-function bars({ names, d, standard_d, wrong_choice, came }, told, most) {
-  const share = (value) => `${100 * Math.log(Math.max(value, LEAST_D) / LEAST_D) / Math.log(most / LEAST_D)}%`;
-  const row = (words3, value, name) => {
-    const bar2 = make("span", { class: `bar ${name}` });
-    const line2 = make("span", { class: "told" });
-    bar2.style.width = share(value);
-    line2.style.left = share(told);
-    return make(
-      "div",
-      { class: "evidence-line" },
-      make("span", { class: "label", text: words3 }),
-      make("span", { class: "track" }, bar2, line2),
-      make("span", { class: "figure", text: number(value) })
-    );
-  };
-  const wrong = wrong_choice < 1e-3 ? "less than 0.1 %" : percent(wrong_choice);
-  return [
-    make("p", {}, make("strong", { text: names.join(" or ") }), `: the wrong one is chosen in ${wrong}`),
-    row("this motion", d, "promised"),
-    row("best standard motion", standard_d, "standard"),
-    ...came === null ? [] : [row("what came", came, "came")]
-  ];
 }
 
 // src/overlay.js
