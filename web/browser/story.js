@@ -35,7 +35,7 @@ assert.equal(await candidates.first().getAttribute("data-effect"), effect);
 
 await page.getByRole("button", { name: "Clear" }).click();
 const lead = page.locator("#verdict .leads.place");
-const [low] = /-?[\d.]+/.exec(await lead.textContent()) ?? [];
+const [low] = /-?[\d.]+/.exec((await lead.textContent()).replaceAll("−", "-")) ?? [];
 await lead.click();
 await page.locator(".brush:visible").waitFor();
 assert.match(await page.locator("#chosen").textContent(), /samples chosen, .* of the squared error/);

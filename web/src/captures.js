@@ -7,6 +7,7 @@ import { make } from "./dom.js";
 /** @typedef {import("./types.js").CaptureInfo} CaptureInfo */
 
 const FEW = 2; // findings that are seen at once
+const SHORT = 5; // letters that are no use to leave out
 /** @type {Record<string, string>} */
 const PLURAL = { note: "notes", warning: "warnings" };
 
@@ -24,6 +25,7 @@ export function showCaptures(place, { captures, active }, { use, close }) {
     place.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only)));
     return;
   }
+  const shared = sharedHead(captures.map(({ name }) => name));
   const toggled = (/** @type {string} */ id) =>
     active.includes(id) ? active.filter((one) => one !== id) : [...active, id];
   const buttons = captures.map((capture) => {
@@ -36,7 +38,7 @@ export function showCaptures(place, { captures, active }, { use, close }) {
         disabled: alone,
         on: { click: () => use(toggled(capture.id)) },
       },
-      ...words(capture),
+      ...words(capture, shared),
     );
     const away = make("button", {
       ...{ type: "button", class: "away", text: "×", "aria-label": `close ${capture.name}`, disabled: alone },
@@ -47,12 +49,24 @@ export function showCaptures(place, { captures, active }, { use, close }) {
   place.replaceChildren(...buttons);
 }
 
-/** @param {CaptureInfo} capture */
-function words({ name, samples, rate_hz, findings }) {
+/**
+ * How many letters names begin alike with, whole words of them: dates, mostly, which would be all that is seen of each.
+ * @param {string[]} names
+ */
+export function sharedHead(names) {
+  const [first, ...others] = names;
+  let alike = 0;
+  while (alike < first.length && others.every((name) => name[alike] === first[alike])) alike++;
+  const word = /^.*[-_ .]/.exec(first.slice(0, alike))?.[0].length ?? 0;
+  return alike < first.length && names.every((name) => name.length > word) && word > SHORT ? word : 0;
+}
+
+/** @param {CaptureInfo} capture @param {number} [shared] letters that others begin with too */
+function words({ name, samples, rate_hz, findings }, shared = 0) {
   const facts = ` ${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
   const doubtful = findings.filter(({ note }) => !note);
   const doubt = make("span", { class: "doubt", text: "⚠ ", title: doubtful.map(({ text }) => text).join("\n") });
-  return [...(doubtful.length > 0 ? [doubt] : []), make("strong", { text: name }), facts];
+  return [...(doubtful.length > 0 ? [doubt] : []), make("strong", { text: shared > 0 ? `…${name.slice(shared)}` : name }), facts];
 }
 
 /**

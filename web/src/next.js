@@ -200,7 +200,7 @@ export class Next {
     }
     const apart = state.experiment.rivals.map((_, at) => motion[`rival ${at}`]);
     const [low, high] = limits(apart);
-    const scale = torqueScale(state.unit, Math.max(-low, high));
+    const scale = torqueScale(state);
     this.plots[2].show({
       title: apart.length > 1 ? `how the ${torqueWord(state.unit)} of each rival parts from the others` : `${torqueWord(state.unit)} that it takes`,
       x: motion.t,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -89,7 +89,7 @@ class Limits:
 
     def with_some(self, given: Mapping[str, object], where: str = "limits, ") -> Limits:
         """Return them with some others by their names. Raises InputError, from `where`, for what is none."""
-        numbers: dict[str, float] = {}
+        numbers: dict[str, Any] = {}
         for name, value in given.items():
             if name not in _NUMBERS:
                 raise InputError(f"{where}{name}: is no limit; known are {', '.join(_NUMBERS)}")

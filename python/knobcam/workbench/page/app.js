@@ -108,7 +108,7 @@ function percent(share) {
   const text = (100 * share).toFixed(share > 0 && share < 0.1 ? 1 : 0);
   return `${Number(text) === 0 ? "0" : text} %`.replaceAll("-", "−");
 }
-function torqueScale(unit, peak) {
+function torqueScale({ unit, peak }) {
   return unit === "N m" && peak <= 2 ? { factor: 1e3, unit: "mNm" } : { factor: 1, unit };
 }
 function unitWords(unit) {
@@ -140,9 +140,9 @@ function comparable({ branches, branch: current, active }, branch) {
 }
 function showBranches(place4, state, beside, deeds) {
   const focused = document.activeElement?.getAttribute("data-beside");
+  const scale = torqueScale(state);
   const cards = state.branches.map(({ id, name, steps, at }) => {
     const step = steps[at];
-    const scale = torqueScale(state.unit, step?.rmse ?? 0);
     const changed = steps.slice(1, at + 1).filter(({ added, dropped }) => added || dropped);
     const changes = changed.map(({ added, dropped }) => added ? `+ ${added}` : `− ${dropped}`);
     const words3 = changes.join(" ") || "nothing added";
@@ -173,6 +173,7 @@ function showBranches(place4, state, beside, deeds) {
 
 // src/captures.js
 var FEW = 2;
+var SHORT = 5;
 var PLURAL = { note: "notes", warning: "warnings" };
 function showCaptures(place4, { captures, active }, { use, close }) {
   const key2 = JSON.stringify([captures, active]);
@@ -183,6 +184,7 @@ function showCaptures(place4, { captures, active }, { use, close }) {
     place4.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only)));
     return;
   }
+  const shared = sharedHead(captures.map(({ name }) => name));
   const toggled = (id) => active.includes(id) ? active.filter((one) => one !== id) : [...active, id];
   const buttons = captures.map((capture) => {
     const alone = active.length === 1 && active[0] === capture.id;
@@ -194,7 +196,7 @@ function showCaptures(place4, { captures, active }, { use, close }) {
         disabled: alone,
         on: { click: () => use(toggled(capture.id)) }
       },
-      ...words(capture)
+      ...words(capture, shared)
     );
     const away = make("button", {
       ...{ type: "button", class: "away", text: "×", "aria-label": `close ${capture.name}`, disabled: alone },
@@ -204,11 +206,18 @@ function showCaptures(place4, { captures, active }, { use, close }) {
   });
   place4.replaceChildren(...buttons);
 }
-function words({ name, samples, rate_hz, findings }) {
+function sharedHead(names) {
+  const [first, ...others] = names;
+  let alike = 0;
+  while (alike < first.length && others.every((name) => name[alike] === first[alike])) alike++;
+  const word = /^.*[-_ .]/.exec(first.slice(0, alike))?.[0].length ?? 0;
+  return alike < first.length && names.every((name) => name.length > word) && word > SHORT ? word : 0;
+}
+function words({ name, samples, rate_hz, findings }, shared = 0) {
   const facts = ` ${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
   const doubtful = findings.filter(({ note }) => !note);
   const doubt = make("span", { class: "doubt", text: "⚠ ", title: doubtful.map(({ text }) => text).join("\n") });
-  return [...doubtful.length > 0 ? [doubt] : [], make("strong", { text: name }), facts];
+  return [...doubtful.length > 0 ? [doubt] : [], make("strong", { text: shared > 0 ? `…${name.slice(shared)}` : name }), facts];
 }
 function showFindings(place4, { captures, active, limitations, notes, job }, deeds) {
   const key2 = JSON.stringify([captures, active, limitations, notes, job === null]);
@@ -778,7 +787,7 @@ function acting(effect, { data, at, added }) {
       /** @type {import("./section.js").Look} */
       colours
     );
-    const scale = torqueScale(data.unit, motion.most.added);
+    const scale = torqueScale(data);
     const torque = motion.added ? `adds ${number(motion.added[now] * scale.factor)} ${scale.unit}` : "what it adds is not weighed here";
     words3.textContent = `${number(t[now], 4)} s: ${torque}`;
   };
@@ -1040,7 +1049,8 @@ var Mapping = class {
         ...{ type: "button", title: "put into the chosen field" },
         on: { click: () => this.put(name) }
       },
-      make("strong", { text: `${name}: ` }),
+      make("strong", { text: name }),
+      " ",
       canvas,
       make("span", { class: "soft", text: range2 })
     );
@@ -1318,14 +1328,14 @@ function closeMenu(focus) {
 // src/ladder.js
 function showLadder(place4, state) {
   const branch = state.branches.find(({ id }) => id === state.branch);
-  const key2 = JSON.stringify([branch, state.rmse, state.noise_floor, state.unit]);
+  const key2 = JSON.stringify([branch, state.rmse, state.noise_floor, state.unit, state.peak]);
   if (place4.dataset.shown === key2) return;
   place4.dataset.shown = key2;
   const { steps, at: here } = sameCaptures(branch?.steps ?? [], branch?.at ?? 0);
   const errors = steps.flatMap(({ rmse, rmse_heldout }) => [rmse, rmse_heldout]).concat(state.rmse);
   const floor = state.noise_floor;
   const widest = Math.max(...errors.map((error) => error ?? 0), floor ?? 0) * 1.02;
-  const scale = torqueScale(state.unit, widest);
+  const scale = torqueScale(state);
   const shown2 = (value) => number(value === null ? null : value * scale.factor);
   const lines = steps.map(({ added, dropped, rmse, rmse_heldout }, at) => {
     const now = at === here;
@@ -1626,8 +1636,8 @@ function rowsOf(data, view, widest) {
   const word = torqueWord(data.unit);
   const model = modelOf(columns.residual, columns.tau);
   const other = beside ? modelOf(beside.residual, columns.tau) : null;
-  const fine = torqueScale(data.unit, widest);
-  const [ownLabel, besideLabel] = [columns, beside].map((one) => one ? `residual, ${fine.unit}${beyondWords(one.residual, -1.04 * widest, 1.04 * widest)}` : "");
+  const scale = torqueScale(data);
+  const [ownLabel, besideLabel] = [columns, beside].map((one) => one ? `residual, ${scale.unit}${beyondWords(one.residual, -1.04 * widest, 1.04 * widest)}` : "");
   return view.axes.map((along) => {
     if (along === "frequency") return { torque: null, residual: alongFrequency(data), beside: null };
     const axis2 = AXES[along];
@@ -1643,7 +1653,6 @@ function rowsOf(data, view, widest) {
       { colour: "--modelled", chosen: "--modelled", y: modelled, strength: 0.35 }
     ];
     const [lowest, highest] = limits([Float32Array.from(mostLimits(modelled, counted(modelled, measured)))]);
-    const scale = torqueScale(data.unit, Math.max(-lowest, highest));
     const torque = {
       ...common,
       picked: series.findIndex(({ colour }) => colour === "--measured"),
@@ -1657,7 +1666,7 @@ function rowsOf(data, view, widest) {
     };
     const rest = (y, label, colour, title) => ({
       ...common,
-      yAxis: { low: -1.04 * widest, high: 1.04 * widest, factor: fine.factor, label },
+      yAxis: { low: -1.04 * widest, high: 1.04 * widest, factor: scale.factor, label },
       title,
       series: [{ colour, chosen: "--chosen", y, strength: 0.3 }],
       noise: data.noise && 2 * data.noise
@@ -1670,11 +1679,11 @@ function rowsOf(data, view, widest) {
     };
   });
 }
-function alongFrequency({ splits, unit, fitted }) {
+function alongFrequency({ splits, unit, peak, fitted }) {
   const spectrum = spectrumOf(splits?.find(({ axis: axis2 }) => axis2 === "frequency"));
   const [least, most] = spectrum ? limits([spectrum.y, spectrum.chance].map((one) => Float32Array.from(one))) : [-4, -2];
   const [low, high] = spectrum ? [spectrum.x[0], spectrum.x[spectrum.x.length - 1]] : [0, 3];
-  const scale = torqueScale(unit, 10 ** most);
+  const scale = torqueScale({ unit, peak });
   return {
     ...{ x: new Float32Array(0), series: [], picked: 0, noise: null, spectrum },
     title: fitted ? "residual over frequency, beside what chance stays below" : "over frequency: of a fit only",
@@ -1740,7 +1749,7 @@ function drawCurve(canvas, curve, about2, looked) {
   const edges = [-1, 1].map((side) => value.map((one, at) => one === null ? NaN : one + side * (band2[at] ?? NaN)));
   const drawn = laws.map((law) => law?.map((one) => one ?? NaN) ?? null);
   const [low, high] = limits([...edges, ...drawn.filter((law) => law !== null)].map((one) => Float32Array.from(one)), { around: 0 });
-  const shown2 = curve.times ? { factor: 1, unit: "" } : torqueScale(about2.unit, Math.max(-low, high));
+  const shown2 = curve.times ? { factor: 1, unit: "" } : torqueScale(about2);
   const y = { low, high, factor: shown2.factor, label: `left over${curve.times ? ` / (${curve.times})` : `, ${shown2.unit}`}` };
   const names = { ink: "--ink", soft: "--soft", line: "--grid", band: "--band", wrong: "--wrong", law: "--signature", rest: "--measured" };
   const colours = Object.fromEntries(Object.entries(names).map(([name, style]) => [name, styleValue(style, canvas)]));
@@ -1839,7 +1848,7 @@ var Laws = class {
       const now = this.typing;
       const words3 = await this.deeds.attempt(formula, ({ rmse, rmse_heldout, words: params }) => {
         if (now !== this.typing || !this.about) return;
-        const scale = torqueScale(this.about.unit, rmse);
+        const scale = torqueScale(this.about);
         const unseen = rmse_heldout === null ? "" : `, ${number(rmse_heldout * scale.factor)} on unseen blocks`;
         said.className = "";
         said.textContent = `would leave ${number(rmse * scale.factor)} ${scale.unit}${unseen}; ${params.join("; ")}`;
@@ -1865,14 +1874,15 @@ var Laws = class {
     canvas.setAttribute("aria-label", words3);
   }
   /** @param {State} state */
-  show({ candidates, proposed, proposed_text, node, job, rmse, curve, unit, captures }) {
+  show({ candidates, proposed, proposed_text, node, job, rmse, curve, unit, peak, captures }) {
     const shown2 = JSON.stringify([candidates.ready, proposed, node, job === null]);
     if (shown2 === this.shown) return;
     this.shown = shown2;
     byId("own").hidden = node === null;
-    this.about = { curve, unit, coordinate: captures[0]?.coordinate ?? "rotary" };
+    this.about = { curve, unit, peak, coordinate: captures[0]?.coordinate ?? "rotary" };
     this.draw();
-    if (!candidates.ready || node === null) {
+    const nothing = candidates.rows.length === 0 && candidates.unexplained === null;
+    if (!candidates.ready || node === null || proposed === null && nothing) {
       this.place.replaceChildren();
     } else if (proposed === null) {
       const ask2 = make("button", {
@@ -2855,10 +2865,8 @@ var Linked = class {
     const { chosen, data, share } = this;
     if (!chosen || !data || !share) return this.told(null);
     const part = percent(chosen.length / data.columns.t.length);
-    const rms = (value) => {
-      const scale = torqueScale(data.unit, value);
-      return `RMS ${number(value * scale.factor)} ${scale.unit}`;
-    };
+    const scale = torqueScale(data);
+    const rms = (value) => `RMS ${number(value * scale.factor)} ${scale.unit}`;
     const count = `${chosen.length.toLocaleString("en")} ${chosen.length === 1 ? "sample" : "samples"} chosen, ${part} of all`;
     if (share.counted === 0 && chosen.length > 0) return this.told(`${count}: nothing is fitted to them`);
     const own = chosen.length > 0 ? ` (${rms(share.rms)})` : "";
@@ -3149,7 +3157,7 @@ var Live = class {
     else bar2.value = done;
     byId("live-time").textContent = `${seconds(elapsed_s)} of ${seconds(total_s)}`;
     const { peak_torque: peak, torque_limit: limit = 0, temperature, clipped = {} } = this.told;
-    const scale = torqueScale("N m", peak ?? 0);
+    const scale = torqueScale({ unit: "N m", peak: peak ?? 0 });
     const figures = [
       `${received.toLocaleString("en")} samples`,
       `${missing.toLocaleString("en")} lost`,
@@ -3169,7 +3177,7 @@ var Live = class {
     for (const [at, { x, y, name }] of PLOTS.entries()) {
       const [low, high] = limits([this.columns[y]]);
       const across = x === "t" ? [0, span2(t[t.length - 1], this.told?.total_s)] : limits([this.columns[x]]);
-      const scale = y === "tau" ? torqueScale("N m", Math.max(-low, high)) : null;
+      const scale = y === "tau" ? torqueScale({ unit: "N m", peak: Math.max(-low, high) }) : null;
       this.plots[at].show({
         title: name,
         x: this.columns[x],
@@ -3223,7 +3231,7 @@ function showMoment(data, at) {
   const modelled = tau[at] - residual[at];
   let largest3 = 0;
   for (let i = 0; i < tau.length; i++) if (Math.abs(tau[i]) > largest3) largest3 = Math.abs(tau[i]);
-  const { factor, unit } = torqueScale(data.unit, largest3);
+  const { factor, unit } = torqueScale(data);
   const shown2 = (value) => number(value * factor);
   byId("moment-words").textContent = `${number(t[at], 4)} s, ${number(theta[at])} ${angle}, ${number(omega[at])} ${rate}; ${torqueWord(data.unit)} ` + (counts ? `${shown2(tau[at])} measured, ${shown2(modelled)} modelled, ${shown2(residual[at])} ${unit} left` : `masked: it does not count`);
   brush.scale(scale, scale);
@@ -3739,7 +3747,7 @@ var Next = class {
     }
     const apart = state.experiment.rivals.map((_, at) => motion[`rival ${at}`]);
     const [low, high] = limits(apart);
-    const scale = torqueScale(state.unit, Math.max(-low, high));
+    const scale = torqueScale(state);
     this.plots[2].show({
       title: apart.length > 1 ? `how the ${torqueWord(state.unit)} of each rival parts from the others` : `${torqueWord(state.unit)} that it takes`,
       x: motion.t,
@@ -4254,8 +4262,10 @@ function themed(changed) {
 }
 
 // src/verdict.js
-function showVerdict(element2, { verdict_text: text, places, candidates }, to) {
+function showVerdict(element2, { verdict_text, places: named, candidates, unit, peak }, to) {
   const first = plainly(candidates);
+  const eyed = (words3) => forTheEye(words3, { unit, peak });
+  const [text, places] = [eyed(verdict_text), named.map((place4) => ({ ...place4, words: eyed(place4.words) }))];
   const key2 = JSON.stringify([first, text, places, candidates.rows.map(({ effect }) => effect)]);
   if (element2.dataset.told === key2) return;
   element2.dataset.told = key2;
@@ -4270,7 +4280,10 @@ function leadsOf(places, { rows }, to) {
     ...places.map((place4) => lead(place4.words, "show its samples in every plot", () => to.place(place4), "place")),
     ...places.map((place4) => lead(`along ${place4.axis}`, "draw a row over it", () => to.place(place4))),
     ...rows.map(({ effect }) => lead(effect, "what it would explain", () => to.effect(effect))),
-    ...first ? ["Add it", "Tell apart"].map((words3) => lead(words3, "where that is", () => to.effect(first.effect))) : [],
+    ...first ? [
+      lead("Add it", "take it into the model, and fit it", () => to.add(first.effect)),
+      lead("Tell apart", "design the motion that would tell", () => to.apart([first.effect, ...first.equivalent]))
+    ] : [],
     lead("RMS error", "the ladder of errors", to.error),
     lead("Not weighed", "why: what was found in the log", to.findings)
   ];
@@ -4286,8 +4299,13 @@ function plainly({ ready, rows }) {
   const first = ready ? rows.find(({ could_be: could }) => could) : void 0;
   if (!first) return "";
   const said = `${first.said.slice(0, 1).toUpperCase()}${first.said.slice(1)}`;
-  const next = first.equivalent.length > 0 ? "This motion looks the same with other causes: Tell apart designs what to record next." : "Add it, and see what is left.";
-  return `${said}: ${first.name} (${first.effect}). ${next}`;
+  const next = first.equivalent.length > 0 ? `This motion looks the same with ${first.equivalent.join(" or ")}: Tell apart designs what to record next.` : "Add it, and see what is left.";
+  return `${said}: ${first.name} (${first.effect}), which takes ${percent(first.error_fall)} off the error. ${next}`;
+}
+function forTheEye(words3, about2) {
+  const scale = torqueScale(about2);
+  const own = scale.factor === 1 ? words3 : words3.replace(/(-?\d[\d.]*(?:e[-+]?\d+)?) N m(?![ /]?(?:s|rad)\b)/g, (_, value) => `${number(Number(value) * scale.factor)} ${scale.unit}`);
+  return own.replace(/(^|[\s(])-(?=\d)/g, "$1−");
 }
 function parted(text, leads) {
   const [first, ...others] = leads;
@@ -4491,6 +4509,8 @@ var App = class {
     showVerdict(byId("verdict"), state, {
       place: (place4) => this.go(place4),
       effect: (effect) => this.candidates.go(effect),
+      add: (effect) => this.ask("add", { effect }, "add"),
+      apart: (effects) => this.next.design(effects),
       error: () => shown(byId("ladder")),
       findings: () => shown(byId("findings"))
     });
@@ -4544,7 +4564,7 @@ var App = class {
   }
   /** @param {State} state */
   async draw(state) {
-    const { node, active, unit, captures } = state;
+    const { node, active, unit, peak, captures } = state;
     const other = state.branches.find(({ id }) => id === this.beside);
     const otherNode = other?.steps[other.at]?.node;
     const wanted2 = JSON.stringify([node, active, this.view, otherNode, other?.name]);
@@ -4563,7 +4583,7 @@ var App = class {
     const beside = other && rest ? { name: other.name, residual: rest.residual } : null;
     this.legend(beside?.name ?? null);
     byId("masked").hidden = !columns.masked?.some((value) => value === value);
-    const data = { several: active.length > 1, columns, unit, coordinate, noise: state.noise_floor, fitted, name, beside };
+    const data = { several: active.length > 1, columns, unit, peak, coordinate, noise: state.noise_floor, fitted, name, beside };
     const brush = this.brushedThen;
     this.brushedThen = null;
     const splits = fitted ? this.store.splitsOf(node).catch(() => []) : [];
