@@ -31,11 +31,11 @@ await page.keyboard.press("Escape");
 
 // A finding is seen at its samples, and overruled; the model follows, and the switch keeps the focus.
 const before = await stateOf(page);
-await page.locator(".finding .leads", { hasText: "tau" }).click();
+await page.locator(".finding .leads", { hasText: "torque" }).click();
 await page.getByText(/^1 sample chosen, .*: nothing is fitted to them$/).waitFor();
 assert.equal(await page.evaluate(() => globalThis.knobcam.app.linked.chosen.length), 1);
 await page.keyboard.press("Escape");
-const box = page.getByRole("switch", { name: /^in force: .*tau/ });
+const box = page.getByRole("switch", { name: /^applied: .*torque/ });
 await box.focus();
 await done(page, "data", () => page.keyboard.press("Space"));
 await page.getByText("overruled", { exact: true }).waitFor();

@@ -61,12 +61,15 @@ export function sharedHead(names) {
   return alike < first.length && names.every((name) => name.length > word) && word > SHORT ? word : 0;
 }
 
+/** A name without what others begin with too. @param {string} name @param {number} shared letters of it */
+const called = (name, shared) => (shared > 0 ? `…${name.slice(shared)}` : name);
+
 /** @param {CaptureInfo} capture @param {number} [shared] letters that others begin with too */
 function words({ name, samples, rate_hz, findings }, shared = 0) {
   const facts = ` ${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
   const doubtful = findings.filter(({ note }) => !note);
   const doubt = make("span", { class: "doubt", text: "⚠ ", title: doubtful.map(({ text }) => text).join("\n") });
-  return [...(doubtful.length > 0 ? [doubt] : []), make("strong", { text: shared > 0 ? `…${name.slice(shared)}` : name }), facts];
+  return [...(doubtful.length > 0 ? [doubt] : []), make("strong", { text: called(name, shared) }), facts];
 }
 
 /**
@@ -83,11 +86,16 @@ export function showFindings(place, { captures, active, limitations, notes, job 
   place.dataset.shown = key;
   const focused = document.activeElement?.getAttribute("data-finding");
   const fitted = captures.filter(({ id }) => active.includes(id));
-  const told = fitted.flatMap(({ findings }) => findings);
-  const found = fitted.flatMap(({ id, name, findings }) => {
+  const every = alikeInAll(fitted);
+  const shared = fitted.length > 0 ? sharedHead(fitted.map(({ name }) => name)) : 0;
+  const [several, all] = [fitted.length > 1, { id: "", name: "all: ", job }];
+  const apart = fitted.map((one) => ({ ...one, findings: one.findings.filter(({ text, note }) => !note || !every.has(text)) }));
+  const told = [...apart.flatMap(({ findings }) => findings), ...every.values()];
+  const found = apart.flatMap(({ id, name, findings }) => {
     const own = [...findings.filter(({ note }) => !note), ...findings.filter(({ note }) => note)];
-    return own.map((one) => finding(one, { id, name: fitted.length > 1 ? `${name}: ` : "", job }, deeds));
+    return own.map((one) => finding(one, { id, name: several ? `${called(name, shared)}: ` : "", job }, deeds));
   });
+  found.push(...[...every.values()].map((one) => finding(one, all, deeds)));
   const missing = limitations.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
   const open = place.querySelector("details")?.open ?? false;
@@ -95,6 +103,19 @@ export function showFindings(place, { captures, active, limitations, notes, job 
   place.replaceChildren(...noted, ...missing, ...own); // what to record next is not to be looked for
   const again = focused && place.querySelector(`[data-finding="${CSS.escape(focused)}"]`);
   if (again instanceof HTMLElement) again.focus();
+}
+
+/**
+ * Notes that name no samples and are the same of all of several captures, by their text: they are said once.
+ * @param {CaptureInfo[]} fitted
+ * @returns {Map<string, import("./types.js").Finding>}
+ */
+export function alikeInAll([first, ...others]) {
+  if (!first || others.length === 0) return new Map();
+  const alike = first.findings.filter(
+    ({ text, note, seen }) => note && !seen && others.every(({ findings }) => findings.some((one) => one.note && one.text === text)),
+  );
+  return new Map(alike.map((one) => [one.text, one]));
 }
 
 /**
@@ -123,13 +144,13 @@ function finding({ key, text, note, overruled, stands, seen }, { id, name, job }
     : make("span", { text: said });
   const box = make("input", {
     ...{ type: "checkbox", role: "switch", checked: !overruled, disabled: stands !== "", "data-finding": `${name}${key}` },
-    "aria-label": `in force: ${name}${text}`,
+    "aria-label": `applied: ${name}${text}`,
     // While something is done it waits, but keeps the focus.
     ...{ "aria-disabled": job !== null ? "true" : null },
     on: { click: (event) => job !== null && event.preventDefault(), change: () => overrule(id, key, !overruled) },
   });
   const why = stands || "off: nothing is done about it, the samples are taken as they were recorded, and the model is fitted anew";
-  const own = note ? null : make("label", { title: why }, box, overruled ? "overruled" : "in force");
+  const own = note ? null : make("label", { title: why }, box, overruled ? "overruled" : "applied");
   return make("li", { class: `finding ${note || overruled ? "soft" : "doubt"}` }, words, own);
 }
 

@@ -63,3 +63,14 @@ test("captures whose names begin alike are told apart by how they end", async ()
   assert.equal(sharedHead(["knob 3.npz", "knob 3.npz"]), 0, "names that are the same stay");
   assert.equal(sharedHead(["alone_in_it.npz"]), 0);
 });
+
+test("a note that is the same of all captures is said once", async () => {
+  globalThis.location = /** @type {any} */ ({ search: "" });
+  const { alikeInAll } = await import("../src/captures.js");
+  const note = { text: "note: columns", note: true, seen: false };
+  const other = { text: "note: time", note: true, seen: true };
+  const captures = /** @type {any[]} */ ([{ findings: [note, other] }, { findings: [other, note] }]);
+  assert.deepEqual([...alikeInAll(captures).keys()], ["note: columns"]);
+  assert.equal(alikeInAll([...captures, /** @type {any} */ ({ findings: [] })]).size, 0);
+  assert.equal(alikeInAll(captures.slice(1)).size, 0);
+});

@@ -213,11 +213,12 @@ function sharedHead(names) {
   const word = /^.*[-_ .]/.exec(first.slice(0, alike))?.[0].length ?? 0;
   return alike < first.length && names.every((name) => name.length > word) && word > SHORT ? word : 0;
 }
+var called = (name, shared) => shared > 0 ? `…${name.slice(shared)}` : name;
 function words({ name, samples, rate_hz, findings }, shared = 0) {
   const facts = ` ${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
   const doubtful = findings.filter(({ note }) => !note);
   const doubt = make("span", { class: "doubt", text: "⚠ ", title: doubtful.map(({ text }) => text).join("\n") });
-  return [...doubtful.length > 0 ? [doubt] : [], make("strong", { text: shared > 0 ? `…${name.slice(shared)}` : name }), facts];
+  return [...doubtful.length > 0 ? [doubt] : [], make("strong", { text: called(name, shared) }), facts];
 }
 function showFindings(place4, { captures, active, limitations, notes, job }, deeds) {
   const key2 = JSON.stringify([captures, active, limitations, notes, job === null]);
@@ -225,11 +226,16 @@ function showFindings(place4, { captures, active, limitations, notes, job }, dee
   place4.dataset.shown = key2;
   const focused = document.activeElement?.getAttribute("data-finding");
   const fitted = captures.filter(({ id }) => active.includes(id));
-  const told = fitted.flatMap(({ findings }) => findings);
-  const found2 = fitted.flatMap(({ id, name, findings }) => {
+  const every = alikeInAll(fitted);
+  const shared = fitted.length > 0 ? sharedHead(fitted.map(({ name }) => name)) : 0;
+  const [several, all] = [fitted.length > 1, { id: "", name: "all: ", job }];
+  const apart = fitted.map((one) => ({ ...one, findings: one.findings.filter(({ text, note }) => !note || !every.has(text)) }));
+  const told = [...apart.flatMap(({ findings }) => findings), ...every.values()];
+  const found2 = apart.flatMap(({ id, name, findings }) => {
     const own2 = [...findings.filter(({ note }) => !note), ...findings.filter(({ note }) => note)];
-    return own2.map((one) => finding(one, { id, name: fitted.length > 1 ? `${name}: ` : "", job }, deeds));
+    return own2.map((one) => finding(one, { id, name: several ? `${called(name, shared)}: ` : "", job }, deeds));
   });
+  found2.push(...[...every.values()].map((one) => finding(one, all, deeds)));
   const missing = limitations.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
   const open = place4.querySelector("details")?.open ?? false;
@@ -237,6 +243,13 @@ function showFindings(place4, { captures, active, limitations, notes, job }, dee
   place4.replaceChildren(...noted, ...missing, ...own);
   const again = focused && place4.querySelector(`[data-finding="${CSS.escape(focused)}"]`);
   if (again instanceof HTMLElement) again.focus();
+}
+function alikeInAll([first, ...others]) {
+  if (!first || others.length === 0) return /* @__PURE__ */ new Map();
+  const alike = first.findings.filter(
+    ({ text, note, seen }) => note && !seen && others.every(({ findings }) => findings.some((one) => one.note && one.text === text))
+  );
+  return new Map(alike.map((one) => [one.text, one]));
 }
 function folded(items, told, open) {
   const kinds = Map.groupBy(told, ({ text, overruled }) => overruled ? "overruled" : text.split(":")[0]);
@@ -250,13 +263,13 @@ function finding({ key: key2, text, note, overruled, stands, seen }, { id, name,
   const words3 = seen ? make("button", { type: "button", class: "leads", title: "show its samples", text: said, on: { click: () => see(id, key2) } }) : make("span", { text: said });
   const box = make("input", {
     ...{ type: "checkbox", role: "switch", checked: !overruled, disabled: stands !== "", "data-finding": `${name}${key2}` },
-    "aria-label": `in force: ${name}${text}`,
+    "aria-label": `applied: ${name}${text}`,
     // While something is done it waits, but keeps the focus.
     ...{ "aria-disabled": job !== null ? "true" : null },
     on: { click: (event) => job !== null && event.preventDefault(), change: () => overrule(id, key2, !overruled) }
   });
   const why = stands || "off: nothing is done about it, the samples are taken as they were recorded, and the model is fitted anew";
-  const own = note ? null : make("label", { title: why }, box, overruled ? "overruled" : "in force");
+  const own = note ? null : make("label", { title: why }, box, overruled ? "overruled" : "applied");
   return make("li", { class: `finding ${note || overruled ? "soft" : "doubt"}` }, words3, own);
 }
 async function samplesOf(capture, finding2, { captures, active }) {
