@@ -18,7 +18,7 @@ CAPTURE = kc.Capture.from_arrays(t=T, theta=np.sin(9.0 * T), tau=0.01 * np.cos(9
 @pytest.mark.parametrize(
     ("severity", "message", "said"),
     [
-        ("masked", "tau: leaps at row 7, which no knob does; masked", "torque: leaps at row 7, which no knob does"),
+        ("masked", "tau: leaps at row 7; masked", "torque: leaps at row 7"),
         (
             "mended",
             "theta: stands 2 ms before the omega that belongs to it: omega is left out",
@@ -45,10 +45,12 @@ CAPTURE = kc.Capture.from_arrays(t=T, theta=np.sin(9.0 * T), tau=0.01 * np.cos(9
             "columns: t = time (no unit said: s), tau = torque (no unit said: N m); "
             "if it is otherwise, open the file once more and say which column is which",
         ),
-        ("note", "t: intervals from 1 to 2 ms (rows 1-4): the stamps count", "time: intervals from 1 to 2 ms (rows 1-4): the stamps count"),
+        ("note", "t: from 1 to 2 ms (rows 1-4): they count", "time: from 1 to 2 ms (rows 1-4): they count"),
     ],
-)  # fmt: skip
-def test_a_finding_is_said_without_words_of_the_command_line(severity: Severity, message: str, said: str) -> None:
+)
+def test_a_finding_is_said_without_words_of_the_command_line(
+    severity: Severity, message: str, said: str
+) -> None:
     finding = Finding("any", "tau", 1, (), message, severity)
     assert in_words(finding, CAPTURE) == f"{severity}: {said}"
 

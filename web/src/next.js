@@ -127,7 +127,8 @@ export class Next {
       byId("next-said").textContent = "";
       return;
     }
-    byId("next-said").textContent = experiment.verdict ?? experiment.headline;
+    const [promise] = inWords(experiment.headline, state.params).split(": "); // how it moves is told where it is shown
+    byId("next-said").textContent = experiment.verdict ?? `${promise}.`.replace("..", ".");
     if (byId("next").hidden) return;
     this.enable(!recording);
     const shown = JSON.stringify([experiment, node, state.active]);

@@ -1,7 +1,7 @@
 /** The verdict: what it names on an axis leads there. */
 
 import { make } from "./dom.js";
-import { number, percent, torqueScale } from "./numbers.js";
+import { number, percent, torqueScale, unitWords } from "./numbers.js";
 
 /** @typedef {import("./types.js").Place} Place */
 /** @typedef {import("./types.js").State} State */
@@ -16,8 +16,8 @@ import { number, percent, torqueScale } from "./numbers.js";
  *   add: (effect: string) => void, apart: (effects: string[]) => void}} to
  */
 export function showVerdict(element, { verdict_text, places: named, candidates, unit, peak }, to) {
-  const first = plainly(candidates);
   const eyed = (/** @type {string} */ words) => forTheEye(words, { unit, peak });
+  const first = eyed(plainly(candidates));
   const [text, places] = [eyed(verdict_text), named.map((place) => ({ ...place, words: eyed(place.words) }))];
   const key = JSON.stringify([first, text, places, candidates.rows.map(({ effect }) => effect)]);
   if (element.dataset.told === key) return;
@@ -71,14 +71,14 @@ export function plainly({ ready, rows }) {
   const first = ready ? rows.find(({ could_be: could }) => could) : undefined;
   if (!first) return "";
   const said = `${first.said.slice(0, 1).toUpperCase()}${first.said.slice(1)}`;
-  const next = first.equivalent.length > 0
-    ? `This motion looks the same with ${first.equivalent.join(" or ")}: Tell apart designs what to record next.`
-    : "Add it, and see what is left.";
+  // What is told apart while something else is missing as well may be told wrongly.
+  const tied = `This motion looks the same with ${first.equivalent.join(" or ")}: once nothing else is missing, Tell apart designs what to record next.`;
+  const next = `Add it, and see what is left.${first.equivalent.length > 0 ? ` ${tied}` : ""}`;
   return `${said}: ${first.name} (${first.effect}), which takes ${percent(first.error_fall)} off the error. ${next}`;
 }
 
 /**
- * Words of the program as the page has its numbers: torques in the unit of the plots, a true minus.
+ * Words of the program as the page has its numbers: torques in the unit of the plots, a true minus, no line that ends before %.
  * @param {string} words
  * @param {Pick<State, "unit" | "peak">} about
  */
@@ -87,7 +87,7 @@ export function forTheEye(words, about) {
   const own = scale.factor === 1
     ? words
     : words.replace(/(-?\d[\d.]*(?:e[-+]?\d+)?) N m(?![ /]?(?:s|rad)\b)/g, (_, value) => `${number(Number(value) * scale.factor)} ${scale.unit}`);
-  return own.replace(/(^|[\s(])-(?=\d)/g, "$1−");
+  return unitWords(own.replace(/(^|[\s(])-(?=\d)/g, "$1−").replace(/ (?=%)/g, "\u00a0"));
 }
 
 /**

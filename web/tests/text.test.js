@@ -80,6 +80,7 @@ test("a verdict has the unit of the plots, and a true minus", () => {
     forTheEye(said, { unit: "N m", peak: 0.02 }),
     "RMS error 1.62 mNm: 2.61 times the noise floor of 0.621 mNm, worst at −0.9667 to −0.9 rad, 2 N m s/rad, 3 N m/rad",
   );
+  assert.equal(forTheEye("59.0 % at 10.35 rad/s^2", { unit: "A", peak: 1 }), "59.0\u00a0% at 10.35 rad/s²");
   assert.equal(forTheEye("0.3564 N m (-1)", { unit: "N m", peak: 2.2 }), "0.3564 N m (−1)");
 });
 

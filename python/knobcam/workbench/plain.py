@@ -1,4 +1,4 @@
-"""What was found in a log, as the page says it: columns by their names in words, no words of the command line."""
+"""What was found in a log, as the page says it: columns by words, and no words of the command line."""
 
 from __future__ import annotations
 
@@ -11,8 +11,11 @@ if TYPE_CHECKING:
 
 _AGAIN = "if it is otherwise, open the file once more and say which column is which"
 _WAYS = (
-    (re.compile(r" ?\((?:[^()]*?)(?:--[a-z]|[a-z_]+= )[^()]*\)"), ""),  # an option of a command, or of Python
-    (re.compile(r", unless it is the drive's limit$"), ", unless it is the drive's limit: then switch it off"),
+    (re.compile(r" ?\((?:[^()]*?)(?:--[a-z]|[a-z_]+= )[^()]*\)"), ""),  # options
+    (
+        re.compile(r", unless it is the drive's limit$"),
+        ", unless it is the drive's limit: then switch it off",
+    ),
     (re.compile(r"; --start and --end choose [^;]*"), ""),
     (re.compile(r" with --start and --end"), ""),
     (re.compile(r" with --overrule \S+"), ""),

@@ -3687,7 +3687,8 @@ var Next = class {
       byId("next-said").textContent = "";
       return;
     }
-    byId("next-said").textContent = experiment.verdict ?? experiment.headline;
+    const [promise] = inWords(experiment.headline, state.params).split(": ");
+    byId("next-said").textContent = experiment.verdict ?? `${promise}.`.replace("..", ".");
     if (byId("next").hidden) return;
     this.enable(!recording);
     const shown2 = JSON.stringify([experiment, node, state.active]);
@@ -3976,6 +3977,7 @@ var Overlay = class {
 
 // src/params.js
 var STEPS = 400;
+var WORDED = 8;
 var Params = class {
   /**
    * @param {HTMLElement} place
@@ -4010,7 +4012,7 @@ var Params = class {
     const groups = Map.groupBy(params, ({ name }) => name.split(".")[0]);
     const lines = [...groups].flatMap(([effect, own]) => [
       this.heading(effect, groups.size > 1),
-      ...own.flatMap((param) => [this.line(param), reason(param)])
+      ...own.flatMap((param) => [this.line(param), own.length <= WORDED ? meaning(param) : "", reason(param)])
     ]);
     const widths = make("colgroup", {}, ...["name", "slide", "value", "unit"].map((name) => make("col", { class: name })));
     this.place.replaceChildren(make("table", { class: "params" }, widths, make("tbody", {}, ...lines)));
@@ -4058,6 +4060,9 @@ var Params = class {
     this.deeds.drag({ [name]: value });
   }
 };
+function meaning({ meaning: words3 }) {
+  return words3 ? make("tr", {}, make("td", { class: "meaning soft", colspan: 4, text: words3 })) : "";
+}
 function reason({ doubt }) {
   if (!doubt) return "";
   return make("tr", {}, make("td", { class: "reason doubt", colspan: 4, text: doubt }));
@@ -4276,8 +4281,8 @@ function themed(changed) {
 
 // src/verdict.js
 function showVerdict(element2, { verdict_text, places: named, candidates, unit, peak }, to) {
-  const first = plainly(candidates);
   const eyed = (words3) => forTheEye(words3, { unit, peak });
+  const first = eyed(plainly(candidates));
   const [text, places] = [eyed(verdict_text), named.map((place4) => ({ ...place4, words: eyed(place4.words) }))];
   const key2 = JSON.stringify([first, text, places, candidates.rows.map(({ effect }) => effect)]);
   if (element2.dataset.told === key2) return;
@@ -4312,13 +4317,14 @@ function plainly({ ready, rows }) {
   const first = ready ? rows.find(({ could_be: could }) => could) : void 0;
   if (!first) return "";
   const said = `${first.said.slice(0, 1).toUpperCase()}${first.said.slice(1)}`;
-  const next = first.equivalent.length > 0 ? `This motion looks the same with ${first.equivalent.join(" or ")}: Tell apart designs what to record next.` : "Add it, and see what is left.";
+  const tied = `This motion looks the same with ${first.equivalent.join(" or ")}: once nothing else is missing, Tell apart designs what to record next.`;
+  const next = `Add it, and see what is left.${first.equivalent.length > 0 ? ` ${tied}` : ""}`;
   return `${said}: ${first.name} (${first.effect}), which takes ${percent(first.error_fall)} off the error. ${next}`;
 }
 function forTheEye(words3, about2) {
   const scale = torqueScale(about2);
   const own = scale.factor === 1 ? words3 : words3.replace(/(-?\d[\d.]*(?:e[-+]?\d+)?) N m(?![ /]?(?:s|rad)\b)/g, (_, value) => `${number(Number(value) * scale.factor)} ${scale.unit}`);
-  return own.replace(/(^|[\s(])-(?=\d)/g, "$1−");
+  return unitWords(own.replace(/(^|[\s(])-(?=\d)/g, "$1−").replace(/ (?=%)/g, " "));
 }
 function parted(text, leads) {
   const [first, ...others] = leads;
