@@ -55,6 +55,12 @@ def test_a_finding_is_said_without_words_of_the_command_line(
     assert in_words(finding, CAPTURE) == f"{severity}: {said}"
 
 
+def test_what_is_overruled_is_not_said_to_be_masked() -> None:
+    finding = Finding("spike", "tau", 1, ((7, 7),), "tau: leaps at row 7; masked", "masked").over()
+    said = in_words(finding, CAPTURE)
+    assert said == "note: overruled, so nothing was done about it: torque: leaps at row 7"
+
+
 def test_columns_are_called_by_what_they_are_of_a_slide_and_of_a_motor() -> None:
     finding = Finding("any", "theta", 1, (), "theta: late against tau", "warning")
     slide = replace(CAPTURE, coordinate="linear", torque_unit="N")

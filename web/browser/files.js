@@ -14,6 +14,7 @@ import { done, opened, stateOf } from "./session.js";
 const [chrome, address, good, broken, folder] = process.argv.slice(2);
 const { browser, page, complaints } = await opened(chrome, address);
 await page.locator("#welcome").waitFor();
+assert.equal(await page.locator("#said").textContent(), "", "nothing has gone wrong");
 await page.screenshot({ path: join(folder, "8-welcome.png") });
 await accessible(page, "welcome");
 

@@ -148,6 +148,17 @@ assert.deepEqual((await stateOf(page)).params, first.params);
 figures.redo = await done(page, "redo", () => page.keyboard.press("Control+Shift+z"));
 assert.deepEqual((await stateOf(page)).params, second.params);
 await done(page, "undo", () => page.keyboard.press("Control+z"));
+// The verdict's own words do the same; all torques of the page are in one unit.
+await page.locator("#verdict .leads", { hasText: "Add it" }).waitFor({ timeout: 60_000 });
+const units = await page.evaluate(() => {
+  const rows = globalThis.knobcam.app.linked.residuals.map(({ contents }) => contents.yAxis.label);
+  return [...rows, document.querySelector("#ladder .head").textContent, document.querySelector("#verdict").textContent];
+});
+assert.ok(units.every((words) => words.includes("mNm") && !/ N m\b/.test(words)), units.join(" | "));
+await done(page, "add", () => page.locator("#verdict .leads", { hasText: "Add it" }).click());
+assert.deepEqual((await stateOf(page)).params, second.params);
+await page.locator(".params .meaning", { hasText: "moment of inertia" }).waitFor({ state: "attached" });
+await done(page, "undo", () => page.keyboard.press("Control+z"));
 
 await page.getByRole("button", { name: "New branch" }).click();
 await page.locator(".branch").nth(1).waitFor();

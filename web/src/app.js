@@ -219,6 +219,7 @@ class App {
     if (!this.state?.node && state.node !== null && state.looked) this.lookAgain(state.looked);
     this.state = state;
     byId("welcome").toggleAttribute("hidden", state.node !== null);
+    document.body.classList.toggle("empty", state.node === null);
     showVerdict(byId("verdict"), state, {
       place: (place) => this.go(place),
       effect: (effect) => this.candidates.go(effect),

@@ -54,7 +54,7 @@ export function showCaptures(place, { captures, active }, { use, close }) {
  * @param {string[]} names
  */
 export function sharedHead(names) {
-  const [first, ...others] = names;
+  const [first = "", ...others] = names;
   let alike = 0;
   while (alike < first.length && others.every((name) => name[alike] === first[alike])) alike++;
   const word = /^.*[-_ .]/.exec(first.slice(0, alike))?.[0].length ?? 0;
@@ -87,7 +87,7 @@ export function showFindings(place, { captures, active, limitations, notes, job 
   const focused = document.activeElement?.getAttribute("data-finding");
   const fitted = captures.filter(({ id }) => active.includes(id));
   const every = alikeInAll(fitted);
-  const shared = fitted.length > 0 ? sharedHead(fitted.map(({ name }) => name)) : 0;
+  const shared = sharedHead(fitted.map(({ name }) => name));
   const [several, all] = [fitted.length > 1, { id: "", name: "all: ", job }];
   const apart = fitted.map((one) => ({ ...one, findings: one.findings.filter(({ text, note }) => !note || !every.has(text)) }));
   const told = [...apart.flatMap(({ findings }) => findings), ...every.values()];

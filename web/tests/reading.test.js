@@ -62,6 +62,7 @@ test("captures whose names begin alike are told apart by how they end", async ()
   assert.equal(sharedHead(["a.npz", "b.npz"]), 0);
   assert.equal(sharedHead(["knob 3.npz", "knob 3.npz"]), 0, "names that are the same stay");
   assert.equal(sharedHead(["alone_in_it.npz"]), 0);
+  assert.equal(sharedHead([]), 0);
 });
 
 test("a note that is the same of all captures is said once", async () => {

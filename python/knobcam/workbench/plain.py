@@ -23,8 +23,8 @@ _WAYS = (
 )
 """Advice of a command, and what it is where there are buttons."""
 
-_ALSO = {"masked": re.compile(r"[;:] masked$")}
-"""What stands at the head already."""
+_MASKED = re.compile(r"[;:] masked$")
+"""What stands at the head already, or no longer is so."""
 
 _TORQUES = {"N": "force", "A": "current", "V": "voltage", "duty": "duty cycle"}
 _COLUMN = re.compile(r"\b(theta|omega|alpha|tau|t)\b(?! =)(?=[: ,;)]|$)")
@@ -35,8 +35,8 @@ def in_words(finding: Finding, capture: Capture) -> str:
     said = finding.message
     for way, words in _WAYS:
         said = way.sub(words, said)
-    if finding.severity in _ALSO:
-        said = _ALSO[finding.severity].sub("", said)
+    if finding.severity == "masked" or finding.overruled:
+        said = _MASKED.sub("", said)
     if not said.startswith("columns"):  # of which the names of the program are told there
         said = _COLUMN.sub(lambda found: _names(capture)[found.group()], said)
     return f"{finding.severity}: {said}"

@@ -207,7 +207,7 @@ function showCaptures(place4, { captures, active }, { use, close }) {
   place4.replaceChildren(...buttons);
 }
 function sharedHead(names) {
-  const [first, ...others] = names;
+  const [first = "", ...others] = names;
   let alike = 0;
   while (alike < first.length && others.every((name) => name[alike] === first[alike])) alike++;
   const word = /^.*[-_ .]/.exec(first.slice(0, alike))?.[0].length ?? 0;
@@ -227,7 +227,7 @@ function showFindings(place4, { captures, active, limitations, notes, job }, dee
   const focused = document.activeElement?.getAttribute("data-finding");
   const fitted = captures.filter(({ id }) => active.includes(id));
   const every = alikeInAll(fitted);
-  const shared = fitted.length > 0 ? sharedHead(fitted.map(({ name }) => name)) : 0;
+  const shared = sharedHead(fitted.map(({ name }) => name));
   const [several, all] = [fitted.length > 1, { id: "", name: "all: ", job }];
   const apart = fitted.map((one) => ({ ...one, findings: one.findings.filter(({ text, note }) => !note || !every.has(text)) }));
   const told = [...apart.flatMap(({ findings }) => findings), ...every.values()];
@@ -4525,6 +4525,7 @@ var App = class {
     if (!this.state?.node && state.node !== null && state.looked) this.lookAgain(state.looked);
     this.state = state;
     byId("welcome").toggleAttribute("hidden", state.node !== null);
+    document.body.classList.toggle("empty", state.node === null);
     showVerdict(byId("verdict"), state, {
       place: (place4) => this.go(place4),
       effect: (effect) => this.candidates.go(effect),
