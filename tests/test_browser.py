@@ -103,6 +103,7 @@ def test_a_person_finds_the_hidden_effect_in_the_browser(tmp_path: Path, picture
     assert figures["first"]["painted"] < 2500.0
     assert figures["brush"]["painted"] < 250.0
     assert figures["brush"]["script"] < 30.0
+    as_kept(pictures, "2-led-by-the-verdict")
     as_kept(pictures, "3-looked-at", "3-dark", "3-about", "3-at-720", "3-at-700", "3-at-1920")
 
 
@@ -156,7 +157,7 @@ def test_the_whole_loop_goes_by_keys_alone_and_escape_closes_whatever_opens() ->
 
 
 def test_what_is_no_file_is_refused_at_once_two_pages_agree_and_a_killed_server_is_told(
-    tmp_path: Path,
+    tmp_path: Path, pictures: Path
 ) -> None:
     large, pipe = tmp_path / "large.csv", tmp_path / "pipe"
     with large.open("wb") as file:
@@ -164,7 +165,8 @@ def test_what_is_no_file_is_refused_at_once_two_pages_agree_and_a_killed_server_
     os.mkfifo(pipe)
     log = spoiled(tmp_path)
     with process(log) as (address, pid):
-        seen = script("faults.js", address, log, large, pipe, str(pid))
+        seen = script("faults.js", address, log, large, pipe, str(pid), pictures)
+    as_kept(pictures, "20-overruled")
     assert max(seen["waits"].values()) < 5000.0
     assert seen["rmse"][1] > seen["rmse"][0]
 

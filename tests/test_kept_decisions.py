@@ -351,7 +351,7 @@ def test_of_motions_of_any_pieces_within_any_limits() -> None:
         {"nothing": 1.0},
     ):
         try:
-            told.put(str(bad), list(dataclasses.astuple(Limits(0.1, 6.0, 80.0, -1.0, 2.0).with_some(bad))))
+            told.put(str(bad), list(Limits(0.1, 6.0, 80.0, -1.0, 2.0).with_some(bad).numbers.values()))
         except InputError as error:
             told.put(str(bad), str(error))
     told.done()

@@ -83,7 +83,7 @@ def test_of_motions_and_what_they_would_tell(monkeypatch: pytest.MonkeyPatch) ->
         told.put("  errors", list(asks.errors(track).values()))
     told.put("alone", [Telling(rivals[1:], 3).least(np.zeros((1, 1)))])
     told.put("wrong choices", [wrong_choice(d) for d in (0.0, 1.0, 10.8, 40.0)])
-    told.put("limits", [list(dataclasses.astuple(Limits.reached(story.fit.prepared)))])
+    told.put("limits", [list(Limits.reached(story.fit.prepared).numbers.values())])
     seconds = iter(range(10**6))
     clock = SimpleNamespace(monotonic=lambda: 0.1 * next(seconds))
     monkeypatch.setattr(designing, "time", clock)

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from knobcam.capture.motion_plan import Move, Rest, Waves
+from knobcam.errors import InputError
 from knobcam.learn import motion_space as space
 from knobcam.learn.limits import Limits
 from knobcam.learn.motion_space import Piece, changed, plan, standard
@@ -217,3 +218,16 @@ def test_the_noise_is_that_of_the_rival_that_leaves_least():
     assert Telling((loud, rival(("stribeck",), 4))).white == pytest.approx(0.25 * 200 / 50)
     assert Telling((rival((), 4, floor=math.nan),)).white == pytest.approx(1.0 * 200 / 50)
     assert Telling((rival((), 4, white=0.0),)).white == pytest.approx(0.25)
+
+
+def test_motions_of_a_slide_are_told_in_metres_and_one_move_is_no_plural():
+    slide = replace(LIMITS, coordinate="linear")
+    assert slide.unit == "m" and slide.with_some({"torque_Nm": 1.0}).unit == "m"
+    numbers = (0.5, 0.5, 0.5, 0.5, 0.5)
+    told = [space._KINDS[kind](numbers, slide, 1.0, 6.0, 0.25)[1] for kind in space._KINDS]
+    assert not any("rad" in words or "degrees" in words for words in told)
+    assert sum(" m/s" in words for words in told) >= 4
+    with pytest.raises(InputError, match="coordinate: is no limit"):
+        slide.with_some({"coordinate": "linear"})
+    _, words = made("rests", 0.2, 0.2, 0.5, 0.2, 0.0)
+    assert words == "one move at 0.0575 rad/s"

@@ -112,6 +112,20 @@ def test_the_model_becomes_that_of_who_was_right_and_can_be_taken_back(
     assert shown(client)["node"] == before["node"] and shown(client)["params"] == before["params"]
 
 
+def test_who_is_best_while_something_else_is_missing_too_is_not_taken_for_right(
+    client: httpx.Client, bench: Bench
+) -> None:
+    # Behind the spring the first model shows no detents, which only come in after it.
+    post(client, "simulate", knob="knob3", effects=["return_spring"], motion="sweep", duration_s=3.0)
+    assert "detent" not in bench.session.node.fit.model.effects
+    post(client, "design", effects=RIVALS)
+    post(client, "try", experiment=shown(client)["experiment"]["id"])
+    state = shown(client)
+    assert "something else is missing too, so add one" in state["experiment"]["verdict"]
+    assert not {"return_spring", "unbalance"} & set(bench.session.node.fit.model.effects)
+    assert len(state["active"]) == 2
+
+
 def test_where_nothing_is_tied_the_next_motion_is_for_what_is_known_least(
     client: httpx.Client, bench: Bench, tmp_path: Path
 ) -> None:

@@ -14,6 +14,7 @@ import { done, opened, stateOf } from "./session.js";
 const [chrome, address, good, broken, folder] = process.argv.slice(2);
 const { browser, page, complaints } = await opened(chrome, address);
 await page.locator("#welcome").waitFor();
+assert.equal(await page.locator("#said").textContent(), "", "nothing has gone wrong");
 await page.screenshot({ path: join(folder, "8-welcome.png") });
 await accessible(page, "welcome");
 
@@ -31,7 +32,7 @@ assert.equal(await page.locator("[name=theta]").inputValue(), "angle", "by its n
 assert.equal(await page.locator("[name=t-unit]").inputValue(), "s", "so many rows a unit are seconds");
 await page.locator("[name=tau]").fill("");
 await page.locator("[name=tau]").focus();
-await page.getByRole("button", { name: /^moment: / }).click();
+await page.getByRole("button", { name: /^moment / }).click();
 assert.equal(await page.locator("[name=tau]").inputValue(), "moment");
 const mapping = page.getByRole("button", { name: "Open", exact: true });
 const asked = async (words) => {

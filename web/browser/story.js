@@ -35,7 +35,7 @@ assert.equal(await candidates.first().getAttribute("data-effect"), effect);
 
 await page.getByRole("button", { name: "Clear" }).click();
 const lead = page.locator("#verdict .leads.place");
-const [low] = /-?[\d.]+/.exec(await lead.textContent()) ?? [];
+const [low] = /-?[\d.]+/.exec((await lead.textContent()).replaceAll("−", "-")) ?? [];
 await lead.click();
 await page.locator(".brush:visible").waitFor();
 assert.match(await page.locator("#chosen").textContent(), /samples chosen, .* of the squared error/);
@@ -147,6 +147,17 @@ figures.undo = await done(page, "undo", () => page.keyboard.press("Control+z"));
 assert.deepEqual((await stateOf(page)).params, first.params);
 figures.redo = await done(page, "redo", () => page.keyboard.press("Control+Shift+z"));
 assert.deepEqual((await stateOf(page)).params, second.params);
+await done(page, "undo", () => page.keyboard.press("Control+z"));
+// The verdict's own words do the same; all torques of the page are in one unit.
+await page.locator("#verdict .leads", { hasText: "Add it" }).waitFor({ timeout: 60_000 });
+const units = await page.evaluate(() => {
+  const rows = globalThis.knobcam.app.linked.residuals.map(({ contents }) => contents.yAxis.label);
+  return [...rows, document.querySelector("#ladder .head").textContent, document.querySelector("#verdict").textContent];
+});
+assert.ok(units.every((words) => words.includes("mNm") && !/ N m\b/.test(words)), units.join(" | "));
+await done(page, "add", () => page.locator("#verdict .leads", { hasText: "Add it" }).click());
+assert.deepEqual((await stateOf(page)).params, second.params);
+await page.locator(".params .meaning", { hasText: "moment of inertia" }).waitFor({ state: "attached" });
 await done(page, "undo", () => page.keyboard.press("Control+z"));
 
 await page.getByRole("button", { name: "New branch" }).click();

@@ -33,7 +33,7 @@ export function acting(effect, { data, at, added }) {
     const named = { ink: "--ink", soft: "--soft", shade: "--shade", colour: "--signature" };
     const colours = Object.fromEntries(Object.entries(named).map(([name, style]) => [name, styleValue(style, canvas)]));
     drawSection(canvas, effect, motion, now, /** @type {import("./section.js").Look} */ (colours));
-    const scale = torqueScale(data.unit, motion.most.added);
+    const scale = torqueScale(data);
     const torque = motion.added ? `adds ${number(motion.added[now] * scale.factor)} ${scale.unit}` : "what it adds is not weighed here";
     words.textContent = `${number(t[now], 4)} s: ${torque}`;
   };

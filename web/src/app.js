@@ -219,9 +219,12 @@ class App {
     if (!this.state?.node && state.node !== null && state.looked) this.lookAgain(state.looked);
     this.state = state;
     byId("welcome").toggleAttribute("hidden", state.node !== null);
+    document.body.classList.toggle("empty", state.node === null);
     showVerdict(byId("verdict"), state, {
       place: (place) => this.go(place),
       effect: (effect) => this.candidates.go(effect),
+      add: (effect) => this.ask("add", { effect }, "add"),
+      apart: (effects) => this.next.design(effects),
       error: () => shown(byId("ladder")),
       findings: () => shown(byId("findings")),
     });
@@ -273,7 +276,7 @@ class App {
 
   /** @param {State} state */
   async draw(state) {
-    const { node, active, unit, captures } = state;
+    const { node, active, unit, peak, captures } = state;
     const other = state.branches.find(({ id }) => id === this.beside);
     const otherNode = other?.steps[other.at]?.node;
     const wanted = JSON.stringify([node, active, this.view, otherNode, other?.name]);
@@ -292,7 +295,7 @@ class App {
     const beside = other && rest ? { name: other.name, residual: rest.residual } : null;
     this.legend(beside?.name ?? null);
     byId("masked").hidden = !columns.masked?.some((value) => value === value);
-    const data = { several: active.length > 1, columns, unit, coordinate, noise: state.noise_floor, fitted, name, beside };
+    const data = { several: active.length > 1, columns, unit, peak, coordinate, noise: state.noise_floor, fitted, name, beside };
     const brush = this.brushedThen;
     this.brushedThen = null;
     const splits = fitted ? this.store.splitsOf(node).catch(() => []) : []; // without them all else is there

@@ -23,9 +23,9 @@ export function comparable({ branches, branch: current, active }, branch) {
  */
 export function showBranches(place, state, beside, deeds) {
   const focused = document.activeElement?.getAttribute("data-beside");
+  const scale = torqueScale(state);
   const cards = state.branches.map(({ id, name, steps, at }) => {
     const step = steps[at];
-    const scale = torqueScale(state.unit, step?.rmse ?? 0);
     const changed = steps.slice(1, at + 1).filter(({ added, dropped }) => added || dropped); // not only fitted anew
     const changes = changed.map(({ added, dropped }) => (added ? `+ ${added}` : `− ${dropped}`));
     const words = changes.join(" ") || "nothing added";

@@ -7,6 +7,7 @@ import { make } from "./dom.js";
 /** @typedef {import("./types.js").CaptureInfo} CaptureInfo */
 
 const FEW = 2; // findings that are seen at once
+const SHORT = 5; // letters that are no use to leave out
 /** @type {Record<string, string>} */
 const PLURAL = { note: "notes", warning: "warnings" };
 
@@ -24,6 +25,7 @@ export function showCaptures(place, { captures, active }, { use, close }) {
     place.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only)));
     return;
   }
+  const shared = sharedHead(captures.map(({ name }) => name));
   const toggled = (/** @type {string} */ id) =>
     active.includes(id) ? active.filter((one) => one !== id) : [...active, id];
   const buttons = captures.map((capture) => {
@@ -36,7 +38,7 @@ export function showCaptures(place, { captures, active }, { use, close }) {
         disabled: alone,
         on: { click: () => use(toggled(capture.id)) },
       },
-      ...words(capture),
+      ...words(capture, shared),
     );
     const away = make("button", {
       ...{ type: "button", class: "away", text: "×", "aria-label": `close ${capture.name}`, disabled: alone },
@@ -47,12 +49,27 @@ export function showCaptures(place, { captures, active }, { use, close }) {
   place.replaceChildren(...buttons);
 }
 
-/** @param {CaptureInfo} capture */
-function words({ name, samples, rate_hz, findings }) {
+/**
+ * How many letters names begin alike with, whole words of them: dates, mostly, which would be all that is seen of each.
+ * @param {string[]} names
+ */
+export function sharedHead(names) {
+  const [first = "", ...others] = names;
+  let alike = 0;
+  while (alike < first.length && others.every((name) => name[alike] === first[alike])) alike++;
+  const word = /^.*[-_ .]/.exec(first.slice(0, alike))?.[0].length ?? 0;
+  return alike < first.length && names.every((name) => name.length > word) && word > SHORT ? word : 0;
+}
+
+/** A name without what others begin with too. @param {string} name @param {number} shared letters of it */
+const called = (name, shared) => (shared > 0 ? `…${name.slice(shared)}` : name);
+
+/** @param {CaptureInfo} capture @param {number} [shared] letters that others begin with too */
+function words({ name, samples, rate_hz, findings }, shared = 0) {
   const facts = ` ${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
   const doubtful = findings.filter(({ note }) => !note);
   const doubt = make("span", { class: "doubt", text: "⚠ ", title: doubtful.map(({ text }) => text).join("\n") });
-  return [...(doubtful.length > 0 ? [doubt] : []), make("strong", { text: name }), facts];
+  return [...(doubtful.length > 0 ? [doubt] : []), make("strong", { text: called(name, shared) }), facts];
 }
 
 /**
@@ -69,11 +86,16 @@ export function showFindings(place, { captures, active, limitations, notes, job 
   place.dataset.shown = key;
   const focused = document.activeElement?.getAttribute("data-finding");
   const fitted = captures.filter(({ id }) => active.includes(id));
-  const told = fitted.flatMap(({ findings }) => findings);
-  const found = fitted.flatMap(({ id, name, findings }) => {
+  const every = alikeInAll(fitted);
+  const shared = sharedHead(fitted.map(({ name }) => name));
+  const [several, all] = [fitted.length > 1, { id: "", name: "all: ", job }];
+  const apart = fitted.map((one) => ({ ...one, findings: one.findings.filter(({ text, note }) => !note || !every.has(text)) }));
+  const told = [...apart.flatMap(({ findings }) => findings), ...every.values()];
+  const found = apart.flatMap(({ id, name, findings }) => {
     const own = [...findings.filter(({ note }) => !note), ...findings.filter(({ note }) => note)];
-    return own.map((one) => finding(one, { id, name: fitted.length > 1 ? `${name}: ` : "", job }, deeds));
+    return own.map((one) => finding(one, { id, name: several ? `${called(name, shared)}: ` : "", job }, deeds));
   });
+  found.push(...[...every.values()].map((one) => finding(one, all, deeds)));
   const missing = limitations.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
   const open = place.querySelector("details")?.open ?? false;
@@ -81,6 +103,19 @@ export function showFindings(place, { captures, active, limitations, notes, job 
   place.replaceChildren(...noted, ...missing, ...own); // what to record next is not to be looked for
   const again = focused && place.querySelector(`[data-finding="${CSS.escape(focused)}"]`);
   if (again instanceof HTMLElement) again.focus();
+}
+
+/**
+ * Notes that name no samples and are the same of all of several captures, by their text: they are said once.
+ * @param {CaptureInfo[]} fitted
+ * @returns {Map<string, import("./types.js").Finding>}
+ */
+export function alikeInAll([first, ...others]) {
+  if (!first || others.length === 0) return new Map();
+  const alike = first.findings.filter(
+    ({ text, note, seen }) => note && !seen && others.every(({ findings }) => findings.some((one) => one.note && one.text === text)),
+  );
+  return new Map(alike.map((one) => [one.text, one]));
 }
 
 /**
@@ -109,13 +144,13 @@ function finding({ key, text, note, overruled, stands, seen }, { id, name, job }
     : make("span", { text: said });
   const box = make("input", {
     ...{ type: "checkbox", role: "switch", checked: !overruled, disabled: stands !== "", "data-finding": `${name}${key}` },
-    "aria-label": `in force: ${name}${text}`,
+    "aria-label": `applied: ${name}${text}`,
     // While something is done it waits, but keeps the focus.
     ...{ "aria-disabled": job !== null ? "true" : null },
     on: { click: (event) => job !== null && event.preventDefault(), change: () => overrule(id, key, !overruled) },
   });
   const why = stands || "off: nothing is done about it, the samples are taken as they were recorded, and the model is fitted anew";
-  const own = note ? null : make("label", { title: why }, box, overruled ? "overruled" : "in force");
+  const own = note ? null : make("label", { title: why }, box, overruled ? "overruled" : "applied");
   return make("li", { class: `finding ${note || overruled ? "soft" : "doubt"}` }, words, own);
 }
 

@@ -12,7 +12,7 @@ import { remembered } from "./remembered.js";
 
 /**
  * What the plots are made of.
- * @typedef {{columns: Columns, unit: string, coordinate: "rotary" | "linear", noise: number | null, fitted: boolean, several?: boolean,
+ * @typedef {{columns: Columns, unit: string, peak: number, coordinate: "rotary" | "linear", noise: number | null, fitted: boolean, several?: boolean,
  *   name?: string, beside?: Beside | null, splits?: import("./types.js").Split[] | null}} Data
  * `columns`: t, theta, omega, tau, residual; for isolated components also position_part and velocity_part; for
  * the band also band; over time `masked`, what is recorded where no sample counts. `fitted`: no parameter is dragged
@@ -78,8 +78,8 @@ export function rowsOf(data, view, widest) {
   const word = torqueWord(data.unit);
   const model = modelOf(columns.residual, columns.tau);
   const other = beside ? modelOf(beside.residual, columns.tau) : null;
-  const fine = torqueScale(data.unit, widest);
-  const [ownLabel, besideLabel] = [columns, beside].map((one) => (one ? `residual, ${fine.unit}${beyondWords(one.residual, -1.04 * widest, 1.04 * widest)}` : ""));
+  const scale = torqueScale(data);
+  const [ownLabel, besideLabel] = [columns, beside].map((one) => (one ? `residual, ${scale.unit}${beyondWords(one.residual, -1.04 * widest, 1.04 * widest)}` : ""));
   return view.axes.map((along) => {
     if (along === "frequency") return { torque: null, residual: alongFrequency(data), beside: null };
     const axis = AXES[along];
@@ -95,7 +95,6 @@ export function rowsOf(data, view, widest) {
       { colour: "--modelled", chosen: "--modelled", y: modelled, strength: 0.35 },
     ];
     const [lowest, highest] = limits([Float32Array.from(mostLimits(modelled, counted(modelled, measured)))]);
-    const scale = torqueScale(data.unit, Math.max(-lowest, highest));
     const torque = {
       ...common,
       picked: series.findIndex(({ colour }) => colour === "--measured"), // masked samples are not taken by a brush
@@ -107,7 +106,7 @@ export function rowsOf(data, view, widest) {
     };
     const rest = (/** @type {Float32Array} */ y, /** @type {string} */ label, /** @type {string} */ colour, /** @type {string} */ title) => ({
       ...common,
-      yAxis: { low: -1.04 * widest, high: 1.04 * widest, factor: fine.factor, label },
+      yAxis: { low: -1.04 * widest, high: 1.04 * widest, factor: scale.factor, label },
       title,
       series: [{ colour, chosen: "--chosen", y, strength: 0.3 }],
       noise: data.noise && 2 * data.noise,
@@ -126,11 +125,11 @@ export function rowsOf(data, view, widest) {
  * @param {Data} data
  * @returns {Contents}
  */
-export function alongFrequency({ splits, unit, fitted }) {
+export function alongFrequency({ splits, unit, peak, fitted }) {
   const spectrum = spectrumOf(splits?.find(({ axis }) => axis === "frequency"));
   const [least, most] = spectrum ? limits([spectrum.y, spectrum.chance].map((one) => Float32Array.from(one))) : [-4, -2];
   const [low, high] = spectrum ? [spectrum.x[0], spectrum.x[spectrum.x.length - 1]] : [0, 3];
-  const scale = torqueScale(unit, 10 ** most);
+  const scale = torqueScale({ unit, peak });
   return {
     ...{ x: new Float32Array(0), series: [], picked: 0, noise: null, spectrum },
     title: fitted ? "residual over frequency, beside what chance stays below" : "over frequency: of a fit only",

@@ -6,7 +6,7 @@ import { styleValue } from "./dom.js";
 import { torqueScale } from "./numbers.js";
 
 /** @typedef {import("./types.js").Curve} Curve */
-/** @typedef {{unit: string, coordinate: "rotary" | "linear"}} About */
+/** @typedef {{unit: string, peak: number, coordinate: "rotary" | "linear"}} About */
 
 /** @type {Record<string, import("./contents.js").Along>} what formulas call the axes */
 const ALONG = { t: "time", theta: "position", omega: "velocity", alpha: "acceleration", s: "history" };
@@ -28,7 +28,7 @@ export function drawCurve(canvas, curve, about, looked) {
   const edges = [-1, 1].map((side) => value.map((one, at) => (one === null ? NaN : one + side * (band[at] ?? NaN))));
   const drawn = laws.map((law) => law?.map((one) => one ?? NaN) ?? null);
   const [low, high] = limits([...edges, ...drawn.filter((law) => law !== null)].map((one) => Float32Array.from(one)), { around: 0 });
-  const shown = curve.times ? { factor: 1, unit: "" } : torqueScale(about.unit, Math.max(-low, high));
+  const shown = curve.times ? { factor: 1, unit: "" } : torqueScale(about);
   const y = { low, high, factor: shown.factor, label: `left over${curve.times ? ` / (${curve.times})` : `, ${shown.unit}`}` };
   const names = { ink: "--ink", soft: "--soft", line: "--grid", band: "--band", wrong: "--wrong", law: "--signature", rest: "--measured" };
   const colours = Object.fromEntries(Object.entries(names).map(([name, style]) => [name, styleValue(style, canvas)]));

@@ -11,14 +11,14 @@ import { number, torqueScale } from "./numbers.js";
  */
 export function showLadder(place, state) {
   const branch = state.branches.find(({ id }) => id === state.branch);
-  const key = JSON.stringify([branch, state.rmse, state.noise_floor, state.unit]);
+  const key = JSON.stringify([branch, state.rmse, state.noise_floor, state.unit, state.peak]);
   if (place.dataset.shown === key) return; // or it would fall again
   place.dataset.shown = key;
   const { steps, at: here } = sameCaptures(branch?.steps ?? [], branch?.at ?? 0);
   const errors = steps.flatMap(({ rmse, rmse_heldout }) => [rmse, rmse_heldout]).concat(state.rmse);
   const floor = state.noise_floor;
   const widest = Math.max(...errors.map((error) => error ?? 0), floor ?? 0) * 1.02;
-  const scale = torqueScale(state.unit, widest);
+  const scale = torqueScale(state);
   const shown = (/** @type {number | null} */ value) => number(value === null ? null : value * scale.factor);
 
   const lines = steps.map(({ added, dropped, rmse, rmse_heldout }, at) => {

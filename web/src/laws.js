@@ -19,7 +19,7 @@ export class Laws {
     this.place = place;
     this.deeds = deeds;
     this.shown = "";
-    /** @type {(Pick<State, "curve" | "unit"> & {coordinate: "rotary" | "linear"}) | null} */
+    /** @type {(Pick<State, "curve" | "unit" | "peak"> & {coordinate: "rotary" | "linear"}) | null} */
     this.about = null;
     new ResizeObserver(() => this.draw()).observe(byId("curve"));
     const form = /** @type {HTMLFormElement} */ (byId("own-form"));
@@ -49,7 +49,7 @@ export class Laws {
       const now = this.typing;
       const words = await this.deeds.attempt(formula, ({ rmse, rmse_heldout, words: params }) => {
         if (now !== this.typing || !this.about) return;
-        const scale = torqueScale(this.about.unit, rmse);
+        const scale = torqueScale(this.about);
         const unseen = rmse_heldout === null ? "" : `, ${written(rmse_heldout * scale.factor)} on unseen blocks`;
         said.className = "";
         said.textContent = `would leave ${written(rmse * scale.factor)} ${scale.unit}${unseen}; ${params.join("; ")}`;
@@ -74,14 +74,15 @@ export class Laws {
   }
 
   /** @param {State} state */
-  show({ candidates, proposed, proposed_text, node, job, rmse, curve, unit, captures }) {
+  show({ candidates, proposed, proposed_text, node, job, rmse, curve, unit, peak, captures }) {
     const shown = JSON.stringify([candidates.ready, proposed, node, job === null]);
     if (shown === this.shown) return;
     this.shown = shown;
     byId("own").hidden = node === null;
-    this.about = { curve, unit, coordinate: captures[0]?.coordinate ?? "rotary" };
+    this.about = { curve, unit, peak, coordinate: captures[0]?.coordinate ?? "rotary" };
     this.draw();
-    if (!candidates.ready || node === null) {
+    const nothing = candidates.rows.length === 0 && candidates.unexplained === null; // is left, nor could be missing
+    if (!candidates.ready || node === null || (proposed === null && nothing)) {
       this.place.replaceChildren();
     } else if (proposed === null) {
       const ask = make("button", {

@@ -338,10 +338,8 @@ export class Linked {
     const { chosen, data, share } = this;
     if (!chosen || !data || !share) return this.told(null);
     const part = percent(chosen.length / data.columns.t.length);
-    const rms = (/** @type {number} */ value) => {
-      const scale = torqueScale(data.unit, value);
-      return `RMS ${number(value * scale.factor)} ${scale.unit}`;
-    };
+    const scale = torqueScale(data);
+    const rms = (/** @type {number} */ value) => `RMS ${number(value * scale.factor)} ${scale.unit}`;
     const count = `${chosen.length.toLocaleString("en")} ${chosen.length === 1 ? "sample" : "samples"} chosen, ${part} of all`;
     if (share.counted === 0 && chosen.length > 0) return this.told(`${count}: nothing is fitted to them`);
     const own = chosen.length > 0 ? ` (${rms(share.rms)})` : "";

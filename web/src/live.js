@@ -152,7 +152,7 @@ export class Live {
     else bar.value = done;
     byId("live-time").textContent = `${seconds(elapsed_s)} of ${seconds(total_s)}`;
     const { peak_torque: peak, torque_limit: limit = 0, temperature, clipped = {} } = this.told;
-    const scale = torqueScale("N m", peak ?? 0);
+    const scale = torqueScale({ unit: "N m", peak: peak ?? 0 });
     const figures = [
       `${received.toLocaleString("en")} samples`,
       `${missing.toLocaleString("en")} lost`,
@@ -173,7 +173,7 @@ export class Live {
     for (const [at, { x, y, name }] of PLOTS.entries()) {
       const [low, high] = limits([this.columns[y]]);
       const across = x === "t" ? [0, span(t[t.length - 1], this.told?.total_s)] : limits([this.columns[x]]);
-      const scale = y === "tau" ? torqueScale("N m", Math.max(-low, high)) : null;
+      const scale = y === "tau" ? torqueScale({ unit: "N m", peak: Math.max(-low, high) }) : null;
       this.plots[at].show({
         title: name,
         x: this.columns[x],

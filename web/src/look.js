@@ -42,7 +42,7 @@ export class Look {
       },
     );
     this.buttons = head.steps.map(({ label, rmse }, at) => {
-      const scale = torqueScale(head.unit, rmse);
+      const scale = torqueScale(head);
       const text = `${label}: ${number(rmse * scale.factor)} ${scale.unit}`;
       return make("button", { type: "button", text, on: { click: () => deeds.step(at) } });
     });

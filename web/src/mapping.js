@@ -159,7 +159,7 @@ export class Mapping {
         ...{ type: "button", title: "put into the chosen field" },
         on: { click: () => this.put(name) },
       },
-      make("strong", { text: `${name}: ` }),
+      make("strong", { text: name }), " ",
       canvas,
       make("span", { class: "soft", text: range }),
     );

@@ -30,7 +30,7 @@ export function showMoment(data, at) {
   const modelled = tau[at] - residual[at];
   let largest = 0;
   for (let i = 0; i < tau.length; i++) if (Math.abs(tau[i]) > largest) largest = Math.abs(tau[i]);
-  const { factor, unit } = torqueScale(data.unit, largest);
+  const { factor, unit } = torqueScale(data);
   const shown = (/** @type {number} */ value) => number(value * factor);
   byId("moment-words").textContent =
     `${number(t[at], 4)} s, ${number(theta[at])} ${angle}, ${number(omega[at])} ${rate}; ${torqueWord(data.unit)} ` +

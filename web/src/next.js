@@ -3,8 +3,9 @@
 import { Refusal, ask, fetchBytes, post, wordsOf } from "./api.js";
 import { limits } from "./axes.js";
 import { byId, make } from "./dom.js";
+import { bars, inWords, largest, limitWords } from "./evidence.js";
 import { Metronome } from "./metronome.js";
-import { number, percent, torqueScale } from "./numbers.js";
+import { number, torqueScale, torqueWord } from "./numbers.js";
 import { Plot } from "./plot.js";
 import { decode } from "./store.js";
 import { timed } from "./timing.js";
@@ -14,9 +15,7 @@ import { timed } from "./timing.js";
 /** @typedef {Record<string, Float32Array>} Columns */
 
 const COLOURS = ["--modelled", "--wrong", "--signature", "--beside"];
-const LEAST_D = 0.1; // where the bars of D begin
 const MOTION = ["t", "theta", "omega"];
-const WORDS = { theta: "angle", omega: "velocity" };
 
 export class Next {
   /**
@@ -128,21 +127,22 @@ export class Next {
       byId("next-said").textContent = "";
       return;
     }
-    byId("next-said").textContent = experiment.verdict ?? experiment.headline;
+    const [promise] = inWords(experiment.headline, state.params).split(": "); // how it moves is told where it is shown
+    byId("next-said").textContent = experiment.verdict ?? `${promise}.`.replace("..", ".");
     if (byId("next").hidden) return;
     this.enable(!recording);
     const shown = JSON.stringify([experiment, node, state.active]);
     if (shown === this.drawn) return;
     this.drawn = shown;
-    this.tell(experiment);
+    this.tell(experiment, state);
     this.loading = this.load(experiment, state).catch(this.deeds.failed);
   }
 
-  /** @param {Experiment} experiment */
-  tell(experiment) {
+  /** @param {Experiment} experiment @param {State} state */
+  tell(experiment, { params, captures, unit }) {
     const { headline, verdict, source, pairs, steps, by_hand, seconds, limits: within } = experiment;
     byId("next-time").textContent = `${number(seconds)} s`;
-    byId("next-headline").textContent = headline;
+    byId("next-headline").textContent = inWords(headline, params);
     byId("next-verdict").textContent = verdict ?? "";
     byId("next-record").hidden = source === null;
     byId("next-record").textContent = experiment.capture ? "Record it again" : "Record it";
@@ -156,9 +156,12 @@ export class Next {
     byId("next-can").textContent = by_hand ? `By hand, led by a metronome${led}` : "For a motor";
     byId("next-no-hand").hidden = by_hand;
     byId("next-steps").replaceChildren(...(by_hand ? steps : []).map(({ words }) => make("li", {}, words)));
+    const words = limitWords(captures[0]?.coordinate === "linear", unit);
     for (const [name, value] of Object.entries(within)) {
       const field = byId("next-limits").querySelector(`[name=${name}]`);
-      if (field instanceof HTMLInputElement) field.value = String(Number(value.toPrecision(4)));
+      if (!(field instanceof HTMLInputElement)) continue;
+      field.value = String(Number(value.toPrecision(4)));
+      if (name in words && field.previousElementSibling) field.previousElementSibling.textContent = words[name];
     }
   }
 
@@ -180,15 +183,16 @@ export class Next {
     const { motion, recorded = [], state } = this;
     if (!motion || !state?.experiment || byId("next").hidden) return;
     const rotary = state.captures[0]?.coordinate !== "linear";
+    const words = { theta: rotary ? "angle" : "position", omega: "velocity" };
     const units = rotary ? { theta: "rad", omega: "rad/s" } : { theta: "m", omega: "m/s" };
     const both = (/** @type {string} */ name) => [...recorded.map((part) => part[name]), motion[name]];
     const since = recorded.map(({ t }) => t.map((value) => value - (t[0] ?? 0)));
     const [over, across] = ["theta", "omega"].map((name) => ({ y: both(name), name }));
     for (const [at, { y, name }] of [over, across].entries()) {
       const x = at === 0 ? [...since, motion.t] : both("theta");
-      const label = (/** @type {"theta" | "omega"} */ one) => `${WORDS[one]}, ${units[one]}`;
+      const label = (/** @type {"theta" | "omega"} */ one) => `${words[one]}, ${units[one]}`;
       this.plots[at].show({
-        title: at === 0 ? "angle over time" : "velocity over angle",
+        title: at === 0 ? `${words.theta} over time` : `velocity over ${words.theta}`,
         ...clouds(x, y, ["--measured", "--signature"]),
         xAxis: axis(limits(x), at === 0 ? "time, s" : label("theta")),
         yAxis: axis(limits(y), label(/** @type {"theta" | "omega"} */ (name))),
@@ -197,9 +201,9 @@ export class Next {
     }
     const apart = state.experiment.rivals.map((_, at) => motion[`rival ${at}`]);
     const [low, high] = limits(apart);
-    const scale = torqueScale(state.unit, Math.max(-low, high));
+    const scale = torqueScale(state);
     this.plots[2].show({
-      title: apart.length > 1 ? "how the rivals' torques part" : "torque that it takes",
+      title: apart.length > 1 ? `how the ${torqueWord(state.unit)} of each rival parts from the others` : `${torqueWord(state.unit)} that it takes`,
       x: motion.t,
       series: apart.map((y, at) => ({ colour: COLOURS[at % COLOURS.length], chosen: null, y, strength: 1 })),
       xAxis: axis(limits([motion.t]), "time, s"),
@@ -361,40 +365,4 @@ function key(name, at) {
   const mark = make("i", {});
   mark.style.background = `var(${COLOURS[at % COLOURS.length]})`;
   return make("span", { class: "key" }, mark, name);
-}
-
-/** @param {Experiment["pairs"]} pairs */
-function largest(pairs) {
-  return Math.max(100, ...pairs.flatMap(({ d, standard_d, came }) => [d, standard_d, came ?? 0]));
-}
-
-/**
- * The bars of a pair: what the motion promises, what the best standard one would, what came.
- * @param {Experiment["pairs"][0]} pair
- * @param {number} told from which D on they are told apart
- * @param {number} most
- */
-function bars({ names, d, standard_d, wrong_choice, came }, told, most) {
-  const share = (/** @type {number} */ value) =>
-    `${(100 * Math.log(Math.max(value, LEAST_D) / LEAST_D)) / Math.log(most / LEAST_D)}%`;
-  const row = (/** @type {string} */ words, /** @type {number} */ value, /** @type {string} */ name) => {
-    const bar = make("span", { class: `bar ${name}` });
-    const line = make("span", { class: "told" });
-    bar.style.width = share(value);
-    line.style.left = share(told);
-    return make(
-      "div",
-      { class: "evidence-line" },
-      make("span", { class: "label", text: words }),
-      make("span", { class: "track" }, bar, line),
-      make("span", { class: "figure", text: number(value) }),
-    );
-  };
-  const wrong = wrong_choice < 1e-3 ? "less than 0.1 %" : percent(wrong_choice);
-  return [
-    make("p", {}, make("strong", { text: names.join(" or ") }), `: the wrong one is chosen in ${wrong}`),
-    row("this motion", d, "promised"),
-    row("best standard motion", standard_d, "standard"),
-    ...(came === null ? [] : [row("what came", came, "came")]),
-  ];
 }

@@ -25,11 +25,10 @@ export function percent(share) {
 }
 
 /**
- * A unit for the eye: shown = factor * SI. Small torques in mNm, as the pictures of the package have them.
- * @param {string} unit "N m" or "N", of a motor "A", "V" or "duty"
- * @param {number} peak the largest magnitude that is shown, SI
+ * The unit for the eye of all torques of a page: shown = factor * SI. Small ones in mNm, as the pictures of the package.
+ * @param {{unit: string, peak: number}} about "N m" or "N", of a motor "A", "V" or "duty"; the largest torque there is, SI
  */
-export function torqueScale(unit, peak) {
+export function torqueScale({ unit, peak }) {
   return unit === "N m" && peak <= 2 ? { factor: 1000, unit: "mNm" } : { factor: 1, unit };
 }
 

@@ -6,6 +6,7 @@ import { number, unitWords } from "./numbers.js";
 /** @typedef {import("./types.js").Param} Param */
 
 const STEPS = 400; // of a slider
+const WORDED = 8; // parameters of an effect: of more, as of a series of waves, words are seen by pointing
 
 export class Params {
   /**
@@ -45,7 +46,7 @@ export class Params {
     const groups = Map.groupBy(params, ({ name }) => name.split(".")[0]);
     const lines = [...groups].flatMap(([effect, own]) => [
       this.heading(effect, groups.size > 1),
-      ...own.flatMap((param) => [this.line(param), reason(param)]),
+      ...own.flatMap((param) => [this.line(param), own.length <= WORDED ? meaning(param) : "", reason(param)]),
     ]);
     const widths = make("colgroup", {}, ...["name", "slide", "value", "unit"].map((name) => make("col", { class: name })));
     this.place.replaceChildren(make("table", { class: "params" }, widths, make("tbody", {}, ...lines)));
@@ -95,6 +96,11 @@ export class Params {
     row.value.classList.add("moved");
     this.deeds.drag({ [name]: value });
   }
+}
+
+/** What a parameter is, below it. @param {Param} param */
+function meaning({ meaning: words }) {
+  return words ? make("tr", {}, make("td", { class: "meaning soft", colspan: 4, text: words })) : "";
 }
 
 /** Why a value is doubted, below it. @param {Param} param */

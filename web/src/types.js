@@ -119,9 +119,7 @@
  */
 
 /**
- * Where a verdict says that a model fails: `words` of its text, from `low` to `high` along an axis.
- *
- * `direction` is 1 forward, -1 backward, 0 both.
+ * Where a model fails, in `words` of a verdict; moving forward (1), backward (-1) or both ways (0).
  * @typedef {{words: string,
  *   axis: "position" | "velocity" | "acceleration" | "load" | "history" | "time" | "frequency", low: number,
  *   high: number, direction: number}} Place
@@ -144,12 +142,12 @@
 /**
  * What a session has; before the first capture there is no node, `proposed` is null until it is asked.
  *
- * `untold` are effects of which one is in the model, and the captures could not tell which.
+ * Of the effects in each of `untold` one is in the model, not known which. `peak` is the largest torque.
  * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
- *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, params: Param[],
- *   together: Together[], rmse: number | null, rmse_heldout: number | null, verdict_text: string, places: Place[],
- *   ladder: LadderStep[], candidates: Candidates, warnings: string[], limitations: string[], absent: Effect[],
- *   untold: string[][], proposed: Law[] | null, proposed_text: string, curve: Curve | null,
+ *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, peak: number,
+ *   params: Param[], together: Together[], rmse: number | null, rmse_heldout: number | null, verdict_text: string,
+ *   places: Place[], ladder: LadderStep[], candidates: Candidates, warnings: string[], limitations: string[],
+ *   absent: Effect[], untold: string[][], proposed: Law[] | null, proposed_text: string, curve: Curve | null,
  *   experiment: Experiment | null}} Session
  */
 
@@ -178,10 +176,10 @@
 /**
  * The answer of `GET /api/state`: a session, what is being done to it, and what can go on.
  * @typedef {{schema: string, revision: number, captures: CaptureInfo[], branches: Branch[], active: string[],
- *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, params: Param[],
- *   together: Together[], rmse: number | null, rmse_heldout: number | null, verdict_text: string, places: Place[],
- *   ladder: LadderStep[], candidates: Candidates, warnings: string[], limitations: string[], absent: Effect[],
- *   untold: string[][], proposed: Law[] | null, proposed_text: string, curve: Curve | null,
+ *   branch: string | null, node: string | null, noise_floor: number | null, unit: string, peak: number,
+ *   params: Param[], together: Together[], rmse: number | null, rmse_heldout: number | null, verdict_text: string,
+ *   places: Place[], ladder: LadderStep[], candidates: Candidates, warnings: string[], limitations: string[],
+ *   absent: Effect[], untold: string[][], proposed: Law[] | null, proposed_text: string, curve: Curve | null,
  *   experiment: Experiment | null, job: Job | null, recording: boolean, looked: Looked | null, left: Left[],
  *   notes: string[]}} State
  */
@@ -204,8 +202,8 @@
  */
 
 /**
- * What linked plots show: models held against captures of `all` samples.
- * @typedef {{unit: string, coordinate: "rotary" | "linear", noise: number | null, all: number,
+ * What linked plots show: models held against captures of `all` samples, torques up to `peak`.
+ * @typedef {{unit: string, peak: number, coordinate: "rotary" | "linear", noise: number | null, all: number,
  *   steps: ShownStep[]}} Shown
  */
 
@@ -218,14 +216,15 @@
 
 /**
  * The same where `n` of the samples are carried along.
- * @typedef {{unit: string, coordinate: "rotary" | "linear", noise: number | null, all: number, steps: ShownStep[],
- *   n: number}} Head
+ * @typedef {{unit: string, peak: number, coordinate: "rotary" | "linear", noise: number | null, all: number,
+ *   steps: ShownStep[], n: number}} Head
  */
 
 /**
  * What a page holds in itself: columns, of each step its residual and what each candidate explains.
- * @typedef {{unit: string, coordinate: "rotary" | "linear", noise: number | null, all: number, steps: ShownStep[],
- *   n: number, columns: Record<string, Packed>, residuals: Packed[], signatures: Record<string, Packed>[]}} Kept
+ * @typedef {{unit: string, peak: number, coordinate: "rotary" | "linear", noise: number | null, all: number,
+ *   steps: ShownStep[], n: number, columns: Record<string, Packed>, residuals: Packed[],
+ *   signatures: Record<string, Packed>[]}} Kept
  */
 
 /**

@@ -1,6 +1,7 @@
 /** The verdict: what it names on an axis leads there. */
 
 import { make } from "./dom.js";
+import { number, percent, torqueScale, unitWords } from "./numbers.js";
 
 /** @typedef {import("./types.js").Place} Place */
 /** @typedef {import("./types.js").State} State */
@@ -10,11 +11,14 @@ import { make } from "./dom.js";
 /**
  * Show a verdict; it is announced only where its words have changed.
  * @param {HTMLElement} element
- * @param {{verdict_text: string, places: Place[], candidates: State["candidates"]}} told
- * @param {{place: (place: Place) => void, effect: (effect: string) => void, error: () => void, findings: () => void}} to
+ * @param {Pick<State, "verdict_text" | "places" | "candidates" | "unit" | "peak">} told
+ * @param {{place: (place: Place) => void, effect: (effect: string) => void, error: () => void, findings: () => void,
+ *   add: (effect: string) => void, apart: (effects: string[]) => void}} to
  */
-export function showVerdict(element, { verdict_text: text, places, candidates }, to) {
-  const first = plainly(candidates);
+export function showVerdict(element, { verdict_text, places: named, candidates, unit, peak }, to) {
+  const eyed = (/** @type {string} */ words) => forTheEye(words, { unit, peak });
+  const first = eyed(plainly(candidates));
+  const [text, places] = [eyed(verdict_text), named.map((place) => ({ ...place, words: eyed(place.words) }))];
   const key = JSON.stringify([first, text, places, candidates.rows.map(({ effect }) => effect)]);
   if (element.dataset.told === key) return;
   element.dataset.told = key;
@@ -38,7 +42,12 @@ function leadsOf(places, { rows }, to) {
     ...places.map((place) => lead(place.words, "show its samples in every plot", () => to.place(place), "place")),
     ...places.map((place) => lead(`along ${place.axis}`, "draw a row over it", () => to.place(place))),
     ...rows.map(({ effect }) => lead(effect, "what it would explain", () => to.effect(effect))),
-    ...(first ? ["Add it", "Tell apart"].map((words) => lead(words, "where that is", () => to.effect(first.effect))) : []),
+    ...(first
+      ? [
+          lead("Add it", "take it into the model, and fit it", () => to.add(first.effect)),
+          lead("Tell apart", "design the motion that would tell", () => to.apart([first.effect, ...first.equivalent])),
+        ]
+      : []),
     lead("RMS error", "the ladder of errors", to.error),
     lead("Not weighed", "why: what was found in the log", to.findings),
   ];
@@ -62,10 +71,23 @@ export function plainly({ ready, rows }) {
   const first = ready ? rows.find(({ could_be: could }) => could) : undefined;
   if (!first) return "";
   const said = `${first.said.slice(0, 1).toUpperCase()}${first.said.slice(1)}`;
-  const next = first.equivalent.length > 0
-    ? "This motion looks the same with other causes: Tell apart designs what to record next."
-    : "Add it, and see what is left.";
-  return `${said}: ${first.name} (${first.effect}). ${next}`;
+  // What is told apart while something else is missing as well may be told wrongly.
+  const tied = `This motion looks the same with ${first.equivalent.join(" or ")}: once nothing else is missing, Tell apart designs what to record next.`;
+  const next = `Add it, and see what is left.${first.equivalent.length > 0 ? ` ${tied}` : ""}`;
+  return `${said}: ${first.name} (${first.effect}), which takes ${percent(first.error_fall)} off the error. ${next}`;
+}
+
+/**
+ * Words of the program as the page has its numbers: torques in the unit of the plots, a true minus, no line that ends before %.
+ * @param {string} words
+ * @param {Pick<State, "unit" | "peak">} about
+ */
+export function forTheEye(words, about) {
+  const scale = torqueScale(about);
+  const own = scale.factor === 1
+    ? words
+    : words.replace(/(-?\d[\d.]*(?:e[-+]?\d+)?) N m(?![ /]?(?:s|rad)\b)/g, (_, value) => `${number(Number(value) * scale.factor)} ${scale.unit}`);
+  return unitWords(own.replace(/(^|[\s(])-(?=\d)/g, "$1−").replace(/ (?=%)/g, "\u00a0"));
 }
 
 /**

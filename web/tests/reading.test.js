@@ -32,8 +32,8 @@ test("what is there at every reversal is no outlier, and nothing at all has no r
 });
 
 test("a verdict begins with what is missing in plain words, and with what to do next", () => {
-  const row = { could_be: true, said: "missing", name: "there are detents", effect: "detent", equivalent: [] };
-  assert.equal(plainly({ ready: true, rows: [row] }), "Missing: there are detents (detent). Add it, and see what is left.");
+  const row = { could_be: true, said: "missing", name: "there are detents", effect: "detent", error_fall: 0.6, equivalent: [] };
+  assert.equal(plainly({ ready: true, rows: [row] }), "Missing: there are detents (detent), which takes 60 % off the error. Add it, and see what is left.");
   const tied = plainly({ ready: true, rows: [{ ...row, equivalent: ["unbalance"] }] });
   assert.match(tied, /Tell apart designs what to record next/);
   assert.equal(plainly({ ready: false, rows: [row] }), "");
@@ -52,4 +52,26 @@ test("a torque's axis is that of all but a few samples that would have half of i
   assert.deepEqual(mostLimits(torque.slice(), torque).map((one) => Math.round(one)), [0, 30]);
   assert.deepEqual(mostLimits(new Float32Array(9), new Float32Array(9)), [0, 0]);
   assert.deepEqual(mostLimits(Float32Array.from([NaN, NaN]), new Float32Array(2).fill(NaN)), [NaN, NaN]);
+});
+
+test("captures whose names begin alike are told apart by how they end", async () => {
+  globalThis.location = /** @type {any} */ ({ search: "" });
+  const { sharedHead } = await import("../src/captures.js");
+  const servo = ["2026-01-15_10h28m10.json", "2026-01-15_10h28m17.json", "2026-01-15_10h29m04.json"];
+  assert.deepEqual(servo.map((name) => name.slice(sharedHead(servo))), ["10h28m10.json", "10h28m17.json", "10h29m04.json"]);
+  assert.equal(sharedHead(["a.npz", "b.npz"]), 0);
+  assert.equal(sharedHead(["knob 3.npz", "knob 3.npz"]), 0, "names that are the same stay");
+  assert.equal(sharedHead(["alone_in_it.npz"]), 0);
+  assert.equal(sharedHead([]), 0);
+});
+
+test("a note that is the same of all captures is said once", async () => {
+  globalThis.location = /** @type {any} */ ({ search: "" });
+  const { alikeInAll } = await import("../src/captures.js");
+  const note = { text: "note: columns", note: true, seen: false };
+  const other = { text: "note: time", note: true, seen: true };
+  const captures = /** @type {any[]} */ ([{ findings: [note, other] }, { findings: [other, note] }]);
+  assert.deepEqual([...alikeInAll(captures).keys()], ["note: columns"]);
+  assert.equal(alikeInAll([...captures, /** @type {any} */ ({ findings: [] })]).size, 0);
+  assert.equal(alikeInAll(captures.slice(1)).size, 0);
 });

@@ -17,6 +17,6 @@ test("a spectrum leaves out the constant and what the filter has taken away", ()
 
 test("along frequency no sample has a place", () => {
   const columns = { t: new Float32Array(2), tau: new Float32Array(2), omega: new Float32Array(2), residual: new Float32Array(2) };
-  const data = { columns, unit: "N m", coordinate: /** @type {const} */ ("rotary"), noise: null, fitted: true };
+  const data = { columns, unit: "N m", peak: 1, coordinate: /** @type {const} */ ("rotary"), noise: null, fitted: true };
   assert.equal(samplesIn(data, { axis: "frequency", low: 1, high: 2, direction: 0 }), null);
 });

@@ -226,10 +226,7 @@ USUAL: tuple[Along, ...] = ("position", "velocity", "time")
 
 
 class Place(TypedDict):
-    """Where a verdict says that a model fails: `words` of its text, from `low` to `high` along an axis.
-
-    `direction` is 1 forward, -1 backward, 0 both.
-    """
+    """Where a model fails, in `words` of a verdict; moving forward (1), backward (-1) or both ways (0)."""
 
     words: str
     axis: Along
@@ -262,7 +259,7 @@ class Splits(TypedDict):
 class Session(TypedDict):
     """What a session has; before the first capture there is no node, `proposed` is null until it is asked.
 
-    `untold` are effects of which one is in the model, and the captures could not tell which.
+    Of the effects in each of `untold` one is in the model, not known which. `peak` is the largest torque.
     """
 
     schema: str
@@ -274,6 +271,7 @@ class Session(TypedDict):
     node: str | None
     noise_floor: float | None
     unit: str
+    peak: float
     params: list[Param]
     together: list[Together]
     rmse: float | None
@@ -366,9 +364,10 @@ class ShownStep(TypedDict):
 
 
 class Shown(TypedDict):
-    """What linked plots show: models held against captures of `all` samples."""
+    """What linked plots show: models held against captures of `all` samples, torques up to `peak`."""
 
     unit: str
+    peak: float
     coordinate: Literal["rotary", "linear"]
     noise: float | None
     all: int

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import os
-from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,11 +15,16 @@ from ..errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from ..capture.formats.units import Coordinate
     from ..capture.motions import MotionTrack
     from ..capture.prepare import Prepared
 
 LONGEST_S = 10.0
 _MOST_S = 600.0
+_NUMBERS = (
+    *("torque_Nm", "omega_rad_s", "alpha_rad_s2", "theta_min_rad", "theta_max_rad"),
+    *("duration_s", "sample_rate_hz"),
+)
 _MOST_BYTES = 100_000
 _ROUNDING = 1e-9
 
@@ -28,7 +33,8 @@ _ROUNDING = 1e-9
 class Limits:
     """Largest torque, speed and acceleration either way, the angles to stay between, and how long, how often.
 
-    SI; of a linear axis in N and m. A motion that is designed exceeds none of them for any rival.
+    SI; of a linear axis (`coordinate`, which captures say and no file does) in N and m. A motion that is
+    designed exceeds none of them for any rival.
     """
 
     torque_Nm: float
@@ -38,10 +44,10 @@ class Limits:
     theta_max_rad: float
     duration_s: float = LONGEST_S
     sample_rate_hz: float = 5000.0
+    coordinate: Coordinate = "rotary"
 
     def __post_init__(self) -> None:
-        for name in (one.name for one in fields(self)):
-            value = getattr(self, name)
+        for name, value in self.numbers.items():
             if not math.isfinite(value) or (value <= 0.0 and not name.startswith("theta")):
                 wanted = "a number" if name.startswith("theta") else "a number above 0"
                 raise InputError(f"limits, {name}: is {value}; give {wanted}")
@@ -72,6 +78,7 @@ class Limits:
             float(np.min(theta)),
             float(np.max(theta)),
             sample_rate_hz=prepared[0].core.rate_hz,
+            coordinate=prepared[0].capture.coordinate,
         )
 
     @classmethod
@@ -82,11 +89,10 @@ class Limits:
 
     def with_some(self, given: Mapping[str, object], where: str = "limits, ") -> Limits:
         """Return them with some others by their names. Raises InputError, from `where`, for what is none."""
-        known = [one.name for one in fields(self)]
-        numbers: dict[str, float] = {}
+        numbers: dict[str, Any] = {}
         for name, value in given.items():
-            if name not in known:
-                raise InputError(f"{where}{name}: is no limit; known are {', '.join(known)}")
+            if name not in _NUMBERS:
+                raise InputError(f"{where}{name}: is no limit; known are {', '.join(_NUMBERS)}")
             if isinstance(value, bool) or not isinstance(value, int | float):
                 raise InputError(f"{where}{name}: is {value!r}; give a number")
             numbers[name] = float(value)
@@ -102,6 +108,16 @@ class Limits:
             return given
         usual = cls.reached(prepared)
         return usual if given is None else cls.load(given, usual)
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """All of them by name."""
+        return {name: getattr(self, name) for name in _NUMBERS}
+
+    @property
+    def unit(self) -> str:
+        """What positions are in."""
+        return "m" if self.coordinate == "linear" else "rad"
 
     @property
     def middle(self) -> float:

@@ -171,7 +171,8 @@ def _passes(u: Numbers, limits: Limits, eased: float, seconds: float, at: float)
     ends = 0
     while filling.put(Move((high, low)[ends % 2], speed, hard)):
         ends += 1
-    return filling.parts, f"to and fro over {high - low:.3g} rad at {speed:.3g} rad/s, {_times(ends)}"
+    way = f"{high - low:.3g} {limits.unit} at {speed:.3g} {limits.unit}/s"
+    return filling.parts, f"to and fro over {way}, {_times(ends)}"
 
 
 def _speeds(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) -> tuple[list[Part], str]:
@@ -191,9 +192,8 @@ def _speeds(u: Numbers, limits: Limits, eased: float, seconds: float, at: float)
         if not filling.put(Move(there, speed, hard)):
             break
         ends += 1
-    return filling.parts, (
-        f"to and fro {_times(ends)}, each time faster: {slowest:.3g} to {fastest:.3g} rad/s, {steps} speeds"
-    )
+    speeds = f"{slowest:.3g} to {fastest:.3g} {limits.unit}/s, {steps} speeds"
+    return filling.parts, f"to and fro {_times(ends)}, each time faster: {speeds}"
 
 
 def _loops(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) -> tuple[list[Part], str]:
@@ -214,9 +214,10 @@ def _loops(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) 
         while filling.left > until and filling.put(Move(there + side * 0.5 * size, speed, hard)):
             side, moves = -side, moves + 1
         reached += moves > before
-    degrees = f"{math.degrees(size):.3g} degrees" if size < 1.0 else f"{size:.3g} rad"
+    small = f"{1e3 * size:.3g} mm" if limits.unit == "m" else f"{math.degrees(size):.3g} degrees"
+    way = small if size < 1.0 else f"{size:.3g} {limits.unit}"
     times = f"{_of(moves, 'move')} at {_of(reached, 'place')}"
-    return filling.parts, f"slow to and fro within {degrees} at {speed:.3g} rad/s, {times}"
+    return filling.parts, f"slow to and fro within {way} at {speed:.3g} {limits.unit}/s, {times}"
 
 
 def _rests(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) -> tuple[list[Part], str]:
@@ -234,7 +235,8 @@ def _rests(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) 
         if not (filling.put(Move(low + level * (high - low), speed, hard)) and filling.put(Rest(rest))):
             break
         moves += 1
-    return filling.parts, f"{moves} moves at {speed:.3g} rad/s with rests of {rest:.2g} s between"
+    rests = f" with rests of {rest:.2g} s between" if moves > 1 else ""
+    return filling.parts, f"{_of(moves, 'move')} at {speed:.3g} {limits.unit}/s{rests}"
 
 
 def _waves(u: Numbers, limits: Limits, eased: float, seconds: float, at: float) -> tuple[list[Part], str]:

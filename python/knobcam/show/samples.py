@@ -74,11 +74,17 @@ def head(shown: Sequence[Shown]) -> pages.Shown:
     last = shown[-1].fit
     return {
         "unit": last.torque_unit,
+        "peak": peak(last),
         "coordinate": last.model.coordinate,
         "noise": last.noise_floor,
         "all": sum(one.capture.samples for one in last.prepared),
         "steps": [step.document() for step in shown],
     }
+
+
+def peak(fit: Fit) -> float:
+    """Return the largest torque that a model is fitted to, N m (or what stands for it), a magnitude."""
+    return max(float(np.max(np.abs(one.tau[one.used]), initial=0.0)) for one in fit.prepared)
 
 
 def measured(fit: Fit) -> dict[str, FloatArray]:

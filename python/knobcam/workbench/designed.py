@@ -100,7 +100,7 @@ class Designed:
             "headline": self.headline,
             "separable": self.separable,
             "seconds": self.plan.seconds,
-            "limits": {one.name: getattr(self.limits, one.name) for one in fields(Limits)},
+            "limits": self.limits.numbers,
             "pairs": [
                 {
                     "names": (self.names[one.one], self.names[one.other]),
@@ -200,13 +200,14 @@ def came(
     """Return it with what a recording of the motion told: every rival is fitted to it and to all before."""
     if kept.known is not None:
         return _sharper(kept, kept.known, captures, name, options, tell)
-    left, params = [], []
+    left, params, fits = [], [], []
     for rival, model in zip(kept.names, kept.models, strict=True):
         tell(f"fitting {rival} to all")
         fitted = fit(captures, model, **options)
         used = sum(one.core.used for one in fitted.prepared)
         left.append(fitted.rmse**2 * used / kept.white)
         params.append(len(fitted.core.free))
+        fits.append(fitted)
     # As `learn` weighs what could be missing: by what they leave and the price of their parameters.
     cost = [one + RULE.price * count for one, count in zip(left, params, strict=True)]
     best = int(np.argmin(cost))
@@ -222,7 +223,12 @@ def came(
     words += [f"still not told from it: {', '.join(kept.names[at] for at in tied)}"] if tied else []
     pairs = tuple(replace(one, came=abs(left[one.one] - left[one.other])) for one in kept.pairs)
     verdict = f"{'; '.join(words)}."
-    return replace(kept, pairs=pairs, capture=name, verdict=verdict, right=None if tied else best)
+    # Who is best while something else is missing too may be so for what it takes of that.
+    lacking = fits[best].noise_floor > 0.0 and not fits[best].compare().complete
+    if lacking:
+        verdict += " None leaves only chance: something else is missing too, so add one and weigh again."
+    right = None if tied or lacking else best
+    return replace(kept, pairs=pairs, capture=name, verdict=verdict, right=right)
 
 
 def _sharper(

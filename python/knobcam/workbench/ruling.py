@@ -10,6 +10,7 @@ from ..capture import load
 from ..capture.quality.ruled import with_later
 from ..errors import InputError
 from ..fit.described import by_model
+from .plain import in_words
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -77,7 +78,7 @@ def document(opened: Opened, fit: Fit | None = None, at: int = 0) -> list[pages.
     return [
         {
             "key": one.key,
-            "text": str(one),
+            "text": in_words(one, opened.capture),
             "note": one.severity == "note" and not one.overruled,
             "overruled": one.overruled,
             "stands": _SAVED if one.overruled and one.key not in told else _stands(one),

@@ -13,7 +13,7 @@ from ..fit.plausible import out_of_range
 from ..learn import LearningResult
 from ..learn.limitations import limitations
 from ..model.effects import effects
-from ..show.samples import candidates
+from ..show.samples import candidates, peak
 from . import proposing, ruling
 from .closing import open_ones
 from .designing import origin
@@ -59,6 +59,7 @@ def document(session: Session) -> pages.Session:
         "node": view.id,
         "noise_floor": fitted.noise_floor,
         "unit": fitted.torque_unit,
+        "peak": said.peak,
         "params": _parameters(view),
         "together": said.together,
         "rmse": view.rmse,
@@ -88,6 +89,7 @@ def document(session: Session) -> pages.Session:
 class _Said(NamedTuple):
     """What is said of a fit whatever a hand moves; looking through its samples takes its time."""
 
+    peak: float
     together: list[pages.Together]
     limitations: list[str]
     absent: list[pages.Effect]
@@ -101,7 +103,7 @@ def _said(fitted: Fit) -> _Said:
     if fitted not in _KNOWN:
         said = [f"{one.message}; {one.record}" for one in limitations(fitted)]
         missing = [one.document() for one in absent(fitted.model)]
-        _KNOWN[fitted] = _Said(_together(fitted), said, missing)
+        _KNOWN[fitted] = _Said(peak(fitted), _together(fitted), said, missing)
     return _KNOWN[fitted]
 
 
@@ -143,6 +145,7 @@ def _nothing(session: Session) -> pages.Session:
         "node": None,
         "noise_floor": None,
         "unit": "N m",
+        "peak": 0.0,
         "params": [],
         "together": [],
         "rmse": None,
@@ -266,8 +269,8 @@ def _verdict(steps: list[LearningStep], diagnosis: Diagnosis | None, end: Select
     said = said if useless else ""
     if diagnosis is None:
         return f"{said}What could be missing is not weighed yet."
-    if end is None:
-        return said + diagnosis.summary
+    if end is None:  # what is missing the page says first, of the candidates
+        return f"{said}{diagnosis.comparison.summary} {diagnosis.fit.beyond or ''}".rstrip()
     return f"{said}{LearningResult(*end).headline} {diagnosis.comparison.summary}"
 
 

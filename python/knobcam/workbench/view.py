@@ -50,7 +50,8 @@ class View:
     def _moved_rmse(self) -> float:
         squares = np.concatenate([self.squares(at) for at in range(len(self.fit.prepared))])
         counted = squares[~np.isnan(squares)]
-        return math.sqrt(float(np.mean(counted))) if len(counted) else math.nan
+        with np.errstate(over="ignore"):  # of squares that are finite each
+            return math.sqrt(float(np.mean(counted))) if len(counted) else math.nan
 
     def squares(self, at: int) -> FloatArray:
         """Squared residual on a capture, (N m)^2; a hand may move a parameter to where that is infinite."""

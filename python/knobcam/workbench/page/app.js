@@ -108,7 +108,7 @@ function percent(share) {
   const text = (100 * share).toFixed(share > 0 && share < 0.1 ? 1 : 0);
   return `${Number(text) === 0 ? "0" : text} %`.replaceAll("-", "−");
 }
-function torqueScale(unit, peak) {
+function torqueScale({ unit, peak }) {
   return unit === "N m" && peak <= 2 ? { factor: 1e3, unit: "mNm" } : { factor: 1, unit };
 }
 function unitWords(unit) {
@@ -140,9 +140,9 @@ function comparable({ branches, branch: current, active }, branch) {
 }
 function showBranches(place4, state, beside, deeds) {
   const focused = document.activeElement?.getAttribute("data-beside");
+  const scale = torqueScale(state);
   const cards = state.branches.map(({ id, name, steps, at }) => {
     const step = steps[at];
-    const scale = torqueScale(state.unit, step?.rmse ?? 0);
     const changed = steps.slice(1, at + 1).filter(({ added, dropped }) => added || dropped);
     const changes = changed.map(({ added, dropped }) => added ? `+ ${added}` : `− ${dropped}`);
     const words3 = changes.join(" ") || "nothing added";
@@ -173,6 +173,7 @@ function showBranches(place4, state, beside, deeds) {
 
 // src/captures.js
 var FEW = 2;
+var SHORT = 5;
 var PLURAL = { note: "notes", warning: "warnings" };
 function showCaptures(place4, { captures, active }, { use, close }) {
   const key2 = JSON.stringify([captures, active]);
@@ -183,6 +184,7 @@ function showCaptures(place4, { captures, active }, { use, close }) {
     place4.replaceChildren(make("span", { class: "capture", title: only.name }, ...words(only)));
     return;
   }
+  const shared = sharedHead(captures.map(({ name }) => name));
   const toggled = (id) => active.includes(id) ? active.filter((one) => one !== id) : [...active, id];
   const buttons = captures.map((capture) => {
     const alone = active.length === 1 && active[0] === capture.id;
@@ -194,7 +196,7 @@ function showCaptures(place4, { captures, active }, { use, close }) {
         disabled: alone,
         on: { click: () => use(toggled(capture.id)) }
       },
-      ...words(capture)
+      ...words(capture, shared)
     );
     const away = make("button", {
       ...{ type: "button", class: "away", text: "×", "aria-label": `close ${capture.name}`, disabled: alone },
@@ -204,11 +206,19 @@ function showCaptures(place4, { captures, active }, { use, close }) {
   });
   place4.replaceChildren(...buttons);
 }
-function words({ name, samples, rate_hz, findings }) {
+function sharedHead(names) {
+  const [first = "", ...others] = names;
+  let alike = 0;
+  while (alike < first.length && others.every((name) => name[alike] === first[alike])) alike++;
+  const word = /^.*[-_ .]/.exec(first.slice(0, alike))?.[0].length ?? 0;
+  return alike < first.length && names.every((name) => name.length > word) && word > SHORT ? word : 0;
+}
+var called = (name, shared) => shared > 0 ? `…${name.slice(shared)}` : name;
+function words({ name, samples, rate_hz, findings }, shared = 0) {
   const facts = ` ${samples.toLocaleString("en")} samples, ${Math.round(rate_hz)} Hz`;
   const doubtful = findings.filter(({ note }) => !note);
   const doubt = make("span", { class: "doubt", text: "⚠ ", title: doubtful.map(({ text }) => text).join("\n") });
-  return [...doubtful.length > 0 ? [doubt] : [], make("strong", { text: name }), facts];
+  return [...doubtful.length > 0 ? [doubt] : [], make("strong", { text: called(name, shared) }), facts];
 }
 function showFindings(place4, { captures, active, limitations, notes, job }, deeds) {
   const key2 = JSON.stringify([captures, active, limitations, notes, job === null]);
@@ -216,11 +226,16 @@ function showFindings(place4, { captures, active, limitations, notes, job }, dee
   place4.dataset.shown = key2;
   const focused = document.activeElement?.getAttribute("data-finding");
   const fitted = captures.filter(({ id }) => active.includes(id));
-  const told = fitted.flatMap(({ findings }) => findings);
-  const found2 = fitted.flatMap(({ id, name, findings }) => {
+  const every = alikeInAll(fitted);
+  const shared = sharedHead(fitted.map(({ name }) => name));
+  const [several, all] = [fitted.length > 1, { id: "", name: "all: ", job }];
+  const apart = fitted.map((one) => ({ ...one, findings: one.findings.filter(({ text, note }) => !note || !every.has(text)) }));
+  const told = [...apart.flatMap(({ findings }) => findings), ...every.values()];
+  const found2 = apart.flatMap(({ id, name, findings }) => {
     const own2 = [...findings.filter(({ note }) => !note), ...findings.filter(({ note }) => note)];
-    return own2.map((one) => finding(one, { id, name: fitted.length > 1 ? `${name}: ` : "", job }, deeds));
+    return own2.map((one) => finding(one, { id, name: several ? `${called(name, shared)}: ` : "", job }, deeds));
   });
+  found2.push(...[...every.values()].map((one) => finding(one, all, deeds)));
   const missing = limitations.map((text) => make("li", { class: "soft", text: `Cannot be told: ${text}` }));
   const noted = notes.map((text) => make("li", { class: "doubt", text: `⚠ ${text}` }));
   const open = place4.querySelector("details")?.open ?? false;
@@ -228,6 +243,13 @@ function showFindings(place4, { captures, active, limitations, notes, job }, dee
   place4.replaceChildren(...noted, ...missing, ...own);
   const again = focused && place4.querySelector(`[data-finding="${CSS.escape(focused)}"]`);
   if (again instanceof HTMLElement) again.focus();
+}
+function alikeInAll([first, ...others]) {
+  if (!first || others.length === 0) return /* @__PURE__ */ new Map();
+  const alike = first.findings.filter(
+    ({ text, note, seen }) => note && !seen && others.every(({ findings }) => findings.some((one) => one.note && one.text === text))
+  );
+  return new Map(alike.map((one) => [one.text, one]));
 }
 function folded(items, told, open) {
   const kinds = Map.groupBy(told, ({ text, overruled }) => overruled ? "overruled" : text.split(":")[0]);
@@ -241,13 +263,13 @@ function finding({ key: key2, text, note, overruled, stands, seen }, { id, name,
   const words3 = seen ? make("button", { type: "button", class: "leads", title: "show its samples", text: said, on: { click: () => see(id, key2) } }) : make("span", { text: said });
   const box = make("input", {
     ...{ type: "checkbox", role: "switch", checked: !overruled, disabled: stands !== "", "data-finding": `${name}${key2}` },
-    "aria-label": `in force: ${name}${text}`,
+    "aria-label": `applied: ${name}${text}`,
     // While something is done it waits, but keeps the focus.
     ...{ "aria-disabled": job !== null ? "true" : null },
     on: { click: (event) => job !== null && event.preventDefault(), change: () => overrule(id, key2, !overruled) }
   });
   const why = stands || "off: nothing is done about it, the samples are taken as they were recorded, and the model is fitted anew";
-  const own = note ? null : make("label", { title: why }, box, overruled ? "overruled" : "in force");
+  const own = note ? null : make("label", { title: why }, box, overruled ? "overruled" : "applied");
   return make("li", { class: `finding ${note || overruled ? "soft" : "doubt"}` }, words3, own);
 }
 async function samplesOf(capture, finding2, { captures, active }) {
@@ -778,7 +800,7 @@ function acting(effect, { data, at, added }) {
       /** @type {import("./section.js").Look} */
       colours
     );
-    const scale = torqueScale(data.unit, motion.most.added);
+    const scale = torqueScale(data);
     const torque = motion.added ? `adds ${number(motion.added[now] * scale.factor)} ${scale.unit}` : "what it adds is not weighed here";
     words3.textContent = `${number(t[now], 4)} s: ${torque}`;
   };
@@ -1040,7 +1062,8 @@ var Mapping = class {
         ...{ type: "button", title: "put into the chosen field" },
         on: { click: () => this.put(name) }
       },
-      make("strong", { text: `${name}: ` }),
+      make("strong", { text: name }),
+      " ",
       canvas,
       make("span", { class: "soft", text: range2 })
     );
@@ -1318,14 +1341,14 @@ function closeMenu(focus) {
 // src/ladder.js
 function showLadder(place4, state) {
   const branch = state.branches.find(({ id }) => id === state.branch);
-  const key2 = JSON.stringify([branch, state.rmse, state.noise_floor, state.unit]);
+  const key2 = JSON.stringify([branch, state.rmse, state.noise_floor, state.unit, state.peak]);
   if (place4.dataset.shown === key2) return;
   place4.dataset.shown = key2;
   const { steps, at: here } = sameCaptures(branch?.steps ?? [], branch?.at ?? 0);
   const errors = steps.flatMap(({ rmse, rmse_heldout }) => [rmse, rmse_heldout]).concat(state.rmse);
   const floor = state.noise_floor;
   const widest = Math.max(...errors.map((error) => error ?? 0), floor ?? 0) * 1.02;
-  const scale = torqueScale(state.unit, widest);
+  const scale = torqueScale(state);
   const shown2 = (value) => number(value === null ? null : value * scale.factor);
   const lines = steps.map(({ added, dropped, rmse, rmse_heldout }, at) => {
     const now = at === here;
@@ -1626,8 +1649,8 @@ function rowsOf(data, view, widest) {
   const word = torqueWord(data.unit);
   const model = modelOf(columns.residual, columns.tau);
   const other = beside ? modelOf(beside.residual, columns.tau) : null;
-  const fine = torqueScale(data.unit, widest);
-  const [ownLabel, besideLabel] = [columns, beside].map((one) => one ? `residual, ${fine.unit}${beyondWords(one.residual, -1.04 * widest, 1.04 * widest)}` : "");
+  const scale = torqueScale(data);
+  const [ownLabel, besideLabel] = [columns, beside].map((one) => one ? `residual, ${scale.unit}${beyondWords(one.residual, -1.04 * widest, 1.04 * widest)}` : "");
   return view.axes.map((along) => {
     if (along === "frequency") return { torque: null, residual: alongFrequency(data), beside: null };
     const axis2 = AXES[along];
@@ -1643,7 +1666,6 @@ function rowsOf(data, view, widest) {
       { colour: "--modelled", chosen: "--modelled", y: modelled, strength: 0.35 }
     ];
     const [lowest, highest] = limits([Float32Array.from(mostLimits(modelled, counted(modelled, measured)))]);
-    const scale = torqueScale(data.unit, Math.max(-lowest, highest));
     const torque = {
       ...common,
       picked: series.findIndex(({ colour }) => colour === "--measured"),
@@ -1657,7 +1679,7 @@ function rowsOf(data, view, widest) {
     };
     const rest = (y, label, colour, title) => ({
       ...common,
-      yAxis: { low: -1.04 * widest, high: 1.04 * widest, factor: fine.factor, label },
+      yAxis: { low: -1.04 * widest, high: 1.04 * widest, factor: scale.factor, label },
       title,
       series: [{ colour, chosen: "--chosen", y, strength: 0.3 }],
       noise: data.noise && 2 * data.noise
@@ -1670,11 +1692,11 @@ function rowsOf(data, view, widest) {
     };
   });
 }
-function alongFrequency({ splits, unit, fitted }) {
+function alongFrequency({ splits, unit, peak, fitted }) {
   const spectrum = spectrumOf(splits?.find(({ axis: axis2 }) => axis2 === "frequency"));
   const [least, most] = spectrum ? limits([spectrum.y, spectrum.chance].map((one) => Float32Array.from(one))) : [-4, -2];
   const [low, high] = spectrum ? [spectrum.x[0], spectrum.x[spectrum.x.length - 1]] : [0, 3];
-  const scale = torqueScale(unit, 10 ** most);
+  const scale = torqueScale({ unit, peak });
   return {
     ...{ x: new Float32Array(0), series: [], picked: 0, noise: null, spectrum },
     title: fitted ? "residual over frequency, beside what chance stays below" : "over frequency: of a fit only",
@@ -1740,7 +1762,7 @@ function drawCurve(canvas, curve, about2, looked) {
   const edges = [-1, 1].map((side) => value.map((one, at) => one === null ? NaN : one + side * (band2[at] ?? NaN)));
   const drawn = laws.map((law) => law?.map((one) => one ?? NaN) ?? null);
   const [low, high] = limits([...edges, ...drawn.filter((law) => law !== null)].map((one) => Float32Array.from(one)), { around: 0 });
-  const shown2 = curve.times ? { factor: 1, unit: "" } : torqueScale(about2.unit, Math.max(-low, high));
+  const shown2 = curve.times ? { factor: 1, unit: "" } : torqueScale(about2);
   const y = { low, high, factor: shown2.factor, label: `left over${curve.times ? ` / (${curve.times})` : `, ${shown2.unit}`}` };
   const names = { ink: "--ink", soft: "--soft", line: "--grid", band: "--band", wrong: "--wrong", law: "--signature", rest: "--measured" };
   const colours = Object.fromEntries(Object.entries(names).map(([name, style]) => [name, styleValue(style, canvas)]));
@@ -1839,7 +1861,7 @@ var Laws = class {
       const now = this.typing;
       const words3 = await this.deeds.attempt(formula, ({ rmse, rmse_heldout, words: params }) => {
         if (now !== this.typing || !this.about) return;
-        const scale = torqueScale(this.about.unit, rmse);
+        const scale = torqueScale(this.about);
         const unseen = rmse_heldout === null ? "" : `, ${number(rmse_heldout * scale.factor)} on unseen blocks`;
         said.className = "";
         said.textContent = `would leave ${number(rmse * scale.factor)} ${scale.unit}${unseen}; ${params.join("; ")}`;
@@ -1865,14 +1887,15 @@ var Laws = class {
     canvas.setAttribute("aria-label", words3);
   }
   /** @param {State} state */
-  show({ candidates, proposed, proposed_text, node, job, rmse, curve, unit, captures }) {
+  show({ candidates, proposed, proposed_text, node, job, rmse, curve, unit, peak, captures }) {
     const shown2 = JSON.stringify([candidates.ready, proposed, node, job === null]);
     if (shown2 === this.shown) return;
     this.shown = shown2;
     byId("own").hidden = node === null;
-    this.about = { curve, unit, coordinate: captures[0]?.coordinate ?? "rotary" };
+    this.about = { curve, unit, peak, coordinate: captures[0]?.coordinate ?? "rotary" };
     this.draw();
-    if (!candidates.ready || node === null) {
+    const nothing = candidates.rows.length === 0 && candidates.unexplained === null;
+    if (!candidates.ready || node === null || proposed === null && nothing) {
       this.place.replaceChildren();
     } else if (proposed === null) {
       const ask2 = make("button", {
@@ -2855,10 +2878,8 @@ var Linked = class {
     const { chosen, data, share } = this;
     if (!chosen || !data || !share) return this.told(null);
     const part = percent(chosen.length / data.columns.t.length);
-    const rms = (value) => {
-      const scale = torqueScale(data.unit, value);
-      return `RMS ${number(value * scale.factor)} ${scale.unit}`;
-    };
+    const scale = torqueScale(data);
+    const rms = (value) => `RMS ${number(value * scale.factor)} ${scale.unit}`;
     const count = `${chosen.length.toLocaleString("en")} ${chosen.length === 1 ? "sample" : "samples"} chosen, ${part} of all`;
     if (share.counted === 0 && chosen.length > 0) return this.told(`${count}: nothing is fitted to them`);
     const own = chosen.length > 0 ? ` (${rms(share.rms)})` : "";
@@ -3149,7 +3170,7 @@ var Live = class {
     else bar2.value = done;
     byId("live-time").textContent = `${seconds(elapsed_s)} of ${seconds(total_s)}`;
     const { peak_torque: peak, torque_limit: limit = 0, temperature, clipped = {} } = this.told;
-    const scale = torqueScale("N m", peak ?? 0);
+    const scale = torqueScale({ unit: "N m", peak: peak ?? 0 });
     const figures = [
       `${received.toLocaleString("en")} samples`,
       `${missing.toLocaleString("en")} lost`,
@@ -3169,7 +3190,7 @@ var Live = class {
     for (const [at, { x, y, name }] of PLOTS.entries()) {
       const [low, high] = limits([this.columns[y]]);
       const across = x === "t" ? [0, span2(t[t.length - 1], this.told?.total_s)] : limits([this.columns[x]]);
-      const scale = y === "tau" ? torqueScale("N m", Math.max(-low, high)) : null;
+      const scale = y === "tau" ? torqueScale({ unit: "N m", peak: Math.max(-low, high) }) : null;
       this.plots[at].show({
         title: name,
         x: this.columns[x],
@@ -3223,7 +3244,7 @@ function showMoment(data, at) {
   const modelled = tau[at] - residual[at];
   let largest3 = 0;
   for (let i = 0; i < tau.length; i++) if (Math.abs(tau[i]) > largest3) largest3 = Math.abs(tau[i]);
-  const { factor, unit } = torqueScale(data.unit, largest3);
+  const { factor, unit } = torqueScale(data);
   const shown2 = (value) => number(value * factor);
   byId("moment-words").textContent = `${number(t[at], 4)} s, ${number(theta[at])} ${angle}, ${number(omega[at])} ${rate}; ${torqueWord(data.unit)} ` + (counts ? `${shown2(tau[at])} measured, ${shown2(modelled)} modelled, ${shown2(residual[at])} ${unit} left` : `masked: it does not count`);
   brush.scale(scale, scale);
@@ -3285,6 +3306,49 @@ function head(brush, [x, y], way) {
     brush.lineTo(x + ahead * Math.cos(way) - aside * Math.sin(way), y + ahead * Math.sin(way) + aside * Math.cos(way));
   }
   brush.fill();
+}
+
+// src/evidence.js
+var LEAST_D = 0.1;
+function inWords(headline, params) {
+  const named = params.find(({ name }) => headline.startsWith(`${name} `));
+  return named?.meaning ? headline.replace(named.name, `${named.name} (${named.meaning})`) : headline;
+}
+function limitWords(linear, unit) {
+  const [place4, way] = linear ? ["position", "m"] : ["angle", "rad"];
+  return {
+    torque_Nm: `${torqueWord(unit)}, ${unit}`,
+    omega_rad_s: `speed, ${way}/s`,
+    alpha_rad_s2: `acceleration, ${unitWords(`${way}/s^2`)}`,
+    theta_min_rad: `from ${place4}, ${way}`,
+    theta_max_rad: `to ${place4}, ${way}`
+  };
+}
+function largest2(pairs) {
+  return Math.max(100, ...pairs.flatMap(({ d, standard_d, came }) => [d, standard_d, came ?? 0]));
+}
+function bars({ names, d, standard_d, wrong_choice, came }, told, most) {
+  const share = (value) => `${100 * Math.log(Math.max(value, LEAST_D) / LEAST_D) / Math.log(most / LEAST_D)}%`;
+  const row = (words3, value, name) => {
+    const bar2 = make("span", { class: `bar ${name}` });
+    const line2 = make("span", { class: "told" });
+    bar2.style.width = share(value);
+    line2.style.left = share(told);
+    return make(
+      "div",
+      { class: "evidence-line" },
+      make("span", { class: "label", text: words3 }),
+      make("span", { class: "track" }, bar2, line2),
+      make("span", { class: "figure", text: number(value) })
+    );
+  };
+  const wrong = wrong_choice < 1e-3 ? "less than 0.1 %" : percent(wrong_choice);
+  return [
+    make("p", {}, make("strong", { text: names.join(" or ") }), `: the wrong one is chosen in ${wrong}`),
+    row("this motion", d, "promised"),
+    row("best standard motion", standard_d, "standard"),
+    ...came === null ? [] : [row("what came", came, "came")]
+  ];
 }
 
 // src/lead.js
@@ -3518,9 +3582,7 @@ function dot(brush, x, y, size, colour) {
 
 // src/next.js
 var COLOURS = ["--modelled", "--wrong", "--signature", "--beside"];
-var LEAST_D = 0.1;
 var MOTION2 = ["t", "theta", "omega"];
-var WORDS2 = { theta: "angle", omega: "velocity" };
 var Next = class {
   /**
    * @param {{store: import("./store.js").Store, design: (body: object) => Promise<unknown>,
@@ -3625,20 +3687,21 @@ var Next = class {
       byId("next-said").textContent = "";
       return;
     }
-    byId("next-said").textContent = experiment.verdict ?? experiment.headline;
+    const [promise] = inWords(experiment.headline, state.params).split(": ");
+    byId("next-said").textContent = experiment.verdict ?? `${promise}.`.replace("..", ".");
     if (byId("next").hidden) return;
     this.enable(!recording);
     const shown2 = JSON.stringify([experiment, node, state.active]);
     if (shown2 === this.drawn) return;
     this.drawn = shown2;
-    this.tell(experiment);
+    this.tell(experiment, state);
     this.loading = this.load(experiment, state).catch(this.deeds.failed);
   }
-  /** @param {Experiment} experiment */
-  tell(experiment) {
+  /** @param {Experiment} experiment @param {State} state */
+  tell(experiment, { params, captures, unit }) {
     const { headline, verdict, source, pairs, steps, by_hand, seconds: seconds2, limits: within4 } = experiment;
     byId("next-time").textContent = `${number(seconds2)} s`;
-    byId("next-headline").textContent = headline;
+    byId("next-headline").textContent = inWords(headline, params);
     byId("next-verdict").textContent = verdict ?? "";
     byId("next-record").hidden = source === null;
     byId("next-record").textContent = experiment.capture ? "Record it again" : "Record it";
@@ -3651,10 +3714,13 @@ var Next = class {
     const led = tempi.size === 1 ? ` at ${[...tempi][0]} beats a minute` : "";
     byId("next-can").textContent = by_hand ? `By hand, led by a metronome${led}` : "For a motor";
     byId("next-no-hand").hidden = by_hand;
-    byId("next-steps").replaceChildren(...(by_hand ? steps : []).map(({ words: words3 }) => make("li", {}, words3)));
+    byId("next-steps").replaceChildren(...(by_hand ? steps : []).map(({ words: words4 }) => make("li", {}, words4)));
+    const words3 = limitWords(captures[0]?.coordinate === "linear", unit);
     for (const [name, value] of Object.entries(within4)) {
       const field3 = byId("next-limits").querySelector(`[name=${name}]`);
-      if (field3 instanceof HTMLInputElement) field3.value = String(Number(value.toPrecision(4)));
+      if (!(field3 instanceof HTMLInputElement)) continue;
+      field3.value = String(Number(value.toPrecision(4)));
+      if (name in words3 && field3.previousElementSibling) field3.previousElementSibling.textContent = words3[name];
     }
   }
   /** @param {Experiment} experiment @param {State} state */
@@ -3674,15 +3740,16 @@ var Next = class {
     const { motion, recorded = [], state } = this;
     if (!motion || !state?.experiment || byId("next").hidden) return;
     const rotary = state.captures[0]?.coordinate !== "linear";
+    const words3 = { theta: rotary ? "angle" : "position", omega: "velocity" };
     const units = rotary ? { theta: "rad", omega: "rad/s" } : { theta: "m", omega: "m/s" };
     const both = (name) => [...recorded.map((part) => part[name]), motion[name]];
     const since = recorded.map(({ t }) => t.map((value) => value - (t[0] ?? 0)));
     const [over, across] = ["theta", "omega"].map((name) => ({ y: both(name), name }));
     for (const [at, { y, name }] of [over, across].entries()) {
       const x = at === 0 ? [...since, motion.t] : both("theta");
-      const label = (one) => `${WORDS2[one]}, ${units[one]}`;
+      const label = (one) => `${words3[one]}, ${units[one]}`;
       this.plots[at].show({
-        title: at === 0 ? "angle over time" : "velocity over angle",
+        title: at === 0 ? `${words3.theta} over time` : `velocity over ${words3.theta}`,
         ...clouds(x, y, ["--measured", "--signature"]),
         xAxis: axis(limits(x), at === 0 ? "time, s" : label("theta")),
         yAxis: axis(limits(y), label(
@@ -3694,9 +3761,9 @@ var Next = class {
     }
     const apart = state.experiment.rivals.map((_, at) => motion[`rival ${at}`]);
     const [low, high] = limits(apart);
-    const scale = torqueScale(state.unit, Math.max(-low, high));
+    const scale = torqueScale(state);
     this.plots[2].show({
-      title: apart.length > 1 ? "how the rivals' torques part" : "torque that it takes",
+      title: apart.length > 1 ? `how the ${torqueWord(state.unit)} of each rival parts from the others` : `${torqueWord(state.unit)} that it takes`,
       x: motion.t,
       series: apart.map((y, at) => ({ colour: COLOURS[at % COLOURS.length], chosen: null, y, strength: 1 })),
       xAxis: axis(limits([motion.t]), "time, s"),
@@ -3839,32 +3906,6 @@ function key(name, at) {
   mark.style.background = `var(${COLOURS[at % COLOURS.length]})`;
   return make("span", { class: "key" }, mark, name);
 }
-function largest2(pairs) {
-  return Math.max(100, ...pairs.flatMap(({ d, standard_d, came }) => [d, standard_d, came ?? 0]));
-}
-function bars({ names, d, standard_d, wrong_choice, came }, told, most) {
-  const share = (value) => `${100 * Math.log(Math.max(value, LEAST_D) / LEAST_D) / Math.log(most / LEAST_D)}%`;
-  const row = (words3, value, name) => {
-    const bar2 = make("span", { class: `bar ${name}` });
-    const line2 = make("span", { class: "told" });
-    bar2.style.width = share(value);
-    line2.style.left = share(told);
-    return make(
-      "div",
-      { class: "evidence-line" },
-      make("span", { class: "label", text: words3 }),
-      make("span", { class: "track" }, bar2, line2),
-      make("span", { class: "figure", text: number(value) })
-    );
-  };
-  const wrong = wrong_choice < 1e-3 ? "less than 0.1 %" : percent(wrong_choice);
-  return [
-    make("p", {}, make("strong", { text: names.join(" or ") }), `: the wrong one is chosen in ${wrong}`),
-    row("this motion", d, "promised"),
-    row("best standard motion", standard_d, "standard"),
-    ...came === null ? [] : [row("what came", came, "came")]
-  ];
-}
 
 // src/overlay.js
 var TYPED = "the formula that is typed";
@@ -3936,6 +3977,7 @@ var Overlay = class {
 
 // src/params.js
 var STEPS = 400;
+var WORDED = 8;
 var Params = class {
   /**
    * @param {HTMLElement} place
@@ -3970,7 +4012,7 @@ var Params = class {
     const groups = Map.groupBy(params, ({ name }) => name.split(".")[0]);
     const lines = [...groups].flatMap(([effect, own]) => [
       this.heading(effect, groups.size > 1),
-      ...own.flatMap((param) => [this.line(param), reason(param)])
+      ...own.flatMap((param) => [this.line(param), own.length <= WORDED ? meaning(param) : "", reason(param)])
     ]);
     const widths = make("colgroup", {}, ...["name", "slide", "value", "unit"].map((name) => make("col", { class: name })));
     this.place.replaceChildren(make("table", { class: "params" }, widths, make("tbody", {}, ...lines)));
@@ -4018,6 +4060,9 @@ var Params = class {
     this.deeds.drag({ [name]: value });
   }
 };
+function meaning({ meaning: words3 }) {
+  return words3 ? make("tr", {}, make("td", { class: "meaning soft", colspan: 4, text: words3 })) : "";
+}
 function reason({ doubt }) {
   if (!doubt) return "";
   return make("tr", {}, make("td", { class: "reason doubt", colspan: 4, text: doubt }));
@@ -4235,8 +4280,10 @@ function themed(changed) {
 }
 
 // src/verdict.js
-function showVerdict(element2, { verdict_text: text, places, candidates }, to) {
-  const first = plainly(candidates);
+function showVerdict(element2, { verdict_text, places: named, candidates, unit, peak }, to) {
+  const eyed = (words3) => forTheEye(words3, { unit, peak });
+  const first = eyed(plainly(candidates));
+  const [text, places] = [eyed(verdict_text), named.map((place4) => ({ ...place4, words: eyed(place4.words) }))];
   const key2 = JSON.stringify([first, text, places, candidates.rows.map(({ effect }) => effect)]);
   if (element2.dataset.told === key2) return;
   element2.dataset.told = key2;
@@ -4251,7 +4298,10 @@ function leadsOf(places, { rows }, to) {
     ...places.map((place4) => lead(place4.words, "show its samples in every plot", () => to.place(place4), "place")),
     ...places.map((place4) => lead(`along ${place4.axis}`, "draw a row over it", () => to.place(place4))),
     ...rows.map(({ effect }) => lead(effect, "what it would explain", () => to.effect(effect))),
-    ...first ? ["Add it", "Tell apart"].map((words3) => lead(words3, "where that is", () => to.effect(first.effect))) : [],
+    ...first ? [
+      lead("Add it", "take it into the model, and fit it", () => to.add(first.effect)),
+      lead("Tell apart", "design the motion that would tell", () => to.apart([first.effect, ...first.equivalent]))
+    ] : [],
     lead("RMS error", "the ladder of errors", to.error),
     lead("Not weighed", "why: what was found in the log", to.findings)
   ];
@@ -4267,8 +4317,14 @@ function plainly({ ready, rows }) {
   const first = ready ? rows.find(({ could_be: could }) => could) : void 0;
   if (!first) return "";
   const said = `${first.said.slice(0, 1).toUpperCase()}${first.said.slice(1)}`;
-  const next = first.equivalent.length > 0 ? "This motion looks the same with other causes: Tell apart designs what to record next." : "Add it, and see what is left.";
-  return `${said}: ${first.name} (${first.effect}). ${next}`;
+  const tied = `This motion looks the same with ${first.equivalent.join(" or ")}: once nothing else is missing, Tell apart designs what to record next.`;
+  const next = `Add it, and see what is left.${first.equivalent.length > 0 ? ` ${tied}` : ""}`;
+  return `${said}: ${first.name} (${first.effect}), which takes ${percent(first.error_fall)} off the error. ${next}`;
+}
+function forTheEye(words3, about2) {
+  const scale = torqueScale(about2);
+  const own = scale.factor === 1 ? words3 : words3.replace(/(-?\d[\d.]*(?:e[-+]?\d+)?) N m(?![ /]?(?:s|rad)\b)/g, (_, value) => `${number(Number(value) * scale.factor)} ${scale.unit}`);
+  return unitWords(own.replace(/(^|[\s(])-(?=\d)/g, "$1−").replace(/ (?=%)/g, " "));
 }
 function parted(text, leads) {
   const [first, ...others] = leads;
@@ -4469,9 +4525,12 @@ var App = class {
     if (!this.state?.node && state.node !== null && state.looked) this.lookAgain(state.looked);
     this.state = state;
     byId("welcome").toggleAttribute("hidden", state.node !== null);
+    document.body.classList.toggle("empty", state.node === null);
     showVerdict(byId("verdict"), state, {
       place: (place4) => this.go(place4),
       effect: (effect) => this.candidates.go(effect),
+      add: (effect) => this.ask("add", { effect }, "add"),
+      apart: (effects) => this.next.design(effects),
       error: () => shown(byId("ladder")),
       findings: () => shown(byId("findings"))
     });
@@ -4525,7 +4584,7 @@ var App = class {
   }
   /** @param {State} state */
   async draw(state) {
-    const { node, active, unit, captures } = state;
+    const { node, active, unit, peak, captures } = state;
     const other = state.branches.find(({ id }) => id === this.beside);
     const otherNode = other?.steps[other.at]?.node;
     const wanted2 = JSON.stringify([node, active, this.view, otherNode, other?.name]);
@@ -4544,7 +4603,7 @@ var App = class {
     const beside = other && rest ? { name: other.name, residual: rest.residual } : null;
     this.legend(beside?.name ?? null);
     byId("masked").hidden = !columns.masked?.some((value) => value === value);
-    const data = { several: active.length > 1, columns, unit, coordinate, noise: state.noise_floor, fitted, name, beside };
+    const data = { several: active.length > 1, columns, unit, peak, coordinate, noise: state.noise_floor, fitted, name, beside };
     const brush = this.brushedThen;
     this.brushedThen = null;
     const splits = fitted ? this.store.splitsOf(node).catch(() => []) : [];
