@@ -32,9 +32,10 @@ pub use curve::Curve;
 use follow::{Followed, Reach};
 use grammar::{Factor, Powers, Shape, Term, Variable};
 use rows::Rows;
-use scan::{Seen, functions, scan, sines, turning, widened};
+use scan::{Seen, Tried, functions, scan, sines, turning, values, widened};
 pub use shapes::{Need, Shapes, shapes};
 pub use spline::Written;
+use std::sync::OnceLock;
 use sum::Sum;
 pub use surface::Map;
 
@@ -125,8 +126,17 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
     let powers = Powers::among(&of);
     let turns = model.axis == Axis::Rotary;
     let tried = functions(&reach, &of, turns);
-    let search =
-        Search { rows: &rows, reach: &reach, powers: &powers, tried: &tried, watch: &watch, white, turns };
+    let values = [OnceLock::new(), OnceLock::new()];
+    let search = Search {
+        rows: &rows,
+        values: &values,
+        reach: &reach,
+        powers: &powers,
+        tried: &tried,
+        watch: &watch,
+        white,
+        turns,
+    };
     let seen = search.looked();
     watch.step();
     let mut followed = search.followed(&seen);
@@ -148,8 +158,8 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
     }
     ended.sort_by_cached_key(|one| descending(search.score(one)));
     let (Some(found), Some(first)) = (seen.first(), ended.first()) else { return Some(none) };
-    let chance = Chance::of(data, &noises, &rows[1], white);
-    let p_value = chance.p_value((&powers, &tried), found);
+    let chance = Chance::of((data, &noises), &rows[1], (&powers, &tried), white);
+    let p_value = chance.p_value(found);
     let excess = squares - floor.squares;
     let enough = first.gain >= rule().share * excess && first.gain >= rule().worth * squares;
     if p_value > rule().chance || !enough || search.score(first) <= 0.0 {
@@ -164,7 +174,7 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
         let by_chance = |pair: &Followed| {
             pair.law.0.iter().any(|term| {
                 let second = Seen { term: term.clone(), gain: more(pair) };
-                chance.p_value((&powers, &tried), &second) > rule().chance
+                chance.p_value(&second) > rule().chance
             })
         };
         // What is small beside the first shows once that is taken off.
@@ -241,6 +251,8 @@ fn paid(laws: Vec<Followed>, margin: f64, white: f64) -> Vec<Followed> {
 struct Search<'a> {
     /// Rows that tell what is fast, and fewer that tell what is slow.
     rows: &'a [Rows<'static>; 2],
+    /// The functions at either, once they are asked for: the same whatever is left.
+    values: &'a [OnceLock<Vec<Vec<f64>>>; 2],
     reach: &'a Reach,
     powers: &'a [Powers],
     tried: &'a [Factor],
@@ -261,8 +273,7 @@ impl Search<'_> {
     }
 
     /// The rows that tell a law: waves that few rows would not follow need all.
-    fn telling(&self, law: &Sum) -> &Rows<'static> {
-        let [medium, coarse] = self.rows;
+    fn telling(&self, law: &Sum) -> usize {
         let quick = |sine: &Factor| {
             let speed = match sine.of {
                 Variable::Time => 1.0,
@@ -270,7 +281,12 @@ impl Search<'_> {
             };
             speed / sine.at[0].abs() > FAST
         };
-        if law.0.iter().filter_map(Term::sine).any(quick) { medium } else { coarse }
+        if law.0.iter().filter_map(Term::sine).any(quick) { 0 } else { 1 }
+    }
+
+    /// The functions that are tried, at some of the rows.
+    fn tried(&self, rows: usize) -> Tried<'_> {
+        (self.tried, self.values[rows].get_or_init(|| values(&self.rows[rows], self.tried)))
     }
 
     /// All that a scan sees, best first.
@@ -278,7 +294,7 @@ impl Search<'_> {
         let [medium, coarse] = self.rows;
         let alone = |powers: &Powers| Term { powers: *powers, factors: Vec::new() };
         let all: Vec<Term> = self.powers.iter().map(alone).collect();
-        let mut found = scan(coarse, self.powers, self.tried, self.watch);
+        let mut found = scan(coarse, self.powers, self.tried(1), self.watch);
         let waves = [(&all[..], Variable::Theta), (&all[..TIMED], Variable::Time)];
         let waves = self.watch.each(&waves, |(terms, of)| sines(medium, terms, *of, self.reach));
         found.extend(waves.into_iter().flatten());
@@ -291,7 +307,7 @@ impl Search<'_> {
 
     /// A law followed a few steps, which tell how good it may be.
     fn glanced(&self, law: Sum) -> Option<Followed> {
-        let rows = self.telling(&law);
+        let rows = &self.rows[self.telling(&law)];
         Some(Followed::at(rows, law)?.best(rows, GLANCE, self.reach))
     }
 
@@ -311,7 +327,8 @@ impl Search<'_> {
     fn widened(&self, term: &Term) -> Vec<Seen> {
         let rows = self.telling(&term.clone().into());
         let own = term.factors.iter().filter(|factor| !factor.shape.is_wave()).count();
-        let mut wider = if own < FUNCTIONS { widened(rows, term, self.tried) } else { Vec::new() };
+        let mut wider =
+            if own < FUNCTIONS { widened(&self.rows[rows], term, self.tried(rows)) } else { Vec::new() };
         if term.sine().is_none() {
             if self.turns {
                 wider.extend(turning(&self.rows[1], std::slice::from_ref(term)));

@@ -2,8 +2,8 @@
 //! blocks that it did not see.
 
 use super::rows::Rows;
-use crate::algebra::dot;
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use crate::algebra::{dot, products, slices};
+use nalgebra::{Cholesky, DMatrix, DVector, DVectorView, Dyn};
 
 /// Blocks that are left out in turn.
 const BLOCKS: usize = 10;
@@ -28,14 +28,12 @@ impl Penalized {
     pub fn of(columns: Vec<Vec<f64>>, residual: &[f64], penalties: &[DMatrix<f64>]) -> Option<Self> {
         let (k, rows) = (columns.len(), residual.len());
         let block = rows.div_ceil(BLOCKS).max(1);
-        let products = |from: usize, to: usize| {
-            let part = |i: usize| &columns[i][from..to];
-            let gram = DMatrix::from_fn(k, k, |i, j| if i <= j { dot(part(i), part(j)) } else { 0.0 });
-            let gram = DMatrix::from_fn(k, k, |i, j| gram[(i.min(j), i.max(j))]);
-            (gram, DVector::from_fn(k, |i, _| dot(part(i), &residual[from..to])))
+        let within = |from: usize, to: usize| {
+            let parts: Vec<&[f64]> = columns.iter().map(|column| &column[from..to]).collect();
+            let along = products(&parts, &[&residual[from..to]]);
+            (products(&parts, &parts), along.column(0).into_owned())
         };
-        let blocks: Vec<_> =
-            (0..rows).step_by(block).map(|at| products(at, (at + block).min(rows))).collect();
+        let blocks: Vec<_> = (0..rows).step_by(block).map(|at| within(at, (at + block).min(rows))).collect();
         let gram: DMatrix<f64> = blocks.iter().map(|(gram, _)| gram).sum();
         let right: DVector<f64> = blocks.iter().map(|(_, right)| right).sum();
         let size = gram.diagonal().mean();
@@ -62,8 +60,8 @@ impl Penalized {
         Some(Self { high, columns, gram, right, solved, unseen })
     }
 
-    fn taken(&self, high: &DVector<f64>, right: &DVector<f64>) -> f64 {
-        2.0 * high.dot(right) - high.dot(&(&self.gram * high))
+    fn taken(&self, high: DVectorView<'_, f64>, right: DVectorView<'_, f64>) -> f64 {
+        2.0 * high.dot(&right) - high.dot(&(&self.gram * high))
     }
 
     /// What being off by so much costs: the squares of the data, and the penalty.
@@ -74,13 +72,14 @@ impl Penalized {
 
     /// What they take off the sum of squares.
     pub fn gain(&self) -> f64 {
-        self.taken(&self.high, &self.right)
+        self.taken(self.high.column(0), self.right.column(0))
     }
 
-    /// The same of another residual, as stiff as they are.
-    pub fn gain_of(&self, residual: &[f64]) -> f64 {
-        let right = self.along(residual);
-        self.taken(&self.solved.solve(&right), &right)
+    /// The same of other residuals, as stiff as they are.
+    pub fn gains_of(&self, residuals: &[Vec<f64>]) -> Vec<f64> {
+        let right = self.along(residuals);
+        let high = self.solved.solve(&right);
+        high.column_iter().zip(right.column_iter()).map(|(high, right)| self.taken(high, right)).collect()
     }
 
     /// The variance of a row of what they leave.
@@ -94,12 +93,12 @@ impl Penalized {
     }
 
     /// How high they are where a column was left.
-    pub fn like(&self, column: &[f64]) -> DVector<f64> {
-        self.solved.solve(&self.along(column))
+    pub fn like(&self, column: Vec<f64>) -> DVector<f64> {
+        self.solved.solve(&self.along(&[column]).column(0))
     }
 
-    fn along(&self, column: &[f64]) -> DVector<f64> {
-        DVector::from_vec(self.columns.iter().map(|own| dot(own, column)).collect::<Vec<_>>())
+    fn along(&self, columns: &[Vec<f64>]) -> DMatrix<f64> {
+        products(&slices(&self.columns), &slices(columns))
     }
 
     /// The variance of a sum of them with these weights, in that of a row: by the noise alone.

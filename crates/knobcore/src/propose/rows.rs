@@ -21,7 +21,8 @@ pub struct Rows<'a> {
     pub scale: Vec<f64>,
     /// The residual, counted, off the base.
     pub residual: Vec<f64>,
-    base: Vec<Vec<f64>>,
+    /// What the parameters of the model can absorb, orthonormal.
+    pub base: Vec<Vec<f64>>,
     /// Rows that one is the mean of.
     every: usize,
     exact: Option<Exact<'a>>,
@@ -129,6 +130,11 @@ impl<'a> Rows<'a> {
     /// A column as it counts, off the base.
     pub fn counted(&self, mut column: Vec<f64>) -> Vec<f64> {
         column.iter_mut().zip(&self.scale).for_each(|(x, scale)| *x *= scale);
+        self.beside(column)
+    }
+
+    /// What of a counted column the base has not.
+    pub fn beside(&self, mut column: Vec<f64>) -> Vec<f64> {
         project(&mut column, &self.base, self.scale.len());
         column
     }
@@ -170,10 +176,7 @@ impl<'a> Rows<'a> {
             }
         }
         column.iter_mut().zip(&exact.weight).for_each(|(x, weight)| *x *= weight);
-        let mut picked = exact.thinned.pick(exact.data, &column);
-        let rows = picked.len();
-        project(&mut picked, &self.base, rows);
-        picked
+        self.beside(exact.thinned.pick(exact.data, &column))
     }
 
     /// How many rows count.

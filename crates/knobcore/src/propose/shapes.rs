@@ -48,7 +48,7 @@ pub fn shapes(data: &[&Signals], model: &Model, best: f64, tell: &Tell<'_>) -> O
     watch.step();
     let surfaces = surface::all(&coarse, &reach, &watch);
     watch.step();
-    let chance = Chance::of(data, &noises, &coarse, floor.white);
+    let chance = Chance::of((data, &noises), &coarse, (&[], &[]), floor.white);
     let needs = needs(&splines, &surfaces, &coarse, (&chance, &watch));
     if !watch.wanted() {
         return None;
