@@ -25,7 +25,8 @@ pub struct Chance<'a> {
     data: &'a [&'a Signals],
     noises: &'a [Noise],
     rows: &'a Rows<'a>,
-    white: f64,
+    /// Variance of the raw noise.
+    pub white: f64,
     /// The powers and functions of a scan.
     scanned: (&'a [Powers], &'a [Factor]),
     drawn: OnceLock<Vec<Vec<f64>>>,
@@ -98,7 +99,7 @@ impl<'a> Chance<'a> {
                 let x = &rows.motions[of as usize];
                 column.iter_mut().zip(x).for_each(|(own, x)| *own *= shape.at(*x, w, c));
                 let square = dot(&column, &column);
-                let mut column = rows.counted(column);
+                let mut column = rows.counted(&column);
                 let own = dot(&column, &column);
                 column.iter_mut().for_each(|x| *x /= own.sqrt());
                 (own > 1e-9 * square && own.is_finite()).then_some(column)

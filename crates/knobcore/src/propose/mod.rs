@@ -23,7 +23,7 @@ use crate::diagnose::{Tell, Watch};
 use crate::floor::{Floor, noises};
 use crate::model::Model;
 use crate::noise::Noise;
-use crate::order::descending;
+use crate::order::{descending, firsts};
 use crate::param::Axis;
 use crate::rule::rule;
 use crate::signals::Signals;
@@ -33,7 +33,7 @@ use follow::{Followed, Reach};
 use grammar::{Factor, Powers, Shape, Term, Variable};
 use rows::Rows;
 use scan::{Seen, Tried, functions, scan, sines, turning, values, widened};
-pub use shapes::{Need, Shapes, shapes};
+pub use shapes::{Need, Shapes};
 pub use spline::Written;
 use std::sync::OnceLock;
 use sum::Sum;
@@ -99,6 +99,8 @@ pub struct Proposed {
     pub p_value: f64,
     /// What is left as a curve over the variable of the first law.
     pub curve: Option<Curve>,
+    /// What is left without a formula; nothing where there is no law.
+    pub shapes: Shapes,
 }
 
 /// What noise leaves of captures, and its spectra; None where that is not known.
@@ -113,11 +115,12 @@ fn known(data: &[&Signals], model: &Model) -> Option<(Floor, Vec<Noise>)> {
     })
 }
 
-/// Laws for what a fitted model leaves of captures; None if `tell` no longer wanted it.
-pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Proposed> {
-    let watch = Watch::new(tell, 5);
+/// Laws for what a fitted model leaves of captures, sums of two among them where `sums` may be; None if `tell` no longer
+/// wanted it.
+pub fn propose(data: &[&Signals], model: &Model, sums: bool, tell: &Tell<'_>) -> Option<Proposed> {
+    let watch = Watch::new(tell, 7);
     let (fine, squares) = Rows::of(data, model);
-    let none = Proposed { laws: Vec::new(), p_value: 1.0, curve: None };
+    let none = Proposed { laws: Vec::new(), p_value: 1.0, curve: None, shapes: Shapes::default() };
     let Some((floor, noises)) = known(data, model).filter(|_| fine.len() > 0) else { return Some(none) };
     let white = floor.white;
     let rows = [fine.coarse(MEDIUM), fine.coarse(COARSE)];
@@ -165,7 +168,7 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
     if p_value > rule().chance || !enough || search.score(first) <= 0.0 {
         return Some(Proposed { p_value, ..none });
     }
-    if squares - first.gain > rule().explained * floor.squares {
+    if sums && squares - first.gain > rule().explained * floor.squares {
         let left = squares - first.gain;
         let more = |pair: &Followed| pair.gain - first.gain;
         let worth = |pair: &Followed| {
@@ -185,6 +188,7 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
         ended.extend(pairs);
         ended.sort_by_cached_key(|one| descending(search.score(one)));
     }
+    watch.step();
     if !watch.wanted() {
         return None;
     }
@@ -210,7 +214,8 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
         }
     };
     let laws: Vec<Law> = ended.into_iter().map(law).collect();
-    Some(Proposed { laws, p_value, curve })
+    let shapes = shapes::shapes((&fine, &rows), &reach, &chance, top, &watch)?;
+    Some(Proposed { laws, p_value, curve, shapes })
 }
 
 /// Of laws, best first, those that pay for their length: no shorter one explains as much; those that explain as much as the
@@ -237,14 +242,7 @@ fn paid(laws: Vec<Followed>, margin: f64, white: f64) -> Vec<Followed> {
             }
         })
     });
-    let mut apart: Vec<Followed> = Vec::new();
-    for one in kept {
-        let anew = |other: &Followed| (other.gain / one.gain - 1.0).abs() < SAME;
-        if !apart.iter().any(anew) {
-            apart.push(one);
-        }
-    }
-    apart
+    firsts(kept, |other, one| (other.gain / one.gain - 1.0).abs() < SAME)
 }
 
 /// A search among laws.

@@ -3,7 +3,7 @@
 
 use super::follow::Reach;
 use super::grammar::{Factor, Powers, Shape, Term, Variable};
-use super::rows::Rows;
+use super::rows::{Rows, multiplied};
 use crate::algebra::{dot, products, slices};
 use crate::diagnose::Watch;
 use crate::fourier::Transform;
@@ -134,10 +134,7 @@ pub fn widened(rows: &Rows<'_>, term: &Term, tried: Tried<'_>) -> Vec<Seen> {
     }
     let [sine, cosine] = &term.columns(&rows.motions)[..] else { return best };
     for (factor, values) in tried.0.iter().zip(tried.1).filter(|(factor, _)| !term.says_already(factor)) {
-        let times = |column: &Vec<f64>| {
-            let product = column.iter().zip(values).map(|(own, x)| own * x).collect();
-            rows.counted(product)
-        };
+        let times = |column: &Vec<f64>| rows.counted(&multiplied(column, values));
         if let Some((gain, ..)) = rows.explained(&[times(sine), times(cosine)]) {
             let mut wider = term.clone();
             wider.factors.insert(wider.factors.len() - 1, *factor);
@@ -149,10 +146,6 @@ pub fn widened(rows: &Rows<'_>, term: &Term, tried: Tried<'_>) -> Vec<Seen> {
 
 fn counted(rows: &Rows<'_>, column: &[f64]) -> Vec<f64> {
     multiplied(column, &rows.scale)
-}
-
-fn multiplied(column: &[f64], by: &[f64]) -> Vec<f64> {
-    column.iter().zip(by).map(|(x, by)| x * by).collect()
 }
 
 /// What a column (counted, not off the base) takes off, by its square, what of that is beside the base, and its product with
