@@ -108,8 +108,8 @@ def table(rows: list[dict[str, Any]]) -> str:
     """The figures, a row a group of kinds."""
     marked = [row for row in rows if "laws" in row]
     head = (
-        "right variables | right form | the same beyond Equation 1 | unseen blocks <= 1.05 / 1.1 of the floor "
-        "| needs begin with them"
+        "right variables | right form | the same beyond Equation 1 | unseen blocks <= 1.05 / 1.1 of the floor"
+        " | needs begin with them"
     )
     lines = [f"{'law':16} |  n | {head} | s"]
     groups = {kind: [row for row in marked if row["kind"] == kind] for kind in VARIABLES}
