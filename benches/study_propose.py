@@ -86,6 +86,7 @@ def examine(case: Case) -> Iterator[dict[str, Any]]:
         "laws": [one["law"] for one in laws],
         "why": found.why,
         "seconds": round(seconds, 2),
+        "needs": [one.variables for one in found.needs],
     }
     if laws and laws[0] and lawful(case.kind):
         track = knob.track
@@ -108,6 +109,7 @@ def table(rows: list[dict[str, Any]]) -> str:
     marked = [row for row in rows if "laws" in row]
     head = (
         "right variables | right form | the same beyond Equation 1 | unseen blocks <= 1.05 / 1.1 of the floor"
+        " | needs begin with them"
     )
     lines = [f"{'law':16} |  n | {head} | s"]
     groups = {kind: [row for row in marked if row["kind"] == kind] for kind in VARIABLES}
@@ -133,6 +135,8 @@ def table(rows: list[dict[str, Any]]) -> str:
             + share(lambda row: row.get("heldout", 9.0) <= 1.05)
             + " / "
             + share(lambda row: row.get("heldout", 9.0) <= 1.1)
+            + " | "
+            + share(lambda row: tuple(next(iter(row.get("needs", ())), ())) == lawful(row["kind"]))
             + f" | {np.median([row['seconds'] for row in group]):.1f}"
         )
     for name, group in (

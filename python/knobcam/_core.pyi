@@ -307,17 +307,14 @@ def in_place(
 
 _Law = tuple[str, list[tuple[str, float]], list[str], float, bool, int, int, int]
 
+_Left = tuple[list[tuple[list[str], float, float]], dict[str, Any] | None, tuple[_Law, float] | None]
+
 def propose(
     data: Sequence[Signals],
     model: Model,
+    sums: bool,
     progress: Callable[[float], object] | None = None,
-) -> tuple[list[_Law], float, dict[str, Any] | None]: ...
-def shapes(
-    data: Sequence[Signals],
-    model: Model,
-    best: float,
-    progress: Callable[[float], object] | None = None,
-) -> tuple[list[tuple[list[str], float, float]], dict[str, Any] | None, tuple[_Law, float] | None]: ...
+) -> tuple[list[_Law], float, dict[str, Any] | None, _Left]: ...
 def hints(data: Sequence[Signals], model: Model, effects: Sequence[str]) -> list[tuple[str, str, float]]: ...
 def pairs(
     data: Sequence[Signals],

@@ -1,6 +1,7 @@
 //! Algebra of whole columns: products, projections, orthonormal bases.
 
 use crate::isa;
+use nalgebra::DMatrix;
 use pulp::Simd;
 
 /// The part of a new column that must not be in the others, as a share of its squares.
@@ -32,6 +33,74 @@ impl pulp::WithSimd for Dot<'_> {
         }
         let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
         sums.iter().map(|sum| simd.reduce_sum_f64s(*sum)).sum::<f64>() + rest
+    }
+}
+
+/// Rows of which products are summed at a time: those of a few columns stay in the nearest memory.
+const ROWS: usize = 512;
+/// Columns on the right that are gone through for all on the left, before the next: they stay in the memory behind it.
+const COLUMNS: usize = 48;
+/// Columns on the left, and on the right, whose products are summed side by side.
+const SIDE: [usize; 2] = [4, 2];
+
+/// Sums of products of each column on the left with each on the right, all of one length.
+pub fn products(left: &[&[f64]], right: &[&[f64]]) -> DMatrix<f64> {
+    let mut sums = DMatrix::zeros(left.len(), right.len());
+    let rows = left.first().map_or(0, |column| column.len());
+    let [high, wide] = SIDE;
+    for from in (0..rows).step_by(ROWS) {
+        let to = (from + ROWS).min(rows);
+        for begin in (0..right.len()).step_by(COLUMNS) {
+            let end = (begin + COLUMNS).min(right.len());
+            for i in (0..left.len()).step_by(high) {
+                for j in (begin..end).step_by(wide) {
+                    // Where fewer are left than are done side by side, the last of them is done again.
+                    let a = std::array::from_fn(|k| &left[(i + k).min(left.len() - 1)][from..to]);
+                    let b = std::array::from_fn(|k| &right[(j + k).min(end - 1)][from..to]);
+                    let few = isa::dispatch_wide(Few { a, b });
+                    for (k, sum) in few.iter().enumerate().take(left.len() - i) {
+                        for (l, sum) in sum.iter().enumerate().take(end - j) {
+                            sums[(i + k, j + l)] += sum;
+                        }
+                    }
+                }
+            }
+        }
+    }
+    sums
+}
+
+/// Columns as slices.
+pub fn slices(columns: &[Vec<f64>]) -> Vec<&[f64]> {
+    columns.iter().map(Vec::as_slice).collect()
+}
+
+struct Few<'a> {
+    a: [&'a [f64]; SIDE[0]],
+    b: [&'a [f64]; SIDE[1]],
+}
+
+impl pulp::WithSimd for Few<'_> {
+    type Output = [[f64; SIDE[1]]; SIDE[0]];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let a = self.a.map(S::as_simd_f64s);
+        let b = self.b.map(S::as_simd_f64s);
+        let mut sums = [[simd.splat_f64s(0.0); SIDE[1]]; SIDE[0]];
+        let many = a.iter().chain(&b).map(|(many, _)| many.len()).min().unwrap_or(0);
+        for at in 0..many {
+            let b = b.map(|(b, _)| b[at]);
+            for (sums, (a, _)) in sums.iter_mut().zip(&a) {
+                for (sum, b) in sums.iter_mut().zip(b) {
+                    *sum = simd.mul_add_e_f64s(a[at], b, *sum);
+                }
+            }
+        }
+        let rest = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        std::array::from_fn(|i| {
+            std::array::from_fn(|j| simd.reduce_sum_f64s(sums[i][j]) + rest(a[i].1, b[j].1))
+        })
     }
 }
 
@@ -119,6 +188,17 @@ mod tests {
         assert_eq!(beside.len(), 1);
         assert!(base.iter().all(|direction| dot(direction, &beside[0]).abs() < 1e-14));
         assert!((dot(&beside[0], &beside[0]) - 1.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn products_of_many_columns_are_those_of_each_two() {
+        let column = |at: usize| (0..1301).map(|i| ((i * (at + 3)) % 17) as f64 - 8.0).collect::<Vec<f64>>();
+        let [left, right] = [(0, 7), (7, 60)].map(|(from, to)| (from..to).map(column).collect::<Vec<_>>());
+        let [a, b] = [&left, &right].map(|columns| slices(columns));
+        let all = products(&a, &b);
+        assert_eq!(all.shape(), (7, 53));
+        assert!((0..7).all(|i| (0..53).all(|j| all[(i, j)] == dot(a[i], b[j]))));
+        assert_eq!(products(&[], &b).shape(), (0, 53));
     }
 
     #[test]

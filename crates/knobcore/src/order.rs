@@ -14,6 +14,17 @@ pub(crate) fn descending(value: f64) -> Ascending {
     Ascending(-value)
 }
 
+/// Of things in their order the first of those that are the same.
+pub(crate) fn firsts<T>(all: Vec<T>, same: impl Fn(&T, &T) -> bool) -> Vec<T> {
+    let mut apart: Vec<T> = Vec::new();
+    for one in all {
+        if !apart.iter().any(|other| same(other, &one)) {
+            apart.push(one);
+        }
+    }
+    apart
+}
+
 impl Ord for Ascending {
     fn cmp(&self, other: &Self) -> Ordering {
         self.0.total_cmp(&other.0)
@@ -36,7 +47,7 @@ impl Eq for Ascending {}
 
 #[cfg(test)]
 mod tests {
-    use super::{Ascending, descending};
+    use super::{Ascending, descending, firsts};
 
     #[test]
     fn equals_keep_their_order_both_ways_and_nan_is_the_largest() {
@@ -46,5 +57,10 @@ mod tests {
         rows.sort_by_cached_key(|(_, at)| *at);
         rows.sort_by_cached_key(|(key, _)| descending(*key));
         assert_eq!(rows.map(|(_, at)| at), [1, 4, 0, 3, 2]);
+    }
+
+    #[test]
+    fn of_the_same_the_first_stays_wherever_the_others_are() {
+        assert_eq!(firsts(vec![13, 25, 23, 14, 35, 46], |a, b| a % 10 == b % 10), [13, 25, 14, 46]);
     }
 }

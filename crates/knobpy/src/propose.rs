@@ -4,7 +4,7 @@ use super::model::PyModel;
 use super::progress::Progress;
 use super::signals::PySignals;
 use super::watched::watched;
-use knobcore::propose::{Law, propose as propose_core, shapes as shapes_core};
+use knobcore::propose::{Law, Shapes, propose as propose_core};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -15,31 +15,35 @@ type LawRow = (String, Vec<(String, f64)>, Vec<&'static str>, f64, bool, usize, 
 /// Variables of a curve or a surface, what it leaves on blocks that it did not see, as a share, and the chance of that.
 type NeedRow = (Vec<&'static str>, f64, f64);
 
-/// Laws, the chance of the first, and what is left as a curve.
-type Answer<'py> = (Vec<LawRow>, f64, Option<Bound<'py, PyDict>>);
-
 /// Which variables what is left needs, what is left as a map, and the curve or surface that is a law with what it leaves.
 type Left<'py> = (Vec<NeedRow>, Option<Bound<'py, PyDict>>, Option<(LawRow, f64)>);
+
+/// Laws, the chance of the first, what is left as a curve, and without a formula.
+type Answer<'py> = (Vec<LawRow>, f64, Option<Bound<'py, PyDict>>, Left<'py>);
 
 fn row(law: Law) -> LawRow {
     let Law { text, params, variables, gain, alike, count, complexity, terms } = law;
     (text, params, variables, gain, alike, complexity, terms, count)
 }
 
-/// Laws for what a fitted model leaves, best first, the chance of the first where nothing is missing, and the curve of what is
-/// left (a dict with the fields of `Curve`), if there is one. `progress` as of `diagnose`.
+/// Laws for what a fitted model leaves, best first, the chance of the first where nothing is missing, the curve of what is
+/// left (a dict with the fields of `Curve`), if there is one, and what is left without a formula: which variables curves and
+/// surfaces need, what is left over the best pair of them (a dict with the fields of `Map`), and the curve or surface that
+/// explains more than every formula with what it leaves on blocks that it did not see, as a share, if one does. `sums` is
+/// whether two laws at once may be proposed; `progress` as of `diagnose`.
 #[pyfunction]
-#[pyo3(signature = (data, model, progress=None))]
+#[pyo3(signature = (data, model, sums, progress=None))]
 pub fn propose<'py>(
     py: Python<'py>,
     data: Vec<PyRef<'py, PySignals>>,
     model: &PyModel,
+    sums: bool,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Answer<'py>> {
     let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
     let (model, signals) = (&model.0, &signals[..]);
     let progress = Progress::of(progress);
-    let found = watched(py, model, || propose_core(signals, model, &|share| progress.tell(share)))?;
+    let found = watched(py, model, || propose_core(signals, model, sums, &|share| progress.tell(share)))?;
     let found = progress.ended(found)?;
     let laws = found.laws.into_iter().map(row);
     let curve = found.curve.map(|curve| {
@@ -52,27 +56,10 @@ pub fn propose<'py>(
         told.set_item("laws", curve.laws.iter().map(|law| array(py, law)).collect::<Vec<_>>())?;
         Ok::<_, PyErr>(told)
     });
-    Ok((laws.collect(), found.p_value, curve.transpose()?))
+    Ok((laws.collect(), found.p_value, curve.transpose()?, left(py, found.shapes)?))
 }
 
-/// What a fitted model leaves without a formula: which variables curves and surfaces need, what is left over the best pair of
-/// them (a dict with the fields of `Map`), and the curve or surface that explains more than every formula with what it leaves
-/// on blocks that it did not see, as a share, if one does. `best` is what the best formula takes off, less the price of its
-/// parameters; `progress` as of `diagnose`.
-#[pyfunction]
-#[pyo3(signature = (data, model, best, progress=None))]
-pub fn shapes<'py>(
-    py: Python<'py>,
-    data: Vec<PyRef<'py, PySignals>>,
-    model: &PyModel,
-    best: f64,
-    progress: Option<Py<PyAny>>,
-) -> PyResult<Left<'py>> {
-    let signals: Vec<_> = data.iter().map(|signals| &signals.prepared.signals).collect();
-    let (model, signals) = (&model.0, &signals[..]);
-    let progress = Progress::of(progress);
-    let found = watched(py, model, || shapes_core(signals, model, best, &|share| progress.tell(share)))?;
-    let found = progress.ended(found)?;
+fn left(py: Python<'_>, found: Shapes) -> PyResult<Left<'_>> {
     let needs = found.needs.into_iter().map(|need| (need.variables, need.heldout, need.p_value)).collect();
     let written = found.written.map(|written| (row(written.law), written.heldout));
     let map = found.map.map(|map| {

@@ -260,11 +260,8 @@ def propose(story: LearningResult, progress: Callable[[float], object] | None = 
 
 def _found(story: LearningResult, fit: Fit, progress: Callable[[float], object] | None) -> tuple[Any, ...]:
     """What the core proposes beside a model, after it; no sum of which a part is what the first model has."""
-    laws, *others = _core.propose(cores(fit), fit.core.model, progress)
     whole = {*story.ladder[0].fit.model.effects} <= {*fit.model.effects}
-    kept = [law for law in laws if whole or law[6] == 1]
-    shapes = _core.shapes(cores(fit), fit.core.model, max(map(_worth, kept)), progress) if kept else None
-    return (fit, kept, *others, shapes)
+    return (fit, *_core.propose(cores(fit), fit.core.model, whole, progress))
 
 
 def _bases(story: LearningResult) -> list[Fit]:

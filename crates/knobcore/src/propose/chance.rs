@@ -4,7 +4,7 @@ use super::grammar::{Factor, Powers, Variable};
 use super::penalized::Penalized;
 use super::rows::Rows;
 use super::scan::Seen;
-use crate::algebra::dot;
+use crate::algebra::{dot, products, slices};
 use crate::diagnose::{Thinned, Watch};
 use crate::noise::Noise;
 use crate::random;
@@ -25,14 +25,25 @@ pub struct Chance<'a> {
     data: &'a [&'a Signals],
     noises: &'a [Noise],
     rows: &'a Rows<'a>,
-    white: f64,
+    /// Variance of the raw noise.
+    pub white: f64,
+    /// The powers and functions of a scan.
+    scanned: (&'a [Powers], &'a [Factor]),
     drawn: OnceLock<Vec<Vec<f64>>>,
+    /// The most that a scan takes off each.
+    most: OnceLock<Vec<f64>>,
 }
 
 impl<'a> Chance<'a> {
-    /// Of captures with these noises, as some rows see it; `white` is the variance of the raw noise.
-    pub fn of(data: &'a [&'a Signals], noises: &'a [Noise], rows: &'a Rows<'a>, white: f64) -> Self {
-        Self { data, noises, rows, white, drawn: OnceLock::new() }
+    /// Of captures with these noises, as some rows see it, to a scan of these powers and functions; `white` is the variance
+    /// of the raw noise.
+    pub fn of(
+        (data, noises): (&'a [&'a Signals], &'a [Noise]),
+        rows: &'a Rows<'a>,
+        scanned: (&'a [Powers], &'a [Factor]),
+        white: f64,
+    ) -> Self {
+        Self { data, noises, rows, white, scanned, drawn: OnceLock::new(), most: OnceLock::new() }
     }
 
     fn drawn(&self) -> &[Vec<f64>] {
@@ -48,7 +59,7 @@ impl<'a> Chance<'a> {
     /// held against what it usually takes of noise.
     pub fn of_each(&self, each: &[&Penalized], watch: &Watch<'_>) -> Vec<f64> {
         let alone = watch.each(each, |one| {
-            let gains: Vec<f64> = self.drawn().iter().map(|noise| one.gain_of(noise)).collect();
+            let gains = one.gains_of(self.drawn());
             let mean = gains.iter().sum::<f64>() / DRAWS as f64;
             let spread = gains.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / DRAWS as f64;
             let beyond = |gain: f64| (gain - mean) / spread.sqrt().max(f64::MIN_POSITIVE);
@@ -60,42 +71,43 @@ impl<'a> Chance<'a> {
         alone.iter().map(|(_, own)| (1 + p(*own)) as f64 / (1 + DRAWS) as f64).collect()
     }
 
-    /// Chance that a scan finds as much as what it saw where nothing is missing, with those powers and functions.
-    pub fn p_value(&self, (powers, functions): (&[Powers], &[Factor]), seen: &Seen) -> f64 {
-        let (coarse, white, noises) = (self.rows, self.white, self.noises);
-        let Seen { term, gain } = seen;
+    /// Chance that a scan finds as much as what it saw where nothing is missing.
+    pub fn p_value(&self, Seen { term, gain }: &Seen) -> f64 {
         if let Some(sine) = term.sine() {
             // Sines at frequencies a wave over the range apart are independent; each takes off what two numbers of the
             // loudest part of the noise do.
             let power = |noise: &Noise| {
                 (0..FREQUENCIES).map(|k| noise.power(0.5 * k as f64 / FREQUENCIES as f64)).fold(0.0, f64::max)
             };
-            let loudest = noises.iter().map(power).fold(white, f64::max);
-            let waves = if sine.of == Variable::Time { 3.0 } else { powers.len() as f64 };
+            let loudest = self.noises.iter().map(power).fold(self.white, f64::max);
+            let waves = if sine.of == Variable::Time { 3.0 } else { self.scanned.0.len() as f64 };
             let looks = waves * Thinned::of(self.data, usize::MAX).rows() as f64 * 0.5;
             return (looks * (-0.5 * gain / loudest).exp()).clamp(LEAST, 1.0);
         }
-        let every = (powers.len() * functions.len()).div_ceil(MOST).max(1);
-        let looks = (0..powers.len() * functions.len()).step_by(every);
-        let columns: Vec<Vec<f64>> = looks
-            .filter_map(|at| {
-                let (of_power, factor) = (&powers[at / functions.len()], &functions[at % functions.len()]);
-                let Factor { of, shape, at: [w, c] } = factor;
-                let mut column = of_power.over(&coarse.motions);
-                let x = &coarse.motions[*of as usize];
-                column.iter_mut().zip(x).for_each(|(own, x)| *own *= shape.at(*x, *w, *c));
-                let square = dot(&column, &column);
-                let mut column = coarse.counted(column);
-                let own = dot(&column, &column);
-                (own > 1e-9 * square && own.is_finite()).then(|| {
-                    column.iter_mut().for_each(|x| *x /= own.sqrt());
-                    column
-                })
-            })
-            .collect();
-        let found = |noise: &&Vec<f64>| columns.iter().any(|column| dot(column, noise).powi(2) >= *gain);
-        let above = self.drawn().iter().filter(found).count();
+        let above = self.most().iter().filter(|most| *most >= gain).count();
         (1 + above) as f64 / (1 + DRAWS) as f64
+    }
+
+    fn most(&self) -> &[f64] {
+        self.most.get_or_init(|| {
+            let ((powers, functions), rows) = (self.scanned, self.rows);
+            let every = (powers.len() * functions.len()).div_ceil(MOST).max(1);
+            let looks = (0..powers.len() * functions.len()).step_by(every);
+            let column = |at: usize| {
+                let Factor { of, shape, at: [w, c] } = functions[at % functions.len()];
+                let mut column = powers[at / functions.len()].over(&rows.motions);
+                let x = &rows.motions[of as usize];
+                column.iter_mut().zip(x).for_each(|(own, x)| *own *= shape.at(*x, w, c));
+                let square = dot(&column, &column);
+                let mut column = rows.counted(&column);
+                let own = dot(&column, &column);
+                column.iter_mut().for_each(|x| *x /= own.sqrt());
+                (own > 1e-9 * square && own.is_finite()).then_some(column)
+            };
+            let columns: Vec<Vec<f64>> = looks.filter_map(column).collect();
+            let along = products(&slices(&columns), &slices(self.drawn()));
+            along.column_iter().map(|along| along.amax().powi(2)).collect()
+        })
     }
 }
 

@@ -43,7 +43,7 @@ pub fn of(rows: &Rows<'_>, laws: &[Followed]) -> Option<Curve> {
         for (column, by) in rows.columns(&law.law).iter().zip(&law.coefficients) {
             torque.iter_mut().zip(column).for_each(|(sum, x)| *sum += by * x);
         }
-        smooth.over(&x, &smooth.held.like(&torque))
+        smooth.over(&x, &smooth.held.like(torque))
     };
     let laws = laws.iter().map(torque).collect();
     let (value, band) = (smooth.over(&x, &smooth.held.high), smooth.band(&x, rows));

@@ -23,7 +23,7 @@ use crate::diagnose::{Tell, Watch};
 use crate::floor::{Floor, noises};
 use crate::model::Model;
 use crate::noise::Noise;
-use crate::order::descending;
+use crate::order::{descending, firsts};
 use crate::param::Axis;
 use crate::rule::rule;
 use crate::signals::Signals;
@@ -32,9 +32,10 @@ pub use curve::Curve;
 use follow::{Followed, Reach};
 use grammar::{Factor, Powers, Shape, Term, Variable};
 use rows::Rows;
-use scan::{Seen, functions, scan, sines, turning, widened};
-pub use shapes::{Need, Shapes, shapes};
+use scan::{Seen, Tried, functions, scan, sines, turning, values, widened};
+pub use shapes::{Need, Shapes};
 pub use spline::Written;
+use std::sync::OnceLock;
 use sum::Sum;
 pub use surface::Map;
 
@@ -98,6 +99,8 @@ pub struct Proposed {
     pub p_value: f64,
     /// What is left as a curve over the variable of the first law.
     pub curve: Option<Curve>,
+    /// What is left without a formula; nothing where there is no law.
+    pub shapes: Shapes,
 }
 
 /// What noise leaves of captures, and its spectra; None where that is not known.
@@ -112,11 +115,12 @@ fn known(data: &[&Signals], model: &Model) -> Option<(Floor, Vec<Noise>)> {
     })
 }
 
-/// Laws for what a fitted model leaves of captures; None if `tell` no longer wanted it.
-pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Proposed> {
-    let watch = Watch::new(tell, 5);
+/// Laws for what a fitted model leaves of captures, sums of two among them where `sums` may be; None if `tell` no longer
+/// wanted it.
+pub fn propose(data: &[&Signals], model: &Model, sums: bool, tell: &Tell<'_>) -> Option<Proposed> {
+    let watch = Watch::new(tell, 7);
     let (fine, squares) = Rows::of(data, model);
-    let none = Proposed { laws: Vec::new(), p_value: 1.0, curve: None };
+    let none = Proposed { laws: Vec::new(), p_value: 1.0, curve: None, shapes: Shapes::default() };
     let Some((floor, noises)) = known(data, model).filter(|_| fine.len() > 0) else { return Some(none) };
     let white = floor.white;
     let rows = [fine.coarse(MEDIUM), fine.coarse(COARSE)];
@@ -125,8 +129,17 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
     let powers = Powers::among(&of);
     let turns = model.axis == Axis::Rotary;
     let tried = functions(&reach, &of, turns);
-    let search =
-        Search { rows: &rows, reach: &reach, powers: &powers, tried: &tried, watch: &watch, white, turns };
+    let values = [OnceLock::new(), OnceLock::new()];
+    let search = Search {
+        rows: &rows,
+        values: &values,
+        reach: &reach,
+        powers: &powers,
+        tried: &tried,
+        watch: &watch,
+        white,
+        turns,
+    };
     let seen = search.looked();
     watch.step();
     let mut followed = search.followed(&seen);
@@ -148,14 +161,14 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
     }
     ended.sort_by_cached_key(|one| descending(search.score(one)));
     let (Some(found), Some(first)) = (seen.first(), ended.first()) else { return Some(none) };
-    let chance = Chance::of(data, &noises, &rows[1], white);
-    let p_value = chance.p_value((&powers, &tried), found);
+    let chance = Chance::of((data, &noises), &rows[1], (&powers, &tried), white);
+    let p_value = chance.p_value(found);
     let excess = squares - floor.squares;
     let enough = first.gain >= rule().share * excess && first.gain >= rule().worth * squares;
     if p_value > rule().chance || !enough || search.score(first) <= 0.0 {
         return Some(Proposed { p_value, ..none });
     }
-    if squares - first.gain > rule().explained * floor.squares {
+    if sums && squares - first.gain > rule().explained * floor.squares {
         let left = squares - first.gain;
         let more = |pair: &Followed| pair.gain - first.gain;
         let worth = |pair: &Followed| {
@@ -164,7 +177,7 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
         let by_chance = |pair: &Followed| {
             pair.law.0.iter().any(|term| {
                 let second = Seen { term: term.clone(), gain: more(pair) };
-                chance.p_value((&powers, &tried), &second) > rule().chance
+                chance.p_value(&second) > rule().chance
             })
         };
         // What is small beside the first shows once that is taken off.
@@ -175,6 +188,7 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
         ended.extend(pairs);
         ended.sort_by_cached_key(|one| descending(search.score(one)));
     }
+    watch.step();
     if !watch.wanted() {
         return None;
     }
@@ -200,7 +214,8 @@ pub fn propose(data: &[&Signals], model: &Model, tell: &Tell<'_>) -> Option<Prop
         }
     };
     let laws: Vec<Law> = ended.into_iter().map(law).collect();
-    Some(Proposed { laws, p_value, curve })
+    let shapes = shapes::shapes((&fine, &rows), &reach, &chance, top, &watch)?;
+    Some(Proposed { laws, p_value, curve, shapes })
 }
 
 /// Of laws, best first, those that pay for their length: no shorter one explains as much; those that explain as much as the
@@ -227,20 +242,15 @@ fn paid(laws: Vec<Followed>, margin: f64, white: f64) -> Vec<Followed> {
             }
         })
     });
-    let mut apart: Vec<Followed> = Vec::new();
-    for one in kept {
-        let anew = |other: &Followed| (other.gain / one.gain - 1.0).abs() < SAME;
-        if !apart.iter().any(anew) {
-            apart.push(one);
-        }
-    }
-    apart
+    firsts(kept, |other, one| (other.gain / one.gain - 1.0).abs() < SAME)
 }
 
 /// A search among laws.
 struct Search<'a> {
     /// Rows that tell what is fast, and fewer that tell what is slow.
     rows: &'a [Rows<'static>; 2],
+    /// The functions at either, once they are asked for: the same whatever is left.
+    values: &'a [OnceLock<Vec<Vec<f64>>>; 2],
     reach: &'a Reach,
     powers: &'a [Powers],
     tried: &'a [Factor],
@@ -261,8 +271,7 @@ impl Search<'_> {
     }
 
     /// The rows that tell a law: waves that few rows would not follow need all.
-    fn telling(&self, law: &Sum) -> &Rows<'static> {
-        let [medium, coarse] = self.rows;
+    fn telling(&self, law: &Sum) -> usize {
         let quick = |sine: &Factor| {
             let speed = match sine.of {
                 Variable::Time => 1.0,
@@ -270,7 +279,12 @@ impl Search<'_> {
             };
             speed / sine.at[0].abs() > FAST
         };
-        if law.0.iter().filter_map(Term::sine).any(quick) { medium } else { coarse }
+        if law.0.iter().filter_map(Term::sine).any(quick) { 0 } else { 1 }
+    }
+
+    /// The functions that are tried, at some of the rows.
+    fn tried(&self, rows: usize) -> Tried<'_> {
+        (self.tried, self.values[rows].get_or_init(|| values(&self.rows[rows], self.tried)))
     }
 
     /// All that a scan sees, best first.
@@ -278,7 +292,7 @@ impl Search<'_> {
         let [medium, coarse] = self.rows;
         let alone = |powers: &Powers| Term { powers: *powers, factors: Vec::new() };
         let all: Vec<Term> = self.powers.iter().map(alone).collect();
-        let mut found = scan(coarse, self.powers, self.tried, self.watch);
+        let mut found = scan(coarse, self.powers, self.tried(1), self.watch);
         let waves = [(&all[..], Variable::Theta), (&all[..TIMED], Variable::Time)];
         let waves = self.watch.each(&waves, |(terms, of)| sines(medium, terms, *of, self.reach));
         found.extend(waves.into_iter().flatten());
@@ -291,7 +305,7 @@ impl Search<'_> {
 
     /// A law followed a few steps, which tell how good it may be.
     fn glanced(&self, law: Sum) -> Option<Followed> {
-        let rows = self.telling(&law);
+        let rows = &self.rows[self.telling(&law)];
         Some(Followed::at(rows, law)?.best(rows, GLANCE, self.reach))
     }
 
@@ -311,7 +325,8 @@ impl Search<'_> {
     fn widened(&self, term: &Term) -> Vec<Seen> {
         let rows = self.telling(&term.clone().into());
         let own = term.factors.iter().filter(|factor| !factor.shape.is_wave()).count();
-        let mut wider = if own < FUNCTIONS { widened(rows, term, self.tried) } else { Vec::new() };
+        let mut wider =
+            if own < FUNCTIONS { widened(&self.rows[rows], term, self.tried(rows)) } else { Vec::new() };
         if term.sine().is_none() {
             if self.turns {
                 wider.extend(turning(&self.rows[1], std::slice::from_ref(term)));

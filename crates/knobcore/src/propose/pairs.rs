@@ -8,9 +8,9 @@ use super::grammar::Term;
 use super::rows::Rows;
 use super::scan::Seen;
 use super::sum::Sum;
-use crate::algebra::{dot, orthonormal};
+use crate::algebra::{dot, orthonormal, products};
 use crate::order::descending;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Matrix2, Vector2};
 
 /// Laws of each scan of which pairs are made: one that is half of a sum may stand behind hundreds that imitate all of it.
 const MOST: usize = 400;
@@ -22,30 +22,33 @@ const FOLLOWED: usize = 24;
 const EACH: usize = 4;
 /// Pairs that are followed to their end behind the measurement filter.
 const ENDED: usize = 6;
+/// Laws that are held against all others at a time.
+const TOGETHER: usize = 32;
 /// What the second of a pair has of its own beside the first, at least, as a share.
 const OWN: f64 = 1e-3;
 
 /// A law of a scan.
 struct Part<'a> {
     term: &'a Term,
-    /// Its columns as they count, orthonormal, and their products with the residual.
+    price: f64,
+    /// Its one or two columns as they count, orthonormal.
     columns: Vec<Vec<f64>>,
-    along: DVector<f64>,
+    /// Their products with the residual, nought of a second that it has not.
+    along: Vector2<f64>,
 }
 
 impl<'a> Part<'a> {
-    fn of(rows: &Rows<'_>, term: &'a Term) -> Self {
+    fn of(rows: &Rows<'_>, term: &'a Term, price: f64) -> Self {
         let columns = orthonormal(&rows.seen(term), rows.len());
-        let along = columns.iter().map(|column| dot(column, &rows.residual)).collect::<Vec<_>>().into();
-        Self { term, columns, along }
+        let along = |at| columns.get(at).map_or(0.0, |column: &Vec<f64>| dot(column, &rows.residual));
+        let along = Vector2::from_fn(|at, _| along(at));
+        Self { term, price, columns, along }
     }
 
-    /// What both take off at once. None where one is the other.
-    fn gain_with(&self, other: &Self) -> Option<f64> {
-        let (n, m) = (self.columns.len(), other.columns.len());
-        let both = DMatrix::from_fn(n, m, |i, j| dot(&self.columns[i], &other.columns[j]));
-        let own = DMatrix::identity(m, m) - both.tr_mul(&both);
-        let more = &other.along - both.tr_mul(&self.along);
+    /// What both take off at once, where `both` are the products of their columns. None where one is the other.
+    fn gain_with(&self, other: &Self, both: &Matrix2<f64>) -> Option<f64> {
+        let own = Matrix2::identity() - both.tr_mul(both);
+        let more = other.along - both.tr_mul(&self.along);
         let factor = own.cholesky().filter(|factor| factor.l_dirty().diagonal().min().powi(2) > OWN)?;
         Some(self.along.norm_squared() + more.dot(&factor.solve(&more)))
     }
@@ -56,22 +59,36 @@ impl Search<'_> {
     /// measurement filter of `fine`; in any order.
     pub(super) fn pairs(&self, known: &[Followed], seen: &[&Vec<Seen>], fine: &Rows<'_>) -> Vec<Followed> {
         let known = known.iter().filter_map(|one| one.law.alone()).take(BEST);
-        let terms: Vec<(usize, &Term)> = known
-            .chain(seen.iter().flat_map(|one| one.iter().take(MOST)).map(|one| &one.term))
-            .enumerate()
+        let terms: Vec<&Term> =
+            known.chain(seen.iter().flat_map(|one| one.iter().take(MOST)).map(|one| &one.term)).collect();
+        let parts: Vec<Part<'_>> =
+            self.watch.each(&terms, |term| Part::of(&self.rows[1], term, self.price(term)));
+        let columns: Vec<&[f64]> = parts.iter().flat_map(|part| &part.columns).map(Vec::as_slice).collect();
+        // Where the columns of each begin, and those of the last end.
+        let begins: Vec<usize> = std::iter::once(0)
+            .chain(parts.iter().scan(0, |end, part| {
+                *end += part.columns.len();
+                Some(*end)
+            }))
             .collect();
-        let mut parts: Vec<(usize, Part<'_>)> =
-            self.watch.each(&terms, |one| (one.0, Part::of(&self.rows[1], one.1)));
-        parts.sort_by_key(|(at, _)| *at);
-        let firsts: Vec<usize> = (0..parts.len()).collect();
-        let of = |first: &usize| -> Vec<(f64, [usize; 2])> {
-            let (_, one) = &parts[*first];
-            let beyond = parts.iter().enumerate().skip(first + 1);
-            let paired = beyond.filter_map(|(second, (_, other))| {
-                let price = self.price(one.term) + self.price(other.term);
-                Some((one.gain_with(other)? / self.white - price, [*first, second]))
-            });
-            paired.collect()
+        let firsts: Vec<usize> = (0..parts.len()).step_by(TOGETHER).collect();
+        let of = |from: &usize| -> Vec<(f64, [usize; 2])> {
+            let to = (from + TOGETHER).min(parts.len());
+            let start = begins[*from];
+            let all = products(&columns[start..begins[to]], &columns[start..]);
+            let weighed = |first: usize, second: usize| {
+                let (one, other) = (&parts[first], &parts[second]);
+                let both = Matrix2::from_fn(|i, j| {
+                    let own = i < one.columns.len() && j < other.columns.len();
+                    if own { all[(begins[first] + i - start, begins[second] + j - start)] } else { 0.0 }
+                });
+                let gain = one.gain_with(other, &both)?;
+                Some((gain / self.white - one.price - other.price, [first, second]))
+            };
+            let weighed = &weighed;
+            let beyond =
+                |first: usize| (first + 1..parts.len()).filter_map(move |second| weighed(first, second));
+            (*from..to).flat_map(beyond).collect()
         };
         let mut pairs = self.watch.each(&firsts, of).concat();
         pairs.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
@@ -80,7 +97,7 @@ impl Search<'_> {
         for (_, pair) in pairs {
             if chosen.len() < FOLLOWED && pair.iter().all(|at| times[*at] < EACH) {
                 pair.iter().for_each(|at| times[*at] += 1);
-                chosen.push(Sum(pair.iter().map(|at| parts[*at].1.term.clone()).collect()));
+                chosen.push(Sum(pair.iter().map(|at| parts[*at].term.clone()).collect()));
             }
         }
         let follow = |law: &Sum| self.glanced(law.clone());

@@ -1,21 +1,26 @@
 //! Many columns that are held back: how high each is by least squares with penalties, of which the one is taken that does best on
 //! blocks that it did not see.
 
+use super::grammar::Variable;
 use super::rows::Rows;
-use crate::algebra::dot;
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use crate::algebra::{dot, products, slices};
+use nalgebra::{Cholesky, DMatrix, DVector, DVectorView, Dyn};
 
 /// Blocks that are left out in turn.
 const BLOCKS: usize = 10;
-/// What holds columns near nought where the data ask for nothing, or the model's parameters can say the same, beside the mean
-/// of the diagonal.
+/// What holds the torque of all columns together near nought over the rows, beside its square: of what the model's parameters
+/// can say as well, they keep what they have without the columns.
 const RIDGE: f64 = 1e-3;
+/// What holds a column where there are no rows and no penalty, beside the mean of the diagonal.
+const FIRM: f64 = 1e-9;
 
 /// Columns that were fitted to what is left.
 pub struct Penalized {
     /// How high each is.
     pub high: DVector<f64>,
     columns: Vec<Vec<f64>>,
+    /// Their products, with what the base has of them.
+    whole: DMatrix<f64>,
     gram: DMatrix<f64>,
     right: DVector<f64>,
     solved: Cholesky<f64, Dyn>,
@@ -24,26 +29,28 @@ pub struct Penalized {
 }
 
 impl Penalized {
-    /// Of a residual, by the best of some penalties, each beside a mean square of one. None where the columns are nothing.
-    pub fn of(columns: Vec<Vec<f64>>, residual: &[f64], penalties: &[DMatrix<f64>]) -> Option<Self> {
-        let (k, rows) = (columns.len(), residual.len());
+    /// Of what is left of rows, by columns that still have what the base has of them and the best of some penalties, each
+    /// beside a mean square of one. None where the columns are nothing beside the base.
+    pub fn of(rows: &Rows<'_>, columns: Vec<Vec<f64>>, penalties: &[DMatrix<f64>]) -> Option<Self> {
+        let whole = products(&slices(&columns), &slices(&columns));
+        let columns: Vec<Vec<f64>> = columns.into_iter().map(|column| rows.beside(column)).collect();
+        let (residual, k, rows) = (&rows.residual, columns.len(), rows.len());
         let block = rows.div_ceil(BLOCKS).max(1);
-        let products = |from: usize, to: usize| {
-            let part = |i: usize| &columns[i][from..to];
-            let gram = DMatrix::from_fn(k, k, |i, j| if i <= j { dot(part(i), part(j)) } else { 0.0 });
-            let gram = DMatrix::from_fn(k, k, |i, j| gram[(i.min(j), i.max(j))]);
-            (gram, DVector::from_fn(k, |i, _| dot(part(i), &residual[from..to])))
+        let within = |from: usize, to: usize| {
+            let parts: Vec<&[f64]> = columns.iter().map(|column| &column[from..to]).collect();
+            let along = products(&parts, &[&residual[from..to]]);
+            (products(&parts, &parts), along.column(0).into_owned())
         };
-        let blocks: Vec<_> =
-            (0..rows).step_by(block).map(|at| products(at, (at + block).min(rows))).collect();
+        let blocks: Vec<_> = (0..rows).step_by(block).map(|at| within(at, (at + block).min(rows))).collect();
         let gram: DMatrix<f64> = blocks.iter().map(|(gram, _)| gram).sum();
         let right: DVector<f64> = blocks.iter().map(|(_, right)| right).sum();
         let size = gram.diagonal().mean();
         if !(size > 0.0 && size.is_finite()) {
             return None;
         }
+        let held = &whole * RIDGE + DMatrix::from_diagonal_element(k, k, FIRM * size);
         let factor = |gram: &DMatrix<f64>, penalty: &DMatrix<f64>| -> Option<Cholesky<f64, Dyn>> {
-            Cholesky::new(gram + penalty * size + DMatrix::from_diagonal_element(k, k, RIDGE * size))
+            Cholesky::new(gram + penalty * size + &held)
         };
         let missed = |penalty: &DMatrix<f64>| -> Option<f64> {
             let mut sum = 0.0;
@@ -59,28 +66,30 @@ impl Penalized {
             .min_by(|a, b| a.0.total_cmp(&b.0))?;
         let solved = factor(&gram, penalty)?;
         let high = solved.solve(&right);
-        Some(Self { high, columns, gram, right, solved, unseen })
+        Some(Self { high, columns, whole, gram, right, solved, unseen })
     }
 
-    fn taken(&self, high: &DVector<f64>, right: &DVector<f64>) -> f64 {
-        2.0 * high.dot(right) - high.dot(&(&self.gram * high))
+    fn taken(&self, high: DVectorView<'_, f64>, right: DVectorView<'_, f64>) -> f64 {
+        2.0 * high.dot(&right) - high.dot(&(&self.gram * high))
     }
 
-    /// What being off by so much costs: the squares of the data, and the penalty.
+    /// What being off by so much costs: the squares of the data, the penalty, and the squares of the torque itself, so that what
+    /// the base could say as well stays with the base.
     pub fn metric(&self) -> DMatrix<f64> {
         let factor = self.solved.l();
-        &factor * factor.transpose()
+        &factor * factor.transpose() + &self.whole
     }
 
     /// What they take off the sum of squares.
     pub fn gain(&self) -> f64 {
-        self.taken(&self.high, &self.right)
+        self.taken(self.high.column(0), self.right.column(0))
     }
 
-    /// The same of another residual, as stiff as they are.
-    pub fn gain_of(&self, residual: &[f64]) -> f64 {
-        let right = self.along(residual);
-        self.taken(&self.solved.solve(&right), &right)
+    /// The same of other residuals, as stiff as they are.
+    pub fn gains_of(&self, residuals: &[Vec<f64>]) -> Vec<f64> {
+        let right = self.along(residuals);
+        let high = self.solved.solve(&right);
+        high.column_iter().zip(right.column_iter()).map(|(high, right)| self.taken(high, right)).collect()
     }
 
     /// The variance of a row of what they leave.
@@ -94,12 +103,12 @@ impl Penalized {
     }
 
     /// How high they are where a column was left.
-    pub fn like(&self, column: &[f64]) -> DVector<f64> {
-        self.solved.solve(&self.along(column))
+    pub fn like(&self, column: Vec<f64>) -> DVector<f64> {
+        self.solved.solve(&self.along(&[column]).column(0))
     }
 
-    fn along(&self, column: &[f64]) -> DVector<f64> {
-        DVector::from_vec(self.columns.iter().map(|own| dot(own, column)).collect::<Vec<_>>())
+    fn along(&self, columns: &[Vec<f64>]) -> DMatrix<f64> {
+        products(&slices(&self.columns), &slices(columns))
     }
 
     /// The variance of a sum of them with these weights, in that of a row: by the noise alone.
@@ -148,6 +157,23 @@ pub fn spline(at: usize, x: f64, pieces: usize) -> f64 {
         u if (3.0..=4.0).contains(&u) => (4.0 - u).powi(3) / 6.0,
         _ => 0.0,
     }
+}
+
+/// How high a spline's parts are as they are written: in so many parts of the largest.
+pub fn rounded(high: &[f64], largest: f64, parts: f64) -> Vec<f64> {
+    high.iter().map(|x| (x / largest * parts).round() / parts).collect()
+}
+
+/// A spline as formulas have it; `number` is what the names of its place and width end in.
+pub fn said(over: Variable, number: &str, high: &[f64]) -> String {
+    let values: Vec<String> = high.iter().map(f64::to_string).collect();
+    format!("spline(({} - from{number})/step{number}, {})", over.text(), values.join(", "))
+}
+
+/// Its place and width, over a range in so many pieces.
+pub fn placed([low, high]: [f64; 2], number: &str, pieces: usize) -> [(String, f64); 2] {
+    let step = (high - low) / pieces as f64;
+    [(format!("from{number}"), low - step), (format!("step{number}"), step)]
 }
 
 /// Cubic.

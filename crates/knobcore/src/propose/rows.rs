@@ -21,7 +21,8 @@ pub struct Rows<'a> {
     pub scale: Vec<f64>,
     /// The residual, counted, off the base.
     pub residual: Vec<f64>,
-    base: Vec<Vec<f64>>,
+    /// What the parameters of the model can absorb, orthonormal.
+    pub base: Vec<Vec<f64>>,
     /// Rows that one is the mean of.
     every: usize,
     exact: Option<Exact<'a>>,
@@ -34,6 +35,22 @@ struct Exact<'a> {
     /// The motion of all samples of all segments.
     whole: Motions,
     weight: Vec<f64>,
+}
+
+impl Exact<'_> {
+    /// A column over all samples as it counts behind the measurement filter.
+    fn measured(&self, mut column: Vec<f64>) -> Vec<f64> {
+        let mut from = 0;
+        for signals in self.data {
+            for segment in &signals.segments {
+                let to = from + segment.len();
+                signals.measure(&mut [&mut column[from..to]]);
+                from = to;
+            }
+        }
+        column.iter_mut().zip(&self.weight).for_each(|(x, weight)| *x *= weight);
+        self.thinned.pick(self.data, &column)
+    }
 }
 
 impl<'a> Rows<'a> {
@@ -127,8 +144,12 @@ impl<'a> Rows<'a> {
     }
 
     /// A column as it counts, off the base.
-    pub fn counted(&self, mut column: Vec<f64>) -> Vec<f64> {
-        column.iter_mut().zip(&self.scale).for_each(|(x, scale)| *x *= scale);
+    pub fn counted(&self, column: &[f64]) -> Vec<f64> {
+        self.beside(multiplied(column, &self.scale))
+    }
+
+    /// What of a counted column the base has not.
+    pub fn beside(&self, mut column: Vec<f64>) -> Vec<f64> {
         project(&mut column, &self.base, self.scale.len());
         column
     }
@@ -146,34 +167,20 @@ impl<'a> Rows<'a> {
 
     /// The same of any columns of the motion.
     pub fn over(&self, columns: impl Fn(&Motions) -> Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+        self.with_base(columns).into_iter().map(|column| self.beside(column)).collect()
+    }
+
+    /// The same with what the base has of them.
+    pub fn with_base(&self, columns: impl Fn(&Motions) -> Vec<Vec<f64>>) -> Vec<Vec<f64>> {
         match &self.exact {
-            Some(exact) => columns(&exact.whole).into_iter().map(|column| self.measured(column)).collect(),
-            None => columns(&self.motions).into_iter().map(|column| self.counted(column)).collect(),
+            Some(exact) => columns(&exact.whole).into_iter().map(|column| exact.measured(column)).collect(),
+            None => columns(&self.motions).iter().map(|column| multiplied(column, &self.scale)).collect(),
         }
     }
 
     /// The same as if there were no filter.
     pub fn seen(&self, term: &Term) -> Vec<Vec<f64>> {
-        term.columns(&self.motions).into_iter().map(|column| self.counted(column)).collect()
-    }
-
-    /// A column over all samples as it counts behind the measurement filter, off the base; nothing of rows that do not know
-    /// all samples.
-    pub fn measured(&self, mut column: Vec<f64>) -> Vec<f64> {
-        let Some(exact) = &self.exact else { return vec![0.0; self.len()] };
-        let mut from = 0;
-        for signals in exact.data {
-            for segment in &signals.segments {
-                let to = from + segment.len();
-                signals.measure(&mut [&mut column[from..to]]);
-                from = to;
-            }
-        }
-        column.iter_mut().zip(&exact.weight).for_each(|(x, weight)| *x *= weight);
-        let mut picked = exact.thinned.pick(exact.data, &column);
-        let rows = picked.len();
-        project(&mut picked, &self.base, rows);
-        picked
+        term.columns(&self.motions).iter().map(|column| self.counted(column)).collect()
     }
 
     /// How many rows count.
@@ -202,6 +209,11 @@ impl<'a> Rows<'a> {
         }
         Some((gain, coefficients, left))
     }
+}
+
+/// Products, place by place.
+pub fn multiplied(column: &[f64], by: &[f64]) -> Vec<f64> {
+    column.iter().zip(by).map(|(x, by)| x * by).collect()
 }
 
 /// The coefficients of columns with these squares, of products with these. None where one is as good as another.

@@ -3,8 +3,8 @@
 
 use super::follow::Reach;
 use super::grammar::{Factor, Powers, Shape, Term, Variable};
-use super::rows::Rows;
-use crate::algebra::dot;
+use super::rows::{Rows, multiplied};
+use crate::algebra::{dot, products, slices};
 use crate::diagnose::Watch;
 use crate::fourier::Transform;
 use crate::order::descending;
@@ -20,6 +20,8 @@ const PEAKS: usize = 3;
 const SLOWEST: [f64; 5] = [1.0, 2.0, 3.0, 4.0, 6.0];
 /// Waves a turn that are looked at as whole numbers.
 const ORDERS: u32 = 12;
+/// Cells of a grid of a variable that is not time: in one the fastest wave turns by 0.14.
+const CELLS: usize = 1 << 14;
 /// Cells of a grid of times at most.
 const LONGEST: usize = 1 << 20;
 /// Centres of what acts at a place.
@@ -91,21 +93,28 @@ pub fn functions(reach: &Reach, variables: &[Variable], turns: bool) -> Vec<Fact
     found
 }
 
+/// Functions at rows.
+pub fn values(rows: &Rows<'_>, functions: &[Factor]) -> Vec<Vec<f64>> {
+    let of = |Factor { of, shape, at: [w, c] }: &Factor| {
+        rows.motions[*of as usize].iter().map(|x| shape.at(*x, *w, *c)).collect()
+    };
+    functions.iter().map(of).collect()
+}
+
+/// Functions with their values at rows.
+pub type Tried<'a> = (&'a [Factor], &'a [Vec<f64>]);
+
 /// Each power with each function, and alone; what best of every kind is.
-pub fn scan(rows: &Rows<'_>, powers: &[Powers], functions: &[Factor], watch: &Watch<'_>) -> Vec<Seen> {
-    let shapes: Vec<Vec<f64>> = functions
-        .iter()
-        .map(|Factor { of, shape, at: [w, c] }| {
-            rows.motions[*of as usize].iter().map(|x| shape.at(*x, *w, *c)).collect()
-        })
-        .collect();
+pub fn scan(rows: &Rows<'_>, powers: &[Powers], tried: Tried<'_>, watch: &Watch<'_>) -> Vec<Seen> {
     let mut found: Vec<Seen> = watch
         .each(powers, |powers| {
             let plain = counted(rows, &powers.over(&rows.motions));
             let mut best: Vec<Seen> = Vec::new();
             let alone = Term { powers: *powers, factors: Vec::new() };
-            best.extend(taken(rows, &plain).map(|gain| Seen { term: alone.clone(), gain }));
-            keep_best(rows, &alone, &plain, functions, &shapes, &mut best);
+            let own = rows.own_square(&plain);
+            let gain = taken(dot(&plain, &plain), own, dot(&plain, &rows.residual));
+            best.extend(gain.map(|gain| Seen { term: alone.clone(), gain }));
+            keep_best(rows, &alone, &plain, tried, &mut best);
             best
         })
         .into_iter()
@@ -116,27 +125,16 @@ pub fn scan(rows: &Rows<'_>, powers: &[Powers], functions: &[Factor], watch: &Wa
 }
 
 /// A law with each function more, of every kind the best.
-pub fn widened(rows: &Rows<'_>, term: &Term, functions: &[Factor]) -> Vec<Seen> {
+pub fn widened(rows: &Rows<'_>, term: &Term, tried: Tried<'_>) -> Vec<Seen> {
     let mut best = Vec::new();
     if term.sine().is_none() {
         let plain = counted(rows, &term.columns(&rows.motions).remove(0));
-        let shapes: Vec<Vec<f64>> = functions
-            .iter()
-            .map(|Factor { of, shape, at: [w, c] }| {
-                rows.motions[*of as usize].iter().map(|x| shape.at(*x, *w, *c)).collect()
-            })
-            .collect();
-        keep_best(rows, term, &plain, functions, &shapes, &mut best);
+        keep_best(rows, term, &plain, tried, &mut best);
         return best;
     }
     let [sine, cosine] = &term.columns(&rows.motions)[..] else { return best };
-    for factor in functions.iter().filter(|factor| !term.says_already(factor)) {
-        let Factor { of, shape, at: [w, c] } = factor;
-        let x = &rows.motions[*of as usize];
-        let times = |column: &Vec<f64>| {
-            let product = column.iter().zip(x).map(|(own, x)| own * shape.at(*x, *w, *c)).collect();
-            rows.counted(product)
-        };
+    for (factor, values) in tried.0.iter().zip(tried.1).filter(|(factor, _)| !term.says_already(factor)) {
+        let times = |column: &Vec<f64>| rows.counted(&multiplied(column, values));
         if let Some((gain, ..)) = rows.explained(&[times(sine), times(cosine)]) {
             let mut wider = term.clone();
             wider.factors.insert(wider.factors.len() - 1, *factor);
@@ -147,27 +145,33 @@ pub fn widened(rows: &Rows<'_>, term: &Term, functions: &[Factor]) -> Vec<Seen> 
 }
 
 fn counted(rows: &Rows<'_>, column: &[f64]) -> Vec<f64> {
-    column.iter().zip(&rows.scale).map(|(x, scale)| x * scale).collect()
+    multiplied(column, &rows.scale)
 }
 
-/// What a column (counted, not off the base) takes off.
-fn taken(rows: &Rows<'_>, column: &[f64]) -> Option<f64> {
-    let (square, own) = (dot(column, column), rows.own_square(column));
-    (own > 1e-6 * square && own.is_finite()).then(|| dot(column, &rows.residual).powi(2) / own)
+/// What a column (counted, not off the base) takes off, by its square, what of that is beside the base, and its product with
+/// the residual.
+fn taken(square: f64, own: f64, along: f64) -> Option<f64> {
+    (own > 1e-6 * square && own.is_finite()).then(|| along.powi(2) / own)
 }
 
 fn keep_best(
     rows: &Rows<'_>,
     term: &Term,
     plain: &[f64],
-    functions: &[Factor],
-    shapes: &[Vec<f64>],
+    (functions, values): Tried<'_>,
     best: &mut Vec<Seen>,
 ) {
+    // The products of a product with others are those of one factor with the others' products.
+    let beside = rows.base.iter().chain([&rows.residual]).map(|column| multiplied(column, plain));
+    let beside: Vec<Vec<f64>> = beside.collect();
+    let along = products(&slices(&beside), &slices(values));
     let mut product = vec![0.0; plain.len()];
-    for (factor, shape) in functions.iter().zip(shapes).filter(|(factor, _)| !term.says_already(factor)) {
-        product.iter_mut().zip(plain).zip(shape).for_each(|((x, a), b)| *x = a * b);
-        if let Some(gain) = taken(rows, &product) {
+    let new = |(_, factor): &(usize, &Factor)| !term.says_already(factor);
+    for (at, factor) in functions.iter().enumerate().filter(new) {
+        product.iter_mut().zip(plain).zip(&values[at]).for_each(|((x, a), b)| *x = a * b);
+        let (square, along) = (dot(&product, &product), along.column(at));
+        let within = along.rows(0, rows.base.len()).norm_squared();
+        if let Some(gain) = taken(square, square - within, along[rows.base.len()]) {
             let mut factors = term.factors.clone();
             factors.push(*factor);
             put(best, Seen { term: Term { powers: term.powers, factors }, gain });
@@ -194,12 +198,9 @@ fn put(best: &mut Vec<Seen>, one: Seen) {
 pub fn sines(rows: &Rows<'_>, terms: &[Term], of: Variable, reach: &Reach) -> Vec<Seen> {
     let weights: Vec<Vec<f64>> =
         terms.iter().map(|term| counted(rows, &term.columns(&rows.motions).remove(0))).collect();
-    let loaded: Vec<Vec<f64>> = weights
-        .iter()
-        .map(|column| column.iter().zip(&rows.residual).map(|(w, r)| w * r).collect())
-        .collect();
-    let (step, powers) =
-        if of == Variable::Time { over_time(rows, &loaded) } else { over_any(rows, &loaded, of, reach) };
+    let loaded: Vec<Vec<f64>> = weights.iter().map(|column| multiplied(column, &rows.residual)).collect();
+    let (step, powers) = spectra(rows, &loaded, of, reach);
+    let slow = SLOWEST.map(|k| [f64::sin, f64::cos].map(|wave| over(rows, of, |x| wave(x * step * k))));
     let mut found = Vec::new();
     for ((powers, weight), term) in powers.iter().zip(&weights).zip(terms) {
         let mut peaks: Vec<usize> = (1..powers.len().saturating_sub(1))
@@ -215,10 +216,9 @@ pub fn sines(rows: &Rows<'_>, terms: &[Term], of: Variable, reach: &Reach) -> Ve
         };
         found.extend(peaks.iter().map(|&k| Seen { term: sine(k as f64), gain: powers[k] / half }));
         // The slowest waves are no peak: the parameters of the model take most of them, and of none the half.
-        for k in SLOWEST {
-            let slow = sine(k);
-            if let Some((gain, ..)) = rows.explained(&rows.seen(&slow)) {
-                put(&mut found, Seen { term: slow, gain });
+        for (k, waves) in SLOWEST.iter().zip(&slow) {
+            if let Some(gain) = explained(rows, weight, waves) {
+                put(&mut found, Seen { term: sine(*k), gain });
             }
         }
     }
@@ -227,61 +227,63 @@ pub fn sines(rows: &Rows<'_>, terms: &[Term], of: Variable, reach: &Reach) -> Ve
 
 /// Waves of a whole number a turn, times each of some laws without one.
 pub fn turning(rows: &Rows<'_>, terms: &[Term]) -> Vec<Seen> {
+    let wave = |order: u32, wave: fn(f64) -> f64| over(rows, Variable::Theta, |x| wave(f64::from(order) * x));
+    let waves: Vec<_> =
+        (1..=ORDERS).map(|order| (order, [f64::sin, f64::cos].map(|of| wave(order, of)))).collect();
     let mut found = Vec::new();
     for term in terms {
-        for order in 1..=ORDERS {
+        let weight = counted(rows, &term.columns(&rows.motions).remove(0));
+        for (order, waves) in &waves {
             let mut factors = term.factors.clone();
-            let at = [1.0 / f64::from(order), 0.0];
+            let at = [1.0 / f64::from(*order), 0.0];
             factors.push(Factor { of: Variable::Theta, shape: Shape::Turning, at });
-            let term = Term { powers: term.powers, factors };
-            if let Some((gain, ..)) = rows.explained(&rows.seen(&term)) {
-                put(&mut found, Seen { term, gain });
+            if let Some(gain) = explained(rows, &weight, waves) {
+                put(&mut found, Seen { term: Term { powers: term.powers, factors }, gain });
             }
         }
     }
     found
 }
 
-/// The step of frequency, and the squared product of each column with waves over a variable at each.
-fn over_any(rows: &Rows<'_>, loaded: &[Vec<f64>], of: Variable, reach: &Reach) -> (f64, Vec<Vec<f64>>) {
-    let x = &rows.motions[of as usize];
-    let step = TAU / reach.span(of) / OVERSAMPLING;
-    // Phasors of all rows, turned on by one frequency after the other.
-    let (mut re, mut im) = (vec![1.0; x.len()], vec![0.0; x.len()]);
-    let (cos, sin): (Vec<f64>, Vec<f64>) = x.iter().map(|x| ((x * step).cos(), (x * step).sin())).unzip();
-    let mut powers = vec![vec![0.0; MOST]; loaded.len()];
-    for k in 1..MOST {
-        for (((re, im), c), s) in re.iter_mut().zip(&mut im).zip(&cos).zip(&sin) {
-            (*re, *im) = (*re * c - *im * s, *re * s + *im * c);
-        }
-        for (powers, loaded) in powers.iter_mut().zip(loaded) {
-            powers[k] = dot(loaded, &re).powi(2) + dot(loaded, &im).powi(2);
-        }
-    }
-    (step, powers)
+fn over(rows: &Rows<'_>, of: Variable, wave: impl Fn(f64) -> f64) -> Vec<f64> {
+    rows.motions[of as usize].iter().map(|x| wave(*x)).collect()
 }
 
-/// The same over time, where rows lie on a grid: by a Fourier transform.
-fn over_time(rows: &Rows<'_>, loaded: &[Vec<f64>]) -> (f64, Vec<Vec<f64>>) {
-    let t = &rows.motions[Variable::Time as usize];
-    let apart =
-        t.windows(2).map(|pair| pair[1] - pair[0]).filter(|dt| *dt > 0.0).fold(f64::INFINITY, f64::min);
-    let last = t.iter().copied().fold(0.0, f64::max);
-    let cells = ((last / apart).round() as usize + 1).min(LONGEST);
+/// What sine and cosine times a column that is counted take off.
+fn explained(rows: &Rows<'_>, weight: &[f64], waves: &[Vec<f64>; 2]) -> Option<f64> {
+    let columns = waves.each_ref().map(|wave| rows.beside(multiplied(weight, wave)));
+    Some(rows.explained(&columns)?.0)
+}
+
+/// The step of frequency, and the squared product of each column with waves over a variable at each, by a Fourier transform:
+/// over time rows lie on a grid, over another variable in one so fine that it does not matter where in a cell.
+fn spectra(rows: &Rows<'_>, loaded: &[Vec<f64>], of: Variable, reach: &Reach) -> (f64, Vec<Vec<f64>>) {
+    let x = &rows.motions[of as usize];
+    let timed = of == Variable::Time;
+    let [low, high] = reach.ranges[of as usize];
+    let (low, apart, cells) = if timed {
+        let apart =
+            x.windows(2).map(|pair| pair[1] - pair[0]).filter(|dt| *dt > 0.0).fold(f64::INFINITY, f64::min);
+        let last = x.iter().copied().fold(0.0, f64::max);
+        (0.0, apart, ((last / apart).round() as usize + 1).min(LONGEST))
+    } else {
+        (low, (high - low).max(f64::MIN_POSITIVE) / (CELLS - 1) as f64, CELLS)
+    };
     let transform = Transform::of((OVERSAMPLING as usize * cells).next_power_of_two());
     let mut places = transform.rows(1);
     let length = 2 * places[0].len();
+    let bins = if timed { length / 2 } else { MOST };
     let powers = loaded
         .iter()
         .map(|column| {
             places.iter_mut().for_each(|half| half.fill(0.0));
-            for (x, t) in column.iter().zip(t) {
-                let at = (t / apart).round() as usize;
+            for (loaded, x) in column.iter().zip(x) {
+                let at = ((x - low) / apart).round() as usize;
                 if let Some(place) = places[at % 2].get_mut(at / 2) {
-                    *place += x;
+                    *place += loaded;
                 }
             }
-            let [re, im] = transform.forward(1, &mut places, 0..length / 2);
+            let [re, im] = transform.forward(1, &mut places, 0..bins);
             re.iter().zip(&im).map(|(re, im)| re * re + im * im).collect()
         })
         .collect();

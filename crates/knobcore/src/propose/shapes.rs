@@ -1,16 +1,15 @@
 //! What is left without any formula: which variables it is of, where in their plane it lives, and the curve or surface that is a
 //! law where no formula is.
 
+use super::Reach;
 use super::chance::Chance;
 use super::penalized::{Penalized, remains};
 use super::rows::Rows;
 use super::spline::{self, Smooth, Written};
 use super::surface::{self, Map, Surface};
-use super::{COARSE, MEDIUM, Reach, known};
 use crate::algebra::dot;
-use crate::diagnose::{Tell, Watch};
-use crate::model::Model;
-use crate::signals::Signals;
+use crate::diagnose::Watch;
+use crate::order::firsts;
 
 /// One or two variables that what is left may be of, as a curve or a surface that no formula stands behind.
 #[derive(Debug, Clone)]
@@ -34,31 +33,29 @@ pub struct Shapes {
     pub written: Option<Written>,
 }
 
-/// What a fitted model leaves of captures, without a formula; `best` is what the best formula takes off less the price of its
-/// parameters, in variances of the raw noise. None if `tell` no longer wanted it.
-pub fn shapes(data: &[&Signals], model: &Model, best: f64, tell: &Tell<'_>) -> Option<Shapes> {
-    let watch = Watch::new(tell, 3);
-    let (fine, _) = Rows::of(data, model);
-    let Some((floor, noises)) = known(data, model).filter(|_| fine.len() > 0) else {
-        return Some(Shapes::default());
-    };
-    let [medium, coarse] = [fine.coarse(MEDIUM), fine.coarse(COARSE)];
-    let reach = Reach::of(&fine);
-    let splines = spline::all(&coarse, &reach, &watch);
+/// What a model leaves of some rows, with the fewer that tell what is fast and what is slow, without a formula; `best` is what
+/// the best formula takes off less the price of its parameters, in variances of the raw noise. None if it is no longer wanted.
+pub fn shapes(
+    (fine, [medium, coarse]): (&Rows<'_>, &[Rows<'static>; 2]),
+    reach: &Reach,
+    chance: &Chance<'_>,
+    best: f64,
+    watch: &Watch<'_>,
+) -> Option<Shapes> {
+    let splines = spline::all(coarse, reach, watch);
     watch.step();
-    let surfaces = surface::all(&coarse, &reach, &watch);
+    let surfaces = surface::all(coarse, reach, watch);
     watch.step();
-    let chance = Chance::of(data, &noises, &coarse, floor.white);
-    let needs = needs(&splines, &surfaces, &coarse, (&chance, &watch));
+    let needs = needs(&splines, &surfaces, coarse, (chance, watch));
     if !watch.wanted() {
         return None;
     }
-    let surface = surfaces.first().and_then(|first| first.better(&medium, &reach));
-    let map = surface.as_ref().map(|surface| surface.map(&medium));
+    let surface = surfaces.first().and_then(|first| first.better(medium, reach));
+    let map = surface.as_ref().map(|surface| surface.map(medium));
     // A surface says whatever a curve does: it has to do better on what neither saw.
     let curves = splines.iter().map(|one| one.held.unseen).fold(0.0, f64::min);
     let surface = surface.filter(|_| surfaces.first().is_some_and(|one| one.held.unseen < curves));
-    let written = spline::beyond(best, (&splines, surface), &fine, &reach, floor.white);
+    let written = spline::beyond(best, (&splines, surface), fine, reach, chance.white);
     Some(Shapes { needs, map, written })
 }
 
@@ -85,11 +82,5 @@ fn needs(
         })
         .collect();
     found.sort_by(|a, b| a.heldout.total_cmp(&b.heldout));
-    let mut apart: Vec<Need> = Vec::new();
-    for one in found {
-        if !apart.iter().any(|other| other.variables == one.variables) {
-            apart.push(one);
-        }
-    }
-    apart
+    firsts(found, |one, other| one.variables == other.variables)
 }

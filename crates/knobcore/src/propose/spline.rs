@@ -5,7 +5,7 @@
 use super::Law;
 use super::follow::Reach;
 use super::grammar::{Powers, Term, Variable};
-use super::penalized::{DEGREE, Penalized, bending, remains, spline};
+use super::penalized::{DEGREE, Penalized, bending, placed, remains, rounded, said, spline};
 use super::rows::Rows;
 use super::sum::Sum;
 use super::surface::Surface;
@@ -51,7 +51,7 @@ impl Smooth {
     /// Over a variable, times the rest of a law. None where the motion says nothing of it.
     pub fn of(rows: &Rows<'_>, over: Variable, rest: Term, reach: &Reach) -> Option<Self> {
         let range @ [low, high] = reach.ranges[over as usize];
-        let columns = rows.over(|motions| {
+        let columns = rows.with_base(|motions| {
             let times = rest.columns(motions).swap_remove(0);
             let place = |x: &f64| (x - low) / (high - low);
             let part = |at: usize| {
@@ -62,7 +62,7 @@ impl Smooth {
         });
         let bent = bending(PIECES + DEGREE);
         let penalties: Vec<_> = stiffnesses().map(|stiff| &bent * stiff).collect();
-        let held = Penalized::of(columns, &rows.residual, &penalties)?;
+        let held = Penalized::of(rows, columns, &penalties)?;
         Some(Self { over, rest, range, held })
     }
 
@@ -95,19 +95,11 @@ impl Smooth {
     /// As an effect is written: how high it is are numbers, its amplitude, place and width parameters.
     fn written(&self, white: f64) -> Law {
         let largest = self.held.high.amax();
-        let rounded = |x: &f64| format!("{}", (x / largest * ROUNDED).round() / ROUNDED);
-        let values: Vec<String> = self.held.high.iter().map(rounded).collect();
+        let values = rounded(self.held.high.as_slice(), largest, ROUNDED);
         let before = Sum::from(self.rest.clone()).written(&[largest]);
-        let step = (self.range[1] - self.range[0]) / PIECES as f64;
-        let own = [("from".to_owned(), self.range[0] - step), ("step".to_owned(), step)];
         Law {
-            text: format!(
-                "{}*spline(({} - from)/step, {})",
-                before.text,
-                self.over.text(),
-                values.join(", ")
-            ),
-            params: before.params.into_iter().chain(own).collect(),
+            text: format!("{}*{}", before.text, said(self.over, "", &values)),
+            params: before.params.into_iter().chain(placed(self.range, "", PIECES)).collect(),
             variables: self.variables(),
             gain: self.held.gain() / white,
             alike: false,

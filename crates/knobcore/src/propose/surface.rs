@@ -5,9 +5,10 @@
 use super::Law;
 use super::follow::Reach;
 use super::grammar::{Motions, Powers, Term, Variable};
-use super::penalized::{DEGREE, Penalized, bending, spline};
+use super::penalized::{DEGREE, Penalized, bending, placed, rounded, said, spline};
 use super::rows::Rows;
 use crate::diagnose::Watch;
+use crate::order::firsts;
 use crate::rule::rule;
 use crate::special::Z95;
 use nalgebra::{Cholesky, DMatrix, DVector};
@@ -75,7 +76,7 @@ impl Surface {
         stiffnesses: &[[f64; 2]],
     ) -> Option<Self> {
         let ranges = plane.map(|variable| reach.ranges[variable as usize]);
-        let columns = rows.over(|motions| {
+        let columns = rows.with_base(|motions| {
             let times = powers.over(motions);
             let sides = sides(plane, ranges, motions);
             let product = |at: usize| {
@@ -88,7 +89,7 @@ impl Surface {
         let along = [bent.kronecker(&one), one.kronecker(&bent)];
         let penalty = |[a, b]: &[f64; 2]| &along[0] * *a + &along[1] * *b;
         let penalties: Vec<_> = stiffnesses.iter().map(penalty).collect();
-        let held = Penalized::of(columns, &rows.residual, &penalties)?;
+        let held = Penalized::of(rows, columns, &penalties)?;
         Some(Self { plane, powers, ranges, held })
     }
 
@@ -161,7 +162,7 @@ impl Surface {
             |curves: &[[Vec<f64>; 2]]| fine.explained(&fine.over(|motions| self.over(curves, motions)));
         let curve = |column: Vec<f64>| {
             let largest = column.iter().fold(0.0_f64, |most, x| if x.abs() > most.abs() { *x } else { most });
-            column.iter().map(|x| (x / largest * ROUNDED).round() / ROUNDED).collect::<Vec<f64>>()
+            rounded(&column, largest, ROUNDED)
         };
         let products = |count: usize| -> Option<Vec<[Vec<f64>; 2]>> {
             let sides = self.products(count)?;
@@ -239,23 +240,13 @@ impl Surface {
             .map(|([first, second], amplitude)| {
                 let before =
                     Term { powers: self.powers, factors: Vec::new() }.written(&[*amplitude], &mut params);
-                let said = |variable: Variable, number: &str, high: &[f64]| {
-                    let values: Vec<String> = high.iter().map(f64::to_string).collect();
-                    format!(
-                        "spline(({} - from{number})/step{number}, {})",
-                        variable.text(),
-                        values.join(", ")
-                    )
-                };
                 let [x, y] = self.plane;
                 format!("{before}*{}*{}", said(x, "", first), said(y, "2", second))
             })
             .collect();
         let count = params.len() + 4;
         for (range, number) in self.ranges.iter().zip(["", "2"]) {
-            let step = (range[1] - range[0]) / PIECES as f64;
-            params.push((format!("from{number}"), range[0] - step));
-            params.push((format!("step{number}"), step));
+            params.extend(placed(*range, number, PIECES));
         }
         let mut variables = self.variables().to_vec();
         variables.sort_unstable();
@@ -280,11 +271,5 @@ pub fn all(rows: &Rows<'_>, reach: &Reach, watch: &Watch<'_>) -> Vec<Surface> {
         |(x, y, powers): &(Variable, Variable, Powers)| Surface::of(rows, [*x, *y], *powers, reach, &alike);
     let mut found: Vec<Surface> = watch.each(&PLANES, of).into_iter().flatten().collect();
     found.sort_by(|a, b| a.held.unseen.total_cmp(&b.held.unseen));
-    let mut apart: Vec<Surface> = Vec::new();
-    for one in found {
-        if !apart.iter().any(|other| other.variables() == one.variables()) {
-            apart.push(one);
-        }
-    }
-    apart
+    firsts(found, |one, other| one.variables() == other.variables())
 }
