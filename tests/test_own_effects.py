@@ -163,6 +163,14 @@ def test_an_effect_of_ones_own_stands_in_the_catalogue_and_is_drawn():
     assert entry.plot().axes
 
 
+def test_an_effect_that_was_forgotten_stands_in_no_catalogue_whoever_came_after_it():
+    register_bump()
+    register_law(lambda motion, a: a * motion.theta, "newer")
+    assert {"bump", "newer"} <= set(kc.effects())
+    kc.forget_effect("bump")
+    assert "newer" in kc.effects() and "bump" not in kc.effects()
+
+
 def test_a_fit_with_an_effect_of_ones_own_is_drawn_and_printed():
     register_bump()
     capture = kc.simulate(kc.Model.load("knob2"), duration_s=2.0)

@@ -309,10 +309,10 @@ pub fn catalogue<'py>(py: Python<'py>, axis_name: &str) -> PyResult<Vec<Bound<'p
     Id::all().into_iter().map(|id| row(py, id, axis)).collect()
 }
 
-/// A number that grows whenever the catalogue changes: an effect of one's own entered it.
+/// A number that grows whenever the catalogue changes: an effect of one's own entered it, or left.
 #[pyfunction]
 pub fn catalogue_version() -> usize {
-    knobcore::effects::newest()
+    knobcore::effects::version()
 }
 
 /// What an effect says of itself.

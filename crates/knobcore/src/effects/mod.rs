@@ -62,7 +62,7 @@ pub(crate) use context::short;
 pub use registry::Info;
 pub use survey::{Survey, Wave};
 pub use told::{Base, Over, TakenUp, Words};
-pub use user::{Does, Function, User, newest};
+pub use user::{Does, Function, User, version};
 
 /// Why a law that bends over the acceleration has no place where a motion is simulated.
 pub(crate) const BENT: &str = "is not in proportion to alpha, which no motion that is simulated can follow; write it \

@@ -50,6 +50,7 @@ thread_local! {
 }
 
 static ORDER: AtomicUsize = AtomicUsize::new(0);
+static VERSION: AtomicUsize = AtomicUsize::new(0);
 static REGISTERED: RwLock<Vec<&'static User>> = RwLock::new(Vec::new());
 
 /// All that are registered.
@@ -57,9 +58,9 @@ pub(super) fn all() -> impl Iterator<Item = &'static User> {
     REGISTERED.read().unwrap_or_else(PoisonError::into_inner).clone().into_iter()
 }
 
-/// A number that grows whenever an effect enters the catalogue, also in place of one that was there.
-pub fn newest() -> usize {
-    all().map(|user| user.order + 1).max().unwrap_or(0)
+/// A number that grows whenever an effect enters the catalogue or leaves it.
+pub fn version() -> usize {
+    VERSION.load(Memory::Acquire)
 }
 
 impl User {
@@ -97,6 +98,7 @@ impl User {
         let mut registered = REGISTERED.write().unwrap_or_else(PoisonError::into_inner);
         registered.retain(|other| other.info.id != self.info.id);
         registered.push(self);
+        VERSION.fetch_add(1, Memory::Release);
     }
 
     /// How the chain meets it.
@@ -120,6 +122,7 @@ impl User {
         let mut registered = REGISTERED.write().unwrap_or_else(PoisonError::into_inner);
         let before = registered.len();
         registered.retain(|user| user.info.id != id);
+        VERSION.fetch_add(1, Memory::Release);
         registered.len() < before
     }
 
