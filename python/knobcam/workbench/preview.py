@@ -50,9 +50,9 @@ def explained(error: InputError, path: Path, options: Mapping[str, Any], max_byt
             return error
         shown = [_described(*one) for one in columns.items() if one[1].ndim == 1]
         said, asked, _ = str(error).partition("; say which is which, for example --map")
-        if asked:  # its name and its columns are on the screen, and what the map of a command would be too
+        if asked:  # its folder and its columns are on the screen, and what the map of a command would be too
             why = said.removeprefix(f"{path}: ").partition("; the file has ")[0]
-            said = f"{why[:1].upper()}{why[1:]}: say which column is which, and in what unit."
+            said = f"{path.name}: {why}: say which column is which, and in what unit."
         if isinstance(again, Unclear) and again.unnamed and {"theta", "tau"} <= set(found):
             said = _FILLED_IN  # what it lacks by name stands in the fields already
         guess = {name: _guessed(entry) for name, entry in found.items()}
