@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
+from ..capture.formats.units import GIVEN
+
 if TYPE_CHECKING:
     from ..capture import Capture
     from ..capture.finding import Finding
@@ -26,7 +28,7 @@ _WAYS = (
 _MASKED = re.compile(r"[;:] masked$")
 """What stands at the head already, or no longer is so."""
 
-_TORQUES = {"N": "force", "A": "current", "V": "voltage", "duty": "duty cycle"}
+_TORQUES = GIVEN | {"N": "force"}
 _COLUMN = re.compile(r"\b(theta|omega|alpha|tau|t)\b(?! =)(?=[: ,;)]|$)")
 
 

@@ -23,7 +23,7 @@ pub fn locate(data: &[&Signals], model: &Model) -> Vec<Split> {
     let rest = Rest::of(data, model);
     let axes = all_axes(&rest, model);
     let squares = rest.residual.iter().map(|part| part.iter().map(|r| r * r).collect()).collect();
-    let [means, squares] = [rest.residual.clone(), squares].map(Totals::of);
+    let measured = [rest.residual.clone(), squares].map(Totals::of);
     let mut chance: Vec<Chance> = axes.iter().map(Chance::new).collect();
     let mut noise = random::Noise::new(0x6b6e_6f62);
     for _ in 0..DRAWS / AT_ONCE {
@@ -37,7 +37,7 @@ pub fn locate(data: &[&Signals], model: &Model) -> Vec<Split> {
     let mut splits: Vec<Split> = axes
         .iter()
         .zip(chance)
-        .map(|(bins, chance)| split(&rest, bins, [&means, &squares].map(|of| bins.sums(of)), &chance))
+        .map(|(bins, chance)| split(&rest, bins, measured.each_ref().map(|of| bins.sums(of)), &chance))
         .collect();
     splits.push(split_frequency(&rest));
     splits
@@ -75,7 +75,6 @@ fn held(bins: &Bins, sums: &[f64]) -> f64 {
 
 /// `sums` and `squares` of the residual per bin.
 fn split(rest: &Rest<'_>, bins: &Bins, [sums, squares]: [Vec<f64>; 2], chance: &Chance) -> Split {
-    let sums = &sums[..];
     let mut by_chance = chance.held.clone();
     by_chance.sort_by(f64::total_cmp);
     let expected = by_chance.iter().sum::<f64>() / by_chance.len().max(1) as f64;
@@ -88,10 +87,10 @@ fn split(rest: &Rest<'_>, bins: &Bins, [sums, squares]: [Vec<f64>; 2], chance: &
         direction: bins.direction.clone(),
         rms: squares.iter().zip(&bins.count).map(|(s, count)| (s / count.max(1.0)).sqrt()).collect(),
         band: (0..bins.len()).map(|bin| crate::special::Z95 * chance.sd(bin)).collect(),
-        share: rest.share(held(bins, sums) - expected),
-        part: (held(bins, sums) - expected).max(0.0) / rest.squares,
+        share: rest.share(held(bins, &sums) - expected),
+        part: (held(bins, &sums) - expected).max(0.0) / rest.squares,
         chance: rest.share(upper - expected),
-        regions: regions(rest, bins, sums, fails),
+        regions: regions(rest, bins, &sums, fails),
         mean,
         low: bins.low.clone(),
         high: bins.high.clone(),

@@ -66,21 +66,26 @@ fn first(law: impl Fn(Instant) -> f64 + Copy) -> (Law, f64) {
     let found = propose(&data, &model, true, &|_| true).unwrap();
     assert!(found.p_value < 0.01);
     let first = found.laws[0].clone();
-    let formula = Formula::parse(&first.text).unwrap();
-    let p: Vec<f64> = formula
-        .params()
-        .iter()
-        .map(|name| first.params.iter().find(|(own, _)| own == name).unwrap().1)
-        .collect();
-    let motion = [&signals.t[..], &signals.theta, &signals.omega, &signals.alpha, &signals.forward];
     let (rows, _) = Rows::of(&data, &model);
     let truth: Vec<f64> = (0..signals.len())
         .map(|at| law((signals.t[at], signals.theta[at], signals.omega[at], signals.alpha[at])))
         .collect();
-    let off = formula.over(&p, &motion).iter().zip(&truth).map(|(a, b)| a - b).collect();
-    let rms =
-        |column: Vec<f64>| rows.over(|_| vec![column.clone()])[0].iter().map(|x| x * x).sum::<f64>().sqrt();
-    (first, rms(off) / rms(truth))
+    let off: Vec<f64> = torque(&first, &signals).iter().zip(&truth).map(|(a, b)| a - b).collect();
+    (first, rms(&rows, &off) / rms(&rows, &truth))
+}
+
+/// The torque of a law over a capture.
+fn torque(law: &Law, signals: &Signals) -> Vec<f64> {
+    let formula = Formula::parse(&law.text).unwrap();
+    let named = |name: &String| law.params.iter().find(|(own, _)| own == name).unwrap().1;
+    let p: Vec<f64> = formula.params().iter().map(named).collect();
+    let motion = [&signals.t[..], &signals.theta, &signals.omega, &signals.alpha, &signals.forward];
+    formula.over(&p, &motion)
+}
+
+/// How large a torque of all samples is behind the measurement filter, beside what the model absorbs.
+fn rms(rows: &Rows<'_>, column: &[f64]) -> f64 {
+    rows.over(|_| vec![column.to_vec()])[0].iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 #[test]

@@ -38,15 +38,10 @@ fn what_no_formula_and_no_curve_says_is_a_surface_over_the_variables_that_it_is_
     assert!(law.text.len() < 1000 && law.text.contains("*spline((omega - from2)/step2, "), "{}", law.text);
     let formula = Formula::parse(&law.text).unwrap();
     assert!(formula.units(&HashMap::new(), Unit::of(1, 0, 0)).is_ok());
-    let named = |name: &String| law.params.iter().find(|(own, _)| own == name).unwrap().1;
-    let p: Vec<f64> = formula.params().iter().map(named).collect();
-    let motion = [&signals.t[..], &signals.theta, &signals.omega, &signals.alpha, &signals.forward];
     let (rows, _) = Rows::of(&data, &model);
     let truth: Vec<f64> = (0..signals.len()).map(|at| relief(signals.theta[at], signals.omega[at])).collect();
-    let off = formula.over(&p, &motion).iter().zip(&truth).map(|(a, b)| a - b).collect();
-    let rms =
-        |column: Vec<f64>| rows.over(|_| vec![column.clone()])[0].iter().map(|x| x * x).sum::<f64>().sqrt();
-    let off = rms(off) / rms(truth);
+    let off: Vec<f64> = torque(&law, &signals).iter().zip(&truth).map(|(a, b)| a - b).collect();
+    let off = rms(&rows, &off) / rms(&rows, &truth);
     assert!(off < 0.2 && heldout < 0.7, "{off} {heldout}");
 }
 
@@ -57,11 +52,7 @@ fn what_friction_can_say_as_well_stays_with_friction() {
         let of = |(_, theta, omega, _): Instant| side * relief(theta, omega) + 2e-3 + 1e-3 * omega;
         let (signals, model) = turned(of, seed);
         let law = left(&signals, &model).written.unwrap().law;
-        let formula = Formula::parse(&law.text).unwrap();
-        let named = |name: &String| law.params.iter().find(|(own, _)| own == name).unwrap().1;
-        let p: Vec<f64> = formula.params().iter().map(named).collect();
-        let motion = [&signals.t[..], &signals.theta, &signals.omega, &signals.alpha, &signals.forward];
-        let torque = formula.over(&p, &motion);
+        let torque = torque(&law, &signals);
         let along = |other: &[f64]| dot(&torque, other) / dot(other, other);
         let (constant, drag) = (along(&vec![1.0; torque.len()]), along(&signals.omega));
         assert!(constant.abs() < 2e-4 && drag.abs() < 1e-4, "{seed}: {constant} {drag}");
