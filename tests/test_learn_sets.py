@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from small import recorded
 from strata import Stratum
 
 import knobcam as kc
@@ -74,3 +75,16 @@ def test_a_spring_over_fine_detents_is_no_soft_joint() -> None:
     story = kc.learn(kc.simulate(knob, "sweep", duration_s=6.0))
     assert (story.verdict, story.found) == ("missing", ("return_spring",))
     assert "detent" in story.fit.model.effects
+
+
+@pytest.mark.parametrize("power", [1.7, 2.0, 2.3])
+def test_the_power_of_a_drag_is_fitted_where_the_data_pay_for_it(power: float) -> None:
+    def drag(t: np.ndarray, theta: np.ndarray, omega: np.ndarray, alpha: np.ndarray) -> np.ndarray:
+        return 3e-3 * np.sign(omega) * np.abs(omega) ** power
+
+    story = kc.learn(recorded(3, drag, count=6000))
+    assert (story.verdict, story.found) == ("missing", ("quadratic_drag",))
+    told = story.params["quadratic_drag.n"]
+    assert (told.se > 0.0) == (power != 2.0)
+    low, high = told.ci95
+    assert low <= power <= high and high - low < 0.1

@@ -178,6 +178,8 @@ pub enum Usual {
     Weighs([Channel; 2]),
     /// It is fitted on a linear axis; on a rotary one it stays, since a revolution is known.
     FreeAlong,
+    /// It stays at what textbooks say, until a search finds that the data pay for another value.
+    WherePaid,
 }
 
 /// One parameter of an effect.

@@ -10,7 +10,7 @@ use knobcore::error::Result;
 use knobcore::forward::forward as forward_core;
 use knobcore::model::{Model, Role};
 use knobcore::motion::{Channel, Load, Motion};
-use knobcore::param::{Axis, Given, Param};
+use knobcore::param::{Axis, Given, Param, Usual};
 use knobcore::predict::{Columns, Seeds, raw};
 
 use knobcore::{model_file, predict};
@@ -347,6 +347,7 @@ fn row(py: Python<'_>, id: Id, axis: Axis) -> PyResult<Bound<'_, PyDict>> {
         row.set_item("upper", p.upper)?;
         row.set_item("neutral", p.neutral)?;
         row.set_item("plausible", (p.plausible[0], p.plausible[1]))?;
+        row.set_item("where_paid", p.usual == Usual::WherePaid)?;
         row.set_item("meaning", p.meaning)?;
         PyResult::Ok(row)
     };

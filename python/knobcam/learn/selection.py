@@ -20,6 +20,7 @@ from .joined import joined, rejoined
 from .joints import overlooked
 from .ladder import LearningStep, Unexplained
 from .limitations import width
+from .loosened import loosened
 from .ties import told_again
 
 if TYPE_CHECKING:
@@ -98,6 +99,9 @@ def _grown(
         diagnosis = diagnose(fit, without={*without, *described}, progress=deadline)
         diagnosis = overlooked(diagnosis, {*without, *described}, deadline)
         best = diagnosis.best
+        if (freer := loosened(diagnosis, best.score if best else 0.0)) is not None:
+            ladder[-1] = replace(ladder[-1], fit=freer)
+            continue
         if not together and len(ladder) == 1 and bent(diagnosis):
             together = True
             pair = weighed_together(diagnosis, best.fit if best else fit)

@@ -22,7 +22,10 @@ if TYPE_CHECKING:
 
 
 class ParameterInfo(NamedTuple):
-    """A parameter as the catalogue has it; bounds and neutral value in SI."""
+    """A parameter as the catalogue has it; bounds and neutral value in SI.
+
+    One that is fitted `where_paid` stays at its neutral value until a search finds that the data pay for more.
+    """
 
     name: str
     unit: str
@@ -30,6 +33,7 @@ class ParameterInfo(NamedTuple):
     upper: float
     neutral: float
     plausible: tuple[float, float]
+    where_paid: bool
     meaning: str
 
 

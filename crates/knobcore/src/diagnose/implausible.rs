@@ -3,6 +3,7 @@
 use crate::effects::{Context, Id};
 use crate::fit::Fit;
 use crate::model::{Model, Role};
+use crate::motion::Motion;
 use crate::param::Axis;
 use crate::rule::rule;
 use crate::signals::Signals;
@@ -69,9 +70,15 @@ fn context(data: &[&Signals], fit: &Fit, id: Id, clipped: bool, first: bool) -> 
         noise_floor: fit.noise_floor,
         period: fit.model.period().map(|at| slots[at].value),
         revolution: (fit.model.axis == Axis::Rotary).then_some(1.0),
+        friction: friction(&fit.model),
         clipped,
         first,
     }
+}
+
+/// Dry friction backward and forward, N m.
+fn friction(model: &Model) -> [f64; 2] {
+    model.load(&model.values(), &mut vec![0.0; model.states()], &Motion::exact(0.0, 0.0, 0.0, 0.0)).resist
 }
 
 #[cfg(test)]
@@ -102,6 +109,7 @@ mod tests {
         let mean = at.iter().map(|alpha| alpha * alpha).sum::<f64>() / at.len() as f64;
         assert!(at.len() > 2 && (known.turning / mean.sqrt() - 1.0).abs() < 1e-9);
         assert!(known.theta.len() == 3999 && known.travel() < 3.0 && known.t.len() == 3999);
+        assert_eq!(known.friction, [slots[1].value, slots[2].value]);
         assert!(known.clipped && !known.first && known.period.is_none());
         assert_eq!((known.noise_floor, known.revolution), (fit.noise_floor, Some(1.0)));
     }

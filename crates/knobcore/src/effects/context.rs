@@ -19,6 +19,8 @@ pub struct Context {
     pub period: Option<f64>,
     /// Period over 2 pi of a revolution, rad; None on a linear axis.
     pub revolution: Option<f64>,
+    /// Dry friction backward and forward, N m; a constant torque is in the difference.
+    pub friction: [f64; 2],
     /// Whether the torque sensor was seen at its limit.
     pub clipped: bool,
     /// Whether the effect is the first that is added.
@@ -71,18 +73,8 @@ mod tests {
 
     #[test]
     fn samples_are_counted_where_they_are() {
-        let context = Context {
-            errors: Vec::new(),
-            t: vec![0.0, 1.0, 2.0, 3.0],
-            theta: vec![-1.0, 0.0, 0.5, 3.0],
-            turning: 1.0,
-            rate_hz: 5000.0,
-            noise_floor: 1e-3,
-            period: None,
-            revolution: Some(1.0),
-            clipped: false,
-            first: true,
-        };
+        let context =
+            Context { t: vec![0.0, 1.0, 2.0, 3.0], theta: vec![-1.0, 0.0, 0.5, 3.0], ..Context::default() };
         assert_eq!((context.travel(), context.share(|theta| theta > 0.0)), (4.0, 0.5));
     }
 }

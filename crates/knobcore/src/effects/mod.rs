@@ -225,7 +225,7 @@ registry! {
         detent::Detent(3),
         karnopp::Karnopp(3),
         stribeck::Stribeck(3),
-        quadratic_drag::QuadraticDrag(1),
+        quadratic_drag::QuadraticDrag(2),
         detent_harmonics::DetentHarmonics(9),
         second_detent::SecondDetent(3),
         directional_detent::DirectionalDetent(3),

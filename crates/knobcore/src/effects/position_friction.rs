@@ -107,6 +107,10 @@ impl Effect<9> for PositionFriction {
             let others = "load_friction or directional_detent would, by nature";
             return vec![format!("it repeats with the detents: {others}")];
         }
+        if context.friction[0] * context.friction[1] < 0.0 {
+            // More of it is a constant torque than friction, and with that it draws any map of position.
+            return vec!["what varies pushes one way, there and back: it is a torque over position".into()];
+        }
         Vec::new()
     }
 
@@ -135,6 +139,16 @@ impl LoadEffect<9> for PositionFriction {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_pushes_one_way_there_and_back_is_no_friction() {
+        let p = [0.1, 0.3, 0.0, 0.0, 0.2, 0.0, 0.0, 0.0, 0.0];
+        let theta = (0..100).map(|i| 0.02 * f64::from(i)).collect();
+        let context = Context { theta, ..Context::default() };
+        let said = |friction| PositionFriction::implausible(&p, &Context { friction, ..context.clone() });
+        assert!(said([0.0, 0.0]).is_empty() && said([2e-3, 9e-3]).is_empty());
+        assert!(said([-2e-3, 9e-3])[0].contains("there and back"));
+    }
 
     #[test]
     fn friction_varies_along_the_way_and_never_pushes() {

@@ -138,16 +138,9 @@ mod tests {
             (0..5000).map(|i| (f64::from(i) * std::f64::consts::PI / 2500.0).cos()).collect();
         let said = |p: &[f64; 8], theta: &[f64]| {
             let context = Context {
-                errors: Vec::new(),
                 t: (0..5000).map(|i| f64::from(i) * 1e-3).take(theta.len()).collect(),
                 theta: theta.to_vec(),
-                turning: 1.0,
-                rate_hz: 1000.0,
-                noise_floor: 1e-3,
-                period: None,
-                revolution: Some(1.0),
-                clipped: false,
-                first: true,
+                ..Context::default()
             };
             TorqueDrift::implausible(p, &context).len()
         };

@@ -130,7 +130,10 @@ fn plausible(id: Id, noise: &mut Noise) -> Vec<f64> {
                     (0.05 + 0.1 * random).min((0.5 + 0.5 * random) * param.scale())
                 }
                 Kind::Nonlinear
-                    if matches!(param.usual, Usual::Fixed | Usual::FreeAlong | Usual::Weighs(_)) =>
+                    if matches!(
+                        param.usual,
+                        Usual::Fixed | Usual::FreeAlong | Usual::Weighs(_) | Usual::WherePaid
+                    ) =>
                 {
                     start
                 }
