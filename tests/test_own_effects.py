@@ -79,7 +79,7 @@ def test_a_copy_of_a_built_in_law_fits_the_same_values_with_the_same_intervals(d
     own = kc.fit(dragged, kc.Model.of([*BASE, "own_drag"]))
     np.testing.assert_allclose(
         [(e.value, e.se) for e in own.params.values()],
-        [(e.value, e.se) for e in built_in.params.values()],
+        [(e.value, e.se) for name, e in built_in.params.items() if name != "quadratic_drag.n"],
         rtol=1e-7,
     )
     assert own.params["own_drag.d"].unit == "N m s^2/rad^2"

@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
 
 def loosened(diagnosis: Diagnosis, beyond: float) -> Fit | None:
-    """Return the fit of a diagnosis with a shape of one of its effects free, where that explains what is left best.
+    """Return the fit of a diagnosis with a shape of one of its effects free, where that explains most.
 
     It has to pay more than the best candidate, which takes off `beyond` less its price: what a law that is a
-    little off leaves is drawn by many effects, by each in part. None where nothing but chance is left, where no
-    shape is held, and where what it ends at is none that such an effect has.
+    little off leaves is drawn by many effects, by each in part. None where nothing but chance is left, where
+    no shape is held, and where it ends at a value that no such effect has.
     """
     fit = diagnosis.fit
     if not fit.noise_floor > 0.0 or at_floor(fit):

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 class ParameterInfo(NamedTuple):
     """A parameter as the catalogue has it; bounds and neutral value in SI.
 
-    One that is fitted `where_paid` stays at its neutral value until a search finds that the data pay for more.
+    One that is fitted `where_paid` stays at its neutral value until the data pay for another.
     """
 
     name: str
