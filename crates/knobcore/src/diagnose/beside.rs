@@ -1,7 +1,7 @@
 //! What is missing beside a coupling: a descent there takes a hundred times as long as beside a rigid shaft, so that of
 //! all starts of all effects only those are followed that the first step promises most of.
 
-use super::coupled::{RIVAL, Ways, cost, led, on, squares, strode};
+use super::coupled::{Ways, cost, led, on, squares, strode};
 use super::screen::{Screen, Start};
 use super::slower::{COARSE_HZ, MIDDLE_HZ, floor, slowed};
 use crate::effects::Id;
@@ -43,14 +43,13 @@ pub fn beside(screen: &Screen<'_>, effects: &[Id], left: f64) -> Vec<Ways> {
     let floor = floor(data, COARSE_HZ, &coarse, screen.model);
     // A wave may be too fast for a slower filter.
     let direct = |of: usize| started[of].0.info().scan.is_some() || coarse.len() < data.len();
-    // Strides lead none there that is still far from what the model leaves without it.
-    let most = RIVAL * squares(&coarse, screen.model);
+    let without = squares(&coarse, screen.model);
     let mut looked: Vec<(usize, (Model, Found))> = watch.each(&first, |(of, start)| {
         let near = if direct(*of) {
             start.model.clone()
         } else {
             let end = on(&start.model, |model| sketch(&coarse, model));
-            let end = if end.1.cost <= most { strode(&coarse, end, floor, watch) } else { end };
+            let end = strode(&coarse, end, floor, without, watch);
             on(&end.0, |model| glance(&middle, model)).0
         };
         (*of, on(&near, |model| glance(data, model)))

@@ -3,7 +3,7 @@
 //! The torque of a contact comes in pulses of a few milliseconds: a gap that is a little off moves them, and the
 //! error knows no way back once they no longer overlap. Through a slower filter they are broad and do.
 
-use super::screen::{Screen, Start, survey};
+use super::screen::{Screen, Start, alone, survey};
 use super::shown::{detents, shown};
 use super::slower::{self, COARSE_HZ, MIDDLE_HZ, beginnings, slowed};
 use super::strides::{FEW, ROUNDS, strides};
@@ -27,7 +27,7 @@ const GLANCED: usize = 12_000;
 /// Starts of a joint in another's place that are followed.
 const PLACED: usize = 2;
 /// Sums of squares through the filter in between of what is followed to its end, in times of the best.
-pub(super) const RIVAL: f64 = 1.15;
+const RIVAL: f64 = 1.15;
 /// Ends whose sums of squares differ by less than this share are one.
 const SAME: f64 = 1e-3;
 
@@ -76,6 +76,7 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool) -> Vec<Ways
         }
         ways.push(Ways { id: *id, starts, end: None });
     }
+    alone(&mut looked);
     let few = slowed(&beginnings(data, GLANCED).iter().collect::<Vec<_>>(), COARSE_HZ);
     let few: Vec<&Signals> = few.iter().collect();
     let mut seen = watch.each(&looked, |(of, model)| (*of, on(model, |m| glance(&few, m))));
@@ -85,12 +86,12 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool) -> Vec<Ways
     let mut ends = watch.each(&few, |(of, (model, _))| (*of, on(model, |model| sketch(&coarse, model))));
     ends.sort_by_cached_key(cost);
     others(&mut ends, f64::INFINITY);
-    let strode = |view: &[&Signals], ends: &Ends, floor: f64| {
-        watch.each(ends, |(of, end)| (*of, strode(view, end.clone(), floor, watch)))
+    let strode = |view: &Screen<'_>, ends: &Ends, floor: f64| {
+        watch.each(ends, |(of, end)| (*of, strode(view.data, end.clone(), floor, view.squares, watch)))
     };
     // Without a floor nothing can be said to be too little.
     let enough = if floor.is_nan() { 0.0 } else { rule().worth_coarse * (screen.squares - floor) };
-    let mut ends = strode(&coarse, &ends, floor);
+    let mut ends = strode(&screen, &ends, floor);
     ends.sort_by_cached_key(cost);
     let most = rival(&ends, screen.squares, floor).min(screen.squares - enough);
     let (mut ends, _) = rivals(most, ends);
@@ -100,7 +101,7 @@ pub fn coupled(whole: &Screen<'_>, couplings: &[Id], may_come: bool) -> Vec<Ways
     between.sort_by_cached_key(cost);
     others(&mut between, RIVAL);
     let (between, worse) = rivals(rival(&between, view.squares, middle_floor), between);
-    let mut between = strode(&middle, &between, middle_floor);
+    let mut between = strode(&view, &between, middle_floor);
     between.sort_by_cached_key(cost);
     others(&mut between, RIVAL);
     let mut fine = watch.each(&between, |(of, (model, _))| (*of, on(model, |m| sketch(data, m))));
@@ -249,14 +250,16 @@ pub(super) fn on(model: &Model, to: impl Fn(&Model) -> Found) -> (Model, Found) 
 }
 
 /// Where strides lead to from where a descent ended. Surfaces that meet and part a little earlier or later are dents in
-/// the error even through a slow filter, and a descent by derivatives ends in any of them.
+/// the error even through a slow filter, and a descent by derivatives ends in any of them. None leads there from far above
+/// what the model leaves `without` the joint.
 pub(super) fn strode(
     data: &[&Signals],
     (model, found): (Model, Found),
     floor: f64,
+    without: f64,
     watch: &Watch<'_>,
 ) -> (Model, Found) {
-    if found.cost <= rule().converged.powi(2) * floor {
+    if found.cost <= rule().converged.powi(2) * floor || found.cost > RIVAL * without {
         return (model, found);
     }
     on(&strides(data, &model, floor, FEW, watch), |model| sketch(data, model))
@@ -343,7 +346,7 @@ mod tests {
         let (watch, floor) = (Watch::new(&|_| true, 1), Floor::of(&data, &start).squares);
         let (model, found) = on(&start, |model| sketch(&data, model));
         let (went, cost) = (model.values(), found.cost);
-        let (model, found) = strode(&data, (model, found), floor, &watch);
+        let (model, found) = strode(&data, (model, found), floor, f64::INFINITY, &watch);
         assert_eq!((model.values(), found.cost), (went, cost));
     }
 

@@ -311,6 +311,17 @@ pub fn evenly<T>(things: &[T], most: usize) -> impl Iterator<Item = &T> {
     things.iter().step_by(things.len().div_ceil(most).max(1))
 }
 
+/// Keeps the first of starts that are one: on a heavy machine many of a joint's lie at the same bounds.
+pub(super) fn alone(starts: &mut Vec<(usize, Model)>) {
+    let mut kept: Vec<(usize, Vec<Id>, Vec<f64>)> = Vec::new();
+    starts.retain(|(of, model)| {
+        let own = (*of, model.shafts().to_vec(), model.values());
+        let other = !kept.contains(&own);
+        kept.extend(other.then_some(own));
+        other
+    });
+}
+
 /// A model with the values and roles that another has by the same names.
 fn moved(model: &Model, other: &Model) -> Model {
     let mut moved = model.clone();
