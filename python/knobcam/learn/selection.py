@@ -63,7 +63,10 @@ def select(
     ladder = [LearningStep(fit)]
     try:
         grown = _grown(ladder, without, tell, deadline, given=given, detents=detents)
-        return grown._replace(ladder=told_again(grown.ladder, tell, deadline))
+        told = told_again(grown.ladder, tell, deadline)
+        if told[-1].fit is grown.ladder[-1].fit:
+            return grown._replace(ladder=told)
+        return concluded([*told], diagnose(told[-1].fit, only=()), _nothing_to_find(first, given=given))
     except (OutOfTime, KeyboardInterrupt) as ended:
         return _cut_short(ladder, deadline.cut(ended), given=given)
 
@@ -82,7 +85,7 @@ def _grown(
     coordinate = first.model.coordinate
     described, shown = descriptions(coordinate), base_effects_shown(coordinate)
     base = first.model.effects
-    nothing_to_find = base if given else [*base, *shown]
+    nothing_to_find = _nothing_to_find(first, given=given)
     together = sets = False
     helped: set[str] = set()
 
@@ -153,6 +156,12 @@ def _grown(
         ladder.append(LearningStep(richer, best.effect, best.p_value, best.equivalent, dropped, diagnosis))
 
 
+def _nothing_to_find(first: Fit, *, given: bool) -> Collection[str]:
+    """Return the effects that are no finding: those of a first model that was given, or the base's."""
+    base = first.model.effects
+    return base if given else [*base, *base_effects_shown(first.model.coordinate)]
+
+
 def concluded(ladder: list[LearningStep], last: Diagnosis, base: Collection[str]) -> Selection:
     """Return what the ladder says: which effects were causes, and what remains."""
     came = dict.fromkeys(step.added for step in ladder if step.added is not None)
@@ -192,9 +201,7 @@ def _cut_short(ladder: list[LearningStep], cut: Cut, *, given: bool) -> Selectio
     """Return what a ladder says whose last step was not weighed to the end: no verdict on what is left."""
     fit = ladder[-1].fit
     last = Diagnosis(fit, (), dict.fromkeys(cut.not_weighed, "the search was cut short"))
-    coordinate = fit.model.coordinate
-    base = ladder[0].fit.model.effects
-    known = concluded(ladder, last, base if given else [*base, *base_effects_shown(coordinate)])
+    known = concluded(ladder, last, _nothing_to_find(ladder[0].fit, given=given))
     worst = max(last.comparison.splits, key=lambda split: split.share, default=None)
     axis, share = (worst.axis, worst.share) if worst else ("time", 0.0)
     if known.unexplained is not None:

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 from ..errors import InputError
 from ..fit.diagnose import diagnose
 from ..fit.doubts import at_floor
-from ..fit.refit import converged, drop, started
+from ..fit.refit import converged, drop, gain, started
 from ..fit.rule import RULE
 from .cut import OutOfTime
+from .joined import climbed
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Collection, Mapping, Sequence
 
     from ..fit import Fit
     from .cut import Deadline
@@ -32,7 +33,9 @@ def told_again(
 ) -> tuple[LearningStep, ...]:
     """Return the steps, each with what still explains as much in the place of what it added.
 
-    Where the time is over, and beside a joint where more than noise is left, ties stay as they were.
+    What explains more there beside a joint takes the place: what came in before it was told from others in
+    what the joint bent. Where the time is over, and beside a joint where more than noise is left, ties stay
+    as they were.
     """
     last = ladder[-1].fit
     rows = last.model.catalogue()
@@ -49,8 +52,12 @@ def told_again(
             continue  # what changes it would have to go too
         tell(f"weighing {step.added} against {', '.join(others)} again")
         try:
+            deadline()
             if joint:
-                still: Sequence[str] = _as_far(bare, step, others)
+                ends = _as_far(bare, step, others)
+                if (better := _better(ends, last)) is not None:
+                    return _with(better, ladder, at)
+                still: Collection[str] = ends
             else:
                 still = _alike(converged(bare), step, others, deadline)
         except OutOfTime:
@@ -67,9 +74,9 @@ def _alike(bare: Fit, step: LearningStep, others: Sequence[str], deadline: Deadl
     return known[step.added].equivalent if step.added in known else ()
 
 
-def _as_far(bare: Fit, step: LearningStep, others: Sequence[str]) -> list[str]:
+def _as_far(bare: Fit, step: LearningStep, others: Sequence[str]) -> dict[str, Fit]:
     """Return what leaves chance alone beside a joint too, from the values that it had when it was weighed."""
-    still = []
+    ends = {}
     for other in others:
         weighed = step.diagnosis[other].parameters if step.diagnosis is not None else {}
         start = {name.partition(".")[2]: one.value for name, one in weighed.items() if "@" not in name}
@@ -77,6 +84,27 @@ def _as_far(bare: Fit, step: LearningStep, others: Sequence[str]) -> list[str]:
             near = started(bare, other, start)
         except InputError:
             continue  # another joint does not go beside the one that there is
-        if near.rmse < RULE.hopeless * near.noise_floor and at_floor(converged(near)):
-            still.append(other)
-    return still
+        if near.rmse < RULE.hopeless * near.noise_floor and at_floor(end := converged(near)):
+            ends[other] = end
+    return ends
+
+
+def _better(ends: Mapping[str, Fit], last: Fit) -> tuple[str, Fit] | None:
+    """Return the end that explains most for its parameters, if it is told from the fit that there is."""
+
+    def won(fit: Fit) -> float:
+        return gain(last, fit, last) - RULE.price * (len(fit.core.free) - len(last.core.free))
+
+    name = max(ends, key=lambda one: won(ends[one]), default=None)
+    if name is None or won(ends[name]) <= RULE.alike or ends[name].impossible is not None:
+        return None
+    return name, ends[name]
+
+
+def _with(better: tuple[str, Fit], ladder: Sequence[LearningStep], at: int) -> tuple[LearningStep, ...]:
+    """Return the steps that lead to a fit with another effect in the place of what a step added."""
+    other, fit = better
+    diagnosis = next(step.diagnosis for step in ladder if step.diagnosis is not None)
+    came = [other if step is ladder[at] else step.added for step in ladder]
+    names = [one for one in came if one is not None and one in fit.model.effects]
+    return (ladder[0], *climbed(fit, names, ladder[0].fit, diagnosis))
