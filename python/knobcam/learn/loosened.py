@@ -22,18 +22,21 @@ def loosened(diagnosis: Diagnosis, beyond: float) -> Fit | None:
     """Return the fit of a diagnosis with a shape of one of its effects free, where that explains most.
 
     It has to pay more than the best candidate, which takes off `beyond` less its price: what a law that is a
-    little off leaves is drawn by many effects, by each in part. None where nothing but chance is left, where
-    no shape is held, and where it ends at a value that no such effect has.
+    little off leaves is drawn by many effects, by each in part. Where no more than chance is left it may pay
+    still, and bend what is beside it, less than a joint's fits are worth. None where no shape is held, and
+    where it ends at a value that no such effect has.
     """
     fit = diagnosis.fit
-    if not fit.noise_floor > 0.0 or at_floor(fit):
+    catalogue = fit.model.catalogue()
+    joint = any(catalogue[one].place == "coupling" for one in fit.model.effects)
+    if not fit.noise_floor > 0.0 or (joint and at_floor(fit)):
         return None
     best, least = None, max(beyond, 0.0)
     for name in _held(fit):
         core = _core.refine(cores(fit), fit.core.model.with_fixed(name, False), True)
         freer = replace(fit, core=core)
         effect, _, own = name.partition(".")
-        plausible = fit.model.catalogue()[effect].parameter(own).plausible
+        plausible = catalogue[effect].parameter(own).plausible
         paid = gain(fit, freer, fit) - RULE.price
         enough = fit.rmse**2 - freer.rmse**2 >= RULE.share * fit.excess
         if enough and paid > least and out_of_range(freer.params[name], plausible) is None:
