@@ -15,7 +15,7 @@ from pooled import pooled
 
 import knobcam as kc
 
-SUBSTEPS_HZ, SECONDS, VOLTS, SAG_OHM, WINDING_OHM = 4000.0, 12.0, 12.0, 0.3, 2.0
+SUBSTEPS_HZ, SECONDS, VOLTS, SAG_OHM, WINDING_OHM = 32_000.0, 12.0, 12.0, 0.3, 2.0
 GROSS = 5.0  # times the noise floor: such a fit says itself that something is missing
 FORMULA = ["t=t", "theta=pos [rad]", "tau=kt/R*(duty*supply-ke*omega*on)"]
 

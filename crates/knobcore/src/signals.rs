@@ -87,6 +87,27 @@ impl pulp::NullaryFnOnce for Positive<'_> {
 }
 
 impl Signals {
+    /// The same torque beside the motion of an instant that is so much later, s, up to a row: what is logged of a command
+    /// that acts later. The noise of the torque is left as it is.
+    pub fn later(&self, delay_s: f64) -> Self {
+        let mut later = self.clone();
+        for segment in &self.segments {
+            for at in segment.clone() {
+                let next = if delay_s > 0.0 { at + 1 } else { at.wrapping_sub(1) };
+                let next = if segment.contains(&next) { next } else { at };
+                let apart = self.t[next] - self.t[at];
+                let share = if apart == 0.0 { 0.0 } else { delay_s / apart };
+                let between = |column: &[f64]| column[at] + share * (column[next] - column[at]);
+                let (omega, alpha, then) = (self.omega[at], self.alpha[at], between(&self.alpha));
+                later.theta[at] += delay_s * (omega + delay_s * (2.0 * alpha + then) / 6.0);
+                later.omega[at] += delay_s * 0.5 * (alpha + then);
+                later.alpha[at] = then;
+                later.forward[at] = between(&self.forward).clamp(0.0, 1.0);
+            }
+        }
+        later
+    }
+
     /// Number of samples.
     pub fn len(&self) -> usize {
         self.t.len()
@@ -176,5 +197,38 @@ impl Signals {
             tau[chunk.core.clone()].copy_from_slice(&column[chunk.inner()]);
         }
         self.tau = tau;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_motion_that_is_seen_later_is_where_it_will_be_and_its_torque_is_left_as_it_is() {
+        let (rate_hz, w) = (200.0, 9.0_f64);
+        let over = |f: &dyn Fn(f64) -> f64| (0..400).map(|i| f(f64::from(i) / rate_hz)).collect::<Vec<f64>>();
+        let at = |delay: f64| Signals {
+            rate_hz,
+            t: over(&|t| t),
+            theta: over(&|t| (w * (t + delay)).sin()),
+            omega: over(&|t| w * (w * (t + delay)).cos()),
+            alpha: over(&|t| -w * w * (w * (t + delay)).sin()),
+            forward: over(&|t| f64::from(u8::from((w * (t + delay)).cos() > 0.0))),
+            tau: over(&|t| 3.0 * t),
+            tau_raw: over(&|t| 3.0 * t),
+            weight: vec![1.0; 400],
+            segments: vec![0..180, 200..400],
+            ..Signals::default()
+        };
+        for delay in [2.5e-3, -4e-3, 0.0] {
+            let (seen, there) = (at(0.0).later(delay), at(delay));
+            for row in (1..179).chain(201..399) {
+                let off = |a: &[f64], b: &[f64]| (a[row] - b[row]).abs();
+                assert!(off(&seen.theta, &there.theta) < 3e-7, "{delay} {row}");
+                assert!(off(&seen.omega, &there.omega) < 1e-4 && off(&seen.alpha, &there.alpha) < 0.05);
+            }
+            assert_eq!((&seen.tau, &seen.tau_raw, &seen.t), (&there.tau, &there.tau_raw, &there.t));
+        }
     }
 }

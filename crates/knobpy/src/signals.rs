@@ -105,6 +105,12 @@ impl PySignals {
         Ok(taken_off(&self.prepared.signals, torque.as_slice()?).map(in_numbers))
     }
 
+    /// The same torque beside the motion so much later, s, up to a row.
+    fn later(&self, delay_s: f64) -> Self {
+        let signals = self.prepared.signals.later(delay_s);
+        Self { prepared: Prepared { signals, ..self.prepared.clone() } }
+    }
+
     /// Noise levels of the motion sensors and the jerk, where they were estimated.
     #[getter]
     fn noise(&self) -> Option<HashMap<&'static str, f64>> {

@@ -70,20 +70,21 @@ class Formula:
     def at(self, values: Mapping[str, float], delay_s: float = 0.0) -> Capture:
         """Return the capture with the torque that such values of the terms make.
 
-        What does not hang on the terms is a command, or a reading of its own, and acts `delay_s` later than
-        it is logged: of a duty that stands until the next row, half a row. A term is of the motion, at once.
+        A command, or a reading, acts `delay_s` later than it is logged: the speed of a term is that of then,
+        what switches it (`omega*enabled`) is a command like the others.
         """
-        tau = self._late(delay_s)
-        if any(values.values()):
-            constants = self._constants | {name: np.asarray(value) for name, value in values.items()}
-            with_terms = resolve(self._with(constants), self._map, self._coordinate).columns["tau"]
-            tau = tau + (with_terms[self._keep] - self.capture.tau)
-        return replace(self.capture, tau=np.where(self.capture.mask, tau, self.capture.tau))
-
-    def _late(self, delay_s: float) -> FloatArray:
-        """The torque without the terms, so much later."""
-        t, tau, known = self.capture.t, self.capture.tau, self.capture.mask
-        return tau if delay_s == 0.0 else np.interp(t - delay_s, t[known], tau[known])
+        if not any(values.values()):
+            return self.capture
+        constants = self._constants | {name: np.asarray(value) for name, value in values.items()}
+        speed = constants.get(SPEED)
+        if speed is not None and speed.ndim:
+            t, own = self.capture.t, speed[self._keep]
+            known = np.isfinite(own)
+            then = np.full(len(speed), np.nan)
+            then[self._keep] = np.where(known, np.interp(t + delay_s, t[known], own[known]), np.nan)
+            constants[SPEED] = then
+        torque = resolve(self._with(constants), self._map, self._coordinate).columns["tau"][self._keep]
+        return replace(self.capture, tau=np.where(self.capture.mask, torque, self.capture.tau))
 
     def _with(self, constants: Mapping[str, FloatArray]) -> Table:
         return replace(self._table, columns={**self._table.columns, **constants})

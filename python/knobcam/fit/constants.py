@@ -43,7 +43,7 @@ _STEP = 0.1  # of the torque's spread, by which a term is changed to see what fo
 _ROUNDS = 4
 _CLOSE = 1e-4  # relative, of a scale
 _DELAY = "delay_s"  # beside the terms
-_LATE = 0.5  # of a row, by which the torque is shifted to see what follows
+_LATE = 0.5  # of a row, by which the motion is shifted to see what follows
 _LATEST = 1.0  # rows: a command stands for one, and what is later than that is an effect to be added
 _STEPS = 3
 _BLOCKS = 40  # stretches whose sums are taken to be independent
@@ -177,7 +177,8 @@ class _Motor:
         """Return the fit with its torque scaled so that the reference is what is known of it."""
         value, error = self._told(found.fit, reference), errors[reference]
         size = known[reference] / value
-        scaled = self._fitted([self._scaled(one, size) for one in self._at(found.values)], found, known)
+        captures = [self._scaled(one, size) for one in self._at(found.values)]
+        scaled = self._fitted(captures, found, known, found.values.get(_DELAY, 0.0))
         share = error / abs(value)
         correlated = found.fit.correlation.get(reference, {})
         wider = {}
@@ -231,10 +232,21 @@ class _Motor:
         pairs = zip(found.fit.params.items(), more, strict=True)
         return {name: math.hypot(e.se, math.sqrt(max(extra, 0.0))) for (name, e), extra in pairs}
 
-    def _fitted(self, captures: Sequence[Capture], found: _Terms | None, fixed: Mapping[str, float]) -> Fit:
-        """Fit the model to captures, prepared alike."""
+    def _fitted(
+        self,
+        captures: Sequence[Capture],
+        found: _Terms | None,
+        fixed: Mapping[str, float],
+        delay_s: float,
+    ) -> Fit:
+        """Fit the model to captures, prepared alike, whose commands act so much later than they are logged.
+
+        The motion is moved: to move the torque would smooth its noise, by which the floor is known.
+        """
         pairs = zip(captures, self.options, strict=True)
         signals = aligned([prepare_signals(one, self.method, **options) for one, options in pairs])
+        if delay_s != 0.0:
+            signals = tuple(replace(one, core=one.core.later(delay_s)) for one in signals)
         model = (found.fit if found else self.first).model
         for name, value in fixed.items():
             model = model.with_value(name, value).with_fixed(name)
@@ -246,7 +258,7 @@ class _Motor:
         return [one.at(terms, values.get(_DELAY, 0.0)) for one in self.formulas]
 
     def _trial(self, values: Mapping[str, float], fixed: Mapping[str, float]) -> _Trial:
-        fitted = self._fitted(self._at(values), None, fixed)
+        fitted = self._fitted(self._at(values), None, fixed, values.get(_DELAY, 0.0))
         torque = [one.on_capture(np.where(one.used, one.tau, np.nan)) for one in fitted.prepared]
         return _Trial(fitted, fitted.residual, np.concatenate(torque))
 

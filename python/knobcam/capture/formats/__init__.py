@@ -12,7 +12,8 @@ from ...base.reading import look, open_file
 from ...base.writing import RECORDING, write
 from ...errors import InputError
 from . import inflate, magic
-from .table import DEFAULT_MAX_BYTES, Table, check_joint
+from .motors import of_one
+from .table import DEFAULT_MAX_BYTES, Table
 from .text import read_text, write_text
 
 _HEAD_BYTES = 1024
@@ -110,11 +111,10 @@ def _read(path: Path, head: bytes, max_bytes: int, joint: str | None) -> Table:
         return rosbag.read_bag(str(path), [path], max_bytes, joint)
     if head.startswith(magic.ROS1):
         raise InputError(f"{path}: a bag of ROS 1; convert it to ROS 2, for example with rosbags-convert")
-    check_joint(str(path), joint)
     if (binary := _binary(path, head, max_bytes)) is not None:
-        return binary
+        return of_one(binary, joint)
     with open_file(path) as file:
-        return read_text("CSV", file, budget)
+        return of_one(read_text("CSV", file, budget), joint)
 
 
 def _binary(path: Path, head: bytes, max_bytes: int) -> Table | None:
@@ -149,8 +149,7 @@ def _read_text(kind: str, stream: IO[bytes], budget: inflate.Budget, joint: str 
         from .json_files import read_json
 
         return read_json(stream, budget, joint)
-    check_joint(budget.source, joint)
-    return read_text(kind, stream, budget)
+    return of_one(read_text(kind, stream, budget), joint)
 
 
 def runs_in(folder: Path) -> list[Path]:

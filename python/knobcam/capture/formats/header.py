@@ -89,9 +89,11 @@ def read_label(name: str) -> Label:
     if len(name) > _LONGEST:
         return Label(None)
     parents, _, last = name.rpartition(".") if name.replace(".", "").isidentifier() else ("", "", name)
-    asked = bool(_ASKED_FOR & {word.lower() for word in _words(parents)})
+    if parents and (one := re.fullmatch(r"c(\d{1,2})", last)):  # of a matrix, one column a joint
+        return replace(read_label(parents), joint=one[1])
+    asked = bool(_ASKED_FOR & {word.lower() for word in words_of(parents)})
     text, unit = _bracketed(last)
-    words = _words(text)
+    words = words_of(text)
     if unit is not None:
         label = _labelled(words, unit)
     elif len(text) > 1 and spelled_out(text):
@@ -142,7 +144,7 @@ def _bracketed(name: str) -> tuple[str, str | None]:
     return name, None
 
 
-def _words(text: str) -> list[str]:
+def words_of(text: str) -> list[str]:
     """Split at signs, blanks and humps, but not inside a unit such as mNm."""
     found: list[str] = []
     for part in re.findall(r"[^\W_]+|[°%]", text):

@@ -5,8 +5,10 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 from array import array
 from collections.abc import Callable, Iterable, Mapping
+from datetime import UTC, datetime
 from itertools import islice
 from typing import IO, Any, TextIO
 
@@ -17,6 +19,7 @@ from ...errors import InputError
 from .inflate import Budget, peek, survey
 from .loggers import TABS
 from .table import Table, check_width
+from .units import spelled_out
 
 _DOCUMENT = "# knobcam:"
 _LONGEST = 2**22  # bytes of a row
@@ -24,11 +27,14 @@ _CHUNK = 2000  # lines
 _MOST_COMMENTS = 10_000  # above the first row
 _HEAD = 4096
 _UTF16 = (b"\xff\xfe", b"\xfe\xff")
+_NAME = re.compile(r"[A-Za-z_]\w*:")
+_CLOCK = re.compile(r"(\d{1,2}):(\d{2}):(\d{2}(?:\.\d+)?)")
 
 
 def read_text(kind: str, stream: IO[bytes], budget: Budget) -> Table:
-    """Return the table in a text: delimiter , ; tab or blanks, with or without a header, # comment lines.
+    """Return the table in a text: delimiter , ; tab or blanks, with or without a header, # or % comments.
 
+    Units may stand in a line below the header, names at each number; dates and times of the day become s.
     A blank cell is NaN; blank cells down to the last row end the column early. Row numbers in messages count
     the rows of data, from 1. The text is read twice, and never held.
     """
@@ -57,20 +63,30 @@ def _read_lines(kind: str, lines: TextIO, count: int, budget: Budget) -> Table:
     if not first:
         raise InputError(f"{source}: the file is empty; a capture has columns of samples")
     second_start, second = _next_line(source, lines, [])
+    units = _units_below(first, second)
+    if units:
+        second_start, second = _next_line(source, lines, [])
     sample = second or first
     delimiter = _delimiter(sample)
     decimal_comma = delimiter != "," and "," in sample
     cells = _cells(first, delimiter)
     check_width(source, len(cells))
-    has_header = not any(_is_number(cell.replace(",", ".") if decimal_comma else cell) for cell in cells)
+    named = _named_each(cells)
+    has_header = not named and not any(
+        _is_number(cell.replace(",", ".") if decimal_comma else cell) for cell in cells
+    )
     if has_header and not second:
         raise InputError(f"{source}: a header and no rows; a capture has columns of samples")
-    names = cells if has_header else _names_in_comment(comments, delimiter, len(cells))
+    if units:
+        cells = [f"{cell} [{unit}]" if unit else cell for cell, unit in zip(cells, units, strict=True)]
+    names = cells if has_header else named or _names_in_comment(comments, delimiter, len(cells))
     names = _names(source, names or [""] * len(cells))
     budget.numbers(count * len(names))
 
     def rows() -> Iterable[str]:
         lines.seek(second_start if has_header else start)
+        if named:
+            return (_NAME.sub("", line) for line in lines)
         return (line.replace(",", ".") for line in lines) if decimal_comma else lines
 
     columns, broken = _numbers(source, names, rows, delimiter)
@@ -100,7 +116,8 @@ def _next_line(source: str, lines: TextIO, comments: list[str]) -> tuple[int, st
 
 
 def _skipped(line: str) -> bool:
-    return not line.strip() or line.lstrip().startswith("#")
+    # What follows a % at once is a name, as ROS writes it.
+    return not line.strip() or line.lstrip().startswith(("#", "% ", "%%")) or line.strip() == "%"
 
 
 def _delimiter(line: str) -> str | None:
@@ -112,6 +129,39 @@ def _cells(line: str, delimiter: str | None) -> list[str]:
     if delimiter is None:
         return line.split()
     return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter))]
+
+
+def _units_below(header: str, line: str) -> list[str] | None:
+    """Return the units in a line below the header, blank for a column without; None where it holds others."""
+    delimiter = _delimiter(line)
+    names, cells = _cells(header, delimiter), _cells(line, delimiter)
+    units = [cell.strip("()[]{} ") for cell in cells]
+    known = all(unit in ("", "-") or spelled_out(unit) for unit in units)
+    if len(names) != len(cells) or not any(units) or not known or any(map(_is_number, cells)):
+        return None
+    return ["" if unit == "-" else unit for unit in units]
+
+
+def _named_each(cells: list[str]) -> list[str] | None:
+    """Return the names in a row that has them at each number, `pos:0.12`, as plotters of serial lines do."""
+    parts = [cell.partition(":") for cell in cells]
+    each = all(_NAME.fullmatch(name + mark) and _is_number(number) for name, mark, number in parts)
+    return [name for name, _, _ in parts] if each else None
+
+
+def _moment(cell: str) -> float | None:
+    """Return the seconds since 1970 of a date with its time, those of a time of the day; None of others."""
+    if found := _CLOCK.fullmatch(cell):
+        hours, minutes, seconds = map(float, found.groups())
+        return 3600.0 * hours + 60.0 * minutes + seconds
+    try:
+        moment = datetime.fromisoformat(cell) if ":" in cell else None
+    except ValueError:
+        return None
+    if moment is None:
+        return None
+    # Without a zone the clock of a machine: no summer time moves it.
+    return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
 
 
 def _is_number(cell: str) -> bool:
@@ -127,7 +177,7 @@ def _names_in_comment(comments: list[str], delimiter: str | None, width: int) ->
     written = [line for line in comments if line.strip() and not line.startswith(_DOCUMENT)]
     if not written:
         return None
-    names = _cells(written[-1].lstrip("# \t"), delimiter)
+    names = _cells(written[-1].lstrip("#% \t"), delimiter)
     return names if len(names) == width and all(name.isidentifier() for name in names) else None
 
 
@@ -220,6 +270,8 @@ def _patiently(
             last[index] = row
             if _is_number(cell):
                 value = float(cell)
+            elif (moment := _moment(cell)) is not None:
+                value = moment
             else:
                 broken.setdefault(
                     names[index],

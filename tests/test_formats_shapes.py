@@ -1,0 +1,124 @@
+"""Texts as loggers write them: units below the header, names at each number, dates, several motors a file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import knobcam as kc
+from knobcam.errors import InputError
+
+T = np.arange(400) / 200.0
+THETA = 0.9 * np.sin(2.5 * T) + 0.3 * np.sin(7.0 * T)
+TAU = 0.2 * np.sign(np.gradient(THETA, T)) + 0.01 * np.cos(40.0 * T)
+
+
+def written(path: Path, head: list[str], row: Callable[[float, float, float], str]) -> Path:
+    lines = [row(t, theta, tau) for t, theta, tau in zip(T, THETA, TAU, strict=True)]
+    path.write_text("\n".join([*head, *lines]) + "\n", encoding="utf-8")
+    return path
+
+
+def close(capture: kc.Capture) -> bool:
+    assert capture.t is not None and capture.theta is not None and capture.tau is not None
+    off = [np.ptp(capture.t - T), np.ptp(capture.theta - THETA), np.ptp(capture.tau - TAU)]
+    return max(float(one) for one in off) < 1e-4
+
+
+@pytest.mark.parametrize("units", ["(ms),(deg),(mN m)", "[ms],[deg],[mNm]", "ms,deg,mNm"])
+def test_units_in_a_line_below_the_header_are_taken(tmp_path: Path, units: str) -> None:
+    file = written(
+        tmp_path / "log.csv",
+        ["Time,Position,Torque", units],
+        lambda t, theta, tau: f"{1e3 * t:.3f},{np.degrees(theta):.6f},{1e3 * tau:.6f}",
+    )
+    assert close(kc.load(file))
+
+
+def test_a_line_below_the_header_that_holds_no_units_is_refused_by_its_cell(tmp_path: Path) -> None:
+    file = written(
+        tmp_path / "log.csv", ["t,theta,tau", "start,of,test"], lambda t, theta, tau: f"{t},{theta},{tau}"
+    )
+    with pytest.raises(InputError, match="'start' is not a number"):
+        kc.load(file)
+
+
+def test_a_header_behind_a_percent_sign_names_the_columns(tmp_path: Path) -> None:
+    file = written(
+        tmp_path / "log.dat",
+        ["% recorded on the second day", "%", "% time angle torque"],
+        lambda t, theta, tau: f"{t:.6f} {theta:.6f} {tau:.6f}",
+    )
+    assert close(kc.load(file))
+
+
+@pytest.mark.parametrize("between", [" ", ",", "\t"])
+def test_names_at_each_number_name_the_columns(tmp_path: Path, between: str) -> None:
+    file = written(
+        tmp_path / "serial.txt",
+        [],
+        lambda t, theta, tau: between.join([f"t:{t:.6f}", f"pos:{theta:.6f}", f"torque:{tau:.6f}"]),
+    )
+    assert close(kc.load(file))
+
+
+@pytest.mark.parametrize("zone", ["", "Z", "+02:00"])
+def test_dates_and_times_of_the_day_are_seconds(tmp_path: Path, zone: str) -> None:
+    dates = np.datetime64("2026-03-29T00:59:59") + (1e6 * T).round().astype("timedelta64[us]")
+    stamps = dict(
+        zip(T, (str(date) for date in dates), strict=True)
+    )  # across the hour that summer takes away
+    dated = written(
+        tmp_path / "dated.csv",
+        ["timestamp,position,torque,status"],
+        lambda t, theta, tau: f"{stamps[t]}{zone},{theta:.6f},{tau:.6f},OK",
+    )
+    assert close(kc.load(dated))
+    daily = written(
+        tmp_path / "daily.csv",
+        ["time,position,torque"],
+        lambda t, theta, tau: f"{stamps[t][11:]},{theta:.6f},{tau:.6f}",
+    )
+    assert close(kc.load(daily))
+
+
+@pytest.mark.parametrize("name", ["id", "motor_id", "Joint ID", "canId", "servo_no"])
+def test_of_several_motors_one_below_the_other_one_has_to_be_chosen(tmp_path: Path, name: str) -> None:
+    """Taken as one they were a capture whose motion leaps at every row, and nothing was said."""
+    file = written(
+        tmp_path / "bus.csv",
+        [f"time,{name},position,torque"],
+        lambda t, theta, tau: f"{t},1,{theta:.6f},{tau:.6f}\n{t + 1e-3},7,{0.5 - theta:.6f},{-tau:.6f}",
+    )
+    with pytest.raises(InputError, match=r"2 motors, 1, 7; choose one, for example --joint 1"):
+        kc.load(file)
+    assert close(kc.load(file, joint="1"))
+    assert not close(kc.load(file, joint="7"))
+    with pytest.raises(InputError, match="no motor '2'; there are 1, 7"):
+        kc.load(file, joint="2")
+
+
+def test_a_number_that_stays_or_counts_rows_is_that_of_no_motor(tmp_path: Path) -> None:
+    for number in ("7", "{row}"):
+        rows = iter(range(len(T)))
+        file = written(
+            tmp_path / "one.csv",
+            ["id,time,position,torque"],
+            lambda t, theta, tau, number=number, rows=rows: (  # type: ignore[misc]
+                f"{number.format(row=next(rows))},{t},{theta:.6f},{tau:.6f}"
+            ),
+        )
+        assert close(kc.load(file))
+
+
+def test_a_map_that_is_shown_for_matrices_is_of_one_joint(tmp_path: Path) -> None:
+    """It took the position of one and the velocity of another for a torque."""
+    other = np.cos(3.0 * T)
+    both = {"q": np.c_[THETA, other], "qd": np.c_[other, THETA], "tau_measured": np.c_[other, TAU]}
+    np.savez(tmp_path / "arm.npz", time=T, q_cmd=both["q"], **both)
+    with pytest.raises(InputError, match=r"t=time, theta=q.c0, omega=qd.c0, tau=tau_measured.c0") as refused:
+        kc.load(tmp_path / "arm.npz")
+    assert "q.c0 and q.c1 could each be theta" in str(refused.value)
