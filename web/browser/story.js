@@ -42,7 +42,8 @@ assert.match(await page.locator("#chosen").textContent(), /samples chosen, .* of
 const marked = await page.evaluate(() => globalThis.knobcam.app.linked.brushed);
 assert.ok(Math.abs(marked.x[0] - Number(low)) < 1e-3 * (1 + Math.abs(marked.x[0])), `${marked.x} is not from ${low} on`);
 // Its other words lead too: to the effect that they name, which is laid over the residuals, and to the ladder.
-await page.locator("#verdict .leads", { hasText: new RegExp(`^${effect}$`) }).last().click();
+const { [effect]: title } = (await stateOf(page)).titles;
+await page.locator("#verdict .leads", { hasText: new RegExp(`^${title}$`) }).last().click();
 assert.equal(await page.evaluate(() => document.activeElement.dataset.effect), effect);
 await page.locator("#looked:visible").waitFor();
 await page.locator("#verdict .leads", { hasText: "RMS error" }).click();
@@ -229,7 +230,7 @@ assert.notEqual(await page.locator("#look .below p").textContent(), before, "a b
 await page.locator("#look details summary").click(); // all was weighed in vain by then
 const weighed = page.locator("#look .candidate").first();
 await weighed.hover();
-await page.getByText(`what ${await weighed.getAttribute("data-effect")} would explain`).waitFor();
+await page.getByText(`what ${await weighed.locator(".label").textContent()} would explain`).waitFor();
 await page.locator("#look").screenshot({ path: join(folder, "9-report-brushed.png") });
 assert.deepEqual(complaints, []);
 await browser.close();

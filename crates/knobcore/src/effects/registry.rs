@@ -103,7 +103,7 @@ impl Info {
             shapes_friction: Channel::shape_friction(touches),
             presses: false,
             makes_nonlinear: None,
-            words: Words { name: id, about: "An effect of your own.", causes: &[], remedies: &[], latex: "" },
+            words: Words { title: id, name: id, about: "An effect of your own.", causes: &[], remedies: &[], latex: "" },
             over: Over::Several,
             base: None,
             describes: false,
