@@ -23,10 +23,10 @@ export function titleOf(effect) {
   return titles[effect] ?? effect;
 }
 
-/** A parameter in words: of which effect, and what it is. @param {string} name `effect.parameter` */
+/** A parameter in words: what it is, and of which effect. @param {string} name `effect.parameter` */
 export function paramOf(name) {
   const [effect, ...own] = name.split(".");
-  return `${titleOf(effect)}, ${meanings[name] || own.join(".")}`;
+  return `${meanings[name] || own.join(".")} (${titleOf(effect)})`;
 }
 
 /** Words, with the id that they stand for. @param {string} words @param {string} id */

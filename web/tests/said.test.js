@@ -33,7 +33,7 @@ test("columns are called by what they are of a knob, of a slide and of a motor",
 test("effects and parameters are called by their titles, and one that has none by its id", () => {
   known({ titles: { torque_lag: "torque lag", detent: "detent" }, params: /** @type {any[]} */ ([{ name: "detent.S", meaning: "phase" }]) });
   assert.equal(sentence([{ effect: "torque_lag" }, " or ", { effect: "hum" }], KNOB), "torque lag or hum");
-  assert.equal(sentence([{ param: "detent.S" }, " and ", { param: "hum.a" }], KNOB), "detent, phase and hum, a");
+  assert.equal(sentence([{ param: "detent.S" }, " and ", { param: "hum.a" }], KNOB), "phase (detent) and a (hum)");
 });
 
 test("advice has no words of the command line where the page has a way of its own", () => {

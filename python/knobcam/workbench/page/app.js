@@ -105,7 +105,7 @@ function titleOf(effect) {
 }
 function paramOf(name) {
   const [effect, ...own] = name.split(".");
-  return `${titleOf(effect)}, ${meanings[name] || own.join(".")}`;
+  return `${meanings[name] || own.join(".")} (${titleOf(effect)})`;
 }
 function named(words3, id) {
   return make("span", { text: words3, title: words3 === id ? null : id });
