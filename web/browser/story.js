@@ -101,7 +101,7 @@ await candidates.first().focus();
 await page.route("**/api/picture*", async (route) => {
   await page.locator("#about[open] math").waitFor(); // what is known is not waited for
   await accessible(page, "about");
-  const moment = page.getByLabel("moment");
+  const moment = page.getByLabel("moment", { exact: true });
   const start = Number(await moment.inputValue());
   await page.waitForFunction((start) => Number(document.querySelector("#about input").value) > start, start); // it moves
   await page.getByText(/s: adds -?−?[\d.e−]+ mNm/).waitFor();
@@ -110,7 +110,7 @@ await page.route("**/api/picture*", async (route) => {
 await page.emulateMedia({ reducedMotion: "no-preference" });
 await page.keyboard.press("?");
 await page.waitForFunction(() => document.querySelector("#about img")?.naturalWidth > 500);
-const moment = page.getByLabel("moment");
+const moment = page.getByLabel("moment", { exact: true });
 await moment.fill(String(Math.round(0.6 * Number(await moment.getAttribute("max"))))); // by hand it stands still
 await page.getByRole("button", { name: "Play" }).waitFor();
 await picture("3-about");

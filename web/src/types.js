@@ -45,6 +45,22 @@
  */
 
 /**
+ * What no effect explains over a variable, as a factor of `times`, and half the width of its 95 % band.
+ *
+ * Null where the motion hardly went. `laws`: each law in their order, null for one that is not drawn.
+ * @typedef {{over: string, times: string, x: number[], value: (number | null)[], band: (number | null)[],
+ *   laws: ((number | null)[] | null)[]}} Curve
+ */
+
+/**
+ * What no effect explains over two variables, as a factor of `times`: a row for each `y` of the second.
+ *
+ * Null where the motion did not go. `laws`: each law in their order, null for one of fewer variables.
+ * @typedef {{over: [string, string], times: string, x: number[], y: number[], value: ((number | null)[])[],
+ *   laws: (((number | null)[])[] | null)[]}} Surface
+ */
+
+/**
  * What the quality check found in a capture, and whether a person has `overruled` it, by its `key`.
  *
  * `stands` is why nobody can, `seen` whether it names samples; a "note" changes nothing.
@@ -131,14 +147,6 @@
  */
 
 /**
- * What no effect explains over a variable, as a factor of `times`, and half the width of its 95 % band.
- *
- * Null where the motion hardly went. `laws`: each law in their order, null for one that is not drawn.
- * @typedef {{over: string, times: string, x: number[], value: (number | null)[], band: (number | null)[],
- *   laws: ((number | null)[] | null)[]}} Curve
- */
-
-/**
  * What is being done; `done` from 0 to 1, null while nobody can tell.
  * @typedef {{id: string, what: string, done: number | null, recording: boolean}} Job
  */
@@ -195,7 +203,8 @@
  *   verdict: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   ladder: LadderStep[], candidates: Candidates, warnings: string[], limitations: string[],
  *   titles: Record<string, string>, absent: Effect[], untold: string[][], proposed: Law[] | null,
- *   proposed_text: string, curve: Curve | null, experiment: Experiment | null}} Session
+ *   proposed_said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
+ *   curve: Curve | null, surface: Surface | null, experiment: Experiment | null}} Session
  */
 
 /**
@@ -228,7 +237,8 @@
  *   verdict: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
  *   ladder: LadderStep[], candidates: Candidates, warnings: string[], limitations: string[],
  *   titles: Record<string, string>, absent: Effect[], untold: string[][], proposed: Law[] | null,
- *   proposed_text: string, curve: Curve | null, experiment: Experiment | null, job: Job | null,
+ *   proposed_said: (string | Quantity | Stretch | OfAxis | OfEffect | OfParam | OfColumn | Topic | Advice)[],
+ *   curve: Curve | null, surface: Surface | null, experiment: Experiment | null, job: Job | null,
  *   recording: boolean, looked: Looked | null, left: Left[], notes: string[]}} State
  */
 

@@ -7,6 +7,7 @@ on a linear axis; all else in SI too.
 
 from typing import Literal, TypedDict
 
+from .pages_left import Curve, Surface
 from .pages_said import Advice, Along, Part
 
 Word = Literal["missing", "part", "alike", "less", "implausible", "too_little", "unpaid", "chance", "untold"]
@@ -158,20 +159,6 @@ class Law(LadderStep):
     start: str
 
 
-class Curve(TypedDict):
-    """What no effect explains over a variable, as a factor of `times`, and half the width of its 95 % band.
-
-    Null where the motion hardly went. `laws`: each law in their order, null for one that is not drawn.
-    """
-
-    over: str
-    times: str
-    x: list[float]
-    value: list[float | None]
-    band: list[float | None]
-    laws: list[list[float | None] | None]
-
-
 class Job(TypedDict):
     """What is being done; `done` from 0 to 1, null while nobody can tell."""
 
@@ -278,8 +265,9 @@ class Session(TypedDict):
     absent: list[Effect]
     untold: list[list[str]]
     proposed: list[Law] | None
-    proposed_text: str
+    proposed_said: list[Part]
     curve: Curve | None
+    surface: Surface | None
     experiment: Experiment | None
 
 

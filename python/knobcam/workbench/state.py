@@ -15,7 +15,7 @@ from ..learn import LearningResult
 from ..learn.limitations import limitations
 from ..model.effects import effects, titles
 from ..show.samples import candidates, peak
-from . import proposing, ruling
+from . import proposing, ruling, surface
 from .closing import open_ones
 from .designing import origin
 from .learned import conclusion, in_vain, ladder
@@ -81,8 +81,9 @@ def document(session: Session) -> pages.Session:
         "absent": told.absent,
         "untold": _untold(steps),
         "proposed": proposing.document(laws),
-        "proposed_text": "" if laws is None else laws.headline,
+        "proposed_said": [] if laws is None else laws.headline.document(),
         "curve": proposing.curve(laws),
+        "surface": surface.document(laws),
         "experiment": None if shown is None else shown.document(_source(session, shown)),
     }
 
@@ -160,8 +161,9 @@ def _nothing(session: Session) -> pages.Session:
         "absent": [],
         "untold": [],
         "proposed": None,
-        "proposed_text": "",
+        "proposed_said": [],
         "curve": None,
+        "surface": None,
         "experiment": None,
     }
 

@@ -78,11 +78,11 @@ def check_clipping(
         if limit == "sensor":
             clipped |= at
             told = Said(told, "the sensor is saturated")
-            advice = Advice("if it is the drive's limit, --limit actuator", "drive")
+            advice = Advice("if it is the drive's limit, choose --limit actuator", "drive")
             findings.append(Finding("clipped", *where, told, "masked", advice))
         else:
             told = Said(told, "the drive's limit, so they count")
-            advice = Advice("if the sensor is saturated, --limit sensor", "command")
+            advice = Advice("if the sensor is saturated, choose --limit sensor", "command")
             findings.append(Finding("limit", *where, told, "note", advice))
     return clipped, findings
 

@@ -767,9 +767,9 @@ var Reader = class {
     return token2;
   }
   /** All up to where `ends` holds. @param {(token: string) => boolean} ends */
-  row(ends) {
+  row(ends2) {
     const found2 = [];
-    while (this.next !== void 0 && !ends(this.next)) {
+    while (this.next !== void 0 && !ends2(this.next)) {
       const one = this.scripted();
       if (one) found2.push(one);
     }
@@ -1553,14 +1553,14 @@ var Mapping = class {
 function spread(column, unit, counts, kind) {
   const { low, high } = column;
   if (low === null || high === null) return "no value at all";
-  const ends = `${number(low)} … ${number(high)}`;
+  const ends2 = `${number(low)} … ${number(high)}`;
   if (unit === COUNTS) {
     const way = (high - low) / counts;
     const felt = kind === "linear" ? `${number(way)} mm` : `${number(360 * way)} degrees`;
-    return `${ends} counts${counts > 0 ? `, over ${felt}` : ""}`;
+    return `${ends2} counts${counts > 0 ? `, over ${felt}` : ""}`;
   }
-  if (unit === "s") return `${ends} s, ${number(rateOf(column))} rows a second`;
-  return `${ends} ${unit}${unit in DEGREES ? `, over ${number((high - low) * DEGREES[unit])} degrees` : ""}`;
+  if (unit === "s") return `${ends2} s, ${number(rateOf(column))} rows a second`;
+  return `${ends2} ${unit}${unit in DEGREES ? `, over ${number((high - low) * DEGREES[unit])} degrees` : ""}`;
 }
 function rateOf({ rows, low, high }) {
   return (rows - 1) / ((high ?? 0) - (low ?? 0));
@@ -1921,6 +1921,53 @@ function overWords(over, about2) {
   return inside === over ? label : `|${label.replace(", ", "|, ")}`;
 }
 
+// src/surface.js
+function drawSurface(canvas, surface, about2, law) {
+  const { clientWidth: width, clientHeight: height } = canvas;
+  const brush = canvas.getContext("2d");
+  if (!brush || width === 0) return;
+  const scale = globalThis.devicePixelRatio || 1;
+  [canvas.width, canvas.height] = [Math.round(width * scale), Math.round(height * scale)];
+  brush.scale(scale, scale);
+  const names = { ink: "--ink", soft: "--soft", line: "--grid", band: "--band", wrong: "--wrong", low: "--modelled" };
+  const colours = Object.fromEntries(Object.entries(names).map(([name, style]) => [name, styleValue(style, canvas)]));
+  const [x, y] = [surface.x, surface.y].map((places, at) => ({
+    ...ends(places),
+    ...{ factor: 1, label: overWords(surface.over[at], about2) }
+  }));
+  const title = law === null ? "what is left" : `law ${law}`;
+  drawAxes(brush, { width, height }, { x, y, title, colours: (
+    /** @type {any} */
+    colours
+  ), noise: null });
+  const shown2 = law === null ? surface.value : surface.laws[law - 1];
+  if (!shown2) return;
+  const most = largest2(surface);
+  const [left, right, top, bottom] = [MARGIN.left, width - MARGIN.right, MARGIN.top, height - MARGIN.bottom];
+  const [wide, high] = [(right - left) / surface.x.length, (bottom - top) / surface.y.length];
+  for (const [row, values] of shown2.entries()) {
+    for (const [column, value] of values.entries()) {
+      if (value === null) continue;
+      brush.globalAlpha = Math.min(1, Math.abs(value) / most);
+      brush.fillStyle = value < 0 ? colours.low : colours.wrong;
+      brush.fillRect(left + column * wide, bottom - (row + 1) * high, wide + 0.5, high + 0.5);
+    }
+  }
+  brush.globalAlpha = 1;
+}
+function ends(places) {
+  const half = places.length > 1 ? 0.5 * (places[1] - places[0]) : 0.5;
+  return { low: places[0] - half, high: places[places.length - 1] + half };
+}
+function largest2({ value }) {
+  return Math.max(...value.flat().map((one) => Math.abs(one ?? 0))) || 1;
+}
+function surfaceWords(surface, about2) {
+  const scale = surface.times ? { factor: 1, unit: `${about2.unit} / (${surface.times})` } : torqueScale(about2);
+  const most = `${number(largest2(surface) * scale.factor)} ${scale.unit}`;
+  return `Over two variables: orange up to ${most}, blue as far below zero; blank where the motion did not go.`;
+}
+
 // src/laws.js
 var TYPED_MS = 350;
 var Laws = class {
@@ -1935,6 +1982,7 @@ var Laws = class {
     this.shown = "";
     this.about = null;
     new ResizeObserver(() => this.draw()).observe(byId("curve"));
+    new ResizeObserver(() => this.draw()).observe(byId("surface"));
     const form = (
       /** @type {HTMLFormElement} */
       byId("own-form")
@@ -1974,8 +2022,9 @@ var Laws = class {
       return void 0;
     }, TYPED_MS);
   }
-  /** Draw the curve, with one of the laws before the others. @param {number} [looked] from 1 */
+  /** Draw the curve, with one of the laws before the others, and the map beside that of the law. @param {number} [looked] from 1 */
   draw(looked = 1) {
+    this.drawMaps(looked);
     const curve = this.about?.curve ?? null;
     byId("curve").hidden = curve === null;
     if (!curve || !this.about) return;
@@ -1988,13 +2037,34 @@ var Laws = class {
     byId("curve-words").textContent = words3;
     canvas.setAttribute("aria-label", words3);
   }
+  /** @param {number} looked from 1; of a law of fewer variables, the first that has a map stays beside */
+  drawMaps(looked) {
+    const surface = this.about?.surface ?? null;
+    byId("surface").hidden = surface === null;
+    if (!surface || !this.about) return;
+    const law = surface.laws[looked - 1] ? looked : surface.laws.findIndex((one) => one !== null) + 1;
+    const words3 = surfaceWords(surface, this.about);
+    byId("surface-words").textContent = words3;
+    for (
+      const [id, shown2] of
+      /** @type {const} */
+      [["surface-left", null], ["surface-law", law]]
+    ) {
+      const canvas = (
+        /** @type {HTMLCanvasElement} */
+        byId(id)
+      );
+      drawSurface(canvas, surface, this.about, shown2);
+      canvas.setAttribute("aria-label", `${shown2 === null ? "what is left" : `what law ${shown2} makes of it`}. ${words3}`);
+    }
+  }
   /** @param {State} state */
-  show({ candidates, proposed, proposed_text, node, job, rmse, curve, unit, peak, captures }) {
+  show({ candidates, proposed, proposed_said, node, job, rmse, curve, surface, unit, peak, captures }) {
     const shown2 = JSON.stringify([candidates.ready, proposed, node, job === null]);
     if (shown2 === this.shown) return;
     this.shown = shown2;
     byId("own").hidden = node === null;
-    this.about = { curve, unit, peak, coordinate: captures[0]?.coordinate ?? "rotary" };
+    this.about = { curve, surface, unit, peak, coordinate: captures[0]?.coordinate ?? "rotary" };
     this.draw();
     const nothing = candidates.rows.length === 0 && candidates.unexplained === null;
     if (!candidates.ready || node === null || proposed === null && nothing) {
@@ -2008,7 +2078,7 @@ var Laws = class {
     } else {
       const list = proposed.map((law, at) => this.item(law, at + 1, rmse ?? law.rmse));
       this.place.replaceChildren(
-        make("p", { class: "soft small", text: proposed_text, role: "status" }),
+        make("p", { class: "soft small", role: "status" }, ...nodes(proposed_said, this.about)),
         ...list.length > 0 ? [make("ul", { class: "laws", "aria-label": "laws that are proposed" }, ...list)] : []
       );
     }
@@ -3344,8 +3414,8 @@ function showMoment(data, at) {
   const { theta: way, omega: rate } = motionWords(data);
   const counts = residual[at] === residual[at];
   const modelled = tau[at] - residual[at];
-  let largest3 = 0;
-  for (let i = 0; i < tau.length; i++) if (Math.abs(tau[i]) > largest3) largest3 = Math.abs(tau[i]);
+  let largest4 = 0;
+  for (let i = 0; i < tau.length; i++) if (Math.abs(tau[i]) > largest4) largest4 = Math.abs(tau[i]);
   const { factor, unit } = torqueScale(data);
   const shown2 = (value) => number(value * factor);
   byId("moment-words").textContent = `${number(t[at], 4)} s, ${number(theta[at])} ${way.unit}, ${number(omega[at])} ${rate.unit}; ${torqueWord(data.unit)} ` + (counts ? `${shown2(tau[at])} measured, ${shown2(modelled)} modelled, ${shown2(residual[at])} ${unit} left` : `masked: it does not count`);
@@ -3353,7 +3423,7 @@ function showMoment(data, at) {
   brush.lineWidth = 2.5;
   const colours = ["--measured", "--modelled"].map((name) => styleValue(name, canvas));
   const [ink, paper] = ["--ink", "--shade"].map((name) => styleValue(name, canvas));
-  const torques = [tau[at], modelled].map((value) => counts ? value / (largest3 || 1) : 0);
+  const torques = [tau[at], modelled].map((value) => counts ? value / (largest4 || 1) : 0);
   if (linear) slide(brush, place2(theta, at), torques, { ink, paper, colours });
   else knob(brush, theta[at], torques, { ink, paper, colours });
 }
@@ -3422,7 +3492,7 @@ function limitWords(about2) {
     theta_max_rad: `to ${theta.name}, ${theta.unit}`
   };
 }
-function largest2(pairs) {
+function largest3(pairs) {
   return Math.max(100, ...pairs.flatMap(({ d, standard_d, came }) => [d, standard_d, came ?? 0]));
 }
 function bars({ names, d, standard_d, wrong_choice, came }, about2, { told, most }) {
@@ -3807,7 +3877,7 @@ var Next = class {
     byId("next-source").textContent = source ? `from ${source}` : "";
     byId("next-keys").replaceChildren(...experiment.rivals.map((rival, at) => key(nodes(rival, about2), at)));
     byId("next-evidence").hidden = pairs.length === 0;
-    byId("next-pairs").replaceChildren(...pairs.flatMap((pair) => bars(pair, about2, { told: experiment.told, most: largest2(pairs) })));
+    byId("next-pairs").replaceChildren(...pairs.flatMap((pair) => bars(pair, about2, { told: experiment.told, most: largest3(pairs) })));
     const tempi = new Set(steps.map(({ beats: beats2 }) => Math.round(beats2)).filter(Boolean));
     const led = tempi.size === 1 ? ` at ${[...tempi][0]} beats a minute` : "";
     byId("next-can").textContent = by_hand ? `By hand, led by a metronome${led}` : "For a motor";

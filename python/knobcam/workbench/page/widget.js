@@ -49,7 +49,8 @@ function ht(e,t){if(!e)return new Uint8Array(0);let n=new Uint8Array(Math.ceil(t
 #own label { display: flex; gap: .4rem; align-items: center; min-width: 0; white-space: nowrap; } #own input { flex: 1; min-width: 0; font: inherit; }
 #own label:first-child { grid-column: 1 / -1; } #own p { margin: .3rem 0; font-size: .78rem; }
 #own-tried:empty { display: none; } #own-tried { font-size: .82rem !important; line-height: 1.3; overflow-wrap: anywhere; }
-#curve { margin: .4rem 0 0; } #curve canvas { display: block; width: 100%; height: 11rem; } #curve figcaption { font-size: .78rem; line-height: 1.25; }
+#curve { margin: .4rem 0 0; } #curve canvas { display: block; width: 100%; height: 11rem; } #curve figcaption, #surface figcaption { font-size: .78rem; line-height: 1.25; grid-column: 1 / -1; }
+#surface { margin: .4rem 0 0; display: grid; grid-template-columns: repeat(2, minmax(0, 1fr)); } #surface canvas { display: block; width: 100%; height: 11rem; }
 #laws p.small { font-size: .8rem; line-height: 1.3; }
 #laws p { margin: .3rem 0; font-size: .88rem; }
 .laws { list-style: none; padding: 0; margin: 0 -.3rem; }
