@@ -230,7 +230,7 @@ def came(
     for at in (one for one in others if one not in tied):
         more = left[at] - left[best]
         why = (
-            f"leaves {more:.3g} more" if more > RULE.alike else "explains too little more for its parameters"
+            f"leaves {more:.4g} more" if more > RULE.alike else "explains too little more for its parameters"
         )
         words.append(said("{name} {why}", name=kept.names[at], why=why))
     if tied:

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from ..learn.proposals import Proposal, Proposals
 
 _MAGNITUDE = "abs(omega)"
+_BESIDE = (
+    2  # cells to either side over which a law is averaged: a map is smooth, and few cells are passed through
+)
 
 
 def document(found: Proposals | None) -> Surface | None:
@@ -39,7 +42,7 @@ def _told(value: FloatArray) -> list[list[float | None]]:
 
 
 def _of_law(found: Proposals, mapped: Map, law: Proposal) -> FloatArray | None:
-    """Return what a law explains, fitted with the whole model, on average in each cell of a map.
+    """Return what a law explains, fitted with the whole model, on average around each place of a map.
 
     None for a law that is not of both variables.
     """
@@ -51,12 +54,22 @@ def _of_law(found: Proposals, mapped: Map, law: Proposal) -> FloatArray | None:
     explained = found.beside.residual - law.fit.residual
     counts = np.isfinite(x + y + explained) & (times != 0.0)
     cells = _nearest(mapped.y, y[counts]) * len(mapped.x) + _nearest(mapped.x, x[counts])
-    size = mapped.value.size
+    shape = mapped.value.shape
     # As a factor: of a torque that has the direction's sign, the mean of both with their signs.
-    sums = np.bincount(cells, explained[counts] * times[counts], size)
-    weight = np.bincount(cells, times[counts] ** 2, size)
-    mean = np.divide(sums, weight, out=np.full(size, np.nan), where=weight > 0.0)
-    return np.where(np.isfinite(mapped.value), mean.reshape(mapped.value.shape), np.nan)
+    sums, weight = (
+        _around(np.bincount(cells, one[counts], mapped.value.size).astype(np.float64), shape)
+        for one in (explained * times, times**2)
+    )
+    mean = np.divide(sums, weight, out=np.full(shape, np.nan), where=weight > 0.0)
+    return np.where(np.isfinite(mapped.value), mean, np.nan)
+
+
+def _around(cells: FloatArray, shape: tuple[int, ...]) -> FloatArray:
+    """Return for each cell of a map the sum over those beside it."""
+    wide = np.pad(cells.reshape(shape), _BESIDE)
+    windows = np.lib.stride_tricks.sliding_window_view(wide, (2 * _BESIDE + 1, 2 * _BESIDE + 1))
+    summed: FloatArray = windows.sum(axis=(2, 3))
+    return summed
 
 
 def _columns(signals: Prepared, mapped: Map) -> tuple[FloatArray, FloatArray, FloatArray]:
