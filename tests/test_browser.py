@@ -233,4 +233,4 @@ def test_what_cannot_be_told_is_designed_recorded_and_told_in_the_browser(
     assert seen["words"].startswith("return spring explains all captures best; unbalance leaves")
     assert "return_spring" in seen["effects"]
     assert seen["captures"][1]["samples"] == pytest.approx(5000.0 * third["seconds"], abs=2)
-    as_kept(pictures, "22-next", "28-told-dark")
+    as_kept(pictures, "22-itself", "28-itself-dark")
